@@ -1,0 +1,177 @@
+/* document.h: files that hold normals. Read, patched and written back, with every byte that is not about normals kept.
+ *
+ * A document is opened from a path or from memory, changed by norma_document_compute or norma_document_transform, and saved: to a temporary
+ * file that is flushed and renamed, so that the old file or the new one is whole at any time. The source file is mapped, not copied; it must
+ * not change while its document is open. Distinct documents may be used by distinct threads at once; one document by one thread at a time.
+ *
+ * Zero-initialised option structs mean the documented defaults. Strings are UTF-8, owned by the document, valid until it is closed. */
+#ifndef NORMA_DOCUMENT_H
+#define NORMA_DOCUMENT_H
+#include <norma/norma.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum norma_document_result {
+    NORMA_DOCUMENT_OK = 0,
+    NORMA_DOCUMENT_CANCELLED = 1,          /* by the progress callback */
+    NORMA_DOCUMENT_ERROR_ARGUMENT = -1,    /* a call that makes no sense for this document: a usage error, status 2 on the command line */
+    NORMA_DOCUMENT_ERROR_FILE = -2,        /* the system could not open, read, write or rename */
+    NORMA_DOCUMENT_ERROR_MALFORMED = -3,   /* the bytes are not what their format demands */
+    NORMA_DOCUMENT_ERROR_UNSUPPORTED = -4, /* legal, but beyond what this version reads; the message names it */
+    NORMA_DOCUMENT_ERROR_REFUSED = -5,     /* a path outside the asset's folder, a file of other content in the way */
+    NORMA_DOCUMENT_ERROR_MEMORY = -6
+} norma_document_result;
+
+typedef struct norma_document_error {
+    norma_document_result result;
+    char message[1000];                    /* one line: file, place (line, byte, accessor), what was found and what was expected; cut to fit */
+} norma_document_error;
+
+typedef enum norma_file_format {
+    NORMA_FILE_UNKNOWN = 0, NORMA_FILE_OBJ, NORMA_FILE_PLY, NORMA_FILE_STL, NORMA_FILE_GLTF, NORMA_FILE_GLB
+} norma_file_format;
+const char       *norma_file_format_name(norma_file_format format);      /* "obj", "ply", "stl", "gltf", "glb"; "" for unknown */
+norma_file_format norma_file_format_of_path(const char *path);           /* by its extension, case aside */
+
+typedef struct norma_document norma_document;
+
+typedef enum norma_document_depth {
+    NORMA_DOCUMENT_WHOLE = 0,              /* all that computing, transforming and writing need */
+    NORMA_DOCUMENT_SUMMARY                 /* only what norma_document_mesh_info and _node tell: the body is read where a count hangs on it */
+} norma_document_depth;
+
+typedef struct norma_document_options {
+    size_t               struct_size;      /* sizeof of the caller's header; 0: this first version */
+    norma_file_format    format;           /* unknown: by the path's extension */
+    norma_document_depth depth;
+    uint32_t             threads;          /* as in norma_options */
+    norma_progress      *progress;
+    void                *progress_user;
+} norma_document_options;
+
+/* error may be NULL. On failure *document is NULL. */
+norma_document_result norma_document_open(const char *path, const norma_document_options *options, norma_document **document, norma_document_error *error);
+/* bytes stay the caller's and must outlive the document; name stands for the path in messages and decides the folder of external buffers (NULL: no folder, so
+ * that external buffers are refused). */
+norma_document_result norma_document_open_memory(const void *bytes, size_t size, const char *name, const norma_document_options *options, norma_document **document,
+                                                 norma_document_error *error);
+void                  norma_document_close(norma_document *document);    /* NULL is fine */
+norma_file_format     norma_document_format(const norma_document *document);
+
+/* Notes: what a person should know that is not an error (a part that was passed over and why, what was changed beside normals). One line each. */
+size_t      norma_document_note_count(const norma_document *document);
+const char *norma_document_note(const norma_document *document, size_t index);
+
+/* ---- what is in it */
+
+typedef enum norma_normal_storage { NORMA_NORMALS_NONE = 0, NORMA_NORMALS_PER_VERTEX, NORMA_NORMALS_PER_CORNER, NORMA_NORMALS_PER_FACET } norma_normal_storage;
+
+typedef struct norma_mesh_info {           /* one for each glTF primitive; one for a whole OBJ, PLY or STL */
+    const char          *name;             /* of the glTF mesh, the first OBJ object, the first STL solid; "" where there is none */
+    const char          *where;            /* JSON pointer of the primitive; "" for a whole OBJ, PLY or STL */
+    size_t               mesh, primitive;  /* numbers in the file; 0 outside glTF */
+    size_t               vertices;         /* positions; STL: three for each facet */
+    size_t               faces;            /* polygons as the file has them; glTF: triangles, strips and fans unrolled; 0 for points and lines */
+    size_t               triangles;        /* sum of corners - 2 */
+    norma_normal_storage normals;
+    const char          *encoding;         /* of the normals: "float", "double", "text", "snorm8", "snorm16", ...; "" where there are none */
+    int                  has_tangents, has_smoothing_groups;
+    size_t               morph_targets;
+    const char          *not_read;         /* NULL, or why this mesh cannot be computed or transformed (its compression, no positions, points, lines) */
+} norma_mesh_info;
+
+size_t norma_document_mesh_count(const norma_document *document);
+norma_document_result norma_document_mesh_info(const norma_document *document, size_t index, norma_mesh_info *info);
+
+/* The mesh as arrays, decoded on first use and owned by the document. Argument error for a document of depth SUMMARY, and where info.not_read is set. */
+typedef struct norma_mesh_data {
+    norma_mesh      mesh;                  /* positions, corners, face_starts, smoothing_groups */
+    norma_vec3_view normals;               /* stored normals, decoded to float, as stored (not renormalised); count 0: none */
+    const uint32_t *corner_normals;        /* for each corner the number of its stored normal, UINT32_MAX: none; NULL: the corner's position (per vertex) or face (per facet) */
+} norma_mesh_data;
+norma_document_result norma_document_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
+
+typedef struct norma_node_info {           /* glTF nodes that draw a mesh; none in other formats */
+    const char *name;
+    size_t      node, mesh;                /* numbers in the file */
+    double      world[16];                 /* column-major */
+    size_t      instances;                 /* EXT_mesh_gpu_instancing: how many; else 1 */
+} norma_node_info;
+size_t norma_document_node_count(const norma_document *document);
+norma_document_result norma_document_node_info(const norma_document *document, size_t index, norma_node_info *info);
+
+/* ---- computing normals */
+
+typedef enum norma_shading { NORMA_SHADING_DEFAULT = 0, /* creases at 60 degrees; PLY: smooth; STL: facets; OBJ with smoothing groups: by them alone */
+                             NORMA_SHADING_CREASE, NORMA_SHADING_SMOOTH, NORMA_SHADING_FLAT } norma_shading;
+typedef enum norma_only { NORMA_ONLY_ALL = 0, NORMA_ONLY_MISSING, NORMA_ONLY_BROKEN } norma_only;
+typedef enum norma_groups { NORMA_GROUPS_AUTO = 0, NORMA_GROUPS_IGNORE } norma_groups;
+
+typedef struct norma_compute_options {
+    size_t             struct_size;
+    norma_shading      shading;
+    double             crease_angle_rad;   /* with NORMA_SHADING_CREASE */
+    norma_weight       weight;
+    norma_weld         weld;
+    double             weld_distance;
+    norma_non_manifold non_manifold;
+    norma_groups       groups;
+    norma_only         only;
+    int                morphs;             /* nonzero: morph targets get normal deltas also where they had none */
+    uint32_t           threads;
+    norma_progress    *progress;
+    void              *progress_user;
+} norma_compute_options;
+
+typedef struct norma_compute_summary {
+    int           changed;                 /* 0: the document would be written as it was read, byte for byte */
+    size_t        faces, vertices_before, vertices_after;
+    norma_shading shading;                 /* as it was done: crease, smooth or flat */
+    double        crease_angle_rad;        /* with crease: the angle in force; pi where groups alone decide */
+    int           by_groups;               /* smoothing groups took part */
+    int           edges_counted;           /* whether the three counts of edges (hard, and two of the report) were looked at */
+    size_t        hard_edges;              /* between two faces */
+    size_t        filled;                  /* elements that had no normal of their own and got the nearest one */
+    norma_report  report;                  /* over all meshes; first: SIZE_MAX where several meshes were summed */
+} norma_compute_summary;
+
+/* Computes normals into the document. Argument error for what the format cannot hold (smooth shading in STL). After an error the document can only be closed. */
+norma_document_result norma_document_compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error);
+
+/* ---- transforming */
+
+typedef struct norma_transform_options {
+    size_t          struct_size;
+    double          matrix[16];            /* column-major, of the points; all zero: identity */
+    int             bake;                  /* glTF: node transforms go into the meshes as well */
+    uint32_t        threads;
+    norma_progress *progress;
+    void           *progress_user;
+} norma_transform_options;
+
+typedef struct norma_transform_summary {
+    int    changed;
+    size_t vertices, meshes, nodes_baked;
+    int    mirrored;                       /* the matrix, or one of the nodes baked, mirrors: winding was reversed there */
+} norma_transform_summary;
+norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
+
+/* ---- writing */
+
+typedef struct norma_save_options {
+    size_t struct_size;
+    int    in_place;                       /* nonzero: path may name the source; a .gltf keeps the names of its own buffers */
+} norma_save_options;
+
+/* Writes path whole or not at all; a .gltf with its buffers beside it. Refuses a path that names the source or one of its buffers, unless in place. */
+norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *options, norma_document_error *error);
+
+/* Hands the whole file to write in order (nonzero from it: stop, file error); a .gltf with its buffers as data URIs. */
+typedef int norma_write(void *user, const void *bytes, size_t size);
+norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,222 @@
+/* norma.h: the contract. Names, types, order and meaning below are what other programs compile against: include/norma/norma.h
+ * begins as a copy of this file, gains documentation and further functions, and changes nothing that is here.
+ *
+ * Vectors are columns, 4x4 matrices column-major (translation in [12..14]), 3x3 matrices column-major: the same bytes as row-major
+ * matrices for row vectors. Angles are radians, strides bytes. Zero-initialised structs mean the documented defaults. */
+#ifndef NORMA_H
+#define NORMA_H
+#include <stddef.h>
+#include <stdint.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum norma_result {
+    NORMA_OK = 0,
+    NORMA_CANCELLED = 1,          /* by the progress callback */
+    NORMA_ERROR_ARGUMENT = -1,
+    NORMA_ERROR_CAPACITY = -2,
+    NORMA_ERROR_INDEX = -3,       /* a corner names no position */
+    NORMA_ERROR_MEMORY = -4,
+    NORMA_ERROR_OVERFLOW = -5     /* counts whose product no size_t holds */
+} norma_result;
+const char *norma_result_text(norma_result result);                 /* one sentence, each its own; never NULL */
+
+/* ---- meshes */
+
+typedef enum norma_format { NORMA_FORMAT_FLOAT = 0, NORMA_FORMAT_DOUBLE, NORMA_FORMAT_INT8, NORMA_FORMAT_UINT8, NORMA_FORMAT_INT16, NORMA_FORMAT_UINT16 } norma_format;
+
+typedef struct norma_vec3_view {  /* count vectors of three numbers; integers as they are, since a common factor turns no direction */
+    const void  *data;
+    size_t       count;
+    size_t       stride;          /* from one vector to the next; 0 = tight */
+    norma_format format;
+} norma_vec3_view;
+
+typedef struct norma_mesh {
+    norma_vec3_view positions;
+    const void     *corners;          /* position of each corner; NULL: 0, 1, 2, ... */
+    size_t          corner_count;
+    size_t          corner_size;      /* bytes of one corner: 4 (or 0), 2, 1 */
+    const uint32_t *face_starts;      /* face_count + 1 offsets into corners; NULL: triangles */
+    size_t          face_count;       /* used with face_starts */
+    const uint32_t *smoothing_groups; /* bit mask of each face, or NULL */
+    const uint8_t  *hard_edges;       /* for each corner, nonzero: the edge to the face's next corner is hard; or NULL */
+} norma_mesh;
+
+/* ---- options */
+
+typedef enum norma_weight {
+    NORMA_WEIGHT_ANGLE = 0,       /* Thuermer, Wuethrich 1998 */
+    NORMA_WEIGHT_AREA,            /* Gouraud's average, weighted */
+    NORMA_WEIGHT_UNIFORM,
+    NORMA_WEIGHT_MAX,             /* sin(angle) / (|a| |b|), Max 1999 */
+    NORMA_WEIGHT_ANGLE_AREA,
+    NORMA_WEIGHT_VISIBLE,         /* centre of the smallest cone round the face normals, Aubry, Loehner 2008 */
+    NORMA_WEIGHT_ANGLE_LENGTHS    /* angle |a| |b| */
+} norma_weight;
+
+typedef enum norma_weld {
+    NORMA_WELD_EXACT = 0,         /* corners at exactly equal positions share (-0 = 0) */
+    NORMA_WELD_NONE,              /* only corners of the same index do */
+    NORMA_WELD_DISTANCE           /* positions joined by a chain of steps <= weld_distance */
+} norma_weld;
+
+typedef enum norma_non_manifold { NORMA_NON_MANIFOLD_HARD = 0, NORMA_NON_MANIFOLD_SMOOTH } norma_non_manifold;
+typedef enum norma_fallback { NORMA_FALLBACK_ZERO = 0, NORMA_FALLBACK_NEAREST, NORMA_FALLBACK_GIVEN } norma_fallback;
+typedef enum norma_isa { NORMA_ISA_BEST = 0, NORMA_ISA_PORTABLE, NORMA_ISA_SSE2, NORMA_ISA_AVX2, NORMA_ISA_AVX512, NORMA_ISA_NEON, NORMA_ISA_SIMD128 } norma_isa;
+
+enum norma_reason {               /* why an element has no normal of its own, and holds the fallback */
+    NORMA_REASON_NONE = 0,
+    NORMA_REASON_DEGENERATE,      /* the face has no direction (face normals only) */
+    NORMA_REASON_NON_FINITE,      /* its own position (a face: one of its positions) is NaN or infinite */
+    NORMA_REASON_UNREFERENCED,    /* no face that has a direction shares in it */
+    NORMA_REASON_CANCELLED        /* what shares in it sums to nothing */
+};
+
+typedef void  norma_task(void *context, size_t index);
+typedef void  norma_parallel_for(void *user, size_t count, norma_task *task, void *context); /* each index once, in any order; returns when all are done */
+typedef int   norma_progress(void *user, double fraction);                                  /* never falls; nonzero cancels */
+typedef struct norma_allocator {
+    void *(*allocate)(void *user, size_t size, size_t alignment);                           /* NULL: out of memory */
+    void  (*release)(void *user, void *block, size_t size);
+    void   *user;
+} norma_allocator;
+
+#define NORMA_ALL_THREADS UINT32_MAX
+
+typedef struct norma_options {
+    size_t              struct_size;        /* sizeof(norma_options) of the caller's header; 0: this first version */
+    norma_weight        weight;
+    norma_weld          weld;
+    double              weld_distance;      /* in the units of the positions */
+    norma_non_manifold  non_manifold;       /* edges of three or more faces: hard, or smooth between all faces within the crease */
+    norma_fallback      fallback;
+    float               fallback_normal[3];
+    size_t              normal_stride;      /* of the output; 0 = 12 */
+    uint8_t            *reasons;            /* NULL, or room for an enum norma_reason of each normal */
+    uint32_t            threads;            /* how many may work: 0 or 1 the calling one alone, NORMA_ALL_THREADS as many as the machine runs */
+    norma_isa           isa;                /* one that the machine lacks is an argument error */
+    norma_allocator     allocator;
+    norma_parallel_for *parallel_for;       /* an engine's own jobs instead of threads, used whenever given */
+    void               *parallel_for_user;
+    norma_progress     *progress;
+    void               *progress_user;
+    /* From here on later than the first version: read only where struct_size says so. */
+    struct norma_edges *edges;              /* NULL, or where the calls that look at edges count them */
+} norma_options;
+
+typedef struct norma_edges {                /* distinct pairs of (welded) positions along which faces run, each counted once */
+    size_t count;                           /* all of them */
+    size_t open;                            /* of one face */
+    size_t smooth;                          /* shared, within the crease, not marked hard */
+    size_t hard;                            /* of two faces, and not smooth */
+} norma_edges;
+
+typedef struct norma_count { size_t count, first; } norma_count;      /* first: the least index, SIZE_MAX where count is 0 */
+
+typedef struct norma_report {
+    norma_count degenerate_faces;     /* faces */
+    norma_count non_finite;           /* these three: elements of the output (faces, vertices, corners), each counted once, in this order */
+    norma_count unreferenced;
+    norma_count cancelled;
+    norma_count non_manifold_edges;   /* these two: by the calls that look at edges; first: the least corner at which such an edge begins */
+    norma_count winding_conflicts;
+} norma_report;
+
+/* ---- normals: three floats for each face, vertex, corner, of unit length or the fallback. Options and report may be NULL. */
+
+norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *options, float *normals, size_t capacity, norma_report *report);
+norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *options, float *normals, size_t capacity, norma_report *report);
+norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, float *normals, size_t capacity, norma_report *report);
+
+/* The same normals as an indexed mesh: the new vertex of each corner; for each new vertex the old one and its normal. New vertices are numbered as
+ * corners first use them. corners, source_vertices and normals may be NULL, to count. */
+norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, uint32_t *corners, size_t corner_capacity,
+                         uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count, norma_report *report);
+
+/* Phong's interpolation (1975, p. 314): the normal inside a face, renormalised. */
+norma_result norma_interpolate_normal(const float a[3], const float b[3], const float c[3], const float barycentric[3], float normal[3]);
+
+/* ---- meshes that move: what depends on topology alone, done once. Fans and shared positions are those of the mesh at creation. */
+
+typedef enum norma_element { NORMA_PER_VERTEX = 0, NORMA_PER_CORNER } norma_element; /* per vertex: the fans that its corners lie in, summed */
+typedef struct norma_plan norma_plan;
+norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float crease_angle_rad, const norma_options *options, norma_plan **plan);
+norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions, const uint32_t *moved, size_t moved_count, /* NULL: all */
+                               const norma_options *options, float *normals, size_t capacity, norma_report *report);
+size_t       norma_plan_bytes(const norma_plan *plan);
+void         norma_plan_destroy(norma_plan *plan);
+
+/* ---- matrices */
+
+typedef enum norma_winding { NORMA_WINDING_KEPT = 0, NORMA_WINDING_REVERSED } norma_winding; /* reversed: where the matrix mirrors, the caller reverses the faces */
+
+typedef enum norma_kind {         /* of the upper 3x3, a mirror aside; relative tolerance 1e-5 */
+    NORMA_KIND_IDENTITY = 0, NORMA_KIND_TRANSLATION, NORMA_KIND_ROTATION, NORMA_KIND_UNIFORM_SCALE,
+    NORMA_KIND_NON_UNIFORM_SCALE, /* columns perpendicular: rotation after scales along the axes */
+    NORMA_KIND_SHEAR, NORMA_KIND_SINGULAR
+} norma_kind;
+
+typedef struct norma_matrix_info {
+    norma_kind kind;
+    int        rank;              /* singular values above 1e-6 of the largest */
+    int        mirrored;          /* determinant below 0 */
+    double     determinant;       /* of the upper 3x3 */
+    double     anisotropy;        /* largest over smallest singular value; INFINITY below rank 3 */
+    double     worst_error_rad;   /* between M n and the right normal, faces reversed under a mirror: asin((a^2-1)/(a^2+1)); pi/2 below rank 3 */
+    float      worst_normal[3];   /* a unit normal for which plain M errs so */
+} norma_matrix_info;
+
+/* Kept: cof(M). Reversed: sign(det) cof(M), the direction of the inverse transpose; sign is +1 where the determinant is exactly 0. Times a
+ * power of two where a float would overflow or underflow. */
+norma_result norma_normal_matrix(const float model[16], norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
+norma_result norma_normal_matrices(const float *models, size_t count, norma_winding winding, float *normal_matrices, size_t capacity);
+norma_result norma_normal_matrices_strided(const float *models, size_t model_stride, size_t count, norma_winding winding, float *normal_matrices,
+                                           size_t matrix_stride, size_t column_stride, size_t capacity); /* std140: 48 and 16 */
+norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_view in, float *out, size_t out_stride, size_t capacity);
+
+/* ---- beyond the first contract: forms by name, double precision, the concatenated case */
+
+typedef enum norma_shortcut {     /* what carries normals without an inverse, a mirror aside */
+    NORMA_SHORTCUT_NONE = 0,
+    NORMA_SHORTCUT_ROTATION,      /* M itself, nothing to renormalise */
+    NORMA_SHORTCUT_UNIFORM_SCALE, /* M itself, renormalised */
+    NORMA_SHORTCUT_AXIS_SCALE     /* M(n / s^2), s the lengths of M's columns; not with shear */
+} norma_shortcut;
+
+norma_result   norma_normal_matrix_double(const double model[16], norma_winding winding, double normal_matrix[9], norma_matrix_info *info);
+norma_result   norma_normal_matrix_model_view(const float model[16], const float view[16], norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
+norma_result   norma_cofactor_matrix(const double model[16], double cofactor[9]);
+norma_result   norma_inverse_transpose(const double model[16], double inverse_transpose[9]); /* exactly singular: argument error, nothing written */
+norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info);
+norma_result   norma_axis_scale_matrix(const double model[16], double normal_matrix[9]);     /* M diag(1/s^2) */
+
+norma_result norma_transform_positions(const double model[16], norma_vec3_view in, float *out, size_t out_stride, size_t capacity);
+norma_result norma_transform_positions_double(const double model[16], norma_vec3_view in, double *out, size_t out_stride, size_t capacity);
+/* Tangents x, y, z, sign (four floats each): M t made perpendicular to the transformed normal, unit; the sign times that of the determinant. */
+norma_result norma_transform_tangents(const float model[16], const float *tangents, size_t tangent_stride, norma_vec3_view normals, size_t count, float *out,
+                                      size_t out_stride, size_t capacity);
+/* Tangents made perpendicular to new normals (Gram-Schmidt), sign kept; where nothing is left of one, any perpendicular. */
+norma_result norma_orthogonalise_tangents(const float *tangents, size_t tangent_stride, norma_vec3_view normals, size_t count, float *out, size_t out_stride,
+                                          size_t capacity);
+/* Reverses the winding in place: of each face its corners but the first. */
+norma_result norma_reverse_winding(void *corners, size_t corner_size, size_t corner_count, const uint32_t *face_starts, size_t face_count);
+
+/* Signed normalised integers (glTF: c / 127, c / 32767, at least -1). Encoding takes the nearest code whose length a reader accepts as unit. */
+norma_result norma_encode_snorm8(norma_vec3_view normals, int8_t *out, size_t out_stride, size_t capacity);
+norma_result norma_encode_snorm16(norma_vec3_view normals, int16_t *out, size_t out_stride, size_t capacity);
+norma_result norma_decode_snorm8(const int8_t *codes, size_t stride, size_t count, float *out, size_t out_stride, size_t capacity);
+norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t count, float *out, size_t out_stride, size_t capacity);
+
+/* ---- the library */
+
+#define NORMA_VERSION_MAJOR 0
+#define NORMA_VERSION_MINOR 1
+#define NORMA_VERSION_PATCH 0
+const char *norma_version(void);                                    /* of the library that is linked: "0.1.0" */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,69 @@
+/* document_internal.h: what the formats and document.c share. A format is a table of functions over its own state. */
+#ifndef NORMA_DOCUMENT_INTERNAL_H
+#define NORMA_DOCUMENT_INTERNAL_H
+#include <norma/document.h>
+#include "file.h"
+
+typedef struct format_functions format_functions;
+
+struct norma_document {
+    const format_functions *functions;
+    norma_file_format       format;
+    norma_document_depth    depth;
+    uint32_t                threads;
+    norma_progress         *progress;      /* of opening only */
+    void                   *progress_user;
+    char                   *path;          /* as the caller gave it; what messages name; "<stdin>" or the like from memory */
+    char                   *folder;        /* with its last slash; "" the current one; NULL: none, external files are refused */
+    file_bytes              source;        /* the whole file, mapped or the caller's */
+    void                   *state;         /* the format's own */
+    char                  **notes;
+    size_t                  note_count, note_capacity;
+};
+
+/* Each returns NORMA_DOCUMENT_OK or what document_fail returned. State is freed by close also after a failed open. */
+struct format_functions {
+    norma_document_result (*open)(norma_document *document, norma_document_error *error);
+    void                  (*close)(norma_document *document);
+    size_t                (*mesh_count)(const norma_document *document);
+    norma_document_result (*mesh_info)(const norma_document *document, size_t index, norma_mesh_info *info);
+    norma_document_result (*mesh_data)(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
+    size_t                (*node_count)(const norma_document *document);                                                       /* NULL: none */
+    norma_document_result (*node_info)(const norma_document *document, size_t index, norma_node_info *info);
+    norma_document_result (*compute)(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error);
+    norma_document_result (*transform)(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
+    /* The document's own bytes in order. glTF: the text or GLB, as it is to stand at path (NULL: with data URIs). */
+    norma_document_result (*write)(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error);
+    /* NULL, or the other files that belong beside path (a .gltf's buffers, its images), written before the main file. */
+    norma_document_result (*write_companions)(norma_document *document, const char *path, int in_place, norma_document_error *error);
+    /* NULL, or whether path is one of the files that this document was read from. */
+    int                   (*reads_from)(const norma_document *document, const char *path);
+};
+
+extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions, norma_gltf_functions; /* gltf: .gltf and .glb */
+
+/* Fills error (may be NULL) with "PATH: " and the formatted message, and returns result. place, if not NULL, is put after the path: "PATH:PLACE: message"
+ * (a line number, "byte 120", "accessor 3"). */
+#if defined(__GNUC__)
+__attribute__((format(printf, 5, 6)))
+#endif
+norma_document_result document_fail(const norma_document *document, norma_document_error *error, norma_document_result result, const char *place, const char *format, ...);
+norma_document_result document_fail_memory(const norma_document *document, norma_document_error *error);
+/* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here (the readers should have caught them), cancelled stays. */
+norma_document_result document_fail_core(const norma_document *document, norma_document_error *error, norma_result result);
+
+/* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+int document_note(norma_document *document, const char *format, ...);
+
+/* Checked sizes: 0 where count * size overflows or memory is out. *block may be NULL before. */
+void *io_allocate(size_t count, size_t size);                 /* zeroed; never of zero bytes */
+void *io_grow(void *block, size_t *capacity, size_t needed, size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
+
+/* The core options that compute options ask for, with the nearest fallback in force; threads and progress carried over. */
+void norma_options_of_compute(const norma_compute_options *options, norma_options *core);
+/* Adds the report of one mesh to the sum; the firsts become SIZE_MAX from the second mesh on (meshes_before > 0). */
+void norma_add_report(norma_report *sum, const norma_report *report, size_t meshes_before);
+#endif

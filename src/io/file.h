@@ -1,0 +1,28 @@
+/* file.h: bytes of a file, mapped for reading; files written whole or not at all. */
+#ifndef NORMA_IO_FILE_H
+#define NORMA_IO_FILE_H
+#include <stddef.h>
+#include <stdint.h>
+#include <norma/document.h>
+
+typedef struct file_bytes {
+    const unsigned char *data;             /* never NULL after a successful open, also for an empty file */
+    size_t               size;
+    int                  mapped, owned;    /* how close releases them */
+} file_bytes;
+
+/* Regular files are mapped; pipes and devices are read to their end. Returns 0, or errno. */
+int  file_open(const char *path, file_bytes *bytes);
+void file_close(file_bytes *bytes);
+
+/* Whether two paths name one existing file. */
+int  file_same(const char *a, const char *b);
+
+/* An atomic writer: bytes go through a buffer to a temporary file in the folder of path; commit flushes it, renames it to path and flushes the folder; abandon
+ * removes it. Each returns 0 or errno. Permissions are those of the file that is replaced, else 0666 less the umask. */
+typedef struct file_writer file_writer;
+int  file_writer_open(const char *path, file_writer **writer);
+int  file_writer_write(file_writer *writer, const void *bytes, size_t size);
+int  file_writer_commit(file_writer *writer);          /* frees the writer, also on failure (then the temporary file is gone) */
+void file_writer_abandon(file_writer *writer);         /* frees; NULL is fine */
+#endif
