@@ -21,7 +21,7 @@ struct norma_document {
     size_t                  note_count, note_capacity;
 };
 
-/* Each returns NORMA_DOCUMENT_OK or what document_fail returned. State is freed by close also after a failed open. */
+/* Each returns NORMA_DOCUMENT_OK or what norma_document_fail returned. State is freed by close also after a failed open. */
 struct format_functions {
     norma_document_result (*open)(norma_document *document, norma_document_error *error);
     void                  (*close)(norma_document *document);
@@ -47,20 +47,20 @@ extern const format_functions norma_obj_functions, norma_ply_functions, norma_st
 #if defined(__GNUC__)
 __attribute__((format(printf, 5, 6)))
 #endif
-norma_document_result document_fail(const norma_document *document, norma_document_error *error, norma_document_result result, const char *place, const char *format, ...);
-norma_document_result document_fail_memory(const norma_document *document, norma_document_error *error);
+norma_document_result norma_document_fail(const norma_document *document, norma_document_error *error, norma_document_result result, const char *place, const char *format, ...);
+norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error);
 /* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here (the readers should have caught them), cancelled stays. */
-norma_document_result document_fail_core(const norma_document *document, norma_document_error *error, norma_result result);
+norma_document_result norma_document_fail_core(const norma_document *document, norma_document_error *error, norma_result result);
 
 /* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-int document_note(norma_document *document, const char *format, ...);
+int norma_document_note(norma_document *document, const char *format, ...);
 
 /* Checked sizes: 0 where count * size overflows or memory is out. *block may be NULL before. */
-void *io_allocate(size_t count, size_t size);                 /* zeroed; never of zero bytes */
-void *io_grow(void *block, size_t *capacity, size_t needed, size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
+void *norma_io_allocate(size_t count, size_t size);                 /* zeroed; never of zero bytes */
+void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
 
 /* The core options that compute options ask for, with the nearest fallback in force; threads and progress carried over. */
 void norma_options_of_compute(const norma_compute_options *options, norma_options *core);

@@ -12,17 +12,17 @@ typedef struct file_bytes {
 } file_bytes;
 
 /* Regular files are mapped; pipes and devices are read to their end. Returns 0, or errno. */
-int  file_open(const char *path, file_bytes *bytes);
-void file_close(file_bytes *bytes);
+int  norma_file_open(const char *path, file_bytes *bytes);
+void norma_file_close(file_bytes *bytes);
 
 /* Whether two paths name one existing file. */
-int  file_same(const char *a, const char *b);
+int  norma_file_same(const char *a, const char *b);
 
 /* An atomic writer: bytes go through a buffer to a temporary file in the folder of path; commit flushes it, renames it to path and flushes the folder; abandon
  * removes it. Each returns 0 or errno. Permissions are those of the file that is replaced, else 0666 less the umask. */
 typedef struct file_writer file_writer;
-int  file_writer_open(const char *path, file_writer **writer);
-int  file_writer_write(file_writer *writer, const void *bytes, size_t size);
-int  file_writer_commit(file_writer *writer);          /* frees the writer, also on failure (then the temporary file is gone) */
-void file_writer_abandon(file_writer *writer);         /* frees; NULL is fine */
+int  norma_file_writer_open(const char *path, file_writer **writer);
+int  norma_file_writer_write(file_writer *writer, const void *bytes, size_t size);
+int  norma_file_writer_commit(file_writer *writer);          /* frees the writer, also on failure (then the temporary file is gone) */
+void norma_file_writer_abandon(file_writer *writer);         /* frees; NULL is fine */
 #endif
