@@ -1,0 +1,65 @@
+# A thin cover over CMake with Ninja. `make help` lists the targets.
+BUILD ?= build
+PREFIX ?= /usr/local
+CMAKE_FLAGS ?=
+
+.PHONY: all help deps demo test bench asan tsan format lint install single clean
+.DEFAULT_GOAL := all
+
+all: tools
+	@cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_TESTS=OFF $(CMAKE_FLAGS) >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
+	@cmake --build $(BUILD)
+
+.PHONY: tools
+tools:
+	@command -v cmake >/dev/null && command -v ninja >/dev/null || { echo "cmake and ninja are needed: make deps installs what is missing"; exit 1; }
+	@mkdir -p $(BUILD)
+
+help:
+	@echo "make          the optimised tool, $(BUILD)/bin/norma, and the libraries, $(BUILD)/lib/"
+	@echo "make demo     installs what is missing, builds, computes the normals of a real mesh, draws a picture"
+	@echo "make test     installs what is missing, then the whole test suite (two compilers, sanitizers, install, examples, README)"
+	@echo "make asan     the tests under the address and undefined-behaviour sanitizers only (clang)"
+	@echo "make tsan     the tests that use threads under the thread sanitizer only (clang)"
+	@echo "make bench    measures ns per triangle"
+	@echo "make single   $(BUILD)/single/norma.c and norma.h: the core as two files to copy"
+	@echo "make format   clang-format over src, tests and examples"
+	@echo "make lint     clang-tidy, shellcheck and mandoc -T lint, whichever are installed"
+	@echo "make install  into PREFIX ($(PREFIX)); DESTDIR is heeded"
+	@echo "make deps     installs what is missing, nothing else (Debian's packages and npm's)"
+	@echo "make clean    removes $(BUILD)"
+
+deps:
+	@scripts/install-deps.sh
+
+demo:
+	@scripts/install-deps.sh build
+	@$(MAKE) --no-print-directory all
+	@BUILD=$(BUILD) scripts/demo.sh
+
+test: deps
+	@tests/run.sh
+
+asan: deps
+	@tests/run.sh asan
+
+tsan: deps
+	@tests/run.sh tsan
+
+bench:
+	@scripts/bench.sh
+
+single:
+	@scripts/single.sh $(BUILD)/single
+
+format:
+	@scripts/format.sh
+
+lint:
+	@scripts/lint.sh
+
+install: all
+	@cmake --install $(BUILD) --prefix $(PREFIX)
+
+clean:
+	rm -rf $(BUILD)

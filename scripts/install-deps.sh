@@ -1,0 +1,54 @@
+#!/bin/sh
+# Installs what building and testing need and this machine lacks: Debian packages by apt-get (as root or through sudo), and from npm the
+# Khronos glTF validator in the versions of tests/npm/package-lock.json, into build/npm. Where nothing is missing it only looks.
+#   scripts/install-deps.sh build   what `make` needs
+#   scripts/install-deps.sh         that, and what `make test` needs
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd)
+what=${1:-all}
+
+packages="gcc libc6-dev make cmake ninja-build pkg-config libjsmn-dev libmeshoptimizer-dev"
+if [ "$what" = all ]; then
+    # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers; mpfr and gmp: the oracle; mandoc: the manual's lint.
+    packages="$packages g++ clang libclang-rt-14-dev libcmocka-dev libmpfr-dev libgmp-dev mandoc"
+fi
+
+missing=""
+# shellcheck disable=SC2086  # a list of words
+installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' $packages 2>/dev/null || true)
+for package in $packages; do
+    case "
+$installed" in
+    *"
+$package installed"*) ;;
+    *) missing="$missing $package" ;;
+    esac
+done
+if [ "$what" = all ]; then
+    command -v node >/dev/null || missing="$missing nodejs"
+    command -v npm >/dev/null || missing="$missing npm"
+fi
+
+if [ -n "$missing" ]; then
+    echo "installing:$missing"
+    command -v apt-get >/dev/null || { echo "$0: no apt-get here; please install:$missing" >&2; exit 1; }
+    sudo=""
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null || { echo "$0: neither root nor sudo; please install:$missing" >&2; exit 1; }
+        sudo=sudo
+    fi
+    $sudo apt-get update -qq
+    # shellcheck disable=SC2086
+    $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
+
+if [ "$what" = all ]; then
+    npm_dir=$root/build/npm
+    if ! cmp -s "$root/tests/npm/package-lock.json" "$npm_dir/installed-lock.json"; then
+        echo "installing: the packages of tests/npm/package-lock.json from npm"
+        mkdir -p "$npm_dir"
+        cp "$root/tests/npm/package.json" "$root/tests/npm/package-lock.json" "$npm_dir"
+        (cd "$npm_dir" && npm ci --no-audit --no-fund --ignore-scripts --silent)
+        cp "$root/tests/npm/package-lock.json" "$npm_dir/installed-lock.json"
+    fi
+fi
