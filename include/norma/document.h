@@ -162,6 +162,8 @@ norma_document_result norma_document_transform(norma_document *document, const n
 typedef struct norma_save_options {
     size_t struct_size;
     int    in_place;                       /* nonzero: path may name the source; a .gltf keeps the names of its own buffers */
+    norma_progress *progress;              /* cancelled: nothing is left of the new file */
+    void           *progress_user;
 } norma_save_options;
 
 /* Writes path whole or not at all; a .gltf with its buffers beside it. Refuses a path that names the source or one of its buffers, unless in place. */

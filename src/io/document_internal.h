@@ -11,7 +11,7 @@ struct norma_document {
     norma_file_format       format;
     norma_document_depth    depth;
     uint32_t                threads;
-    norma_progress         *progress;      /* of opening only */
+    norma_progress         *progress;      /* of the opening or the saving that is under way; may be NULL */
     void                   *progress_user;
     char                   *path;          /* as the caller gave it; what messages name; "<stdin>" or the like from memory */
     char                   *folder;        /* with its last slash; "" the current one; NULL: none, external files are refused */
@@ -19,6 +19,7 @@ struct norma_document {
     void                   *state;         /* the format's own */
     char                  **notes;
     size_t                  note_count, note_capacity;
+    int                     failed;        /* a change went wrong half-way: it can only be closed */
 };
 
 /* Each returns NORMA_DOCUMENT_OK or what norma_document_fail returned. State is freed by close also after a failed open. */
@@ -34,7 +35,8 @@ struct format_functions {
     norma_document_result (*transform)(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
     /* The document's own bytes in order. glTF: the text or GLB, as it is to stand at path (NULL: with data URIs). */
     norma_document_result (*write)(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error);
-    /* NULL, or the other files that belong beside path (a .gltf's buffers, its images), written before the main file. */
+    /* NULL, or the other files that belong beside path (a .gltf's buffers, its images). Called when the bytes of path are written and flushed to its temporary,
+     * which is renamed after this succeeds: so they are in place before the file that names them. */
     norma_document_result (*write_companions)(norma_document *document, const char *path, int in_place, norma_document_error *error);
     /* NULL, or whether path is one of the files that this document was read from. */
     int                   (*reads_from)(const norma_document *document, const char *path);
@@ -48,6 +50,8 @@ extern const format_functions norma_obj_functions, norma_ply_functions, norma_st
 __attribute__((format(printf, 5, 6)))
 #endif
 norma_document_result norma_document_fail(const norma_document *document, norma_document_error *error, norma_document_result result, const char *place, const char *format, ...);
+/* "PATH: WHAT: the system's text", for any path; result FILE, or MEMORY where the system says so. */
+norma_document_result norma_document_fail_file(const char *path, norma_document_error *error, const char *what, int system_error);
 norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error);
 /* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here (the readers should have caught them), cancelled stays. */
 norma_document_result norma_document_fail_core(const norma_document *document, norma_document_error *error, norma_result result);
@@ -56,7 +60,7 @@ norma_document_result norma_document_fail_core(const norma_document *document, n
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-int norma_document_note(norma_document *document, const char *format, ...);
+int norma_document_add_note(norma_document *document, const char *format, ...);
 
 /* Checked sizes: 0 where count * size overflows or memory is out. *block may be NULL before. */
 void *norma_io_allocate(size_t count, size_t size);                 /* zeroed; never of zero bytes */

@@ -1,0 +1,407 @@
+/* document.c: opens a document, and hands every call to the table of functions of its format. */
+#include "document_internal.h"
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- options of any version */
+
+/* A caller's header may be older or newer than this library: what it does not know is zero, what we do not know is left out. */
+static void copy_options(void *copy, size_t size, const void *given)
+{
+    memset(copy, 0, size);
+    if (!given)
+        return;
+    size_t given_size;
+    memcpy(&given_size, given, sizeof given_size);
+    memcpy(copy, given, given_size && given_size < size ? given_size : size);
+}
+
+/* ---- opening and closing */
+
+static const format_functions *functions_of(norma_file_format format)
+{
+    switch (format) {
+    case NORMA_FILE_OBJ: return &norma_obj_functions;
+    case NORMA_FILE_PLY: return &norma_ply_functions;
+    case NORMA_FILE_STL: return &norma_stl_functions;
+    case NORMA_FILE_GLTF:
+    case NORMA_FILE_GLB: return &norma_gltf_functions;
+    default: return NULL;
+    }
+}
+
+static char *copy_text(const char *text, size_t length)
+{
+    char *copy = norma_io_allocate(length + 1, 1);
+    if (copy)
+        memcpy(copy, text, length);
+    return copy;
+}
+
+static norma_document *make_document(const char *name, int has_folder, const norma_document_options *options)
+{
+    norma_document *document = norma_io_allocate(1, sizeof *document);
+    if (!document)
+        return NULL;
+    const char *slash = strrchr(name, '/');
+    document->path = copy_text(name, strlen(name));
+    document->folder = has_folder ? copy_text(name, slash ? (size_t)(slash - name) + 1 : 0) : NULL;
+    document->format = options->format ? options->format : norma_file_format_of_path(name);
+    document->depth = options->depth;
+    document->threads = options->threads;
+    document->progress = options->progress;
+    document->progress_user = options->progress_user;
+    if (document->path && (document->folder || !has_folder))
+        return document;
+    norma_document_close(document);
+    return NULL;
+}
+
+static norma_document_result read_document(norma_document *document, norma_document_error *error)
+{
+    const format_functions *functions = functions_of(document->format);
+    if (!functions)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+                                   "unknown kind of file; expected a name that ends in .obj, .ply, .stl, .gltf or .glb, or to be told the format");
+    if (document->progress && document->progress(document->progress_user, 0))
+        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+    document->functions = functions;
+    norma_document_result result = functions->open(document, error);
+    document->progress = NULL;
+    return result;
+}
+
+static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory, const norma_document_options *given, norma_document **document,
+                                       norma_document_error *error)
+{
+    norma_document_options options;
+    copy_options(&options, sizeof options, given);
+    norma_document *made = make_document(name, has_folder, &options);
+    if (!made)
+        return norma_document_fail_memory(NULL, error);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (memory) {
+        made->source = *memory;
+    } else {
+        int failed = norma_file_open(name, &made->source);
+        if (failed)
+            result = norma_document_fail_file(name, error, "cannot be read", failed);
+    }
+    if (!result)
+        result = read_document(made, error);
+    if (result)
+        norma_document_close(made);
+    else
+        *document = made;
+    return result;
+}
+
+static void clear_error(norma_document_error *error)
+{
+    if (error) {
+        error->result = NORMA_DOCUMENT_OK;
+        error->message[0] = '\0';
+    }
+}
+
+norma_document_result norma_document_open(const char *path, const norma_document_options *options, norma_document **document, norma_document_error *error)
+{
+    clear_error(error);
+    if (!document)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the document was given");
+    *document = NULL;
+    if (!path)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no path was given");
+    return open_with(path, 1, NULL, options, document, error);
+}
+
+norma_document_result norma_document_open_memory(const void *bytes, size_t size, const char *name, const norma_document_options *options, norma_document **document,
+                                                 norma_document_error *error)
+{
+    clear_error(error);
+    if (!document)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the document was given");
+    *document = NULL;
+    if (!bytes && size)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no bytes were given");
+    const file_bytes source = {.data = bytes ? bytes : (const void *)"", .size = size};
+    return open_with(name ? name : "<memory>", name != NULL, &source, options, document, error);
+}
+
+void norma_document_close(norma_document *document)
+{
+    if (!document)
+        return;
+    if (document->functions)
+        document->functions->close(document);
+    for (size_t i = 0; i < document->note_count; ++i)
+        free(document->notes[i]);
+    free(document->notes);
+    norma_file_close(&document->source);
+    free(document->path);
+    free(document->folder);
+    free(document);
+}
+
+/* ---- asking */
+
+norma_file_format norma_document_format(const norma_document *document)
+{
+    return document ? document->format : NORMA_FILE_UNKNOWN;
+}
+
+size_t norma_document_note_count(const norma_document *document)
+{
+    return document ? document->note_count : 0;
+}
+
+const char *norma_document_note(const norma_document *document, size_t index)
+{
+    return document && index < document->note_count ? document->notes[index] : "";
+}
+
+size_t norma_document_mesh_count(const norma_document *document)
+{
+    return document ? document->functions->mesh_count(document) : 0;
+}
+
+norma_document_result norma_document_mesh_info(const norma_document *document, size_t index, norma_mesh_info *info)
+{
+    if (!info)
+        return NORMA_DOCUMENT_ERROR_ARGUMENT;
+    *info = (norma_mesh_info){.name = "", .where = "", .encoding = ""};
+    if (index >= norma_document_mesh_count(document))
+        return NORMA_DOCUMENT_ERROR_ARGUMENT;
+    return document->functions->mesh_info(document, index, info);
+}
+
+size_t norma_document_node_count(const norma_document *document)
+{
+    return document && document->functions->node_count ? document->functions->node_count(document) : 0;
+}
+
+norma_document_result norma_document_node_info(const norma_document *document, size_t index, norma_node_info *info)
+{
+    if (!info)
+        return NORMA_DOCUMENT_ERROR_ARGUMENT;
+    *info = (norma_node_info){.name = "", .instances = 1};
+    if (index >= norma_document_node_count(document))
+        return NORMA_DOCUMENT_ERROR_ARGUMENT;
+    return document->functions->node_info(document, index, info);
+}
+
+/* ---- what needs the whole document */
+
+static norma_document_result check_usable(const norma_document *document, norma_document_error *error)
+{
+    clear_error(error);
+    if (!document)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no document was given");
+    if (document->depth != NORMA_DOCUMENT_WHOLE)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "opened as a summary only; expected to be opened whole");
+    if (document->failed)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "an earlier change of it failed; it can only be closed");
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_document_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error)
+{
+    norma_document_result result = check_usable(document, error);
+    if (result)
+        return result;
+    norma_mesh_info info;
+    size_t count = norma_document_mesh_count(document);
+    if (!data || index >= count)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "mesh %zu of %zu was asked for", index, count);
+    *data = (norma_mesh_data){0};
+    result = norma_document_mesh_info(document, index, &info);
+    if (result)
+        return norma_document_fail(document, error, result, NULL, "mesh %zu cannot be described", index);
+    if (info.not_read)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, info.where[0] ? info.where : NULL, "%s", info.not_read);
+    return document->functions->mesh_data(document, index, data, error);
+}
+
+static const char *bad_compute_option(const norma_compute_options *options)
+{
+    if ((unsigned)options->shading > NORMA_SHADING_FLAT)
+        return "unknown shading";
+    if (options->shading == NORMA_SHADING_CREASE && !(options->crease_angle_rad >= 0 && isfinite(options->crease_angle_rad)))
+        return "the crease angle is no finite number from 0 up";
+    if ((unsigned)options->weight > NORMA_WEIGHT_ANGLE_LENGTHS)
+        return "unknown weight";
+    if ((unsigned)options->weld > NORMA_WELD_DISTANCE)
+        return "unknown way to weld";
+    if (options->weld == NORMA_WELD_DISTANCE && !(options->weld_distance >= 0 && isfinite(options->weld_distance)))
+        return "the weld distance is no finite number from 0 up";
+    if ((unsigned)options->non_manifold > NORMA_NON_MANIFOLD_SMOOTH)
+        return "unknown treatment of non-manifold edges";
+    if ((unsigned)options->groups > NORMA_GROUPS_IGNORE)
+        return "unknown treatment of smoothing groups";
+    return (unsigned)options->only > NORMA_ONLY_BROKEN ? "unknown choice of what to compute" : NULL;
+}
+
+norma_document_result norma_document_compute(norma_document *document, const norma_compute_options *given, norma_compute_summary *summary, norma_document_error *error)
+{
+    norma_document_result result = check_usable(document, error);
+    if (result)
+        return result;
+    norma_compute_options options;
+    norma_compute_summary unwanted;
+    copy_options(&options, sizeof options, given);
+    const char *bad = bad_compute_option(&options);
+    if (bad)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
+    summary = summary ? summary : &unwanted;
+    *summary = (norma_compute_summary){0};
+    result = document->functions->compute(document, &options, summary, error);
+    document->failed = result != NORMA_DOCUMENT_OK;
+    return result;
+}
+
+static const char *bad_matrix(double matrix[16])
+{
+    int all_zero = 1;
+    for (int i = 0; i < 16; ++i) {
+        if (!isfinite(matrix[i]))
+            return "the matrix holds a number that is not finite";
+        all_zero &= matrix[i] == 0;
+    }
+    if (all_zero)
+        matrix[0] = matrix[5] = matrix[10] = matrix[15] = 1;
+    if (matrix[3] != 0 || matrix[7] != 0 || matrix[11] != 0 || matrix[15] != 1)
+        return "the last row of the matrix is not 0 0 0 1; a perspective cannot be applied to a file";
+    return NULL;
+}
+
+norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *given, norma_transform_summary *summary, norma_document_error *error)
+{
+    norma_document_result result = check_usable(document, error);
+    if (result)
+        return result;
+    norma_transform_options options;
+    norma_transform_summary unwanted;
+    copy_options(&options, sizeof options, given);
+    const char *bad = bad_matrix(options.matrix);
+    if (bad)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
+    summary = summary ? summary : &unwanted;
+    *summary = (norma_transform_summary){0};
+    result = document->functions->transform(document, &options, summary, error);
+    document->failed = result != NORMA_DOCUMENT_OK;
+    return result;
+}
+
+/* ---- writing */
+
+static int same_extension(const char *a, const char *b)
+{
+    const char *of_a = strrchr(a, '.'), *of_b = strrchr(b, '.');
+    return of_a && of_b && !strchr(of_a, '/') && strcmp(of_a, of_b) == 0;
+}
+
+/* A name must not promise another format than the bytes have; a source of a strange name that was opened with its format told may be written under that. */
+static int name_fits(const norma_document *document, const char *path)
+{
+    norma_file_format named = norma_file_format_of_path(path);
+    return named == document->format || (named == NORMA_FILE_UNKNOWN && same_extension(path, document->path)) || norma_file_same(path, document->path) ||
+           norma_file_is_stream(path);
+}
+
+static norma_document_result check_target(const norma_document *document, const char *path, int in_place, norma_document_error *error)
+{
+    if (!path)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no path to write to was given");
+    const norma_document target = {.path = (char *)(uintptr_t)path};
+    if (!in_place && norma_file_same(path, document->path) && !norma_file_is_stream(path))
+        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "is the input itself; expected another name, or to be told to work in place");
+    if (!in_place && document->functions->reads_from && document->functions->reads_from(document, path))
+        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "is one of the files that %s is read from; expected another name", document->path);
+    if (!name_fits(document, path)) {
+        const char *name = norma_file_format_name(document->format);
+        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s is %s, and the output has its input's format; expected a name that ends in .%s",
+                                   document->path, name, name);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+typedef struct file_sink {
+    const norma_document *document;
+    file_writer          *writer;
+    uint64_t              written;
+    int                   error, cancelled;
+} file_sink;
+
+/* In slices, so that a cancel is noticed also where a format hands over a gigabyte at once. */
+static int write_to_file(void *user, const void *bytes, size_t size)
+{
+    const size_t slice = (size_t)1 << 23;
+    file_sink *sink = user;
+    const norma_document *document = sink->document;
+    for (const unsigned char *at = bytes; size > 0 && !sink->error; ) {
+        size_t part = size < slice ? size : slice;
+        double fraction = document->source.size ? (double)(sink->written + part) / (double)document->source.size : 1;
+        sink->cancelled = document->progress && document->progress(document->progress_user, fraction < 1 ? fraction : 1);
+        if (sink->cancelled)
+            return 1;
+        sink->error = norma_file_writer_write(sink->writer, at, part);
+        sink->written += part;
+        at += part;
+        size -= part;
+    }
+    return sink->error;
+}
+
+/* Everything that can fail for want of room or by the format happens before the first rename. */
+static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, norma_document_error *error)
+{
+    file_sink sink = {.document = document, .writer = writer};
+    int stream = norma_file_is_stream(path);
+    norma_document_result result = document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
+    if (sink.cancelled)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+    if (!sink.error && !result)
+        sink.error = norma_file_writer_prepare(writer);
+    if (sink.error)
+        return norma_document_fail_file(path, error, "cannot be written", sink.error);
+    if (!result && !stream && document->functions->write_companions)
+        result = document->functions->write_companions(document, path, in_place, error);
+    return result;
+}
+
+norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *given, norma_document_error *error)
+{
+    norma_document_result result = check_usable(document, error);
+    norma_save_options options;
+    copy_options(&options, sizeof options, given);
+    if (!result)
+        result = check_target(document, path, options.in_place, error);
+    if (result)
+        return result;
+    file_writer *writer;
+    int failed = norma_file_writer_open(path, &writer);
+    if (failed)
+        return norma_document_fail_file(path, error, "cannot be written", failed);
+    document->progress = options.progress;
+    document->progress_user = options.progress_user;
+    result = write_target(document, path, options.in_place, writer, error);
+    document->progress = NULL;
+    if (result) {
+        norma_file_writer_abandon(writer);
+        return result;
+    }
+    failed = norma_file_writer_commit(writer);
+    return failed ? norma_document_fail_file(path, error, "cannot be written", failed) : NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error)
+{
+    norma_document_result result = check_usable(document, error);
+    if (result)
+        return result;
+    if (!write)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no function to write with was given");
+    return document->functions->write(document, NULL, write, user, error);
+}
