@@ -1,0 +1,212 @@
+/* number_format.c: the fewest digits that read back as the same number.
+ *
+ * Six digits (fifteen for a double) that read back are the only ones that do, so that, with the zeros at the end cut, they are the fewest; otherwise one digit
+ * more is tried after another, up to nine (seventeen). Whether digits read back is asked of exact arithmetic, never assumed. */
+#include "number.h"
+#include "number_big.h"
+#include <math.h>
+#include <string.h>
+
+size_t norma_number_format_integer(uint64_t value, char out[20])
+{
+    char reversed[20];
+    size_t length = 0;
+    do
+        reversed[length++] = (char)('0' + value % 10);
+    while (value /= 10);
+    for (size_t i = 0; i < length; ++i)
+        out[i] = reversed[length - 1 - i];
+    return length;
+}
+
+static size_t write_fixed(const char *digits, int count, int point, char *out)
+{
+    char *p = out;
+    if (point <= 0) {
+        *p++ = '0';
+        *p++ = '.';
+        for (int i = point; i < 0; ++i)
+            *p++ = '0';
+    }
+    for (int i = 0; i < count || i < point; ++i) {
+        if (i == point && point > 0)
+            *p++ = '.';
+        *p++ = i < count ? digits[i] : '0';
+    }
+    return (size_t)(p - out);
+}
+
+static size_t write_exponent(const char *digits, int count, int exponent, char *out)
+{
+    char *p = out;
+    *p++ = digits[0];
+    if (count > 1)
+        *p++ = '.';
+    memcpy(p, digits + 1, (size_t)count - 1);
+    p += count - 1;
+    *p++ = 'e';
+    *p++ = exponent < 0 ? '-' : '+';
+    char text[20];
+    size_t length = norma_number_format_integer((uint64_t)(exponent < 0 ? -exponent : exponent), text);
+    memcpy(p, text, length);
+    return (size_t)(p - out) + length;
+}
+
+/* digits * 10^exponent as text; digits not 0. */
+static size_t write_decimal(uint64_t digits, int exponent, char *out)
+{
+    char text[20];
+    for (; digits % 10 == 0; ++exponent)
+        digits /= 10;
+    int count = (int)norma_number_format_integer(digits, text);
+    int point = count + exponent;                       /* digits before the point */
+    if (point > -5 && point <= 16)
+        return write_fixed(text, count, point, out);
+    return write_exponent(text, count, point - 1, out);
+}
+
+/* The integer nearest to mantissa * 2^binary * 10^decimal, which is below 2^60: by long division of integers of any length. */
+static uint64_t scale_exact(uint64_t mantissa, int binary, int decimal)
+{
+    big_number numerator, denominator;
+    norma_big_set(&numerator, mantissa);
+    norma_big_set(&denominator, 1);
+    norma_big_multiply_power(decimal > 0 ? &numerator : &denominator, 10, decimal > 0 ? decimal : -decimal);
+    norma_big_shift_left(binary > 0 ? &numerator : &denominator, binary > 0 ? binary : -binary);
+    int shift = norma_big_bits(&numerator) - norma_big_bits(&denominator);
+    if (shift < -1)
+        return 0;
+    shift = shift < 0 ? 0 : shift;
+    norma_big_shift_left(&denominator, shift);
+    uint64_t quotient = 0;
+    for (int i = 0; i <= shift + 1; ++i) {              /* one bit more than the integer has: the half */
+        int bit = norma_big_compare(&numerator, &denominator) >= 0;
+        if (bit)
+            norma_big_subtract(&numerator, &denominator);
+        quotient = quotient << 1 | (uint64_t)bit;
+        norma_big_shift_left(&numerator, 1);
+    }
+    return (quotient + 1) >> 1;
+}
+
+/* The same, in 128 bits where they hold it. */
+static uint64_t scale(uint64_t mantissa, int binary, int decimal)
+{
+#if defined(__SIZEOF_INT128__)
+    __extension__ typedef unsigned __int128 wide;
+    if (decimal >= -27 && decimal <= 27) {
+        uint64_t five = 1;
+        for (int i = decimal < 0 ? -decimal : decimal; i; --i)
+            five *= 5;
+        int shift = binary + decimal;
+        if (decimal >= 0 && shift <= 0) {
+            wide product = (wide)mantissa * five;
+            return shift == 0 ? (uint64_t)product : shift < -120 ? 0 : (uint64_t)(((product >> (-shift - 1)) + 1) >> 1);
+        }
+        if (decimal < 0 && shift >= 0 && shift < 64)
+            return (uint64_t)((((wide)mantissa << (shift + 1)) / five + 1) >> 1);
+    }
+#endif
+    return scale_exact(mantissa, binary, decimal);
+}
+
+/* value, finite and above 0, to count significant digits: *digits of that many, times 10^return. */
+static int round_digits(double value, int count, uint64_t *digits)
+{
+    int binary;
+    double fraction = frexp(value, &binary);
+    uint64_t mantissa = (uint64_t)ldexp(fraction, 53);
+    uint64_t limit = 1;
+    for (int i = 0; i < count; ++i)
+        limit *= 10;
+    /* 1233 / 4096 is a little below log10 of 2: a guess that is right or one too low. */
+    int decimal = (binary - 1) * 1233 >= 0 ? (binary - 1) * 1233 / 4096 : -((1 - binary) * 1233 / 4096) - 1;
+    int exponent = decimal - count + 1;
+    *digits = scale(mantissa, binary - 53, -exponent);
+    while (*digits >= limit)
+        *digits = scale(mantissa, binary - 53, -++exponent);
+    while (*digits < limit / 10)
+        *digits = scale(mantissa, binary - 53, -(--exponent));
+    return exponent;
+}
+
+/* As nothing between the decimal and its double crosses the middle between two floats, reading by way of double gives the same float. */
+static int reads_back_as_float(float value, uint64_t digits, int exponent)
+{
+    double read = norma_number_of_decimal(digits, exponent);
+    if ((float)read != value)
+        return 0;
+    double below = 0.5 * ((double)nextafterf(value, 0.0f) + (double)value);
+    double above = (double)nextafterf(value, INFINITY);
+    above = isinf(above) ? (double)value + ((double)value - below) : 0.5 * (above + (double)value);
+    return read > below && read < above;
+}
+
+static int reads_back(double value, int is_float, uint64_t digits, int exponent)
+{
+    return is_float ? reads_back_as_float((float)value, digits, exponent) : norma_number_of_decimal(digits, exponent) == value;
+}
+
+static size_t format_shortest(double value, int is_float, char *out)
+{
+    size_t length = 0;
+    if (isnan(value)) {
+        memcpy(out, "nan", 4);
+        return 3;
+    }
+    if (signbit(value))
+        out[length++] = '-';
+    value = fabs(value);
+    if (isinf(value)) {
+        memcpy(out + length, "inf", 3);
+        length += 3;
+    } else if (value == 0) {
+        out[length++] = '0';
+    } else {
+        int most = is_float ? 9 : 17;
+        uint64_t digits = 0;
+        int exponent = 0;
+        for (int count = is_float ? 6 : 15; count <= most; ++count) {
+            exponent = round_digits(value, count, &digits);
+            if (reads_back(value, is_float, digits, exponent))
+                break;
+        }
+        length += write_decimal(digits, exponent, out + length);
+    }
+    out[length] = 0;
+    return length;
+}
+
+size_t norma_number_format_float(float value, char out[32])
+{
+    return format_shortest((double)value, 1, out);
+}
+
+size_t norma_number_format_double(double value, char out[32])
+{
+    return format_shortest(value, 0, out);
+}
+
+size_t norma_number_format_normal(float value, char out[32])
+{
+    if (!(value >= -1.0f && value <= 1.0f))
+        return norma_number_format_float(value, out);
+    char *p = out;
+    uint32_t decimals = (uint32_t)(fabs((double)value) * 1e8 + 0.5);
+    if (value < 0 && decimals)
+        *p++ = '-';
+    *p++ = (char)('0' + decimals / 100000000);
+    decimals %= 100000000;
+    if (decimals) {
+        *p++ = '.';
+        for (int i = 7; i >= 0; --i) {
+            p[i] = (char)('0' + decimals % 10);
+            decimals /= 10;
+        }
+        p += 8;
+        while (p[-1] == '0')
+            --p;
+    }
+    *p = 0;
+    return (size_t)(p - out);
+}
