@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what building and testing need and this machine lacks: Debian packages by apt-get (as root or through sudo), and from npm the
-# Khronos glTF validator in the versions of tests/npm/package-lock.json, into build/npm. Where nothing is missing it only looks.
+# Khronos glTF validator in the versions of tests/validator/package-lock.json, into build/npm. Where nothing is missing it only looks.
 #   scripts/install-deps.sh build   what `make` needs
 #   scripts/install-deps.sh         that, and what `make test` needs
 set -eu
@@ -44,11 +44,11 @@ fi
 
 if [ "$what" = all ]; then
     npm_dir=$root/build/npm
-    if ! cmp -s "$root/tests/npm/package-lock.json" "$npm_dir/installed-lock.json"; then
-        echo "installing: the packages of tests/npm/package-lock.json from npm"
+    if ! cmp -s "$root/tests/validator/package-lock.json" "$npm_dir/installed-lock.json"; then
+        echo "installing: the packages of tests/validator/package-lock.json from npm"
         mkdir -p "$npm_dir"
-        cp "$root/tests/npm/package.json" "$root/tests/npm/package-lock.json" "$npm_dir"
+        cp "$root/tests/validator/package.json" "$root/tests/validator/package-lock.json" "$npm_dir"
         (cd "$npm_dir" && npm ci --no-audit --no-fund --ignore-scripts --silent)
-        cp "$root/tests/npm/package-lock.json" "$npm_dir/installed-lock.json"
+        cp "$root/tests/validator/package-lock.json" "$npm_dir/installed-lock.json"
     fi
 fi
