@@ -1,9 +1,10 @@
 /* number_format.c: the fewest digits that read back as the same number.
  *
  * Six digits (fifteen for a double) that read back are the only ones that do, so that, with the zeros at the end cut, they are the fewest; otherwise one digit
- * more is tried after another, up to nine (seventeen). Whether digits read back is asked of exact arithmetic, never assumed. */
+ * more is tried after another, up to nine (seventeen); subnormal numbers begin with one. Whether digits read back is asked of exact arithmetic, never assumed. */
 #include "number.h"
 #include "number_big.h"
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -164,9 +165,10 @@ static size_t format_shortest(double value, int is_float, char *out)
         out[length++] = '0';
     } else {
         int most = is_float ? 9 : 17;
+        int subnormal = value < (is_float ? (double)FLT_MIN : DBL_MIN);
         uint64_t digits = 0;
         int exponent = 0;
-        for (int count = is_float ? 6 : 15; count <= most; ++count) {
+        for (int count = subnormal ? 1 : is_float ? FLT_DIG : DBL_DIG; count <= most; ++count) {
             exponent = round_digits(value, count, &digits);
             if (reads_back(value, is_float, digits, exponent))
                 break;
