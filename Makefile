@@ -21,7 +21,7 @@ help:
 	@echo "make test     installs what is missing, then the whole test suite (two compilers, sanitizers, install, examples, README)"
 	@echo "make asan     the tests under the address and undefined-behaviour sanitizers only (clang)"
 	@echo "make tsan     the tests that use threads under the thread sanitizer only (clang)"
-	@echo "make bench    measures ns per triangle"
+	@echo "make bench    measures ns per triangle (not there yet: says so)"
 	@echo "make single   $(BUILD)/single/norma.c and norma.h: the core as two files to copy"
 	@echo "make format   clang-format over src, tests and examples"
 	@echo "make lint     clang-tidy, shellcheck and mandoc -T lint, whichever are installed"
@@ -47,7 +47,7 @@ tsan: deps
 	@tests/run.sh tsan
 
 bench:
-	@scripts/bench.sh
+	@if [ -x scripts/bench.sh ]; then scripts/bench.sh; else echo "There is no benchmark yet; it comes with the work on speed."; exit 1; fi
 
 single:
 	@scripts/single.sh $(BUILD)/single

@@ -15,10 +15,10 @@ int main(void)
     printf("M itself errs by up to %.2f degrees\n", info.worst_error_rad * 57.29577951308232);
 
     const float diagonal[3] = {0.70710678F, 0.70710678F, 0};
-    const float plain[3] = {0.97014250F, 0.24253563F, 0}; /* M n, normalised */
-    float right[3];
+    const float upper[9] = {2, 0, 0, 0, 0.5F, 0, 0, 0, 1};
+    float plain[3], right[3];
     const norma_vec3_view in = {.data = diagonal, .count = 1};
-    if (norma_transform_normals(matrix, in, right, 0, 1) != NORMA_OK) return 1;
+    if (norma_transform_normals(upper, in, plain, 0, 1) != NORMA_OK || norma_transform_normals(matrix, in, right, 0, 1) != NORMA_OK) return 1;
     print_normal("normal", diagonal);
     print_normal("with M (wrong)", plain);
     print_normal("with normal matrix", right);

@@ -1,0 +1,88 @@
+#!/bin/bash
+# Writes the core as one file, norma.c, beside norma.h, for those who copy two files:
+#   scripts/single.sh [FOLDER]          (build/single)
+# Internal headers come first, each once, then every file of src/core. A file-scope name that several files use gets the file's name in front.
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd)
+out=${1:-$root/build/single}
+mkdir -p "$out"
+cp "$root/include/norma/norma.h" "$out/norma.h"
+
+cd "$root/src/core"
+version=$(sed -nE 's/^#define NORMA_VERSION_(MAJOR|MINOR|PATCH) +([0-9]+).*/\2/p' "$out/norma.h" | paste -sd.)
+
+# The internal headers, each after those it includes.
+headers=$(for header in *.h; do
+    echo "$header $header"
+    sed -nE 's/^#[[:space:]]*include[[:space:]]*"([^"]+)".*/\1/p' "$header" | sed "s/\$/ $header/"
+done | tsort)
+
+# Names at file scope: FILE NAME, one a line.
+names() {
+    awk '
+        function emit(name) { if (name != "") print FILENAME, name }
+        /^#[ \t]*define[ \t]+[A-Za-z_]/ { s = $0; sub(/^#[ \t]*define[ \t]+/, "", s); match(s, /^[A-Za-z0-9_]+/); emit(substr(s, 1, RLENGTH)); next }
+        /^static [^=;]*\(/ && !/^static [^(]*=/ { s = $0; sub(/\(.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }
+        /^static / { s = $0; sub(/[=;].*/, "", s); sub(/\[.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }
+        /^typedef (struct|union|enum) [a-z_0-9]+/ || /^(struct|union|enum) [a-z_0-9]+ *\{/ { s = $0; sub(/^typedef /, "", s); split(s, w, /[ \t{;]+/); emit(w[2]) }
+        /^typedef .*\);/ { s = $0; sub(/\(.*/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s) }
+        /^typedef .*[A-Za-z0-9_];/ || /^\} *[a-z_0-9]+;/ { s = $0; sub(/;.*/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s) }
+        /^enum( [a-z_0-9]+)? *\{/ || /^typedef enum/ { inside = 1 }
+        inside {
+            s = $0; sub(/.*\{/, "", s); end = s ~ /\}/; sub(/\}.*/, "", s); gsub(/\/\*[^*]*\*\//, "", s)
+            n = split(s, w, ",")
+            for (i = 1; i <= n; i++) { sub(/=.*/, "", w[i]); gsub(/[ \t]/, "", w[i]); if (w[i] ~ /^[A-Za-z_][A-Za-z0-9_]*$/) emit(w[i]) }
+            if (end) inside = 0
+        }' ./*.c | sort -u
+}
+all_names=$(names)
+clashes=$(printf '%s\n' "$all_names" | awk '{ print $2 }' | sort | uniq -d)
+
+body() { # FILE: without includes of ours
+    sed -E '/^#[[:space:]]*include[[:space:]]*("|<norma\/)/d; /^#[[:space:]]*define[[:space:]]+_[A-Z0-9_]+_SOURCE/d' "$1"
+}
+
+{
+    cat <<HEAD
+/* norma.c: the core of Norma $version as one file; norma.h beside it is its interface. Made by scripts/single.sh, not meant to be edited.
+ *
+ *     cc -std=c11 -O2 -ffp-contract=off -c norma.c        link with -lm -pthread
+ *
+HEAD
+    sed -e 's/^/ * /' -e 's/ *$//' "$root/LICENSE"
+    cat <<'HEAD'
+ */
+HEAD
+    # Feature-test macros must come before any header.
+    sed -nE 's/^#[[:space:]]*define[[:space:]]+(_[A-Z0-9_]+_SOURCE)(.*)/#ifndef \1\n#define \1\2\n#endif/p' ./*.c | awk '!(/^#ifndef/ && seen[$0]++) { if (!skip) print } /^#ifndef/ { skip = seen[$0] > 1 } /^#endif/ { skip = 0 }'
+    cat <<'HEAD'
+#ifdef __FAST_MATH__
+#error "norma.c needs IEEE arithmetic: compile it without -ffast-math"
+#endif
+/* No contraction to fused multiply-adds: the bits of every result are part of the contract. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize("fp-contract=off")
+#endif
+#include "norma.h"
+HEAD
+    for header in $headers; do
+        printf '\n/* ---- %s */\n\n' "$header"
+        body "$header"
+    done
+    for file in *.c; do
+        mine=$(comm -12 <(printf '%s\n' "$all_names" | awk -v f="./$file" '$1 == f { print $2 }' | sort) <(printf '%s\n' "$clashes"))
+        macros=$(sed -nE 's/^#[[:space:]]*define[[:space:]]+([A-Za-z_][A-Za-z0-9_]*).*/\1/p' "$file" | grep -vE '_SOURCE$' | sort -u || true)
+        printf '\n/* ---- %s */\n\n' "$file"
+        for name in $mine; do
+            printf '%s\n' "$macros" | grep -qx "$name" || echo "#define $name norma_single_${file%.c}_$name"
+        done
+        body "$file"
+        for name in $(printf '%s\n' "$mine" "$macros" | sort -u); do
+            printf '#undef %s\n' "$name"
+        done
+    done
+} >"$out/norma.c.new"
+mv "$out/norma.c.new" "$out/norma.c"
+echo "$out/norma.c and norma.h: $(wc -l <"$out/norma.c") lines"
