@@ -1,0 +1,149 @@
+/* transform.c: norma transform: a file under one matrix, its normals with it. */
+#include "cli.h"
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "norma transform IN -o OUT MATRIX: positions, normals, tangents and winding under one matrix\n"
+    "\n"
+    "Examples\n"
+    "  norma transform chair.obj -o out.obj --scale 2,0.5,1     stretched; the normals stay perpendicular\n"
+    "  norma transform chair.ply -o out.ply --rotate 0,1,0,90   a quarter turn about the y axis\n"
+    "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: faces are wound the other way\n"
+    "  norma transform a.glb -o b.glb --scale 2 --translate 0,0,1\n"
+    "                                                           first doubled, then moved\n"
+    "  norma transform a.glb -o b.glb --bake                    node transforms carried into the meshes\n"
+    "\n"
+    "The matrix: the first given acts first on the points\n"
+    "  --scale X,Y,Z         or one number for all three\n"
+    "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"
+    "  --translate X,Y,Z\n"
+    "  --matrix \"16 numbers, row by row\"\n"
+    "                        for column vectors: the translation is the last column\n"
+    "\n"
+    "glTF\n"
+    "  (without --bake)      the matrix becomes a new node above the scene's roots, meshes stay as they are\n"
+    "  --bake                the world matrix of every node that draws a mesh goes into the mesh: any depth, shear\n"
+    "                        and mirrors included. Skinned and animated meshes stay, and are named\n"
+    "\n"
+    "Files\n"
+    "  -o, --output OUT      the output, in IN's format; - is standard output\n"
+    "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n"
+    "  --input-format obj|ply|stl|gltf|glb\n"
+    "                        needed for standard input, which is called -\n"
+    "  --threads N           how many may work (all); the result is the same to the bit\n"
+    "  --json                a summary for programs on standard output, one object a line\n"
+    "  --quiet               says nothing but errors\n"
+    "\n"
+    "'norma matrix' with the same options tells what a matrix does to normals.\n"
+    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+
+typedef struct transform_work {
+    norma_transform_options options;
+    norma_transform_summary summary;
+    norma_matrix_info       info; /* of the matrix */
+} transform_work;
+
+static const char *set_bake(void *settings, const char *value)
+{
+    (void)value;
+    ((transform_work *)settings)->options.bake = 1;
+    return NULL;
+}
+
+static const cli_option options[] = {{"bake", 0, 0, set_bake}};
+
+static norma_document_result change(void *user, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error)
+{
+    transform_work *work = user;
+    work->options.progress = progress;
+    work->options.progress_user = progress_user;
+    return norma_document_transform(document, &work->options, &work->summary, error);
+}
+
+static void write_json(const void *user, cli_json *json)
+{
+    const transform_work *work = user;
+    cli_json_size(json, "vertices", work->summary.vertices);
+    cli_json_bool(json, "mirrored", work->summary.mirrored);
+    cli_json_size(json, "meshes", work->summary.meshes);
+    cli_json_size(json, "nodes_baked", work->summary.nodes_baked);
+    cli_json_bool(json, "changed", work->summary.changed);
+    cli_json_string(json, "kind", cli_kind_name(work->info.kind));
+}
+
+static const char *what_flattening_does(int rank)
+{
+    switch (rank) {
+    case 2: return "; flattened to a plane (rank 2): each face keeps the right normal, the plane's, or none where it collapsed";
+    case 1: return "; flattened to a line (rank 1): no face keeps a direction, so no normal is right";
+    default: return "; flattened to a point (rank 0): no face keeps a direction, so no normal is right";
+    }
+}
+
+static void write_text(const void *user, const norma_document *document, FILE *out)
+{
+    const transform_work *work = user;
+    const norma_transform_summary *summary = &work->summary;
+    (void)document;
+    if (!summary->changed) {
+        fputs("nothing to do: the output is the input, byte for byte", out);
+        return;
+    }
+    cli_counted(out, summary->vertices, "vertex", "vertices");
+    fputs(" in ", out);
+    cli_counted(out, summary->meshes, "mesh", "meshes");
+    fprintf(out, ", matrix: %s", cli_kind_name(work->info.kind));
+    if (summary->nodes_baked) {
+        fputs(", ", out);
+        cli_counted(out, summary->nodes_baked, "node baked", "nodes baked");
+    }
+    if (summary->mirrored)
+        fputs("; mirrored: winding reversed, so that faces still look outwards", out);
+    if (work->info.rank < 3)
+        fputs(what_flattening_does(work->info.rank), out);
+}
+
+static int prepare(const cli_verb *verb, transform_work *work, const cli_matrix *matrix)
+{
+    double normal_matrix[9];
+    if (!matrix->given && !work->options.bake)
+        return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate, --matrix, or --bake for glTF");
+    const double *m = matrix->matrix;
+    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+        return cli_usage(verb, "the last row of the matrix must be 0 0 0 1; a perspective cannot be applied to a file");
+    memcpy(work->options.matrix, m, sizeof matrix->matrix);
+    norma_normal_matrix_double(m, NORMA_WINDING_REVERSED, normal_matrix, &work->info);
+    return CLI_OK;
+}
+
+static int run(const cli_verb *verb, int count, char **arguments)
+{
+    transform_work work = {.options = {.struct_size = sizeof work.options}};
+    cli_matrix matrix = cli_matrix_identity;
+    cli_common common = {.threads = NORMA_ALL_THREADS};
+    cli_files files = {.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
+    const cli_table tables[] = {
+        {options, CLI_COUNT(options), &work},
+        {cli_matrix_options, cli_matrix_option_count, &matrix},
+        {cli_output_options, cli_output_option_count, &files},
+        {cli_input_options, cli_input_option_count, &files},
+        {cli_common_options, cli_common_option_count, &common},
+    };
+    int wants_help, status;
+    if (!files.inputs.words)
+        return CLI_FILE;
+    status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &files.inputs, &wants_help);
+    work.options.threads = common.threads;
+    const cli_changer changer = {&work, change, write_json, write_text};
+    if (wants_help)
+        fputs(help, stdout), status = cli_finish(status);
+    else if (!status)
+        status = prepare(verb, &work, &matrix);
+    if (!status && !wants_help)
+        status = cli_change_files(verb, &common, &files, &changer);
+    free(files.inputs.words);
+    return status;
+}
+
+const cli_verb cli_verb_transform = {"transform", "moves, turns, scales or mirrors a file, normals included", help, run};
