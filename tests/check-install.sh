@@ -12,8 +12,9 @@ lib=$prefix/$(cd "$prefix" && find lib -name libnorma.a -printf '%h')
 for file in bin/norma include/norma/norma.h include/norma/document.h share/doc/norma/LICENSE; do
     check "has $file" test -f "$prefix/$file"
 done
-pages=$(find docs/man -name '*.[1357]' | wc -l)
-check "has every manual page ($pages)" test "$pages" -gt 0 -a "$(find "$prefix/share/man" -name '*.[1357]' 2>/dev/null | wc -l)" -eq "$pages"
+missing=$({ scripts/public-symbols.sh | grep -v '^norma_plan_' | sed 's#.*#man3/&.3#'; find docs/man -name '*.[1357]' -printf '%f\n' | sed -E 's#.*\.(.)$#man\1/&#'; } |
+    while read -r page; do [ -e "$prefix/share/man/$page" ] || echo "$page"; done)
+if [ -z "$missing" ]; then pass "has a manual page for every public function and every verb"; else fail "has a manual page for every public function and every verb" "$missing"; fi
 check "has completions for bash, zsh and fish" test "$(find "$prefix/share" -path '*completion*' -type f -o -path '*site-functions*' -type f | wc -l)" -eq 3
 check "the installed tool runs" "$prefix/bin/norma" --version
 
