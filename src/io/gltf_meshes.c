@@ -1,0 +1,312 @@
+/* gltf_meshes.c: meshes and their primitives: which accessors they use, how many triangles they draw, and the corners of those. */
+#include "gltf.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct counts {
+    uint32_t primitives, targets, attributes;
+} counts;
+
+static char *name_of(const gltf *g, uint32_t token)
+{
+    uint32_t name = norma_json_member(&g->json, token, "name");
+    return norma_json_is(&g->json, name, JSON_STRING) ? norma_json_string(&g->json, name) : norma_io_allocate(1, 1);
+}
+
+/* How much there is, so that everything is allocated once. Types are checked here, once for both passes. */
+static norma_document_result count_primitive(const gltf *g, uint32_t primitive, counts *n, norma_document_error *error)
+{
+    const json *j = &g->json;
+    uint32_t attributes = norma_json_member(j, primitive, "attributes"), targets = norma_json_member(j, primitive, "targets");
+    if (!norma_json_is(j, primitive, JSON_OBJECT) || !norma_json_is(j, attributes, JSON_OBJECT))
+        return norma_gltf_malformed(g, error, primitive, "a primitive with an object \"attributes\"");
+    if (targets != JSON_NONE && !norma_json_is(j, targets, JSON_ARRAY))
+        return norma_gltf_malformed(g, error, targets, "an array");
+    ++n->primitives;
+    n->attributes += norma_json_size(j, attributes);
+    for (uint32_t target = norma_json_first(j, targets); target != JSON_NONE; target = norma_json_next(j, targets, target)) {
+        if (!norma_json_is(j, target, JSON_OBJECT))
+            return norma_gltf_malformed(g, error, target, "an object");
+        ++n->targets;
+        n->attributes += norma_json_size(j, target);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result count_all(gltf *g, uint32_t meshes, counts *n, norma_document_error *error)
+{
+    const json *j = &g->json;
+    if (meshes != JSON_NONE && !norma_json_is(j, meshes, JSON_ARRAY))
+        return norma_gltf_malformed(g, error, meshes, "an array");
+    for (uint32_t mesh = norma_json_first(j, meshes); mesh != JSON_NONE; mesh = norma_json_next(j, meshes, mesh)) {
+        uint32_t primitives = norma_json_member(j, mesh, "primitives");
+        if (!norma_json_is(j, mesh, JSON_OBJECT) || !norma_json_is(j, primitives, JSON_ARRAY))
+            return norma_gltf_malformed(g, error, mesh, "a mesh with an array \"primitives\"");
+        for (uint32_t p = norma_json_first(j, primitives); p != JSON_NONE; p = norma_json_next(j, primitives, p)) {
+            norma_document_result result = count_primitive(g, p, n, error);
+            if (result)
+                return result;
+        }
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result read_attributes(gltf *g, uint32_t token, gltf_attributes *set, norma_document_error *error)
+{
+    const json *j = &g->json;
+    *set = (gltf_attributes){.token = token, .first = g->attribute_count, .position = GLTF_NONE, .normal = GLTF_NONE, .tangent = GLTF_NONE};
+    for (uint32_t value = norma_json_first(j, token); value != JSON_NONE; value = norma_json_next(j, token, value)) {
+        gltf_attribute *attribute = &g->attributes[g->attribute_count];
+        uint64_t accessor;
+        if (!norma_json_uint(j, value, &accessor) || accessor >= g->accessor_count)
+            return norma_gltf_malformed(g, error, value, "the number of an accessor");
+        *attribute = (gltf_attribute){.name = norma_json_string(j, value - 1), .token = value, .accessor = (uint32_t)accessor};
+        ++g->attribute_count;
+        ++set->count;
+        if (!attribute->name)
+            return norma_document_fail_memory(g->document, error);
+        if (strcmp(attribute->name, "POSITION") == 0)
+            set->position = attribute->accessor;
+        else if (strcmp(attribute->name, "NORMAL") == 0)
+            set->normal = attribute->accessor;
+        else if (strcmp(attribute->name, "TANGENT") == 0)
+            set->tangent = attribute->accessor;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes, const char *name)
+{
+    for (uint32_t i = attributes->count; i-- > 0;)
+        if (strcmp(g->attributes[attributes->first + i].name, name) == 0)
+            return attributes->first + i;
+    return GLTF_NONE;
+}
+
+static const char *why_not_read(const gltf *g, const gltf_primitive *p)
+{
+    uint32_t extensions = norma_json_member(&g->json, p->token, "extensions");
+    if (norma_json_member(&g->json, extensions, "KHR_draco_mesh_compression") != JSON_NONE)
+        return "compressed with KHR_draco_mesh_compression, which is not read yet";
+    if (p->mode == GLTF_POINTS)
+        return "points have no normals to compute";
+    if (p->mode < GLTF_TRIANGLES)
+        return "lines have no normals to compute";
+    if (p->base.position == GLTF_NONE)
+        return "no positions";
+    const gltf_accessor *position = &g->accessors[p->base.position];
+    if (position->width != 3 || position->component == GLTF_UINT)
+        return "positions of a type that glTF does not allow";
+    return NULL;
+}
+
+static void count_faces(const gltf *g, gltf_primitive *p)
+{
+    size_t corners = p->indices == GLTF_NONE ? p->vertices : g->accessors[p->indices].count;
+    if (p->mode == GLTF_TRIANGLES)
+        p->faces = corners / 3;
+    else if (p->mode > GLTF_TRIANGLES)
+        p->faces = corners < 3 ? 0 : corners - 2;
+}
+
+static norma_document_result read_primitive(gltf *g, gltf_primitive *p, norma_document_error *error)
+{
+    const json *j = &g->json;
+    p->mode = GLTF_TRIANGLES;
+    p->indices = p->material = GLTF_NONE;
+    if (!norma_gltf_index_member(g, p->token, "mode", 7, &p->mode) || !norma_gltf_index_member(g, p->token, "indices", g->accessor_count, &p->indices) ||
+        !norma_gltf_index_member(g, p->token, "material", norma_json_size(j, norma_json_member(j, 0, "materials")), &p->material))
+        return norma_gltf_malformed(g, error, p->token, "mode, indices and material as numbers of what is there");
+    norma_document_result result = read_attributes(g, norma_json_member(j, p->token, "attributes"), &p->base, error);
+    uint32_t targets = norma_json_member(j, p->token, "targets");
+    p->first_target = g->target_count;
+    p->target_count = norma_json_size(j, targets);
+    for (uint32_t target = norma_json_first(j, targets); !result && target != JSON_NONE; target = norma_json_next(j, targets, target))
+        result = read_attributes(g, target, &g->targets[g->target_count++], error);
+    if (result)
+        return result;
+    p->vertices = p->base.position == GLTF_NONE ? 0 : g->accessors[p->base.position].count;
+    count_faces(g, p);
+    p->not_read = why_not_read(g, p);
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result check_counts(gltf *g, const gltf_primitive *p, const gltf_attributes *set, norma_document_error *error)
+{
+    for (uint32_t i = set->first; i < set->first + set->count; ++i)
+        if (g->accessors[g->attributes[i].accessor].count != p->vertices)
+            return norma_gltf_malformed(g, error, g->attributes[i].token, "an accessor with as many elements as POSITION has");
+    return NORMA_DOCUMENT_OK;
+}
+
+/* What computing will trust: as many elements in each attribute, positions inside their buffer, indices below the number of vertices. */
+static norma_document_result check_whole(gltf *g, uint32_t number, norma_document_error *error)
+{
+    gltf_primitive *p = &g->primitives[number];
+    const uint32_t *corners;
+    gltf_array positions;
+    if (p->not_read)
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result = check_counts(g, p, &p->base, error);
+    for (uint32_t t = 0; !result && t < p->target_count; ++t)
+        result = check_counts(g, p, &g->targets[p->first_target + t], error);
+    if (!result)
+        result = norma_gltf_array(g, p->base.position, &positions, error);
+    return result ? result : norma_gltf_corners(g, number, &corners, error);
+}
+
+static norma_document_result read_mesh(gltf *g, uint32_t number, norma_document_error *error)
+{
+    gltf_mesh *mesh = &g->meshes[number];
+    uint32_t primitives = norma_json_member(&g->json, mesh->token, "primitives");
+    mesh->name = name_of(g, mesh->token);
+    if (!mesh->name)
+        return norma_document_fail_memory(g->document, error);
+    mesh->first_primitive = g->primitive_count;
+    for (uint32_t token = norma_json_first(&g->json, primitives); token != JSON_NONE; token = norma_json_next(&g->json, primitives, token)) {
+        gltf_primitive *p = &g->primitives[g->primitive_count++];
+        *p = (gltf_primitive){.token = token, .mesh = number, .number = mesh->primitive_count++};
+        snprintf(p->where, sizeof p->where, "/meshes/%u/primitives/%u", (unsigned)number, (unsigned)p->number);
+        norma_document_result result = read_primitive(g, p, error);
+        if (!result && g->document->depth == NORMA_DOCUMENT_WHOLE)
+            result = check_whole(g, g->primitive_count - 1, error);
+        if (result)
+            return result;
+        if (p->not_read && g->document->depth == NORMA_DOCUMENT_WHOLE && p->mode >= GLTF_TRIANGLES)
+            norma_document_add_note(g->document, "%s of mesh \"%s\" was passed over: %s", p->where, mesh->name, p->not_read);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_read_meshes(gltf *g, norma_document_error *error)
+{
+    uint32_t meshes = norma_json_member(&g->json, 0, "meshes"), number = 0;
+    counts n = {0};
+    norma_document_result result = count_all(g, meshes, &n, error);
+    if (result)
+        return result;
+    g->meshes = norma_io_allocate(norma_json_size(&g->json, meshes), sizeof *g->meshes);
+    g->primitives = norma_io_allocate(n.primitives, sizeof *g->primitives);
+    g->targets = norma_io_allocate(n.targets, sizeof *g->targets);
+    g->attributes = norma_io_allocate(n.attributes, sizeof *g->attributes);
+    if (!g->meshes || !g->primitives || !g->targets || !g->attributes)
+        return norma_document_fail_memory(g->document, error);
+    for (uint32_t token = norma_json_first(&g->json, meshes); !result && token != JSON_NONE; token = norma_json_next(&g->json, meshes, token)) {
+        g->meshes[number].token = token;
+        ++g->mesh_count;
+        result = read_mesh(g, number++, error);
+    }
+    return result;
+}
+
+/* ---- corners */
+
+/* Corners of triangle i among those of a strip or a fan (glTF 2.0, 3.7.2.1). */
+static void unroll(uint32_t mode, size_t i, size_t out[3])
+{
+    if (mode == GLTF_TRIANGLES) {
+        out[0] = 3 * i;
+        out[1] = 3 * i + 1;
+        out[2] = 3 * i + 2;
+    } else if (mode == GLTF_STRIP) {
+        out[0] = i;
+        out[1] = i + 1 + i % 2;
+        out[2] = i + 2 - i % 2;
+    } else {
+        out[0] = i + 1;
+        out[1] = i + 2;
+        out[2] = 0;
+    }
+}
+
+static norma_document_result fail_index(const gltf *g, const gltf_primitive *p, size_t at, uint32_t index, norma_document_error *error)
+{
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, p->where, "index %zu (accessor %u) names vertex %u; expected one below %zu", at,
+                               (unsigned)p->indices, (unsigned)index, p->vertices);
+}
+
+static norma_document_result fill_corners(gltf *g, gltf_primitive *p, const gltf_array *indices, norma_document_error *error)
+{
+    for (size_t face = 0; face < p->faces; ++face) {
+        size_t at[3];
+        unroll(p->mode, face, at);
+        for (size_t k = 0; k < 3; ++k) {
+            uint32_t index = (uint32_t)at[k];
+            if (indices)
+                norma_gltf_uints(indices, at[k], &index);
+            if (index >= p->vertices)
+                return fail_index(g, p, at[k], index, error);
+            p->corners[3 * face + k] = index;
+        }
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_corners(gltf *g, uint32_t number, const uint32_t **corners, norma_document_error *error)
+{
+    gltf_primitive *p = &g->primitives[number];
+    gltf_array indices;
+    *corners = p->corners;
+    if (p->corners)
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (p->not_read)
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, p->where, "%s", p->not_read);
+    if (p->indices != GLTF_NONE) {
+        const gltf_accessor *a = &g->accessors[p->indices];
+        if (a->width != 1 || (a->component != GLTF_UBYTE && a->component != GLTF_USHORT && a->component != GLTF_UINT))
+            return norma_gltf_malformed(g, error, a->token, "indices as unsigned whole numbers");
+        result = norma_gltf_array(g, p->indices, &indices, error);
+    }
+    if (result)
+        return result;
+    if (p->vertices > UINT32_MAX || p->faces > SIZE_MAX / (3 * sizeof(uint32_t)) || !(p->corners = norma_io_allocate(p->faces, 3 * sizeof(uint32_t))))
+        return norma_document_fail_memory(g->document, error);
+    result = fill_corners(g, p, p->indices == GLTF_NONE ? NULL : &indices, error);
+    if (result) {
+        free(p->corners);
+        p->corners = NULL;
+    }
+    *corners = p->corners;
+    return result;
+}
+
+/* ---- arrays for others */
+
+static norma_document_result decode_normals(gltf *g, gltf_primitive *p, norma_document_error *error)
+{
+    gltf_array array;
+    norma_document_result result = norma_gltf_array(g, p->base.normal, &array, error);
+    if (result)
+        return result;
+    if (array.width != 3)
+        return norma_gltf_malformed(g, error, g->accessors[p->base.normal].token, "normals of three numbers");
+    p->normals = norma_io_allocate(array.count, 3 * sizeof *p->normals);
+    if (!p->normals)
+        return norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < array.count; ++i)
+        norma_gltf_floats(&array, i, p->normals + 3 * i);
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error)
+{
+    gltf *g = norma_gltf_of(document);
+    gltf_primitive *p = &g->primitives[index];
+    const uint32_t *corners;
+    gltf_array positions;
+    norma_document_result result = norma_gltf_corners(g, (uint32_t)index, &corners, error);
+    if (!result)
+        result = norma_gltf_array(g, p->base.position, &positions, error);
+    if (!result && p->base.normal != GLTF_NONE && !p->normals)
+        result = decode_normals(g, p, error);
+    if (result)
+        return result;
+    data->mesh.positions = norma_gltf_vec3_view(&positions);
+    data->mesh.corners = corners;
+    data->mesh.corner_count = 3 * p->faces;
+    if (p->normals)
+        data->normals = (norma_vec3_view){.data = p->normals, .count = p->vertices, .format = NORMA_FORMAT_FLOAT};
+    return NORMA_DOCUMENT_OK;
+}
