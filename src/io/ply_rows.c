@@ -1,0 +1,204 @@
+/* ply_rows.c: binary rows with some properties replaced or put in. A plan becomes a short program of steps that runs once for each row; neighbouring
+ * properties that are only copied are one step. */
+#include "ply.h"
+#include <stdlib.h>
+
+typedef enum step_kind {
+    STEP_COPY,                           /* size bytes of the old row */
+    STEP_SKIP,                           /* size bytes of the old row are left out */
+    STEP_SIDE,                           /* size bytes of an array, which moves on by stride each row */
+    STEP_VALUE,
+    STEP_LIST, STEP_INDICES, STEP_REVERSE
+} step_kind;
+
+typedef struct row_step {
+    step_kind            kind;
+    size_t               size, stride;
+    const unsigned char *side;
+    const ply_item      *item;
+} row_step;
+
+typedef struct row_writer {
+    const ply_state *state;
+    const ply_plan  *plan;
+    norma_sink      *sink;
+    row_step        *steps;
+    size_t           step_count;
+    const uint32_t  *next_index;         /* of faces */
+    const int64_t   *next_item;          /* of strips */
+} row_writer;
+
+/* ---- the program */
+
+static void add_step(row_writer *writer, row_step step)
+{
+    row_step *last = writer->step_count ? &writer->steps[writer->step_count - 1] : NULL;
+    if (last && last->kind == step.kind && (step.kind == STEP_COPY || step.kind == STEP_SKIP)) {
+        last->size += step.size;
+        return;
+    }
+    if (last && last->kind == STEP_SIDE && step.kind == STEP_SIDE && last->stride == step.stride && last->side + last->size == step.side) {
+        last->size += step.size;
+        return;
+    }
+    writer->steps[writer->step_count++] = step;
+}
+
+static void add_value(row_writer *writer, const ply_item *item)
+{
+    const int native = norma_ply_is_native(writer->state->header.encoding);
+    if (native && item->type == PLY_FLOAT && item->column.floats)
+        add_step(writer, (row_step){.kind = STEP_SIDE, .size = 4, .stride = 12, .side = (const unsigned char *)item->column.floats});
+    else if (native && item->type == PLY_DOUBLE && item->column.doubles)
+        add_step(writer, (row_step){.kind = STEP_SIDE, .size = 8, .stride = 24, .side = (const unsigned char *)item->column.doubles});
+    else
+        add_step(writer, (row_step){.kind = STEP_VALUE, .item = item});
+}
+
+/* Skips move behind the values that neighbour them, so that three replaced numbers are one step each way. */
+static void compile(row_writer *writer)
+{
+    size_t skipped = 0;
+    for (size_t i = 0; i < writer->plan->item_count; ++i) {
+        const ply_item *item = &writer->plan->items[i];
+        if (item->action == PLY_VALUE) {
+            add_value(writer, item);
+            skipped += item->source ? norma_ply_type_size(item->source->type) : 0;
+            continue;
+        }
+        if (skipped > 0)
+            add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
+        skipped = 0;
+        if (item->action == PLY_INDICES)
+            add_step(writer, (row_step){.kind = STEP_INDICES, .item = item});
+        else if (item->action == PLY_REVERSE)
+            add_step(writer, (row_step){.kind = STEP_REVERSE, .item = item});
+        else if (norma_ply_is_list(item->source))
+            add_step(writer, (row_step){.kind = STEP_LIST, .item = item});
+        else
+            add_step(writer, (row_step){.kind = STEP_COPY, .size = norma_ply_type_size(item->type)});
+    }
+    if (skipped > 0)
+        add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
+}
+
+/* ---- its steps */
+
+/* Sizes that stand for one vector of floats or doubles are copied in line. */
+static void put_bytes(norma_sink *sink, const unsigned char *bytes, size_t size)
+{
+    if (size == 12)
+        memcpy(norma_sink_room(sink, 12), bytes, 12);
+    else if (size == 24)
+        memcpy(norma_sink_room(sink, 24), bytes, 24);
+    else
+        norma_sink_put(sink, bytes, size);
+}
+
+static void put_value(const row_writer *writer, const ply_item *item, size_t number)
+{
+    const ply_column *column = &item->column;
+    double value = column->floats ? (double)column->floats[3 * number] : column->doubles[3 * number];
+    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type, writer->state->header.encoding, value);
+}
+
+static void put_face(row_writer *writer, const ply_item *item, const unsigned char *at)
+{
+    const ply_encoding encoding = writer->state->header.encoding;
+    const size_t count = (size_t)norma_ply_get_integer(at, item->source->count_type, encoding), size = norma_ply_type_size(item->type);
+    norma_sink_put(writer->sink, at, norma_ply_type_size(item->source->count_type));
+    if (size == sizeof(uint32_t) && norma_ply_is_native(encoding)) {
+        put_bytes(writer->sink, (const unsigned char *)writer->next_index, count * size);
+        writer->next_index += count;
+        return;
+    }
+    for (size_t i = 0; i < count; ++i)
+        norma_ply_put(norma_sink_room(writer->sink, size), item->type, encoding, *writer->next_index++);
+}
+
+static void put_strip(row_writer *writer, const ply_item *item, size_t row)
+{
+    const ply_encoding encoding = writer->state->header.encoding;
+    const uint32_t count = writer->plan->lists->counts[row];
+    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->count_type)), item->count_type, encoding, count);
+    for (uint32_t i = 0; i < count; ++i)
+        norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type, encoding, (double)*writer->next_item++);
+}
+
+/* The first corner's tuple stays, the others turn round, as the corners do. */
+static void put_reversed(const row_writer *writer, const ply_item *item, const unsigned char *at, size_t row)
+{
+    const uint32_t *starts = writer->plan->face_starts;
+    const size_t corners = starts ? starts[row + 1] - starts[row] : 3;
+    const size_t count = (size_t)norma_ply_get_integer(at, item->source->count_type, writer->state->header.encoding);
+    const size_t count_size = norma_ply_type_size(item->source->count_type), bytes = count * norma_ply_type_size(item->type);
+    norma_sink_put(writer->sink, at, count_size);
+    at += count_size;
+    if (corners == 0 || count % corners != 0) {
+        norma_sink_put(writer->sink, at, bytes);
+        return;
+    }
+    const size_t tuple = bytes / corners;
+    for (size_t i = 0; i < corners; ++i)
+        norma_sink_put(writer->sink, at + (i == 0 ? 0 : corners - i) * tuple, tuple);
+}
+
+static const unsigned char *run_step(row_writer *writer, const row_step *step, const unsigned char *at, size_t row, size_t number)
+{
+    switch (step->kind) {
+    case STEP_COPY: put_bytes(writer->sink, at, step->size); return at + step->size;
+    case STEP_SKIP: return at + step->size;
+    case STEP_SIDE: put_bytes(writer->sink, step->side + step->stride * number, step->size); return at;
+    case STEP_VALUE: put_value(writer, step->item, number); return at;
+    default: break;
+    }
+    const size_t size = norma_ply_property_size(&writer->state->header, step->item->source, at);
+    if (step->kind == STEP_LIST)
+        norma_sink_put(writer->sink, at, size);
+    else if (step->kind == STEP_REVERSE)
+        put_reversed(writer, step->item, at, row);
+    else if (writer->plan->lists)
+        put_strip(writer, step->item, row);
+    else
+        put_face(writer, step->item, at);
+    return at + size;
+}
+
+static const unsigned char *write_row(row_writer *writer, const unsigned char *at, size_t row, size_t number)
+{
+    for (size_t i = 0; i < writer->step_count; ++i)
+        at = run_step(writer, &writer->steps[i], at, row, number);
+    return at;
+}
+
+static norma_document_result write_added(norma_document *document, row_writer *writer, norma_document_error *error)
+{
+    const ply_plan *plan = writer->plan;
+    const ply_element *element = plan->element;
+    ply_span *spans = NULL;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (plan->added_count > 0 && element->list_count > 0)
+        result = norma_ply_row_spans(document, element, &spans, error);
+    for (size_t i = 0; i < plan->added_count && !result; ++i) {
+        const size_t row = plan->added[i];
+        write_row(writer, writer->state->bytes + (spans ? spans[row].offset : element->begin + row * element->fixed_size), row, (size_t)element->count + i);
+    }
+    free(spans);
+    return result;
+}
+
+norma_document_result norma_ply_write_rows(norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error)
+{
+    const ply_state *state = document->state;
+    row_writer writer = {.state = state, .plan = plan, .sink = sink, .next_index = plan->indices, .next_item = plan->lists ? plan->lists->items : NULL};
+    writer.steps = norma_io_allocate(2 * plan->item_count + 1, sizeof *writer.steps);
+    if (!writer.steps)
+        return norma_document_fail_memory(document, error);
+    compile(&writer);
+    const unsigned char *at = state->bytes + plan->element->begin;
+    for (size_t row = 0; row < plan->element->count && !sink->failed; ++row)
+        at = write_row(&writer, at, row, row);
+    norma_document_result result = write_added(document, &writer, error);
+    free(writer.steps);
+    return result;
+}

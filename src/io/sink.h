@@ -1,0 +1,51 @@
+/* sink.h: bytes on their way out, gathered into blocks before they are handed on. */
+#ifndef NORMA_IO_SINK_H
+#define NORMA_IO_SINK_H
+#include <norma/document.h>
+#include <string.h>
+
+enum { SINK_BLOCK = 1 << 16 };
+
+typedef struct norma_sink {
+    norma_write  *write;
+    void         *user;
+    int           failed;              /* write answered nonzero: all that follows is dropped */
+    size_t        used;
+    unsigned char block[SINK_BLOCK];
+} norma_sink;
+
+/* NULL: out of memory. */
+norma_sink *norma_sink_create(norma_write *write, void *user);
+void        norma_sink_flush(norma_sink *sink);
+/* Flushes and frees; nonzero where write answered so at any time. */
+int         norma_sink_finish(norma_sink *sink);
+/* For what does not fit into the block any more. */
+void        norma_sink_put_slowly(norma_sink *sink, const void *bytes, size_t size);
+
+static inline void norma_sink_put(norma_sink *sink, const void *bytes, size_t size)
+{
+    if (size > SINK_BLOCK - sink->used) {
+        norma_sink_put_slowly(sink, bytes, size);
+        return;
+    }
+    memcpy(sink->block + sink->used, bytes, size);
+    sink->used += size;
+}
+
+/* Room for size bytes (at most SINK_BLOCK) that the caller fills before the next call. */
+static inline unsigned char *norma_sink_room(norma_sink *sink, size_t size)
+{
+    if (size > SINK_BLOCK - sink->used)
+        norma_sink_flush(sink);
+    unsigned char *room = sink->block + sink->used;
+    sink->used += size;
+    return room;
+}
+
+/* A norma_write that gathers everything in memory; bytes is the caller's to free. Answers nonzero where memory is out. */
+typedef struct norma_memory_sink {
+    unsigned char *bytes;
+    size_t         size, capacity;
+} norma_memory_sink;
+int norma_memory_sink_write(void *memory_sink, const void *bytes, size_t size);
+#endif
