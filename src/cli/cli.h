@@ -120,7 +120,7 @@ void cli_progress_stop(cli_progress *progress);
 
 void cli_count(FILE *out, size_t count);                    /* 1,234 */
 void cli_counted(FILE *out, size_t count, const char *one, const char *many);
-char *cli_degrees(char text[32], double degrees, int digits); /* rounded, without trailing zeros */
+char *cli_decimals(char text[32], double number, int digits); /* rounded to so many decimals, without trailing zeros */
 const char *cli_weight_name(norma_weight weight);
 const char *cli_kind_name(norma_kind kind);
 double cli_radians(double degrees);

@@ -232,7 +232,7 @@ static void write_choices(const compute_work *work, norma_file_format format, FI
 {
     const norma_compute_summary *summary = &work->summary;
     char degrees[32], distance[32];
-    cli_degrees(degrees, cli_given_degrees(summary->crease_angle_rad), 6);
+    cli_decimals(degrees, cli_given_degrees(summary->crease_angle_rad), 6);
     if (format == NORMA_FILE_STL) {
         fputs(", facet normals", out);
         return;

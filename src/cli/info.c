@@ -222,16 +222,16 @@ static void print_name(const char *name)
 static void print_explained(const cli_explained *explained)
 {
     char crease[32], p50[32], p99[32], most[32];
-    cli_degrees(p50, explained->p50_deg, 3);
-    cli_degrees(p99, explained->p99_deg, 3);
-    cli_degrees(most, explained->max_deg, 3);
+    cli_decimals(p50, explained->p50_deg, 3);
+    cli_decimals(p99, explained->p99_deg, 3);
+    cli_decimals(most, explained->max_deg, 3);
     fputs("      stored normals are best explained by ", stdout);
     if (explained->flat)
         fputs("flat shading", stdout);
     else if (isnan(explained->crease_deg))
         printf("%s weights, smooth", cli_weight_name(explained->weight));
     else
-        printf("%s weights, crease %s\302\260", cli_weight_name(explained->weight), cli_degrees(crease, explained->crease_deg, 3));
+        printf("%s weights, crease %s\302\260", cli_weight_name(explained->weight), cli_decimals(crease, explained->crease_deg, 3));
     printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most\n", p50, p99, most);
 }
 

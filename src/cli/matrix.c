@@ -106,7 +106,7 @@ static void print_rows(const double *columns, int size)
 {
     for (int row = 0; row < size; ++row) {
         for (int column = 0; column < size; ++column)
-            printf("  %12.7g", tidy(columns[size * column + row]));
+            printf("  %10.6g", tidy(columns[size * column + row]));
         printf("\n");
     }
 }
@@ -114,8 +114,8 @@ static void print_rows(const double *columns, int size)
 static const char *meaning(const norma_matrix_info *info)
 {
     switch (info->kind) {
-    case NORMA_KIND_IDENTITY: return "normals stay as they are";
-    case NORMA_KIND_TRANSLATION: return "normals stay as they are: a translation never acts on them";
+    case NORMA_KIND_IDENTITY: return info->mirrored ? "a mirror aside; M itself carries normals" : "normals stay as they are";
+    case NORMA_KIND_TRANSLATION: return info->mirrored ? "a mirror aside; M itself carries normals" : "normals stay as they are: a translation never acts on them";
     case NORMA_KIND_ROTATION: return "M itself carries normals";
     case NORMA_KIND_UNIFORM_SCALE: return "M itself carries normals, renormalised";
     case NORMA_KIND_NON_UNIFORM_SCALE: return "columns perpendicular, of different length: plain M is wrong";
@@ -142,9 +142,10 @@ static void carry(const double columns[9], const float n[3], double carried[3])
         carried[i] = largest > 0 ? carried[i] / largest / sqrt(length) : 0;
 }
 
-static void print_vector(const char *name, const double v[3])
+static void print_direction(const char *name, const double v[3])
 {
-    printf("%s(%.4g, %.4g, %.4g)", name, tidy(v[0]), tidy(v[1]), tidy(v[2]));
+    char text[3][32];
+    printf("%s(%s, %s, %s)", name, cli_decimals(text[0], v[0], 4), cli_decimals(text[1], v[1], 4), cli_decimals(text[2], v[2], 4));
 }
 
 static void print_worst(const matrix_answer *found)
@@ -153,6 +154,10 @@ static void print_worst(const matrix_answer *found)
     const double *m = found->model, upper[9] = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
     double worst[3], plain[3], right[3];
     char degrees[32];
+    if (info->rank < 2) {
+        printf("plain M       leaves nothing that could be a normal, and neither does anything else\n");
+        return;
+    }
     if (info->worst_error_rad < 1e-7) {
         printf("plain M       is right in direction for every normal%s\n", info->mirrored ? ", once faces are reversed" : "");
         return;
@@ -161,12 +166,10 @@ static void print_worst(const matrix_answer *found)
         worst[i] = (double)info->worst_normal[i];
     carry(upper, info->worst_normal, plain);
     carry(found->normal, info->worst_normal, right);
-    printf("plain M       errs by up to %s degrees", cli_degrees(degrees, cli_to_degrees(info->worst_error_rad), 2));
-    print_vector(", for n = ", worst);
-    if (info->rank == 3) {
-        print_vector(":\n              M n is along ", plain);
-        print_vector(", right is ", right);
-    }
+    printf("plain M       errs by up to %s degrees", cli_decimals(degrees, cli_to_degrees(info->worst_error_rad), 2));
+    print_direction(", for n = ", worst);
+    print_direction(":\n              M n is along ", plain);
+    print_direction(", right is ", right);
     printf("\n");
 }
 
@@ -176,7 +179,7 @@ static void print_shortcut(matrix_answer *found)
     switch (found->shortcut) {
     case NORMA_SHORTCUT_ROTATION: printf("M itself, nothing to renormalise\n"); return;
     case NORMA_SHORTCUT_UNIFORM_SCALE: printf("M itself, renormalised\n"); return;
-    case NORMA_SHORTCUT_NONE: printf("none; use the normal matrix\n"); return;
+    case NORMA_SHORTCUT_NONE: printf(found->info.rank < 2 ? "none\n" : "none; use the normal matrix\n"); return;
     case NORMA_SHORTCUT_AXIS_SCALE: break;
     }
     printf("M (n / s^2), s the lengths of M's columns: no inverse needed\n");
@@ -198,7 +201,9 @@ static void print_text(matrix_answer *found)
     else
         printf("anisotropy    infinite (some direction is not stretched at all)\n");
     print_worst(found);
-    printf("\nNormal matrix: carries normals right%s; renormalise after it\n", info->mirrored ? ", faces reversed" : "");
+    printf("\nNormal matrix: %s\n", info->rank < 2    ? "of zeros, no normal exists"
+                                       : info->mirrored ? "carries normals right, faces reversed; renormalise after it"
+                                                        : "carries normals right; renormalise after it");
     print_rows(found->normal, 3);
     printf("\nCofactor matrix: the area vectors of faces, cof(M)(a x b) = Ma x Mb\n");
     print_rows(found->cofactor, 3);

@@ -11,11 +11,7 @@ int cli_usage(const cli_verb *verb, const char *format, ...)
     va_start(arguments, format);
     vfprintf(stderr, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "\n");
-    if (verb)
-        fprintf(stderr, "'norma help %s' shows what it takes.\n", verb->name);
-    else
-        fprintf(stderr, "'norma help' shows what there is.\n");
+    fprintf(stderr, " (see 'norma help%s%s')\n", verb ? " " : "", verb ? verb->name : "");
     return CLI_USAGE;
 }
 

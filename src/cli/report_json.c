@@ -78,7 +78,7 @@ void cli_json_size(cli_json *json, const char *key, size_t number)
 
 char *cli_shortest(char text[32], double number)
 {
-    for (int digits = 1; digits <= 17; ++digits) {
+    for (int digits = 15; digits <= 17; ++digits) {
         snprintf(text, 32, "%.*g", digits, number + 0.0); /* + 0: no "-0" */
         if (strtod(text, NULL) == number)
             break;

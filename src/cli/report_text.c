@@ -20,9 +20,9 @@ void cli_counted(FILE *out, size_t count, const char *one, const char *many)
     fprintf(out, " %s", count == 1 ? one : many);
 }
 
-char *cli_degrees(char text[32], double degrees, int digits)
+char *cli_decimals(char text[32], double number, int digits)
 {
-    snprintf(text, 32, "%.*f", digits, degrees);
+    snprintf(text, 32, "%.*f", digits, number);
     if (strchr(text, '.')) {
         size_t length = strlen(text);
         while (text[length - 1] == '0')
