@@ -54,6 +54,8 @@ static int is_same_number(const text_writer *writer, ply_span word, const ply_it
     const char *text = (const char *)writer->state->bytes + word.offset;
     if (norma_number_parse(text, text + word.length, &old) != text + word.length)
         return 0;
+    if (old != old && value != value)
+        return 1;
     return item->type == PLY_FLOAT ? (float)old == (float)value : old == value;
 }
 

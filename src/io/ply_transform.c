@@ -1,16 +1,8 @@
 /* ply_transform.c: a PLY under a matrix: positions in their own types where those hold the result, normals through the normal matrix, faces turned round
  * under a mirror. */
 #include "ply.h"
-#include <math.h>
+#include "carry.h"
 #include <stdlib.h>
-
-static int is_identity(const double matrix[16])
-{
-    for (int i = 0; i < 16; ++i)
-        if (matrix[i] != (i % 5 == 0 ? 1.0 : 0.0))
-            return 0;
-    return 1;
-}
 
 /* ---- positions */
 
@@ -52,51 +44,6 @@ static norma_document_result transform_positions(norma_document *document, const
 
 /* ---- normals */
 
-typedef struct normal_carrier {
-    float  matrix[9];
-    double flat[3];                      /* where the matrix flattens: the direction of the normals that remain */
-} normal_carrier;
-
-/* Brought near 1, so that no entry is lost when it becomes a float. */
-static norma_result make_carrier(const double matrix[16], normal_carrier *carrier, norma_matrix_info *info)
-{
-    double exact[9], greatest = 0;
-    norma_result result = norma_normal_matrix_double(matrix, NORMA_WINDING_REVERSED, exact, info);
-    if (result)
-        return result;
-    size_t longest = 0;
-    double squares[3] = {0};
-    for (size_t i = 0; i < 9; ++i)
-        greatest = fabs(exact[i]) > greatest ? fabs(exact[i]) : greatest;
-    for (size_t i = 0; i < 9; ++i) {
-        exact[i] = greatest > 0 ? exact[i] / greatest : 0;
-        carrier->matrix[i] = (float)exact[i];
-        squares[i / 3] += exact[i] * exact[i];
-    }
-    for (size_t column = 1; column < 3; ++column)
-        longest = squares[column] > squares[longest] ? column : longest;
-    for (size_t axis = 0; axis < 3; ++axis)
-        carrier->flat[axis] = greatest > 0 ? exact[3 * longest + axis] / sqrt(squares[longest]) : axis == 2;
-    return NORMA_OK;
-}
-
-/* A normal that the matrix takes to nothing gets the direction that remains; one that was not finite cannot be carried and becomes zero. */
-static void settle_lost(const normal_carrier *carrier, const double *before, float *after, size_t count, size_t *vanished, size_t *not_finite)
-{
-    for (size_t i = 0; i < count; ++i, before += 3, after += 3) {
-        if (after[0] != 0 || after[1] != 0 || after[2] != 0)
-            continue;
-        const double sum = fabs(before[0]) + fabs(before[1]) + fabs(before[2]);
-        if (!isfinite(sum))
-            ++*not_finite;
-        if (!isfinite(sum) || sum == 0)
-            continue;
-        ++*vanished;
-        for (int axis = 0; axis < 3; ++axis)
-            after[axis] = (float)carrier->flat[axis];
-    }
-}
-
 typedef struct carried_normals {
     float   *normals;
     ply_type types[3];
@@ -108,27 +55,17 @@ static norma_document_result carry_normals(norma_document *document, const norma
     const ply_header *header = &((const ply_state *)document->state)->header;
     const size_t count = (size_t)element->count;
     double *stored = NULL;
-    size_t vanished = 0, not_finite = 0;
     norma_document_result result = norma_ply_read_columns(document, element, properties, &stored, error);
     carried->normals = result ? NULL : norma_io_allocate(count, 3 * sizeof *carried->normals);
     if (!result && !carried->normals)
         result = norma_document_fail_memory(document, error);
+    if (!result)
+        result = norma_carry_normals(document, carrier, stored, count, carried->normals, error);
     if (!result) {
-        const norma_vec3_view view = {.data = stored, .count = count, .format = NORMA_FORMAT_DOUBLE};
-        norma_result failed = norma_transform_normals(carrier->matrix, view, carried->normals, 0, count);
-        if (failed)
-            result = norma_document_fail_core(document, error, failed);
-    }
-    if (!result) {
-        settle_lost(carrier, stored, carried->normals, count, &vanished, &not_finite);
         norma_ply_normal_types(header, element, properties, carried->types);
         result = norma_ply_encode_normals(document, carried->types, carried->normals, count, error);
     }
     free(stored);
-    if (vanished > 0)
-        norma_document_add_note(document, "%zu normals vanish under this matrix, which flattens; they got the direction that remains", vanished);
-    if (not_finite > 0)
-        norma_document_add_note(document, "%zu normals were not finite and became zero", not_finite);
     return result;
 }
 
@@ -177,20 +114,19 @@ norma_document_result norma_ply_transform(norma_document *document, const norma_
     ply_state *state = document->state;
     summary->vertices = state->vertices;
     summary->meshes = 1;
-    if (is_identity(options->matrix))
+    if (norma_carry_is_identity(options->matrix))
         return NORMA_DOCUMENT_OK;
     normal_carrier carrier;
-    norma_matrix_info info;
-    norma_result failed = make_carrier(options->matrix, &carrier, &info);
-    if (failed)
-        return norma_document_fail_core(document, error, failed);
-    summary->mirrored = info.mirrored;
+    result = norma_carry_prepare(document, options->matrix, &carrier, error);
+    if (result)
+        return result;
+    summary->mirrored = carrier.mirrored;
     if (options->progress && options->progress(options->progress_user, 0))
         return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
     result = transform_positions(document, options->matrix, error);
     if (!result)
         result = transform_normals(document, &carrier, error);
-    if (!result && info.mirrored)
+    if (!result && carrier.mirrored)
         result = reverse_faces(document, error);
     if (!result)
         result = norma_ply_drop_idle_edit(document, &summary->changed, error);

@@ -312,31 +312,16 @@ norma_document_result norma_ply_write(norma_document *document, const char *path
 
 /* ---- whether anything would change at all */
 
-typedef struct byte_comparer {
-    const unsigned char *bytes;
-    size_t               left;
-} byte_comparer;
-
-static int compare_bytes(void *user, const void *bytes, size_t size)
-{
-    byte_comparer *comparer = user;
-    if (size > comparer->left || memcmp(comparer->bytes, bytes, size) != 0)
-        return 1;
-    comparer->bytes += size;
-    comparer->left -= size;
-    return 0;
-}
-
 norma_document_result norma_ply_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error)
 {
     ply_state *state = document->state;
-    byte_comparer comparer = {state->bytes, state->size};
+    norma_compare_sink same = {state->bytes, state->size};
     norma_document_result result = NORMA_DOCUMENT_OK;
     *changed = state->edit.added_count > 0 || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
     if (*changed)
         return result;
-    result = norma_ply_write(document, NULL, compare_bytes, &comparer, NULL);
-    *changed = result == NORMA_DOCUMENT_ERROR_FILE || comparer.left > 0;
+    result = norma_ply_write(document, NULL, norma_compare_sink_write, &same, NULL);
+    *changed = result == NORMA_DOCUMENT_ERROR_FILE || same.left > 0;
     if (result == NORMA_DOCUMENT_ERROR_MEMORY)
         return norma_document_fail_memory(document, error);
     if (!*changed)

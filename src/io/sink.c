@@ -59,3 +59,13 @@ int norma_memory_sink_write(void *memory_sink, const void *bytes, size_t size)
     sink->size += size;
     return 0;
 }
+
+int norma_compare_sink_write(void *compare_sink, const void *bytes, size_t size)
+{
+    norma_compare_sink *sink = compare_sink;
+    if (size > sink->left || memcmp(sink->expected, bytes, size) != 0)
+        return 1;
+    sink->expected += size;
+    sink->left -= size;
+    return 0;
+}

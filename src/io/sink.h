@@ -48,4 +48,11 @@ typedef struct norma_memory_sink {
     size_t         size, capacity;
 } norma_memory_sink;
 int norma_memory_sink_write(void *memory_sink, const void *bytes, size_t size);
+
+/* A norma_write that answers nonzero at the first byte that is not the one expected; left: expected and not yet seen. */
+typedef struct norma_compare_sink {
+    const unsigned char *expected;
+    size_t               left;
+} norma_compare_sink;
+int norma_compare_sink_write(void *compare_sink, const void *bytes, size_t size);
 #endif

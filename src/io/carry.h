@@ -1,0 +1,17 @@
+/* carry.h: stored normals under the matrix of a whole document. */
+#ifndef NORMA_IO_CARRY_H
+#define NORMA_IO_CARRY_H
+#include "document_internal.h"
+
+typedef struct normal_carrier {
+    float  matrix[9];                    /* the normal matrix, its greatest entry 1 */
+    double flat[3];                      /* where the model flattens: the direction of the normals that remain */
+    int    mirrored;
+} normal_carrier;
+
+norma_document_result norma_carry_prepare(const norma_document *document, const double model[16], normal_carrier *carrier, norma_document_error *error);
+/* normals: three doubles each, out: three floats. What the matrix takes to nothing gets the direction that remains, what is not finite becomes zero; notes say
+ * how many. */
+norma_document_result norma_carry_normals(norma_document *document, const normal_carrier *carrier, const double *normals, size_t count, float *out, norma_document_error *error);
+int                   norma_carry_is_identity(const double model[16]);
+#endif
