@@ -1,0 +1,116 @@
+/* test_normals_random.c: thousands of small, nasty meshes on a coarse lattice (so that degenerate faces, equal positions, twins, edges of many faces and exact ties
+ * are common), and damaged grids and spheres; every answer, reason and report compared with the oracle's. */
+#include "check.h"
+#include "mesh_files.h"
+#include "oracle/compare.h"
+#include "oracle/shapes.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SLOWER 8
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SLOWER 8
+#endif
+#endif
+#ifndef SLOWER
+#define SLOWER 1
+#endif
+
+typedef struct extras {
+    uint8_t  hard[8192];
+    uint32_t groups[4096];
+} extras;
+
+static int chance(uint64_t *seed, uint32_t in) {
+    return shape_random(seed) % in == 0;
+}
+
+static void lattice_mesh(mesh_file *mesh, uint64_t *seed) {
+    const uint32_t positions = 4 + shape_random(seed) % 9, faces = 1 + shape_random(seed) % 12, side = 2 + shape_random(seed) % 3, polygons = shape_random(seed) % 3;
+    for (uint32_t i = 0; i < positions; ++i) {
+        double p[3];
+        for (int x = 0; x < 3; ++x) p[x] = (double)(shape_random(seed) % side) * (chance(seed, 4) ? -1 : 1);
+        if (chance(seed, 60)) p[shape_random(seed) % 3] = chance(seed, 2) ? (double)NAN : (double)INFINITY;
+        mesh_file_add_position(mesh, p[0], p[1], p[2]);
+    }
+    for (uint32_t f = 0; f < faces; ++f) {
+        uint32_t       corners[8];
+        const uint32_t count = polygons ? (chance(seed, 20) ? shape_random(seed) % 3 : 3 + shape_random(seed) % (2 * polygons)) : 3;
+        for (uint32_t i = 0; i < count; ++i) corners[i] = shape_random(seed) % positions;
+        mesh_file_add_face(mesh, corners, count);
+    }
+}
+
+static void copy_face(mesh_file *mesh, size_t face, int reversed, uint32_t from) {
+    uint32_t     corners[16];
+    const size_t count = mesh->starts[face + 1] - mesh->starts[face];
+    for (size_t i = 0; i < count && i < 16; ++i) corners[i] = mesh->corners[mesh->starts[face] + (reversed ? count - 1 - i + from : i + from) % count];
+    mesh_file_add_face(mesh, corners, count);
+}
+
+/* A sphere or a grid, with faces doubled, twinned and turned, vertices moved onto their neighbours or into the middle between two. */
+static void damaged_mesh(mesh_file *mesh, uint64_t *seed) {
+    const int kind = (int)(shape_random(seed) % 4);
+    if (kind == 0) shape_uv_sphere(mesh, 6, 4, chance(seed, 2), chance(seed, 2));
+    if (kind == 1) shape_wavy_grid(mesh, 4, chance(seed, 2));
+    if (kind == 2) shape_pole_sphere(mesh, 6, 4, chance(seed, 2));
+    if (kind == 3) shape_box(mesh, 4, 4, 1, chance(seed, 2));
+    shape_round_to_float(mesh);
+    const size_t faces = mesh->face_count;
+    for (size_t f = 0; f < faces; ++f) {
+        if (chance(seed, 8)) copy_face(mesh, f, 1, shape_random(seed) % 4);
+        if (chance(seed, 20)) copy_face(mesh, f, 0, shape_random(seed) % 4);
+    }
+    for (size_t v = 0; v < mesh->position_count; ++v) {
+        const double *a = mesh->positions[shape_random(seed) % mesh->position_count], *b = mesh->positions[shape_random(seed) % mesh->position_count];
+        if (chance(seed, 12)) memcpy(mesh->positions[v], a, sizeof *mesh->positions);
+        if (chance(seed, 12))
+            for (int x = 0; x < 3; ++x) mesh->positions[v][x] = (a[x] + b[x]) / 2;
+    }
+}
+
+static size_t compare_random(const char *name, void make(mesh_file *, uint64_t *), uint64_t seed) {
+    static const norma_weld welds[] = {NORMA_WELD_EXACT, NORMA_WELD_NONE, NORMA_WELD_DISTANCE};
+    mesh_file mesh = {0};
+    extras   *more = test_calloc(1, sizeof *more);
+    char      text[80];
+    snprintf(text, sizeof text, "%s %llu", name, (unsigned long long)seed);
+    make(&mesh, &seed);
+    norma_mesh view = mesh_file_view(&mesh);
+    if (chance(&seed, 3)) {
+        for (size_t i = 0; i < mesh.corner_count; ++i) more->hard[i] = (uint8_t)chance(&seed, 4);
+        view.hard_edges = more->hard;
+    }
+    if (chance(&seed, 3)) {
+        for (size_t i = 0; i < mesh.face_count; ++i) more->groups[i] = shape_random(&seed) % 4;
+        view.smoothing_groups = more->groups;
+    }
+    const norma_weld weld  = welds[shape_random(&seed) % 3];
+    float           *floats = test_calloc(3 * mesh.position_count + 1, sizeof *floats);
+    const size_t     wrong = compare_everything(text, &view, weld, 1);
+    if (chance(&seed, 2)) view.positions = mesh_file_view_float(&mesh, floats).positions;
+    const size_t     wrong_float = compare_everything(text, &view, weld, 1);
+    test_free(floats);
+    test_free(more);
+    mesh_file_free(&mesh);
+    return wrong + wrong_float;
+}
+
+static void lattices(void **state) {
+    (void)state;
+    size_t wrong = 0;
+    for (uint64_t seed = 1; seed <= 4000 / SLOWER && wrong < 20; ++seed) wrong += compare_random("lattice", lattice_mesh, seed);
+    assert_int_equal(wrong, 0);
+}
+
+static void damaged_surfaces(void **state) {
+    (void)state;
+    size_t wrong = 0;
+    for (uint64_t seed = 1; seed <= 300 / SLOWER && wrong < 20; ++seed) wrong += compare_random("damaged", damaged_mesh, seed);
+    assert_int_equal(wrong, 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(lattices), cmocka_unit_test(damaged_surfaces)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
