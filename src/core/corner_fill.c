@@ -1,0 +1,76 @@
+/* corner_fill.c: the rings of the sources are made a second time rather than all normals kept, since files where many corners lack one are rare. */
+#include "corner_fill.h"
+#include "nearest.h"
+
+norma_result norma_core_find_sources(const core_surface *surface, const uint8_t *reasons, const uint8_t *wanted, corner_request *requests, size_t count, size_t *found)
+{
+    const core_mesh *mesh = &surface->mesh;
+    core_nearest nearest;
+    norma_result result = norma_core_nearest_begin(surface->call, mesh, &nearest);
+    *found = 0;
+    if (result != NORMA_OK) return result;
+    for (size_t c = 0; c < mesh->corner_count; c++)
+        if (reasons[c] == NORMA_REASON_NONE) norma_core_nearest_add(&nearest, norma_core_corner(mesh, c), (uint32_t)c);
+    result = norma_core_nearest_plant(&nearest, count);
+    for (size_t c = 0; c < mesh->corner_count && result == NORMA_OK; c++) {
+        if (wanted ? !wanted[c] : reasons[c] == NORMA_REASON_NONE) continue;
+        const uint32_t source = norma_core_nearest_find(&nearest, norma_core_corner(mesh, c));
+        if (source == UINT32_MAX) break;
+        requests[(*found)++] = (corner_request){norma_core_welded_corner(mesh, source), source, (uint32_t)c};
+    }
+    norma_core_nearest_end(&nearest);
+    return result;
+}
+
+static int request_less(const corner_request *a, const corner_request *b)
+{
+    if (a->position != b->position) return a->position < b->position;
+    return a->target < b->target;
+}
+
+static void sift(corner_request *heap, size_t at, size_t count)
+{
+    for (size_t child; (child = 2 * at + 1) < count; at = child) {
+        if (child + 1 < count && request_less(&heap[child], &heap[child + 1])) child++;
+        if (!request_less(&heap[at], &heap[child])) return;
+        const corner_request r = heap[at];
+        heap[at] = heap[child];
+        heap[child] = r;
+    }
+}
+
+static void sort_requests(corner_request *requests, size_t count)
+{
+    for (size_t i = count / 2; i-- > 0;) sift(requests, i, count);
+    for (size_t end = count; end > 1; end--) {
+        const corner_request r = requests[0];
+        requests[0] = requests[end - 1];
+        requests[end - 1] = r;
+        sift(requests, 0, end - 1);
+    }
+}
+
+static const ring_fan *fan_of_corner(const core_ring *ring, uint32_t corner)
+{
+    size_t low = 0, high = ring->count;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (ring->corners[middle].corner <= corner) low = middle;
+        else high = middle;
+    }
+    return &ring->fans[ring->corners[low].fan];
+}
+
+norma_result norma_core_fetch_normals(const core_surface *surface, corner_request *requests, size_t count, corner_receiver *receive, void *context)
+{
+    core_ring ring;
+    const size_t most = surface->around.most;
+    if (norma_core_ring_allocate(surface->call, &ring, most) != NORMA_OK) return NORMA_ERROR_MEMORY;
+    sort_requests(requests, count);
+    for (size_t i = 0; i < count; i++) {
+        if (i == 0 || requests[i].position != requests[i - 1].position) norma_core_make_ring(surface, CORE_JOIN_FANS, requests[i].position, NULL, &ring);
+        receive(context, &requests[i], fan_of_corner(&ring, requests[i].corner)->normal);
+    }
+    norma_core_ring_release(surface->call, &ring, most);
+    return NORMA_OK;
+}

@@ -1,0 +1,195 @@
+/* ring.c: loading a ring of corners, and summing its fans. */
+#include "ring.h"
+#include <math.h>
+
+void norma_core_ring_in_room(core_ring *ring, ring_room *room)
+{
+    *ring = (core_ring){.corners = room->corners, .edges = room->edges, .sorted = room->sorted, .fans = room->fans, .normals = room->normals};
+}
+
+norma_result norma_core_ring_allocate(const core_call *call, core_ring *ring, size_t corners)
+{
+    *ring = (core_ring){0};
+    ring->corners = norma_core_allocate(call, corners, sizeof *ring->corners);
+    ring->edges = norma_core_allocate(call, 2 * corners, sizeof *ring->edges);
+    ring->sorted = norma_core_allocate(call, 2 * corners, sizeof *ring->sorted);
+    ring->fans = norma_core_allocate(call, corners, sizeof *ring->fans);
+    ring->normals = norma_core_allocate(call, corners, sizeof *ring->normals);
+    if (ring->corners && ring->edges && ring->sorted && ring->fans && ring->normals) return NORMA_OK;
+    norma_core_ring_release(call, ring, corners);
+    return NORMA_ERROR_MEMORY;
+}
+
+void norma_core_ring_release(const core_call *call, core_ring *ring, size_t corners)
+{
+    norma_core_release(call, ring->corners, corners, sizeof *ring->corners);
+    norma_core_release(call, ring->edges, 2 * corners, sizeof *ring->edges);
+    norma_core_release(call, ring->sorted, 2 * corners, sizeof *ring->sorted);
+    norma_core_release(call, ring->fans, corners, sizeof *ring->fans);
+    norma_core_release(call, ring->normals, corners, sizeof *ring->normals);
+    *ring = (core_ring){0};
+}
+
+/* The neighbours of a kept corner; of a triangle all three are kept, and the third corner is what it has in common with its twin. */
+static void load_neighbours(const core_surface *surface, const core_face *face, ring_corner *c, uint32_t *next_corner)
+{
+    const core_mesh *mesh = &surface->mesh;
+    if (!surface->faces) {
+        const uint32_t begin = c->corner / 3 * 3, k = c->corner - begin;
+        *next_corner = begin + (k == 2 ? 0 : k + 1);
+        c->previous_corner = begin + (k == 0 ? 2 : k - 1);
+    } else {
+        *next_corner = (uint32_t)norma_core_next_kept(mesh, c->face, c->corner);
+        c->previous_corner = (uint32_t)norma_core_previous_kept(mesh, c->face, c->corner);
+    }
+    c->next = norma_core_welded_corner(mesh, *next_corner);
+    c->previous = norma_core_welded_corner(mesh, c->previous_corner);
+    c->next_key = face->kept == 3 ? c->previous : face->key;
+    c->previous_key = face->kept == 3 ? c->next : face->key;
+}
+
+static void load_normal(const core_surface *surface, const core_face *face, ring_corner *c)
+{
+    if (face->flags & CORE_FACE_DIRECTED) {
+        memcpy(c->normal, face->normal, sizeof c->normal);
+        c->flags |= RING_HAS_NORMAL | RING_VOTES;
+        return;
+    }
+    if (face->flags & CORE_FACE_FINITE) c->flags |= RING_FLAT;
+    if (!surface->lender || surface->lender[c->face] == UINT32_MAX) return;
+    core_face lender;
+    norma_core_surface_face(surface, surface->lender[c->face], &lender);
+    memcpy(c->normal, lender.normal, sizeof c->normal);
+    c->flags |= RING_HAS_NORMAL;
+}
+
+static double load_weight(const core_surface *surface, const core_face *face, const ring_corner *c, uint32_t next_corner)
+{
+    const core_mesh *mesh = &surface->mesh;
+    double p[3], next[3], previous[3];
+    norma_core_position(mesh, norma_core_corner(mesh, c->corner), p);
+    norma_core_position(mesh, norma_core_corner(mesh, next_corner), next);
+    norma_core_position(mesh, norma_core_corner(mesh, c->previous_corner), previous);
+    const int is_triangle = !surface->faces || norma_core_face_end(mesh, c->face) - norma_core_face_begin(mesh, c->face) == 3;
+    return norma_core_corner_weight(surface->call->options.weight, face, is_triangle, p, next, previous);
+}
+
+static void load_corner(const core_surface *surface, int with_weights, ring_corner *c)
+{
+    core_face face;
+    uint32_t next_corner;
+    norma_core_surface_face(surface, c->face, &face);
+    if (!(face.flags & CORE_FACE_EDGED)) return;
+    if (surface->faces && !norma_core_is_kept(&surface->mesh, c->face, c->corner)) return;
+    c->flags = RING_KEPT;
+    load_neighbours(surface, &face, c, &next_corner);
+    load_normal(surface, &face, c);
+    if (with_weights && (c->flags & RING_VOTES)) c->weight = load_weight(surface, &face, c, next_corner);
+}
+
+void norma_core_ring_load(const core_surface *surface, uint32_t position, int with_weights, core_ring *ring)
+{
+    const core_around *around = &surface->around;
+    const uint32_t begin = around->starts[position], end = around->starts[position + 1];
+    double p[3];
+    norma_core_position(&surface->mesh, position, p);
+    ring->finite = norma_core_finite(p);
+    ring->position = position;
+    ring->count = end - begin;
+    ring->edge_count = 0;
+    for (uint32_t i = 0; i < ring->count; i++) {
+        const uint32_t corner = around->corners[begin + i];
+        ring->corners[i] = (ring_corner){.corner = corner, .face = (uint32_t)norma_core_face_of(around, corner), .fan = i};
+        load_corner(surface, with_weights, &ring->corners[i]);
+    }
+}
+
+void norma_core_ring_join_all(core_ring *ring)
+{
+    for (size_t i = 0; i < ring->count; i++) ring->corners[i].fan = 0;
+}
+
+static void clear_fan(ring_fan *fan) { *fan = (ring_fan){.reason = NORMA_REASON_UNREFERENCED}; }
+
+static void add_vote(ring_fan *fan, const ring_corner *c)
+{
+    for (int k = 0; k < 3; k++) fan->sum[k] += c->weight * c->normal[k];
+    fan->weight += c->weight;
+    fan->votes++;
+}
+
+static void set_normal(ring_fan *fan, const double direction[3])
+{
+    double unit[3];
+    norma_core_normalise(direction, unit);
+    for (int k = 0; k < 3; k++) fan->normal[k] = (float)unit[k] + 0.0F;   /* never -0 */
+    fan->reason = NORMA_REASON_NONE;
+}
+
+/* What is left after cancelling must be more than rounding: 2^-20 of what was put in. */
+static void decide_sum(ring_fan *fan)
+{
+    if (norma_core_length(fan->sum) <= 0x1p-20 * fan->weight) fan->reason = NORMA_REASON_CANCELLED;
+    else set_normal(fan, fan->sum);
+}
+
+static void decide_cone(ring_fan *fan, const double (*normals)[3], size_t count)
+{
+    double axis[3];
+    if (norma_core_smallest_cone(normals, count, axis)) set_normal(fan, axis);
+    else fan->reason = NORMA_REASON_CANCELLED;
+}
+
+/* Normals of the members that vote, gathered in ring order. */
+static size_t gather(core_ring *ring, const uint32_t *members, size_t count, size_t at)
+{
+    size_t gathered = 0;
+    for (size_t i = 0; i < count; i++)
+        if (ring->corners[members[i]].flags & RING_VOTES) memcpy(ring->normals[at + gathered++], ring->corners[members[i]].normal, sizeof ring->normals[0]);
+    return gathered;
+}
+
+/* Fans lie in the ring as they come; the votes of each are brought together by a counting sort, its offsets kept in the fans' own weights' place. */
+static void decide_cones(core_ring *ring)
+{
+    size_t end = 0;
+    for (size_t i = 0; i < ring->count; i++) {
+        ring_fan *fan = &ring->fans[i];
+        if (ring->corners[i].fan != i) continue;
+        fan->weight = (double)end;
+        end += fan->votes;
+        fan->votes = 0;
+    }
+    for (size_t i = 0; i < ring->count; i++) {
+        ring_fan *fan = &ring->fans[ring->corners[i].fan];
+        if (ring->corners[i].flags & RING_VOTES) memcpy(ring->normals[(size_t)fan->weight + fan->votes++], ring->corners[i].normal, sizeof ring->normals[0]);
+    }
+    for (size_t i = 0; i < ring->count; i++)
+        if (ring->corners[i].fan == i && ring->fans[i].votes) decide_cone(&ring->fans[i], (const double(*)[3])ring->normals + (size_t)ring->fans[i].weight, ring->fans[i].votes);
+}
+
+void norma_core_ring_sum(const core_surface *surface, core_ring *ring)
+{
+    for (size_t i = 0; i < ring->count; i++) clear_fan(&ring->fans[i]);
+    for (size_t i = 0; i < ring->count; i++)
+        if (ring->corners[i].flags & RING_VOTES) add_vote(&ring->fans[ring->corners[i].fan], &ring->corners[i]);
+    if (!ring->finite) {
+        for (size_t i = 0; i < ring->count; i++) ring->fans[i].reason = NORMA_REASON_NON_FINITE;
+    } else if (surface->call->options.weight == NORMA_WEIGHT_VISIBLE) {
+        decide_cones(ring);
+    } else {
+        for (size_t i = 0; i < ring->count; i++)
+            if (ring->fans[i].votes) decide_sum(&ring->fans[i]);
+    }
+}
+
+void norma_core_ring_sum_some(const core_surface *surface, core_ring *ring, const uint32_t *members, size_t count, ring_fan *fan)
+{
+    clear_fan(fan);
+    fan->reason = NORMA_REASON_CANCELLED;
+    for (size_t i = 0; i < count; i++)
+        if (ring->corners[members[i]].flags & RING_VOTES) add_vote(fan, &ring->corners[members[i]]);
+    if (!fan->votes) return;
+    if (surface->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cone(fan, (const double(*)[3])ring->normals, gather(ring, members, count, 0));
+    else decide_sum(fan);
+}

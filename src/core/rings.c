@@ -1,0 +1,90 @@
+/* rings.c: positions in chunks of fixed size, so that partial counts do not depend on the threads. Rings that a stack has no room for are few; they
+ * come last, one after the other, in memory that is taken once. */
+#include "rings.h"
+
+enum { POSITIONS_IN_CHUNK = 2048 };
+
+typedef struct visit_all {
+    core_surface *surface;
+    core_join     join;
+    int           counting;
+    ring_visitor *visit;
+    void         *context;
+    rings_part   *parts;
+} visit_all;
+
+void norma_core_make_ring(const core_surface *surface, core_join join, uint32_t position, ring_counts *counts, core_ring *ring)
+{
+    norma_core_ring_load(surface, position, 1, ring);
+    if (join == CORE_JOIN_FANS) norma_core_ring_join_fans(surface, ring, counts);
+    else norma_core_ring_join_all(ring);
+    norma_core_ring_sum(surface, ring);
+}
+
+static void visit_position(const visit_all *v, uint32_t position, core_ring *ring, rings_part *part)
+{
+    norma_core_make_ring(v->surface, v->join, position, v->counting ? &part->counts : NULL, ring);
+    v->visit(v->context, ring, &part->tally);
+}
+
+static size_t ring_size(const core_surface *surface, size_t position)
+{
+    return surface->around.starts[position + 1] - surface->around.starts[position];
+}
+
+static void visit_chunk(void *context, size_t chunk)
+{
+    const visit_all *v = context;
+    const size_t count = v->surface->mesh.positions.count, begin = chunk * POSITIONS_IN_CHUNK;
+    const size_t end = count - begin < POSITIONS_IN_CHUNK ? count : begin + POSITIONS_IN_CHUNK;
+    ring_room room;
+    core_ring ring;
+    norma_core_ring_in_room(&ring, &room);
+    for (size_t p = begin; p < end; p++) {
+        const size_t size = ring_size(v->surface, p);
+        if (size > 0 && size <= RING_ROOM) visit_position(v, (uint32_t)p, &ring, &v->parts[chunk]);
+    }
+}
+
+static norma_result visit_large_rings(const visit_all *v, rings_part *part)
+{
+    core_ring ring;
+    const size_t most = v->surface->around.most;
+    if (most <= RING_ROOM) return NORMA_OK;
+    if (norma_core_ring_allocate(v->surface->call, &ring, most) != NORMA_OK) return NORMA_ERROR_MEMORY;
+    norma_result result = NORMA_OK;
+    for (size_t p = 0; p < v->surface->mesh.positions.count && result == NORMA_OK; p++) {
+        if (ring_size(v->surface, p) <= RING_ROOM) continue;
+        visit_position(v, (uint32_t)p, &ring, part);
+        if (norma_core_progress(v->surface->call, 1)) result = NORMA_CANCELLED;
+    }
+    norma_core_ring_release(v->surface->call, &ring, most);
+    return result;
+}
+
+static void add_part(rings_part *sum, const rings_part *part)
+{
+    norma_core_tally_add(&sum->tally, &part->tally);
+    norma_core_count_add(&sum->counts.non_manifold, &part->counts.non_manifold);
+    norma_core_count_add(&sum->counts.conflicts, &part->counts.conflicts);
+    sum->counts.edges.count += part->counts.edges.count;
+    sum->counts.edges.open += part->counts.edges.open;
+    sum->counts.edges.smooth += part->counts.edges.smooth;
+    sum->counts.edges.hard += part->counts.edges.hard;
+}
+
+norma_result norma_core_visit_rings(core_surface *surface, core_join join, int counting, ring_visitor *visit, void *context, rings_part *sum)
+{
+    const size_t count = surface->mesh.positions.count, chunks = count / POSITIONS_IN_CHUNK + (count % POSITIONS_IN_CHUNK != 0);
+    visit_all v = {surface, join, counting, visit, context, NULL};
+    *sum = (rings_part){0};
+    if (!count) return NORMA_OK;
+    v.parts = norma_core_allocate(surface->call, chunks, sizeof *v.parts);
+    if (!v.parts) return NORMA_ERROR_MEMORY;
+    memset(v.parts, 0, chunks * sizeof *v.parts);
+    norma_result result = norma_core_parallel(surface->call, chunks, visit_chunk, &v);
+    if (result == NORMA_OK) result = visit_large_rings(&v, sum);
+    for (size_t i = 0; i < chunks; i++) add_part(sum, &v.parts[i]);
+    norma_core_release(surface->call, v.parts, chunks, sizeof *v.parts);
+    return result;
+}

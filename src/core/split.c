@@ -1,0 +1,224 @@
+/* split.c: norma_split. Corners of one old vertex with one normal are one new vertex. The first of them, in the order of corners, stands for it: what
+ * is kept between the passes is that corner's number, four bytes for each corner, and no normal. */
+#include "corner_fill.h"
+#include "members.h"
+#include <math.h>
+
+typedef struct split_work {
+    const core_surface *surface;
+    core_output         output;              /* of new vertices; normals may be NULL */
+    uint32_t           *numbers;             /* of each corner: first the corner that stands for it, then its new vertex */
+    uint8_t            *reasons, *wanted;    /* with the nearest fallback: of each corner; of corners that stand for a vertex with no normal at all */
+} split_work;
+
+/* ---- one position */
+
+static void set_bits(const split_work *work, const ring_fan *fan, ring_member *m)
+{
+    if (fan->reason == NORMA_REASON_NONE) memcpy(m->bits, fan->normal, sizeof m->bits);
+    else memcpy(m->bits, work->output.fallback, sizeof m->bits);
+}
+
+/* Where the nearest is asked for, a corner without a normal is one with the first corner of its vertex that has one. Members come sorted by vertex and index. */
+static void borrow_within_vertex(const core_ring *ring, ring_member *members, size_t count)
+{
+    const ring_member *lender = NULL;
+    for (size_t i = 0; i < count && !lender; i++)
+        if (ring->fans[ring->corners[members[i].index].fan].reason == NORMA_REASON_NONE) lender = &members[i];
+    for (size_t i = 0; i < count && lender; i++)
+        if (ring->fans[ring->corners[members[i].index].fan].reason != NORMA_REASON_NONE) memcpy(members[i].bits, lender->bits, sizeof lender->bits);
+}
+
+static void list_members(const split_work *work, core_ring *ring)
+{
+    ring_member *members = norma_core_ring_members(ring);
+    for (uint32_t i = 0; i < ring->count; i++) {
+        members[i] = (ring_member){.vertex = norma_core_corner(&work->surface->mesh, ring->corners[i].corner), .index = i};
+        if (!work->output.nearest) set_bits(work, &ring->fans[ring->corners[i].fan], &members[i]);
+    }
+    norma_core_sort_members(members, ring->count);
+    if (!work->output.nearest) return;
+    for (size_t i = 0; i < ring->count; i++) set_bits(work, &ring->fans[ring->corners[members[i].index].fan], &members[i]);
+    for (size_t begin = 0, end; begin < ring->count; begin = end) {
+        for (end = begin; end < ring->count && members[end].vertex == members[begin].vertex; end++) { }
+        borrow_within_vertex(ring, members + begin, end - begin);
+    }
+    norma_core_sort_members(members, ring->count);
+}
+
+/* A vertex has a normal as soon as one of its corners does; first_fan is that one's, or the first one's. */
+static const ring_fan *fan_of_group(const core_ring *ring, const ring_member *members, size_t begin, size_t end)
+{
+    for (size_t i = begin; i < end; i++) {
+        const ring_fan *fan = &ring->fans[ring->corners[members[i].index].fan];
+        if (fan->reason == NORMA_REASON_NONE) return fan;
+    }
+    return &ring->fans[ring->corners[members[begin].index].fan];
+}
+
+static size_t group_end(const ring_member *members, size_t begin, size_t count)
+{
+    size_t end = begin + 1;
+    while (end < count && norma_core_same_normal(&members[begin], &members[end])) end++;
+    return end;
+}
+
+/* ---- first pass: who stands for whom */
+
+static void visit_to_number(void *context, core_ring *ring, core_tally *tally)
+{
+    const split_work *work = context;
+    const ring_member *members = norma_core_ring_members(ring);
+    for (size_t i = 0; i < ring->count; i++) {
+        const ring_corner *c = &ring->corners[i];
+        norma_core_tally(tally, ring->fans[c->fan].reason, c->corner);
+        if (work->reasons) work->reasons[c->corner] = ring->fans[c->fan].reason;
+    }
+    list_members(work, ring);
+    for (size_t begin = 0, end; begin < ring->count; begin = end) {
+        const uint32_t first = ring->corners[members[begin].index].corner;
+        end = group_end(members, begin, ring->count);
+        if (work->wanted) work->wanted[first] = fan_of_group(ring, members, begin, end)->reason != NORMA_REASON_NONE;
+        for (size_t i = begin; i < end; i++) work->numbers[ring->corners[members[i].index].corner] = first;
+    }
+}
+
+/* Corners in order: one that stands for itself gets the next number, the others that of the earlier one that stands for them. */
+static size_t count_vertices(const split_work *work)
+{
+    size_t count = 0;
+    for (size_t c = 0; c < work->surface->mesh.corner_count; c++) count += work->numbers[c] == c;
+    return count;
+}
+
+static void write_corners(split_work *work, uint32_t *corners, uint32_t *source_vertices)
+{
+    uint32_t count = 0;
+    for (size_t c = 0; c < work->surface->mesh.corner_count; c++) {
+        const int is_new = work->numbers[c] == c;
+        const uint32_t number = is_new ? count : work->numbers[work->numbers[c]];
+        if (is_new && source_vertices) source_vertices[count] = norma_core_corner(&work->surface->mesh, c);
+        if (corners) corners[c] = number;
+        count += (uint32_t)is_new;
+        work->numbers[c] = number;
+    }
+}
+
+/* ---- second pass: the normals */
+
+static void visit_to_write(void *context, core_ring *ring, core_tally *tally)
+{
+    const split_work *work = context;
+    const ring_member *members = norma_core_ring_members(ring);
+    list_members(work, ring);
+    for (size_t begin = 0, end; begin < ring->count; begin = end) {
+        end = group_end(members, begin, ring->count);
+        const ring_fan *fan = fan_of_group(ring, members, begin, end);
+        norma_core_write_element(&work->output, work->numbers[ring->corners[members[begin].index].corner], fan->reason, fan->normal, tally);
+    }
+}
+
+static void receive(void *context, const corner_request *request, const float normal[3])
+{
+    const split_work *work = context;
+    norma_core_write_normal(&work->output, work->numbers[request->target], normal);
+}
+
+static norma_result fill_from_nearest(split_work *work)
+{
+    const core_call *call = work->surface->call;
+    const size_t corners = work->surface->mesh.corner_count;
+    const float zero[3] = {0, 0, 0};
+    size_t count = 0, found;
+    for (size_t c = 0; c < corners; c++) count += work->wanted[c];
+    if (!count) return NORMA_OK;
+    corner_request *requests = norma_core_allocate(call, count, sizeof *requests);
+    if (!requests) return NORMA_ERROR_MEMORY;
+    norma_result result = norma_core_find_sources(work->surface, work->reasons, work->wanted, requests, count, &found);
+    if (result == NORMA_OK && found) result = norma_core_fetch_normals(work->surface, requests, found, receive, work);
+    for (size_t c = 0; c < corners && result == NORMA_OK && !found; c++)
+        if (work->wanted[c]) norma_core_write_normal(&work->output, work->numbers[c], zero);
+    norma_core_release(call, requests, count, sizeof *requests);
+    return result;
+}
+
+/* ---- the call */
+
+typedef struct split_output {
+    uint32_t *corners, *source_vertices;
+    float    *normals;
+    size_t    corner_capacity, vertex_capacity, *vertex_count;
+} split_output;
+
+static norma_result write_split(core_surface *surface, split_work *work, const split_output *out, size_t count)
+{
+    rings_part ignored;
+    if (out->corners && surface->mesh.corner_count > out->corner_capacity) return NORMA_ERROR_CAPACITY;
+    if ((out->source_vertices || out->normals) && count > out->vertex_capacity) return NORMA_ERROR_CAPACITY;
+    write_corners(work, out->corners, out->source_vertices);
+    if (!out->normals) return NORMA_OK;
+    norma_core_stage(surface->call, 0.75, 0.97);
+    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, 0, visit_to_write, work, &ignored);
+    if (result == NORMA_OK && work->output.nearest) result = fill_from_nearest(work);
+    return result;
+}
+
+static norma_result compute(core_surface *surface, split_work *work, const split_output *out, norma_report *report)
+{
+    core_call *call = surface->call;
+    rings_part sum = {0};
+    norma_core_stage(call, 0.5, 0.75);
+    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, 1, visit_to_number, work, &sum);
+    if (result != NORMA_OK) return result;
+    const size_t count = count_vertices(work);
+    result = write_split(surface, work, out, count);
+    if (result != NORMA_OK) return result;
+    sum.tally.degenerate = surface->degenerate_faces;
+    norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
+    if (call->options.edges) *call->options.edges = sum.counts.edges;
+    if (out->vertex_count) *out->vertex_count = count;
+    return NORMA_OK;
+}
+
+static norma_result allocate_and_compute(core_surface *surface, const split_output *out, norma_report *report)
+{
+    const core_call *call = surface->call;
+    const size_t corners = surface->mesh.corner_count;
+    const int nearest = call->options.fallback == NORMA_FALLBACK_NEAREST;
+    split_work work = {.surface = surface};
+    norma_result result = norma_core_output_open(call, out->normals, 0, 0, &work.output);
+    work.numbers = norma_core_allocate(call, corners, sizeof *work.numbers);
+    if (nearest) {
+        work.reasons = norma_core_allocate(call, corners, 1);
+        work.wanted = norma_core_allocate(call, corners, 1);
+    }
+    if (!work.numbers || (nearest && (!work.reasons || !work.wanted))) result = NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK && work.wanted) memset(work.wanted, 0, corners);
+    if (result == NORMA_OK) result = compute(surface, &work, out, report);
+    norma_core_release(call, work.numbers, corners, sizeof *work.numbers);
+    norma_core_release(call, work.reasons, corners, 1);
+    norma_core_release(call, work.wanted, corners, 1);
+    return result;
+}
+
+norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, uint32_t *corners, size_t corner_capacity,
+                         uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count, norma_report *report)
+{
+    const split_output out = {corners, source_vertices, normals, corner_capacity, vertex_capacity, vertex_count};
+    core_call call;
+    core_mesh checked;
+    core_surface surface;
+    norma_result result = norma_core_begin(&call, options);
+    if (result == NORMA_OK && isnan(crease_angle_rad)) result = NORMA_ERROR_ARGUMENT;
+    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
+    if (result == NORMA_OK && corners && checked.corner_count > corner_capacity) result = NORMA_ERROR_CAPACITY;
+    norma_core_stage(&call, 0, 0.05);
+    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
+    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, 1, (double)crease_angle_rad, &surface);
+    if (result != NORMA_OK) return result;
+    result = allocate_and_compute(&surface, &out, report);
+    norma_core_stage(&call, 1, 1);
+    if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
+    norma_core_surface_close(&surface);
+    return result;
+}

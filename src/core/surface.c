@@ -1,0 +1,109 @@
+/* surface.c: the stages that every call on vertices or corners begins with. */
+#include "surface.h"
+#include "angle.h"
+#include "ring.h"
+#include "weld.h"
+
+/* Measures all faces once: polygons are kept, triangles only counted, unless flat ones must be found for lending. */
+static norma_result measure_faces(core_surface *s, uint8_t *flat_at, int *any_flat)
+{
+    enum { FACES_AT_A_TIME = 1 << 14 };
+    const size_t count = s->mesh.face_count;
+    for (size_t f = 0; f < count; f++) {
+        core_face face;
+        if (f % FACES_AT_A_TIME == 0 && norma_core_progress(s->call, (double)f / (double)count)) return NORMA_CANCELLED;
+        norma_core_face_geometry(&s->mesh, f, &face);
+        if (s->faces) s->faces[f] = face;
+        if ((face.flags & CORE_FACE_DIRECTED) || !(face.flags & CORE_FACE_FINITE)) continue;
+        norma_core_count_one(&s->degenerate_faces, f);
+        if (!flat_at || !(face.flags & CORE_FACE_EDGED)) continue;
+        *any_flat = 1;
+        for (size_t c = norma_core_face_begin(&s->mesh, f); c < norma_core_face_end(&s->mesh, f); c++) flat_at[norma_core_welded_corner(&s->mesh, c)] = 1;
+    }
+    return NORMA_OK;
+}
+
+static void find_longest_edges(const core_surface *s, uint32_t *longest)
+{
+    for (size_t f = 0; f < s->mesh.face_count; f++) {
+        core_face face;
+        norma_core_surface_face(s, f, &face);
+        const int flat = (face.flags & (CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED)) == (CORE_FACE_FINITE | CORE_FACE_EDGED);
+        longest[f] = flat ? norma_core_longest_edge(&s->mesh, f) : UINT32_MAX;
+    }
+}
+
+static void lend_at_each(core_surface *s, const uint8_t *flat_at, const uint32_t *longest, core_ring *ring, uint32_t *lender)
+{
+    memset(lender, 0xff, s->mesh.face_count * sizeof *lender);
+    for (size_t p = 0; p < s->mesh.positions.count; p++) {
+        if (!flat_at[p]) continue;
+        norma_core_ring_load(s, (uint32_t)p, 0, ring);
+        norma_core_ring_lend(s, ring, longest, lender);
+    }
+}
+
+static norma_result lend_directions(core_surface *s, const uint8_t *flat_at)
+{
+    const size_t faces = s->mesh.face_count;
+    core_ring ring = {0};
+    uint32_t *lender = norma_core_allocate(s->call, faces, sizeof *lender), *longest = norma_core_allocate(s->call, faces, sizeof *longest);
+    norma_result result = lender && longest ? norma_core_ring_allocate(s->call, &ring, s->around.most) : NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK) {
+        find_longest_edges(s, longest);
+        lend_at_each(s, flat_at, longest, &ring, lender);
+        norma_core_ring_release(s->call, &ring, s->around.most);
+        s->lender = lender;
+        lender = NULL;
+    }
+    norma_core_release(s->call, longest, faces, sizeof *longest);
+    norma_core_release(s->call, lender, faces, sizeof *lender);
+    return result;
+}
+
+static norma_result prepare_faces(core_surface *s, int look_at_edges)
+{
+    const size_t positions = s->mesh.positions.count;
+    uint8_t *flat_at = NULL;
+    int any_flat = 0;
+    if (s->mesh.face_starts) {
+        s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces);
+        if (!s->faces) return NORMA_ERROR_MEMORY;
+    }
+    if (look_at_edges) {
+        flat_at = norma_core_allocate(s->call, positions, 1);
+        if (!flat_at) return NORMA_ERROR_MEMORY;
+        memset(flat_at, 0, positions);
+    }
+    norma_result result = measure_faces(s, flat_at, &any_flat);
+    if (result == NORMA_OK && any_flat) result = lend_directions(s, flat_at);
+    norma_core_release(s->call, flat_at, positions, 1);
+    return result;
+}
+
+norma_result norma_core_surface_open(core_call *call, core_mesh *checked, int look_at_edges, double crease_angle_rad, core_surface *surface)
+{
+    *surface = (core_surface){.call = call, .mesh = *checked, .crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + 0x1.0c6f7a0b5ed8dp-20};
+    norma_core_stage(call, 0.05, 0.2);
+    norma_result result = norma_core_weld(call, &surface->mesh);
+    if (result == NORMA_OK) {
+        norma_core_stage(call, 0.2, 0.35);
+        result = norma_core_around_build(call, &surface->mesh, &surface->around);
+    }
+    if (result == NORMA_OK) {
+        norma_core_stage(call, 0.35, 0.5);
+        result = prepare_faces(surface, look_at_edges);
+    }
+    if (result != NORMA_OK) norma_core_surface_close(surface);
+    return result;
+}
+
+void norma_core_surface_close(core_surface *surface)
+{
+    const core_call *call = surface->call;
+    norma_core_release(call, surface->lender, surface->mesh.face_count, sizeof *surface->lender);
+    norma_core_release(call, surface->faces, surface->mesh.face_count, sizeof *surface->faces);
+    if (surface->around.starts) norma_core_around_release(call, &surface->around);
+    if (surface->mesh.weld) norma_core_unweld(call, &surface->mesh);
+    *surface = (core_surface){0};
+}

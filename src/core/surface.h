@@ -1,0 +1,38 @@
+/* surface.h: a mesh made ready for normals at its positions: checked, welded, its corners sorted by position, its polygons measured. */
+#ifndef NORMA_CORE_SURFACE_H
+#define NORMA_CORE_SURFACE_H
+#include "around.h"
+#include "face_geometry.h"
+
+typedef struct core_surface {
+    core_call   *call;
+    core_mesh    mesh;
+    core_around  around;
+    core_face   *faces;               /* of each face of a mesh of polygons; NULL for triangles, which are measured where they are met */
+    uint32_t    *lender;              /* NULL where no face needs one; else of each face without a direction the face whose direction it borrows, UINT32_MAX: none */
+    norma_count  degenerate_faces;
+    double       crease;              /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi: every angle */
+} core_surface;
+
+/* call stays the caller's. Edges are looked at where look_at_edges. What it returns but NORMA_OK leaves nothing to release. */
+norma_result norma_core_surface_open(core_call *call, core_mesh *checked, int look_at_edges, double crease_angle_rad, core_surface *surface);
+void         norma_core_surface_close(core_surface *surface);
+
+static inline void norma_core_surface_face(const core_surface *surface, size_t face, core_face *out)
+{
+    if (surface->faces) *out = surface->faces[face];
+    else norma_core_face_geometry(&surface->mesh, face, out);
+}
+
+static inline void norma_core_count_one(norma_count *count, size_t index)
+{
+    if (!count->count || index < count->first) count->first = index;
+    count->count++;
+}
+static inline void norma_core_count_add(norma_count *sum, const norma_count *part)
+{
+    if (!part->count) return;
+    if (!sum->count || part->first < sum->first) sum->first = part->first;
+    sum->count += part->count;
+}
+#endif

@@ -1,0 +1,95 @@
+/* weld.c: equal positions are found by a hash table of position numbers, open addressing, in ascending order: whoever comes first stands for the rest. */
+#include "weld.h"
+#include <math.h>
+
+static const uint32_t EMPTY = UINT32_MAX;
+
+/* The same bits for -0 and 0. */
+static void position_key(const core_mesh *mesh, uint32_t index, uint64_t key[3])
+{
+    double p[3];
+    norma_view_read(&mesh->positions, index, p);
+    for (int k = 0; k < 3; k++) {
+        p[k] += 0.0;
+        memcpy(&key[k], &p[k], sizeof key[k]);
+    }
+}
+
+static int key_is_finite(const uint64_t key[3])
+{
+    const uint64_t exponent = UINT64_C(0x7ff) << 52;
+    return (key[0] & exponent) != exponent && (key[1] & exponent) != exponent && (key[2] & exponent) != exponent;
+}
+
+/* Multiply and fold (the high half of each product comes back by the shift), so that every bit of a coordinate moves the slot. */
+static uint64_t hash_key(const uint64_t key[3])
+{
+    uint64_t h = 0;
+    for (int k = 0; k < 3; k++) {
+        h = (h ^ key[k]) * UINT64_C(0x9e3779b97f4a7c15);
+        h ^= h >> 29;
+        h *= UINT64_C(0xbf58476d1ce4e5b9);
+        h ^= h >> 32;
+    }
+    return h;
+}
+
+static size_t table_size(size_t count)
+{
+    size_t size = 16;
+    while (size < count + count / 2) size *= 2;
+    return size;
+}
+
+static uint32_t find_or_add(const core_mesh *mesh, uint32_t *table, size_t mask, uint32_t index)
+{
+    uint64_t key[3], other[3];
+    position_key(mesh, index, key);
+    if (!key_is_finite(key)) return index;
+    for (size_t slot = (size_t)hash_key(key) & mask;; slot = (slot + 1) & mask) {
+        if (table[slot] == EMPTY) {
+            table[slot] = index;
+            return index;
+        }
+        position_key(mesh, table[slot], other);
+        if (key[0] == other[0] && key[1] == other[1] && key[2] == other[2]) return table[slot];
+    }
+}
+
+enum { POSITIONS_AT_A_TIME = 1 << 16 };
+
+static norma_result weld_equal(core_call *call, const core_mesh *mesh, uint32_t *weld)
+{
+    const size_t count = mesh->positions.count, size = table_size(count);
+    uint32_t *table = norma_core_allocate(call, size, sizeof *table);
+    if (!table) return NORMA_ERROR_MEMORY;
+    memset(table, 0xff, size * sizeof *table);
+    norma_result result = NORMA_OK;
+    for (size_t i = 0; i < count && result == NORMA_OK; i++) {
+        if (i % POSITIONS_AT_A_TIME == 0 && norma_core_progress(call, (double)i / (double)count)) result = NORMA_CANCELLED;
+        weld[i] = find_or_add(mesh, table, size - 1, (uint32_t)i);
+    }
+    norma_core_release(call, table, size, sizeof *table);
+    return result;
+}
+
+norma_result norma_core_weld(core_call *call, core_mesh *mesh)
+{
+    if (call->options.weld == NORMA_WELD_NONE || !mesh->positions.count) return NORMA_OK;
+    uint32_t *weld = norma_core_allocate(call, mesh->positions.count, sizeof *weld);
+    if (!weld) return NORMA_ERROR_MEMORY;
+    norma_result result = weld_equal(call, mesh, weld);
+    if (result == NORMA_OK && call->options.weld == NORMA_WELD_DISTANCE && call->options.weld_distance > 0) {
+        result = norma_core_weld_near(call, mesh, call->options.weld_distance * mesh->scale, weld);
+        mesh->distance_welded = 1;
+    }
+    if (result == NORMA_OK) mesh->weld = weld;
+    else norma_core_release(call, weld, mesh->positions.count, sizeof *weld);
+    return result;
+}
+
+void norma_core_unweld(const core_call *call, core_mesh *mesh)
+{
+    norma_core_release(call, (void *)(uintptr_t)mesh->weld, mesh->positions.count, sizeof *mesh->weld);
+    mesh->weld = NULL;
+}
