@@ -1,0 +1,278 @@
+/* obj_write.c: the file again, its statements walked in the order they were read. What did not change is copied as bytes, in spans as long as they come. */
+#include <math.h>
+#include <stdlib.h>
+#include "number.h"
+#include "obj.h"
+#include "obj_text.h"
+#include "sink.h"
+
+typedef struct writer {
+    const obj_state *state;
+    norma_sink      *sink;
+    const char      *text, *end;
+    const char      *pending;              /* what lies from here to where we are is to be copied */
+    size_t           position, normal, face, other; /* the next of each */
+    const char     **tokens;               /* of a face that is reversed */
+    size_t           token_room;
+    int              out_of_memory;
+} writer;
+
+static void put(writer *w, const char *begin, const char *end)
+{
+    norma_sink_put(w->sink, begin, (size_t)(end - begin));
+}
+
+/* Copies up to p, and goes on after next. */
+static void copy_then_skip(writer *w, const char *p, const char *next)
+{
+    put(w, w->pending, p);
+    w->pending = next;
+}
+
+/* ---- numbers of v and vn statements */
+
+static size_t format_coordinate(const writer *w, double value, char out[32])
+{
+    return w->state->floats_suffice ? norma_number_format_float((float)value + 0.0f, out) : norma_number_format_double(value + 0.0, out);
+}
+
+/* The three numbers from p on; each keeps its text where it still says the same. */
+static void rewrite_position(writer *w, const char *p)
+{
+    const double *values = w->state->positions + 3 * w->position;
+    for (int i = 0; i < 3; ++i) {
+        char text[32];
+        double old;
+        p = norma_obj_skip_blanks(p, w->end);
+        const char *next = norma_number_parse(p, w->end, &old);
+        if (!next)
+            return;
+        if (!(values[i] == old) && !isnan(values[i])) {
+            copy_then_skip(w, p, next);
+            norma_sink_put(w->sink, text, format_coordinate(w, values[i], text));
+        }
+        p = next;
+    }
+}
+
+static void rewrite_normal(writer *w, const char *p, size_t normal)
+{
+    const float *values = w->state->normals + 3 * normal;
+    for (int i = 0; i < 3; ++i) {
+        char text[32];
+        double old;
+        p = norma_obj_skip_blanks(p, w->end);
+        const char *next = norma_number_parse(p, w->end, &old);
+        if (!next)
+            return;
+        if (isfinite(values[i]) && fabs((double)values[i] - old) > 1e-9) {
+            copy_then_skip(w, p, next);
+            norma_sink_put(w->sink, text, norma_number_format_normal(values[i], text));
+        }
+        p = next;
+    }
+}
+
+/* ---- the block of normals */
+
+typedef struct line_ending { const char *begin, *end; } line_ending;
+
+/* As the statement at p ends; where that ends the file, as its first line does. */
+static line_ending ending_like(const writer *w, const char *p)
+{
+    static const char newline[] = "\n";
+    const char *ends[2] = { norma_obj_statement_end(p, w->end), w->text };
+    while (ends[1] < w->end && !norma_obj_is_end(*ends[1]))
+        ++ends[1];
+    for (int i = 0; i < 2; ++i)
+        if (ends[i] < w->end)
+            return (line_ending){ ends[i], norma_obj_skip_end(ends[i], w->end) };
+    return (line_ending){ newline, newline + 1 };
+}
+
+static void write_kept_normal(writer *w, size_t normal, line_ending ending)
+{
+    const char *begin = w->text + w->state->normal_offsets[normal];
+    const char *rest;
+    const char *p = norma_obj_skip_blanks(begin, w->end);
+    const char *end = norma_obj_statement_end(p, w->end);
+    const char *after = norma_obj_skip_end(end, w->end);
+    const char *pending = w->pending;
+    w->pending = begin;
+    norma_obj_keyword(p, w->end, &rest);
+    if (w->state->normals_turned)
+        rewrite_normal(w, rest, normal);
+    put(w, w->pending, after);
+    if (after == end)
+        put(w, ending.begin, ending.end);
+    w->pending = pending;
+}
+
+static void write_new_normal(writer *w, size_t normal, line_ending ending)
+{
+    char line[128] = "vn";
+    size_t length = 2;
+    for (int i = 0; i < 3; ++i) {
+        line[length++] = ' ';
+        length += norma_number_format_normal(w->state->normals[3 * normal + (size_t)i], line + length);
+    }
+    for (const char *p = ending.begin; p < ending.end; ++p)
+        line[length++] = *p;
+    norma_sink_put(w->sink, line, length);
+}
+
+static void write_block(writer *w, const char *p)
+{
+    const line_ending ending = ending_like(w, p);
+    copy_then_skip(w, p, p);
+    for (size_t i = 0; i < w->state->normal_count; ++i)
+        if (w->state->normal_offsets[i] == SIZE_MAX)
+            write_new_normal(w, i, ending);
+        else
+            write_kept_normal(w, i, ending);
+}
+
+/* ---- corners */
+
+static void put_number(writer *w, const obj_corner *corner, uint32_t normal)
+{
+    char text[24] = "//";
+    size_t length = corner->has_texture ? 1 : 2;
+    length += norma_number_format_integer((uint64_t)normal + 1, text + length);
+    norma_sink_put(w->sink, text, length);
+}
+
+/* Whether a token of the source names its normal as it has to. */
+static int says(const writer *w, const obj_corner *corner, uint32_t normal)
+{
+    return !w->state->normals_replaced || normal >= OBJ_BAD_NORMAL || (corner->has_normal && corner->normal == (int64_t)normal + 1);
+}
+
+/* Whether a token stands at *p, then past blanks. */
+static int at_token(const writer *w, const char **p)
+{
+    *p = norma_obj_skip_blanks(*p, w->end);
+    return *p < w->end && !norma_obj_is_end(**p) && **p != '#';
+}
+
+static void rewrite_face(writer *w, const char *p)
+{
+    const uint32_t *normals = w->state->corner_normals + w->state->face_starts[w->face];
+    obj_corner corner;
+    for (; at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end, ++normals)
+        if (!says(w, &corner, *normals)) {
+            copy_then_skip(w, corner.texture_end, corner.end);
+            put_number(w, &corner, *normals);
+        }
+}
+
+/* The first token stays where it is, the others change places; what lies between them does not. */
+static void reverse_face(writer *w, const char *p)
+{
+    size_t begin = w->state->face_starts[w->face], count = 0;
+    obj_corner slot, corner;
+    for (const char *q = p; at_token(w, &q) && norma_obj_corner(q, w->end, &corner); q = corner.end) {
+        void *grown = norma_io_grow(w->tokens, &w->token_room, count + 1, sizeof *w->tokens);
+        w->out_of_memory |= !grown;
+        if (!grown)
+            return;
+        w->tokens = grown;
+        w->tokens[count++] = q;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        uint32_t normal = w->state->corner_normals[begin + i];
+        norma_obj_corner(w->tokens[i], w->end, &slot);
+        norma_obj_corner(w->tokens[i ? count - i : 0], w->end, &corner);
+        copy_then_skip(w, slot.begin, slot.end);
+        if (says(w, &corner, normal)) {
+            put(w, corner.begin, corner.end);
+        } else {
+            put(w, corner.begin, corner.texture_end);
+            put_number(w, &corner, normal);
+        }
+    }
+}
+
+static void rewrite_referring(writer *w, const char *p)
+{
+    obj_corner corner;
+    for (; at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
+        if (!norma_obj_corner(p, w->end, &corner) || !corner.has_normal)
+            continue;
+        uint32_t normal = w->state->other_normals[w->other++];
+        if (!says(w, &corner, normal)) {
+            copy_then_skip(w, corner.texture_end, corner.end);
+            put_number(w, &corner, normal);
+        }
+    }
+}
+
+/* ---- statements */
+
+static void write_statement(writer *w, const char *begin, obj_kind kind, const char *rest, const char *after)
+{
+    const obj_state *state = w->state;
+    switch (kind) {
+    case OBJ_POSITION:
+        if (state->positions_moved)
+            rewrite_position(w, rest);
+        ++w->position;
+        break;
+    case OBJ_NORMAL:
+        if (state->normals_replaced)
+            copy_then_skip(w, begin, after);
+        else if (state->normals_turned)
+            rewrite_normal(w, rest, w->normal);
+        ++w->normal;
+        break;
+    case OBJ_FACE:
+        if (state->faces_reversed)
+            reverse_face(w, rest);
+        else if (state->normals_replaced)
+            rewrite_face(w, rest);
+        ++w->face;
+        break;
+    case OBJ_REFERRING:
+    case OBJ_SURFACE:
+        if (state->normals_replaced)
+            rewrite_referring(w, rest);
+        break;
+    default:
+        break;
+    }
+}
+
+static void write_statements(writer *w)
+{
+    const char *p = w->text;
+    if (w->end - p >= 3 && (unsigned char)p[0] == 0xef && (unsigned char)p[1] == 0xbb && (unsigned char)p[2] == 0xbf)
+        p += 3;
+    while (p < w->end && !w->sink->failed && !w->out_of_memory) {
+        const char *begin = p, *rest;
+        if (w->state->normals_replaced && (size_t)(begin - w->text) == w->state->block)
+            write_block(w, begin);
+        p = norma_obj_skip_blanks(p, w->end);
+        obj_kind kind = norma_obj_keyword(p, w->end, &rest);
+        p = norma_obj_skip_end(norma_obj_statement_end(rest, w->end), w->end);
+        write_statement(w, begin, kind, rest, p);
+    }
+    copy_then_skip(w, w->end, w->end);
+}
+
+norma_document_result norma_obj_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
+{
+    const obj_state *state = document->state;
+    const char *text = (const char *)document->source.data;
+    (void)path;
+    writer w = { .state = state, .text = text, .end = text + document->source.size, .pending = text, .sink = norma_sink_create(write, user) };
+    if (!w.sink)
+        return norma_document_fail_memory(document, error);
+    if (state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed)
+        write_statements(&w);
+    else
+        put(&w, w.text, w.end);
+    free((void *)w.tokens);
+    if (norma_sink_finish(w.sink))
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
+    return w.out_of_memory ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
+}
