@@ -1,0 +1,44 @@
+# Completion of norma's command line for bash. Installed as share/bash-completion/completions/norma.
+_norma() {
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} verb=${COMP_WORDS[1]:-}
+    local matrix="--scale --rotate --translate --matrix"
+    local files="-o --output --out-dir --in-place --input-format --threads --json --quiet --help"
+    local values="" options=""
+    COMPREPLY=()
+    if [ "$COMP_CWORD" -eq 1 ]; then
+        mapfile -t COMPREPLY < <(compgen -W "compute transform matrix info help --help --version" -- "$word")
+        return
+    fi
+    case $before in
+    help) values="compute transform matrix info" ;;
+    --weight) values="angle area uniform max angle-area visible angle-lengths" ;;
+    --weld) values="exact none" ;;
+    --groups) values="auto ignore" ;;
+    --non-manifold) values="hard smooth" ;;
+    --only) values="all missing broken" ;;
+    --input-format) values="obj ply stl gltf glb" ;;
+    --crease | --threads | --scale | --rotate | --translate | --matrix) return ;;
+    --out-dir)
+        mapfile -t COMPREPLY < <(compgen -d -- "$word")
+        return
+        ;;
+    esac
+    if [ -n "$values" ]; then
+        mapfile -t COMPREPLY < <(compgen -W "$values" -- "$word")
+        return
+    fi
+    case $verb in
+    compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs $files" ;;
+    transform) options="$matrix --bake $files" ;;
+    matrix) options="$matrix --json --help" ;;
+    info) options="--deep --input-format --threads --json --quiet --help" ;;
+    esac
+    if [[ $word == -* ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
+    elif [ "$verb" != matrix ] && [ "$verb" != help ]; then
+        mapfile -t COMPREPLY < <(compgen -d -S / -- "$word"; compgen -f -X '!*.@(obj|ply|stl|gltf|glb|OBJ|PLY|STL|GLTF|GLB)' -- "$word")
+        [[ ${COMPREPLY[0]:-} != */ ]] || compopt -o nospace 2>/dev/null
+    fi
+}
+shopt -s extglob
+complete -F _norma norma
