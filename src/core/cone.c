@@ -11,6 +11,8 @@ typedef struct cone {
     int    count;
 } cone;
 
+static double least(double a, double b) { return a < b ? a : b; }
+
 /* The rim through two or three normals: the axis is as near to each. Returns 0 where they have none (opposite, or on one great circle). */
 static int axis_of(const double (*n)[3], cone *c)
 {
@@ -27,20 +29,26 @@ static int axis_of(const double (*n)[3], cone *c)
     }
     if (!(norma_core_length(a) > 0)) return 0;
     norma_core_normalise(a, c->axis);
-    c->cosine = norma_core_dot(c->axis, n[c->held[0]]);
-    if (c->cosine < 0 && c->count == 3) {
+    if (c->count == 3 && norma_core_dot(c->axis, n[c->held[0]]) < 0)
         for (int k = 0; k < 3; k++) c->axis[k] = -c->axis[k];
-        c->cosine = -c->cosine;
-    }
+    c->cosine = 1;
+    for (int i = 0; i < c->count; i++) c->cosine = least(c->cosine, norma_core_dot(c->axis, n[c->held[i]]));
     return 1;
 }
 
-static const double ROUNDING = 0x1p-48; /* of cosines of unit vectors */
+static const double ROUNDING = 0x1p-48; /* of cosines of unit vectors; those on the rim of a wide cone differ by more, and are held by name */
+
+static int is_held(const cone *c, size_t member)
+{
+    for (int i = 0; i < c->count; i++)
+        if (c->held[i] == member) return 1;
+    return 0;
+}
 
 static int holds(const double (*n)[3], const cone *c, const size_t *members, int count)
 {
     for (int i = 0; i < count; i++)
-        if (norma_core_dot(c->axis, n[members[i]]) < c->cosine - ROUNDING) return 0;
+        if (!is_held(c, members[i]) && norma_core_dot(c->axis, n[members[i]]) < c->cosine - ROUNDING) return 0;
     return 1;
 }
 
@@ -88,7 +96,7 @@ int norma_core_smallest_cone(const double (*normals)[3], size_t count, double ax
         double cosine;
         const double before = c.cosine;
         const size_t outside = farthest(normals, count, c.axis, &cosine);
-        if (cosine >= c.cosine - ROUNDING) break;
+        if (cosine >= c.cosine - ROUNDING || is_held(&c, outside)) break;
         if (!take_in(normals, &c, outside) || c.cosine <= 0x1p-30) return 0;
         if (c.cosine >= before) break;           /* no wider than before: what is left outside is rounding */
     }
