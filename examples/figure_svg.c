@@ -120,7 +120,7 @@ int main(void)
 
     static panel before = {.x = 150, .y = 180, .title = "before", .formula = "normals n", .colour = "#2b5c9e"};
     static panel wrong = {.x = 455, .y = 180, .title = "scaled by (2, 0.5): wrong", .formula = "M n, renormalised", .colour = "#c0392b"};
-    static panel good = {.x = 805, .y = 180, .title = "scaled by (2, 0.5): right", .formula = "M<tspan dy=\"-5\" font-size=\"11\">−T</tspan><tspan dy=\"5\"> n, renormalised</tspan>", .colour = "#1d7a4a"};
+    static panel good = {.x = 805, .y = 180, .title = "scaled by (2, 0.5): right", .formula = "M<tspan dy=\"-5\" font-size=\"11\">−T</tspan><tspan dy=\"5\">&#160;n, renormalised</tspan>", .colour = "#1d7a4a"};
     norma_matrix_info info;
     if (norma_normal_matrix(model_float, NORMA_WINDING_REVERSED, matrix, &info) != NORMA_OK || !make_tube(&before) || !transform(&before, model, plain, &wrong) ||
         !transform(&before, model, matrix, &good))

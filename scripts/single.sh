@@ -6,6 +6,7 @@ set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 out=${1:-$root/build/single}
 mkdir -p "$out"
+out=$(cd "$out" && pwd)
 cp "$root/include/norma/norma.h" "$out/norma.h"
 
 cd "$root/src/core"
