@@ -1,5 +1,4 @@
-/* norma.h: the contract. Names, types, order and meaning below are what other programs compile against: include/norma/norma.h
- * begins as a copy of this file, gains documentation and further functions, and changes nothing that is here.
+/* norma.h: normals of meshes, and normals through transforms. The core of Norma: no I/O, no globals, libc and libm alone.
  *
  * Vectors are columns, 4x4 matrices column-major (translation in [12..14]), 3x3 matrices column-major: the same bytes as row-major
  * matrices for row vectors. Angles are radians, strides bytes. Zero-initialised structs mean the documented defaults. */
@@ -77,6 +76,7 @@ enum norma_reason {               /* why an element has no normal of its own, an
 typedef void  norma_task(void *context, size_t index);
 typedef void  norma_parallel_for(void *user, size_t count, norma_task *task, void *context); /* each index once, in any order; returns when all are done */
 typedef int   norma_progress(void *user, double fraction);                                  /* never falls; nonzero cancels */
+/* Both functions or neither (malloc and free). Called by the calling thread only; size and alignment (a power of two, at most 64) as they were asked for. */
 typedef struct norma_allocator {
     void *(*allocate)(void *user, size_t size, size_t alignment);                           /* NULL: out of memory */
     void  (*release)(void *user, void *block, size_t size);
@@ -124,21 +124,54 @@ typedef struct norma_report {
     norma_count winding_conflicts;
 } norma_report;
 
-/* ---- normals: three floats for each face, vertex, corner, of unit length or the fallback. Options and report may be NULL. */
+/* ---- normals: three floats for each face, vertex, corner, of unit length or the fallback. Options and report may be NULL.
+ *
+ * What holds for the four calls below:
+ * - Buffers are the caller's, read or written during the call only. normals: the first three floats of each element at options->normal_stride bytes (12 by
+ *   default) from one to the next, of any alignment; capacity counts elements, not floats. Each is written once and never read, so it may be mapped
+ *   memory of a GPU; nothing is written between or beyond them. -0 is never written.
+ * - Errors: NORMA_ERROR_ARGUMENT for a NULL mesh, a NULL buffer where there is something to read or write, triangles whose corner_count is no multiple of
+ *   three, face_starts that fall or do not run from 0 to corner_count, no corners and more corners than positions, a NaN crease, an option out of its range,
+ *   an instruction set that the machine lacks; _CAPACITY, _INDEX, _OVERFLOW (also from 2^32 - 1 positions, corners or faces on), _MEMORY. All but _MEMORY and
+ *   NORMA_CANCELLED are found before anything is written; after those two, outputs and report are undefined. An empty mesh is NORMA_OK.
+ * - A face's direction is that of its vector area, within 1e-7 rad of the exact one for the positions given, however thin the face, from edges of 1e-38 to 1e38 and at
+ *   any distance from the origin. Consecutive corners at one (welded) position are one, the last of them. A face with fewer than three left, of exactly no
+ *   area, or with a position that is not finite has no direction and no vote.
+ * - What has no normal gets options->fallback, its reason in options->reasons, and is counted in the report. Never NaN.
+ * - The same bits for any number of threads, any parallel_for and any instruction set: each sum runs over its corners in ascending order.
+ * - Threads: any number of calls may run at once on meshes that nobody changes. progress is called by the calling thread only. */
 
+/* The unit normal of each face: that of its vector area, (p1 - p0) x (p2 - p0) for a triangle, for a polygon the sum of (p_i - p_0) x (p_{i+1} - p_0) (Newell's method,
+ * Sutherland, Sproull, Schumacker 1974, relative to a vertex), right for concave polygons too. normals: face_count of them (triangles: corner_count / 3).
+ * O(corners); no scratch memory to speak of but with NORMA_WELD_DISTANCE, the only weld that matters here, and the nearest fallback. */
 norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *options, float *normals, size_t capacity, norma_report *report);
+/* The unit normal of each position: the sum over all corners at it (welded as options->weld says), each face's normal weighted by options->weight; where that sum
+ * cancels, ||sum|| <= 2^-20 sum of weights, over the corners of the position's own index. Nobody's creases are looked at. normals: positions.count of
+ * them. O(positions + corners), whatever the valence; NORMA_WELD_DISTANCE O(n log n).
+ * Weights of a corner between edges a and b, its interior angle alpha (above pi where it is reflex), the face's area A: alpha (Thuermer, Wuethrich 1998), A, 1,
+ * |a x b| / (|a|^2 |b|^2) (Max 1999), alpha A, alpha |a| |b|; or no sum but the axis of the smallest cone (Aubry, Loehner 2008). */
 norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *options, float *normals, size_t capacity, norma_report *report);
+/* The unit normal of each corner: the sum over its fan, the corners at its position that smooth edges join. An edge is smooth where two faces share it (each the
+ * other's only partner: the faces that run along it the other way, its own reversed twin left out), the dihedral angle is at most crease_angle_rad + 1e-6,
+ * no side marks it hard, and, where groups are given, their masks share a bit. A crease of pi or more lets every angle pass, 0 only what is flat, below 0 nothing.
+ * A face without a direction borrows, for the dihedral alone, that of the face it shares its longest edge with. normals: corner_count of them.
+ * O(positions + corners * log of the valence). */
 norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, float *normals, size_t capacity, norma_report *report);
 
 /* The same normals as an indexed mesh: the new vertex of each corner; for each new vertex the old one and its normal. New vertices are numbered as
- * corners first use them. corners, source_vertices and normals may be NULL, to count. */
+ * corners first use them. corners, source_vertices and normals may be NULL, to count.
+ * New vertices are told apart by old vertex and the bits of the normal; positions that no corner uses are left out. corner_capacity counts corners, vertex_capacity
+ * the elements of source_vertices and of normals; *vertex_count (may be NULL) is set on success. The report is that of norma_corner_normals, in corners;
+ * options->reasons, where given, has room for one of each new vertex. With the nearest fallback, a corner without a normal is one with the first corner of its
+ * vertex that has one, so degenerate faces add no vertex. Cost as norma_corner_normals, twice where normals are asked for; 4 bytes a corner of scratch on top. */
 norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, uint32_t *corners, size_t corner_capacity,
                          uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count, norma_report *report);
 
 /* Phong's interpolation (1975, p. 314): the normal inside a face, renormalised. */
 norma_result norma_interpolate_normal(const float a[3], const float b[3], const float c[3], const float barycentric[3], float normal[3]);
 
-/* ---- meshes that move: what depends on topology alone, done once. Fans and shared positions are those of the mesh at creation. */
+/* ---- meshes that move: what depends on topology alone, done once. Fans and shared positions are those of the mesh at creation.
+ * Declared for later: version 0.1 of the library does not define these four, so a program that calls them does not link. */
 
 typedef enum norma_element { NORMA_PER_VERTEX = 0, NORMA_PER_CORNER } norma_element; /* per vertex: the fans that its corners lie in, summed */
 typedef struct norma_plan norma_plan;
