@@ -15,7 +15,9 @@ done
 missing=$({ scripts/public-symbols.sh | grep -v '^norma_plan_' | sed 's#.*#man3/&.3#'; find docs/man -name '*.[1357]' -printf '%f\n' | sed -E 's#.*\.(.)$#man\1/&#'; } |
     while read -r page; do [ -e "$prefix/share/man/$page" ] || echo "$page"; done)
 if [ -z "$missing" ]; then pass "has a manual page for every public function and every verb"; else fail "has a manual page for every public function and every verb" "$missing"; fi
-check "has completions for bash, zsh and fish" test "$(find "$prefix/share" -path '*completion*' -type f -o -path '*site-functions*' -type f | wc -l)" -eq 3
+for file in bash-completion/completions/norma zsh/site-functions/_norma fish/vendor_completions.d/norma.fish; do
+    check "has share/$file" test -s "$prefix/share/$file"
+done
 check "the installed tool runs" "$prefix/bin/norma" --version
 
 # What the shared library exports is what the headers declare, with a version each.
