@@ -3,7 +3,7 @@
 #   tests/golden.sh                  compares; TAP on standard output
 #   tests/golden.sh --refresh        writes what the tool says now into the cases (read the difference before you commit it)
 #   tests/golden.sh [--refresh] matrix.case ...   some of them
-# The tool is $NORMA_BIN (build/test/gcc/bin/norma). A case file runs top-down in a folder of its own that holds tests/golden/files. Its lines:
+# The tool is $NORMA_BIN (build/test/gcc/bin/norma). A case file runs top-down in a folder of its own that holds tests/golden/files, and assets. Its lines:
 #   # words              a comment
 #   $ command            run by bash, where `norma` is the tool
 #   > words              a line of its standard output        ("\ " at the end: without a line's end)
@@ -13,7 +13,7 @@
 source "$(dirname "$0")/tap.sh"
 cases=$root/tests/golden
 NORMA=${NORMA_BIN:-$tree/bin/norma}
-export NORMA
+export NORMA LC_ALL=C.UTF-8
 refresh=0
 [ "${1:-}" != --refresh ] || { refresh=1; shift; }
 [ -x "$NORMA" ] || { fail "the tool is there" "no program at $NORMA"; finish; exit 1; }
@@ -32,7 +32,7 @@ answer() {
         norma() { "$NORMA" "$@"; }
         export -f norma
         bash -c "$1"
-    ) >"$scratch/stdout" 2>"$scratch/stderr" </dev/null || status=$?
+    ) >"$scratch/stdout" 2>"$scratch/stderr" </dev/null 3<&- || status=$?
     printf '$ %s\n' "$1"
     prefixed '>' "$scratch/stdout"
     prefixed '!' "$scratch/stderr"
@@ -44,7 +44,7 @@ run_case() {
     name=$(basename "$file" .case)
     folder=$scratch/$name
     rm -rf "$folder"
-    cp -r "$cases/files" "$folder" && chmod -R u+w "$folder" && cd "$folder" || return
+    cp -r "$cases/files" "$folder" && chmod -R u+w "$folder" && ln -s "$root/assets" "$folder/assets" && cd "$folder" || return
     : >"$scratch/refreshed"
     exec 3<"$file"
     line="" command=""

@@ -178,6 +178,8 @@ static norma_document_result write_output(const file_job *job, norma_document *d
     norma_document_result result = norma_document_write(document, write_to_stdout, NULL, error);
     if (cli_interrupted())
         return fail_cancelled(error);
+    if (result && ferror(stdout))
+        error->message[0] = '\0'; /* cli_finish says it, and why */
     return result;
 }
 
@@ -250,7 +252,7 @@ static int run_job(const file_job *job)
     if (!result)
         result = change_document(job, document, &error);
     error.result = result;
-    cli_name_error(&error);
+    cli_name_error(&error, job->input);
     report(job, document, &error);
     norma_document_close(document);
     free(memory);

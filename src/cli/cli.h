@@ -96,7 +96,7 @@ const char *cli_input_name(const char *input);              /* for people: "stan
 double cli_megabytes(const char *input);                    /* 0: not known */
 int  cli_status_of(norma_document_result result);
 int  cli_worse(int status, int other);                      /* of a batch: interrupted, then 3, then 2, then 0 */
-void cli_name_error(norma_document_error *error);           /* the library's word for bytes without a name becomes "standard input" */
+void cli_name_error(norma_document_error *error, const char *input); /* "standard input" for the library's word for bytes without a name, "interrupted" */
 void cli_print_error(const norma_document_error *error);
 void cli_print_notes(const char *input, const norma_document *document);
 void cli_json_notes(struct cli_json *json, const norma_document *document);

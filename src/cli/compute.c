@@ -293,7 +293,7 @@ static void write_filled(const norma_compute_summary *summary, FILE *out)
     cli_count(out, summary->filled);
     fputs(" had no normal", out);
     write_cause(out, &written, counts->degenerate_faces.count, "degenerate face", "degenerate faces");
-    write_cause(out, &written, counts->unreferenced.count, "without a face", "without a face");
+    write_cause(out, &written, counts->unreferenced.count, "in no face with a direction", "in no face with a direction");
     write_cause(out, &written, counts->cancelled.count, "cancelled", "cancelled");
     write_cause(out, &written, counts->non_finite.count, "not finite", "not finite");
     fputs(written ? ")" : "", out);

@@ -263,22 +263,16 @@ static void print_part(const mesh_part *part)
         print_explained(&part->explained);
 }
 
+/* Of a glTF file. */
 static void print_mesh(const contents *found, size_t first, size_t end)
 {
     const norma_mesh_info *info = &found->parts[first].info;
     for (size_t i = first; i < end; ++i) {
-        fputs("  ", stdout);
-        if (info->where[0]) {
-            printf("mesh %zu", info->mesh);
-            print_name(info->name);
-            if (end - first > 1)
-                printf(" primitive %zu", found->parts[i].info.primitive);
-            fputs(": ", stdout);
-        } else if (info->name[0]) {
-            fputs("mesh", stdout);
-            print_name(info->name);
-            fputs(": ", stdout);
-        }
+        printf("  mesh %zu", info->mesh);
+        print_name(info->name);
+        if (end - first > 1)
+            printf(" primitive %zu", found->parts[i].info.primitive);
+        fputs(": ", stdout);
         print_part(&found->parts[i]);
     }
 }
@@ -310,16 +304,21 @@ static void print_nodes(const norma_document *document)
 static void print_text(const contents *found)
 {
     size_t meshes = 0;
+    printf("%s: %s", cli_input_name(found->path), norma_file_format_name(norma_document_format(found->document)));
+    if (found->part_count == 1 && !found->parts[0].info.where[0]) {
+        print_name(found->parts[0].info.name);
+        fputs(", ", stdout);
+        print_part(&found->parts[0]);
+        return;
+    }
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
         ++meshes;
-    printf("%s: %s, ", cli_input_name(found->path), norma_file_format_name(norma_document_format(found->document)));
+    fputs(", ", stdout);
     cli_counted(stdout, meshes, "mesh", "meshes");
     fputs(", ", stdout);
     cli_counted(stdout, found->vertices, "vertex", "vertices");
     fputs(", ", stdout);
     cli_counted(stdout, found->faces, "face", "faces");
-    fputs(", ", stdout);
-    cli_counted(stdout, found->triangles, "triangle", "triangles");
     fputs("\n", stdout);
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
         print_mesh(found, first, mesh_end(found, first));
@@ -363,7 +362,8 @@ static int run_file(const info_work *work, const char *path)
     if (!result)
         result = collect(work, document, &found, &error);
     cli_progress_stop(&progress);
-    cli_name_error(&error);
+    error.result = result;
+    cli_name_error(&error, path);
     if (result) {
         cli_print_error(&error);
         if (work->common.json && result != NORMA_DOCUMENT_CANCELLED)

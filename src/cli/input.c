@@ -112,10 +112,12 @@ int cli_worse(int status, int other)
     return other > status ? other : status;
 }
 
-void cli_name_error(norma_document_error *error)
+void cli_name_error(norma_document_error *error, const char *input)
 {
     static const char nameless[] = "<memory>";
     char rest[sizeof error->message];
+    if (error->result == NORMA_DOCUMENT_CANCELLED)
+        snprintf(error->message, sizeof error->message, "%.900s: interrupted", cli_input_name(input));
     if (strncmp(error->message, nameless, sizeof nameless - 1))
         return;
     strcpy(rest, error->message + sizeof nameless - 1);
@@ -124,7 +126,8 @@ void cli_name_error(norma_document_error *error)
 
 void cli_print_error(const norma_document_error *error)
 {
-    fprintf(stderr, "norma: %s\n", error->message);
+    if (error->message[0])
+        fprintf(stderr, "norma: %s\n", error->message);
 }
 
 void cli_print_notes(const char *input, const norma_document *document)

@@ -93,7 +93,10 @@ static void write_text(const void *user, const norma_document *document, FILE *o
     cli_counted(out, summary->vertices, "vertex", "vertices");
     fputs(" in ", out);
     cli_counted(out, summary->meshes, "mesh", "meshes");
-    fprintf(out, ", matrix: %s", cli_kind_name(work->info.kind));
+    if (work->info.mirrored && work->info.kind <= NORMA_KIND_TRANSLATION)
+        fputs(", matrix: mirror", out);
+    else
+        fprintf(out, ", matrix: %s%s", cli_kind_name(work->info.kind), work->info.mirrored ? " with a mirror" : "");
     if (summary->nodes_baked) {
         fputs(", ", out);
         cli_counted(out, summary->nodes_baked, "node baked", "nodes baked");
