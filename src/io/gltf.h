@@ -107,7 +107,8 @@ typedef struct gltf_node {
 
 typedef struct gltf_data {                /* new contents of an accessor */
     int            component, normalized;
-    uint32_t       width;                 /* 1 to 4; no matrices */
+    uint32_t       width;
+    size_t         element_size;          /* 0: width times the component's size */
     size_t         count;
     unsigned char *bytes;                 /* elements back to back, owned */
     int            bounds;                /* min and max are wanted also where there were none (POSITION) */
@@ -158,6 +159,8 @@ norma_document_result norma_gltf_array(gltf *g, uint32_t accessor, gltf_array *a
 size_t norma_gltf_component_size(int component);                                           /* 0: unknown */
 void   norma_gltf_floats(const gltf_array *array, size_t index, float *out);               /* one element, width numbers, normalised integers decoded */
 void   norma_gltf_uints(const gltf_array *array, size_t index, uint32_t *out);             /* of an unsigned integer accessor */
+/* Which elements a sparse accessor replaces: sparse.count numbers below count. */
+norma_document_result norma_gltf_sparse_indices(gltf *g, uint32_t accessor, uint32_t *out, norma_document_error *error);
 norma_vec3_view norma_gltf_vec3_view(const gltf_array *array);                             /* integers as they are; width must be 3 */
 
 /* Corners of the primitive's triangles (strips and fans unrolled), 3 * faces, each below vertices; cached. Fails for what cannot be read. */

@@ -116,20 +116,31 @@ static uint32_t read_uint(const unsigned char *at, int component)
     return value;
 }
 
+norma_document_result norma_gltf_sparse_indices(gltf *g, uint32_t accessor, uint32_t *out, norma_document_error *error)
+{
+    const gltf_accessor *a = &g->accessors[accessor];
+    const unsigned char *indices;
+    size_t stride, size = norma_gltf_component_size(a->sparse.indices_component);
+    norma_document_result result = locate(g, a->token, a->sparse.indices_view, a->sparse.indices_offset, a->sparse.count, size, &stride, &indices, error);
+    for (size_t i = 0; !result && i < a->sparse.count; ++i) {
+        out[i] = read_uint(indices + i * stride, a->sparse.indices_component);
+        if (out[i] >= a->count)
+            result = norma_gltf_malformed(g, error, a->token, "sparse indices below count");
+    }
+    return result;
+}
+
 static norma_document_result apply_sparse(gltf *g, gltf_accessor *a, norma_document_error *error)
 {
-    const unsigned char *indices, *values;
-    size_t index_stride, value_stride, index_size = norma_gltf_component_size(a->sparse.indices_component);
-    norma_document_result result = locate(g, a->token, a->sparse.indices_view, a->sparse.indices_offset, a->sparse.count, index_size, &index_stride, &indices, error);
+    const unsigned char *values;
+    size_t stride;
+    norma_document_result result = locate(g, a->token, a->sparse.values_view, a->sparse.values_offset, a->sparse.count, a->element_size, &stride, &values, error);
+    uint32_t *indices = result ? NULL : norma_io_allocate(a->sparse.count, sizeof *indices);
     if (!result)
-        result = locate(g, a->token, a->sparse.values_view, a->sparse.values_offset, a->sparse.count, a->element_size, &value_stride, &values, error);
-    for (size_t i = 0; !result && i < a->sparse.count; ++i) {
-        uint32_t index = read_uint(indices + i * index_stride, a->sparse.indices_component);
-        if (index >= a->count)
-            result = norma_gltf_malformed(g, error, a->token, "sparse indices below count");
-        else
-            memcpy(a->owned + index * a->element_size, values + i * a->element_size, a->element_size);
-    }
+        result = indices ? norma_gltf_sparse_indices(g, (uint32_t)(a - g->accessors), indices, error) : norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; !result && i < a->sparse.count; ++i)
+        memcpy(a->owned + indices[i] * a->element_size, values + i * stride, a->element_size);
+    free(indices);
     return result;
 }
 

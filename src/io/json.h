@@ -64,6 +64,7 @@ typedef struct json_edits json_edits;
 json_edits *norma_json_edits_create(const json *j);
 json_edits *norma_json_edits_copy(const json_edits *edits);
 void        norma_json_edits_destroy(json_edits *edits);
+void        norma_json_edits_fail(json_edits *edits);                                /* as if memory had run out within them */
 int         norma_json_edits_any(const json_edits *edits);
 
 void norma_json_replace(json_edits *edits, uint32_t value, const char *text);     /* the whole value; again: the last one counts */

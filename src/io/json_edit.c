@@ -136,6 +136,11 @@ json_edits *norma_json_edits_copy(const json_edits *edits)
     return copy;
 }
 
+void norma_json_edits_fail(json_edits *edits)
+{
+    edits->failed = 1;
+}
+
 int norma_json_edits_any(const json_edits *edits)
 {
     return edits->count > 0;
