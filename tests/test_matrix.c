@@ -166,6 +166,22 @@ static void no_power_of_two_where_none_is_needed(void **state)
     assert_true(matrix[0] == 1.0f && matrix[4] == 1.0f && matrix[8] == 1.0f);
 }
 
+/* With one: the largest entry near 1, unless the smallest needs more room. */
+static void the_power_of_two_leaves_room(void **state)
+{
+    (void)state;
+    const double huge[9] = {1e30, 0, 0, 0, 2e30, 0, 0, 0, 4e30}, broad[9] = {1e38, 0, 0, 0, 1e38, 0, 0, 0, 1e-38};
+    float model[16], matrix[9];
+    model_of(huge, model);
+    assert_int_equal(norma_normal_matrix(model, NORMA_WINDING_KEPT, matrix, NULL), NORMA_OK);
+    assert_true(matrix[0] >= 1.0f && matrix[0] < 2.0f);
+    assert_near((double)(matrix[0] / matrix[8]), 4.0, 1e-6);
+    model_of(broad, model);
+    assert_int_equal(norma_normal_matrix(model, NORMA_WINDING_KEPT, matrix, NULL), NORMA_OK);
+    assert_true(matrix[0] >= FLT_MIN && matrix[4] == matrix[0] && isfinite(matrix[8]));
+    assert_near((double)matrix[8] / (double)matrix[0] * ((double)model[10] / (double)model[0]), 1.0, 1e-6);
+}
+
 /* (M a) x (M b) = cof(M) (a x b) for every M, at entries from 1e-38 to 1e38; long double has the range and 64 bits. */
 static void cross_products_go_through(void **state)
 {
@@ -614,6 +630,33 @@ static void model_view_is_the_matrix_of_the_product(void **state)
     }
 }
 
+/* The view's kernel is (1, 1, -1), and two of the model's columns differ by little else: the third column of the product's cofactors is what is
+ * left of terms four million times as large. */
+static void model_view_cancels_exactly(void **state)
+{
+    (void)state;
+    uint64_t seed = 37;
+    for (int round = 0; round < 3000; round++) {
+        int64_t m[9], v[9], p[9];
+        for (int i = 0; i < 9; i++) m[i] = random_integer(&seed, 22), v[i] = random_integer(&seed, 22);
+        const int64_t along = random_integer(&seed, 22);
+        for (int i = 0; i < 3; i++) v[6 + i] = v[i] + v[3 + i], m[3 + i] = m[i] + (i < 2 ? along : -along);
+        m[3] += round % 2;
+        for (int c = 0; c < 3; c++)
+            for (int r = 0; r < 3; r++) p[3 * c + r] = v[r] * m[3 * c] + v[3 + r] * m[3 * c + 1] + v[6 + r] * m[3 * c + 2];
+        double model_upper[9], view_upper[9];
+        for (int i = 0; i < 9; i++) model_upper[i] = (double)m[i], view_upper[i] = (double)v[i];
+        float model[16], view[16], matrix[9];
+        model_of(model_upper, model);
+        model_of(view_upper, view);
+        assert_int_equal(norma_normal_matrix_model_view(model, view, NORMA_WINDING_KEPT, matrix, NULL), NORMA_OK);
+        for (int i = 0; i < 9; i++) {
+            const double right = (double)integer_cofactor(p, i);
+            assert_true(fabs((double)matrix[i] - right) <= 0x1.1p-24 * fabs(right));
+        }
+    }
+}
+
 /* Two flattenings that meet in a line: no normal is left, and no rounding may invent one. */
 static void model_view_zero_is_exact(void **state)
 {
@@ -794,6 +837,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cofactors_equal_integers_at_any_scale),
         cmocka_unit_test(no_power_of_two_where_none_is_needed),
+        cmocka_unit_test(the_power_of_two_leaves_room),
         cmocka_unit_test(cross_products_go_through),
         cmocka_unit_test(sign_is_that_of_the_exact_determinant),
         cmocka_unit_test(double_models_are_exact_too),
@@ -808,6 +852,7 @@ int main(void)
         cmocka_unit_test(worst_error_by_trying),
         cmocka_unit_test(rotation_gives_itself),
         cmocka_unit_test(model_view_is_the_matrix_of_the_product),
+        cmocka_unit_test(model_view_cancels_exactly),
         cmocka_unit_test(model_view_zero_is_exact),
         cmocka_unit_test(model_view_kinds),
         cmocka_unit_test(batches_equal_singles),

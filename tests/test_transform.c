@@ -412,8 +412,8 @@ static void interpolated_normals(void **state)
     assert_direction(n, 0, 0, 1, 1e-9);
     assert_ok(norma_interpolate_normal(x, minus_x, z, edge, n));
     assert_true(is_zero(n));
-    const float third[3] = {-0.5f, 0.8660254f, 0}, two_thirds[3] = {-0.5f, -0.8660254f, 0};
-    assert_ok(norma_interpolate_normal(x, third, two_thirds, middle, n)); /* sums to rounding, not to a direction */
+    const float first[3] = {0.6f, 0.8f, 0}, third[3] = {-0.99282032f, 0.11961524f, 0}, two_thirds[3] = {0.39282032f, -0.91961524f, 0};
+    assert_ok(norma_interpolate_normal(first, third, two_thirds, middle, n)); /* sums to rounding, not to a direction */
     assert_true(is_zero(n));
     const float nothing[3] = {NAN, 0, 0}, tiny[3] = {1e-38f, 0, 0}, huge[3] = {0, 3e38f, 0};
     assert_ok(norma_interpolate_normal(nothing, y, z, middle, n));

@@ -74,15 +74,19 @@ int norma_matrix_common_shift(const scaled_number numbers[9], number_range range
 {
     if (fits(numbers, range)) return 0;
     int least = INT32_MAX, most = INT32_MIN;
+    double mantissa = 0.0;            /* of the largest */
     for (int i = 0; i < 9; i++) {
-        if (numbers[i].mantissa == 0.0) continue;
-        if (numbers[i].exponent < least) least = numbers[i].exponent;
-        if (numbers[i].exponent > most) most = numbers[i].exponent;
+        const scaled_number n = numbers[i];
+        if (n.mantissa == 0.0) continue;
+        if (n.exponent < least) least = n.exponent;
+        if (n.exponent > most || (n.exponent == most && fabs(n.mantissa) > mantissa)) mantissa = fabs(n.mantissa);
+        if (n.exponent > most) most = n.exponent;
     }
-    /* The largest entry near 1; higher where the smallest would then fall below the range, as far as there is room (one binade is left for rounding up). */
+    /* The largest entry near 1; higher where the smallest would then fall below the range, as far as there is room. */
     int target = range.lowest + (most - least);
+    const int highest = mantissa > range.largest ? range.highest - 1 : range.highest;
     if (target < 0) target = 0;
-    if (target > range.highest - 1) target = range.highest - 1;
+    if (target > highest) target = highest;
     return target - most;
 }
 
