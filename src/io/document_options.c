@@ -5,6 +5,8 @@
 
 void *norma_io_allocate(size_t count, size_t size)
 {
+    if (size && count > SIZE_MAX / size)
+        return NULL;
     return calloc(count ? count : 1, size ? size : 1);
 }
 
