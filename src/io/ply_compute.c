@@ -309,6 +309,22 @@ static norma_document_result keep_stored(ply_job *job)
     return NORMA_DOCUMENT_OK;
 }
 
+/* The sign of a stored zero says nothing: it stays, so that a file whose normals are right already stays as it is. */
+static norma_document_result keep_zero_signs(const ply_job *job)
+{
+    const ply_state *state = job->state;
+    double *stored = NULL;
+    if (state->header.normal[0] == PLY_NONE || job->stored)
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result =
+        norma_ply_read_columns(job->document, norma_ply_element(&state->header, state->header.vertex), state->header.normal, &stored, job->error);
+    for (size_t i = 0; i < 3 * state->vertices && !result; ++i)
+        if (job->normals[i] == 0 && stored[i] == 0)
+            job->normals[i] = (float)stored[i];
+    free(stored);
+    return result;
+}
+
 static norma_document_result take_result(ply_job *job)
 {
     ply_state *state = job->state;
@@ -319,6 +335,8 @@ static norma_document_result take_result(ply_job *job)
     if (had)
         norma_ply_normal_types(header, norma_ply_element(header, header->vertex), header->normal, edit->normal_types);
     norma_document_result result = norma_ply_encode_normals(job->document, edit->normal_types, job->normals, state->vertices + job->added_count, job->error);
+    if (!result)
+        result = keep_zero_signs(job);
     if (result)
         return result;
     if (job->stored) {

@@ -21,12 +21,16 @@ static int is_wanted(const float stored[3], norma_only only)
     return square < 1e-12;
 }
 
-/* Puts the stored normals back where they are not to change. */
+/* Puts the stored normals back where they are not to change, and the sign of zeros, which says nothing. */
 static void keep_stored(stl_state *state, norma_only only)
 {
-    for (size_t i = 0; i < state->facets && only != NORMA_ONLY_ALL; ++i)
-        if (!is_wanted(state->stored + 3 * i, only))
-            memcpy(state->normals + 3 * i, state->stored + 3 * i, 3 * sizeof(float));
+    for (size_t i = 0; i < state->facets; ++i) {
+        const float *stored = state->stored + 3 * i;
+        const int stays = only != NORMA_ONLY_ALL && !is_wanted(stored, only);
+        for (size_t axis = 0; axis < 3; ++axis)
+            if (stays || state->normals[3 * i + axis] == stored[axis])
+                state->normals[3 * i + axis] = stored[axis];
+    }
 }
 
 /* Counts the facets that got another's normal. Where no facet has a direction at all, files get the z axis. */
