@@ -19,6 +19,10 @@ typedef struct reader {
     int                   known;               /* some statement was OBJ's */
     size_t                unknown_count;
     const char           *unknown;             /* the first of them */
+    size_t                empty_face_count;    /* of no corner */
+    const char           *empty_face;          /* the first of them */
+    size_t                odd_number_count;    /* followed by something else */
+    const char           *odd_number;          /* the first of them */
     void                 *grown;               /* what RESERVE got */
 } reader;
 
@@ -47,14 +51,18 @@ static norma_document_result fail_memory(const reader *r)
 #define RESERVE(r, block, room, needed, size) \
     (((block) && (needed) <= (room)) || (((r)->grown = norma_io_grow((block), &(room), (needed), (size))) != NULL && ((block) = (r)->grown, 1)))
 
-static norma_document_result read_numbers(const reader *r, const char **p, double numbers[3], const char *expected)
+/* What follows a number in its token is passed over, as other readers do ("3.1+e2" is 3.1), and noted; but not a comma, which were a decimal one. */
+static norma_document_result read_numbers(reader *r, const char **p, double numbers[3], const char *expected)
 {
     for (int i = 0; i < 3; ++i) {
         *p = norma_obj_skip_blanks(*p, r->end);
         const char *next = norma_number_parse(*p, r->end, &numbers[i]);
-        if (!next || !norma_obj_is_delimiter(next, r->end))
+        int whole = next && norma_obj_is_delimiter(next, r->end);
+        if (!next || (!whole && *next == ','))
             return fail_at(r, *p, expected);
-        *p = next;
+        if (!whole && !r->odd_number_count++)
+            r->odd_number = *p;
+        *p = norma_obj_number_end(next, r->end);
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -164,6 +172,11 @@ static norma_document_result read_face(reader *r, const char **p)
     }
     if (corners >= 3)
         return end_face(r);
+    if (corners == 0) {                        /* it says nothing, and is passed through like what is not known */
+        if (!r->empty_face_count++)
+            r->empty_face = r->statement;
+        return NORMA_DOCUMENT_OK;
+    }
     char place[24];
     const char *first = norma_obj_skip_blanks(r->statement, r->end);
     place[norma_number_format_integer(norma_obj_line(r->text, first), place)] = 0;
@@ -330,6 +343,24 @@ static void mark_bad_normals(obj_state *state)
     }
 }
 
+/* Where a statement's first token stands, for a note: at most 40 bytes of it, and its line. */
+static void add_note(const reader *r, size_t count, const char *what, const char *first)
+{
+    if (!count)
+        return;
+    const char *token = norma_obj_skip_blanks(first, r->end);
+    const char *token_end = norma_obj_token_end(token, r->end);
+    int length = token_end - token > 40 ? 40 : (int)(token_end - token);
+    norma_document_add_note(r->document, "%zu %s, the first \"%.*s\" in line %zu", count, what, length, token, norma_obj_line(r->text, token));
+}
+
+static void add_notes(const reader *r)
+{
+    add_note(r, r->unknown_count, "statements of kinds that OBJ does not have are kept as they are", r->unknown);
+    add_note(r, r->empty_face_count, "faces without a corner are kept as they are", r->empty_face);
+    add_note(r, r->odd_number_count, "numbers end in something else, which is passed over", r->odd_number);
+}
+
 static norma_document_result check_whole(reader *r)
 {
     obj_state *state = r->state;
@@ -342,12 +373,7 @@ static norma_document_result check_whole(reader *r)
     for (size_t i = 0; i < state->other_count; ++i)
         if (state->other_normals[i] >= state->normal_count)
             state->other_normals[i] = OBJ_BAD_NORMAL;
-    if (r->unknown_count) {
-        const char *word_end = norma_obj_token_end(r->unknown, r->end);
-        int length = word_end - r->unknown > 40 ? 40 : (int)(word_end - r->unknown);
-        norma_document_add_note(r->document, "%zu statements of kinds that OBJ does not have are kept as they are, the first \"%.*s\" in line %zu", r->unknown_count,
-                                length, r->unknown, norma_obj_line(r->text, r->unknown));
-    }
+    add_notes(r);
     return NORMA_DOCUMENT_OK;
 }
 

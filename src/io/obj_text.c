@@ -50,6 +50,11 @@ const char *norma_obj_token_end(const char *p, const char *end)
     return p;
 }
 
+const char *norma_obj_number_end(const char *p, const char *end)
+{
+    return norma_obj_is_delimiter(p, end) ? p : norma_obj_token_end(p, end);
+}
+
 static const char *line_end(const char *p, const char *end)
 {
     while (p < end && !norma_obj_is_end(*p))

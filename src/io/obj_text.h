@@ -32,6 +32,8 @@ const char *norma_obj_skip_end(const char *p, const char *end);
 int         norma_obj_is_delimiter(const char *p, const char *end);
 /* The byte after the token at p. */
 const char *norma_obj_token_end(const char *p, const char *end);
+/* Past what follows a number, which ended at p, in its token. */
+const char *norma_obj_number_end(const char *p, const char *end);
 /* The number, from 1, of the line that holds the byte at p. */
 size_t      norma_obj_line(const char *text, const char *p);
 

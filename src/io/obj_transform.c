@@ -42,7 +42,7 @@ static int text_is_float(const norma_document *document)
             const char *next = norma_number_parse(p, end, &value);
             if (!next || significant_digits(p, next) > FLT_DECIMAL_DIG)
                 return 0;
-            p = next;
+            p = norma_obj_number_end(next, end);
         }
     }
     return 1;

@@ -47,6 +47,7 @@ static void rewrite_position(writer *w, const char *p)
         const char *next = norma_number_parse(p, w->end, &old);
         if (!next)
             return;
+        next = norma_obj_number_end(next, w->end);
         if (!(values[i] == old) && !isnan(values[i])) {
             copy_then_skip(w, p, next);
             norma_sink_put(w->sink, text, format_coordinate(w, values[i], text));
@@ -65,6 +66,7 @@ static void rewrite_normal(writer *w, const char *p, size_t normal)
         const char *next = norma_number_parse(p, w->end, &old);
         if (!next)
             return;
+        next = norma_obj_number_end(next, w->end);
         if (isfinite(values[i]) && fabs((double)values[i] - old) > 1e-9) {
             copy_then_skip(w, p, next);
             norma_sink_put(w->sink, text, norma_number_format_normal(values[i], text));
@@ -226,6 +228,8 @@ static void write_statement(writer *w, const char *begin, obj_kind kind, const c
         ++w->normal;
         break;
     case OBJ_FACE:
+        if (!at_token(w, &rest))
+            break;                                     /* a face without a corner is none */
         if (state->faces_reversed)
             reverse_face(w, rest);
         else if (state->normals_replaced)
