@@ -98,29 +98,10 @@ static size_t root(size_t *parent, size_t v) {
     return v;
 }
 
+/* Distances within 2^-50 of the limit count as at it: whether 1 + 1e-32 is more than 1 is asked of nobody. */
 static int within(const double a[3], const double b[3], double distance) {
-    if (isinf(distance)) return 1;
-    const double numbers[7] = {a[0], a[1], a[2], b[0], b[1], b[2], distance};
-    const int    exponent   = exact_exponent(numbers, 7);
-    const double reach[3]   = {distance, 0, 0};
-    exact_vec3   p, q, d;
-    mpz_t        square, limit;
-    exact_init(&p);
-    exact_init(&q);
-    exact_init(&d);
-    mpz_inits(square, limit, NULL);
-    exact_set(&p, a, exponent);
-    exact_set(&q, b, exponent);
-    exact_sub(&p, &p, &q);
-    exact_dot(square, &p, &p);
-    exact_set(&d, reach, exponent);
-    exact_dot(limit, &d, &d);
-    const int result = mpz_cmp(square, limit) <= 0;
-    mpz_clears(square, limit, NULL);
-    exact_clear(&p);
-    exact_clear(&q);
-    exact_clear(&d);
-    return result;
+    const long double x = (long double)a[0] - (long double)b[0], y = (long double)a[1] - (long double)b[1], z = (long double)a[2] - (long double)b[2];
+    return x * x + y * y + z * z <= (long double)distance * (long double)distance * (1 + 0x1p-49L);
 }
 
 static void weld_sorted(const sorted_position *sorted, size_t count, norma_weld weld, double distance, size_t *parent) {
@@ -255,7 +236,7 @@ void oracle_create(oracle *o, const norma_mesh *mesh, norma_weld weld, double di
 
 void oracle_destroy(oracle *o) {
     void *const blocks[] = {o->positions, o->starts, o->corners, o->faces,      o->shared, o->kept,
-                            o->next,      o->previous, o->kinds, o->directions, o->areas,  o->by_shared_start, o->by_shared, o->weights};
+                            o->next,      o->previous, o->kinds, o->directions, o->areas,  o->by_shared_start, o->by_shared, o->weights, o->bent};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i) free(blocks[i]);
     memset(o, 0, sizeof *o);
 }

@@ -17,6 +17,7 @@ typedef struct link {
 
 typedef struct pair {
     const half_edge *a, *b;
+    int doubtful;             /* along an edge that one of the faces runs along twice */
 } pair;
 
 typedef struct finder {
@@ -64,16 +65,16 @@ static int are_twins(const oracle *o, size_t a, size_t b) {
 }
 
 static int are_partners(const oracle *o, const half_edge *a, const half_edge *b) {
-    return a->upwards != b->upwards && !are_twins(o, a->corner, b->corner);
+    return a->upwards != b->upwards && o->faces[a->corner] != o->faces[b->corner] && !are_twins(o, a->corner, b->corner);
 }
 
-static void add_pair(finder *s, const half_edge *a, const half_edge *b) {
+static void add_pair(finder *s, const half_edge *a, const half_edge *b, int doubtful) {
     if (s->pair_count == s->pair_room) {
         s->pair_room = s->pair_room ? 2 * s->pair_room : 1024;
         s->pairs     = realloc(s->pairs, s->pair_room * sizeof *s->pairs);
         if (!s->pairs) abort();
     }
-    s->pairs[s->pair_count++] = (pair){a, b};
+    s->pairs[s->pair_count++] = (pair){a, b, doubtful};
 }
 
 static void count_first(norma_count *count, size_t corner) {
@@ -83,25 +84,22 @@ static void count_first(norma_count *count, size_t corner) {
 
 /* The half-edges along one edge, ascending by corner. */
 static void match_edge(finder *s, const half_edge *run, size_t count) {
-    size_t *partners = oracle_allocate(count, sizeof *partners), *partner = oracle_allocate(count, sizeof *partner), odd = 0;
+    size_t *partners = oracle_allocate(count, sizeof *partners), odd = 0, own = 0;
+    for (size_t i = 0; i + 1 < count; ++i) own += s->o->faces[run[i].corner] == s->o->faces[run[i + 1].corner]; /* ascending: a face's corners follow each other */
     for (size_t i = 0; i < count; ++i)
-        for (size_t j = 0; j < count; ++j)
-            if (are_partners(s->o, &run[i], &run[j])) {
-                ++partners[i];
-                partner[i] = j;
-            }
+        for (size_t j = 0; j < count; ++j) partners[i] += (size_t)are_partners(s->o, &run[i], &run[j]);
     for (size_t i = 0; i < count; ++i) {
         odd += partners[i] != 1;
         for (size_t j = i + 1; j < count; ++j)
-            if (are_partners(s->o, &run[i], &run[j]) && (s->non_manifold == NORMA_NON_MANIFOLD_SMOOTH || (partners[i] == 1 && partners[j] == 1)))
-                add_pair(s, &run[i], &run[j]);
+            if (are_partners(s->o, &run[i], &run[j]) && (own || s->non_manifold == NORMA_NON_MANIFOLD_SMOOTH || (partners[i] == 1 && partners[j] == 1)))
+                add_pair(s, &run[i], &run[j], own > 0);
     }
+    s->fans->own_edges += own > 0;
     ++s->fans->edges.count;
     if (count == 1) ++s->fans->edges.open;
     if (count == 2 && run[0].upwards == run[1].upwards) count_first(&s->fans->conflicts, run[0].corner);
     if (count > 2 && odd) count_first(&s->fans->non_manifold, run[0].corner);
     free(partners);
-    free(partner);
 }
 
 static void match_edges(finder *s) {
@@ -170,13 +168,13 @@ static int is_smooth(const finder *s, const pair *p, int *doubtful) {
     const oracle *o = s->o;
     const size_t  a = p->a->corner, b = p->b->corner;
     const long double *m = direction_of(s, o->faces[a]), *n = direction_of(s, o->faces[b]);
-    *doubtful = 0;
+    *doubtful = p->doubtful;
     if (o->hard_edges && (o->hard_edges[a] || o->hard_edges[b])) return 0;
     if (o->smoothing_groups && !(o->smoothing_groups[o->faces[a]] & o->smoothing_groups[o->faces[b]])) return 0;
     if (!m || !n) return 0;
     if (s->crease >= 3.14159265358979323846L) return 1;
     const long double dihedral = oracle_angle(m, n);
-    *doubtful = fabsl(dihedral - (s->crease + 1e-6L)) <= s->doubt;
+    *doubtful |= fabsl(dihedral - (s->crease + 1e-6L)) <= s->doubt;
     return dihedral <= s->crease + 1e-6L;
 }
 
@@ -190,7 +188,6 @@ static int compare_links(const void *left, const void *right) {
     return a->from < b->from ? -1 : a->from > b->from;
 }
 
-/* An edge's pairs follow each other: an edge counts as smooth where all are, as hard where none is. */
 static void link_corners(finder *s) {
     const oracle *o = s->o;
     s->links        = oracle_allocate(4 * s->pair_count, sizeof *s->links);
@@ -212,8 +209,9 @@ static void count_smooth_edges(finder *s) {
         for (end = begin + 1; end < s->edge_count && s->edges[end].low == s->edges[begin].low && s->edges[end].high == s->edges[begin].high;) ++end;
         for (; pair_at < s->pair_count && s->pairs[pair_at].a >= s->edges + begin && s->pairs[pair_at].a < s->edges + end; ++pair_at)
             smooth |= is_smooth(s, &s->pairs[pair_at], &doubtful);
-        s->fans->edges.smooth += (size_t)smooth;
+        s->fans->edges.smooth += end - begin == 2 && smooth;
         s->fans->edges.hard += end - begin == 2 && !smooth;
+        s->fans->many += end - begin > 2;
     }
 }
 

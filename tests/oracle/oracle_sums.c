@@ -12,6 +12,7 @@ static const long double PI_LONG = 3.14159265358979323846264338327950288L;
 
 typedef struct corner_measures {
     long double angle, sine_lengths, a_squared, b_squared; /* sine_lengths: |a x b| */
+    int         bent;
 } corner_measures;
 
 /* a to the next corner, b to the previous one. */
@@ -43,7 +44,9 @@ static corner_measures measure_corner(const oracle *o, size_t corner) {
     m.a_squared    = exact_round(aa, 2 * exponent);
     m.b_squared    = exact_round(bb, 2 * exponent);
     const long double *n = o->directions[o->faces[corner]];
-    if (normal[0] * n[0] + normal[1] * n[1] + normal[2] * n[2] < 0) m.angle = 2 * PI_LONG - m.angle;
+    const long double upright = normal[0] * n[0] + normal[1] * n[1] + normal[2] * n[2];
+    m.bent = m.sine_lengths > 0 && fabsl(upright) < 1e-12L * m.sine_lengths;
+    if (upright < 0 && !m.bent) m.angle = 2 * PI_LONG - m.angle;
     exact_clear(&here);
     exact_clear(&a);
     exact_clear(&b);
@@ -52,14 +55,16 @@ static corner_measures measure_corner(const oracle *o, size_t corner) {
     return m;
 }
 
-long double oracle_weight(const oracle *o, size_t corner, norma_weight weight) {
+long double oracle_weight(const oracle *o, size_t corner, norma_weight weight, int *bent) {
     const long double area = o->areas[o->faces[corner]];
+    if (bent) *bent = 0;
     if (weight == NORMA_WEIGHT_AREA) return area;
     if (weight == NORMA_WEIGHT_UNIFORM) return 1;
     const corner_measures m = measure_corner(o, corner);
+    if (bent) *bent = m.bent && weight != NORMA_WEIGHT_MAX;
     switch (weight) {
         case NORMA_WEIGHT_ANGLE: return m.angle;
-        case NORMA_WEIGHT_MAX: return m.sine_lengths / (m.a_squared * m.b_squared);
+        case NORMA_WEIGHT_MAX: return m.sine_lengths > 0 ? m.sine_lengths / (m.a_squared * m.b_squared) : 0; /* 0 also beside an edge of no length */
         case NORMA_WEIGHT_ANGLE_AREA: return m.angle * area;
         case NORMA_WEIGHT_ANGLE_LENGTHS: return m.angle * sqrtl(m.a_squared) * sqrtl(m.b_squared);
         default: abort();
@@ -68,13 +73,18 @@ long double oracle_weight(const oracle *o, size_t corner, norma_weight weight) {
 
 void oracle_keep_weights(oracle *o, norma_weight weight) {
     free(o->weights);
+    free(o->bent);
     o->weights = NULL;
+    o->bent    = NULL;
     if (weight == NORMA_WEIGHT_VISIBLE) return;
-    long double *weights = oracle_allocate(o->corner_count, sizeof *weights);
-    for (size_t c = 0; c < o->corner_count; ++c)
-        if (o->kept[c] == c && o->kinds[o->faces[c]] == ORACLE_DIRECTED) weights[c] = oracle_weight(o, c, weight);
-    o->weights = weights;
+    o->weights = oracle_allocate(o->corner_count, sizeof *o->weights);
+    o->bent    = oracle_allocate(o->corner_count, sizeof *o->bent);
     o->weight  = weight;
+    for (size_t c = 0; c < o->corner_count; ++c) {
+        int bent = 0;
+        if (o->kept[c] == c && o->kinds[o->faces[c]] == ORACLE_DIRECTED) o->weights[c] = oracle_weight(o, c, weight, &bent);
+        o->bent[c] = (unsigned char)bent;
+    }
 }
 
 static long double dot(const long double a[3], const long double b[3]) {
@@ -140,12 +150,12 @@ static oracle_normal sum_visible(const oracle *o, const size_t *corners, size_t 
         if (o->kinds[o->faces[corners[i]]] != ORACLE_DIRECTED) continue;
         while (same < v.count && (normals[same][0] != n[0] || normals[same][1] != n[1] || normals[same][2] != n[2])) ++same;
         if (same < v.count) continue;
-        if (v.count == MOST_VISIBLE) result.too_many = 1;
+        if (v.count == MOST_VISIBLE) result.doubtful = 1;
         if (v.count == MOST_VISIBLE) break;
         for (int x = 0; x < 3; ++x) normals[v.count][x] = n[x];
         ++v.count;
     }
-    if (v.count && !result.too_many) {
+    if (v.count && !result.doubtful) {
         find_visible(&v);
         result.ratio  = v.cosine;
         result.reason = v.cosine > 0 ? NORMA_REASON_NONE : NORMA_REASON_CANCELLED;
@@ -164,7 +174,10 @@ oracle_normal oracle_sum(const oracle *o, const size_t *corners, size_t count, n
     for (size_t i = 0; i < count; ++i) {
         const size_t face = o->faces[corners[i]];
         if (o->kinds[face] != ORACLE_DIRECTED) continue;
-        const long double w = o->weights && o->weight == weight ? o->weights[corners[i]] : oracle_weight(o, corners[i], weight);
+        const int         kept = o->weights && o->weight == weight;
+        int               bent = kept && o->bent[corners[i]];
+        const long double w    = kept ? o->weights[corners[i]] : oracle_weight(o, corners[i], weight, &bent);
+        result.doubtful |= bent;
         result.reason = NORMA_REASON_NONE;
         weights += w;
         for (int x = 0; x < 3; ++x) result.normal[x] += w * o->directions[face][x];
