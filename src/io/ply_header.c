@@ -324,7 +324,7 @@ static norma_document_result assign_parts(const norma_document *document, norma_
     header->face = find_element(state, "face");
     header->strips = find_element(state, "tristrips");
     if (header->vertex == PLY_NONE)
-        return norma_ply_fail_at(document, error, header->body, "the header declares no element \"vertex\"");
+        return norma_ply_fail_at(document, error, header->body - 1, "the header declares no element \"vertex\"");
     for (int axis = 0; axis < 3; ++axis) {
         header->position[axis] = find_property(state, header->vertex, axes[axis]);
         header->normal[axis] = find_property(state, header->vertex, normal_axes[axis]);

@@ -18,7 +18,7 @@ norma_document_result norma_ply_fail_at(const norma_document *document, norma_do
 {
     char place[40], message[400];
     const ply_state *state = document->state;
-    int in_text = state->header.encoding == PLY_ASCII || (state->header.body && offset <= state->header.body);
+    int in_text = state->header.encoding == PLY_ASCII || (state->header.body && offset < state->header.body);
     snprintf(place, sizeof place, in_text ? "%zu" : "byte %zu", in_text ? line_of(state, offset < state->size ? offset : state->size) : offset);
     va_list arguments;
     va_start(arguments, format);
