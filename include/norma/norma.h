@@ -19,6 +19,7 @@ typedef enum norma_result {
     NORMA_ERROR_MEMORY = -4,
     NORMA_ERROR_OVERFLOW = -5     /* counts whose product no size_t holds */
 } norma_result;
+/* One English sentence for each result, and one for a number that is none; never NULL. The text is the library's and never freed. Any thread, any time. */
 const char *norma_result_text(norma_result result);                 /* one sentence, each its own; never NULL */
 
 /* ---- meshes */
@@ -167,7 +168,10 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
 norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, uint32_t *corners, size_t corner_capacity,
                          uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count, norma_report *report);
 
-/* Phong's interpolation (1975, p. 314): the normal inside a face, renormalised. */
+/* Phong's interpolation (1975, p. 314): the normal inside a face, renormalised: barycentric[0] a + barycentric[1] b + barycentric[2] c made unit.
+ * a, b, c: the corners' normals, used with the lengths they have; the weights need not sum to 1. Where the sum cancels (its length is at most 2^-20 of its
+ * terms' lengths together) or is not finite, normal becomes zero and the result is still NORMA_OK. NORMA_ERROR_ARGUMENT for a NULL, nothing
+ * written. normal may be one of the inputs. Right over the whole float range. */
 norma_result norma_interpolate_normal(const float a[3], const float b[3], const float c[3], const float barycentric[3], float normal[3]);
 
 /* ---- meshes that move: what depends on topology alone, done once. Fans and shared positions are those of the mesh at creation.
@@ -181,7 +185,17 @@ norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions
 size_t       norma_plan_bytes(const norma_plan *plan);
 void         norma_plan_destroy(norma_plan *plan);
 
-/* ---- matrices */
+/* ---- matrices
+ *
+ * What holds for the calls from here on:
+ * - Buffers are the caller's, read or written during the call only; they need no more alignment than their type's, and where a stride is given, none. Counts
+ *   and capacities are in elements (matrices, vectors), strides in bytes, 0 for tight.
+ * - Errors: NORMA_ERROR_ARGUMENT for a NULL where there is something to read or write, a number that is no value of its enum, an output stride shorter than what
+ *   is written at it; NORMA_ERROR_OVERFLOW where count * stride exceeds a size_t; NORMA_ERROR_CAPACITY where capacity is below count. They are found
+ *   before anything is written. A count of 0 is NORMA_OK, and buffers may then be NULL. No memory is allocated.
+ * - Of a model only the upper 3x3 matters ([0..2], [4..6], [8..10]); a translation or a last row never reaches a normal, and neither need be finite.
+ * - Calls are pure functions of what they are given: any number may run at once. The same bits from every compiler, one or many at a time (but
+ *   for worst_error_rad, which takes libm's atan2). -0 is never written into a matrix. */
 
 typedef enum norma_winding { NORMA_WINDING_KEPT = 0, NORMA_WINDING_REVERSED } norma_winding; /* reversed: where the matrix mirrors, the caller reverses the faces */
 
@@ -190,6 +204,9 @@ typedef enum norma_kind {         /* of the upper 3x3, a mirror aside; relative 
     NORMA_KIND_NON_UNIFORM_SCALE, /* columns perpendicular: rotation after scales along the axes */
     NORMA_KIND_SHEAR, NORMA_KIND_SINGULAR
 } norma_kind;
+/* Judged in this order: singular, rank below 3; shear, two columns with |cosine| above 1e-5; non-uniform scale, lengths of columns that differ by more than 1e-5 of the
+ * longest; uniform scale, that length not 1 within 1e-5; rotation, the rest but for the identity, entries within 1e-5. The identity "a mirror aside" is
+ * I, -I, or I with one axis turned round (mirrored is set); any other mirror is a mirrored rotation. Translation: an identity with [12..14] not all zero. */
 
 typedef struct norma_matrix_info {
     norma_kind kind;
@@ -201,15 +218,39 @@ typedef struct norma_matrix_info {
     float      worst_normal[3];   /* a unit normal for which plain M errs so */
 } norma_matrix_info;
 
-/* Kept: cof(M). Reversed: sign(det) cof(M), the direction of the inverse transpose; sign is +1 where the determinant is exactly 0. Times a
- * power of two where a float would overflow or underflow. */
+/* The normal matrix of a model: the 3x3 that carries the normals of faces and vertices through it. Renormalise after it.
+ * Kept: cof(M). Reversed: sign(det) cof(M), the direction of the inverse transpose; sign is +1 where the determinant is exactly 0. Times a
+ * power of two where a float would overflow or underflow.
+ *
+ * cof(M)(a x b) = M a x M b for every M, so nothing is divided by and rank 2 is exact. Each entry is rounded to a double and then to a float; its sign and
+ * whether it is zero are exact, and so is the determinant's sign. The power of two is 1 unless an entry exceeds a float or a column that is not zero would have
+ * no normal float; then the largest entry comes to lie in [1, 2), or higher where the smallest needs the room: direction is all that it carries.
+ * A model whose cofactors are all exactly zero (rank 0 or 1: no face keeps a direction) gives zeros and NORMA_OK; rank says so. An upper 3x3 that is not finite
+ * gives zeros, the info of a matrix of zeros, and NORMA_ERROR_ARGUMENT.
+ * normal_matrix: nine floats, column-major; may be model itself. info: NULL, or what the model is: determinant correctly rounded, singular values by one-sided
+ * Jacobi rotations (Hestenes 1958), worst_normal in the model's own space (before M), unit: (v1 + v3) / sqrt 2 of the right singular vectors that belong to the
+ * largest and the smallest singular value, where Kantorovich's bound (1948) is reached. Below rank 3, M n lies across the right normal there, or one of the two
+ * is zero. Cost: some ten nanoseconds, with info a microsecond or two. */
 norma_result norma_normal_matrix(const float model[16], norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
+/* Many: models are count times 16 floats, normal_matrices takes count times nine; the same bits as one by one. A model that is not finite gets
+ * zeros, the others are done, and then the result is NORMA_ERROR_ARGUMENT. The two arrays must not overlap. */
 norma_result norma_normal_matrices(const float *models, size_t count, norma_winding winding, float *normal_matrices, size_t capacity);
+/* The same into a shader's layout: model_stride from one model to the next (0: 64), matrix_stride from one result to the next (0: three columns), column_stride
+ * from one column to the next (0: 12). Between columns nothing is written. Any layout in which no column lies on another, also all first columns, then all second,
+ * then all third; others are NORMA_ERROR_ARGUMENT. */
 norma_result norma_normal_matrices_strided(const float *models, size_t model_stride, size_t count, norma_winding winding, float *normal_matrices,
                                            size_t matrix_stride, size_t column_stride, size_t capacity); /* std140: 48 and 16 */
+/* Normals through a 3x3, each made unit again: out = normalize(normal_matrix n). in: any format and stride, integers as they are, lengths as they are, over the whole
+ * range of floats and doubles; out: three floats at each out_stride (0: 12). Zero stays zero, and what is not finite, or meets an entry of the matrix that is not,
+ * becomes zero: NORMA_OK. Directions to the last bit or so of a float. out may begin where in.data does if out_stride is at most the input's stride; otherwise
+ * they must not overlap. O(count). */
 norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_view in, float *out, size_t out_stride, size_t capacity);
 
-/* ---- beyond the first contract: forms by name, double precision, the concatenated case */
+/* ---- beyond the first contract: forms by name, double precision, the concatenated case
+ *
+ * The double forms are exact before their last rounding: each cofactor and the determinant are correctly rounded, over the whole range of doubles. The power of two
+ * of norma_normal_matrix applies where a double would overflow or underflow. An upper 3x3 that is not finite gives zeros and NORMA_ERROR_ARGUMENT. Each
+ * output may be its own model. Cost: a few microseconds. */
 
 typedef enum norma_shortcut {     /* what carries normals without an inverse, a mirror aside */
     NORMA_SHORTCUT_NONE = 0,
@@ -217,28 +258,53 @@ typedef enum norma_shortcut {     /* what carries normals without an inverse, a 
     NORMA_SHORTCUT_UNIFORM_SCALE, /* M itself, renormalised */
     NORMA_SHORTCUT_AXIS_SCALE     /* M(n / s^2), s the lengths of M's columns; not with shear */
 } norma_shortcut;
+/* Where mirrored is set, these give the sense of NORMA_WINDING_REVERSED: that of the inverse transpose. */
 
+/* norma_normal_matrix in double precision. */
 norma_result   norma_normal_matrix_double(const double model[16], norma_winding winding, double normal_matrix[9], norma_matrix_info *info);
+/* The normal matrix and the info of view * model, without forming a product that rounding could make singular or regular: cof(V M) = cof(V) cof(M), with exact signs and
+ * zeros. For normals in view space. The kind is translation where the product moves the origin by more than 1e-5 of the terms that make it up. */
 norma_result   norma_normal_matrix_model_view(const float model[16], const float view[16], norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
+/* cof(M): the transpose of the adjugate, also det(M) times the inverse transpose where there is one. The area vector of a face (its area times its normal) goes
+ * through it. The same as norma_normal_matrix_double with NORMA_WINDING_KEPT. */
 norma_result   norma_cofactor_matrix(const double model[16], double cofactor[9]);
+/* (M^-1)^T = cof(M) / det(M), entries within two units in the last place. */
 norma_result   norma_inverse_transpose(const double model[16], double inverse_transpose[9]); /* exactly singular: argument error, nothing written */
+/* What info allows: rotation for the identity, a translation and a rotation; uniform scale and axis scale for theirs; none for shear, singular and NULL. */
 norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info);
+/* Each column of M over its squared length: the inverse transpose where the columns are perpendicular (NORMA_SHORTCUT_AXIS_SCALE; R diag(s) gives R diag(1/s)), and
+ * wrong where they are not, which is not looked at. A column of zeros: argument error, nothing written. */
 norma_result   norma_axis_scale_matrix(const double model[16], double normal_matrix[9]);     /* M diag(1/s^2) */
 
+/* Positions as points: out = A p + t, A the upper 3x3 and t = [12..14]; the last row is ignored, there is no division by w. in: any format and stride; out: three floats
+ * (doubles) at each out_stride (0: tight). Computed in double precision in one order, ((a x + b y) + c z) + t, then rounded. What is not finite stays so; what
+ * exceeds a float becomes infinite. Overlap as for norma_transform_normals. O(count). */
 norma_result norma_transform_positions(const double model[16], norma_vec3_view in, float *out, size_t out_stride, size_t capacity);
 norma_result norma_transform_positions_double(const double model[16], norma_vec3_view in, double *out, size_t out_stride, size_t capacity);
-/* Tangents x, y, z, sign (four floats each): M t made perpendicular to the transformed normal, unit; the sign times that of the determinant. */
+/* Tangents x, y, z, sign (four floats each): M t made perpendicular to the transformed normal, unit; the sign times that of the determinant.
+ * tangents: four floats at each tangent_stride (0: 16); the sign gives the bitangent as sign * cross(normal, tangent) (glTF, Mikkelsen 2008). normals: those of the
+ * result, as norma_transform_normals gave them with NORMA_WINDING_REVERSED, at least count of them, any format and length. A normal that is zero or not finite
+ * asks nothing of its tangent. Where at most 2^-20 of a tangent is left beside its normal, or M t is zero or not finite, any perpendicular is taken, always the
+ * same. out: four floats at each out_stride (0: 16); may be tangents itself with the same stride. A model that is not finite: argument error. O(count). */
 norma_result norma_transform_tangents(const float model[16], const float *tangents, size_t tangent_stride, norma_vec3_view normals, size_t count, float *out,
                                       size_t out_stride, size_t capacity);
-/* Tangents made perpendicular to new normals (Gram-Schmidt), sign kept; where nothing is left of one, any perpendicular. */
+/* Tangents made perpendicular to new normals (Gram-Schmidt), sign kept; where nothing is left of one, any perpendicular.
+ * All else as for norma_transform_tangents. */
 norma_result norma_orthogonalise_tangents(const float *tangents, size_t tangent_stride, norma_vec3_view normals, size_t count, float *out, size_t out_stride,
                                           size_t capacity);
-/* Reverses the winding in place: of each face its corners but the first. */
+/* Reverses the winding in place: of each face its corners but the first.
+ * corners: corner_count indices of corner_size bytes (4 or 0, 2, 1). face_starts: face_count + 1 offsets from 0 to corner_count that do not fall, or NULL for triangles
+ * (face_count is then not looked at; a corner_count that is no multiple of three is an argument error). What belongs to corners (hard edges, normals per
+ * corner) is not moved. O(corner_count). */
 norma_result norma_reverse_winding(void *corners, size_t corner_size, size_t corner_count, const uint32_t *face_starts, size_t face_count);
 
-/* Signed normalised integers (glTF: c / 127, c / 32767, at least -1). Encoding takes the nearest code whose length a reader accepts as unit. */
+/* Signed normalised integers (glTF: c / 127, c / 32767, at least -1). Encoding takes the nearest code whose length a reader accepts as unit.
+ * normals: any format and length; made unit first. out: three integers at each out_stride (0: tight; glTF pads three bytes to four, which stay as they are). The reader
+ * is the Khronos validator: | length - 1 | <= 0.00674; nearest by Euclid, so that the direction is within .3907 degrees (8 bits) or .00151 (16). -n gets the negated
+ * code. Zero and what is not finite become zero. O(count). */
 norma_result norma_encode_snorm8(norma_vec3_view normals, int8_t *out, size_t out_stride, size_t capacity);
 norma_result norma_encode_snorm16(norma_vec3_view normals, int16_t *out, size_t out_stride, size_t capacity);
+/* Back to floats: max(c / 127, -1) or max(c / 32767, -1), correctly rounded and not renormalised. codes: three integers at each stride (0: tight), count of them. */
 norma_result norma_decode_snorm8(const int8_t *codes, size_t stride, size_t count, float *out, size_t out_stride, size_t capacity);
 norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t count, float *out, size_t out_stride, size_t capacity);
 
@@ -247,6 +313,7 @@ norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t co
 #define NORMA_VERSION_MAJOR 0
 #define NORMA_VERSION_MINOR 1
 #define NORMA_VERSION_PATCH 0
+/* Text of the library's own, never freed: compare it with the three numbers above, which are those of the header. */
 const char *norma_version(void);                                    /* of the library that is linked: "0.1.0" */
 
 #ifdef __cplusplus

@@ -94,7 +94,7 @@ int norma_matrix_common_shift(const scaled_number numbers[9], number_range range
 void norma_matrix_to_floats(const scaled_number numbers[9], double sign, float out[9])
 {
     const int shift = norma_matrix_common_shift(numbers, norma_float_range);
-    for (int i = 0; i < 9; i++) out[i] = (float)(ldexp(sign * numbers[i].mantissa, numbers[i].exponent + shift) + 0.0);
+    for (int i = 0; i < 9; i++) out[i] = (float)ldexp(sign * numbers[i].mantissa, numbers[i].exponent + shift) + 0.0f;
 }
 
 void norma_matrix_to_doubles(const scaled_number numbers[9], double sign, double out[9])

@@ -72,7 +72,7 @@ static inline norma_result normal_matrix_of(const float model[16], norma_winding
     const int certain = winding == NORMA_WINDING_KEPT || fabs(c.determinant) > 0x1p-50 * c.magnitude;
     if (!(certain && c.finite == 0.0 && fits_floats(c.entry))) return normal_matrix_rarely(model, &c, winding, out);
     const double sign = winding == NORMA_WINDING_REVERSED && c.determinant < 0.0 ? -1.0 : 1.0;
-    for (int i = 0; i < 9; i++) out[i] = (float)(c.entry[i] * sign + 0.0); /* + 0: no negative zeros */
+    for (int i = 0; i < 9; i++) out[i] = (float)(c.entry[i] * sign) + 0.0f; /* no negative zeros */
     return NORMA_OK;
 }
 
