@@ -111,15 +111,18 @@ static norma_result try_one(normal_search *search, normal_trial candidate, norma
     return result;
 }
 
+/* The likeliest first: of several that explain as well, the first is named. */
 static norma_result try_creases(normal_search *search, normal_trial *best, double *best_mean)
 {
-    static const double creases[] = {NAN, 60, 30, 15, 20, 35, 40, 45, 50, 70, 80, 90, 120, 180};
+    static const double creases[] = {30, 15, 20, 35, 40, 45, 50, 70, 80, 90, 120, 180};
     const norma_weight weight = best->weight;
-    norma_result result = NORMA_OK;
-    for (size_t i = 0; i < CLI_COUNT(creases) && !result; ++i)
-        result = try_one(search, (normal_trial){.weight = weight, .crease_deg = creases[i]}, best, best_mean);
+    norma_result result = try_one(search, (normal_trial){.weight = weight, .crease_deg = NAN}, best, best_mean);
+    if (!result)
+        result = try_one(search, (normal_trial){.weight = weight, .crease_deg = 60}, best, best_mean);
     if (!result)
         result = try_one(search, (normal_trial){.weight = weight, .flat = 1}, best, best_mean);
+    for (size_t i = 0; i < CLI_COUNT(creases) && !result; ++i)
+        result = try_one(search, (normal_trial){.weight = weight, .crease_deg = creases[i]}, best, best_mean);
     return result;
 }
 

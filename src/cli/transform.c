@@ -42,6 +42,7 @@ typedef struct transform_work {
     norma_transform_options options;
     norma_transform_summary summary;
     norma_matrix_info       info; /* of the matrix */
+    int                     matrix_given;
 } transform_work;
 
 static const char *set_bake(void *settings, const char *value)
@@ -93,7 +94,9 @@ static void write_text(const void *user, const norma_document *document, FILE *o
     cli_counted(out, summary->vertices, "vertex", "vertices");
     fputs(" in ", out);
     cli_counted(out, summary->meshes, "mesh", "meshes");
-    if (work->info.mirrored && work->info.kind <= NORMA_KIND_TRANSLATION)
+    if (!work->matrix_given)
+        fputs(work->summary.nodes_baked ? "" : ", no node baked", out);
+    else if (work->info.mirrored && work->info.kind <= NORMA_KIND_TRANSLATION)
         fputs(", matrix: mirror", out);
     else
         fprintf(out, ", matrix: %s%s", cli_kind_name(work->info.kind), work->info.mirrored ? " with a mirror" : "");
@@ -116,6 +119,7 @@ static int prepare(const cli_verb *verb, transform_work *work, const cli_matrix 
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
         return cli_usage(verb, "the last row of the matrix must be 0 0 0 1; a perspective cannot be applied to a file");
     memcpy(work->options.matrix, m, sizeof matrix->matrix);
+    work->matrix_given = matrix->given > 0;
     norma_normal_matrix_double(m, NORMA_WINDING_REVERSED, normal_matrix, &work->info);
     return CLI_OK;
 }
