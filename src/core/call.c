@@ -36,6 +36,7 @@ norma_result norma_core_begin(core_call *call, const norma_options *options)
     }
     if (!options_are_valid(&call->options)) return NORMA_ERROR_ARGUMENT;
     if (!call->options.normal_stride) call->options.normal_stride = 3 * sizeof(float);
+    call->measure = norma_core_choose_measure(call->options.isa);
     norma_core_stage(call, 0, 1);
     return NORMA_OK;
 }

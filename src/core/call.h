@@ -1,10 +1,11 @@
 /* call.h: one call of the library: the caller's options made whole, its memory, its threads, its progress. */
 #ifndef NORMA_CORE_CALL_H
 #define NORMA_CORE_CALL_H
-#include <norma/norma.h>
+#include "measure.h"
 
 typedef struct core_call {
     norma_options options;             /* every field valid; absent ones at their defaults */
+    core_measure *measure;             /* by options.isa */
     double        progress_from, progress_to, progress_told; /* the stage that runs now covers this part of the whole */
     int           cancelled;
 } core_call;

@@ -2,9 +2,8 @@
  * relative to one vertex, so that no distance from the origin is felt). Doubles where their error bound shows the direction right to 2^-30 rad; exact
  * integers where it does not: thin faces, and all that may have no area at all. */
 #include "face_geometry.h"
-#include "angle.h"
 #include "exact.h"
-#include <math.h>
+#include "triangle.h"
 
 size_t norma_core_next_kept(const core_mesh *mesh, size_t face, size_t corner)
 {
@@ -20,12 +19,10 @@ size_t norma_core_previous_kept(const core_mesh *mesh, size_t face, size_t corne
     return corner;
 }
 
-static const double TINIEST = 0x1p-900, HUGEST = 0x1p900; /* squares of areas between them lost nothing to underflow or overflow */
-
 double norma_core_length(const double v[3])
 {
     const double square = norma_core_dot(v, v);
-    if (square > TINIEST && square < HUGEST) return sqrt(square);
+    if (square > NORMA_TINIEST && square < NORMA_HUGEST) return sqrt(square);
     const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
     if (!(largest > 0) || largest > 0x1.fffffffffffffp1023) return largest;
     const int exponent = ilogb(largest);
@@ -37,7 +34,7 @@ void norma_core_normalise(const double v[3], double unit[3])
 {
     double scaled[3] = {v[0], v[1], v[2]};
     const double square = norma_core_dot(v, v);
-    if (!(square > TINIEST && square < HUGEST)) {
+    if (!(square > NORMA_TINIEST && square < NORMA_HUGEST)) {
         const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
         if (!(largest > 0)) {
             unit[0] = unit[1] = unit[2] = 0;
@@ -89,19 +86,16 @@ static void triangle_point(const void *context, size_t index, double point[3])
     memcpy(point, ((const double(*)[3])context)[index], sizeof(double[3]));
 }
 
-/* Each component of the cross product errs by at most some 6 * 2^-53 |u| |v|: below 2^-30 of a length of 2^-20 |u| |v|. */
 static void triangle_direction(triangle_points p, core_face *out)
 {
-    double u[3], v[3], area[3];
+    double u[3], v[3];
     norma_core_subtract(p[1], p[0], u);
     norma_core_subtract(p[2], p[0], v);
-    norma_core_cross(u, v, area);
-    const double square = norma_core_dot(area, area), bound = 0x1p-40 * norma_core_dot(u, u) * norma_core_dot(v, v);
-    if (square >= bound && square > TINIEST && square < HUGEST) {
-        out->flags |= CORE_FACE_FINITE;
-        set_direction(out, area, sqrt(square));
+    if (norma_core_triangle(u[0], u[1], u[2], v[0], v[1], v[2], &out->normal[0], &out->normal[1], &out->normal[2], &out->twice_area)) {
+        out->flags |= CORE_FACE_FINITE | CORE_FACE_DIRECTED;
         return;
     }
+    out->normal[0] = out->normal[1] = out->normal[2] = out->twice_area = 0;
     if (!norma_core_finite(p[0]) || !norma_core_finite(p[1]) || !norma_core_finite(p[2])) return;
     out->flags |= CORE_FACE_FINITE;
     if (out->flags & CORE_FACE_EDGED) exact_direction(triangle_point, p, 3, out);
@@ -167,7 +161,7 @@ static void polygon_direction(const core_mesh *mesh, size_t face, core_face *out
         size += norma_core_dot(v, v);              /* at least the sum of the |u| |v| */
     }
     const double square = norma_core_dot(area, area), bound = 0x1p-22 * (double)(out->kept + 8) * size;
-    if (square >= bound * bound && square > TINIEST && square < HUGEST) set_direction(out, area, sqrt(square));
+    if (square >= bound * bound && square > NORMA_TINIEST && square < NORMA_HUGEST) set_direction(out, area, sqrt(square));
     else exact_direction(kept_point, &walk, out->kept, out);
 }
 
@@ -190,7 +184,7 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
 static double corner_cross_length(const double p[3], const double next[3], const double previous[3], const double cross[3], double squares)
 {
     const double square = norma_core_dot(cross, cross);
-    if (square >= 0x1p-40 * squares && square > TINIEST && square < HUGEST) return sqrt(square);
+    if (square >= 0x1p-40 * squares && square > NORMA_TINIEST && square < NORMA_HUGEST) return sqrt(square);
     triangle_points points;
     memcpy(points[0], p, sizeof points[0]);
     memcpy(points[1], next, sizeof points[1]);
@@ -200,31 +194,14 @@ static double corner_cross_length(const double p[3], const double next[3], const
     return corner.twice_area;
 }
 
-/* Interior: above pi where the corner turns against the polygon's normal. */
-static double interior_angle(double cross_length, double dot, int reflex)
+double norma_core_polygon_weight(norma_weight weight, const core_face *face, const double p[3], const double next[3], const double previous[3])
 {
-    const double angle = norma_core_angle(cross_length, dot);
-    return reflex ? 2 * NORMA_PI - angle : angle;
-}
-
-double norma_core_corner_weight(norma_weight weight, const core_face *face, int is_triangle, const double p[3], const double next[3], const double previous[3])
-{
-    if (weight == NORMA_WEIGHT_UNIFORM || weight == NORMA_WEIGHT_VISIBLE) return 1;
-    if (weight == NORMA_WEIGHT_AREA) return face->twice_area;
-    double a[3], b[3], length = face->twice_area;
-    int reflex = 0;
+    double a[3], b[3], cross[3], length = 0;
     norma_core_subtract(next, p, a);
     norma_core_subtract(previous, p, b);
     const double aa = norma_core_dot(a, a), bb = norma_core_dot(b, b);
-    if (!is_triangle) {
-        double cross[3];
-        norma_core_cross(a, b, cross);
+    norma_core_cross(a, b, cross);
+    if (weight != NORMA_WEIGHT_UNIFORM && weight != NORMA_WEIGHT_AREA && weight != NORMA_WEIGHT_VISIBLE)
         length = corner_cross_length(p, next, previous, cross, aa * bb);
-        reflex = length > 0 && norma_core_dot(cross, face->normal) < 0;
-    }
-    if (weight == NORMA_WEIGHT_MAX) return aa * bb > 0 ? length / (aa * bb) : 0;
-    const double angle = interior_angle(length, norma_core_dot(a, b), reflex);
-    if (weight == NORMA_WEIGHT_ANGLE_AREA) return angle * face->twice_area;
-    if (weight == NORMA_WEIGHT_ANGLE_LENGTHS) return angle * sqrt(aa) * sqrt(bb);
-    return angle;
+    return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area, length > 0 && norma_core_dot(cross, face->normal) < 0);
 }

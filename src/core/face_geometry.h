@@ -34,9 +34,8 @@ size_t norma_core_previous_kept(const core_mesh *mesh, size_t face, size_t corne
 /* O(corners of the face). */
 void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out);
 
-/* What the kept corner of a directed face weighs, in constant time. p is its position, next and previous those of its kept neighbours; a triangle's twice_area is
- * the cross product of its two edges at every corner. Not for NORMA_WEIGHT_VISIBLE. */
-double norma_core_corner_weight(norma_weight weight, const core_face *face, int is_triangle, const double p[3], const double next[3], const double previous[3]);
+/* What the kept corner of a directed polygon (not a triangle) weighs, in constant time. p is its position, next and previous those of its kept neighbours. */
+double norma_core_polygon_weight(norma_weight weight, const core_face *face, const double p[3], const double next[3], const double previous[3]);
 
 /* Three doubles of any scale to a unit vector; zeros stay zeros. */
 void norma_core_normalise(const double v[3], double unit[3]);

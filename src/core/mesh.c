@@ -30,7 +30,24 @@ norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked)
         .hard_edges = mesh->hard_edges,
         .scale = 1,
     };
+    checked->positions.stride = norma_view_stride(&mesh->positions);
     return NORMA_OK;
+}
+
+uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner)
+{
+    uint16_t index;
+    if (mesh->corner_size == 0) return (uint32_t)corner;
+    if (mesh->corner_size == 1) return ((const uint8_t *)mesh->corners)[corner];
+    memcpy(&index, (const unsigned char *)mesh->corners + 2 * corner, sizeof index);
+    return index;
+}
+
+void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3])
+{
+    norma_view_read(&mesh->positions, index, out);
+    if (mesh->positions.format == NORMA_FORMAT_DOUBLE)
+        for (int i = 0; i < 3; i++) out[i] *= mesh->scale;
 }
 
 static int face_starts_are_valid(const core_mesh *mesh)

@@ -5,7 +5,7 @@
 #include "vec3_view.h"
 
 typedef struct core_mesh {
-    norma_vec3_view positions;
+    norma_vec3_view positions;                  /* its stride is never 0 */
     const void     *corners;
     size_t          corner_count, corner_size;  /* size 0: corner c is at position c */
     const uint32_t *face_starts;                /* NULL: triangles */
@@ -22,29 +22,27 @@ norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked);
 /* ARGUMENT (face_starts) or INDEX or CANCELLED: reads the arrays. */
 norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh);
 
+/* Out of line, so that the common cases stay short. */
+uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner);
+void     norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]);
+
 static inline uint32_t norma_core_corner(const core_mesh *mesh, size_t corner)
 {
-    switch (mesh->corner_size) {
-    case 0: return (uint32_t)corner;
-    case 1: return ((const uint8_t *)mesh->corners)[corner];
-    case 2: {
-        uint16_t index;
-        memcpy(&index, (const unsigned char *)mesh->corners + 2 * corner, sizeof index);
-        return index;
-    }
-    default: {
-        uint32_t index;
-        memcpy(&index, (const unsigned char *)mesh->corners + 4 * corner, sizeof index);
-        return index;
-    }
-    }
+    uint32_t index;
+    if (mesh->corner_size != 4) return norma_core_small_corner(mesh, corner);
+    memcpy(&index, (const unsigned char *)mesh->corners + 4 * corner, sizeof index);
+    return index;
 }
 
 static inline void norma_core_position(const core_mesh *mesh, uint32_t index, double out[3])
 {
-    norma_view_read(&mesh->positions, index, out);
-    if (mesh->positions.format == NORMA_FORMAT_DOUBLE)
-        for (int i = 0; i < 3; i++) out[i] *= mesh->scale;
+    float p[3];
+    if (mesh->positions.format != NORMA_FORMAT_FLOAT) {
+        norma_core_other_position(mesh, index, out);
+        return;
+    }
+    memcpy(p, (const unsigned char *)mesh->positions.data + index * mesh->positions.stride, sizeof p);
+    for (int i = 0; i < 3; i++) out[i] = (double)p[i];
 }
 
 static inline uint32_t norma_core_welded(const core_mesh *mesh, uint32_t index) { return mesh->weld ? mesh->weld[index] : index; }

@@ -1,6 +1,6 @@
 /* ring.c: loading a ring of corners, and summing its fans. */
 #include "ring.h"
-#include <math.h>
+#include "triangle.h"
 
 void norma_core_ring_in_room(core_ring *ring, ring_room *room)
 {
@@ -30,61 +30,125 @@ void norma_core_ring_release(const core_call *call, core_ring *ring, size_t corn
     *ring = (core_ring){0};
 }
 
-/* The neighbours of a kept corner; of a triangle all three are kept, and the third corner is what it has in common with its twin. */
+static void borrow_normal(const core_surface *surface, ring_corner *c)
+{
+    core_face lender;
+    if (!surface->lender || surface->lender[c->face] == UINT32_MAX) return;
+    norma_core_surface_face(surface, surface->lender[c->face], &lender);
+    memcpy(c->normal, lender.normal, sizeof c->normal);
+    c->flags |= RING_HAS_NORMAL;
+}
+
+/* ---- rings of polygons, which are measured already */
+
 static void load_neighbours(const core_surface *surface, const core_face *face, ring_corner *c, uint32_t *next_corner)
 {
     const core_mesh *mesh = &surface->mesh;
-    if (!surface->faces) {
-        const uint32_t begin = c->corner / 3 * 3, k = c->corner - begin;
-        *next_corner = begin + (k == 2 ? 0 : k + 1);
-        c->previous_corner = begin + (k == 0 ? 2 : k - 1);
-    } else {
-        *next_corner = (uint32_t)norma_core_next_kept(mesh, c->face, c->corner);
-        c->previous_corner = (uint32_t)norma_core_previous_kept(mesh, c->face, c->corner);
-    }
+    *next_corner = (uint32_t)norma_core_next_kept(mesh, c->face, c->corner);
+    c->previous_corner = (uint32_t)norma_core_previous_kept(mesh, c->face, c->corner);
     c->next = norma_core_welded_corner(mesh, *next_corner);
     c->previous = norma_core_welded_corner(mesh, c->previous_corner);
     c->next_key = face->kept == 3 ? c->previous : face->key;
     c->previous_key = face->kept == 3 ? c->next : face->key;
 }
 
-static void load_normal(const core_surface *surface, const core_face *face, ring_corner *c)
-{
-    if (face->flags & CORE_FACE_DIRECTED) {
-        memcpy(c->normal, face->normal, sizeof c->normal);
-        c->flags |= RING_HAS_NORMAL | RING_VOTES;
-        return;
-    }
-    if (face->flags & CORE_FACE_FINITE) c->flags |= RING_FLAT;
-    if (!surface->lender || surface->lender[c->face] == UINT32_MAX) return;
-    core_face lender;
-    norma_core_surface_face(surface, surface->lender[c->face], &lender);
-    memcpy(c->normal, lender.normal, sizeof c->normal);
-    c->flags |= RING_HAS_NORMAL;
-}
-
-static double load_weight(const core_surface *surface, const core_face *face, const ring_corner *c, uint32_t next_corner)
+/* A triangle among polygons weighs what it weighs in a mesh of triangles: its one cross product serves at every corner. */
+static double weigh_corner(const core_surface *surface, const core_face *face, const ring_corner *c, uint32_t next_corner)
 {
     const core_mesh *mesh = &surface->mesh;
-    double p[3], next[3], previous[3];
+    const norma_weight weight = surface->call->options.weight;
+    double p[3], next[3], previous[3], a[3], b[3];
     norma_core_position(mesh, norma_core_corner(mesh, c->corner), p);
     norma_core_position(mesh, norma_core_corner(mesh, next_corner), next);
     norma_core_position(mesh, norma_core_corner(mesh, c->previous_corner), previous);
-    const int is_triangle = !surface->faces || norma_core_face_end(mesh, c->face) - norma_core_face_begin(mesh, c->face) == 3;
-    return norma_core_corner_weight(surface->call->options.weight, face, is_triangle, p, next, previous);
+    if (norma_core_face_end(mesh, c->face) - norma_core_face_begin(mesh, c->face) != 3) return norma_core_polygon_weight(weight, face, p, next, previous);
+    norma_core_subtract(next, p, a);
+    norma_core_subtract(previous, p, b);
+    return norma_core_weigh(weight, norma_core_dot(a, a), norma_core_dot(b, b), norma_core_dot(a, b), face->twice_area, face->twice_area, 0);
 }
 
-static void load_corner(const core_surface *surface, int with_weights, ring_corner *c)
+static void load_polygon_corner(const core_surface *surface, int with_weights, ring_corner *c)
+{
+    const core_face *face = &surface->faces[c->face];
+    uint32_t next_corner;
+    if (!(face->flags & CORE_FACE_EDGED) || !norma_core_is_kept(&surface->mesh, c->face, c->corner)) return;
+    c->flags = RING_KEPT;
+    load_neighbours(surface, face, c, &next_corner);
+    if (face->flags & CORE_FACE_DIRECTED) {
+        memcpy(c->normal, face->normal, sizeof c->normal);
+        c->flags |= RING_HAS_NORMAL | RING_VOTES;
+        if (with_weights) c->weight = weigh_corner(surface, face, c, next_corner);
+        return;
+    }
+    if (face->flags & CORE_FACE_FINITE) c->flags |= RING_FLAT;
+    borrow_normal(surface, c);
+}
+
+/* ---- rings of triangles, which are measured here, some at a time */
+
+/* Names the neighbours of a triangle's corner, and puts its edges into a lane. Returns whether the face has edges. */
+static int load_lane(const core_mesh *mesh, ring_corner *c, core_batch *batch, int lane)
+{
+    const uint32_t begin = 3 * c->face, k = c->corner - begin, next = k == 2 ? 0 : k + 1, previous = k == 0 ? 2 : k - 1;
+    uint32_t at[3], welded[3];
+    double p[3][3];
+    for (uint32_t i = 0; i < 3; i++) {
+        at[i] = norma_core_corner(mesh, begin + i);
+        welded[i] = norma_core_welded(mesh, at[i]);
+        norma_core_position(mesh, at[i], p[i]);
+    }
+    for (int i = 0; i < 3; i++) {
+        batch->u[i][lane] = p[1][i] - p[0][i];
+        batch->v[i][lane] = p[2][i] - p[0][i];
+        batch->a[i][lane] = p[next][i] - p[k][i];
+        batch->b[i][lane] = p[previous][i] - p[k][i];
+    }
+    c->next = welded[next];
+    c->previous = welded[previous];
+    c->previous_corner = begin + previous;
+    c->next_key = c->previous;             /* the third corner is what a triangle has in common with its twin */
+    c->previous_key = c->next;
+    return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
+}
+
+/* What doubles do not decide: a thin face, or one without a direction. */
+static void load_unsure(const core_surface *surface, const core_batch *batch, int lane, ring_corner *c)
 {
     core_face face;
-    uint32_t next_corner;
-    norma_core_surface_face(surface, c->face, &face);
-    if (!(face.flags & CORE_FACE_EDGED)) return;
-    if (surface->faces && !norma_core_is_kept(&surface->mesh, c->face, c->corner)) return;
-    c->flags = RING_KEPT;
-    load_neighbours(surface, &face, c, &next_corner);
-    load_normal(surface, &face, c);
-    if (with_weights && (c->flags & RING_VOTES)) c->weight = load_weight(surface, &face, c, next_corner);
+    norma_core_face_geometry(&surface->mesh, c->face, &face);
+    if (!(face.flags & CORE_FACE_DIRECTED)) {
+        if (face.flags & CORE_FACE_FINITE) c->flags |= RING_FLAT;
+        borrow_normal(surface, c);
+        return;
+    }
+    double a[3], b[3];
+    for (int k = 0; k < 3; k++) {
+        a[k] = batch->a[k][lane];
+        b[k] = batch->b[k][lane];
+    }
+    memcpy(c->normal, face.normal, sizeof c->normal);
+    c->flags |= RING_HAS_NORMAL | RING_VOTES;
+    c->weight = norma_core_weigh(surface->call->options.weight, norma_core_dot(a, a), norma_core_dot(b, b), norma_core_dot(a, b), face.twice_area, face.twice_area, 0);
+}
+
+static void load_triangle_corners(const core_surface *surface, int with_weights, ring_corner *corners, size_t count)
+{
+    core_batch batch;
+    int edged[CORE_LANES];
+    for (int i = 0; i < CORE_LANES; i++) edged[i] = load_lane(&surface->mesh, &corners[(size_t)i < count ? (size_t)i : 0], &batch, i);
+    surface->call->measure(&batch, surface->call->options.weight, with_weights);
+    for (int i = 0; (size_t)i < count; i++) {
+        ring_corner *c = &corners[i];
+        if (!edged[i]) continue;
+        c->flags = RING_KEPT;
+        if (batch.sure[i] == 0) {
+            load_unsure(surface, &batch, i, c);
+            continue;
+        }
+        for (int k = 0; k < 3; k++) c->normal[k] = batch.normal[k][i];
+        c->weight = with_weights ? batch.weight[i] : 0;
+        c->flags |= RING_HAS_NORMAL | RING_VOTES;
+    }
 }
 
 void norma_core_ring_load(const core_surface *surface, uint32_t position, int with_weights, core_ring *ring)
@@ -98,10 +162,16 @@ void norma_core_ring_load(const core_surface *surface, uint32_t position, int wi
     ring->count = end - begin;
     ring->edge_count = 0;
     for (uint32_t i = 0; i < ring->count; i++) {
-        const uint32_t corner = around->corners[begin + i];
-        ring->corners[i] = (ring_corner){.corner = corner, .face = (uint32_t)norma_core_face_of(around, corner), .fan = i};
-        load_corner(surface, with_weights, &ring->corners[i]);
+        ring_corner *c = &ring->corners[i];
+        c->corner = around->corners[begin + i];
+        c->face = (uint32_t)norma_core_face_of(around, c->corner);
+        c->fan = i;
+        c->flags = 0;
+        if (surface->faces) load_polygon_corner(surface, with_weights, c);
     }
+    if (surface->faces) return;
+    for (size_t i = 0; i < ring->count; i += CORE_LANES)
+        load_triangle_corners(surface, with_weights, ring->corners + i, ring->count - i < CORE_LANES ? ring->count - i : CORE_LANES);
 }
 
 void norma_core_ring_join_all(core_ring *ring)

@@ -3,7 +3,7 @@
  * The faces at an edge are sorted by direction and by what twins have in common. A face's partners are then all those that run the other way, less the
  * equal range of its own twins: found by bisection, so that an edge of a million faces costs no more a face than one of two. */
 #include "ring.h"
-#include "angle.h"
+#include "triangle.h"
 
 /* ---- sorting: by the position at the other end, direction, key, order of corners */
 
@@ -120,11 +120,16 @@ static void join(core_ring *ring, uint32_t a, uint32_t b)
     else ring->corners[fan_a].fan = fan_b;
 }
 
-static double dihedral(const ring_corner *a, const ring_corner *b)
+/* Far from the threshold the cosine tells; near it, where it cannot, the angle does. */
+static int within_crease(const core_surface *surface, const ring_corner *a, const ring_corner *b)
 {
+    static const double doubt = 0x1p-30;
     double cross[3];
+    const double cosine = norma_core_dot(a->normal, b->normal);
+    if (cosine > surface->crease_cosine + doubt) return 1;
+    if (cosine < surface->crease_cosine - doubt) return 0;
     norma_core_cross(a->normal, b->normal, cross);
-    return norma_core_angle(norma_core_length(cross), norma_core_dot(a->normal, b->normal));
+    return norma_core_angle(norma_core_length(cross), cosine) <= surface->crease;
 }
 
 /* out begins at the ring's position, back ends there. Swapping the two changes no bit, so both ends of the edge agree. */
@@ -136,7 +141,7 @@ static int is_smooth(const core_surface *surface, const core_ring *ring, const r
     if (mesh->hard_edges && (mesh->hard_edges[a->corner] || mesh->hard_edges[b->previous_corner])) return 0;
     if (mesh->smoothing_groups && !(mesh->smoothing_groups[a->face] & mesh->smoothing_groups[b->face])) return 0;
     if (surface->crease >= NORMA_PI) return 1;
-    return dihedral(a, b) <= surface->crease;
+    return within_crease(surface, a, b);
 }
 
 /* ---- counting */

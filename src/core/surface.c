@@ -1,6 +1,6 @@
 /* surface.c: the stages that every call on vertices or corners begins with. */
 #include "surface.h"
-#include "angle.h"
+#include "triangle.h"
 #include "ring.h"
 #include "weld.h"
 
@@ -81,9 +81,13 @@ static norma_result prepare_faces(core_surface *s, int look_at_edges)
     return result;
 }
 
+/* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this much over the crease. */
+static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20;    /* 1e-6 */
+
 norma_result norma_core_surface_open(core_call *call, core_mesh *checked, int look_at_edges, double crease_angle_rad, core_surface *surface)
 {
-    *surface = (core_surface){.call = call, .mesh = *checked, .crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + 0x1.0c6f7a0b5ed8dp-20};
+    *surface = (core_surface){.call = call, .mesh = *checked, .crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD};
+    surface->crease_cosine = surface->crease < 0 ? 2 : surface->crease > NORMA_PI ? -2 : cos(surface->crease);
     norma_core_stage(call, 0.05, 0.2);
     norma_result result = norma_core_weld(call, &surface->mesh);
     if (result == NORMA_OK) {

@@ -12,6 +12,7 @@ typedef struct core_surface {
     uint32_t    *lender;              /* NULL where no face needs one; else of each face without a direction the face whose direction it borrows, UINT32_MAX: none */
     norma_count  degenerate_faces;
     double       crease;              /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi: every angle */
+    double       crease_cosine;       /* about its cosine */
 } core_surface;
 
 /* call stays the caller's. Edges are looked at where look_at_edges. What it returns but NORMA_OK leaves nothing to release. */
