@@ -327,14 +327,14 @@ static document_bytes data_file(const char *name)
     return bytes_load(path);
 }
 
-/* Boxes whose normals are the axes, text and binary; and those of CAD, whose slivers have stored normals that are up to .46 degrees off the exact ones (by
- * rational arithmetic; 91 of 35520 by more than .01). */
+/* Boxes whose normals are the axes, text and binary; and those of CAD, whose slivers have stored normals that are up to half a degree off the exact ones (by
+ * rational arithmetic; 91 of 35520 by more than .01 in the first). */
 static void test_truth(void **state)
 {
     (void)state;
     if (!data_folder()) skip();
     static const struct { const char *name; double tolerance; } files[] = {
-        {"truth/box-ascii.stl", 0}, {"truth/box-binary.stl", 0}, {"large/cad/a_drive_frame_lower.stl", .5}, {"large/cad/exhaust_filter_housing.stl", .5}};
+        {"truth/box-ascii.stl", 0}, {"truth/box-binary.stl", 0}, {"large/cad/a_drive_frame_lower.stl", .6}, {"large/cad/exhaust_filter_housing.stl", .6}};
     for (size_t i = 0; i < COUNT_OF(files); ++i) {
         document_bytes in = data_file(files[i].name), out = bytes_computed(in, files[i].name, NULL, NULL);
         norma_document *before = bytes_open(in, files[i].name), *after = bytes_open(out, files[i].name);
