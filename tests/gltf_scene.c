@@ -30,16 +30,20 @@ static void normalise(double a[3])
 
 static void vector_at(norma_vec3_view view, size_t index, double out[3])
 {
-    const unsigned char *at = (const unsigned char *)view.data + index * (view.stride ? view.stride : view.format == NORMA_FORMAT_DOUBLE ? 24 : 12);
-    for (int k = 0; k < 3; k++) {
+    static const size_t sizes[] = { 4, 8, 1, 1, 2, 2 };
+    const size_t size = sizes[view.format];
+    const unsigned char *at = (const unsigned char *)view.data + index * (view.stride ? view.stride : 3 * size);
+    for (int k = 0; k < 3; k++, at += size) {
         float f;
+        int16_t s;
+        uint16_t us;
         switch (view.format) {
-        case NORMA_FORMAT_DOUBLE: memcpy(&out[k], at + 8 * k, 8); break;
-        case NORMA_FORMAT_FLOAT: memcpy(&f, at + 4 * k, 4); out[k] = (double)f; break;
-        case NORMA_FORMAT_INT8:
-        case NORMA_FORMAT_UINT8:
-        case NORMA_FORMAT_INT16:
-        case NORMA_FORMAT_UINT16: fail_msg("integer positions are expected decoded");
+        case NORMA_FORMAT_FLOAT: memcpy(&f, at, sizeof f); out[k] = (double)f; break;
+        case NORMA_FORMAT_DOUBLE: memcpy(&out[k], at, sizeof out[k]); break;
+        case NORMA_FORMAT_INT8: out[k] = (signed char)*at; break;
+        case NORMA_FORMAT_UINT8: out[k] = *at; break;
+        case NORMA_FORMAT_INT16: memcpy(&s, at, sizeof s); out[k] = s; break;
+        case NORMA_FORMAT_UINT16: memcpy(&us, at, sizeof us); out[k] = us; break;
         }
     }
 }
@@ -113,6 +117,7 @@ void scene_read(norma_document *document, drawn_scene *scene)
                 continue;
             if (norma_document_mesh_data(document, k, &data, &error) != NORMA_DOCUMENT_OK)
                 fail_msg("%s", error.message);
+            scene->integers |= data.mesh.positions.format != NORMA_FORMAT_FLOAT && data.mesh.positions.format != NORMA_FORMAT_DOUBLE;
             add_mesh(scene, node.world, node.node, &data);
         }
     }

@@ -12,6 +12,7 @@ typedef struct scene_triangle {
 typedef struct drawn_scene {
     scene_triangle *triangles;
     size_t          count, room;
+    int             integers;     /* some positions are integers, taken as they are: wrong by a factor where they are normalized */
 } drawn_scene;
 
 /* Every triangle that a node of the document draws; instances, skins and morphs aside. Fails the test on an error. */
