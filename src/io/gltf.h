@@ -193,6 +193,7 @@ typedef struct gltf_slot {
     const char *attribute;                /* "NORMAL", ...; must outlive the patch (a literal, or a name in g->attributes); NULL with GLTF_SLOT_INDICES */
 } gltf_slot;
 
+size_t   norma_gltf_data_size(const gltf_data *data);                       /* bytes of one element */
 /* Registers contents (bytes become the patch's, also on failure) and gives their number, to be put into one slot or several. GLTF_NONE: out of memory. */
 uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data);
 /* These contents in this slot. Without a word about a slot it keeps its accessor. Once for each slot. 0: out of memory. */

@@ -91,6 +91,13 @@ static int belongs_to_output(const char *path, const char *name)
     return belongs;
 }
 
+static norma_document_result refuse(const gltf *g, const char *file, norma_document_error *error)
+{
+    const norma_document target = {.path = (char *)(uintptr_t)file};
+    return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_REFUSED, NULL, "is there with other content and is not overwritten; the buffer of %s was to go there",
+                               g->document->path);
+}
+
 static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, const char *path, int free_only, norma_document_error *error)
 {
     char *folder = norma_gltf_folder_of(path);
@@ -101,7 +108,7 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
         found there = file ? look(g, buffer, file) : FOUND_NOTHING;
         chosen = file && (there == FOUND_NOTHING || (there == FOUND_SAME && !free_only));
         if (file && !chosen && !try_more && !(try_more = belongs_to_output(path, name)))
-            result = norma_document_fail_file(file, error, "not overwritten, its content is another", EEXIST), result = NORMA_DOCUMENT_ERROR_REFUSED;
+            result = refuse(g, file, error);
         if (!file || attempt == 100000)
             result = norma_document_fail_memory(g->document, error);
         free(file);
@@ -110,8 +117,6 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
         else
             free(name);
     }
-    if (result == NORMA_DOCUMENT_ERROR_REFUSED && error)
-        error->result = result;
     free(folder);
     return result;
 }

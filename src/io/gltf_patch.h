@@ -75,7 +75,6 @@ struct gltf_patch {
 
 gltf_patch *norma_gltf_patch_of(gltf *g);  /* made where there is none yet; NULL: out of memory */
 void        norma_gltf_patch_free(gltf *g);
-size_t      norma_gltf_data_size(const gltf_data *data);                  /* of one element */
 uint32_t   *norma_gltf_view_pins(const gltf *g);                          /* NULL: out of memory */
 
 /* The steps of norma_gltf_finish. */

@@ -1,0 +1,118 @@
+/* gltf_compute.c: normals for a glTF asset: mesh by mesh the surface, its points, the deltas of its morph targets; then set by set what the accessors are to hold. */
+#include "gltf_compute.h"
+#include <stdlib.h>
+#include <string.h>
+
+static const double DEFAULT_CREASE_RAD = 1.0471975511965977; /* 60 degrees */
+
+static int is_wanted(const gltf_job *job, uint32_t mesh)
+{
+    const gltf_mesh *m = &job->g->meshes[mesh];
+    for (uint32_t i = m->first_primitive; i < m->first_primitive + m->primitive_count; ++i)
+        if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted)
+            return 1;
+    return 0;
+}
+
+/* The core's progress over one mesh as that over all of them. */
+static int pass_on(void *user, double fraction)
+{
+    const gltf_job *job = user;
+    return job->options->progress(job->options->progress_user, job->progress_base + fraction * job->progress_scale);
+}
+
+static norma_document_result compute_mesh(gltf_job *job, uint32_t mesh)
+{
+    gltf_surface surface;
+    norma_document_result result = norma_gltf_gather(job, mesh, &surface);
+    if (!result)
+        result = norma_gltf_find_points(job, &surface);
+    job->core.progress = NULL;
+    if (!result)
+        result = norma_gltf_take_points(job, &surface);
+    if (!result)
+        result = norma_gltf_morph(job, &surface);
+    norma_gltf_surface_free(&surface);
+    return result;
+}
+
+static norma_document_result compute_meshes(gltf_job *job)
+{
+    const gltf *g = job->g;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t wanted = 0;
+    for (uint32_t m = 0; m < g->mesh_count; ++m)
+        wanted += (size_t)is_wanted(job, m);
+    job->progress_scale = wanted ? 1 / (double)wanted : 0;
+    for (uint32_t m = 0; !result && m < g->mesh_count; ++m) {
+        if (!is_wanted(job, m))
+            continue;
+        job->core.progress = job->options->progress ? pass_on : NULL;
+        job->core.progress_user = job;
+        result = compute_mesh(job, m);
+        job->progress_base += job->progress_scale;
+    }
+    return result;
+}
+
+static norma_document_result put_all(gltf_job *job)
+{
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (uint32_t s = 0; !result && s < job->set_count; ++s) {
+        if (!job->sets[s].wanted)
+            continue;
+        result = norma_gltf_fill_unreferenced(job, &job->sets[s]);
+        if (!result)
+            result = norma_gltf_put_set(job, s);
+    }
+    for (uint32_t i = 0; !result && i < job->g->primitive_count; ++i)
+        if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted)
+            result = norma_gltf_put_indices(job, i);
+    return result;
+}
+
+static void count_vertices(const gltf_job *job)
+{
+    norma_compute_summary *summary = job->summary;
+    for (uint32_t i = 0; i < job->g->primitive_count; ++i) {
+        const gltf_primitive *p = &job->g->primitives[i];
+        const gltf_set *set = job->set_of[i] == GLTF_NONE ? NULL : &job->sets[job->set_of[i]];
+        summary->faces += p->faces;
+        summary->vertices_before += p->vertices;
+        summary->vertices_after += p->vertices + (set && set->wanted ? set->added_count : 0);
+    }
+}
+
+static void begin_summary(const gltf_job *job)
+{
+    norma_compute_summary *summary = job->summary;
+    const norma_count none = {0, SIZE_MAX};
+    summary->report = (norma_report){none, none, none, none, none, none};
+    summary->shading = job->options->shading == NORMA_SHADING_DEFAULT ? NORMA_SHADING_CREASE : job->options->shading;
+    if (summary->shading == NORMA_SHADING_CREASE)
+        summary->crease_angle_rad = job->options->shading == NORMA_SHADING_CREASE ? job->options->crease_angle_rad : DEFAULT_CREASE_RAD;
+}
+
+norma_document_result norma_gltf_compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error)
+{
+    gltf *g = norma_gltf_of(document);
+    gltf_job job = {.g = g, .options = options, .summary = summary, .error = error};
+    if (g->changed)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "was changed already; expected it to be saved and opened again");
+    norma_options_of_compute(options, &job.core);
+    job.core.progress = NULL;
+    begin_summary(&job);
+    norma_document_result result = norma_gltf_make_sets(&job);
+    if (!result)
+        result = compute_meshes(&job);
+    if (!result)
+        result = put_all(&job);
+    if (!result) {
+        count_vertices(&job);
+        summary->edges_counted = summary->shading == NORMA_SHADING_CREASE && job.meshes_done > 0;
+        result = norma_gltf_finish(g, error);
+        summary->changed = g->changed;
+    }
+    norma_gltf_sets_free(&job);
+    return result;
+}
