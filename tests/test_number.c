@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "number.h"
+#include "io/number.h"
 
 static uint64_t random_state = 88172645463325252u;
 
@@ -41,7 +41,7 @@ static void random_doubles_in_any_precision(void **state)
 {
     char text[512];
     (void)state;
-    for (int i = 0; i < 1000000; ++i) {
+    for (int i = 0; i < 400000; ++i) {
         uint64_t bits = next_random();
         double value;
         memcpy(&value, &bits, sizeof value);
@@ -86,7 +86,7 @@ static void halves(void **state)
 {
     static char text[2048];
     (void)state;
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < 5000; ++i) {
         uint64_t bits = next_random() & (UINT64_MAX >> 1);
         if (i % 4 == 0)
             bits &= (UINT64_C(1) << 53) - 1;
@@ -110,7 +110,7 @@ static void halves(void **state)
 static void named_cases(void **state)
 {
     static const char *const cases[] = {
-        "0", "-0", "+0.0", "1", "-1", "+1.5", ".5", "-.5", "5.", "1e5", "1E-5", "1e+05", "1e", "1e+", "1e-x", "1.5.5", "0x10" + 2, "00012", "000.00012",
+        "0", "-0", "+0.0", "1", "-1", "+1.5", ".5", "-.5", "5.", "1e5", "1E-5", "1e+05", "1e", "1e+", "1e-x", "1.5.5", "00012", "000.00012",
         "9007199254740992", "9007199254740993", "9007199254740994", "9007199254740995", "18446744073709551615", "18446744073709551616",
         "2.2250738585072011e-308", "2.2250738585072012e-308", "2.2250738585072014e-308", "4.9406564584124654e-324", "2.4703282292062327e-324",
         "2.4703282292062328e-324", "2.470328229206232720e-324", "1.7976931348623157e308", "1.7976931348623158e308", "1.7976931348623159e308", "1.8e308",
@@ -253,7 +253,7 @@ static void doubles_return(void **state)
         check_double(cases[i]);
     for (int e = -1074; e < 1024; ++e)
         check_double(ldexp(1, e));
-    for (int i = 0; i < 300000; ++i) {
+    for (int i = 0; i < 100000; ++i) {
         uint64_t bits = next_random();
         double value;
         memcpy(&value, &bits, sizeof value);
@@ -269,7 +269,7 @@ static void floats_return(void **state)
     (void)state;
     for (int e = -149; e < 128; ++e)
         check_float(ldexpf(1, e));
-    for (int i = 0; i < 1000000; ++i) {
+    for (int i = 0; i < 300000; ++i) {
         uint32_t bits = (uint32_t)next_random();
         float value;
         memcpy(&value, &bits, sizeof value);
