@@ -111,6 +111,14 @@ static void print_rows(const double *columns, int size)
     }
 }
 
+static int is_zero(const double columns[9])
+{
+    for (int i = 0; i < 9; ++i)
+        if (columns[i] != 0)
+            return 0;
+    return 1;
+}
+
 static const char *meaning(const norma_matrix_info *info)
 {
     switch (info->kind) {
@@ -123,8 +131,8 @@ static const char *meaning(const norma_matrix_info *info)
     case NORMA_KIND_SINGULAR: break;
     }
     switch (info->rank) {
-    case 2: return "space is flattened to a plane, whose normal is the only one left";
-    case 1: return "space is flattened to a line: no face keeps a direction, no normal exists";
+    case 2: return "space is flattened to a plane (to 1e-6), whose normal is the only one left";
+    case 1: return "space is flattened to a line (to 1e-6): no face keeps a direction, no normal exists";
     default: return "space is flattened to a point: no face keeps a direction, no normal exists";
     }
 }
@@ -158,8 +166,8 @@ static void print_worst(const matrix_answer *found)
         printf("plain M       leaves nothing that could be a normal, and neither does anything else\n");
         return;
     }
-    if (info->worst_error_rad < 1e-7) {
-        printf("plain M       is right in direction for every normal%s\n", info->mirrored ? ", once faces are reversed" : "");
+    if (cli_to_degrees(info->worst_error_rad) < 0.005) {
+        printf("plain M       is right to 0.01 degrees for every normal%s\n", info->mirrored ? ", once faces are reversed" : "");
         return;
     }
     for (int i = 0; i < 3; ++i)
@@ -199,11 +207,11 @@ static void print_text(matrix_answer *found)
     if (isfinite(info->anisotropy))
         printf("anisotropy    %.7g (largest stretch over smallest)\n", info->anisotropy);
     else
-        printf("anisotropy    infinite (some direction is not stretched at all)\n");
+        printf("anisotropy    infinite (flattened)\n");
     print_worst(found);
-    printf("\nNormal matrix: %s\n", info->rank < 2    ? "of zeros, no normal exists"
-                                       : info->mirrored ? "carries normals right, faces reversed; renormalise after it"
-                                                        : "carries normals right; renormalise after it");
+    printf("\nNormal matrix: %s\n", is_zero(found->normal) ? "of zeros, no normal exists"
+                                       : info->mirrored       ? "carries normals right, faces reversed; renormalise after it"
+                                                              : "carries normals right; renormalise after it");
     print_rows(found->normal, 3);
     printf("\nCofactor matrix: the area vectors of faces, cof(M)(a x b) = Ma x Mb\n");
     print_rows(found->cofactor, 3);
