@@ -32,9 +32,11 @@ one() {
     shift
     local scratch
     scratch=$(mktemp -d)
-    NORMA_SCRATCH=$scratch timeout --kill-after=10 "${TEST_TIMEOUT:-1200}" "$@" >"$results/$name.tap" 2>"$results/$name.err" </dev/null || status=$?
+    local start=$SECONDS
+    NORMA_SCRATCH=$scratch timeout --kill-after=10 "${TEST_TIMEOUT:-600}" "$@" >"$results/$name.tap" 2>"$results/$name.err" </dev/null || status=$?
     rm -rf "$scratch"
     echo "$status" >"$results/$name.status"
+    echo $((SECONDS - start)) >"$results/$name.seconds"
 }
 export -f one
 export results
@@ -118,7 +120,7 @@ for tap in "$results"/*.tap; do
     fi
     [ -z "$trouble" ] || f=$((f + 1))
     passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
-    printf '%-44s %5d passed %4d failed %4d skipped\n' "$name" "$p" "$f" "$s"
+    printf '%-44s %5d passed %4d failed %4d skipped %5s s\n' "$name" "$p" "$f" "$s" "$(cat "$results/$name.seconds" 2>/dev/null)"
     if [ "$f" -gt 0 ]; then
         awk '/^not ok [0-9]/ && !/# *SKIP/ { print "    " $0; show = 1; next } /^#/ { if (show) print "      " $0; next } { show = 0 }' "$tap" | head -n 60
         if [ -n "$trouble" ]; then
@@ -128,6 +130,6 @@ for tap in "$results"/*.tap; do
         echo "    output: build/test/results/$name.tap, $name.err"
     fi
 done
-say "done"
+say "done, after $SECONDS s"
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
