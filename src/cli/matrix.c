@@ -131,8 +131,8 @@ static const char *meaning(const norma_matrix_info *info)
     case NORMA_KIND_SINGULAR: break;
     }
     switch (info->rank) {
-    case 2: return "space is flattened to a plane (to 1e-6), whose normal is the only one left";
-    case 1: return "space is flattened to a line (to 1e-6): no face keeps a direction, no normal exists";
+    case 2: return "space is flattened to a plane, whose normal is the only one left";
+    case 1: return "space is flattened to a line: no face keeps a direction, no normal exists";
     default: return "space is flattened to a point: no face keeps a direction, no normal exists";
     }
 }
@@ -166,8 +166,12 @@ static void print_worst(const matrix_answer *found)
         printf("plain M       leaves nothing that could be a normal, and neither does anything else\n");
         return;
     }
-    if (cli_to_degrees(info->worst_error_rad) < 0.005) {
-        printf("plain M       is right to 0.01 degrees for every normal%s\n", info->mirrored ? ", once faces are reversed" : "");
+    if (info->worst_error_rad > 1e-7 && cli_to_degrees(info->worst_error_rad) < 0.005) {
+        printf("plain M       errs by less than 0.01 degrees for every normal%s\n", info->mirrored ? ", once faces are reversed" : "");
+        return;
+    }
+    if (info->worst_error_rad <= 1e-7) {
+        printf("plain M       is right in direction for every normal%s\n", info->mirrored ? ", once faces are reversed" : "");
         return;
     }
     for (int i = 0; i < 3; ++i)
