@@ -183,8 +183,11 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
     return ok ? NORMA_DOCUMENT_OK : out_of_memory(c);
 }
 
+/* Tangents that are all zeros, for want of any bytes, are none. */
 static int can_turn(const gltf_accessor *a)
 {
+    if (a->view == GLTF_NONE && a->sparse.count == 0)
+        return 0;
     return a->width == 4 && (a->component == GLTF_FLOAT || (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
 }
 

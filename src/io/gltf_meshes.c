@@ -101,6 +101,37 @@ static const char *why_not_read(const gltf *g, const gltf_primitive *p)
     return NULL;
 }
 
+/* A buffer without a URI may be handed over beside the file, by whom it was made for. */
+static int lacks_bytes(const gltf *g, uint32_t accessor)
+{
+    if (accessor == GLTF_NONE)
+        return 0;
+    const gltf_accessor *a = &g->accessors[accessor];
+    const uint32_t views[3] = {a->view, a->sparse.count ? a->sparse.indices_view : GLTF_NONE, a->sparse.count ? a->sparse.values_view : GLTF_NONE};
+    for (int i = 0; i < 3; ++i) {
+        const gltf_view *view = views[i] == GLTF_NONE ? NULL : &g->views[views[i]];
+        if (view && g->buffers[view->meshopt.token == GLTF_NONE ? view->buffer : view->meshopt.buffer].storage == GLTF_STORED_NOWHERE)
+            return 1;
+    }
+    return 0;
+}
+
+static int set_lacks_bytes(const gltf *g, const gltf_attributes *set)
+{
+    for (uint32_t i = set->first; i < set->first + set->count; ++i)
+        if (lacks_bytes(g, g->attributes[i].accessor))
+            return 1;
+    return 0;
+}
+
+static const char *why_without_bytes(const gltf *g, const gltf_primitive *p)
+{
+    int lacks = lacks_bytes(g, p->indices) || set_lacks_bytes(g, &p->base);
+    for (uint32_t t = 0; t < p->target_count; ++t)
+        lacks |= set_lacks_bytes(g, &g->targets[p->first_target + t]);
+    return lacks ? "its buffer has no URI, so its bytes are not here" : NULL;
+}
+
 static void count_faces(const gltf *g, gltf_primitive *p)
 {
     size_t corners = p->indices == GLTF_NONE ? p->vertices : g->accessors[p->indices].count;
@@ -129,6 +160,8 @@ static norma_document_result read_primitive(gltf *g, gltf_primitive *p, norma_do
     p->vertices = p->base.position == GLTF_NONE ? 0 : g->accessors[p->base.position].count;
     count_faces(g, p);
     p->not_read = why_not_read(g, p);
+    if (!p->not_read)
+        p->not_read = why_without_bytes(g, p);
     return NORMA_DOCUMENT_OK;
 }
 

@@ -131,7 +131,7 @@ static void edit_accessor(gltf *g, const gltf_accessor *a, const gltf_data *data
     edit_bounds(g, a->token, data);
 }
 
-/* Whether all elements that the sparse part does not name are zero bytes: over a base of zeros nothing else need be said then. */
+/* Whether all elements that the sparse part, if any, does not name are zero bytes: over a base of zeros nothing else need be said then. */
 static int rest_is_zero(const gltf_accessor *a, const gltf_data *data, const uint32_t *indices)
 {
     size_t size = norma_gltf_data_size(data), bytes = data->count * size;
@@ -181,9 +181,13 @@ static norma_document_result replace_accessor(gltf *g, uint32_t number, norma_do
     edit_accessor(g, a, data);
     if (a->sparse.count) {
         norma_document_result result = add_sparse(g, number, data, &base, error);
-        if (result || !base)
+        if (result)
             return result;
+    } else if (a->view == GLTF_NONE) {
+        base = !rest_is_zero(a, data, NULL);
     }
+    if (!base)
+        return NORMA_DOCUMENT_OK;
     const patch_piece piece = {.token = a->token, .new_accessor = GLTF_NONE, .old_view = a->view, .old_offset = a->offset,
                                .old_stride = a->view != GLTF_NONE && g->views[a->view].stride ? g->views[a->view].stride : a->element_size, .old_size = a->element_size,
                                .old_count = a->count, .bytes = data->bytes, .size = norma_gltf_data_size(data), .count = data->count, .target = target_of(data)};
