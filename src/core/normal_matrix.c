@@ -71,7 +71,7 @@ static inline norma_result normal_matrix_of(const float model[16], norma_winding
     const cofactors c = cofactors_of(model);
     const int certain = winding == NORMA_WINDING_KEPT || fabs(c.determinant) > 0x1p-50 * c.magnitude;
     if (!(certain && c.finite == 0.0 && fits_floats(c.entry))) return normal_matrix_rarely(model, &c, winding, out);
-    const double sign = winding == NORMA_WINDING_REVERSED && c.determinant < 0.0 ? -1.0 : 1.0;
+    const double sign = winding == NORMA_WINDING_REVERSED ? copysign(1.0, c.determinant) : 1.0; /* no branch: mirrors come as they like */
     for (int i = 0; i < 9; i++) out[i] = (float)(c.entry[i] * sign) + 0.0f; /* no negative zeros */
     return NORMA_OK;
 }

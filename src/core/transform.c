@@ -71,23 +71,29 @@ static inline void store(const block *b, size_t count, unsigned char *to, size_t
 }
 
 /* b through the matrix (columns m, m + 3, m + 6), and made unit; lanes whose squared length is not safely within a double become zero.
- * Returns how many do. */
+ * Returns whether any does. Loops of one step each, without a branch, are what compilers make vector code of. */
 static int normals_of_block(const double m[9], block *b)
 {
-    int unsafe = 0;
+    double square[BLOCK], unsafe[BLOCK], any = 0.0;
     for (int i = 0; i < BLOCK; i++) {
-        const double x = m[0] * b->x[i] + m[3] * b->y[i] + m[6] * b->z[i];
-        const double y = m[1] * b->x[i] + m[4] * b->y[i] + m[7] * b->z[i];
-        const double z = m[2] * b->x[i] + m[5] * b->y[i] + m[8] * b->z[i];
-        const double square = x * x + y * y + z * z;
-        const int safe = square >= 0x1p-900 && square <= 0x1p900;
-        const double factor = 1.0 / sqrt(safe ? square : 1.0);
-        b->x[i] = safe ? x * factor : 0.0;
-        b->y[i] = safe ? y * factor : 0.0;
-        b->z[i] = safe ? z * factor : 0.0;
-        unsafe += !safe;
+        const double x = b->x[i], y = b->y[i], z = b->z[i];
+        b->x[i] = m[0] * x + m[3] * y + m[6] * z;
+        b->y[i] = m[1] * x + m[4] * y + m[7] * z;
+        b->z[i] = m[2] * x + m[5] * y + m[8] * z;
+        square[i] = b->x[i] * b->x[i] + b->y[i] * b->y[i] + b->z[i] * b->z[i];
+        unsafe[i] = square[i] >= 0x1p-900 && square[i] <= 0x1p900 ? 0.0 : 1.0;
     }
-    return unsafe;
+    for (int i = 0; i < BLOCK; i++) any += unsafe[i];
+    if (any != 0.0)
+        for (int i = 0; i < BLOCK; i++)
+            if (unsafe[i] != 0.0) b->x[i] = b->y[i] = b->z[i] = 0.0, square[i] = 1.0;
+    for (int i = 0; i < BLOCK; i++) {
+        const double factor = 1.0 / sqrt(square[i]);
+        b->x[i] *= factor;
+        b->y[i] *= factor;
+        b->z[i] *= factor;
+    }
+    return any != 0.0;
 }
 
 /* A normal near the ends of the doubles' range: scaled first. Zero and what is not finite give zero. */
