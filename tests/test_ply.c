@@ -255,6 +255,7 @@ static void test_strips(void **state)
     norma_compute_summary summary;
     document_bytes split = bytes_computed(in, "strips.ply", &crease, &summary);
     assert_int_equal(summary.vertices_after, 11);
+    assert_non_null(strstr((const char *)split.data, "\n13 0 1 2 3 -1 9 10 4 5 -1 6 7 8\n"));
     assert_int_equal(corners_of(split, after, &info), 15);
     for (int t = 0; t < 5; ++t)                                   /* the same triangles, each from any of its corners on */
         for (int axis = 0; axis < 3; ++axis) {
@@ -272,6 +273,43 @@ static void test_strips(void **state)
 }
 
 /* ---- what is kept */
+
+/* Normals that are right already, but for the sign of a zero. */
+static void test_signs_of_zeros_stay(void **state)
+{
+    (void)state;
+    document_bytes in = text_file("ply\nformat binary_little_endian 1.0\nelement vertex 3\n" VERTEX_FLOATS "property float nx\nproperty double ny\nproperty float nz\n"
+                                  "element face 1\nproperty list uchar uchar vertex_indices\nend_header\n");
+    for (int i = 0; i < 3; ++i) {
+        const float head[4] = {(float)(i == 1), (float)(i == 2), 0, -0.0f}, nz = 1;
+        const double ny = i == 1 ? -0.0 : 0.0;
+        add(&in, head, 16), add(&in, &ny, 8), add(&in, &nz, 4);
+    }
+    add(&in, "\3\0\1\2", 4);
+    norma_compute_summary summary;
+    document_bytes out = bytes_computed(in, "z.ply", NULL, &summary);
+    assert_int_equal(summary.changed, 0);
+    assert_true(bytes_equal(in, out));
+    bytes_free(&in);
+    bytes_free(&out);
+}
+
+static void test_a_mesh_without_any_direction(void **state)
+{
+    (void)state;
+    const norma_compute_options flat = {.struct_size = sizeof flat, .shading = NORMA_SHADING_FLAT};
+    document_bytes in = text_file("ply\nformat ascii 1.0\nelement vertex 3\n" VERTEX_FLOATS "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                                  "0 0 0\n1 1 1\n2 2 2\n3 0 1 2\n1 2\n");
+    for (int i = 0; i < 2; ++i) {
+        norma_compute_summary summary;
+        document_bytes out = bytes_computed(in, "d.ply", i ? &flat : NULL, &summary);
+        assert_non_null(strstr((const char *)out.data, "end_header\n0 0 0 0 0 1\n1 1 1 0 0 1\n2 2 2 0 0 1\n3 0 1 2\n1 2\n"));
+        assert_int_equal(summary.filled, 3);
+        assert_int_equal(summary.report.degenerate_faces.count, 2);
+        bytes_free(&out);
+    }
+    bytes_free(&in);
+}
 
 static void test_points_pass_through(void **state)
 {
@@ -351,6 +389,24 @@ static void test_mirror_turns_faces_and_their_texture(void **state)
     assert_non_null(strstr((const char *)out.data, "end_header\n-1 0 0\n-2 0 0\n-2 1 0.5\n-1 1 0.5\n4 0 3 2 1  8 0 0.0 0 .2 .1 .2 .1 0 -0.6"));
     assert_int_equal(summary.mirrored, 1);
     assert_int_equal(summary.changed, 1);
+    bytes_free(&in);
+    bytes_free(&out);
+}
+
+static void test_mirror_turns_binary_faces(void **state)
+{
+    (void)state;
+    document_bytes in = text_file("ply\nformat binary_little_endian 1.0\nelement vertex 3\n" VERTEX_FLOATS "element face 2\nproperty list uchar short texcoord\n"
+                                  "property list uchar ushort vertex_index\nend_header\n");
+    const size_t header = in.size;
+    const float positions[9] = {1, 0, 0, 2, 0, 0, 2, 1, 0};
+    const unsigned char faces[2][20] = {{6, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 3, 0, 0, 1, 0, 2, 0}, {6, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 3, 2, 0, 1, 0, 0, 0}};
+    const unsigned char turned[2][20] = {{6, 1, 0, 2, 0, 5, 0, 6, 0, 3, 0, 4, 0, 3, 0, 0, 2, 0, 1, 0}, {6, 1, 0, 2, 0, 5, 0, 6, 0, 3, 0, 4, 0, 3, 2, 0, 0, 0, 1, 0}};
+    add(&in, positions, sizeof positions);
+    add(&in, faces, sizeof faces);
+    document_bytes out = bytes_transformed(in, "m.ply", mirror_x, NULL);
+    assert_int_equal(out.size, in.size);
+    assert_memory_equal(out.data + header + sizeof positions, turned, sizeof turned);
     bytes_free(&in);
     bytes_free(&out);
 }
@@ -449,6 +505,7 @@ static void test_refusals_name_the_place(void **state)
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 -1\n", "index -1"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS "property float nx\nend_header\n0 0 0 0\n", "nx, ny and nz"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS "property float x\nend_header\n0 0 0 0\n", "stands twice"},
+        {"ply\nformat binary_little_endian 1.0\nelement vertex 0\n" VERTEX_FLOATS "element face 1\nproperty list char uchar vertex_indices\nend_header\n\xff", "negative length"},
         {"plyx\n", "a.ply:1: "}};
     for (size_t i = 0; i < COUNT_OF(files); ++i) {
         char message[1000];
@@ -468,10 +525,13 @@ int main(void)
         cmocka_unit_test(test_a_crease_splits_with_all_properties),
         cmocka_unit_test(test_lists_widen_only_where_needed),
         cmocka_unit_test(test_strips),
+        cmocka_unit_test(test_signs_of_zeros_stay),
+        cmocka_unit_test(test_a_mesh_without_any_direction),
         cmocka_unit_test(test_points_pass_through),
         cmocka_unit_test(test_only_missing_and_broken),
         cmocka_unit_test(test_integer_normals_keep_their_codes),
         cmocka_unit_test(test_mirror_turns_faces_and_their_texture),
+        cmocka_unit_test(test_mirror_turns_binary_faces),
         cmocka_unit_test(test_normals_go_through_the_normal_matrix),
         cmocka_unit_test(test_whole_positions_stay_whole_where_they_can),
         cmocka_unit_test(test_changes_follow_one_another),

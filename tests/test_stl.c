@@ -73,12 +73,15 @@ static void test_mirror_in_text(void **state)
 static void test_far_coordinates_in_text(void **state)
 {
     (void)state;
-    const double back[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4500000, 0, 0, 1};
+    const double back[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4500000, 0, 0, 1}, on[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1};
     document_bytes in = text_file("solid\nfacet normal 0 0 1\nouter loop\nvertex 4500000.125 0 0\nvertex 4500001.375 0 0\nvertex 4500000.125 1 0\nendloop\nendfacet\nendsolid\n");
     document_bytes out = bytes_transformed(in, "a.stl", back, NULL);
     assert_text(out, "solid\nfacet normal 0 0 1\nouter loop\nvertex 0.125 0 0\nvertex 1.375 0 0\nvertex 0.125 1 0\nendloop\nendfacet\nendsolid\n");
+    document_bytes far = bytes_transformed(in, "a.stl", on, NULL);
+    assert_non_null(strstr((const char *)far.data, "vertex 4500001.125 0 0\nvertex 4500002.375 0 0\n"));
     bytes_free(&in);
     bytes_free(&out);
+    bytes_free(&far);
 }
 
 /* ---- binary */
@@ -145,6 +148,25 @@ static void test_only_missing_and_broken(void **state)
     bytes_free(&in);
     bytes_free(&a);
     bytes_free(&b);
+}
+
+/* Facets that are right already but for the sign of a zero, and one file in which no facet has a direction. */
+static void test_signs_of_zeros_and_no_direction(void **state)
+{
+    (void)state;
+    static const float right[1][12] = {{-0.0f, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}}, none[1][12] = {{5, 5, 5, 0, 0, 0, 1, 1, 1, 2, 2, 2}};
+    document_bytes a = binary_file("", right, 1, ""), b = binary_file("", none, 1, "");
+    norma_compute_summary summary;
+    document_bytes same = bytes_computed(a, "a.stl", NULL, &summary);
+    assert_int_equal(summary.changed, 0);
+    assert_true(bytes_equal(a, same));
+    document_bytes filled = bytes_computed(b, "b.stl", NULL, &summary);
+    assert_memory_equal(filled.data + 84, wanted[0], 12);
+    assert_int_equal(summary.filled, 1);
+    bytes_free(&a);
+    bytes_free(&b);
+    bytes_free(&same);
+    bytes_free(&filled);
 }
 
 static void test_mirror_in_binary(void **state)
@@ -390,6 +412,7 @@ int main(void)
         cmocka_unit_test(test_far_coordinates_in_text),
         cmocka_unit_test(test_binary_that_begins_with_solid),
         cmocka_unit_test(test_only_missing_and_broken),
+        cmocka_unit_test(test_signs_of_zeros_and_no_direction),
         cmocka_unit_test(test_mirror_in_binary),
         cmocka_unit_test(test_changes_follow_one_another),
         cmocka_unit_test(test_smooth_shading_is_refused),

@@ -31,7 +31,7 @@ typedef struct header_line {
 } header_line;
 
 typedef struct header_reader {
-    const norma_document *document;
+    norma_document       *document;
     norma_document_error *error;
     ply_state            *state;
     header_line           line;
@@ -206,7 +206,7 @@ static norma_document_result read_unknown(header_reader *reader, int has_format)
         return fail_line(reader, "expected element, property, comment, obj_info or end_header", whole_line(line));
     ply_span text = whole_line(line);
     int length = text.length > 60 ? 60 : (int)text.length;
-    norma_document_add_note((norma_document *)(uintptr_t)reader->document, "header line %zu is no PLY statement and was passed over: \"%.*s\"", line->number, length,
+    norma_document_add_note(reader->document, "header line %zu is no PLY statement and was passed over: \"%.*s\"", line->number, length,
                             (const char *)reader->state->bytes + text.offset);
     return NORMA_DOCUMENT_OK;
 }

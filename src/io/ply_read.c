@@ -268,7 +268,7 @@ static norma_document_result take_face_lists(norma_document *document, const ply
     size_t corner = 0;
     for (size_t row = 0; row < rows; ++row) {
         for (uint32_t k = 0; k < lists->counts[row]; ++k, ++corner) {
-            if (lists->items[corner] < 0 || (uint64_t)lists->items[corner] >= state->vertices)
+            if ((uint64_t)lists->items[corner] >= state->vertices)             /* a negative one is beyond all */
                 return fail_index(document, error, "face", row, lists->items[corner]);
             mesh->corners[corner] = (uint32_t)lists->items[corner];
         }
