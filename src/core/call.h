@@ -21,6 +21,9 @@ void  norma_core_release(const core_call *call, void *block, size_t count, size_
 void norma_core_stage(core_call *call, double from, double to);
 int  norma_core_progress(core_call *call, double fraction_of_stage);
 
+/* How many may work, where the caller has no parallel_for: at least 1. */
+size_t norma_core_workers(const core_call *call);
+
 /* Runs task for each index below count: by the caller's parallel_for, by threads, or here. Tasks share nothing but what they only read. Returns
  * NORMA_OK or NORMA_CANCELLED (then some tasks did not run). */
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context);

@@ -73,7 +73,7 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     if (result == NORMA_OK) result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, 1, (double)crease_angle_rad, &surface);
+    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
     if (result != NORMA_OK) return result;
     result = compute(&surface, &output, report);
     norma_core_stage(&call, 1, 1);

@@ -7,6 +7,7 @@
 enum { FACES_IN_CHUNK = 8192 };
 
 typedef struct face_work {
+    const core_call   *call;
     const core_mesh   *mesh;
     const core_output *output;
     core_tally        *tallies;
@@ -18,12 +19,17 @@ static int face_reason(const core_face *face)
     return face->flags & CORE_FACE_FINITE ? NORMA_REASON_DEGENERATE : NORMA_REASON_NON_FINITE;
 }
 
-static void face_normal(const core_mesh *mesh, size_t f, int *reason, float normal[3])
+static int take_normal(const core_face *face, float normal[3])
+{
+    for (int k = 0; k < 3; k++) normal[k] = (float)face->normal[k] + 0.0F;   /* never -0 */
+    return face_reason(face);
+}
+
+static int face_normal(const core_mesh *mesh, size_t f, float normal[3])
 {
     core_face face;
     norma_core_face_geometry(mesh, f, &face);
-    *reason = face_reason(&face);
-    for (int k = 0; k < 3; k++) normal[k] = (float)face.normal[k] + 0.0F;   /* never -0 */
+    return take_normal(&face, normal);
 }
 
 static void write_chunk(void *context, size_t chunk)
@@ -31,18 +37,22 @@ static void write_chunk(void *context, size_t chunk)
     const face_work *work = context;
     const size_t begin = chunk * FACES_IN_CHUNK, count = work->mesh->face_count;
     const size_t end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
-    for (size_t f = begin; f < end; f++) {
-        int reason;
-        float normal[3];
-        face_normal(work->mesh, f, &reason, normal);
-        norma_core_write_element(work->output, f, reason, normal, &work->tallies[chunk]);
+    for (size_t f = begin; f < end; f += CORE_LANES) {
+        core_face faces[CORE_LANES];
+        const size_t lanes = end - f < CORE_LANES ? end - f : CORE_LANES;
+        norma_core_faces_geometry(work->call, work->mesh, f, lanes, faces);
+        for (size_t i = 0; i < lanes; i++) {
+            float normal[3];
+            const int reason = take_normal(&faces[i], normal);
+            norma_core_write_element(work->output, f + i, reason, normal, &work->tallies[chunk]);
+        }
     }
 }
 
 static norma_result write_all(core_call *call, const core_mesh *mesh, const core_output *output, core_tally *sum)
 {
     const size_t chunks = mesh->face_count / FACES_IN_CHUNK + (mesh->face_count % FACES_IN_CHUNK != 0);
-    face_work work = {mesh, output, norma_core_allocate(call, chunks, sizeof *work.tallies)};
+    face_work work = {call, mesh, output, norma_core_allocate(call, chunks, sizeof *work.tallies)};
     if (!work.tallies) return NORMA_ERROR_MEMORY;
     memset(work.tallies, 0, chunks * sizeof *work.tallies);
     const norma_result result = norma_core_parallel(call, chunks, write_chunk, &work);
@@ -61,13 +71,11 @@ static uint32_t place_of(const core_mesh *mesh, size_t f)
 static void write_nearest(const core_mesh *mesh, const core_output *output, const core_nearest *nearest)
 {
     for (size_t f = 0; f < mesh->face_count; f++) {
-        int reason;
         float normal[3];
-        face_normal(mesh, f, &reason, normal);
-        if (reason == NORMA_REASON_NONE) continue;
+        if (face_normal(mesh, f, normal) == NORMA_REASON_NONE) continue;
         const uint32_t place = place_of(mesh, f), source = place == UINT32_MAX ? nearest->first : norma_core_nearest_find(nearest, place);
         if (source == UINT32_MAX) normal[0] = normal[1] = normal[2] = 0;
-        else face_normal(mesh, source, &reason, normal);
+        else face_normal(mesh, source, normal);
         norma_core_write_normal(output, f, normal);
     }
 }
@@ -78,10 +86,8 @@ static norma_result fill_from_nearest(core_call *call, const core_mesh *mesh, co
     norma_result result = norma_core_nearest_begin(call, mesh, &nearest);
     if (result != NORMA_OK) return result;
     for (size_t f = 0; f < mesh->face_count; f++) {
-        int reason;
         float normal[3];
-        face_normal(mesh, f, &reason, normal);
-        if (reason == NORMA_REASON_NONE) norma_core_nearest_add(&nearest, place_of(mesh, f), (uint32_t)f);
+        if (face_normal(mesh, f, normal) == NORMA_REASON_NONE) norma_core_nearest_add(&nearest, place_of(mesh, f), (uint32_t)f);
     }
     result = norma_core_nearest_plant(&nearest, queries);
     if (result == NORMA_OK) write_nearest(mesh, output, &nearest);

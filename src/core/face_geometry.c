@@ -180,6 +180,48 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
     if ((out->flags & CORE_FACE_FINITE) && (out->flags & CORE_FACE_EDGED)) polygon_direction(mesh, face, out);
 }
 
+/* ---- triangles, some at a time */
+
+static int load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane)
+{
+    double p[3][3];
+    uint32_t welded[3];
+    for (size_t k = 0; k < 3; k++) {
+        const uint32_t at = norma_core_corner(mesh, 3 * face + k);
+        welded[k] = norma_core_welded(mesh, at);
+        norma_core_position(mesh, at, p[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        batch->u[k][lane] = p[1][k] - p[0][k];
+        batch->v[k][lane] = p[2][k] - p[0][k];
+    }
+    return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
+}
+
+static void take_lane(const core_batch *batch, int lane, core_face *out)
+{
+    *out = (core_face){.twice_area = batch->twice_area[lane], .kept = 3, .flags = CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED};
+    for (int k = 0; k < 3; k++) out->normal[k] = batch->normal[k][lane];
+}
+
+void norma_core_faces_geometry(const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out)
+{
+    core_batch batch;
+    int edged[CORE_LANES];
+    if (mesh->face_starts) {
+        for (size_t i = 0; i < count; i++) norma_core_face_geometry(mesh, face + i, &out[i]);
+        return;
+    }
+    for (int i = 0; i < CORE_LANES; i++) edged[i] = load_lane(mesh, (size_t)i < count ? face + (size_t)i : face, &batch, i);
+    call->measure(&batch, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER);
+    for (int i = 0; (size_t)i < count; i++) {
+        if (edged[i] && batch.sure[i] != 0) take_lane(&batch, i, &out[i]);
+        else norma_core_face_geometry(mesh, face + (size_t)i, &out[i]);
+    }
+}
+
+/* ---- weights */
+
 /* The length of the cross product of two edges at a polygon's corner; exactly where doubles would not tell a needle from nothing. */
 static double corner_cross_length(const double p[3], const double next[3], const double previous[3], const double cross[3], double squares)
 {
@@ -194,7 +236,8 @@ static double corner_cross_length(const double p[3], const double next[3], const
     return corner.twice_area;
 }
 
-double norma_core_polygon_weight(norma_weight weight, const core_face *face, const double p[3], const double next[3], const double previous[3])
+/* A corner that stands upright on its polygon is not reflex: what its cross product has along the normal must be more than rounding. */
+static double polygon_weight(norma_weight weight, const core_face *face, const double p[3], const double next[3], const double previous[3])
 {
     double a[3], b[3], cross[3], length = 0;
     norma_core_subtract(next, p, a);
@@ -203,5 +246,24 @@ double norma_core_polygon_weight(norma_weight weight, const core_face *face, con
     norma_core_cross(a, b, cross);
     if (weight != NORMA_WEIGHT_UNIFORM && weight != NORMA_WEIGHT_AREA && weight != NORMA_WEIGHT_VISIBLE)
         length = corner_cross_length(p, next, previous, cross, aa * bb);
-    return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area, length > 0 && norma_core_dot(cross, face->normal) < 0);
+    return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area, norma_core_dot(cross, face->normal) < -0x1p-46 * length);
+}
+
+/* Its one cross product serves at every corner. */
+static double triangle_weight(norma_weight weight, const core_face *face, const double p[3], const double next[3], const double previous[3])
+{
+    double a[3], b[3];
+    norma_core_subtract(next, p, a);
+    norma_core_subtract(previous, p, b);
+    return norma_core_weigh(weight, norma_core_dot(a, a), norma_core_dot(b, b), norma_core_dot(a, b), face->twice_area, face->twice_area, 0);
+}
+
+double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number, const core_face *face, size_t corner)
+{
+    double p[3], next[3], previous[3];
+    norma_core_position(mesh, norma_core_corner(mesh, corner), p);
+    norma_core_position(mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, number, corner)), next);
+    norma_core_position(mesh, norma_core_corner(mesh, norma_core_previous_kept(mesh, number, corner)), previous);
+    if (norma_core_face_end(mesh, number) - norma_core_face_begin(mesh, number) == 3) return triangle_weight(weight, face, p, next, previous);
+    return polygon_weight(weight, face, p, next, previous);
 }

@@ -34,8 +34,11 @@ size_t norma_core_previous_kept(const core_mesh *mesh, size_t face, size_t corne
 /* O(corners of the face). */
 void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out);
 
-/* What the kept corner of a directed polygon (not a triangle) weighs, in constant time. p is its position, next and previous those of its kept neighbours. */
-double norma_core_polygon_weight(norma_weight weight, const core_face *face, const double p[3], const double next[3], const double previous[3]);
+/* The same of count <= CORE_LANES faces in a row, triangles at once. */
+void norma_core_faces_geometry(const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out);
+
+/* What a kept corner of a directed face weighs. Constant time, but for runs of corners at one position. */
+double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number, const core_face *face, size_t corner);
 
 /* Three doubles of any scale to a unit vector; zeros stay zeros. */
 void norma_core_normalise(const double v[3], double unit[3]);

@@ -12,6 +12,15 @@ norma_result norma_core_output_open(const core_call *call, float *normals, size_
     return count && count > SIZE_MAX / o->normal_stride ? NORMA_ERROR_OVERFLOW : NORMA_OK;
 }
 
+void norma_core_direction(const double direction[3], float normal[3])
+{
+    double unit[3];
+    norma_core_normalise(direction, unit);
+    for (int k = 0; k < 3; k++) normal[k] = (float)unit[k] + 0.0F;
+}
+
+int norma_core_cancels(const double sum[3], double weight) { return norma_core_length(sum) <= 0x1p-20 * weight; }
+
 void norma_core_tally(core_tally *tally, int reason, size_t index)
 {
     if (reason == NORMA_REASON_NON_FINITE) norma_core_count_one(&tally->non_finite, index);

@@ -23,6 +23,11 @@ static inline void norma_core_write_normal(const core_output *output, size_t ind
 /* Writes the normal of an element that has one, or the fallback (not the nearest, which is written later), and its reason; counts what has none. */
 void norma_core_write_element(const core_output *output, size_t index, int reason, const float normal[3], core_tally *tally);
 
+/* Of any scale, to a unit vector of floats, never -0. */
+void norma_core_direction(const double direction[3], float normal[3]);
+/* What is left of a sum must be more than rounding: 2^-20 of the weights that were put in. */
+int norma_core_cancels(const double sum[3], double weight);
+
 void norma_core_tally(core_tally *tally, int reason, size_t index);
 void norma_core_tally_add(core_tally *sum, const core_tally *part);
 /* Sets what the counts say; the firsts of empty counts become SIZE_MAX. report may be NULL. */

@@ -80,11 +80,16 @@ static size_t machine_threads(void)
 }
 #endif
 
+size_t norma_core_workers(const core_call *call)
+{
+    const size_t wanted = call->options.threads == NORMA_ALL_THREADS ? machine_threads() : call->options.threads;
+    return wanted ? wanted : 1;
+}
+
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context)
 {
     const crew c = {call, task, context, count};
     if (call->options.parallel_for) return run_in_callers_jobs(&c);
-    size_t workers = call->options.threads == NORMA_ALL_THREADS ? machine_threads() : call->options.threads;
-    if (workers > count) workers = count;
+    const size_t workers = norma_core_workers(call) < count ? norma_core_workers(call) : count;
     return workers > 1 ? run_in_threads(&c, workers) : run_here(&c);
 }

@@ -1,6 +1,6 @@
 /* ring.c: loading a ring of corners, and summing its fans. */
 #include "ring.h"
-#include "triangle.h"
+#include "output.h"
 
 void norma_core_ring_in_room(core_ring *ring, ring_room *room)
 {
@@ -41,43 +41,26 @@ static void borrow_normal(const core_surface *surface, ring_corner *c)
 
 /* ---- rings of polygons, which are measured already */
 
-static void load_neighbours(const core_surface *surface, const core_face *face, ring_corner *c, uint32_t *next_corner)
+static void load_neighbours(const core_surface *surface, const core_face *face, ring_corner *c)
 {
     const core_mesh *mesh = &surface->mesh;
-    *next_corner = (uint32_t)norma_core_next_kept(mesh, c->face, c->corner);
     c->previous_corner = (uint32_t)norma_core_previous_kept(mesh, c->face, c->corner);
-    c->next = norma_core_welded_corner(mesh, *next_corner);
+    c->next = norma_core_welded_corner(mesh, norma_core_next_in_face(mesh, c->face, c->corner));
     c->previous = norma_core_welded_corner(mesh, c->previous_corner);
     c->next_key = face->kept == 3 ? c->previous : face->key;
     c->previous_key = face->kept == 3 ? c->next : face->key;
 }
 
-/* A triangle among polygons weighs what it weighs in a mesh of triangles: its one cross product serves at every corner. */
-static double weigh_corner(const core_surface *surface, const core_face *face, const ring_corner *c, uint32_t next_corner)
-{
-    const core_mesh *mesh = &surface->mesh;
-    const norma_weight weight = surface->call->options.weight;
-    double p[3], next[3], previous[3], a[3], b[3];
-    norma_core_position(mesh, norma_core_corner(mesh, c->corner), p);
-    norma_core_position(mesh, norma_core_corner(mesh, next_corner), next);
-    norma_core_position(mesh, norma_core_corner(mesh, c->previous_corner), previous);
-    if (norma_core_face_end(mesh, c->face) - norma_core_face_begin(mesh, c->face) != 3) return norma_core_polygon_weight(weight, face, p, next, previous);
-    norma_core_subtract(next, p, a);
-    norma_core_subtract(previous, p, b);
-    return norma_core_weigh(weight, norma_core_dot(a, a), norma_core_dot(b, b), norma_core_dot(a, b), face->twice_area, face->twice_area, 0);
-}
-
 static void load_polygon_corner(const core_surface *surface, int with_weights, ring_corner *c)
 {
     const core_face *face = &surface->faces[c->face];
-    uint32_t next_corner;
     if (!(face->flags & CORE_FACE_EDGED) || !norma_core_is_kept(&surface->mesh, c->face, c->corner)) return;
     c->flags = RING_KEPT;
-    load_neighbours(surface, face, c, &next_corner);
+    load_neighbours(surface, face, c);
     if (face->flags & CORE_FACE_DIRECTED) {
         memcpy(c->normal, face->normal, sizeof c->normal);
         c->flags |= RING_HAS_NORMAL | RING_VOTES;
-        if (with_weights) c->weight = weigh_corner(surface, face, c, next_corner);
+        if (with_weights) c->weight = norma_core_corner_weight(&surface->mesh, surface->call->options.weight, c->face, face, c->corner);
         return;
     }
     if (face->flags & CORE_FACE_FINITE) c->flags |= RING_FLAT;
@@ -112,7 +95,7 @@ static int load_lane(const core_mesh *mesh, ring_corner *c, core_batch *batch, i
 }
 
 /* What doubles do not decide: a thin face, or one without a direction. */
-static void load_unsure(const core_surface *surface, const core_batch *batch, int lane, ring_corner *c)
+static void load_unsure(const core_surface *surface, ring_corner *c)
 {
     core_face face;
     norma_core_face_geometry(&surface->mesh, c->face, &face);
@@ -121,14 +104,9 @@ static void load_unsure(const core_surface *surface, const core_batch *batch, in
         borrow_normal(surface, c);
         return;
     }
-    double a[3], b[3];
-    for (int k = 0; k < 3; k++) {
-        a[k] = batch->a[k][lane];
-        b[k] = batch->b[k][lane];
-    }
     memcpy(c->normal, face.normal, sizeof c->normal);
     c->flags |= RING_HAS_NORMAL | RING_VOTES;
-    c->weight = norma_core_weigh(surface->call->options.weight, norma_core_dot(a, a), norma_core_dot(b, b), norma_core_dot(a, b), face.twice_area, face.twice_area, 0);
+    c->weight = norma_core_corner_weight(&surface->mesh, surface->call->options.weight, c->face, &face, c->corner);
 }
 
 static void load_triangle_corners(const core_surface *surface, int with_weights, ring_corner *corners, size_t count)
@@ -136,17 +114,17 @@ static void load_triangle_corners(const core_surface *surface, int with_weights,
     core_batch batch;
     int edged[CORE_LANES];
     for (int i = 0; i < CORE_LANES; i++) edged[i] = load_lane(&surface->mesh, &corners[(size_t)i < count ? (size_t)i : 0], &batch, i);
-    surface->call->measure(&batch, surface->call->options.weight, with_weights);
+    surface->call->measure(&batch, surface->call->options.weight, with_weights ? CORE_ONE_CORNER : CORE_NO_CORNER);
     for (int i = 0; (size_t)i < count; i++) {
         ring_corner *c = &corners[i];
         if (!edged[i]) continue;
         c->flags = RING_KEPT;
         if (batch.sure[i] == 0) {
-            load_unsure(surface, &batch, i, c);
+            load_unsure(surface, c);
             continue;
         }
         for (int k = 0; k < 3; k++) c->normal[k] = batch.normal[k][i];
-        c->weight = with_weights ? batch.weight[i] : 0;
+        c->weight = with_weights ? batch.weight[0][i] : 0;
         c->flags |= RING_HAS_NORMAL | RING_VOTES;
     }
 }
@@ -190,16 +168,13 @@ static void add_vote(ring_fan *fan, const ring_corner *c)
 
 static void set_normal(ring_fan *fan, const double direction[3])
 {
-    double unit[3];
-    norma_core_normalise(direction, unit);
-    for (int k = 0; k < 3; k++) fan->normal[k] = (float)unit[k] + 0.0F;   /* never -0 */
+    norma_core_direction(direction, fan->normal);
     fan->reason = NORMA_REASON_NONE;
 }
 
-/* What is left after cancelling must be more than rounding: 2^-20 of what was put in. */
 static void decide_sum(ring_fan *fan)
 {
-    if (norma_core_length(fan->sum) <= 0x1p-20 * fan->weight) fan->reason = NORMA_REASON_CANCELLED;
+    if (norma_core_cancels(fan->sum, fan->weight)) fan->reason = NORMA_REASON_CANCELLED;
     else set_normal(fan, fan->sum);
 }
 
@@ -208,15 +183,6 @@ static void decide_cone(ring_fan *fan, const double (*normals)[3], size_t count)
     double axis[3];
     if (norma_core_smallest_cone(normals, count, axis)) set_normal(fan, axis);
     else fan->reason = NORMA_REASON_CANCELLED;
-}
-
-/* Normals of the members that vote, gathered in ring order. */
-static size_t gather(core_ring *ring, const uint32_t *members, size_t count, size_t at)
-{
-    size_t gathered = 0;
-    for (size_t i = 0; i < count; i++)
-        if (ring->corners[members[i]].flags & RING_VOTES) memcpy(ring->normals[at + gathered++], ring->corners[members[i]].normal, sizeof ring->normals[0]);
-    return gathered;
 }
 
 /* Fans lie in the ring as they come; the votes of each are brought together by a counting sort, its offsets kept in the fans' own weights' place. */
@@ -253,13 +219,12 @@ void norma_core_ring_sum(const core_surface *surface, core_ring *ring)
     }
 }
 
-void norma_core_ring_sum_some(const core_surface *surface, core_ring *ring, const uint32_t *members, size_t count, ring_fan *fan)
+void norma_core_ring_see_some(core_ring *ring, const uint32_t *members, size_t count, ring_fan *fan)
 {
+    size_t votes = 0;
     clear_fan(fan);
     fan->reason = NORMA_REASON_CANCELLED;
     for (size_t i = 0; i < count; i++)
-        if (ring->corners[members[i]].flags & RING_VOTES) add_vote(fan, &ring->corners[members[i]]);
-    if (!fan->votes) return;
-    if (surface->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cone(fan, (const double(*)[3])ring->normals, gather(ring, members, count, 0));
-    else decide_sum(fan);
+        if (ring->corners[members[i]].flags & RING_VOTES) memcpy(ring->normals[votes++], ring->corners[members[i]].normal, sizeof ring->normals[0]);
+    if (votes) decide_cone(fan, (const double(*)[3])ring->normals, votes);
 }

@@ -60,8 +60,8 @@ void norma_core_ring_join_all(core_ring *ring);
 void norma_core_ring_join_fans(const core_surface *surface, core_ring *ring, ring_counts *counts);
 /* Sums each fan in ascending order of corners, and gives it a normal or the reason why it has none. */
 void norma_core_ring_sum(const core_surface *surface, core_ring *ring);
-/* The same for the corners of one vertex alone, given as ring numbers. */
-void norma_core_ring_sum_some(const core_surface *surface, core_ring *ring, const uint32_t *members, size_t count, ring_fan *fan);
+/* The most visible normal of some corners alone, given as ring numbers. */
+void norma_core_ring_see_some(core_ring *ring, const uint32_t *members, size_t count, ring_fan *fan);
 
 /* The corner at which the face's longest edge begins; ties: the first one's. */
 uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face);

@@ -172,8 +172,9 @@ typedef struct pairs { size_t smooth, hard; } pairs;                      /* of 
 static void count_edge(const core_ring *ring, const edge *e, pairs pair, ring_counts *counts)
 {
     const size_t faces = e->out.count + e->back.count;
+    const int of_one_face = faces == 1 || (faces == 2 && e->out.count == 1 && ring->corners[e->out.edges[0].corner].face == ring->corners[e->back.edges[0].corner].face);
     counts->edges.count++;
-    if (faces == 1) counts->edges.open++;
+    if (of_one_face) counts->edges.open++;
     else if (pair.hard || (faces == 2 && !pair.smooth)) counts->edges.hard++;
     else if (pair.smooth) counts->edges.smooth++;
     if (faces == 2 && (e->out.count == 2 || e->back.count == 2)) norma_core_count_one(&counts->conflicts, least_begin(ring, e));

@@ -214,7 +214,7 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad, const n
     if (result == NORMA_OK && corners && checked.corner_count > corner_capacity) result = NORMA_ERROR_CAPACITY;
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, 1, (double)crease_angle_rad, &surface);
+    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
     if (result != NORMA_OK) return result;
     result = allocate_and_compute(&surface, &out, report);
     norma_core_stage(&call, 1, 1);

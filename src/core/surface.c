@@ -4,21 +4,35 @@
 #include "ring.h"
 #include "weld.h"
 
-/* Measures all faces once: polygons are kept, triangles only counted, unless flat ones must be found for lending. */
-static norma_result measure_faces(core_surface *s, uint8_t *flat_at, int *any_flat)
+typedef struct face_survey {
+    core_surface *surface;
+    uint8_t      *flat_at;              /* NULL, or nonzero at positions of faces that have edges but no direction */
+    int           any_flat;
+} face_survey;
+
+static void survey_face(face_survey *survey, size_t f, const core_face *face)
 {
-    enum { FACES_AT_A_TIME = 1 << 14 };
+    core_surface *s = survey->surface;
+    if (s->faces) s->faces[f] = *face;
+    if ((face->flags & CORE_FACE_DIRECTED) || !(face->flags & CORE_FACE_FINITE)) return;
+    norma_core_count_one(&s->degenerate_faces, f);
+    if (!survey->flat_at || !(face->flags & CORE_FACE_EDGED)) return;
+    survey->any_flat = 1;
+    for (size_t c = norma_core_face_begin(&s->mesh, f); c < norma_core_face_end(&s->mesh, f); c++) survey->flat_at[norma_core_welded_corner(&s->mesh, c)] = 1;
+}
+
+/* Measures all faces once: polygons are kept, of triangles only what is wrong with them. */
+static norma_result survey_faces(face_survey *survey)
+{
+    enum { FACES_BETWEEN_TELLING = 1 << 15 };
+    core_surface *s = survey->surface;
     const size_t count = s->mesh.face_count;
-    for (size_t f = 0; f < count; f++) {
-        core_face face;
-        if (f % FACES_AT_A_TIME == 0 && norma_core_progress(s->call, (double)f / (double)count)) return NORMA_CANCELLED;
-        norma_core_face_geometry(&s->mesh, f, &face);
-        if (s->faces) s->faces[f] = face;
-        if ((face.flags & CORE_FACE_DIRECTED) || !(face.flags & CORE_FACE_FINITE)) continue;
-        norma_core_count_one(&s->degenerate_faces, f);
-        if (!flat_at || !(face.flags & CORE_FACE_EDGED)) continue;
-        *any_flat = 1;
-        for (size_t c = norma_core_face_begin(&s->mesh, f); c < norma_core_face_end(&s->mesh, f); c++) flat_at[norma_core_welded_corner(&s->mesh, c)] = 1;
+    core_face faces[CORE_LANES];
+    for (size_t f = 0; f < count; f += CORE_LANES) {
+        const size_t lanes = count - f < CORE_LANES ? count - f : CORE_LANES;
+        if (f % FACES_BETWEEN_TELLING == 0 && norma_core_progress(s->call, (double)f / (double)count)) return NORMA_CANCELLED;
+        norma_core_faces_geometry(s->call, &s->mesh, f, lanes, faces);
+        for (size_t i = 0; i < lanes; i++) survey_face(survey, f + i, &faces[i]);
     }
     return NORMA_OK;
 }
@@ -61,42 +75,38 @@ static norma_result lend_directions(core_surface *s, const uint8_t *flat_at)
     return result;
 }
 
-static norma_result prepare_faces(core_surface *s, int look_at_edges)
+static norma_result prepare_faces(core_surface *s, core_use use)
 {
     const size_t positions = s->mesh.positions.count;
-    uint8_t *flat_at = NULL;
-    int any_flat = 0;
-    if (s->mesh.face_starts) {
-        s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces);
-        if (!s->faces) return NORMA_ERROR_MEMORY;
+    face_survey survey = {.surface = s};
+    if (s->mesh.face_starts && !(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces))) return NORMA_ERROR_MEMORY;
+    if (use == CORE_FOR_FANS) {
+        survey.flat_at = norma_core_allocate(s->call, positions, 1);
+        if (!survey.flat_at) return NORMA_ERROR_MEMORY;
+        memset(survey.flat_at, 0, positions);
     }
-    if (look_at_edges) {
-        flat_at = norma_core_allocate(s->call, positions, 1);
-        if (!flat_at) return NORMA_ERROR_MEMORY;
-        memset(flat_at, 0, positions);
-    }
-    norma_result result = measure_faces(s, flat_at, &any_flat);
-    if (result == NORMA_OK && any_flat) result = lend_directions(s, flat_at);
-    norma_core_release(s->call, flat_at, positions, 1);
+    norma_result result = survey_faces(&survey);
+    if (result == NORMA_OK && survey.any_flat) result = lend_directions(s, survey.flat_at);
+    norma_core_release(s->call, survey.flat_at, positions, 1);
     return result;
 }
 
 /* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this much over the crease. */
 static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20;    /* 1e-6 */
 
-norma_result norma_core_surface_open(core_call *call, core_mesh *checked, int look_at_edges, double crease_angle_rad, core_surface *surface)
+norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use, double crease_angle_rad, core_surface *surface)
 {
     *surface = (core_surface){.call = call, .mesh = *checked, .crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD};
     surface->crease_cosine = surface->crease < 0 ? 2 : surface->crease > NORMA_PI ? -2 : cos(surface->crease);
     norma_core_stage(call, 0.05, 0.2);
     norma_result result = norma_core_weld(call, &surface->mesh);
-    if (result == NORMA_OK) {
+    if (result == NORMA_OK && use != CORE_FOR_SUMS) {
         norma_core_stage(call, 0.2, 0.35);
         result = norma_core_around_build(call, &surface->mesh, &surface->around);
     }
-    if (result == NORMA_OK) {
+    if (result == NORMA_OK && (use != CORE_FOR_SUMS || surface->mesh.face_starts)) {
         norma_core_stage(call, 0.35, 0.5);
-        result = prepare_faces(surface, look_at_edges);
+        result = prepare_faces(surface, use);
     }
     if (result != NORMA_OK) norma_core_surface_close(surface);
     return result;

@@ -15,8 +15,11 @@ typedef struct core_surface {
     double       crease_cosine;       /* about its cosine */
 } core_surface;
 
-/* call stays the caller's. Edges are looked at where look_at_edges. What it returns but NORMA_OK leaves nothing to release. */
-norma_result norma_core_surface_open(core_call *call, core_mesh *checked, int look_at_edges, double crease_angle_rad, core_surface *surface);
+typedef enum core_use { CORE_FOR_SUMS = 0, CORE_FOR_RINGS, CORE_FOR_FANS } core_use;  /* sums need no corners sorted; fans are rings cut at edges */
+
+/* call stays the caller's. Where use is sums, faces of a mesh of triangles are not measured, nor degenerate ones counted. What it returns but NORMA_OK leaves
+ * nothing to release. */
+norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use, double crease_angle_rad, core_surface *surface);
 void         norma_core_surface_close(core_surface *surface);
 
 static inline void norma_core_surface_face(const core_surface *surface, size_t face, core_face *out)

@@ -1,80 +1,47 @@
-/* vertex.c: norma_vertex_normals. The sum over all corners at a position; where that cancels, over the corners of each of its vertices. */
-#include "members.h"
+/* vertex.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became of its position, or of itself, and is written. */
 #include "nearest.h"
-#include "rings.h"
+#include "vertices.h"
 
-enum { VERTICES_IN_CHUNK = 16384, OWN = 0x80 };    /* own: the vertex has a result of its own, since that of its position cancelled */
+enum { VERTICES_IN_CHUNK = 16384 };
 
 typedef struct vertex_work {
-    core_surface      *surface;
+    core_vertices      vertices;
     const core_output *output;
-    float            (*normals)[3];                /* of positions, and of vertices with a result of their own */
-    uint8_t           *reasons;
     core_tally        *tallies;
 } vertex_work;
 
-/* ---- positions */
-
-static void keep(const vertex_work *work, uint32_t index, int own, const ring_fan *fan)
+static int resolve(const core_vertices *vertices, size_t vertex, float normal[3])
 {
-    memcpy(work->normals[index], fan->normal, sizeof fan->normal);
-    work->reasons[index] = (uint8_t)(fan->reason | own);
+    return vertices->sums ? norma_core_resolve_sum(vertices, vertex, normal) : norma_core_resolve_cone(vertices, vertex, normal);
 }
 
-static void sum_each_vertex(const vertex_work *work, core_ring *ring)
+void norma_core_release_vertices(core_vertices *vertices)
 {
-    ring_member *members = norma_core_ring_members(ring);
-    uint32_t *numbers = norma_core_ring_numbers(ring);
-    ring_fan fan = {.reason = NORMA_REASON_CANCELLED};
-    for (uint32_t i = 0; i < ring->count; i++) members[i] = (ring_member){.vertex = norma_core_corner(&work->surface->mesh, ring->corners[i].corner), .index = i};
-    norma_core_sort_members(members, ring->count);
-    keep(work, ring->position, OWN, &fan);
-    for (size_t begin = 0, end; begin < ring->count; begin = end) {
-        for (end = begin; end < ring->count && members[end].vertex == members[begin].vertex; end++) numbers[end - begin] = members[end].index;
-        norma_core_ring_sum_some(work->surface, ring, numbers, end - begin, &fan);
-        keep(work, members[begin].vertex, OWN, &fan);
-    }
-}
-
-static void visit(void *context, core_ring *ring, core_tally *tally)
-{
-    const vertex_work *work = context;
-    (void)tally;
-    if (ring->fans[0].reason == NORMA_REASON_CANCELLED && work->surface->mesh.weld) sum_each_vertex(work, ring);
-    else keep(work, ring->position, 0, &ring->fans[0]);
-}
-
-/* ---- vertices */
-
-static int resolve(const vertex_work *work, size_t vertex, float normal[3])
-{
-    const uint32_t position = norma_core_welded(&work->surface->mesh, (uint32_t)vertex);
-    const int by_vertex = work->reasons[position] & OWN;
-    const size_t index = by_vertex ? vertex : position;
-    const int reason = by_vertex && !(work->reasons[vertex] & OWN) ? NORMA_REASON_CANCELLED : work->reasons[index] & ~OWN;
-    double p[3];
-    memcpy(normal, work->normals[index], 3 * sizeof *normal);
-    if (reason != NORMA_REASON_UNREFERENCED) return reason;
-    norma_core_position(&work->surface->mesh, (uint32_t)vertex, p);
-    return norma_core_finite(p) ? reason : NORMA_REASON_NON_FINITE;
+    const core_call *call = vertices->surface->call;
+    norma_core_release(call, vertices->sums, vertices->count, sizeof *vertices->sums);
+    norma_core_release(call, vertices->own, vertices->count, sizeof *vertices->own);
+    norma_core_release(call, vertices->own_sums, vertices->own_count, sizeof *vertices->own_sums);
+    norma_core_release(call, vertices->normals, vertices->count, sizeof *vertices->normals);
+    norma_core_release(call, vertices->reasons, vertices->count, 1);
+    *vertices = (core_vertices){.surface = vertices->surface};
 }
 
 static void write_chunk(void *context, size_t chunk)
 {
     const vertex_work *work = context;
-    const size_t begin = chunk * VERTICES_IN_CHUNK, count = work->surface->mesh.positions.count;
+    const size_t begin = chunk * VERTICES_IN_CHUNK, count = work->vertices.count;
     const size_t end = count - begin < VERTICES_IN_CHUNK ? count : begin + VERTICES_IN_CHUNK;
     for (size_t v = begin; v < end; v++) {
         float normal[3];
-        const int reason = resolve(work, v, normal);
+        const int reason = resolve(&work->vertices, v, normal);
         norma_core_write_element(work->output, v, reason, normal, &work->tallies[chunk]);
     }
 }
 
 static norma_result write_all(vertex_work *work, core_tally *sum)
 {
-    core_call *call = work->surface->call;
-    const size_t count = work->surface->mesh.positions.count, chunks = count / VERTICES_IN_CHUNK + (count % VERTICES_IN_CHUNK != 0);
+    core_call *call = work->vertices.surface->call;
+    const size_t count = work->vertices.count, chunks = count / VERTICES_IN_CHUNK + (count % VERTICES_IN_CHUNK != 0);
     work->tallies = norma_core_allocate(call, chunks, sizeof *work->tallies);
     if (!work->tallies) return NORMA_ERROR_MEMORY;
     memset(work->tallies, 0, chunks * sizeof *work->tallies);
@@ -86,12 +53,12 @@ static norma_result write_all(vertex_work *work, core_tally *sum)
 
 static void write_nearest(const vertex_work *work, const core_nearest *nearest)
 {
-    for (size_t v = 0; v < work->surface->mesh.positions.count; v++) {
+    for (size_t v = 0; v < work->vertices.count; v++) {
         float normal[3];
-        if (resolve(work, v, normal) == NORMA_REASON_NONE) continue;
+        if (resolve(&work->vertices, v, normal) == NORMA_REASON_NONE) continue;
         const uint32_t source = norma_core_nearest_find(nearest, (uint32_t)v);
         if (source == UINT32_MAX) normal[0] = normal[1] = normal[2] = 0;
-        else resolve(work, source, normal);
+        else resolve(&work->vertices, source, normal);
         norma_core_write_normal(work->output, v, normal);
     }
 }
@@ -99,11 +66,11 @@ static void write_nearest(const vertex_work *work, const core_nearest *nearest)
 static norma_result fill_from_nearest(const vertex_work *work, size_t queries)
 {
     core_nearest nearest;
-    norma_result result = norma_core_nearest_begin(work->surface->call, &work->surface->mesh, &nearest);
+    norma_result result = norma_core_nearest_begin(work->vertices.surface->call, &work->vertices.surface->mesh, &nearest);
     if (result != NORMA_OK) return result;
-    for (size_t v = 0; v < work->surface->mesh.positions.count; v++) {
+    for (size_t v = 0; v < work->vertices.count; v++) {
         float normal[3];
-        if (resolve(work, v, normal) == NORMA_REASON_NONE) norma_core_nearest_add(&nearest, (uint32_t)v, (uint32_t)v);
+        if (resolve(&work->vertices, v, normal) == NORMA_REASON_NONE) norma_core_nearest_add(&nearest, (uint32_t)v, (uint32_t)v);
     }
     result = norma_core_nearest_plant(&nearest, queries);
     if (result == NORMA_OK) write_nearest(work, &nearest);
@@ -111,30 +78,21 @@ static norma_result fill_from_nearest(const vertex_work *work, size_t queries)
     return result;
 }
 
-/* ---- the call */
-
 static norma_result compute(core_surface *surface, const core_output *output, norma_report *report)
 {
     core_call *call = surface->call;
-    const size_t count = surface->mesh.positions.count;
-    vertex_work work = {.surface = surface, .output = output};
-    rings_part sum = {0};
-    work.normals = norma_core_allocate(call, count, sizeof *work.normals);
-    work.reasons = norma_core_allocate(call, count, 1);
-    norma_result result = work.normals && work.reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) {
-        memset(work.reasons, NORMA_REASON_UNREFERENCED, count);
-        norma_core_stage(call, 0.5, 0.9);
-        result = norma_core_visit_rings(surface, CORE_JOIN_ALL, 0, visit, &work, &sum);
-    }
+    vertex_work work = {.output = output};
+    core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
+    norma_core_stage(call, 0.5, 0.9);
+    norma_result result = call->options.weight == NORMA_WEIGHT_VISIBLE ? norma_core_cone_vertices(surface, &work.vertices, &tally)
+                                                                       : norma_core_sum_vertices(surface, &work.vertices, &tally);
+    if (result != NORMA_OK) return result;
     norma_core_stage(call, 0.9, 0.97);
-    if (result == NORMA_OK) result = write_all(&work, &sum.tally);
-    const size_t without = sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
+    result = write_all(&work, &tally);
+    const size_t without = tally.non_finite.count + tally.unreferenced.count + tally.cancelled.count;
     if (result == NORMA_OK && output->nearest && without) result = fill_from_nearest(&work, without);
-    sum.tally.degenerate = surface->degenerate_faces;
-    if (result == NORMA_OK) norma_core_write_report(report, &sum.tally, NULL, NULL);
-    norma_core_release(call, work.normals, count, sizeof *work.normals);
-    norma_core_release(call, work.reasons, count, 1);
+    if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
+    norma_core_release_vertices(&work.vertices);
     return result;
 }
 
@@ -149,7 +107,7 @@ norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *o
     if (result == NORMA_OK) result = norma_core_output_open(&call, normals, checked.positions.count, capacity, &output);
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, 0, 0, &surface);
+    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, call.options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_RINGS : CORE_FOR_SUMS, 0, &surface);
     if (result != NORMA_OK) return result;
     result = compute(&surface, &output, report);
     norma_core_stage(&call, 1, 1);
