@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -48,19 +49,20 @@ double cli_megabytes(const char *input)
     return strcmp(input, "-") && stat(input, &status) == 0 && S_ISREG(status.st_mode) ? (double)status.st_size / 1e6 : 0;
 }
 
-static norma_document_result fail_input(norma_document_error *error, norma_document_result result, const char *what)
+static norma_document_result fail_input(norma_document_error *error, norma_document_result result, const char *input, const char *what)
 {
     error->result = result;
-    snprintf(error->message, sizeof error->message, "standard input: %s", what);
+    snprintf(error->message, sizeof error->message, "%.800s: %s", cli_input_name(input), what);
     return result;
 }
 
-static norma_document_result read_standard_input(void **memory, size_t *size, norma_document_error *error)
+/* To its end, or until someone interrupts. */
+static norma_document_result read_pipe(int descriptor, const char *input, void **memory, size_t *size, norma_document_error *error)
 {
     size_t capacity = (size_t)1 << 16;
     unsigned char *bytes = malloc(capacity);
     *size = 0;
-    for (ssize_t got = 1; bytes && got != 0;) {
+    while (bytes) {
         if (*size == capacity) {
             unsigned char *larger = capacity <= SIZE_MAX / 2 ? realloc(bytes, capacity * 2) : NULL;
             if (!larger)
@@ -68,33 +70,45 @@ static norma_document_result read_standard_input(void **memory, size_t *size, no
             bytes = larger;
             capacity *= 2;
         }
-        got = read(STDIN_FILENO, bytes + *size, capacity - *size);
-        if (got == 0 && !cli_interrupted()) {
+        ssize_t got = read(descriptor, bytes + *size, capacity - *size);
+        const char *why = got < 0 && errno != EINTR ? strerror(errno) : NULL;
+        if (cli_interrupted() || why) {
+            free(bytes);
+            return why ? fail_input(error, NORMA_DOCUMENT_ERROR_FILE, input, why) : fail_input(error, NORMA_DOCUMENT_CANCELLED, input, "interrupted");
+        }
+        if (got == 0) {
             *memory = bytes;
             return NORMA_DOCUMENT_OK;
         }
-        if (got > 0)
-            *size += (size_t)got;
-        if (cli_interrupted() || (got < 0 && errno != EINTR)) {
-            const char *why = strerror(errno);
-            free(bytes);
-            return cli_interrupted() ? fail_input(error, NORMA_DOCUMENT_CANCELLED, "interrupted") : fail_input(error, NORMA_DOCUMENT_ERROR_FILE, why);
-        }
+        *size += got > 0 ? (size_t)got : 0;
     }
     free(bytes);
-    return fail_input(error, NORMA_DOCUMENT_ERROR_MEMORY, "out of memory");
+    return fail_input(error, NORMA_DOCUMENT_ERROR_MEMORY, input, "out of memory");
+}
+
+static norma_document_result read_named_pipe(const char *path, void **memory, size_t *size, norma_document_error *error)
+{
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0)
+        return cli_interrupted() ? fail_input(error, NORMA_DOCUMENT_CANCELLED, path, "interrupted") : fail_input(error, NORMA_DOCUMENT_ERROR_FILE, path, strerror(errno));
+    norma_document_result result = read_pipe(descriptor, path, memory, size, error);
+    close(descriptor);
+    return result;
 }
 
 norma_document_result cli_open(const char *input, const norma_document_options *options, norma_document **document, void **memory, norma_document_error *error)
 {
+    int is_standard = strcmp(input, "-") == 0;
+    struct stat status;
     size_t size = 0;
     *memory = NULL;
     *document = NULL;
-    if (strcmp(input, "-"))
+    /* Pipes are read here, where an interruption is noticed. */
+    if (!is_standard && (stat(input, &status) || !S_ISFIFO(status.st_mode)))
         return norma_document_open(input, options, document, error);
-    norma_document_result result = read_standard_input(memory, &size, error);
+    norma_document_result result = is_standard ? read_pipe(STDIN_FILENO, input, memory, &size, error) : read_named_pipe(input, memory, &size, error);
     /* Without a name the document has no folder, and files that it names are not opened. */
-    return result ? result : norma_document_open_memory(*memory, size, NULL, options, document, error);
+    return result ? result : norma_document_open_memory(*memory, size, is_standard ? NULL : input, options, document, error);
 }
 
 int cli_status_of(norma_document_result result)
