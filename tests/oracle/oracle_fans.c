@@ -28,6 +28,7 @@ typedef struct finder {
     pair              *pairs;          /* who shares an edge with whom, each pair once */
     size_t             pair_count, pair_room;
     size_t            *lenders;        /* of each face without a direction: the face it borrows from, or NONE */
+    unsigned char     *unsure;         /* whether that is in doubt */
     link              *links;
     size_t             link_count;
     long double        crease, doubt;
@@ -143,6 +144,7 @@ static void find_lenders(finder *s) {
     const oracle *o = s->o;
     size_t *borrows = oracle_allocate(o->face_count, sizeof *borrows); /* the corner at which its longest edge begins */
     s->lenders      = oracle_allocate(o->face_count, sizeof *s->lenders);
+    s->unsure       = oracle_allocate(o->face_count, sizeof *s->unsure);
     for (size_t f = 0; f < o->face_count; ++f) {
         s->lenders[f] = ORACLE_NONE;
         borrows[f]    = o->kinds[f] == ORACLE_NO_AREA ? longest_edge(o, f) : ORACLE_NONE;
@@ -151,6 +153,7 @@ static void find_lenders(finder *s) {
         for (int side = 0; side < 2; ++side) {
             const size_t corner = side ? s->pairs[i].b->corner : s->pairs[i].a->corner, other = side ? s->pairs[i].a->corner : s->pairs[i].b->corner;
             const size_t face = o->faces[corner], lender = o->faces[other];
+            if (borrows[face] == corner && s->pairs[i].doubtful) s->unsure[face] = 1;
             if (borrows[face] != corner || o->kinds[lender] != ORACLE_DIRECTED) continue;
             if (s->lenders[face] == ORACLE_NONE || lender < s->lenders[face]) s->lenders[face] = lender;
         }
@@ -168,7 +171,7 @@ static int is_smooth(const finder *s, const pair *p, int *doubtful) {
     const oracle *o = s->o;
     const size_t  a = p->a->corner, b = p->b->corner;
     const long double *m = direction_of(s, o->faces[a]), *n = direction_of(s, o->faces[b]);
-    *doubtful = p->doubtful;
+    *doubtful = p->doubtful || s->unsure[o->faces[a]] || s->unsure[o->faces[b]];
     if (o->hard_edges && (o->hard_edges[a] || o->hard_edges[b])) return 0;
     if (o->smoothing_groups && !(o->smoothing_groups[o->faces[a]] & o->smoothing_groups[o->faces[b]])) return 0;
     if (!m || !n) return 0;
@@ -274,6 +277,7 @@ void oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad, no
     free(s.edges);
     free(s.pairs);
     free(s.lenders);
+    free(s.unsure);
     free(s.links);
 }
 

@@ -1,0 +1,348 @@
+/* test_threads.c: the same bits for any number of threads and for jobs run in any order; two callers at once; and the meshes that tempt an implementation into
+ * quadratic time: a million triangles round one vertex, a million copies of one position, a million triangles apart. */
+#include "check.h"
+#include "mesh_files.h"
+#include "oracle/shapes.h"
+#include <pthread.h>
+#include <time.h>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SLOWER 10
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SLOWER 10
+#endif
+#endif
+#ifndef SLOWER
+#define SLOWER 1
+#endif
+
+enum { FACES, VERTICES, CORNERS, SPLIT, CALLS };
+
+typedef struct answer {
+    float       *normals;
+    uint32_t    *corners, *sources;
+    uint8_t     *reasons;
+    size_t       room, count;
+    norma_report report;
+    norma_edges  edges;
+} answer;
+
+static void answer_create(answer *a, size_t room) {
+    memset(a, 0, sizeof *a);
+    a->room    = room;
+    a->normals = calloc(room, 12);
+    a->corners = calloc(room, 4);
+    a->sources = calloc(room, 4);
+    a->reasons = calloc(room, 1);
+    if (!a->normals || !a->corners || !a->sources || !a->reasons) abort();
+}
+
+static void answer_free(answer *a) {
+    free(a->normals);
+    free(a->corners);
+    free(a->sources);
+    free(a->reasons);
+}
+
+static norma_result call(int kind, const norma_mesh *mesh, norma_options options, answer *a) {
+    options.struct_size = sizeof options;
+    options.edges       = &a->edges;
+    options.reasons     = kind == SPLIT ? NULL : a->reasons;
+    if (kind == FACES) return norma_face_normals(mesh, &options, a->normals, a->room, &a->report);
+    if (kind == VERTICES) return norma_vertex_normals(mesh, &options, a->normals, a->room, &a->report);
+    if (kind == CORNERS) return norma_corner_normals(mesh, 0.7f, &options, a->normals, a->room, &a->report);
+    return norma_split(mesh, 0.7f, &options, a->corners, a->room, a->sources, a->normals, a->room, &a->count, &a->report);
+}
+
+static int same(const answer *a, const answer *b) {
+    return !memcmp(a->normals, b->normals, 12 * a->room) && !memcmp(a->corners, b->corners, 4 * a->room) && !memcmp(a->sources, b->sources, 4 * a->room) &&
+           !memcmp(a->reasons, b->reasons, a->room) && a->count == b->count && !memcmp(&a->report, &b->report, sizeof a->report) && !memcmp(&a->edges, &b->edges, sizeof a->edges);
+}
+
+/* Large enough that every part of the work is cut into several pieces; with what gets no normal, and edges of every kind. */
+static void make_mesh(mesh_file *mesh) {
+    uint64_t seed = 11;
+    shape_wavy_grid(mesh, SLOWER > 1 ? 100 : 170, 0);
+    shape_pole_sphere(mesh, 200, 60, 1);
+    const uint32_t count = (uint32_t)mesh->position_count;
+    for (uint32_t i = 0; i < count; ++i)
+        for (int x = 0; x < 3; ++x) mesh->positions[i][x] += shape_random_unit(&seed) * (i % 5 == 0 ? .03 : 0);
+    for (uint32_t i = 0; i < 3000; ++i) mesh_file_add_face(mesh, (uint32_t[]){shape_random(&seed) % count, shape_random(&seed) % count, shape_random(&seed) % count}, 3);
+    for (uint32_t i = 0; i < 200; ++i) mesh_file_add_position(mesh, i, 0, 0);
+    for (uint32_t i = 0; i < count; i += 97) memcpy(mesh->positions[i], mesh->positions[shape_random(&seed) % count], sizeof *mesh->positions);
+    mesh->positions[count / 3][0] = (double)NAN;
+}
+
+/* ---- a caller's jobs */
+
+static void run_backwards(void *user, size_t count, norma_task *task, void *context) {
+    ++*(size_t *)user;
+    for (size_t i = count; i > 0; --i) task(context, i - 1);
+}
+
+static void run_shuffled(void *user, size_t count, norma_task *task, void *context) {
+    uint64_t seed = ++*(size_t *)user;
+    size_t  *order = malloc((count ? count : 1) * sizeof *order);
+    if (!order) abort();
+    for (size_t i = 0; i < count; ++i) order[i] = i;
+    for (size_t i = count; i > 1; --i) {
+        const size_t j = shape_random(&seed) % i, k = order[i - 1];
+        order[i - 1]   = order[j];
+        order[j]       = k;
+    }
+    for (size_t i = 0; i < count; ++i) task(context, order[i]);
+    free(order);
+}
+
+typedef struct half {
+    norma_task *task;
+    void       *context;
+    size_t      count, from;
+} half;
+
+static void *run_half(void *data) {
+    const half *h = data;
+    for (size_t i = h->from; i < h->count; i += 2) h->task(h->context, i);
+    return NULL;
+}
+
+static void run_in_two_threads(void *user, size_t count, norma_task *task, void *context) {
+    half      odd = {task, context, count, 1}, even = {task, context, count, 0};
+    pthread_t thread;
+    ++*(size_t *)user;
+    if (pthread_create(&thread, NULL, run_half, &odd)) abort();
+    run_half(&even);
+    pthread_join(thread, NULL);
+}
+
+static void same_bits(norma_options options, size_t first, size_t every) {
+    static norma_parallel_for *const hooks[] = {run_backwards, run_shuffled, run_in_two_threads};
+    static const uint32_t            threads[] = {1, 2, 3, 8, 64, NORMA_ALL_THREADS};
+    mesh_file mesh = {0};
+    answer    expected, got;
+    make_mesh(&mesh);
+    const norma_mesh view = mesh_file_view(&mesh);
+    const size_t     room = mesh.corner_count + mesh.position_count;
+    for (int kind = 0; kind < CALLS; ++kind) {
+        answer_create(&expected, room);
+        assert_ok(call(kind, &view, options, &expected));
+        for (size_t i = first; i < COUNT_OF(threads) + COUNT_OF(hooks); i += every) {
+            size_t        used = 0;
+            norma_options own  = options;
+            answer_create(&got, room);
+            if (i < COUNT_OF(threads)) own.threads = threads[i];
+            else own.parallel_for = hooks[i - COUNT_OF(threads)];
+            own.parallel_for_user = &used;
+            assert_ok(call(kind, &view, own, &got));
+            if (!same(&got, &expected)) fail_msg("call %d, setting %zu: other bits", kind, i);
+            if (own.parallel_for) assert_true(used > 0);
+            answer_free(&got);
+        }
+        answer_free(&expected);
+    }
+    mesh_file_free(&mesh);
+}
+
+static void defaults(void **state) {
+    (void)state;
+    same_bits((norma_options){0}, 0, 1);
+}
+
+static void every_other_weight(void **state) {
+    (void)state;
+    for (int w = NORMA_WEIGHT_AREA; w <= NORMA_WEIGHT_ANGLE_LENGTHS; w += SLOWER > 1 ? 2 : 1) same_bits((norma_options){.weight = (norma_weight)w}, 3, 4);
+}
+
+static void other_options(void **state) {
+    (void)state;
+    same_bits((norma_options){.weld = NORMA_WELD_NONE, .non_manifold = NORMA_NON_MANIFOLD_SMOOTH, .fallback = NORMA_FALLBACK_NEAREST}, 1, 3);
+    same_bits((norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = .01}, 2, 3);
+}
+
+static void every_instruction_set(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    answer    expected, got;
+    size_t    compared = 0;
+    make_mesh(&mesh);
+    const norma_mesh view = mesh_file_view(&mesh);
+    for (int kind = 0; kind < CALLS; ++kind)
+        for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w) {
+            answer_create(&expected, mesh.corner_count + mesh.position_count);
+            assert_ok(call(kind, &view, (norma_options){.isa = NORMA_ISA_PORTABLE, .weight = (norma_weight)w}, &expected));
+            for (int isa = NORMA_ISA_BEST; isa <= NORMA_ISA_SIMD128; ++isa) {
+                answer_create(&got, mesh.corner_count + mesh.position_count);
+                const norma_result result = call(kind, &view, (norma_options){.isa = (norma_isa)isa, .weight = (norma_weight)w}, &got);
+                assert_true(result == NORMA_OK || (isa && result == NORMA_ERROR_ARGUMENT));
+                if (result == NORMA_OK && !same(&got, &expected)) fail_msg("call %d, weight %d, instruction set %d: other bits", kind, w, isa);
+                compared += result == NORMA_OK;
+                answer_free(&got);
+            }
+            answer_free(&expected);
+        }
+    assert_true(compared > 0);
+    mesh_file_free(&mesh);
+}
+
+/* ---- two callers */
+
+typedef struct caller {
+    const norma_mesh *mesh;
+    const answer     *expected;
+    int               wrong;
+} caller;
+
+static void *call_often(void *data) {
+    caller *c = data;
+    for (int i = 0; i < 6; ++i)
+        for (int kind = 0; kind < CALLS; ++kind) {
+            answer got;
+            answer_create(&got, c->expected[kind].room);
+            if (call(kind, c->mesh, (norma_options){.threads = (uint32_t)(1 + i % 3)}, &got) || !same(&got, &c->expected[kind])) c->wrong = 1;
+            answer_free(&got);
+        }
+    return NULL;
+}
+
+static void two_callers_at_once(void **state) {
+    (void)state;
+    mesh_file meshes[2] = {0};
+    answer    expected[2][CALLS];
+    caller    callers[4];
+    pthread_t threads[4];
+    shape_wavy_grid(&meshes[0], 90, 1);
+    shape_pole_sphere(&meshes[1], 90, 50, 0);
+    const norma_mesh views[2] = {mesh_file_view(&meshes[0]), mesh_file_view(&meshes[1])};
+    for (int m = 0; m < 2; ++m)
+        for (int kind = 0; kind < CALLS; ++kind) {
+            answer_create(&expected[m][kind], meshes[m].corner_count + meshes[m].position_count);
+            assert_ok(call(kind, &views[m], (norma_options){0}, &expected[m][kind]));
+        }
+    for (int i = 0; i < 4; ++i) {
+        callers[i] = (caller){&views[i % 2], expected[i % 2], 0};
+        assert_int_equal(pthread_create(&threads[i], NULL, call_often, &callers[i]), 0);
+    }
+    for (int i = 0; i < 4; ++i) {
+        pthread_join(threads[i], NULL);
+        assert_int_equal(callers[i].wrong, 0);
+    }
+    for (int m = 0; m < 2; ++m) {
+        for (int kind = 0; kind < CALLS; ++kind) answer_free(&expected[m][kind]);
+        mesh_file_free(&meshes[m]);
+    }
+}
+
+/* ---- linear in the mesh */
+
+static double seconds(void) {
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Far from what a linear call takes (a second at worst), and far from what a quadratic one would (an hour). */
+static void finishes_soon(const char *name, const norma_mesh *mesh, int kind, norma_options options) {
+    answer got;
+    answer_create(&got, mesh->corner_count + mesh->positions.count);
+    options.threads = 2;
+    const double begun = seconds();
+    assert_ok(call(kind, mesh, options, &got));
+    const double taken = seconds() - begun;
+    printf("# %s, call %d: %.2f s\n", name, kind, taken);
+    assert_true(taken < 20 * SLOWER);
+    answer_free(&got);
+}
+
+#define MANY (1000000 / SLOWER)
+#define SOME (MANY / 4)
+
+static void many_triangles_round_one_vertex(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    shape_cone(&mesh, MANY, .5);
+    const norma_mesh view = mesh_file_view(&mesh);
+    for (int kind = FACES; kind < CALLS; ++kind) finishes_soon("a fan", &view, kind, (norma_options){0});
+    finishes_soon("a fan, visible", &view, VERTICES, (norma_options){.weight = NORMA_WEIGHT_VISIBLE});
+    finishes_soon("a fan, visible", &view, CORNERS, (norma_options){.weight = NORMA_WEIGHT_VISIBLE});
+    answer got;
+    answer_create(&got, mesh.corner_count);
+    assert_ok(call(CORNERS, &view, (norma_options){0}, &got));
+    assert_direction(got.normals, 0, 0, 1, 1e-4);
+    assert_memory_equal(got.normals, got.normals + 3 * (mesh.corner_count - 3), 12);
+    answer_free(&got);
+    mesh_file_free(&mesh);
+}
+
+/* Every face has the tip at an index of its own: one position a million times over. */
+static void many_copies_of_one_position(void **state) {
+    (void)state;
+    mesh_file mesh = {0}, cone = {0};
+    shape_cone(&cone, MANY, .5);
+    shape_soup(&mesh, &cone);
+    norma_mesh view = mesh_file_view(&mesh);
+    view.corners = NULL;
+    for (int kind = VERTICES; kind < CALLS; ++kind) finishes_soon("copies", &view, kind, (norma_options){0});
+    finishes_soon("copies within a distance", &view, VERTICES, (norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 1e-9});
+    mesh_file_free(&mesh);
+    mesh_file_free(&cone);
+}
+
+/* One edge, hundreds of thousands of faces along it. */
+static void many_faces_along_one_edge(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    uint64_t  seed = 1;
+    mesh_file_add_position(&mesh, 0, 0, 0);
+    mesh_file_add_position(&mesh, 0, 0, 1);
+    for (uint32_t i = 0; i < SOME; ++i) {
+        mesh_file_add_position(&mesh, shape_random_unit(&seed), shape_random_unit(&seed), shape_random_unit(&seed));
+        mesh_file_add_face(&mesh, (uint32_t[]){i & 1, !(i & 1), i + 2}, 3);
+    }
+    const norma_mesh view = mesh_file_view(&mesh);
+    for (int kind = CORNERS; kind < CALLS; ++kind) finishes_soon("a book", &view, kind, (norma_options){0});
+    finishes_soon("a book, smooth", &view, CORNERS, (norma_options){.non_manifold = NORMA_NON_MANIFOLD_SMOOTH});
+    mesh_file_free(&mesh);
+}
+
+static void many_triangles_apart(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    uint64_t  seed = 1;
+    for (uint32_t i = 0; i < SOME; ++i) {
+        const double x = 1000 * shape_random_unit(&seed), y = 1000 * shape_random_unit(&seed), z = 1000 * shape_random_unit(&seed);
+        for (int v = 0; v < 3; ++v) mesh_file_add_position(&mesh, x + shape_random_unit(&seed), y + shape_random_unit(&seed), z + shape_random_unit(&seed));
+    }
+    norma_mesh view = {.positions = {mesh.positions, mesh.position_count, 0, NORMA_FORMAT_DOUBLE}, .corner_count = mesh.position_count};
+    for (int kind = VERTICES; kind < CORNERS + 1; ++kind) finishes_soon("apart", &view, kind, (norma_options){0});
+    finishes_soon("apart, within a distance", &view, VERTICES, (norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 1e-9});
+    mesh_file_free(&mesh);
+}
+
+/* Half a million vertices without a face: the nearest normal is sought for each. */
+static void many_without_a_normal(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    shape_wavy_grid(&mesh, 100, 0);
+    for (uint32_t i = 0; i < MANY / 2; ++i) mesh_file_add_position(&mesh, 3 + i * 1e-3, 3, 5);
+    for (uint32_t i = 0; i < MANY / 4; ++i) mesh_file_add_position(&mesh, 3, 3, 9); /* many at one place, which are also without */
+    const norma_mesh view = mesh_file_view(&mesh);
+    finishes_soon("without", &view, VERTICES, (norma_options){.fallback = NORMA_FALLBACK_NEAREST});
+    mesh_file_free(&mesh);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults),
+        cmocka_unit_test(every_other_weight),
+        cmocka_unit_test(other_options),
+        cmocka_unit_test(every_instruction_set),
+        cmocka_unit_test(two_callers_at_once),
+        cmocka_unit_test(many_triangles_round_one_vertex),
+        cmocka_unit_test(many_copies_of_one_position),
+        cmocka_unit_test(many_faces_along_one_edge),
+        cmocka_unit_test(many_triangles_apart),
+        cmocka_unit_test(many_without_a_normal),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
