@@ -39,12 +39,12 @@ static void make_asset(asset *a, const char *rest)
     memset(&data, 0, sizeof data);
     memcpy(data.position, sheet, sizeof sheet);
     for (int i = 0; i < 6; i++) {
-        const double angle = 0.3 * i - 0.5;
+        const double angle = 0.25 * i - 0.5; /* the third normal is +Z */
         data.normal[i][0] = (float)(sin(angle) * 0.6);
         data.normal[i][1] = (float)(sin(angle) * 0.8);
         data.normal[i][2] = (float)cos(angle);
-        data.tangent[i][0] = 0.8f;
-        data.tangent[i][1] = -0.6f;
+        data.tangent[i][0] = 0.6f; /* not perpendicular */
+        data.tangent[i][1] = -0.8f;
         data.tangent[i][3] = i % 2 ? 1.0f : -1.0f;
         data.moved[i][i % 3] = 0.5f;
         data.turned[i][(i + 1) % 3] = -0.25f;
@@ -310,6 +310,8 @@ static const double doubled[16] = { 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0,
 static const double mirror[16] = { -1, 0, 0, 3, 0, 2, 0, 0, 0, 0, 0.5, -1, 0, 0, 0, 1 };
 static const double sheared[16] = { 1, 0.5, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
 static const double flat[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
+static const double pressed[16] = { 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+static const double line[16] = { 1, 2, 3, 0, 2, 4, 6, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
 static const double tilted[16] = { 0.6, -0.8, 0, 5, 0.8, 0.6, 0, -7, 0, 0, 3, 1, 0, 0, 0, 1 };
 
 /* ---- without baking */
@@ -415,6 +417,19 @@ static void test_shear_needs_baking(void **state)
     finish(&r);
 }
 
+static void assert_flat(const result *r, int axis)
+{
+    drawn_scene after;
+    scene_read(r->after, &after);
+    assert_true(after.count > 0);
+    for (size_t i = 0; i < after.count; i++)
+        for (int k = 0; k < 3; k++) {
+            assert_true(after.triangles[i].position[k][axis] == 0);
+            assert_true(fabs(after.triangles[i].normal[k][axis]) == 1);
+        }
+    scene_free(&after);
+}
+
 static void test_flat_matrix(void **state)
 {
     (void)state;
@@ -428,14 +443,15 @@ static void test_flat_matrix(void **state)
     finish(&r);
     run(&a, flat, 1, &r);
     assert_done(&r);
-    drawn_scene after;
-    scene_read(r.after, &after);
-    for (size_t i = 0; i < after.count; i++)
-        for (int k = 0; k < 3; k++) {
-            assert_true(after.triangles[i].position[k][2] == 0);
-            assert_true(fabs(after.triangles[i].normal[k][2]) == 1);
-        }
-    scene_free(&after);
+    assert_flat(&r, 2);
+    finish(&r);
+    run(&a, pressed, 1, &r); /* a plane that stands: the third normal lies in it, and becomes the plane's */
+    assert_done(&r);
+    assert_flat(&r, 0);
+    finish(&r);
+    run(&a, line, 1, &r); /* no normal exists */
+    assert_done(&r);
+    assert_flat(&r, 2);
     finish(&r);
 }
 
