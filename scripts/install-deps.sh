@@ -48,7 +48,7 @@ if [ "$what" = all ]; then
         echo "installing: the packages of tests/validator/package-lock.json from npm"
         mkdir -p "$npm_dir"
         cp "$root/tests/validator/package.json" "$root/tests/validator/package-lock.json" "$npm_dir"
-        (cd "$npm_dir" && npm ci --no-audit --no-fund --ignore-scripts --silent)
+        (cd "$npm_dir" && npm ci --no-audit --no-fund --ignore-scripts --loglevel=error)
         cp "$root/tests/validator/package-lock.json" "$npm_dir/installed-lock.json"
     fi
 fi
