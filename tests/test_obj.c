@@ -224,6 +224,7 @@ static void line_endings_stay(void **state)
     expect_compute("v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nf 1 2 3\r\n", NULL, "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nvn 0 0 1\r\nf 1//1 2//1 3//1\r\n");
     expect_compute("v 0 0 0\rv 1 0 0\rv 1 1 0\rf 1 2 3\r", NULL, "v 0 0 0\rv 1 0 0\rv 1 1 0\rvn 0 0 1\rf 1//1 2//1 3//1\r");
     expect_compute("v 0 0 0\rv 1 0 0\r\nv 1 1 0\n\r\n\rf 1 2 3", NULL, "v 0 0 0\rv 1 0 0\r\nv 1 1 0\n\r\n\rvn 0 0 1\rf 1//1 2//1 3//1");
+    expect_compute("v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nf 1 2 3\n", NULL, "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nvn 0 0 1\nf 1//1 2//1 3//1\n");
     expect_compute("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3", NULL, "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1");
     expect_compute("\xef\xbb\xbfvn 1 0 0\r\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n", NULL, "\xef\xbb\xbfvn 0 0 1\r\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1//1 2//1 3//1\n");
 }
@@ -288,6 +289,7 @@ static void only_what_is_missing(void **state)
     expect_compute(SQUARE "vn 1 0 0\nvn 7 7 7\nf 1//1 2//1 3\nf 1 3 4\n", &options, SQUARE "vn 1 0 0\nvn 7 7 7\nvn 0 0 1\nf 1//1 2//1 3\nf 1//3 3//3 4//3\n");
     /* What names a normal that is not there has none. */
     expect_compute(SQUARE "vn 1 0 0\nf 1//1 2//1 3//1\nf 1//2 3//0 4//-5\n", &options, SQUARE "vn 1 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 1//2 3//2 4//2\n");
+    expect_compute(SQUARE "vn 1 0 0\nf 1//1 2//-9 3\n", &options, SQUARE "vn 1 0 0\nvn 0 0 1\nf 1//1 2//2 3\n");
     /* New lines stand where the first stood, but never behind a face that needs them. */
     expect_compute(SQUARE "f 1 3 4\nvn 1 0 0\nf 1//-1 2//1 3//1\n", &options, SQUARE "vn 1 0 0\nvn 0 0 1\nf 1//2 3//2 4//2\nf 1//1 2//1 3//1\n");
 }
@@ -311,6 +313,11 @@ static void what_has_no_normal(void **state)
     text t = compute(source, strlen(source), NULL, &summary);
     assert_int_equal(summary.filled, 3);
     assert_int_equal(summary.report.degenerate_faces.count, 1);
+    free(t.bytes);
+    /* One normal per position: counted once, however many corners have it. */
+    const norma_compute_options smooth = { .struct_size = sizeof smooth, .shading = NORMA_SHADING_SMOOTH };
+    t = compute("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 9 9 9\nf 1 2 3\nf 3 2 1\n", strlen("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 9 9 9\nf 1 2 3\nf 3 2 1\n"), &smooth, &summary);
+    assert_int_equal(summary.filled, 3);
     free(t.bytes);
     /* The nearest one that there is: here of the face to the left. */
     expect_compute("v 0 0 0\nv 0 1 0\nv 0 0 1\nv nan 0 0\nf 1 2 3\nf 1 2 4\n", NULL, "v 0 0 0\nv 0 1 0\nv 0 0 1\nv nan 0 0\nvn 1 0 0\nf 1//1 2//1 3//1\nf 1//1 2//1 4//1\n");
@@ -374,7 +381,7 @@ static void check_strip(const int64_t *numbers, int count)
     norma_compute_summary summary;
     int hard = 0;
     for (int i = 0; i <= count; ++i) {
-        double angle = 0.05 * i;
+        double angle = 0.02 * i;
         append(&t, line, (size_t)snprintf(line, sizeof line, "v %.9f %.9f 0\nv %.9f %.9f 1\n", cos(angle), sin(angle), cos(angle), sin(angle)));
     }
     for (int i = 0; i < count; ++i)
@@ -397,20 +404,23 @@ static void check_strip(const int64_t *numbers, int count)
 
 static void many_groups(void **state)
 {
-    enum { COUNT = 100 };                               /* quads, less than once round */
+    enum { COUNT = 300 };                               /* quads, less than once round */
     int64_t numbers[COUNT];
     uint32_t random = 12345;
     (void)state;
-    for (int distinct = 2; distinct <= COUNT; distinct += 7) {
+    for (int distinct = 2; distinct <= COUNT; distinct += 31) {
         for (int i = 0; i < COUNT; ++i) {
             random = random * 1664525 + 1013904223;
-            numbers[i] = i % 3 ? numbers[i - 1] : (int64_t)(random >> 8) % distinct * 1000003;
+            numbers[i] = i % 2 ? numbers[i - 1] : (int64_t)(random >> 8) % distinct * 1000003;
         }
         check_strip(numbers, COUNT);
     }
+    for (int i = 0; i < COUNT; ++i)                     /* neighbours whose numbers are the same in the last five bits */
+        numbers[i] = 1 + i / 3 % 2 * 32 + i / 6;
+    check_strip(numbers, COUNT);
 }
 
-/* Forty flaps round one edge, each pair of neighbours in a group: with non-manifold edges smooth, each group shares by itself. */
+/* Forty pairs of flaps round one edge, each pair a group: even where non-manifold edges are smooth, no group shares with another. */
 static void more_groups_at_an_edge_than_bits(void **state)
 {
     const norma_compute_options options = { .struct_size = sizeof options, .non_manifold = NORMA_NON_MANIFOLD_SMOOTH };
@@ -425,6 +435,13 @@ static void more_groups_at_an_edge_than_bits(void **state)
         append(&t, line, (size_t)snprintf(line, sizeof line, i % 2 ? "f 1 2 %d\n" : "s %d\nf 2 1 %d\n", i % 2 ? i + 3 : i / 2 + 1, i + 3));
     text out = compute(t.bytes, t.size, &options, &summary);
     assert_true(summary.by_groups);
+    norma_document *document = open_text(out.bytes, out.size);
+    norma_mesh_data data;
+    assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
+    for (int i = 0; i < 80; ++i)
+        for (int k = 0; k < i / 2 * 2; ++k)
+            assert_int_not_equal(data.corner_normals[3 * i], data.corner_normals[3 * k]);
+    norma_document_close(document);
     free(out.bytes);
     free(t.bytes);
 }
