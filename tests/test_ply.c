@@ -506,6 +506,7 @@ static void test_refusals_name_the_place(void **state)
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS "property float nx\nend_header\n0 0 0 0\n", "nx, ny and nz"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS "property float x\nend_header\n0 0 0 0\n", "stands twice"},
         {"ply\nformat binary_little_endian 1.0\nelement vertex 0\n" VERTEX_FLOATS "element face 1\nproperty list char uchar vertex_indices\nend_header\n\xff", "negative length"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS "property float nx\nproperty float ny\nproperty float nz\nend_header\n0 0 0 0 0 up\n", "a.ply:11: "},
         {"plyx\n", "a.ply:1: "}};
     for (size_t i = 0; i < COUNT_OF(files); ++i) {
         char message[1000];

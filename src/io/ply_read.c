@@ -397,6 +397,17 @@ static norma_document_result count_faces(norma_document *document, norma_documen
     return NORMA_DOCUMENT_OK;
 }
 
+/* Words that should be normals are looked at now, so that a file that cannot be computed is not opened. */
+static norma_document_result check_text_normals(norma_document *document, const ply_element *element, const int properties[3], norma_document_error *error)
+{
+    if (properties[0] == PLY_NONE)
+        return NORMA_DOCUMENT_OK;
+    double *values = NULL;
+    norma_document_result result = norma_ply_read_columns(document, element, properties, &values, error);
+    free(values);
+    return result;
+}
+
 norma_document_result norma_ply_read_mesh(norma_document *document, norma_document_error *error)
 {
     ply_state *state = document->state;
@@ -410,6 +421,11 @@ norma_document_result norma_ply_read_mesh(norma_document *document, norma_docume
         result = whole ? read_faces(document, error) : count_faces(document, error);
     if (!result)
         result = read_strips(document, error);
+    if (!result && whole && state->header.encoding == PLY_ASCII) {
+        result = check_text_normals(document, vertex, state->header.normal, error);
+        if (!result)
+            result = check_text_normals(document, norma_ply_element(&state->header, state->header.face), state->header.face_normal, error);
+    }
     state->faces = state->mesh.face_count;
     state->triangles = state->mesh.triangle_count;
     return result;
