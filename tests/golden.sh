@@ -29,6 +29,7 @@ prefixed() {
 answer() {
     local status=0
     (
+        # shellcheck disable=SC2317  # called by the commands of the cases
         norma() { "$NORMA" "$@"; }
         export -f norma
         bash -c "$1"

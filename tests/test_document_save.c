@@ -14,44 +14,41 @@
 #include <unistd.h>
 #include "io/document_internal.h"
 
-typedef struct place { char folder[128], source[160], target[160], beside[160]; } place;
+typedef struct place {
+    char folder[128], source[160], target[160], beside[160];
+} place;
 
 typedef struct fake {
     norma_document document;
     norma_document_result write_result, companions_result, compute_result;
-    int                   write_calls, companion_calls, companion_before_write, in_place;
+    int write_calls, companion_calls, companion_before_write, in_place;
     norma_compute_options compute_options;
-    const char           *beside;
+    const char *beside;
 } fake;
 
-static fake *fake_of(const norma_document *document)
-{
-    return (fake *)(uintptr_t)document; /* its first member */
-}
+static fake *fake_of(const norma_document *document) { return (fake *)(uintptr_t)document; /* its first member */ }
 
-static size_t one_mesh(const norma_document *document)
-{
+static size_t one_mesh(const norma_document *document) {
     (void)document;
     return 1;
 }
 
-static norma_document_result describe(const norma_document *document, size_t index, norma_mesh_info *info)
-{
+static norma_document_result describe(const norma_document *document, size_t index, norma_mesh_info *info) {
     (void)document;
     (void)index;
     info->not_read = "points have no normals";
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error)
-{
+static norma_document_result compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary,
+                                     norma_document_error *error) {
     fake_of(document)->compute_options = *options;
     summary->faces = 7;
-    return fake_of(document)->compute_result ? norma_document_fail(document, error, fake_of(document)->compute_result, "line 3", "found %d", 5) : NORMA_DOCUMENT_OK;
+    return fake_of(document)->compute_result ? norma_document_fail(document, error, fake_of(document)->compute_result, "line 3", "found %d", 5)
+                                             : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result write_bytes(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
-{
+static norma_document_result write_bytes(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error) {
     fake *made = fake_of(document);
     (void)path;
     ++made->write_calls;
@@ -60,8 +57,7 @@ static norma_document_result write_bytes(norma_document *document, const char *p
     return made->write_result ? norma_document_fail(document, error, made->write_result, NULL, "told to fail") : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result write_companions(norma_document *document, const char *path, int in_place, norma_document_error *error)
-{
+static norma_document_result write_companions(norma_document *document, const char *path, int in_place, norma_document_error *error) {
     fake *made = fake_of(document);
     ++made->companion_calls;
     made->companion_before_write = made->write_calls == 0;
@@ -70,24 +66,19 @@ static norma_document_result write_companions(norma_document *document, const ch
     return made->companions_result ? norma_document_fail(document, error, made->companions_result, NULL, "told to fail") : NORMA_DOCUMENT_OK;
 }
 
-static int reads_from(const norma_document *document, const char *path)
-{
-    return norma_file_same(path, fake_of(document)->beside);
-}
+static int reads_from(const norma_document *document, const char *path) { return norma_file_same(path, fake_of(document)->beside); }
 
-static const format_functions functions = {.mesh_count = one_mesh, .mesh_info = describe, .compute = compute, .write = write_bytes,
-                                           .write_companions = write_companions, .reads_from = reads_from};
+static const format_functions functions = {
+    .mesh_count = one_mesh, .mesh_info = describe, .compute = compute, .write = write_bytes, .write_companions = write_companions, .reads_from = reads_from};
 
-static void put(const char *path, const char *text)
-{
+static void put(const char *path, const char *text) {
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     fputs(text, file);
     assert_int_equal(fclose(file), 0);
 }
 
-static void assert_holds(const char *path, const char *text)
-{
+static void assert_holds(const char *path, const char *text) {
     file_bytes bytes;
     assert_int_equal(norma_file_open(path, &bytes), 0);
     assert_int_equal(bytes.size, strlen(text));
@@ -95,8 +86,7 @@ static void assert_holds(const char *path, const char *text)
     norma_file_close(&bytes);
 }
 
-static int set_up(void **state)
-{
+static int set_up(void **state) {
     place *made = calloc(1, sizeof *made);
     snprintf(made->folder, sizeof made->folder, "/tmp/norma-document-XXXXXX");
     if (!mkdtemp(made->folder))
@@ -111,8 +101,7 @@ static int set_up(void **state)
     return 0;
 }
 
-static int tear_down(void **state)
-{
+static int tear_down(void **state) {
     place *here = *state;
     char command[200];
     snprintf(command, sizeof command, "rm -rf '%s'", here->folder);
@@ -121,15 +110,15 @@ static int tear_down(void **state)
     return status;
 }
 
-static fake fake_document(const place *here)
-{
-    return (fake){.document = {.functions = &functions, .format = NORMA_FILE_OBJ, .path = (char *)(uintptr_t)here->source,
+static fake fake_document(const place *here) {
+    return (fake){.document = {.functions = &functions,
+                               .format = NORMA_FILE_OBJ,
+                               .path = (char *)(uintptr_t)here->source,
                                .source = {.data = (const unsigned char *)"new", .size = 3}},
                   .beside = here->beside};
 }
 
-static void assert_no_temporary(const place *here)
-{
+static void assert_no_temporary(const place *here) {
     char command[300];
     snprintf(command, sizeof command, "test -z \"$(ls -A '%s' | grep tmp)\"", here->folder);
     assert_int_equal(system(command), 0);
@@ -137,8 +126,7 @@ static void assert_no_temporary(const place *here)
 
 /* ---- saving */
 
-static void saves_the_main_file_last(void **state)
-{
+static void saves_the_main_file_last(void **state) {
     const place *here = *state;
     fake made = fake_document(here);
     norma_document_error error;
@@ -152,8 +140,7 @@ static void saves_the_main_file_last(void **state)
     assert_no_temporary(here);
 }
 
-static void a_failure_anywhere_leaves_the_old_file(void **state)
-{
+static void a_failure_anywhere_leaves_the_old_file(void **state) {
     const place *here = *state;
     norma_document_error error;
     fake made = fake_document(here);
@@ -168,14 +155,12 @@ static void a_failure_anywhere_leaves_the_old_file(void **state)
     assert_no_temporary(here);
 }
 
-static int stop(void *user, double fraction)
-{
+static int stop(void *user, double fraction) {
     *(double *)user = fraction;
     return 1;
 }
 
-static void a_cancelled_save_leaves_the_old_file(void **state)
-{
+static void a_cancelled_save_leaves_the_old_file(void **state) {
     const place *here = *state;
     norma_document_error error;
     double fraction = -1;
@@ -187,8 +172,7 @@ static void a_cancelled_save_leaves_the_old_file(void **state)
     assert_no_temporary(here);
 }
 
-static void refuses(const place *here, const char *path, const char *words)
-{
+static void refuses(const place *here, const char *path, const char *words) {
     norma_document_error error;
     fake made = fake_document(here);
     assert_int_equal(norma_document_save(&made.document, path, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
@@ -199,8 +183,7 @@ static void refuses(const place *here, const char *path, const char *words)
     assert_non_null(strstr(error.message, words));
 }
 
-static void names_that_may_not_be_written(void **state)
-{
+static void names_that_may_not_be_written(void **state) {
     const place *here = *state;
     char path[200];
     refuses(here, here->source, "is the input itself");
@@ -219,8 +202,7 @@ static void names_that_may_not_be_written(void **state)
     assert_holds(here->beside, "beside");
 }
 
-static void in_place_may_name_the_source(void **state)
-{
+static void in_place_may_name_the_source(void **state) {
     const place *here = *state;
     fake made = fake_document(here);
     made.document.source = (file_bytes){.data = (const unsigned char *)"newer", .size = 5};
@@ -230,8 +212,7 @@ static void in_place_may_name_the_source(void **state)
     assert_holds(here->source, "newer");
 }
 
-static void a_device_gets_no_companions(void **state)
-{
+static void a_device_gets_no_companions(void **state) {
     const place *here = *state;
     norma_document_error error;
     fake made = fake_document(here);
@@ -246,14 +227,20 @@ static void a_device_gets_no_companions(void **state)
 
 /* ---- computing */
 
-static void options_are_checked_before_the_format_sees_them(void **state)
-{
+static void options_are_checked_before_the_format_sees_them(void **state) {
     const place *here = *state;
     const norma_compute_options bad[] = {
-        {.shading = NORMA_SHADING_CREASE, .crease_angle_rad = NAN}, {.shading = NORMA_SHADING_CREASE, .crease_angle_rad = -0.1},
-        {.shading = NORMA_SHADING_CREASE, .crease_angle_rad = INFINITY}, {.weld = NORMA_WELD_DISTANCE, .weld_distance = -1},
-        {.weld = NORMA_WELD_DISTANCE, .weld_distance = NAN}, {.weight = (norma_weight)7}, {.shading = (norma_shading)4}, {.weld = (norma_weld)3},
-        {.groups = (norma_groups)2}, {.only = (norma_only)3}, {.non_manifold = (norma_non_manifold)2},
+        {.shading = NORMA_SHADING_CREASE, .crease_angle_rad = NAN},
+        {.shading = NORMA_SHADING_CREASE, .crease_angle_rad = -0.1},
+        {.shading = NORMA_SHADING_CREASE, .crease_angle_rad = INFINITY},
+        {.weld = NORMA_WELD_DISTANCE, .weld_distance = -1},
+        {.weld = NORMA_WELD_DISTANCE, .weld_distance = NAN},
+        {.weight = (norma_weight)7},
+        {.shading = (norma_shading)4},
+        {.weld = (norma_weld)3},
+        {.groups = (norma_groups)2},
+        {.only = (norma_only)3},
+        {.non_manifold = (norma_non_manifold)2},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         norma_document_error error;
@@ -264,8 +251,7 @@ static void options_are_checked_before_the_format_sees_them(void **state)
     }
 }
 
-static void options_of_another_version_are_read_as_far_as_they_go(void **state)
-{
+static void options_of_another_version_are_read_as_far_as_they_go(void **state) {
     const place *here = *state;
     fake made = fake_document(here);
     norma_compute_options options = {.struct_size = offsetof(norma_compute_options, only), .weight = NORMA_WEIGHT_MAX, .only = NORMA_ONLY_BROKEN, .morphs = 1};
@@ -280,8 +266,7 @@ static void options_of_another_version_are_read_as_far_as_they_go(void **state)
     assert_int_equal(made.compute_options.weight, NORMA_WEIGHT_ANGLE);
 }
 
-static void after_a_failed_change_a_document_can_only_be_closed(void **state)
-{
+static void after_a_failed_change_a_document_can_only_be_closed(void **state) {
     const place *here = *state;
     norma_document_error error;
     fake made = fake_document(here);
@@ -292,8 +277,7 @@ static void after_a_failed_change_a_document_can_only_be_closed(void **state)
     assert_holds(here->target, "old");
 }
 
-static void summaries_and_what_was_not_read(void **state)
-{
+static void summaries_and_what_was_not_read(void **state) {
     const place *here = *state;
     norma_document_error error;
     norma_mesh_data data;
@@ -308,16 +292,15 @@ static void summaries_and_what_was_not_read(void **state)
 
 /* ---- matrices */
 
-static norma_document_result take_matrix(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error)
-{
+static norma_document_result take_matrix(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary,
+                                         norma_document_error *error) {
     (void)document;
     (void)error;
     summary->vertices = (size_t)options->matrix[0];
     return NORMA_DOCUMENT_OK;
 }
 
-static void matrices_are_affine_and_finite(void **state)
-{
+static void matrices_are_affine_and_finite(void **state) {
     const place *here = *state;
     format_functions with_transform = functions;
     with_transform.transform = take_matrix;
@@ -340,8 +323,7 @@ static void matrices_are_affine_and_finite(void **state)
 
 /* ---- messages */
 
-static void a_message_is_one_line(void **state)
-{
+static void a_message_is_one_line(void **state) {
     (void)state;
     norma_document_error error;
     const norma_document document = {.path = (char *)(uintptr_t) "a\nb\x1b.obj"};
@@ -352,15 +334,13 @@ static void a_message_is_one_line(void **state)
     assert_int_equal(norma_document_fail(NULL, NULL, NORMA_DOCUMENT_ERROR_MALFORMED, NULL, "nowhere"), NORMA_DOCUMENT_ERROR_MALFORMED);
 }
 
-static void a_message_is_cut_between_characters(void **state)
-{
+static void a_message_is_cut_between_characters(void **state) {
     (void)state;
     for (size_t shift = 0; shift < 3; ++shift) {
         norma_document_error error;
         char text[1500] = "";
         memset(text, 'x', shift);
-        for (size_t at = shift; at + 3 < sizeof text; at += 3)
-            memcpy(text + at, "\xE2\x82\xAC", 4);
+        for (size_t at = shift; at + 3 < sizeof text; at += 3) memcpy(text + at, "\xE2\x82\xAC", 4);
         norma_document_fail(NULL, &error, NORMA_DOCUMENT_ERROR_FILE, NULL, "%s", text);
         size_t length = strlen(error.message);
         assert_true(length > 990 && length < sizeof error.message);
@@ -368,25 +348,21 @@ static void a_message_is_cut_between_characters(void **state)
     }
 }
 
-static void notes_are_kept_in_order(void **state)
-{
+static void notes_are_kept_in_order(void **state) {
     const place *here = *state;
     fake made = fake_document(here);
-    for (int i = 0; i < 100; ++i)
-        assert_int_equal(norma_document_add_note(&made.document, "note\n%d", i), 1);
+    for (int i = 0; i < 100; ++i) assert_int_equal(norma_document_add_note(&made.document, "note\n%d", i), 1);
     assert_int_equal(norma_document_note_count(&made.document), 100);
     assert_string_equal(norma_document_note(&made.document, 0), "note?0");
     assert_string_equal(norma_document_note(&made.document, 99), "note?99");
     assert_string_equal(norma_document_note(&made.document, 100), "");
-    for (size_t i = 0; i < made.document.note_count; ++i)
-        free(made.document.notes[i]);
+    for (size_t i = 0; i < made.document.note_count; ++i) free(made.document.notes[i]);
     free(made.document.notes);
 }
 
 /* ---- small things */
 
-static void opening_fails_with_words(void **state)
-{
+static void opening_fails_with_words(void **state) {
     const place *here = *state;
     norma_document_error error;
     norma_document *document = (norma_document *)(uintptr_t)1;
@@ -405,8 +381,7 @@ static void opening_fails_with_words(void **state)
     norma_document_close(NULL);
 }
 
-static void formats_by_extension(void **state)
-{
+static void formats_by_extension(void **state) {
     (void)state;
     assert_int_equal(norma_file_format_of_path("a/b.OBJ"), NORMA_FILE_OBJ);
     assert_int_equal(norma_file_format_of_path("a.obj/b"), NORMA_FILE_UNKNOWN);
@@ -421,8 +396,7 @@ static void formats_by_extension(void **state)
     assert_string_equal(norma_file_format_name(NORMA_FILE_UNKNOWN), "");
 }
 
-static void reports_add_up(void **state)
-{
+static void reports_add_up(void **state) {
     (void)state;
     norma_report sum = {0}, part = {.cancelled = {2, 5}, .winding_conflicts = {1, 9}, .degenerate_faces = {0, SIZE_MAX}};
     norma_add_report(&sum, &part, 0);
@@ -434,8 +408,7 @@ static void reports_add_up(void **state)
     assert_int_equal(sum.degenerate_faces.count, 0);
 }
 
-static void sizes_are_checked(void **state)
-{
+static void sizes_are_checked(void **state) {
     (void)state;
     volatile size_t huge = SIZE_MAX / 2; /* volatile: or the compiler warns of what is asked for */
     size_t capacity = 0;
@@ -460,8 +433,7 @@ static void sizes_are_checked(void **state)
 
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         TEST(saves_the_main_file_last),
         TEST(a_failure_anywhere_leaves_the_old_file),

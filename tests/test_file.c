@@ -18,10 +18,11 @@
 #include <unistd.h>
 #include "io/file.h"
 
-typedef struct place { char folder[128], path[160]; } place;
+typedef struct place {
+    char folder[128], path[160];
+} place;
 
-static int set_up(void **state)
-{
+static int set_up(void **state) {
     place *made = calloc(1, sizeof *made);
     const char *temporary = getenv("TMPDIR");
     snprintf(made->folder, sizeof made->folder, "%.90s/norma-file-XXXXXX", temporary ? temporary : "/tmp");
@@ -33,8 +34,7 @@ static int set_up(void **state)
     return 0;
 }
 
-static int tear_down(void **state)
-{
+static int tear_down(void **state) {
     place *here = *state;
     char command[400];
     snprintf(command, sizeof command, "chmod -R u+w '%s' && rm -rf '%s'", here->folder, here->folder);
@@ -43,16 +43,14 @@ static int tear_down(void **state)
     return status;
 }
 
-static void put(const char *path, const char *text)
-{
+static void put(const char *path, const char *text) {
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
     assert_int_equal(fclose(file), 0);
 }
 
-static void assert_holds(const char *path, const char *text)
-{
+static void assert_holds(const char *path, const char *text) {
     file_bytes bytes;
     assert_int_equal(norma_file_open(path, &bytes), 0);
     assert_int_equal(bytes.size, strlen(text));
@@ -60,19 +58,16 @@ static void assert_holds(const char *path, const char *text)
     norma_file_close(&bytes);
 }
 
-static size_t count_entries(const char *path)
-{
+static size_t count_entries(const char *path) {
     DIR *folder = opendir(path);
     size_t count = 0;
     assert_non_null(folder);
-    for (const struct dirent *entry; (entry = readdir(folder));)
-        count += entry->d_name[0] != '.' || strncmp(entry->d_name, ".norma", 6) == 0;
+    for (const struct dirent *entry; (entry = readdir(folder));) count += entry->d_name[0] != '.' || strncmp(entry->d_name, ".norma", 6) == 0;
     closedir(folder);
     return count;
 }
 
-static int write_text(const char *path, const char *text)
-{
+static int write_text(const char *path, const char *text) {
     file_writer *writer;
     int error = norma_file_writer_open(path, &writer);
     if (error)
@@ -85,8 +80,7 @@ static int write_text(const char *path, const char *text)
     return norma_file_writer_commit(writer);
 }
 
-static mode_t mode_of(const char *path)
-{
+static mode_t mode_of(const char *path) {
     struct stat status;
     assert_int_equal(stat(path, &status), 0);
     return status.st_mode & 07777;
@@ -94,8 +88,7 @@ static mode_t mode_of(const char *path)
 
 /* ---- reading */
 
-static void reads_what_is_there(void **state)
-{
+static void reads_what_is_there(void **state) {
     const place *here = *state;
     file_bytes bytes;
     put(here->path, "v 0 0 0\n");
@@ -110,8 +103,7 @@ static void reads_what_is_there(void **state)
     assert_int_equal(norma_file_open(here->path, &bytes), ENOENT);
 }
 
-static void reads_a_pipe_to_its_end(void **state)
-{
+static void reads_a_pipe_to_its_end(void **state) {
     const place *here = *state;
     const size_t size = 300000;
     assert_int_equal(mkfifo(here->path, 0600), 0);
@@ -134,8 +126,7 @@ static void reads_a_pipe_to_its_end(void **state)
 
 /* ---- writing */
 
-static void writes_a_new_file(void **state)
-{
+static void writes_a_new_file(void **state) {
     const place *here = *state;
     assert_int_equal(write_text(here->path, "v 1 2 3\n"), 0);
     assert_holds(here->path, "v 1 2 3\n");
@@ -143,18 +134,15 @@ static void writes_a_new_file(void **state)
     assert_int_equal(count_entries(here->folder), 1);
 }
 
-static void writes_more_than_its_buffer(void **state)
-{
+static void writes_more_than_its_buffer(void **state) {
     const place *here = *state;
     const size_t size = 1000003, part = 777;
     unsigned char *text = malloc(size);
-    for (size_t i = 0; i < size; ++i)
-        text[i] = (unsigned char)(i * 2654435761u >> 13);
+    for (size_t i = 0; i < size; ++i) text[i] = (unsigned char)(i * 2654435761u >> 13);
     file_writer *writer;
     assert_int_equal(norma_file_writer_open(here->path, &writer), 0);
     size_t at = 0;
-    for (; at < size / 2; at += part)
-        assert_int_equal(norma_file_writer_write(writer, text + at, part), 0);
+    for (; at < size / 2; at += part) assert_int_equal(norma_file_writer_write(writer, text + at, part), 0);
     assert_int_equal(norma_file_writer_write(writer, text + at, size - at), 0);
     assert_int_equal(norma_file_writer_commit(writer), 0);
     file_bytes bytes;
@@ -165,8 +153,7 @@ static void writes_more_than_its_buffer(void **state)
     free(text);
 }
 
-static void replaces_only_at_the_end(void **state)
-{
+static void replaces_only_at_the_end(void **state) {
     const place *here = *state;
     put(here->path, "old");
     file_writer *writer;
@@ -179,8 +166,7 @@ static void replaces_only_at_the_end(void **state)
     assert_int_equal(count_entries(here->folder), 1);
 }
 
-static void keeps_a_mapped_source_whole(void **state)
-{
+static void keeps_a_mapped_source_whole(void **state) {
     const place *here = *state;
     file_bytes source;
     put(here->path, "old bytes");
@@ -191,8 +177,7 @@ static void keeps_a_mapped_source_whole(void **state)
     assert_holds(here->path, "n");
 }
 
-static void abandoning_leaves_nothing(void **state)
-{
+static void abandoning_leaves_nothing(void **state) {
     const place *here = *state;
     put(here->path, "old");
     file_writer *writer;
@@ -205,8 +190,7 @@ static void abandoning_leaves_nothing(void **state)
     assert_int_equal(count_entries(here->folder), 1);
 }
 
-static void a_full_disk_keeps_the_old_file(void **state)
-{
+static void a_full_disk_keeps_the_old_file(void **state) {
     const place *here = *state;
     static char text[400000];
     struct rlimit old, small;
@@ -228,8 +212,7 @@ static void a_full_disk_keeps_the_old_file(void **state)
     assert_int_equal(count_entries(here->folder), 1);
 }
 
-static void an_error_is_remembered(void **state)
-{
+static void an_error_is_remembered(void **state) {
     (void)state;
     file_writer *writer;
     if (norma_file_writer_open("/dev/full", &writer))
@@ -243,8 +226,7 @@ static void an_error_is_remembered(void **state)
     assert_true(S_ISCHR(status.st_mode)); /* a device is written, not replaced */
 }
 
-static void keeps_permissions(void **state)
-{
+static void keeps_permissions(void **state) {
     const place *here = *state;
     put(here->path, "old");
     assert_int_equal(chmod(here->path, 0640), 0);
@@ -256,8 +238,7 @@ static void keeps_permissions(void **state)
 }
 
 /* Root may write anywhere, so a child gives its rights up. Returns the error that it met. */
-static int write_as_nobody(const char *path)
-{
+static int write_as_nobody(const char *path) {
     pid_t child = fork();
     if (child == 0) {
         if (geteuid() == 0 && (setgid(65534) || setuid(65534)))
@@ -270,8 +251,7 @@ static int write_as_nobody(const char *path)
     return WEXITSTATUS(status);
 }
 
-static void a_read_only_folder_is_an_error(void **state)
-{
+static void a_read_only_folder_is_an_error(void **state) {
     const place *here = *state;
     put(here->path, "old");
     assert_int_equal(chmod(here->path, 0666), 0);
@@ -283,8 +263,7 @@ static void a_read_only_folder_is_an_error(void **state)
     assert_int_equal(count_entries(here->folder), 1);
 }
 
-static void a_read_only_file_is_not_replaced(void **state)
-{
+static void a_read_only_file_is_not_replaced(void **state) {
     const place *here = *state;
     put(here->path, "old");
     assert_int_equal(chmod(here->path, 0444), 0);
@@ -294,8 +273,7 @@ static void a_read_only_file_is_not_replaced(void **state)
     assert_int_equal(count_entries(here->folder), 1);
 }
 
-static void a_symbolic_link_stays(void **state)
-{
+static void a_symbolic_link_stays(void **state) {
     const place *here = *state;
     char link[200], folder[200], target[240];
     struct stat status;
@@ -313,16 +291,14 @@ static void a_symbolic_link_stays(void **state)
     assert_int_equal(count_entries(folder), 1);
 }
 
-static void a_circle_of_links_is_an_error(void **state)
-{
+static void a_circle_of_links_is_an_error(void **state) {
     const place *here = *state;
     assert_int_equal(symlink("mesh.obj", here->path), 0);
     assert_int_equal(write_text(here->path, "new"), ELOOP);
     assert_int_equal(count_entries(here->folder), 1);
 }
 
-static void folders_are_refused(void **state)
-{
+static void folders_are_refused(void **state) {
     const place *here = *state;
     char missing[240];
     snprintf(missing, sizeof missing, "%s/none/mesh.obj", here->folder);
@@ -330,8 +306,7 @@ static void folders_are_refused(void **state)
     assert_int_equal(write_text(missing, "new"), ENOENT);
 }
 
-static void a_temporary_in_the_way_is_left_alone(void **state)
-{
+static void a_temporary_in_the_way_is_left_alone(void **state) {
     const place *here = *state;
     char other[200];
     snprintf(other, sizeof other, "%s/.norma-%ld-0.tmp", here->folder, (long)getpid());
@@ -341,8 +316,7 @@ static void a_temporary_in_the_way_is_left_alone(void **state)
     assert_holds(other, "someone else's");
 }
 
-static void knows_one_file_by_two_names(void **state)
-{
+static void knows_one_file_by_two_names(void **state) {
     const place *here = *state;
     char other[200], link[200];
     snprintf(other, sizeof other, "%s/./mesh.obj", here->folder);
@@ -362,8 +336,7 @@ static void knows_one_file_by_two_names(void **state)
 
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         TEST(reads_what_is_there),
         TEST(reads_a_pipe_to_its_end),

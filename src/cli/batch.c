@@ -8,8 +8,7 @@
 
 /* ---- where outputs go */
 
-static const char *set_output(void *settings, const char *value)
-{
+static const char *set_output(void *settings, const char *value) {
     cli_files *files = settings;
     if (files->output)
         return "to be given once";
@@ -17,8 +16,7 @@ static const char *set_output(void *settings, const char *value)
     return value[0] ? NULL : "a name, or - for standard output";
 }
 
-static const char *set_folder(void *settings, const char *value)
-{
+static const char *set_folder(void *settings, const char *value) {
     cli_files *files = settings;
     if (files->folder)
         return "to be given once";
@@ -26,8 +24,7 @@ static const char *set_folder(void *settings, const char *value)
     return value[0] ? NULL : "the name of a folder";
 }
 
-static const char *set_in_place(void *settings, const char *value)
-{
+static const char *set_in_place(void *settings, const char *value) {
     (void)value;
     ((cli_files *)settings)->in_place = 1;
     return NULL;
@@ -40,38 +37,30 @@ const cli_option cli_output_options[] = {
 };
 const size_t cli_output_option_count = CLI_COUNT(cli_output_options);
 
-static int is_standard(const char *name)
-{
-    return strcmp(name, "-") == 0;
-}
+static int is_standard(const char *name) { return strcmp(name, "-") == 0; }
 
-static const char *base_name(const char *path)
-{
+static const char *base_name(const char *path) {
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
 }
 
-static int same_file(const char *a, const char *b)
-{
+static int same_file(const char *a, const char *b) {
     struct stat of_a, of_b;
     return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && S_ISREG(of_a.st_mode) && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
-static int is_folder(const char *path)
-{
+static int is_folder(const char *path) {
     struct stat status;
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-static int is_stream(const char *path)
-{
+static int is_stream(const char *path) {
     struct stat status;
     return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
 }
 
 /* What the library would say after the work, said before it. */
-static int check_output(const cli_verb *verb, const cli_files *files, const char *input)
-{
+static int check_output(const cli_verb *verb, const cli_files *files, const char *input) {
     const char *output = files->output, *dot = strrchr(base_name(output), '.'), *input_dot = strrchr(base_name(input), '.');
     norma_file_format format = files->format ? files->format : norma_file_format_of_path(input), named = norma_file_format_of_path(output);
     if (is_standard(output))
@@ -86,16 +75,12 @@ static int check_output(const cli_verb *verb, const cli_files *files, const char
     return cli_usage(verb, "-o %s: the output has the format of its input, %s; expected a name that ends in .%s", output, name, name);
 }
 
-static int compare_base_names(const void *a, const void *b)
-{
-    return strcmp(base_name(*(const char *const *)a), base_name(*(const char *const *)b));
-}
+static int compare_base_names(const void *a, const void *b) { return strcmp(base_name(*(const char *const *)a), base_name(*(const char *const *)b)); }
 
 /* Two inputs of one name would go to one file. */
-static int check_folder(const cli_verb *verb, const cli_files *files)
-{
+static int check_folder(const cli_verb *verb, const cli_files *files) {
     size_t count = files->inputs.count;
-    const char **sorted = malloc(count * sizeof *sorted);
+    const char **sorted = calloc(count + 1, sizeof *sorted);
     if (!sorted)
         return CLI_FILE;
     memcpy(sorted, files->inputs.words, count * sizeof *sorted);
@@ -114,11 +99,9 @@ static int check_folder(const cli_verb *verb, const cli_files *files)
     return status;
 }
 
-static int check_outputs(const cli_verb *verb, const cli_common *common, const cli_files *files)
-{
+static int check_outputs(const cli_verb *verb, const cli_common *common, const cli_files *files) {
     int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
-    for (size_t i = 0; i < files->inputs.count; ++i)
-        standard |= is_standard(files->inputs.words[i]);
+    for (size_t i = 0; i < files->inputs.count; ++i) standard |= is_standard(files->inputs.words[i]);
     if (ways == 0)
         return cli_usage(verb, "nowhere to write to; expected -o OUT, --out-dir FOLDER or --in-place");
     if (ways > 1)
@@ -135,8 +118,7 @@ static int check_outputs(const cli_verb *verb, const cli_common *common, const c
 }
 
 /* The output of an input; owned by the caller. NULL: out of memory. */
-static char *output_of(const cli_files *files, const char *input)
-{
+static char *output_of(const cli_files *files, const char *input) {
     const char *folder = files->folder ? files->folder : "", *name = files->output ? files->output : files->folder ? base_name(input) : input;
     size_t length = strlen(folder), size = length + strlen(name) + 2;
     char *path = malloc(size);
@@ -148,31 +130,29 @@ static char *output_of(const cli_files *files, const char *input)
 /* ---- one file */
 
 typedef struct file_job {
-    const cli_common  *common;
-    const cli_files   *files;
+    const cli_common *common;
+    const cli_files *files;
     const cli_changer *changer;
-    const char        *input, *output;
+    const char *input, *output;
 } file_job;
 
-static int write_to_stdout(void *user, const void *bytes, size_t size)
-{
+static int write_to_stdout(void *user, const void *bytes, size_t size) {
     (void)user;
     return cli_interrupted() || fwrite(bytes, 1, size, stdout) != size;
 }
 
-static norma_document_result fail_cancelled(norma_document_error *error)
-{
+static norma_document_result fail_cancelled(norma_document_error *error) {
     error->result = NORMA_DOCUMENT_CANCELLED;
     snprintf(error->message, sizeof error->message, "interrupted");
     return error->result;
 }
 
-static norma_document_result write_output(const file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error)
-{
+static norma_document_result write_output(const file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error) {
     if (cli_interrupted())
         return fail_cancelled(error);
     if (!is_standard(job->output)) {
-        const norma_save_options options = {.struct_size = sizeof options, .in_place = job->files->in_place, .progress = cli_progress_report, .progress_user = progress};
+        const norma_save_options options = {
+            .struct_size = sizeof options, .in_place = job->files->in_place, .progress = cli_progress_report, .progress_user = progress};
         return norma_document_save(document, job->output, &options, error);
     }
     norma_document_result result = norma_document_write(document, write_to_stdout, NULL, error);
@@ -183,8 +163,7 @@ static norma_document_result write_output(const file_job *job, norma_document *d
     return result;
 }
 
-static norma_document_result change_document(const file_job *job, norma_document *document, norma_document_error *error)
-{
+static norma_document_result change_document(const file_job *job, norma_document *document, norma_document_error *error) {
     cli_progress progress;
     double megabytes = cli_megabytes(job->input);
     cli_progress_start(&progress, "computing", job->input, job->common->quiet, megabytes);
@@ -198,19 +177,20 @@ static norma_document_result change_document(const file_job *job, norma_document
     return result;
 }
 
-static norma_document_result open_input(const file_job *job, norma_document **document, void **memory, norma_document_error *error)
-{
+static norma_document_result open_input(const file_job *job, norma_document **document, void **memory, norma_document_error *error) {
     cli_progress progress;
     cli_progress_start(&progress, "reading", job->input, job->common->quiet, cli_megabytes(job->input));
-    const norma_document_options options = {.struct_size = sizeof options, .format = job->files->format, .threads = job->common->threads,
-                                            .progress = cli_progress_report, .progress_user = &progress};
+    const norma_document_options options = {.struct_size = sizeof options,
+                                            .format = job->files->format,
+                                            .threads = job->common->threads,
+                                            .progress = cli_progress_report,
+                                            .progress_user = &progress};
     norma_document_result result = cli_open(job->input, &options, document, memory, error);
     cli_progress_stop(&progress);
     return result;
 }
 
-static void report_json(const file_job *job, const norma_document *document, const norma_document_error *error)
-{
+static void report_json(const file_job *job, const norma_document *document, const norma_document_error *error) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "input", job->input);
@@ -225,8 +205,7 @@ static void report_json(const file_job *job, const norma_document *document, con
     fputc('\n', stdout);
 }
 
-static void report(const file_job *job, const norma_document *document, const norma_document_error *error)
-{
+static void report(const file_job *job, const norma_document *document, const norma_document_error *error) {
     if (error->result) {
         cli_print_error(error);
     } else if (!job->common->quiet && !job->common->json) {
@@ -243,8 +222,7 @@ static void report(const file_job *job, const norma_document *document, const no
         report_json(job, document, error);
 }
 
-static int run_job(const file_job *job)
-{
+static int run_job(const file_job *job) {
     norma_document *document;
     void *memory;
     norma_document_error error = {0};
@@ -259,8 +237,7 @@ static int run_job(const file_job *job)
     return cli_status_of(result);
 }
 
-int cli_change_files(const cli_verb *verb, const cli_common *common, const cli_files *files, const cli_changer *changer)
-{
+int cli_change_files(const cli_verb *verb, const cli_common *common, const cli_files *files, const cli_changer *changer) {
     int status = cli_check_inputs(verb, files);
     if (!status)
         status = check_outputs(verb, common, files);

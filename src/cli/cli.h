@@ -31,16 +31,23 @@ const char *cli_suggest(const char *word, const void *names, size_t count, size_
 /* ---- options: one table for each verb */
 
 typedef struct cli_option {
-    const char *name;                                       /* without its dashes */
-    char        letter;                                     /* 'o' for -o, or 0 */
-    int         takes_value;
+    const char *name; /* without its dashes */
+    char letter;      /* 'o' for -o, or 0 */
+    int takes_value;
     const char *(*set)(void *settings, const char *value); /* NULL, or what was expected */
 } cli_option;
 
-typedef struct cli_table { const cli_option *options; size_t count; void *settings; } cli_table;
+typedef struct cli_table {
+    const cli_option *options;
+    size_t count;
+    void *settings;
+} cli_table;
 
 /* Files named on the command line, in its order. */
-typedef struct cli_words { const char **words; size_t count; } cli_words;
+typedef struct cli_words {
+    const char **words;
+    size_t count;
+} cli_words;
 
 /* Tries each table in turn. Returns CLI_OK or CLI_USAGE, said already; *help: --help was given, nothing else counts. words->words has room for count words; NULL: a usage error. */
 int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count, char **arguments, cli_words *words, int *help);
@@ -53,17 +60,17 @@ size_t cli_numbers(const char *text, double *numbers, size_t room);
 /* ---- settings that several verbs share */
 
 typedef struct cli_common {
-    int      json, quiet;
+    int json, quiet;
     uint32_t threads;
 } cli_common;
-extern const cli_option cli_common_options[];              /* --json --quiet --threads */
-extern const size_t     cli_common_option_count;
-extern const cli_option cli_matrix_options[];              /* --scale --rotate --translate --matrix */
-extern const size_t     cli_matrix_option_count;
+extern const cli_option cli_common_options[]; /* --json --quiet --threads */
+extern const size_t cli_common_option_count;
+extern const cli_option cli_matrix_options[]; /* --scale --rotate --translate --matrix */
+extern const size_t cli_matrix_option_count;
 typedef struct cli_matrix {
-    double matrix[16];                                      /* column-major */
-    int    given;                                           /* how many options made it */
-    int    overflow;
+    double matrix[16]; /* column-major */
+    int given;         /* how many options made it */
+    int overflow;
 } cli_matrix;
 extern const cli_matrix cli_matrix_identity;
 
@@ -72,81 +79,85 @@ extern const cli_matrix cli_matrix_identity;
 struct cli_json;
 
 typedef struct cli_files {
-    cli_words         inputs;
-    const char       *output, *folder;
-    int               in_place;
-    norma_file_format format;                               /* unknown: by each name */
+    cli_words inputs;
+    const char *output, *folder;
+    int in_place;
+    norma_file_format format; /* unknown: by each name */
 } cli_files;
 extern const cli_option cli_input_options[], cli_output_options[]; /* --input-format; -o --out-dir --in-place */
-extern const size_t     cli_input_option_count, cli_output_option_count;
+extern const size_t cli_input_option_count, cli_output_option_count;
 
 /* What a verb does to each file of a batch: opened, changed, written, told about. */
 typedef struct cli_changer {
-    void *work;                                             /* the verb's own: its options, and the summary of the file at hand */
+    void *work; /* the verb's own: its options, and the summary of the file at hand */
     norma_document_result (*change)(void *work, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error);
-    void (*write_json)(const void *work, struct cli_json *json);                            /* the keys after "input" and "output" */
-    void (*write_text)(const void *work, const norma_document *document, FILE *out);        /* what stands after "IN -> OUT: ", without the line's end */
+    void (*write_json)(const void *work, struct cli_json *json);                     /* the keys after "input" and "output" */
+    void (*write_text)(const void *work, const norma_document *document, FILE *out); /* what stands after "IN -> OUT: ", without the line's end */
 } cli_changer;
 int cli_check_inputs(const cli_verb *verb, const cli_files *files);
 int cli_change_files(const cli_verb *verb, const cli_common *common, const cli_files *files, const cli_changer *changer);
 
 /* Opens "-" or a path. *memory is what standard input held; freed after the document. */
 norma_document_result cli_open(const char *input, const norma_document_options *options, norma_document **document, void **memory, norma_document_error *error);
-const char *cli_input_name(const char *input);              /* for people: "standard input" for "-" */
-double cli_megabytes(const char *input);                    /* 0: not known */
-int  cli_status_of(norma_document_result result);
-int  cli_worse(int status, int other);                      /* of a batch: interrupted, then 3, then 2, then 0 */
+const char *cli_input_name(const char *input); /* for people: "standard input" for "-" */
+double cli_megabytes(const char *input);       /* 0: not known */
+int cli_status_of(norma_document_result result);
+int cli_worse(int status, int other);                                /* of a batch: interrupted, then 3, then 2, then 0 */
 void cli_name_error(norma_document_error *error, const char *input); /* "standard input" for the library's word for bytes without a name, "interrupted" */
 void cli_print_error(const norma_document_error *error);
 void cli_print_notes(const char *input, const norma_document *document);
 void cli_json_notes(struct cli_json *json, const norma_document *document);
-int  cli_finish(int status);                                /* flushes stdout; a full disk there is status 3 */
+int cli_finish(int status); /* flushes stdout; a full disk there is status 3 */
 
 /* ---- progress and interruption */
 
 typedef struct cli_progress {
-    int      shown, enabled;
-    double   began, said;                                   /* seconds */
-    double   megabytes;                                     /* of the input; 0: not known */
+    int shown, enabled;
+    double began, said; /* seconds */
+    double megabytes;   /* of the input; 0: not known */
     const char *what, *name;
 } cli_progress;
 void cli_watch_interrupts(void);
-int  cli_interrupted(void);                                 /* 0, or 128 plus the signal */
+int cli_interrupted(void); /* 0, or 128 plus the signal */
 void cli_progress_start(cli_progress *progress, const char *what, const char *name, int quiet, double megabytes);
-int  cli_progress_report(void *progress, double fraction);  /* a norma_progress */
+int cli_progress_report(void *progress, double fraction); /* a norma_progress */
 void cli_progress_stop(cli_progress *progress);
 
 /* ---- reports for people */
 
-void cli_count(FILE *out, size_t count);                    /* 1,234 */
+void cli_count(FILE *out, size_t count); /* 1,234 */
 void cli_counted(FILE *out, size_t count, const char *one, const char *many);
 char *cli_decimals(char text[32], double number, int digits); /* rounded to so many decimals, without trailing zeros */
 const char *cli_weight_name(norma_weight weight);
 const char *cli_kind_name(norma_kind kind);
 double cli_radians(double degrees);
 double cli_to_degrees(double radians);
-double cli_given_degrees(double radians);                   /* 60 where 60 was given: rounded to 1e-9 */
+double cli_given_degrees(double radians); /* 60 where 60 was given: rounded to 1e-9 */
 
 /* ---- how stored normals were probably made */
 
 typedef struct cli_explained {
     norma_weight weight;
-    double       crease_deg;                                /* NaN: smooth, one normal for each position */
-    int          flat;
-    double       p50_deg, p99_deg, max_deg;                 /* between the stored normals and those that it gives */
+    double crease_deg; /* NaN: smooth, one normal for each position */
+    int flat;
+    double p50_deg, p99_deg, max_deg; /* between the stored normals and those that it gives */
 } cli_explained;
 /* 1 where normals were there to be explained. */
-int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads, cli_explained *explained, norma_document_result *result, norma_document_error *error);
+int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads, cli_explained *explained, norma_document_result *result,
+                        norma_document_error *error);
 
 /* ---- reports for machines */
 
-typedef struct cli_json { FILE *out; int needs_comma; } cli_json;
-void cli_json_open(cli_json *json, const char *key, char bracket);       /* key NULL within an array */
+typedef struct cli_json {
+    FILE *out;
+    int needs_comma;
+} cli_json;
+void cli_json_open(cli_json *json, const char *key, char bracket); /* key NULL within an array */
 void cli_json_close(cli_json *json, char bracket);
 void cli_json_string(cli_json *json, const char *key, const char *text); /* NULL: null. Bytes that are not UTF-8 become U+FFFD */
 void cli_json_size(cli_json *json, const char *key, size_t number);
-void cli_json_number(cli_json *json, const char *key, double number);    /* reads back as the same; null where it is not finite */
+void cli_json_number(cli_json *json, const char *key, double number); /* reads back as the same; null where it is not finite */
 void cli_json_bool(cli_json *json, const char *key, int value);
 void cli_json_null(cli_json *json, const char *key);
-char *cli_shortest(char text[32], double number);                        /* the fewest digits that read back as the same */
+char *cli_shortest(char text[32], double number); /* the fewest digits that read back as the same */
 #endif

@@ -3,65 +3,63 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "norma compute IN -o OUT: computes normals and writes them into a copy of IN\n"
-    "\n"
-    "Examples\n"
-    "  norma compute chair.obj -o out.obj              normals by angle, creases at 60 degrees\n"
-    "  norma compute scan.ply -o out.ply               one smooth normal per vertex (the default for PLY)\n"
-    "  norma compute chair.glb -o out.glb --crease 30  sharper: edges that bend by more than 30 degrees stay hard\n"
-    "  norma compute rock.glb -o out.glb --smooth      one normal per position, no vertex added\n"
-    "  norma compute part.stl -o out.stl               facet normals from the winding (all that STL can hold)\n"
-    "  norma compute *.glb --out-dir fixed --only missing\n"
-    "                                                  only meshes without normals; the others keep theirs to the bit\n"
-    "  cat a.obj | norma compute - --input-format obj -o - > b.obj\n"
-    "\n"
-    "Which edges are hard\n"
-    "  --crease DEG          those that bend by more than DEG degrees, 0 to 180 (60)\n"
-    "  --smooth              none: one normal per position\n"
-    "  --flat                all: each face is flat\n"
-    "  --groups auto|ignore  OBJ smoothing groups: they alone decide where the file uses them, unless\n"
-    "                        --crease is given, which then cuts as well (auto)\n"
-    "  --non-manifold hard|smooth\n"
-    "                        edges of three faces and more (hard)\n"
-    "\n"
-    "How faces are averaged\n"
-    "  --weight angle|area|uniform|max|angle-area|visible|angle-lengths\n"
-    "                        by the angle of each face at the vertex (angle). max suits smooth scans;\n"
-    "                        area and uniform match files that were made so\n"
-    "  --weld exact|none|DISTANCE\n"
-    "                        vertices share a normal where their positions are exactly equal, so that no\n"
-    "                        seam shows (exact); only where they are the same vertex (none); or within\n"
-    "                        DISTANCE, in the file's unit\n"
-    "\n"
-    "What is computed\n"
-    "  --only all|missing|broken\n"
-    "                        every normal (all); those of meshes or faces without any (missing); also those\n"
-    "                        that are not finite, zero or not of unit length (broken)\n"
-    "  --morphs              normal deltas also for glTF morph targets that have none\n"
-    "\n"
-    "Files\n"
-    "  -o, --output OUT      the output, in IN's format; - is standard output\n"
-    "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n"
-    "  --input-format obj|ply|stl|gltf|glb\n"
-    "                        needed for standard input, which is called -\n"
-    "  --threads N           how many may work (all); the result is the same to the bit\n"
-    "  --json                a summary for programs on standard output, one object a line\n"
-    "  --quiet               says nothing but errors\n"
-    "\n"
-    "A face that has no direction has no vote; what then has no normal of its own gets the nearest one, and the\n"
-    "summary counts it. Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+static const char help[] = "norma compute IN -o OUT: computes normals and writes them into a copy of IN\n"
+                           "\n"
+                           "Examples\n"
+                           "  norma compute chair.obj -o out.obj              normals by angle, creases at 60 degrees\n"
+                           "  norma compute scan.ply -o out.ply               one smooth normal per vertex (the default for PLY)\n"
+                           "  norma compute chair.glb -o out.glb --crease 30  sharper: edges that bend by more than 30 degrees stay hard\n"
+                           "  norma compute rock.glb -o out.glb --smooth      one normal per position, no vertex added\n"
+                           "  norma compute part.stl -o out.stl               facet normals from the winding (all that STL can hold)\n"
+                           "  norma compute *.glb --out-dir fixed --only missing\n"
+                           "                                                  only meshes without normals; the others keep theirs to the bit\n"
+                           "  cat a.obj | norma compute - --input-format obj -o - > b.obj\n"
+                           "\n"
+                           "Which edges are hard\n"
+                           "  --crease DEG          those that bend by more than DEG degrees, 0 to 180 (60)\n"
+                           "  --smooth              none: one normal per position\n"
+                           "  --flat                all: each face is flat\n"
+                           "  --groups auto|ignore  OBJ smoothing groups: they alone decide where the file uses them, unless\n"
+                           "                        --crease is given, which then cuts as well (auto)\n"
+                           "  --non-manifold hard|smooth\n"
+                           "                        edges of three faces and more (hard)\n"
+                           "\n"
+                           "How faces are averaged\n"
+                           "  --weight angle|area|uniform|max|angle-area|visible|angle-lengths\n"
+                           "                        by the angle of each face at the vertex (angle). max suits smooth scans;\n"
+                           "                        area and uniform match files that were made so\n"
+                           "  --weld exact|none|DISTANCE\n"
+                           "                        vertices share a normal where their positions are exactly equal, so that no\n"
+                           "                        seam shows (exact); only where they are the same vertex (none); or within\n"
+                           "                        DISTANCE, in the file's unit\n"
+                           "\n"
+                           "What is computed\n"
+                           "  --only all|missing|broken\n"
+                           "                        every normal (all); those of meshes or faces without any (missing); also those\n"
+                           "                        that are not finite, zero or not of unit length (broken)\n"
+                           "  --morphs              normal deltas also for glTF morph targets that have none\n"
+                           "\n"
+                           "Files\n"
+                           "  -o, --output OUT      the output, in IN's format; - is standard output\n"
+                           "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n"
+                           "  --input-format obj|ply|stl|gltf|glb\n"
+                           "                        needed for standard input, which is called -\n"
+                           "  --threads N           how many may work (all); the result is the same to the bit\n"
+                           "  --json                a summary for programs on standard output, one object a line\n"
+                           "  --quiet               says nothing but errors\n"
+                           "\n"
+                           "A face that has no direction has no vote; what then has no normal of its own gets the nearest one, and the\n"
+                           "summary counts it. Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
 
 typedef struct compute_work {
     norma_compute_options options;
     norma_compute_summary summary;
-    int                   crease_given, smooth_given, flat_given;
+    int crease_given, smooth_given, flat_given;
 } compute_work;
 
 /* ---- options */
 
-static const char *set_weight(void *settings, const char *value)
-{
+static const char *set_weight(void *settings, const char *value) {
     for (int weight = NORMA_WEIGHT_ANGLE; weight <= NORMA_WEIGHT_ANGLE_LENGTHS; ++weight)
         if (strcmp(value, cli_weight_name((norma_weight)weight)) == 0) {
             ((compute_work *)settings)->options.weight = (norma_weight)weight;
@@ -70,8 +68,7 @@ static const char *set_weight(void *settings, const char *value)
     return "angle, area, uniform, max, angle-area, visible or angle-lengths";
 }
 
-static const char *set_crease(void *settings, const char *value)
-{
+static const char *set_crease(void *settings, const char *value) {
     compute_work *work = settings;
     double degrees;
     if (!cli_number(value, &degrees) || degrees < 0 || degrees > 180)
@@ -82,24 +79,21 @@ static const char *set_crease(void *settings, const char *value)
     return NULL;
 }
 
-static const char *set_smooth(void *settings, const char *value)
-{
+static const char *set_smooth(void *settings, const char *value) {
     (void)value;
     ((compute_work *)settings)->smooth_given = 1;
     ((compute_work *)settings)->options.shading = NORMA_SHADING_SMOOTH;
     return NULL;
 }
 
-static const char *set_flat(void *settings, const char *value)
-{
+static const char *set_flat(void *settings, const char *value) {
     (void)value;
     ((compute_work *)settings)->flat_given = 1;
     ((compute_work *)settings)->options.shading = NORMA_SHADING_FLAT;
     return NULL;
 }
 
-static const char *set_weld(void *settings, const char *value)
-{
+static const char *set_weld(void *settings, const char *value) {
     norma_compute_options *options = &((compute_work *)settings)->options;
     double distance = 0;
     options->weld = NORMA_WELD_DISTANCE;
@@ -114,24 +108,21 @@ static const char *set_weld(void *settings, const char *value)
 }
 
 /* One of the words, in the order of their enum. */
-static int choose(const char *value, const char *const *words, int count)
-{
+static int choose(const char *value, const char *const *words, int count) {
     for (int i = 0; i < count; ++i)
         if (strcmp(value, words[i]) == 0)
             return i;
     return -1;
 }
 
-static const char *set_groups(void *settings, const char *value)
-{
+static const char *set_groups(void *settings, const char *value) {
     static const char *const words[] = {"auto", "ignore"};
     int choice = choose(value, words, 2);
     ((compute_work *)settings)->options.groups = choice == 1 ? NORMA_GROUPS_IGNORE : NORMA_GROUPS_AUTO;
     return choice < 0 ? "auto or ignore" : NULL;
 }
 
-static const char *set_non_manifold(void *settings, const char *value)
-{
+static const char *set_non_manifold(void *settings, const char *value) {
     static const char *const words[] = {"hard", "smooth"};
     int choice = choose(value, words, 2);
     ((compute_work *)settings)->options.non_manifold = choice == 1 ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD;
@@ -140,8 +131,7 @@ static const char *set_non_manifold(void *settings, const char *value)
 
 static const char *const only_words[] = {"all", "missing", "broken"};
 
-static const char *set_only(void *settings, const char *value)
-{
+static const char *set_only(void *settings, const char *value) {
     int choice = choose(value, only_words, 3);
     if (choice < 0)
         return "all, missing or broken";
@@ -149,8 +139,7 @@ static const char *set_only(void *settings, const char *value)
     return NULL;
 }
 
-static const char *set_morphs(void *settings, const char *value)
-{
+static const char *set_morphs(void *settings, const char *value) {
     (void)value;
     ((compute_work *)settings)->options.morphs = 1;
     return NULL;
@@ -170,8 +159,7 @@ static const cli_option options[] = {
 
 /* ---- one file */
 
-static norma_document_result change(void *user, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error)
-{
+static norma_document_result change(void *user, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error) {
     compute_work *work = user;
     work->options.progress = progress;
     work->options.progress_user = progress_user;
@@ -179,27 +167,28 @@ static norma_document_result change(void *user, norma_document *document, norma_
 }
 
 /* Where edges were not looked at, zero would claim that there is none. */
-static void write_edges(cli_json *json, const char *key, const norma_compute_summary *summary, size_t count)
-{
+static void write_edges(cli_json *json, const char *key, const norma_compute_summary *summary, size_t count) {
     if (summary->edges_counted)
         cli_json_size(json, key, count);
     else
         cli_json_null(json, key);
 }
 
-static const char *shading_name(norma_shading shading)
-{
+static const char *shading_name(norma_shading shading) {
     switch (shading) {
-    case NORMA_SHADING_CREASE: return "crease";
-    case NORMA_SHADING_SMOOTH: return "smooth";
-    case NORMA_SHADING_FLAT: return "flat";
-    case NORMA_SHADING_DEFAULT: break;
+    case NORMA_SHADING_CREASE:
+        return "crease";
+    case NORMA_SHADING_SMOOTH:
+        return "smooth";
+    case NORMA_SHADING_FLAT:
+        return "flat";
+    case NORMA_SHADING_DEFAULT:
+        break;
     }
     return "default";
 }
 
-static void write_json(const void *user, cli_json *json)
-{
+static void write_json(const void *user, cli_json *json) {
     const compute_work *work = user;
     const norma_compute_summary *summary = &work->summary;
     const norma_report *counts = &summary->report;
@@ -228,8 +217,7 @@ static void write_json(const void *user, cli_json *json)
     cli_json_size(json, "filled", summary->filled);
 }
 
-static void write_choices(const compute_work *work, norma_file_format format, FILE *out)
-{
+static void write_choices(const compute_work *work, norma_file_format format, FILE *out) {
     const norma_compute_summary *summary = &work->summary;
     char degrees[32], distance[32];
     cli_decimals(degrees, cli_given_degrees(summary->crease_angle_rad), 6);
@@ -255,8 +243,7 @@ static void write_choices(const compute_work *work, norma_file_format format, FI
         fprintf(out, ", only %s ones", work->options.only == NORMA_ONLY_MISSING ? "missing" : "missing and broken");
 }
 
-static void write_edge_counts(const compute_work *work, FILE *out)
-{
+static void write_edge_counts(const compute_work *work, FILE *out) {
     const norma_compute_summary *summary = &work->summary;
     if (!summary->edges_counted)
         return;
@@ -274,8 +261,7 @@ static void write_edge_counts(const compute_work *work, FILE *out)
     }
 }
 
-static void write_cause(FILE *out, int *written, size_t count, const char *one, const char *many)
-{
+static void write_cause(FILE *out, int *written, size_t count, const char *one, const char *many) {
     if (!count)
         return;
     fputs(*written ? ", " : " (", out);
@@ -283,8 +269,7 @@ static void write_cause(FILE *out, int *written, size_t count, const char *one, 
     *written = 1;
 }
 
-static void write_filled(const norma_compute_summary *summary, FILE *out)
-{
+static void write_filled(const norma_compute_summary *summary, FILE *out) {
     const norma_report *counts = &summary->report;
     int written = 0;
     if (!summary->filled && !counts->degenerate_faces.count)
@@ -300,8 +285,7 @@ static void write_filled(const norma_compute_summary *summary, FILE *out)
     fputs(summary->filled ? " and got the nearest" : "", out);
 }
 
-static void write_text(const void *user, const norma_document *document, FILE *out)
-{
+static void write_text(const void *user, const norma_document *document, FILE *out) {
     const compute_work *work = user;
     const norma_compute_summary *summary = &work->summary;
     cli_counted(out, summary->faces, "face", "faces");
@@ -326,8 +310,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
 
 /* ---- the verb */
 
-static int run(const cli_verb *verb, int count, char **arguments)
-{
+static int run(const cli_verb *verb, int count, char **arguments) {
     compute_work work = {.options = {.struct_size = sizeof work.options}};
     cli_common common = {.threads = NORMA_ALL_THREADS};
     cli_files files = {.inputs.words = calloc((size_t)count + 1, sizeof(char *))};

@@ -4,48 +4,46 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "norma info IN...: what is in a file: meshes, counts, normals, transforms and their kinds\n"
-    "\n"
-    "Examples\n"
-    "  norma info chair.glb\n"
-    "  norma info *.obj --json                    one object a line\n"
-    "  norma info chair.glb --deep                also which weight and crease explain the stored normals\n"
-    "  cat a.stl | norma info - --input-format stl\n"
-    "\n"
-    "Options\n"
-    "  --deep                reads everything and tries weights and creases against the stored normals\n"
-    "  --input-format obj|ply|stl|gltf|glb\n"
-    "                        needed for standard input, which is called -\n"
-    "  --threads N           how many may work (all)\n"
-    "  --json                for programs, on standard output\n"
-    "  --quiet               no notes\n"
-    "\n"
-    "glTF is counted per primitive, not per instance; the kind of a node is that of its world matrix.\n"
-    "Exit status: 0 fine, 2 usage, 3 a file could not be read, 130 interrupted.\n";
+static const char help[] = "norma info IN...: what is in a file: meshes, counts, normals, transforms and their kinds\n"
+                           "\n"
+                           "Examples\n"
+                           "  norma info chair.glb\n"
+                           "  norma info *.obj --json                    one object a line\n"
+                           "  norma info chair.glb --deep                also which weight and crease explain the stored normals\n"
+                           "  cat a.stl | norma info - --input-format stl\n"
+                           "\n"
+                           "Options\n"
+                           "  --deep                reads everything and tries weights and creases against the stored normals\n"
+                           "  --input-format obj|ply|stl|gltf|glb\n"
+                           "                        needed for standard input, which is called -\n"
+                           "  --threads N           how many may work (all)\n"
+                           "  --json                for programs, on standard output\n"
+                           "  --quiet               no notes\n"
+                           "\n"
+                           "glTF is counted per primitive, not per instance; the kind of a node is that of its world matrix.\n"
+                           "Exit status: 0 fine, 2 usage, 3 a file could not be read, 130 interrupted.\n";
 
 /* One primitive, or a whole OBJ, PLY or STL. */
 typedef struct mesh_part {
     norma_mesh_info info;
-    int             is_explained;
-    cli_explained   explained;
+    int is_explained;
+    cli_explained explained;
 } mesh_part;
 
 typedef struct contents {
-    const char    *path;
+    const char *path;
     const norma_document *document;
-    mesh_part     *parts;
-    size_t         part_count, vertices, faces, triangles;
+    mesh_part *parts;
+    size_t part_count, vertices, faces, triangles;
 } contents;
 
 typedef struct info_work {
     cli_common common;
-    cli_files  files;
-    int        deep;
+    cli_files files;
+    int deep;
 } info_work;
 
-static const char *set_deep(void *settings, const char *value)
-{
+static const char *set_deep(void *settings, const char *value) {
     (void)value;
     ((info_work *)settings)->deep = 1;
     return NULL;
@@ -55,28 +53,28 @@ static const cli_option options[] = {{"deep", 0, 0, set_deep}};
 
 /* ---- meshes: the primitives of one glTF mesh follow each other */
 
-static size_t mesh_end(const contents *found, size_t first)
-{
+static size_t mesh_end(const contents *found, size_t first) {
     size_t end = first + 1;
-    while (end < found->part_count && found->parts[end].info.mesh == found->parts[first].info.mesh)
-        ++end;
+    while (end < found->part_count && found->parts[end].info.mesh == found->parts[first].info.mesh) ++end;
     return end;
 }
 
-static const char *storage_name(norma_normal_storage storage)
-{
+static const char *storage_name(norma_normal_storage storage) {
     switch (storage) {
-    case NORMA_NORMALS_NONE: return "none";
-    case NORMA_NORMALS_PER_VERTEX: return "vertex";
-    case NORMA_NORMALS_PER_CORNER: return "corner";
-    case NORMA_NORMALS_PER_FACET: return "facet";
+    case NORMA_NORMALS_NONE:
+        return "none";
+    case NORMA_NORMALS_PER_VERTEX:
+        return "vertex";
+    case NORMA_NORMALS_PER_CORNER:
+        return "corner";
+    case NORMA_NORMALS_PER_FACET:
+        return "facet";
     }
     return "none";
 }
 
 /* What a mesh has is what every part of it with faces has. */
-static norma_normal_storage storage_of(const contents *found, size_t first, size_t end, const char **encoding)
-{
+static norma_normal_storage storage_of(const contents *found, size_t first, size_t end, const char **encoding) {
     norma_normal_storage storage = NORMA_NORMALS_NONE;
     *encoding = "";
     for (size_t i = first; i < end; ++i) {
@@ -93,8 +91,7 @@ static norma_normal_storage storage_of(const contents *found, size_t first, size
     return storage;
 }
 
-static void kind_of(const norma_node_info *node, norma_matrix_info *matrix)
-{
+static void kind_of(const norma_node_info *node, norma_matrix_info *matrix) {
     double normal_matrix[9];
     *matrix = (norma_matrix_info){.kind = NORMA_KIND_SINGULAR, .anisotropy = INFINITY};
     norma_normal_matrix_double(node->world, NORMA_WINDING_REVERSED, normal_matrix, matrix);
@@ -102,8 +99,7 @@ static void kind_of(const norma_node_info *node, norma_matrix_info *matrix)
 
 /* ---- for programs */
 
-static void write_explained(cli_json *json, const cli_explained *explained)
-{
+static void write_explained(cli_json *json, const cli_explained *explained) {
     cli_json_open(json, "explained_by", '{');
     cli_json_string(json, "shading", explained->flat ? "flat" : isnan(explained->crease_deg) ? "smooth" : "crease");
     cli_json_string(json, "weight", explained->flat ? NULL : cli_weight_name(explained->weight));
@@ -114,8 +110,7 @@ static void write_explained(cli_json *json, const cli_explained *explained)
     cli_json_close(json, '}');
 }
 
-static void write_part(cli_json *json, const mesh_part *part)
-{
+static void write_part(cli_json *json, const mesh_part *part) {
     const norma_mesh_info *info = &part->info;
     cli_json_open(json, NULL, '{');
     cli_json_string(json, "where", info->where);
@@ -133,8 +128,7 @@ static void write_part(cli_json *json, const mesh_part *part)
     cli_json_close(json, '}');
 }
 
-static void write_mesh(cli_json *json, const contents *found, size_t first, size_t end)
-{
+static void write_mesh(cli_json *json, const contents *found, size_t first, size_t end) {
     size_t vertices = 0, faces = 0;
     const char *encoding;
     norma_normal_storage storage = storage_of(found, first, end, &encoding);
@@ -149,14 +143,12 @@ static void write_mesh(cli_json *json, const contents *found, size_t first, size
     cli_json_string(json, "normals", storage_name(storage));
     cli_json_string(json, "encoding", encoding);
     cli_json_open(json, "primitives", '[');
-    for (size_t i = first; i < end; ++i)
-        write_part(json, &found->parts[i]);
+    for (size_t i = first; i < end; ++i) write_part(json, &found->parts[i]);
     cli_json_close(json, ']');
     cli_json_close(json, '}');
 }
 
-static void write_nodes(cli_json *json, const norma_document *document)
-{
+static void write_nodes(cli_json *json, const norma_document *document) {
     norma_node_info node;
     norma_matrix_info matrix;
     cli_json_open(json, "nodes", '[');
@@ -177,8 +169,7 @@ static void write_nodes(cli_json *json, const norma_document *document)
     cli_json_close(json, ']');
 }
 
-static void write_json(const contents *found)
-{
+static void write_json(const contents *found) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", found->path);
@@ -187,8 +178,7 @@ static void write_json(const contents *found)
     cli_json_size(&json, "faces", found->faces);
     cli_json_size(&json, "triangles", found->triangles);
     cli_json_open(&json, "meshes", '[');
-    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
-        write_mesh(&json, found, first, mesh_end(found, first));
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) write_mesh(&json, found, first, mesh_end(found, first));
     cli_json_close(&json, ']');
     write_nodes(&json, found->document);
     cli_json_notes(&json, found->document);
@@ -196,8 +186,7 @@ static void write_json(const contents *found)
     fputc('\n', stdout);
 }
 
-static void write_failure(const char *path, const norma_document_error *error)
-{
+static void write_failure(const char *path, const norma_document_error *error) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", path);
@@ -209,18 +198,15 @@ static void write_failure(const char *path, const norma_document_error *error)
 /* ---- for people */
 
 /* A name as the file has it, without what would move the cursor of a terminal. */
-static void print_name(const char *name)
-{
+static void print_name(const char *name) {
     if (!name[0])
         return;
     fputs(" \"", stdout);
-    for (const char *at = name; *at; ++at)
-        fputc((unsigned char)*at < 0x20 || *at == 0x7F ? '?' : *at, stdout);
+    for (const char *at = name; *at; ++at) fputc((unsigned char)*at < 0x20 || *at == 0x7F ? '?' : *at, stdout);
     fputc('"', stdout);
 }
 
-static void print_explained(const cli_explained *explained)
-{
+static void print_explained(const cli_explained *explained) {
     char crease[32], p50[32], p99[32], most[32];
     cli_decimals(p50, explained->p50_deg, 3);
     cli_decimals(p99, explained->p99_deg, 3);
@@ -235,8 +221,7 @@ static void print_explained(const cli_explained *explained)
     printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most\n", p50, p99, most);
 }
 
-static void print_part(const mesh_part *part)
-{
+static void print_part(const mesh_part *part) {
     const norma_mesh_info *info = &part->info;
     cli_counted(stdout, info->vertices, "vertex", "vertices");
     fputs(", ", stdout);
@@ -264,8 +249,7 @@ static void print_part(const mesh_part *part)
 }
 
 /* Of a glTF file. */
-static void print_mesh(const contents *found, size_t first, size_t end)
-{
+static void print_mesh(const contents *found, size_t first, size_t end) {
     const norma_mesh_info *info = &found->parts[first].info;
     for (size_t i = first; i < end; ++i) {
         printf("  mesh %zu", info->mesh);
@@ -277,8 +261,7 @@ static void print_mesh(const contents *found, size_t first, size_t end)
     }
 }
 
-static void print_nodes(const norma_document *document)
-{
+static void print_nodes(const norma_document *document) {
     norma_node_info node;
     norma_matrix_info matrix;
     for (size_t i = 0; i < norma_document_node_count(document); ++i) {
@@ -301,8 +284,7 @@ static void print_nodes(const norma_document *document)
     }
 }
 
-static void print_text(const contents *found)
-{
+static void print_text(const contents *found) {
     size_t meshes = 0;
     printf("%s: %s", cli_input_name(found->path), norma_file_format_name(norma_document_format(found->document)));
     if (found->part_count == 1 && !found->parts[0].info.where[0]) {
@@ -311,8 +293,7 @@ static void print_text(const contents *found)
         print_part(&found->parts[0]);
         return;
     }
-    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
-        ++meshes;
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) ++meshes;
     fputs(", ", stdout);
     cli_counted(stdout, meshes, "mesh", "meshes");
     fputs(", ", stdout);
@@ -320,15 +301,13 @@ static void print_text(const contents *found)
     fputs(", ", stdout);
     cli_counted(stdout, found->faces, "face", "faces");
     fputs("\n", stdout);
-    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
-        print_mesh(found, first, mesh_end(found, first));
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) print_mesh(found, first, mesh_end(found, first));
     print_nodes(found->document);
 }
 
 /* ---- one file */
 
-static norma_document_result collect(const info_work *work, norma_document *document, contents *found, norma_document_error *error)
-{
+static norma_document_result collect(const info_work *work, norma_document *document, contents *found, norma_document_error *error) {
     found->document = document;
     found->part_count = norma_document_mesh_count(document);
     found->parts = calloc(found->part_count + 1, sizeof *found->parts);
@@ -348,16 +327,19 @@ static norma_document_result collect(const info_work *work, norma_document *docu
     return result;
 }
 
-static int run_file(const info_work *work, const char *path)
-{
+static int run_file(const info_work *work, const char *path) {
     cli_progress progress;
     norma_document *document;
     norma_document_error error = {0};
     void *memory;
     contents found = {.path = path};
     cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
-    const norma_document_options opening = {.struct_size = sizeof opening, .format = work->files.format, .depth = work->deep ? NORMA_DOCUMENT_WHOLE : NORMA_DOCUMENT_SUMMARY,
-                                            .threads = work->common.threads, .progress = cli_progress_report, .progress_user = &progress};
+    const norma_document_options opening = {.struct_size = sizeof opening,
+                                            .format = work->files.format,
+                                            .depth = work->deep ? NORMA_DOCUMENT_WHOLE : NORMA_DOCUMENT_SUMMARY,
+                                            .threads = work->common.threads,
+                                            .progress = cli_progress_report,
+                                            .progress_user = &progress};
     norma_document_result result = cli_open(path, &opening, &document, &memory, &error);
     if (!result)
         result = collect(work, document, &found, &error);
@@ -384,8 +366,7 @@ static int run_file(const info_work *work, const char *path)
 
 /* ---- the verb */
 
-static int run(const cli_verb *verb, int count, char **arguments)
-{
+static int run(const cli_verb *verb, int count, char **arguments) {
     info_work work = {.common = {.threads = NORMA_ALL_THREADS}, .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {
         {options, CLI_COUNT(options), &work},

@@ -4,56 +4,48 @@
 
 static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix, &cli_verb_info};
 
-static const char introduction[] =
-    "Norma keeps surface normals right: computes them, and carries them through transforms, in OBJ, PLY, STL and\n"
-    "glTF files, leaving everything else in the file as it was.\n"
-    "\n"
-    "Examples\n"
-    "  norma info chair.obj                             what is in it\n"
-    "  norma compute chair.obj -o out.obj               normals, creases at 60 degrees\n"
-    "  norma transform chair.glb -o out.glb --scale 2,1,1\n"
-    "  norma matrix --scale 2,0.5,1                     how wrong plain M is, and what is right\n"
-    "\n"
-    "Verbs\n";
+static const char introduction[] = "Norma keeps surface normals right: computes them, and carries them through transforms, in OBJ, PLY, STL and\n"
+                                   "glTF files, leaving everything else in the file as it was.\n"
+                                   "\n"
+                                   "Examples\n"
+                                   "  norma info chair.obj                             what is in it\n"
+                                   "  norma compute chair.obj -o out.obj               normals, creases at 60 degrees\n"
+                                   "  norma transform chair.glb -o out.glb --scale 2,1,1\n"
+                                   "  norma matrix --scale 2,0.5,1                     how wrong plain M is, and what is right\n"
+                                   "\n"
+                                   "Verbs\n";
 
-static const char ending[] =
-    "\n"
-    "'norma help VERB' or 'norma VERB --help' tells more. 'norma --version' tells the version.\n"
-    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+static const char ending[] = "\n"
+                             "'norma help VERB' or 'norma VERB --help' tells more. 'norma --version' tells the version.\n"
+                             "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
 
-static void print_help(FILE *out)
-{
+static void print_help(FILE *out) {
     fputs(introduction, out);
-    for (size_t i = 0; i < CLI_COUNT(verbs); ++i)
-        fprintf(out, "  %-11s %s\n", verbs[i]->name, verbs[i]->summary);
+    for (size_t i = 0; i < CLI_COUNT(verbs); ++i) fprintf(out, "  %-11s %s\n", verbs[i]->name, verbs[i]->summary);
     fputs(ending, out);
 }
 
-static const cli_verb *find_verb(const char *name)
-{
+static const cli_verb *find_verb(const char *name) {
     for (size_t i = 0; i < CLI_COUNT(verbs); ++i)
         if (strcmp(verbs[i]->name, name) == 0)
             return verbs[i];
     return NULL;
 }
 
-static int unknown_verb(const char *name)
-{
+static int unknown_verb(const char *name) {
     static const char *const planned[] = {"check", "explain", "render", "view"};
     const char *names[CLI_COUNT(verbs)], *meant;
     for (size_t i = 0; i < CLI_COUNT(planned); ++i)
         if (strcmp(name, planned[i]) == 0)
             return cli_usage(NULL, "'%s' is not part of this version (%s)", name, norma_version());
-    for (size_t i = 0; i < CLI_COUNT(verbs); ++i)
-        names[i] = verbs[i]->name;
+    for (size_t i = 0; i < CLI_COUNT(verbs); ++i) names[i] = verbs[i]->name;
     meant = cli_suggest(name, names, CLI_COUNT(names), sizeof *names);
     if (meant)
         return cli_usage(NULL, "unknown verb '%s'; did you mean %s?", name, meant);
     return cli_usage(NULL, "unknown verb '%s'", name);
 }
 
-static int help_about(int count, char **names)
-{
+static int help_about(int count, char **names) {
     if (count == 0) {
         print_help(stdout);
         return cli_finish(CLI_OK);
@@ -65,8 +57,7 @@ static int help_about(int count, char **names)
     return cli_finish(CLI_OK);
 }
 
-int main(int count, char **arguments)
-{
+int main(int count, char **arguments) {
     cli_watch_interrupts();
     if (count < 2) {
         print_help(stderr);

@@ -6,14 +6,12 @@
 const cli_matrix cli_matrix_identity = {.matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
 
 /* matrix = next * matrix, column-major. */
-static void compose(cli_matrix *matrix, const double next[16])
-{
+static void compose(cli_matrix *matrix, const double next[16]) {
     double product[16];
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row) {
             double sum = 0;
-            for (int k = 0; k < 4; ++k)
-                sum += next[4 * k + row] * matrix->matrix[4 * column + k];
+            for (int k = 0; k < 4; ++k) sum += next[4 * k + row] * matrix->matrix[4 * column + k];
             product[4 * column + row] = sum;
             matrix->overflow |= !isfinite(sum);
         }
@@ -21,26 +19,22 @@ static void compose(cli_matrix *matrix, const double next[16])
     ++matrix->given;
 }
 
-static const char *compose_checked(cli_matrix *matrix, const double next[16])
-{
+static const char *compose_checked(cli_matrix *matrix, const double next[16]) {
     compose(matrix, next);
     return matrix->overflow ? "numbers whose product with the options before still fits a double" : NULL;
 }
 
-static const char *set_scale(void *settings, const char *value)
-{
+static const char *set_scale(void *settings, const char *value) {
     double s[3], next[16];
     size_t count = cli_numbers(value, s, 3);
     if (count != 3 && count != 1)
         return "X,Y,Z or one number for all three, such as 2,1,1";
     memcpy(next, cli_matrix_identity.matrix, sizeof next);
-    for (int i = 0; i < 3; ++i)
-        next[5 * i] = s[count == 1 ? 0 : i];
+    for (int i = 0; i < 3; ++i) next[5 * i] = s[count == 1 ? 0 : i];
     return compose_checked(settings, next);
 }
 
-static const char *set_translate(void *settings, const char *value)
-{
+static const char *set_translate(void *settings, const char *value) {
     double next[16];
     memcpy(next, cli_matrix_identity.matrix, sizeof next);
     if (cli_numbers(value, next + 12, 3) != 3)
@@ -49,8 +43,7 @@ static const char *set_translate(void *settings, const char *value)
 }
 
 /* Quarter turns are exact, so that a rotation by 90 degrees leaves no 6e-17 behind. */
-static void sine_cosine(double degrees, double *sine, double *cosine)
-{
+static void sine_cosine(double degrees, double *sine, double *cosine) {
     static const double exact[4][2] = {{0, 1}, {1, 0}, {0, -1}, {-1, 0}};
     double turned = fmod(degrees, 360), quarters = turned / 90;
     if (quarters == floor(quarters)) {
@@ -64,8 +57,7 @@ static void sine_cosine(double degrees, double *sine, double *cosine)
 }
 
 /* Rodrigues' formula about the unit axis: R = c I + s [u]x + (1 - c) u u^T. */
-static const char *set_rotate(void *settings, const char *value)
-{
+static const char *set_rotate(void *settings, const char *value) {
     static const char expected[] = "X,Y,Z,DEG: an axis that is not 0,0,0, and degrees, such as 0,1,0,90";
     double given[4], next[16], sine, cosine;
     if (cli_numbers(value, given, 4) != 4)
@@ -86,14 +78,12 @@ static const char *set_rotate(void *settings, const char *value)
     return compose_checked(settings, next);
 }
 
-static const char *set_matrix(void *settings, const char *value)
-{
+static const char *set_matrix(void *settings, const char *value) {
     double rows[16], next[16];
     if (cli_numbers(value, rows, 16) != 16)
         return "16 numbers, row by row, such as \"1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1\"";
     for (int row = 0; row < 4; ++row)
-        for (int column = 0; column < 4; ++column)
-            next[4 * column + row] = rows[4 * row + column];
+        for (int column = 0; column < 4; ++column) next[4 * column + row] = rows[4 * row + column];
     return compose_checked(settings, next);
 }
 

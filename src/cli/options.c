@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-int cli_usage(const cli_verb *verb, const char *format, ...)
-{
+int cli_usage(const cli_verb *verb, const char *format, ...) {
     va_list arguments;
     fprintf(stderr, "norma%s%s: ", verb ? " " : "", verb ? verb->name : "");
     va_start(arguments, format);
@@ -19,18 +18,13 @@ int cli_usage(const cli_verb *verb, const char *format, ...)
 
 enum { LONGEST_WORD = 32 };
 
-static size_t least(size_t a, size_t b)
-{
-    return a < b ? a : b;
-}
+static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
-static size_t edit_distance(const char *a, const char *b)
-{
+static size_t edit_distance(const char *a, const char *b) {
     size_t of_a = strlen(a), of_b = strlen(b), rows[3][LONGEST_WORD + 1];
     if (of_a > LONGEST_WORD || of_b > LONGEST_WORD)
         return SIZE_MAX;
-    for (size_t j = 0; j <= of_b; ++j)
-        rows[0][j] = j;
+    for (size_t j = 0; j <= of_b; ++j) rows[0][j] = j;
     for (size_t i = 1; i <= of_a; ++i) {
         size_t *row = rows[i % 3], *above = rows[(i + 2) % 3], *two_above = rows[(i + 1) % 3];
         row[0] = i;
@@ -43,8 +37,7 @@ static size_t edit_distance(const char *a, const char *b)
     return rows[of_a % 3][of_b];
 }
 
-const char *cli_suggest(const char *word, const void *names, size_t count, size_t stride)
-{
+const char *cli_suggest(const char *word, const void *names, size_t count, size_t stride) {
     const char *best = NULL;
     size_t nearest = strlen(word) < 4 ? 2 : 3; /* further off, it is no misspelling of anything */
     for (size_t i = 0; i < count; ++i) {
@@ -64,8 +57,7 @@ const char *cli_suggest(const char *word, const void *names, size_t count, size_
 
 /* ---- parsing */
 
-static const cli_option *find_option(const cli_table *tables, size_t table_count, const char *name, size_t length, char letter, const cli_table **table)
-{
+static const cli_option *find_option(const cli_table *tables, size_t table_count, const char *name, size_t length, char letter, const cli_table **table) {
     for (size_t t = 0; t < table_count; ++t)
         for (size_t i = 0; i < tables[t].count; ++i) {
             const cli_option *option = &tables[t].options[i];
@@ -78,15 +70,13 @@ static const cli_option *find_option(const cli_table *tables, size_t table_count
     return NULL;
 }
 
-static int unknown_option(const cli_verb *verb, const cli_table *tables, size_t table_count, const char *argument)
-{
+static int unknown_option(const cli_verb *verb, const cli_table *tables, size_t table_count, const char *argument) {
     char name[LONGEST_WORD + 1] = "";
     const char *meant = NULL;
     size_t length = strcspn(argument + 2, "=");
     if (argument[1] == '-' && length <= LONGEST_WORD) {
         memcpy(name, argument + 2, length);
-        for (size_t t = 0; t < table_count && !meant; ++t)
-            meant = cli_suggest(name, tables[t].options, tables[t].count, sizeof(cli_option));
+        for (size_t t = 0; t < table_count && !meant; ++t) meant = cli_suggest(name, tables[t].options, tables[t].count, sizeof(cli_option));
     }
     if (meant)
         return cli_usage(verb, "unknown option '%s'; did you mean --%s?", argument, meant);
@@ -94,15 +84,13 @@ static int unknown_option(const cli_verb *verb, const cli_table *tables, size_t 
 }
 
 /* A forgotten value would otherwise swallow the next option; what begins with one dash may be a negative number. */
-static int is_option(const cli_table *tables, size_t table_count, const char *word)
-{
+static int is_option(const cli_table *tables, size_t table_count, const char *word) {
     const cli_table *table;
     return word[0] == '-' && word[1] == '-' && (word[2] == '\0' || find_option(tables, table_count, word + 2, strcspn(word + 2, "="), 0, &table));
 }
 
 /* Reads the option at arguments[*at], which moves to its last word. */
-static int read_option(const cli_verb *verb, const cli_table *tables, size_t table_count, int count, char **arguments, int *at)
-{
+static int read_option(const cli_verb *verb, const cli_table *tables, size_t table_count, int count, char **arguments, int *at) {
     const char *argument = arguments[*at], *value = NULL;
     const cli_table *table;
     const cli_option *option;
@@ -131,8 +119,7 @@ static int read_option(const cli_verb *verb, const cli_table *tables, size_t tab
     return value ? cli_usage(verb, "--%s '%s': expected %s", option->name, value, expected) : cli_usage(verb, "--%s: %s", option->name, expected);
 }
 
-int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count, char **arguments, cli_words *words, int *help)
-{
+int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count, char **arguments, cli_words *words, int *help) {
     int only_words = 0;
     *help = 0;
     for (int i = 0; i < count; ++i) {
@@ -163,22 +150,19 @@ int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count,
 /* ---- numbers */
 
 /* strtod alone would also take "inf", "nan", hexadecimal and leading blanks. The tool never leaves the locale "C". */
-static const char *read_number(const char *text, double *number)
-{
+static const char *read_number(const char *text, double *number) {
     size_t length = strspn(text, "+-.0123456789eE");
     char *end;
     *number = strtod(text, &end);
     return length > 0 && end == text + length && isfinite(*number) ? end : NULL;
 }
 
-int cli_number(const char *text, double *number)
-{
+int cli_number(const char *text, double *number) {
     const char *end = read_number(text, number);
     return end && *end == '\0';
 }
 
-size_t cli_numbers(const char *text, double *numbers, size_t room)
-{
+size_t cli_numbers(const char *text, double *numbers, size_t room) {
     static const char blanks[] = " \t\r\n";
     size_t count = 0;
     const char *at = text + strspn(text, blanks);
@@ -204,22 +188,19 @@ size_t cli_numbers(const char *text, double *numbers, size_t room)
 
 /* ---- options of every verb */
 
-static const char *set_json(void *settings, const char *value)
-{
+static const char *set_json(void *settings, const char *value) {
     (void)value;
     ((cli_common *)settings)->json = 1;
     return NULL;
 }
 
-static const char *set_quiet(void *settings, const char *value)
-{
+static const char *set_quiet(void *settings, const char *value) {
     (void)value;
     ((cli_common *)settings)->quiet = 1;
     return NULL;
 }
 
-static const char *set_threads(void *settings, const char *value)
-{
+static const char *set_threads(void *settings, const char *value) {
     double threads;
     if (!cli_number(value, &threads) || threads < 1 || threads > 65536 || threads != floor(threads))
         return "a whole number from 1 up";

@@ -5,8 +5,7 @@
 #include <string.h>
 
 /* How many bytes at text are one UTF-8 character (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF); 0: none are. */
-static size_t utf8_length(const unsigned char *text)
-{
+static size_t utf8_length(const unsigned char *text) {
     unsigned char lead = text[0];
     if (lead < 0x80)
         return 1;
@@ -19,8 +18,7 @@ static size_t utf8_length(const unsigned char *text)
     return length;
 }
 
-static void write_quoted(FILE *out, const char *text)
-{
+static void write_quoted(FILE *out, const char *text) {
     fputc('"', out);
     for (const unsigned char *at = (const unsigned char *)text; *at;) {
         size_t length = utf8_length(at);
@@ -37,8 +35,7 @@ static void write_quoted(FILE *out, const char *text)
     fputc('"', out);
 }
 
-static void begin_value(cli_json *json, const char *key)
-{
+static void begin_value(cli_json *json, const char *key) {
     if (json->needs_comma)
         fputs(", ", json->out);
     json->needs_comma = 1;
@@ -48,21 +45,18 @@ static void begin_value(cli_json *json, const char *key)
     }
 }
 
-void cli_json_open(cli_json *json, const char *key, char bracket)
-{
+void cli_json_open(cli_json *json, const char *key, char bracket) {
     begin_value(json, key);
     fputc(bracket, json->out);
     json->needs_comma = 0;
 }
 
-void cli_json_close(cli_json *json, char bracket)
-{
+void cli_json_close(cli_json *json, char bracket) {
     fputc(bracket, json->out);
     json->needs_comma = 1;
 }
 
-void cli_json_string(cli_json *json, const char *key, const char *text)
-{
+void cli_json_string(cli_json *json, const char *key, const char *text) {
     begin_value(json, key);
     if (text)
         write_quoted(json->out, text);
@@ -70,14 +64,12 @@ void cli_json_string(cli_json *json, const char *key, const char *text)
         fputs("null", json->out);
 }
 
-void cli_json_size(cli_json *json, const char *key, size_t number)
-{
+void cli_json_size(cli_json *json, const char *key, size_t number) {
     begin_value(json, key);
     fprintf(json->out, "%zu", number);
 }
 
-char *cli_shortest(char text[32], double number)
-{
+char *cli_shortest(char text[32], double number) {
     for (int digits = 15; digits <= 17; ++digits) {
         snprintf(text, 32, "%.*g", digits, number + 0.0); /* + 0: no "-0" */
         if (strtod(text, NULL) == number)
@@ -86,21 +78,18 @@ char *cli_shortest(char text[32], double number)
     return text;
 }
 
-void cli_json_number(cli_json *json, const char *key, double number)
-{
+void cli_json_number(cli_json *json, const char *key, double number) {
     char text[32];
     begin_value(json, key);
     fputs(isfinite(number) ? cli_shortest(text, number) : "null", json->out);
 }
 
-void cli_json_bool(cli_json *json, const char *key, int value)
-{
+void cli_json_bool(cli_json *json, const char *key, int value) {
     begin_value(json, key);
     fputs(value ? "true" : "false", json->out);
 }
 
-void cli_json_null(cli_json *json, const char *key)
-{
+void cli_json_null(cli_json *json, const char *key) {
     begin_value(json, key);
     fputs("null", json->out);
 }

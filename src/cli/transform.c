@@ -3,50 +3,48 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "norma transform IN -o OUT MATRIX: positions, normals, tangents and winding under one matrix\n"
-    "\n"
-    "Examples\n"
-    "  norma transform chair.obj -o out.obj --scale 2,0.5,1     stretched; the normals stay perpendicular\n"
-    "  norma transform chair.ply -o out.ply --rotate 0,1,0,90   a quarter turn about the y axis\n"
-    "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: faces are wound the other way\n"
-    "  norma transform a.glb -o b.glb --scale 2 --translate 0,0,1\n"
-    "                                                           first doubled, then moved\n"
-    "  norma transform a.glb -o b.glb --bake                    node transforms carried into the meshes\n"
-    "\n"
-    "The matrix: the first given acts first on the points\n"
-    "  --scale X,Y,Z         or one number for all three\n"
-    "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"
-    "  --translate X,Y,Z\n"
-    "  --matrix \"16 numbers, row by row\"\n"
-    "                        for column vectors: the translation is the last column\n"
-    "\n"
-    "glTF\n"
-    "  (without --bake)      the matrix becomes a new node above the scene's roots, meshes stay as they are\n"
-    "  --bake                the world matrix of every node that draws a mesh goes into the mesh: any depth, shear\n"
-    "                        and mirrors included. Skinned and animated meshes stay, and are named\n"
-    "\n"
-    "Files\n"
-    "  -o, --output OUT      the output, in IN's format; - is standard output\n"
-    "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n"
-    "  --input-format obj|ply|stl|gltf|glb\n"
-    "                        needed for standard input, which is called -\n"
-    "  --threads N           how many may work (all); the result is the same to the bit\n"
-    "  --json                a summary for programs on standard output, one object a line\n"
-    "  --quiet               says nothing but errors\n"
-    "\n"
-    "'norma matrix' with the same options tells what a matrix does to normals.\n"
-    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+static const char help[] = "norma transform IN -o OUT MATRIX: positions, normals, tangents and winding under one matrix\n"
+                           "\n"
+                           "Examples\n"
+                           "  norma transform chair.obj -o out.obj --scale 2,0.5,1     stretched; the normals stay perpendicular\n"
+                           "  norma transform chair.ply -o out.ply --rotate 0,1,0,90   a quarter turn about the y axis\n"
+                           "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: faces are wound the other way\n"
+                           "  norma transform a.glb -o b.glb --scale 2 --translate 0,0,1\n"
+                           "                                                           first doubled, then moved\n"
+                           "  norma transform a.glb -o b.glb --bake                    node transforms carried into the meshes\n"
+                           "\n"
+                           "The matrix: the first given acts first on the points\n"
+                           "  --scale X,Y,Z         or one number for all three\n"
+                           "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"
+                           "  --translate X,Y,Z\n"
+                           "  --matrix \"16 numbers, row by row\"\n"
+                           "                        for column vectors: the translation is the last column\n"
+                           "\n"
+                           "glTF\n"
+                           "  (without --bake)      the matrix becomes a new node above the scene's roots, meshes stay as they are\n"
+                           "  --bake                the world matrix of every node that draws a mesh goes into the mesh: any depth, shear\n"
+                           "                        and mirrors included. Skinned and animated meshes stay, and are named\n"
+                           "\n"
+                           "Files\n"
+                           "  -o, --output OUT      the output, in IN's format; - is standard output\n"
+                           "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n"
+                           "  --input-format obj|ply|stl|gltf|glb\n"
+                           "                        needed for standard input, which is called -\n"
+                           "  --threads N           how many may work (all); the result is the same to the bit\n"
+                           "  --json                a summary for programs on standard output, one object a line\n"
+                           "  --quiet               says nothing but errors\n"
+                           "\n"
+                           "'norma matrix' with the same options tells what a matrix does to normals.\n"
+                           "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
 
 typedef struct transform_work {
     norma_transform_options options;
     norma_transform_summary summary;
-    norma_matrix_info       info; /* of the matrix */
-    int                     matrix_given;
+    norma_matrix_info info; /* of the matrix */
+    int matrix_given;
 } transform_work;
 
-static const char *set_bake(void *settings, const char *value)
-{
+static const char *set_bake(void *settings, const char *value) {
     (void)value;
     ((transform_work *)settings)->options.bake = 1;
     return NULL;
@@ -54,16 +52,14 @@ static const char *set_bake(void *settings, const char *value)
 
 static const cli_option options[] = {{"bake", 0, 0, set_bake}};
 
-static norma_document_result change(void *user, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error)
-{
+static norma_document_result change(void *user, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error) {
     transform_work *work = user;
     work->options.progress = progress;
     work->options.progress_user = progress_user;
     return norma_document_transform(document, &work->options, &work->summary, error);
 }
 
-static void write_json(const void *user, cli_json *json)
-{
+static void write_json(const void *user, cli_json *json) {
     const transform_work *work = user;
     cli_json_size(json, "vertices", work->summary.vertices);
     cli_json_bool(json, "mirrored", work->summary.mirrored);
@@ -73,17 +69,18 @@ static void write_json(const void *user, cli_json *json)
     cli_json_string(json, "kind", cli_kind_name(work->info.kind));
 }
 
-static const char *what_flattening_does(int rank)
-{
+static const char *what_flattening_does(int rank) {
     switch (rank) {
-    case 2: return "; flattened to a plane (rank 2): each face keeps the right normal, the plane's, or none where it collapsed";
-    case 1: return "; flattened to a line (rank 1): no face keeps a direction, so no normal is right";
-    default: return "; flattened to a point (rank 0): no face keeps a direction, so no normal is right";
+    case 2:
+        return "; flattened to a plane (rank 2): each face keeps the right normal, the plane's, or none where it collapsed";
+    case 1:
+        return "; flattened to a line (rank 1): no face keeps a direction, so no normal is right";
+    default:
+        return "; flattened to a point (rank 0): no face keeps a direction, so no normal is right";
     }
 }
 
-static void write_text(const void *user, const norma_document *document, FILE *out)
-{
+static void write_text(const void *user, const norma_document *document, FILE *out) {
     const transform_work *work = user;
     const norma_transform_summary *summary = &work->summary;
     (void)document;
@@ -110,8 +107,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         fputs(what_flattening_does(work->info.rank), out);
 }
 
-static int prepare(const cli_verb *verb, transform_work *work, const cli_matrix *matrix)
-{
+static int prepare(const cli_verb *verb, transform_work *work, const cli_matrix *matrix) {
     double normal_matrix[9];
     if (!matrix->given && !work->options.bake)
         return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate, --matrix, or --bake for glTF");
@@ -124,8 +120,7 @@ static int prepare(const cli_verb *verb, transform_work *work, const cli_matrix 
     return CLI_OK;
 }
 
-static int run(const cli_verb *verb, int count, char **arguments)
-{
+static int run(const cli_verb *verb, int count, char **arguments) {
     transform_work work = {.options = {.struct_size = sizeof work.options}};
     cli_matrix matrix = cli_matrix_identity;
     cli_common common = {.threads = NORMA_ALL_THREADS};

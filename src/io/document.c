@@ -8,8 +8,7 @@
 /* ---- options of any version */
 
 /* A caller's header may be older or newer than this library: what it does not know is zero, what we do not know is left out. */
-static void copy_options(void *copy, size_t size, const void *given)
-{
+static void copy_options(void *copy, size_t size, const void *given) {
     memset(copy, 0, size);
     if (!given)
         return;
@@ -20,28 +19,30 @@ static void copy_options(void *copy, size_t size, const void *given)
 
 /* ---- opening and closing */
 
-static const format_functions *functions_of(norma_file_format format)
-{
+static const format_functions *functions_of(norma_file_format format) {
     switch (format) {
-    case NORMA_FILE_OBJ: return &norma_obj_functions;
-    case NORMA_FILE_PLY: return &norma_ply_functions;
-    case NORMA_FILE_STL: return &norma_stl_functions;
+    case NORMA_FILE_OBJ:
+        return &norma_obj_functions;
+    case NORMA_FILE_PLY:
+        return &norma_ply_functions;
+    case NORMA_FILE_STL:
+        return &norma_stl_functions;
     case NORMA_FILE_GLTF:
-    case NORMA_FILE_GLB: return &norma_gltf_functions;
-    default: return NULL;
+    case NORMA_FILE_GLB:
+        return &norma_gltf_functions;
+    default:
+        return NULL;
     }
 }
 
-static char *copy_text(const char *text, size_t length)
-{
+static char *copy_text(const char *text, size_t length) {
     char *copy = norma_io_allocate(length + 1, 1);
     if (copy)
         memcpy(copy, text, length);
     return copy;
 }
 
-static norma_document *make_document(const char *name, int has_folder, const norma_document_options *options)
-{
+static norma_document *make_document(const char *name, int has_folder, const norma_document_options *options) {
     norma_document *document = norma_io_allocate(1, sizeof *document);
     if (!document)
         return NULL;
@@ -59,8 +60,7 @@ static norma_document *make_document(const char *name, int has_folder, const nor
     return NULL;
 }
 
-static norma_document_result read_document(norma_document *document, norma_document_error *error)
-{
+static norma_document_result read_document(norma_document *document, norma_document_error *error) {
     const format_functions *functions = functions_of(document->format);
     if (!functions)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
@@ -73,9 +73,8 @@ static norma_document_result read_document(norma_document *document, norma_docum
     return result;
 }
 
-static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory, const norma_document_options *given, norma_document **document,
-                                       norma_document_error *error)
-{
+static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory, const norma_document_options *given,
+                                       norma_document **document, norma_document_error *error) {
     norma_document_options options;
     copy_options(&options, sizeof options, given);
     norma_document *made = make_document(name, has_folder, &options);
@@ -98,16 +97,14 @@ static norma_document_result open_with(const char *name, int has_folder, const f
     return result;
 }
 
-static void clear_error(norma_document_error *error)
-{
+static void clear_error(norma_document_error *error) {
     if (error) {
         error->result = NORMA_DOCUMENT_OK;
         error->message[0] = '\0';
     }
 }
 
-norma_document_result norma_document_open(const char *path, const norma_document_options *options, norma_document **document, norma_document_error *error)
-{
+norma_document_result norma_document_open(const char *path, const norma_document_options *options, norma_document **document, norma_document_error *error) {
     clear_error(error);
     if (!document)
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the document was given");
@@ -117,9 +114,8 @@ norma_document_result norma_document_open(const char *path, const norma_document
     return open_with(path, 1, NULL, options, document, error);
 }
 
-norma_document_result norma_document_open_memory(const void *bytes, size_t size, const char *name, const norma_document_options *options, norma_document **document,
-                                                 norma_document_error *error)
-{
+norma_document_result norma_document_open_memory(const void *bytes, size_t size, const char *name, const norma_document_options *options,
+                                                 norma_document **document, norma_document_error *error) {
     clear_error(error);
     if (!document)
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the document was given");
@@ -130,14 +126,12 @@ norma_document_result norma_document_open_memory(const void *bytes, size_t size,
     return open_with(name ? name : "<memory>", name != NULL, &source, options, document, error);
 }
 
-void norma_document_close(norma_document *document)
-{
+void norma_document_close(norma_document *document) {
     if (!document)
         return;
     if (document->functions)
         document->functions->close(document);
-    for (size_t i = 0; i < document->note_count; ++i)
-        free(document->notes[i]);
+    for (size_t i = 0; i < document->note_count; ++i) free(document->notes[i]);
     free(document->notes);
     norma_file_close(&document->source);
     free(document->path);
@@ -147,28 +141,15 @@ void norma_document_close(norma_document *document)
 
 /* ---- asking */
 
-norma_file_format norma_document_format(const norma_document *document)
-{
-    return document ? document->format : NORMA_FILE_UNKNOWN;
-}
+norma_file_format norma_document_format(const norma_document *document) { return document ? document->format : NORMA_FILE_UNKNOWN; }
 
-size_t norma_document_note_count(const norma_document *document)
-{
-    return document ? document->note_count : 0;
-}
+size_t norma_document_note_count(const norma_document *document) { return document ? document->note_count : 0; }
 
-const char *norma_document_note(const norma_document *document, size_t index)
-{
-    return document && index < document->note_count ? document->notes[index] : "";
-}
+const char *norma_document_note(const norma_document *document, size_t index) { return document && index < document->note_count ? document->notes[index] : ""; }
 
-size_t norma_document_mesh_count(const norma_document *document)
-{
-    return document ? document->functions->mesh_count(document) : 0;
-}
+size_t norma_document_mesh_count(const norma_document *document) { return document ? document->functions->mesh_count(document) : 0; }
 
-norma_document_result norma_document_mesh_info(const norma_document *document, size_t index, norma_mesh_info *info)
-{
+norma_document_result norma_document_mesh_info(const norma_document *document, size_t index, norma_mesh_info *info) {
     if (!info)
         return NORMA_DOCUMENT_ERROR_ARGUMENT;
     *info = (norma_mesh_info){.name = "", .where = "", .encoding = ""};
@@ -177,13 +158,11 @@ norma_document_result norma_document_mesh_info(const norma_document *document, s
     return document->functions->mesh_info(document, index, info);
 }
 
-size_t norma_document_node_count(const norma_document *document)
-{
+size_t norma_document_node_count(const norma_document *document) {
     return document && document->functions->node_count ? document->functions->node_count(document) : 0;
 }
 
-norma_document_result norma_document_node_info(const norma_document *document, size_t index, norma_node_info *info)
-{
+norma_document_result norma_document_node_info(const norma_document *document, size_t index, norma_node_info *info) {
     if (!info)
         return NORMA_DOCUMENT_ERROR_ARGUMENT;
     *info = (norma_node_info){.name = "", .instances = 1};
@@ -194,8 +173,7 @@ norma_document_result norma_document_node_info(const norma_document *document, s
 
 /* ---- what needs the whole document */
 
-static norma_document_result check_usable(const norma_document *document, norma_document_error *error)
-{
+static norma_document_result check_usable(const norma_document *document, norma_document_error *error) {
     clear_error(error);
     if (!document)
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no document was given");
@@ -206,8 +184,7 @@ static norma_document_result check_usable(const norma_document *document, norma_
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_document_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error)
-{
+norma_document_result norma_document_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     norma_document_result result = check_usable(document, error);
     if (result)
         return result;
@@ -224,8 +201,7 @@ norma_document_result norma_document_mesh_data(norma_document *document, size_t 
     return document->functions->mesh_data(document, index, data, error);
 }
 
-static const char *bad_compute_option(const norma_compute_options *options)
-{
+static const char *bad_compute_option(const norma_compute_options *options) {
     if ((unsigned)options->shading > NORMA_SHADING_FLAT)
         return "unknown shading";
     if (options->shading == NORMA_SHADING_CREASE && !(options->crease_angle_rad >= 0 && isfinite(options->crease_angle_rad)))
@@ -243,8 +219,8 @@ static const char *bad_compute_option(const norma_compute_options *options)
     return (unsigned)options->only > NORMA_ONLY_BROKEN ? "unknown choice of what to compute" : NULL;
 }
 
-norma_document_result norma_document_compute(norma_document *document, const norma_compute_options *given, norma_compute_summary *summary, norma_document_error *error)
-{
+norma_document_result norma_document_compute(norma_document *document, const norma_compute_options *given, norma_compute_summary *summary,
+                                             norma_document_error *error) {
     norma_document_result result = check_usable(document, error);
     if (result)
         return result;
@@ -261,8 +237,7 @@ norma_document_result norma_document_compute(norma_document *document, const nor
     return result;
 }
 
-static const char *bad_matrix(double matrix[16])
-{
+static const char *bad_matrix(double matrix[16]) {
     int all_zero = 1;
     for (int i = 0; i < 16; ++i) {
         if (!isfinite(matrix[i]))
@@ -276,8 +251,8 @@ static const char *bad_matrix(double matrix[16])
     return NULL;
 }
 
-norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *given, norma_transform_summary *summary, norma_document_error *error)
-{
+norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *given, norma_transform_summary *summary,
+                                               norma_document_error *error) {
     norma_document_result result = check_usable(document, error);
     if (result)
         return result;
@@ -296,51 +271,49 @@ norma_document_result norma_document_transform(norma_document *document, const n
 
 /* ---- writing */
 
-static int same_extension(const char *a, const char *b)
-{
+static int same_extension(const char *a, const char *b) {
     const char *of_a = strrchr(a, '.'), *of_b = strrchr(b, '.');
     return of_a && of_b && !strchr(of_a, '/') && strcmp(of_a, of_b) == 0;
 }
 
 /* A name must not promise another format than the bytes have; a source of a strange name that was opened with its format told may be written under that. */
-static int name_fits(const norma_document *document, const char *path)
-{
+static int name_fits(const norma_document *document, const char *path) {
     norma_file_format named = norma_file_format_of_path(path);
     return named == document->format || (named == NORMA_FILE_UNKNOWN && same_extension(path, document->path)) || norma_file_same(path, document->path) ||
            norma_file_is_stream(path);
 }
 
-static norma_document_result check_target(const norma_document *document, const char *path, int in_place, norma_document_error *error)
-{
+static norma_document_result check_target(const norma_document *document, const char *path, int in_place, norma_document_error *error) {
     if (!path)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no path to write to was given");
     const norma_document target = {.path = (char *)(uintptr_t)path};
     if (!in_place && norma_file_same(path, document->path) && !norma_file_is_stream(path))
-        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "is the input itself; expected another name, or to be told to work in place");
+        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+                                   "is the input itself; expected another name, or to be told to work in place");
     if (!in_place && document->functions->reads_from && document->functions->reads_from(document, path))
-        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "is one of the files that %s is read from; expected another name", document->path);
+        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "is one of the files that %s is read from; expected another name",
+                                   document->path);
     if (!name_fits(document, path)) {
         const char *name = norma_file_format_name(document->format);
-        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s is %s, and the output has its input's format; expected a name that ends in .%s",
-                                   document->path, name, name);
+        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+                                   "%s is %s, and the output has its input's format; expected a name that ends in .%s", document->path, name, name);
     }
     return NORMA_DOCUMENT_OK;
 }
 
 typedef struct file_sink {
     const norma_document *document;
-    file_writer          *writer;
-    uint64_t              written;
-    int                   error, cancelled;
+    file_writer *writer;
+    uint64_t written;
+    int error, cancelled;
 } file_sink;
 
 /* In slices, so that a cancel is noticed also where a format hands over a gigabyte at once. */
-static int write_to_file(void *user, const void *bytes, size_t size)
-{
+static int write_to_file(void *user, const void *bytes, size_t size) {
     const size_t slice = (size_t)1 << 23;
     file_sink *sink = user;
     const norma_document *document = sink->document;
-    for (const unsigned char *at = bytes; size > 0 && !sink->error; ) {
+    for (const unsigned char *at = bytes; size > 0 && !sink->error;) {
         size_t part = size < slice ? size : slice;
         double fraction = document->source.size ? (double)(sink->written + part) / (double)document->source.size : 1;
         sink->cancelled = document->progress && document->progress(document->progress_user, fraction < 1 ? fraction : 1);
@@ -355,8 +328,7 @@ static int write_to_file(void *user, const void *bytes, size_t size)
 }
 
 /* Everything that can fail for want of room or by the format happens before the first rename. */
-static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, norma_document_error *error)
-{
+static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, norma_document_error *error) {
     file_sink sink = {.document = document, .writer = writer};
     int stream = norma_file_is_stream(path);
     norma_document_result result = document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
@@ -371,8 +343,7 @@ static norma_document_result write_target(norma_document *document, const char *
     return result;
 }
 
-norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *given, norma_document_error *error)
-{
+norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *given, norma_document_error *error) {
     norma_document_result result = check_usable(document, error);
     norma_save_options options;
     copy_options(&options, sizeof options, given);
@@ -396,8 +367,7 @@ norma_document_result norma_document_save(norma_document *document, const char *
     return failed ? norma_document_fail_file(path, error, "cannot be written", failed) : NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error)
-{
+norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error) {
     norma_document_result result = check_usable(document, error);
     if (result)
         return result;

@@ -8,13 +8,11 @@
 #include <string.h>
 
 /* A file's name or text may hold anything; a message is one line and never half a character. */
-static void make_one_line(char *message, size_t capacity)
-{
+static void make_one_line(char *message, size_t capacity) {
     size_t length = strlen(message);
     if (length + 1 == capacity) {
         size_t start = length;
-        while (start > 0 && length - start < 4 && ((unsigned char)message[start - 1] & 0xC0) == 0x80)
-            --start;
+        while (start > 0 && length - start < 4 && ((unsigned char)message[start - 1] & 0xC0) == 0x80) --start;
         if (start > 0 && (unsigned char)message[start - 1] >= 0xC0)
             message[start - 1] = '\0';
     }
@@ -23,8 +21,7 @@ static void make_one_line(char *message, size_t capacity)
             *at = '?';
 }
 
-static size_t append(char *message, size_t capacity, size_t length, const char *text)
-{
+static size_t append(char *message, size_t capacity, size_t length, const char *text) {
     size_t size = strlen(text);
     if (size > capacity - 1 - length)
         size = capacity - 1 - length;
@@ -34,8 +31,7 @@ static size_t append(char *message, size_t capacity, size_t length, const char *
 }
 
 norma_document_result norma_document_fail(const norma_document *document, norma_document_error *error, norma_document_result result, const char *place,
-                                          const char *format, ...)
-{
+                                          const char *format, ...) {
     if (!error)
         return result;
     const size_t capacity = sizeof error->message;
@@ -57,8 +53,7 @@ norma_document_result norma_document_fail(const norma_document *document, norma_
     return result;
 }
 
-norma_document_result norma_document_fail_file(const char *path, norma_document_error *error, const char *what, int system_error)
-{
+norma_document_result norma_document_fail_file(const char *path, norma_document_error *error, const char *what, int system_error) {
     norma_document_result result = system_error == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE;
     char text[160];
     if (strerror_r(system_error, text, sizeof text))
@@ -67,13 +62,11 @@ norma_document_result norma_document_fail_file(const char *path, norma_document_
     return norma_document_fail(&named, error, result, NULL, "%s: %s", what, text);
 }
 
-norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error)
-{
+norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error) {
     return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MEMORY, NULL, "out of memory");
 }
 
-norma_document_result norma_document_fail_core(const norma_document *document, norma_document_error *error, norma_result result)
-{
+norma_document_result norma_document_fail_core(const norma_document *document, norma_document_error *error, norma_result result) {
     switch (result) {
     case NORMA_OK:
         return NORMA_DOCUMENT_OK;
@@ -86,8 +79,7 @@ norma_document_result norma_document_fail_core(const norma_document *document, n
     }
 }
 
-int norma_document_add_note(norma_document *document, const char *format, ...)
-{
+int norma_document_add_note(norma_document *document, const char *format, ...) {
     char text[1000];
     va_list arguments;
     va_start(arguments, format);

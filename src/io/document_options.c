@@ -3,15 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-void *norma_io_allocate(size_t count, size_t size)
-{
+void *norma_io_allocate(size_t count, size_t size) {
     if (size && count > SIZE_MAX / size)
         return NULL;
     return calloc(count ? count : 1, size ? size : 1);
 }
 
-void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size)
-{
+void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size) {
     if (block && needed <= *capacity)
         return block;
     size_t larger = *capacity > SIZE_MAX / 2 ? needed : *capacity * 2;
@@ -27,8 +25,7 @@ void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size)
     return grown;
 }
 
-void norma_options_of_compute(const norma_compute_options *options, norma_options *core)
-{
+void norma_options_of_compute(const norma_compute_options *options, norma_options *core) {
     *core = (norma_options){
         .struct_size = sizeof *core,
         .weight = options->weight,
@@ -42,8 +39,7 @@ void norma_options_of_compute(const norma_compute_options *options, norma_option
     };
 }
 
-static void add_count(norma_count *sum, const norma_count *count, size_t meshes_before)
-{
+static void add_count(norma_count *sum, const norma_count *count, size_t meshes_before) {
     if (meshes_before == 0) {
         *sum = *count;
         return;
@@ -52,8 +48,7 @@ static void add_count(norma_count *sum, const norma_count *count, size_t meshes_
     sum->first = SIZE_MAX;
 }
 
-void norma_add_report(norma_report *sum, const norma_report *report, size_t meshes_before)
-{
+void norma_add_report(norma_report *sum, const norma_report *report, size_t meshes_before) {
     add_count(&sum->degenerate_faces, &report->degenerate_faces, meshes_before);
     add_count(&sum->non_finite, &report->non_finite, meshes_before);
     add_count(&sum->unreferenced, &report->unreferenced, meshes_before);
@@ -64,22 +59,20 @@ void norma_add_report(norma_report *sum, const norma_report *report, size_t mesh
 
 static const struct {
     norma_file_format format;
-    const char       *name; /* and the extension */
+    const char *name; /* and the extension */
 } formats[] = {
     {NORMA_FILE_OBJ, "obj"}, {NORMA_FILE_PLY, "ply"}, {NORMA_FILE_STL, "stl"}, {NORMA_FILE_GLTF, "gltf"}, {NORMA_FILE_GLB, "glb"},
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 
-const char *norma_file_format_name(norma_file_format format)
-{
+const char *norma_file_format_name(norma_file_format format) {
     for (size_t i = 0; i < FORMAT_COUNT; ++i)
         if (formats[i].format == format)
             return formats[i].name;
     return "";
 }
 
-static int equal_case_aside(const char *text, const char *lower)
-{
+static int equal_case_aside(const char *text, const char *lower) {
     while (*text && *lower) {
         char letter = *text >= 'A' && *text <= 'Z' ? (char)(*text - 'A' + 'a') : *text;
         if (letter != *lower)
@@ -90,8 +83,7 @@ static int equal_case_aside(const char *text, const char *lower)
     return *text == *lower;
 }
 
-norma_file_format norma_file_format_of_path(const char *path)
-{
+norma_file_format norma_file_format_of_path(const char *path) {
     const char *slash = path ? strrchr(path, '/') : NULL;
     const char *name = slash ? slash + 1 : path;
     const char *dot = name ? strrchr(name, '.') : NULL;

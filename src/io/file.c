@@ -19,8 +19,7 @@ static const size_t WRITE_AT_ONCE = (size_t)1 << 30; /* Linux writes at most 2 G
 
 /* ---- reading */
 
-static int read_to_end(int descriptor, file_bytes *bytes)
-{
+static int read_to_end(int descriptor, file_bytes *bytes) {
     size_t capacity = FIRST_READ, size = 0;
     unsigned char *data = malloc(capacity);
     while (data) {
@@ -49,8 +48,7 @@ static int read_to_end(int descriptor, file_bytes *bytes)
     return ENOMEM;
 }
 
-static int map_whole(int descriptor, uintmax_t size, file_bytes *bytes)
-{
+static int map_whole(int descriptor, uintmax_t size, file_bytes *bytes) {
     if (size > SIZE_MAX / 2)
         return EFBIG;
     void *data = mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, descriptor, 0);
@@ -60,12 +58,10 @@ static int map_whole(int descriptor, uintmax_t size, file_bytes *bytes)
     return 0;
 }
 
-int norma_file_open(const char *path, file_bytes *bytes)
-{
+int norma_file_open(const char *path, file_bytes *bytes) {
     *bytes = (file_bytes){0};
     int descriptor;
-    do
-        descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    do descriptor = open(path, O_RDONLY | O_CLOEXEC);
     while (descriptor < 0 && errno == EINTR);
     if (descriptor < 0)
         return errno;
@@ -80,8 +76,7 @@ int norma_file_open(const char *path, file_bytes *bytes)
     return error;
 }
 
-void norma_file_close(file_bytes *bytes)
-{
+void norma_file_close(file_bytes *bytes) {
     if (bytes->owned && bytes->mapped)
         munmap((void *)(uintptr_t)bytes->data, bytes->size);
     else if (bytes->owned)
@@ -89,14 +84,12 @@ void norma_file_close(file_bytes *bytes)
     *bytes = (file_bytes){0};
 }
 
-int norma_file_same(const char *a, const char *b)
-{
+int norma_file_same(const char *a, const char *b) {
     struct stat of_a, of_b;
     return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
-int norma_file_is_stream(const char *path)
-{
+int norma_file_is_stream(const char *path) {
     struct stat status;
     return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
 }
@@ -104,23 +97,21 @@ int norma_file_is_stream(const char *path)
 /* ---- writing */
 
 struct file_writer {
-    int            descriptor;
-    char          *target;     /* where it goes: path with its symbolic links followed */
-    char          *temporary;  /* NULL: the target is a device or a pipe, written as it is */
-    int            error;      /* the first one; every later call returns it */
-    size_t         used;
-    unsigned char  buffer[BUFFER_SIZE];
+    int descriptor;
+    char *target;    /* where it goes: path with its symbolic links followed */
+    char *temporary; /* NULL: the target is a device or a pipe, written as it is */
+    int error;       /* the first one; every later call returns it */
+    size_t used;
+    unsigned char buffer[BUFFER_SIZE];
 };
 
-static size_t folder_length(const char *path)
-{
+static size_t folder_length(const char *path) {
     const char *slash = strrchr(path, '/');
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
 /* The first folder bytes of path, then name; NULL: out of memory. */
-static char *join(const char *path, size_t folder, const char *name)
-{
+static char *join(const char *path, size_t folder, const char *name) {
     size_t length = strlen(name);
     char *joined = malloc(folder + length + 1);
     if (!joined)
@@ -131,8 +122,7 @@ static char *join(const char *path, size_t folder, const char *name)
 }
 
 /* Follows the symbolic links at the end of path, also to a file that is not there yet. */
-static int resolve(const char *path, char **resolved)
-{
+static int resolve(const char *path, char **resolved) {
     char *current = join(path, 0, path), link[PATH_MAX + 1];
     for (int hops = 0; current; ++hops) {
         ssize_t length = readlink(current, link, PATH_MAX);
@@ -152,8 +142,7 @@ static int resolve(const char *path, char **resolved)
     return ENOMEM;
 }
 
-static int open_temporary(file_writer *writer, mode_t mode)
-{
+static int open_temporary(file_writer *writer, mode_t mode) {
     for (unsigned number = 0; number < MOST_NAMES; ++number) {
         char name[64];
         snprintf(name, sizeof name, ".norma-%ld-%u.tmp", (long)getpid(), number);
@@ -174,16 +163,14 @@ static int open_temporary(file_writer *writer, mode_t mode)
 }
 
 /* Owner and permissions of the file that is to be replaced. Where the owner cannot be kept, neither are the bits that lend his rights. */
-static int keep_permissions(int descriptor, const struct stat *old)
-{
+static int keep_permissions(int descriptor, const struct stat *old) {
     mode_t mode = old->st_mode & 07777;
     if (fchown(descriptor, old->st_uid, old->st_gid))
         mode &= 0777;
     return fchmod(descriptor, mode) ? errno : 0;
 }
 
-static int open_target(file_writer *writer)
-{
+static int open_target(file_writer *writer) {
     struct stat old;
     if (stat(writer->target, &old))
         return errno == ENOENT ? open_temporary(writer, 0666) : errno;
@@ -199,8 +186,7 @@ static int open_target(file_writer *writer)
     return error ? error : keep_permissions(writer->descriptor, &old);
 }
 
-int norma_file_writer_open(const char *path, file_writer **writer)
-{
+int norma_file_writer_open(const char *path, file_writer **writer) {
     *writer = NULL;
     file_writer *made = malloc(sizeof *made);
     if (!made)
@@ -221,8 +207,7 @@ int norma_file_writer_open(const char *path, file_writer **writer)
     return 0;
 }
 
-static int write_all(file_writer *writer, const unsigned char *bytes, size_t size)
-{
+static int write_all(file_writer *writer, const unsigned char *bytes, size_t size) {
     while (size > 0 && !writer->error) {
         ssize_t written = write(writer->descriptor, bytes, size < WRITE_AT_ONCE ? size : WRITE_AT_ONCE);
         if (written > 0) {
@@ -237,15 +222,13 @@ static int write_all(file_writer *writer, const unsigned char *bytes, size_t siz
     return writer->error;
 }
 
-static int flush_buffer(file_writer *writer)
-{
+static int flush_buffer(file_writer *writer) {
     size_t used = writer->used;
     writer->used = 0;
     return write_all(writer, writer->buffer, used);
 }
 
-int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size)
-{
+int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size) {
     if (writer->error || size == 0)
         return writer->error;
     if (size > BUFFER_SIZE - writer->used && flush_buffer(writer))
@@ -257,8 +240,7 @@ int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size)
     return 0;
 }
 
-int norma_file_writer_prepare(file_writer *writer)
-{
+int norma_file_writer_prepare(file_writer *writer) {
     if (writer->error || flush_buffer(writer))
         return writer->error;
     if (writer->temporary && fsync(writer->descriptor))
@@ -267,8 +249,7 @@ int norma_file_writer_prepare(file_writer *writer)
 }
 
 /* The new name must survive a crash as well. A folder that cannot be opened or flushed, as on some file systems, is no reason to call the file unwritten. */
-static int flush_folder(const char *target)
-{
+static int flush_folder(const char *target) {
     char *folder = join(target, folder_length(target), ".");
     if (!folder)
         return 0;
@@ -282,8 +263,7 @@ static int flush_folder(const char *target)
     return error;
 }
 
-int norma_file_writer_commit(file_writer *writer)
-{
+int norma_file_writer_commit(file_writer *writer) {
     int error = norma_file_writer_prepare(writer);
     if (!error) {
         int descriptor = writer->descriptor;
@@ -304,8 +284,7 @@ int norma_file_writer_commit(file_writer *writer)
     return error;
 }
 
-void norma_file_writer_abandon(file_writer *writer)
-{
+void norma_file_writer_abandon(file_writer *writer) {
     if (!writer)
         return;
     if (writer->descriptor >= 0)
