@@ -817,6 +817,38 @@ static void test_named_files(void **state)
     }
 }
 
+/* 125 instances of one cube: as many meshes, and the accessors of the instances' places serve the new ones. */
+static void test_instances(void **state)
+{
+    (void)state;
+    if (!data_folder())
+        skip();
+    char path[1000];
+    snprintf(path, sizeof path, "%s/gltf/khronos/SimpleInstancing/SimpleInstancing.gltf", data_folder());
+    norma_document *document = scene_open(path);
+    result r;
+    run_on(document, scene_open(path), turned, 1, path, &r);
+    assert_done(&r);
+    json_error error;
+    assert_true(norma_json_parse((const char *)r.bytes, r.size, &r.json, &error));
+    assert_identities(r.after);
+    assert_int_equal(norma_document_node_count(r.after), 125);
+    assert_int_equal(count_of(&r, "meshes"), 125);
+    assert_int_equal(count_of(&r, "accessors"), 1 + 2 * 125); /* the indices, turned once for all; positions and normals */
+    assert_null(strstr((const char *)r.bytes, "EXT_mesh_gpu_instancing"));
+    drawn_scene after;
+    scene_read(r.after, &after);
+    assert_int_equal(after.count, 125 * 12);
+    for (size_t i = 0; i < after.count; i++) { /* flat cubes: stored normals are those of the facets */
+        double facet[3];
+        scene_facet_normal(&after.triangles[i], facet);
+        assert_true(scene_angle_deg(facet, after.triangles[i].normal[0]) < 0.01);
+    }
+    scene_free(&after);
+    norma_document_close(document);
+    finish(&r);
+}
+
 static void test_skinned_and_animated_files(void **state)
 {
     (void)state;
@@ -860,6 +892,7 @@ int main(void)
         cmocka_unit_test(test_mirrored_primitives),
         cmocka_unit_test(test_morphs_and_tangents),
         cmocka_unit_test(test_named_files),
+        cmocka_unit_test(test_instances),
         cmocka_unit_test(test_skinned_and_animated_files),
         cmocka_unit_test(test_every_file),
     };

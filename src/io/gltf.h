@@ -201,6 +201,8 @@ int      norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data);
 void     norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mode);
 /* A copy of a mesh at the end of "meshes": its handle for slots and edits (from 1), its number in the file in *mesh_number. 0: out of memory. */
 uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number);
+/* One use of an accessor outside the meshes (instancing) is given up: where nobody uses it any more, new contents take its place. 0: out of memory. */
+int      norma_gltf_release(gltf *g, uint32_t accessor);
 json_edits *norma_gltf_edits(gltf *g, uint32_t copy);                    /* 0: of the asset; else those that apply to the copy alone */
 /* Turns all that was put into edits and views. To be called once, at the end of compute or transform; afterwards g->changed says whether anything is new. */
 norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error);

@@ -269,6 +269,11 @@ static norma_document_result read_instances(gltf *g, uint32_t node, instance_arr
         result = read_instance_array(g, attributes, "ROTATION", 4, count, &arrays->rotation, &arrays->has_rotation, error);
     if (!result)
         result = read_instance_array(g, attributes, "SCALE", 3, count, &arrays->scale, &arrays->has_scale, error);
+    for (uint32_t value = norma_json_first(&g->json, attributes); !result && value != JSON_NONE; value = norma_json_next(&g->json, attributes, value)) {
+        uint64_t accessor;
+        if (norma_json_uint(&g->json, value, &accessor) && accessor < g->accessor_count && !norma_gltf_release(g, (uint32_t)accessor))
+            result = norma_document_fail_memory(g->document, error);
+    }
     if (norma_json_size(&g->json, attributes) > (uint32_t)(arrays->has_translation + arrays->has_rotation + arrays->has_scale))
         norma_document_add_note(g->document, "node %u: what its instances have besides a place (such as _ID) has no place in meshes of their own, and is dropped", (unsigned)node);
     return result;

@@ -42,7 +42,7 @@ void norma_gltf_patch_free(gltf *g)
         free(patch->pieces[i].owned);
     for (size_t i = 0; i < patch->view_count; ++i)
         free(patch->views[i].bytes);
-    void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies, patch->accessors, patch->pieces, patch->views, patch->replaced, patch->pins};
+    void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies, patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released, patch->pins};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i)
         free(blocks[i]);
     free(patch);
@@ -118,6 +118,15 @@ uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number)
     *mesh_number = g->mesh_count + (uint32_t)patch->copy_count;
     patch->copies[patch->copy_count++] = (patch_copy){.mesh = mesh, .edits = edits};
     return (uint32_t)patch->copy_count;
+}
+
+int norma_gltf_release(gltf *g, uint32_t accessor)
+{
+    gltf_patch *patch = norma_gltf_patch_of(g);
+    if (!patch || !grow((void **)&patch->released, &patch->released_capacity, patch->released_count, sizeof *patch->released))
+        return 0;
+    patch->released[patch->released_count++] = accessor;
+    return 1;
 }
 
 json_edits *norma_gltf_edits(gltf *g, uint32_t copy)

@@ -64,9 +64,10 @@ struct gltf_patch {
     patch_piece    *pieces;
     patch_view     *views;
     uint32_t       *replaced;             /* for each old accessor its new data, or GLTF_NONE */
+    uint32_t       *released;             /* accessors, once for each use given up; from resolving on: those that are free to be taken */
     uint32_t       *pins;                 /* for each old view: what uses it beside the accessors' own numbers */
     size_t          data_count, data_capacity, slot_count, slot_capacity, copy_count, copy_capacity;
-    size_t          accessor_count, accessor_capacity, piece_count, piece_capacity, view_count, view_capacity;
+    size_t          accessor_count, accessor_capacity, piece_count, piece_capacity, view_count, view_capacity, released_count, released_capacity;
     uint32_t        default_buffer;       /* for new views without a better place; may be g->buffer_count: one more */
     patch_buffer   *buffers;              /* by the layout: g->buffer_count + 1 */
     json_edits     *layout;               /* the edits with those of the layout */

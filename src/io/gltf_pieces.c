@@ -116,6 +116,8 @@ static void edit_bounds(gltf *g, uint32_t accessor, const gltf_data *data)
 
 /* ---- replaced accessors */
 
+static const char *const type_names[] = {"", "\"SCALAR\"", "\"VEC2\"", "\"VEC3\"", "\"VEC4\""};
+
 static void edit_accessor(gltf *g, const gltf_accessor *a, const gltf_data *data)
 {
     if (a->component != data->component)
@@ -128,6 +130,8 @@ static void edit_accessor(gltf *g, const gltf_accessor *a, const gltf_data *data
     }
     if (a->count != data->count)
         norma_json_set_uint(g->edits, a->token, "count", data->count);
+    if (a->width != data->width && data->width <= 4) /* one that was given up */
+        norma_json_set(g->edits, a->token, "type", type_names[data->width]);
     edit_bounds(g, a->token, data);
 }
 
@@ -227,12 +231,11 @@ void norma_gltf_point_piece(gltf *g, const patch_piece *piece, uint32_t view, si
 
 static void add_type(const gltf *g, json_text *text, const patch_accessor *accessor, const gltf_data *data)
 {
-    static const char *const names[] = {"", "\"SCALAR\"", "\"VEC2\"", "\"VEC3\"", "\"VEC4\""};
     if (accessor->like != GLTF_NONE && g->accessors[accessor->like].width == data->width) {
         const json_token *type = &g->json.tokens[norma_json_member(&g->json, g->accessors[accessor->like].token, "type")];
         norma_json_add(text, g->text + type->start, type->end - type->start);
     } else {
-        norma_json_add_text(text, names[data->width <= 4 ? data->width : 0]);
+        norma_json_add_text(text, type_names[data->width <= 4 ? data->width : 0]);
     }
 }
 

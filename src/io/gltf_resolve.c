@@ -100,6 +100,29 @@ static uint32_t *count_uses(const gltf *g)
     return uses;
 }
 
+/* Whether an accessor has its view to itself, and nothing speaks against vertices in it. */
+static int owns_view(const gltf *g, uint32_t accessor)
+{
+    const uint32_t view = g->accessors[accessor].view;
+    uint32_t users = 0;
+    for (uint32_t i = 0; i < g->accessor_count; ++i)
+        users += view != GLTF_NONE && g->accessors[i].view == view;
+    return users == 1 && norma_json_member(&g->json, g->views[view].token, "target") == JSON_NONE;
+}
+
+/* Of what was released keeps, once each, what nobody uses now and others can take. */
+static void find_free(gltf *g, uint32_t *uses)
+{
+    gltf_patch *patch = g->patch;
+    size_t kept = 0;
+    for (size_t i = 0; i < patch->released_count; ++i) {
+        const uint32_t accessor = patch->released[i];
+        if (uses[accessor] && --uses[accessor] == 0 && g->accessors[accessor].sparse.count == 0 && g->accessors[accessor].width <= 4 && owns_view(g, accessor))
+            patch->released[kept++] = accessor;
+    }
+    patch->released_count = kept;
+}
+
 /* ---- decisions */
 
 static int is_same_as(const gltf_array *old, const gltf_data *data)
@@ -167,7 +190,12 @@ static norma_document_result assign(gltf *g, const uint32_t *stays, uint32_t *of
             point_slot(g, slot, slot->old);
             continue;
         }
-        if (of_data[data] == GLTF_NONE) {
+        if (of_data[data] == GLTF_NONE && patch->released_count) {
+            const uint32_t taken = patch->released[--patch->released_count];
+            of_data[data] = taken;
+            patch->replaced[taken] = data;
+            norma_json_set_uint(g->edits, g->views[g->accessors[taken].view].token, "target", patch->datas[data].is_indices ? 34963 : 34962);
+        } else if (of_data[data] == GLTF_NONE) {
             of_data[data] = g->accessor_count + (uint32_t)patch->accessor_count;
             if (!add_accessor(patch, data, slot->old))
                 return norma_document_fail_memory(g->document, error);
@@ -188,6 +216,7 @@ norma_document_result norma_gltf_resolve(gltf *g, norma_document_error *error)
     if (stays && of_data && patch->replaced && find_equal_datas(patch)) {
         memset(patch->replaced, 0xFF, g->accessor_count * sizeof *patch->replaced);
         memset(of_data, 0xFF, patch->data_count * sizeof *of_data);
+        find_free(g, stays);
         for (size_t i = 0; i < patch->slot_count; ++i)
             if (patch->slots[i].old != GLTF_NONE && !patch->slots[i].kept)
                 --stays[patch->slots[i].old];
