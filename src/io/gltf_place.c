@@ -222,14 +222,24 @@ static norma_document_result place_in_view(placer *p, uint32_t view)
 
 /* ---- new views */
 
+/* A view that ends behind its buffer is a fault that must not come to mean our bytes when the buffer grows. */
+static int may_grow(const gltf *g, uint32_t buffer)
+{
+    size_t length = buffer < g->buffer_count ? g->buffers[buffer].length : SIZE_MAX;
+    for (uint32_t v = 0; v < g->view_count; ++v)
+        if (g->views[v].buffer == buffer && (g->views[v].offset > length || g->views[v].length > length - g->views[v].offset))
+            return 0;
+    return 1;
+}
+
 /* Where new bytes go: the BIN chunk, else the first buffer that has bytes, else one more buffer. */
 static uint32_t choose_buffer(const gltf *g)
 {
     for (uint32_t i = 0; i < g->buffer_count; ++i)
-        if (g->buffers[i].storage == GLTF_STORED_BIN)
+        if (g->buffers[i].storage == GLTF_STORED_BIN && may_grow(g, i))
             return i;
     for (uint32_t i = 0; i < g->buffer_count; ++i)
-        if (g->buffers[i].bytes)
+        if (g->buffers[i].bytes && may_grow(g, i))
             return i;
     return g->buffer_count;
 }
@@ -247,7 +257,8 @@ static norma_document_result add_views(placer *p)
             return out_of_memory(p);
         patch->views = grown;
         uint32_t view = (uint32_t)patch->view_count++;
-        patch->views[view] = (patch_view){.buffer = piece->old_view == GLTF_NONE ? patch->default_buffer : patch->views[piece->old_view].buffer};
+        uint32_t near = piece->old_view == GLTF_NONE ? patch->default_buffer : patch->views[piece->old_view].buffer;
+        patch->views[view] = (patch_view){.buffer = may_grow(p->g, near) ? near : patch->default_buffer};
         result = take_view(p, view, piece);
     }
     return result;
