@@ -125,7 +125,7 @@ static norma_result compute_elements(computation *c)
 typedef struct normal_table {
     float    *normals;         /* three each */
     size_t    count, room;
-    uint32_t *slots;           /* number + 1 of a normal; 0: free */
+    uint64_t *slots;           /* a normal's number + 1 below the upper half of its hash, so that others are told apart without a look at them; 0: free */
     size_t    mask;
 } normal_table;
 
@@ -138,21 +138,32 @@ static uint64_t hash_normal(const float *n)
     return hash ^ hash >> 32;
 }
 
+static uint64_t upper_half(uint64_t hash)
+{
+    return hash & ~(uint64_t)UINT32_MAX;
+}
+
 static int rehash(normal_table *table, size_t size)
 {
-    uint32_t *slots = norma_io_allocate(size, sizeof *slots);
+    uint64_t *slots = norma_io_allocate(size, sizeof *slots);
     if (!slots)
         return 0;
     free(table->slots);
     table->slots = slots;
     table->mask = size - 1;
     for (size_t i = 0; i < table->count; ++i) {
-        size_t slot = (size_t)hash_normal(table->normals + 3 * i) & table->mask;
+        uint64_t hash = hash_normal(table->normals + 3 * i);
+        size_t slot = (size_t)hash & table->mask;
         while (slots[slot])
             slot = (slot + 1) & table->mask;
-        slots[slot] = (uint32_t)i + 1;
+        slots[slot] = upper_half(hash) | (i + 1);
     }
     return 1;
+}
+
+static int is_number(const normal_table *table, uint32_t number, const float *n)
+{
+    return number < table->count && memcmp(table->normals + 3 * (size_t)number, n, 3 * sizeof(float)) == 0;
 }
 
 /* The number of n among the table's normals; UINT32_MAX: memory is out. */
@@ -160,16 +171,17 @@ static uint32_t find_or_add(normal_table *table, const float *n)
 {
     if (2 * table->count >= table->mask && !rehash(table, table->mask ? 2 * (table->mask + 1) : 1024))
         return UINT32_MAX;
-    size_t slot = (size_t)hash_normal(n) & table->mask;
+    uint64_t hash = hash_normal(n);
+    size_t slot = (size_t)hash & table->mask;
     for (; table->slots[slot]; slot = (slot + 1) & table->mask)
-        if (memcmp(table->normals + 3 * (size_t)(table->slots[slot] - 1), n, 3 * sizeof(float)) == 0)
-            return table->slots[slot] - 1;
+        if (upper_half(table->slots[slot]) == upper_half(hash) && is_number(table, (uint32_t)table->slots[slot] - 1, n))
+            return (uint32_t)table->slots[slot] - 1;
     void *grown = norma_io_grow(table->normals, &table->room, table->count + 1, 3 * sizeof(float));
     if (!grown)
         return UINT32_MAX;
     table->normals = grown;
     memcpy(table->normals + 3 * table->count, n, 3 * sizeof(float));
-    table->slots[slot] = (uint32_t)++table->count;
+    table->slots[slot] = upper_half(hash) | ++table->count;
     return (uint32_t)table->count - 1;
 }
 
@@ -203,10 +215,22 @@ static void final_normal(const float *computed, float n[3])
         n[2] = 1;
 }
 
-/* Gives each wanted corner its number in the table, from base on, and counts the elements that had no normal of their own. */
-static int number_new(computation *c, normal_table *table, const uint32_t *old_numbers, size_t base, uint32_t *corner_normals)
+/* The number of a corner's normal. Most corners have that of the one before, or of the last one at their position: asking there first spares the table. */
+static uint32_t number_of(normal_table *table, const float *n, uint32_t before, uint32_t *at_position)
+{
+    if (is_number(table, before, n))
+        return before;
+    if (!is_number(table, *at_position, n))
+        *at_position = find_or_add(table, n);
+    return *at_position;
+}
+
+/* Gives each wanted corner its number in the table, from base on, and counts the elements that had no normal of their own. recent: a number for each
+ * position. */
+static int number_new(computation *c, normal_table *table, const uint32_t *old_numbers, size_t base, uint32_t *recent, uint32_t *corner_normals)
 {
     const obj_state *state = c->state;
+    uint32_t number = UINT32_MAX;
     for (size_t face = 0; face < state->face_count; ++face)
         for (size_t corner = state->face_starts[face]; corner < state->face_starts[face + 1]; ++corner) {
             uint32_t old = state->corner_normals[corner];
@@ -217,7 +241,7 @@ static int number_new(computation *c, normal_table *table, const uint32_t *old_n
             size_t element = c->shading == NORMA_SHADING_SMOOTH ? state->corners[corner] : c->shading == NORMA_SHADING_FLAT ? face : corner;
             float n[3];
             final_normal(c->computed + 3 * element, n);
-            uint32_t number = find_or_add(table, n);
+            number = number_of(table, n, number, &recent[state->corners[corner]]);
             if (number == UINT32_MAX || number + base >= OBJ_MOST)
                 return 0;
             corner_normals[corner] = (uint32_t)(number + base);
@@ -264,9 +288,12 @@ static norma_document_result store(computation *c)
     normal_table table = { 0 };
     uint32_t *old_numbers = norma_io_allocate(state->normal_count, sizeof *old_numbers);
     uint32_t *corner_normals = norma_io_allocate(state->corner_count, sizeof *corner_normals);
+    uint32_t *recent = norma_io_allocate(state->position_count, sizeof *recent);
     size_t kept = old_numbers ? number_old(c, old_numbers) : 0;
-    int stored = old_numbers && corner_normals && number_new(c, &table, old_numbers, kept, corner_normals) && replace_normals(state, &table, old_numbers, kept);
+    int stored = old_numbers && corner_normals && recent && number_new(c, &table, old_numbers, kept, recent, corner_normals) &&
+                 replace_normals(state, &table, old_numbers, kept);
     free(old_numbers);
+    free(recent);
     free(table.normals);
     free(table.slots);
     if (!stored) {

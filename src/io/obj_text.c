@@ -16,7 +16,7 @@ static const char *joined(const char *p, const char *end)
     return norma_obj_skip_end(p, end);
 }
 
-const char *norma_obj_skip_blanks(const char *p, const char *end)
+const char *norma_obj_skip_joined(const char *p, const char *end)
 {
     while (p < end) {
         if (norma_obj_is_blank(*p)) {
@@ -31,21 +31,14 @@ const char *norma_obj_skip_blanks(const char *p, const char *end)
     return p;
 }
 
-const char *norma_obj_skip_end(const char *p, const char *end)
+int norma_obj_is_joined(const char *p, const char *end)
 {
-    if (p < end && *p == '\r')
-        return p + 1 < end && p[1] == '\n' ? p + 2 : p + 1;
-    return p < end && *p == '\n' ? p + 1 : p;
-}
-
-int norma_obj_is_delimiter(const char *p, const char *end)
-{
-    return p >= end || norma_obj_is_blank(*p) || norma_obj_is_end(*p) || *p == '#' || joined(p, end);
+    return joined(p, end) != NULL;
 }
 
 const char *norma_obj_token_end(const char *p, const char *end)
 {
-    while (p < end && !norma_obj_is_blank(*p) && !norma_obj_is_end(*p) && !joined(p, end))
+    while (p < end && !norma_obj_is_blank(*p) && !norma_obj_is_end(*p) && (*p != '\\' || !joined(p, end)))
         ++p;
     return p;
 }
@@ -62,7 +55,7 @@ static const char *line_end(const char *p, const char *end)
     return p;
 }
 
-const char *norma_obj_statement_end(const char *p, const char *end)
+const char *norma_obj_find_statement_end(const char *p, const char *end)
 {
     for (;;) {
         p = norma_obj_skip_blanks(p, end);
@@ -118,6 +111,16 @@ obj_kind norma_obj_keyword(const char *p, const char *end, const char **rest)
 /* An integer, or nothing where the text is empty there (*is_there); 0 where something else stands there. */
 static int read_index(const char **p, const char *end, int64_t *index, int *is_there)
 {
+    const char *digits = *p;
+    int64_t value = 0;
+    for (; digits < end && digits - *p < 18 && (unsigned char)(*digits - '0') < 10; ++digits)
+        value = 10 * value + (*digits - '0');
+    *is_there = digits > *p;
+    if (*is_there && (digits == end || (unsigned char)(*digits - '0') >= 10)) {      /* nearly always */
+        *index = value;
+        *p = digits;
+        return 1;
+    }
     *is_there = !norma_obj_is_delimiter(*p, end) && **p != '/';
     if (!*is_there)
         return 1;

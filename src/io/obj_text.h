@@ -20,16 +20,36 @@ static inline int norma_obj_is_blank(char c) { return c == ' ' || c == '\t' || c
 
 /* obj_text.c. All text lies in [p, end). */
 
+const char *norma_obj_skip_joined(const char *p, const char *end);
+int         norma_obj_is_joined(const char *p, const char *end);
+const char *norma_obj_find_statement_end(const char *p, const char *end);
+
 /* Past blanks and joined lines. */
-const char *norma_obj_skip_blanks(const char *p, const char *end);
+static inline const char *norma_obj_skip_blanks(const char *p, const char *end)
+{
+    while (p < end && norma_obj_is_blank(*p))
+        ++p;
+    return p < end && *p == '\\' ? norma_obj_skip_joined(p, end) : p;
+}
 /* The keyword at p, which is past blanks; *rest: the byte after it. */
 obj_kind    norma_obj_keyword(const char *p, const char *end, const char **rest);
 /* Where the statement's last line ends: at its line end, or end. p is a token's place. */
-const char *norma_obj_statement_end(const char *p, const char *end);
+static inline const char *norma_obj_statement_end(const char *p, const char *end)
+{
+    return p < end && norma_obj_is_end(*p) ? p : norma_obj_find_statement_end(p, end);
+}
 /* Past one line end, if there is one at p. */
-const char *norma_obj_skip_end(const char *p, const char *end);
+static inline const char *norma_obj_skip_end(const char *p, const char *end)
+{
+    if (p < end && *p == '\r')
+        return p + 1 < end && p[1] == '\n' ? p + 2 : p + 1;
+    return p < end && *p == '\n' ? p + 1 : p;
+}
 /* Whether p is where a token ends. */
-int         norma_obj_is_delimiter(const char *p, const char *end);
+static inline int norma_obj_is_delimiter(const char *p, const char *end)
+{
+    return p >= end || norma_obj_is_blank(*p) || norma_obj_is_end(*p) || *p == '#' || (*p == '\\' && norma_obj_is_joined(p, end));
+}
 /* The byte after the token at p. */
 const char *norma_obj_token_end(const char *p, const char *end);
 /* Past what follows a number, which ended at p, in its token. */
