@@ -150,6 +150,39 @@ static void test_only_missing_and_broken(void **state)
     bytes_free(&b);
 }
 
+/* More facets than are computed at a time, along the three axes in turn; then with a last one that has no direction. */
+static void test_many_facets(void **state)
+{
+    (void)state;
+    enum { MANY = 70001 };
+    static const float turn[3][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1, 1, 0, 0}};
+    document_bytes in = {calloc(84 + 50 * MANY + 1, 1), 84 + 50 * MANY};
+    const uint32_t count = MANY;
+    memcpy(in.data + 80, &count, 4);
+    for (size_t i = 0; i < MANY; ++i) {
+        float vertices[9];
+        for (size_t k = 0; k < 9; ++k) vertices[k] = turn[i % 3][k] + (k % 3 == 0 ? (float)i : 0);
+        memcpy(in.data + 84 + 50 * i + 12, vertices, 36);
+    }
+    for (int degenerate = 0; degenerate < 2; ++degenerate) {
+        norma_compute_summary summary;
+        if (degenerate) memset(in.data + 84 + 50 * (MANY - 1) + 12, 0, 36);
+        document_bytes out = bytes_computed(in, "a.stl", NULL, &summary);
+        for (size_t i = 0; i < MANY; ++i) {
+            const size_t axis = degenerate && i == MANY - 1 ? 2 : (i + 2) % 3;   /* the nearest is facet 0 */
+            float normal[3], expected[3] = {0};
+            expected[axis] = 1;
+            memcpy(normal, out.data + 84 + 50 * i, 12);
+            for (size_t k = 0; k < 3; ++k) assert_true(normal[k] == expected[k]);
+        }
+        assert_int_equal(summary.report.degenerate_faces.count, degenerate);
+        assert_int_equal(summary.report.degenerate_faces.first, degenerate ? MANY - 1 : SIZE_MAX);
+        assert_int_equal(summary.filled, degenerate);
+        bytes_free(&out);
+    }
+    bytes_free(&in);
+}
+
 /* Facets that are right already but for the sign of a zero, and one file in which no facet has a direction. */
 static void test_signs_of_zeros_and_no_direction(void **state)
 {
@@ -412,6 +445,7 @@ int main(void)
         cmocka_unit_test(test_far_coordinates_in_text),
         cmocka_unit_test(test_binary_that_begins_with_solid),
         cmocka_unit_test(test_only_missing_and_broken),
+        cmocka_unit_test(test_many_facets),
         cmocka_unit_test(test_signs_of_zeros_and_no_direction),
         cmocka_unit_test(test_mirror_in_binary),
         cmocka_unit_test(test_changes_follow_one_another),

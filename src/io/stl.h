@@ -33,6 +33,7 @@ norma_document_result norma_stl_write_text(norma_document *document, norma_sink 
 int                   norma_stl_is_binary(const stl_state *state);
 norma_document_result norma_stl_read_binary(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_decode_binary(norma_document *document, norma_document_error *error);
+void                  norma_stl_load(const stl_state *state, size_t facet, float normal[3], float vertices[9]); /* each may be NULL */
 void                  norma_stl_write_binary(const stl_state *state, norma_sink *sink);
 
 /* stl_change.c */

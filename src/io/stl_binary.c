@@ -83,6 +83,15 @@ norma_document_result norma_stl_read_binary(norma_document *document, norma_docu
     return NORMA_DOCUMENT_OK;
 }
 
+void norma_stl_load(const stl_state *state, size_t facet, float normal[3], float vertices[9])
+{
+    const unsigned char *at = state->bytes + STL_HEADER + facet * STL_FACET;
+    if (normal)
+        load_floats(at, normal, 3);
+    if (vertices)
+        load_floats(at + STL_NORMAL, vertices, 9);
+}
+
 norma_document_result norma_stl_decode_binary(norma_document *document, norma_document_error *error)
 {
     stl_state *state = document->state;
@@ -94,11 +103,8 @@ norma_document_result norma_stl_decode_binary(norma_document *document, norma_do
     state->stored = normals;
     if (!positions || !normals)
         return norma_document_fail_memory(document, error);
-    const unsigned char *at = state->bytes + STL_HEADER;
-    for (size_t i = 0; i < count; ++i, at += STL_FACET) {
-        load_floats(at, normals + 3 * i, 3);
-        load_floats(at + STL_NORMAL, positions + 9 * i, 9);
-    }
+    for (size_t i = 0; i < count; ++i)
+        norma_stl_load(state, i, normals + 3 * i, positions + 9 * i);
     return NORMA_DOCUMENT_OK;
 }
 

@@ -21,11 +21,21 @@ static int is_wanted(const float stored[3], norma_only only)
     return square < 1e-12;
 }
 
+/* A binary file is computed without being decoded as a whole; its stored normals are then in the bytes alone. */
+static void stored_normal(const stl_state *state, size_t facet, float normal[3])
+{
+    if (state->stored)
+        memcpy(normal, state->stored + 3 * facet, 3 * sizeof *normal);
+    else
+        norma_stl_load(state, facet, normal, NULL);
+}
+
 /* Puts the stored normals back where they are not to change, and the sign of zeros, which says nothing. */
 static void keep_stored(stl_state *state, norma_only only)
 {
     for (size_t i = 0; i < state->facets; ++i) {
-        const float *stored = state->stored + 3 * i;
+        float stored[3];
+        stored_normal(state, i, stored);
         const int stays = only != NORMA_ONLY_ALL && !is_wanted(stored, only);
         for (size_t axis = 0; axis < 3; ++axis)
             if (stays || state->normals[3 * i + axis] == stored[axis])
@@ -48,26 +58,75 @@ static size_t fill(stl_state *state, const uint8_t *reasons, norma_only only)
     return filled;
 }
 
+/* All at once: a facet without a direction looks for the nearest among all. */
+static norma_document_result compute_whole(norma_document *document, const norma_options *options, norma_only only, norma_compute_summary *summary,
+                                           norma_document_error *error)
+{
+    stl_state *state = document->state;
+    norma_document_result result = norma_stl_decode(document, error);
+    if (result)
+        return result;
+    const norma_mesh mesh = norma_stl_core_mesh(state);
+    norma_options core = *options;
+    core.reasons = norma_io_allocate(state->facets, 1);
+    if (!core.reasons)
+        return norma_document_fail_memory(document, error);
+    norma_result failed = norma_face_normals(&mesh, &core, state->normals, state->facets, &summary->report);
+    if (failed)
+        result = norma_document_fail_core(document, error, failed);
+    else
+        summary->filled = fill(state, core.reasons, only);
+    free(core.reasons);
+    return result;
+}
+
+enum { BLOCK_FACETS = 1 << 16 };
+
+/* A block of facets at a time, whose positions stay in the cache. *complete: 0 where some facet has no direction. */
+static norma_document_result compute_by_blocks(norma_document *document, const norma_options *options, int *complete, norma_document_error *error)
+{
+    stl_state *state = document->state;
+    float *positions = malloc((state->facets < BLOCK_FACETS ? state->facets : BLOCK_FACETS) * 9 * sizeof *positions);
+    norma_options core = *options;
+    norma_document_result result = positions ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
+    core.progress = NULL;
+    *complete = 1;
+    for (size_t first = 0; first < state->facets && *complete && !result; first += BLOCK_FACETS) {
+        const size_t left = state->facets - first, count = left < BLOCK_FACETS ? left : BLOCK_FACETS;
+        for (size_t i = 0; i < count; ++i)
+            norma_stl_load(state, first + i, NULL, positions + 9 * i);
+        const norma_mesh mesh = {.positions = {.data = positions, .count = 3 * count}, .corner_count = 3 * count};
+        norma_report report;
+        norma_result failed = norma_face_normals(&mesh, &core, state->normals + 3 * first, count, &report);
+        if (failed)
+            result = norma_document_fail_core(document, error, failed);
+        else if (options->progress && options->progress(options->progress_user, (double)(first + count) / (double)state->facets))
+            result = norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+        else
+            *complete = report.degenerate_faces.count == 0 && report.non_finite.count == 0;
+    }
+    free(positions);
+    return result;
+}
+
 static norma_document_result compute_normals(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error)
 {
     stl_state *state = document->state;
-    const norma_mesh mesh = norma_stl_core_mesh(state);
     norma_options core;
     norma_options_of_compute(options, &core);
-    uint8_t *reasons = norma_io_allocate(state->facets, 1);
-    state->normals = malloc(state->facets ? state->facets * 3 * sizeof *state->normals : 1);
+    state->normals = malloc(state->facets * 3 * sizeof *state->normals);
+    if (!state->normals)
+        return norma_document_fail_memory(document, error);
+    int complete = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (!reasons || !state->normals)
-        result = norma_document_fail_memory(document, error);
-    core.reasons = reasons;
-    norma_result failed = result ? NORMA_OK : norma_face_normals(&mesh, &core, state->normals, state->facets, &summary->report);
-    if (failed)
-        result = norma_document_fail_core(document, error, failed);
-    if (!result) {
-        summary->filled = fill(state, reasons, options->only);
-        keep_stored(state, options->only);
+    if (state->binary && options->only == NORMA_ONLY_ALL) {
+        result = compute_by_blocks(document, &core, &complete, error);
+        core.progress = NULL;            /* a fraction never falls */
     }
-    free(reasons);
+    if (!result && !complete)
+        result = compute_whole(document, &core, options->only, summary, error);
+    if (!result)
+        keep_stored(state, options->only);
     return result;
 }
 
@@ -77,8 +136,6 @@ norma_document_result norma_stl_compute(norma_document *document, const norma_co
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
                                    "STL holds one normal for each facet: smooth shading and creases cannot be stored; expected neither, or another format");
     norma_document_result result = norma_stl_settle(document, error);
-    if (!result)
-        result = norma_stl_decode(document, error);
     if (result)
         return result;
     const stl_state *state = document->state;
