@@ -62,14 +62,11 @@ judge() {
     fi
 }
 
-turned="0.6 0 1.6 3  0 0.5 0 -2  -0.8 0 1.2 11  0 0 0 1"
 mirrored="0.6 0 1.6 3  0 -0.5 0 -2  -0.8 0 1.2 11  0 0 0 1"
 sheared="1 0.5 0 3  0 1 0.25 -2  0.125 0 -1.5 11  0 0 0 1"
 
-transform_all node --matrix "$turned"
-judge node --matrix "$turned"
-transform_all mirrored-node --matrix "$mirrored"
-judge mirrored-node --matrix "$mirrored"
+transform_all node --matrix "$mirrored"
+judge node --matrix "$mirrored"
 transform_all baked --bake
 judge baked --bake
 transform_all baked-sheared --bake --matrix "$sheared"
