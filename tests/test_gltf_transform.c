@@ -15,27 +15,29 @@
 
 /* ---- assets */
 
-typedef struct asset { char text[20000]; } asset;
+typedef struct asset {
+    char text[20000];
+} asset;
 
-static void add_base64(char *text, const unsigned char *bytes, size_t size)
-{
+static void add_base64(char *text, const unsigned char *bytes, size_t size) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     char *at = text + strlen(text);
     for (size_t i = 0; i < size; i += 3) { /* sizes here are multiples of 12 */
         const unsigned v = (unsigned)bytes[i] << 16 | (unsigned)bytes[i + 1] << 8 | bytes[i + 2];
-        for (int k = 18; k >= 0; k -= 6)
-            *at++ = digits[v >> k & 63];
+        for (int k = 18; k >= 0; k -= 6) *at++ = digits[v >> k & 63];
     }
     *at = 0;
 }
 
 /* Six vertices of a bent sheet with normals, tangents, morph deltas and six corners: accessors 0 POSITION, 1 NORMAL, 2 TANGENT, 3 position deltas, 4 normal deltas,
  * 5 indices of a list (or a strip, or a fan). rest: the members of the root besides buffers, bufferViews and accessors. */
-static const float sheet[6][3] = { { 0, 0, 0 }, { 1, 0, 0.1f }, { 0.1f, 1, 0.2f }, { 1.2f, 1.1f, -0.3f }, { 0, 2, 0.5f }, { 1, 2.2f, 0.7f } };
+static const float sheet[6][3] = {{0, 0, 0}, {1, 0, 0.1f}, {0.1f, 1, 0.2f}, {1.2f, 1.1f, -0.3f}, {0, 2, 0.5f}, {1, 2.2f, 0.7f}};
 
-static void make_asset(asset *a, const char *rest)
-{
-    struct { float position[6][3], normal[6][3], tangent[6][4], moved[6][3], turned[6][3]; uint16_t corners[6]; } data;
+static void make_asset(asset *a, const char *rest) {
+    struct {
+        float position[6][3], normal[6][3], tangent[6][4], moved[6][3], turned[6][3];
+        uint16_t corners[6];
+    } data;
     memset(&data, 0, sizeof data);
     memcpy(data.position, sheet, sizeof sheet);
     for (int i = 0; i < 6; i++) {
@@ -50,8 +52,8 @@ static void make_asset(asset *a, const char *rest)
         data.turned[i][(i + 1) % 3] = -0.25f;
         data.corners[i] = (uint16_t)i;
     }
-    const size_t parts[6] = { sizeof data.position, sizeof data.normal, sizeof data.tangent, sizeof data.moved, sizeof data.turned, sizeof data.corners };
-    static const char *const types[6] = { "VEC3", "VEC3", "VEC4", "VEC3", "VEC3", "SCALAR" };
+    const size_t parts[6] = {sizeof data.position, sizeof data.normal, sizeof data.tangent, sizeof data.moved, sizeof data.turned, sizeof data.corners};
+    static const char *const types[6] = {"VEC3", "VEC3", "VEC4", "VEC3", "VEC3", "SCALAR"};
     char *text = a->text;
     size_t offset = 0;
     strcpy(text, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":396,\"uri\":\"data:application/octet-stream;base64,");
@@ -59,13 +61,16 @@ static void make_asset(asset *a, const char *rest)
     add_base64(text, (const unsigned char *)&data, sizeof data);
     strcat(text, "\"}],\n\"bufferViews\":[");
     for (int i = 0; i < 6; i++) {
-        sprintf(text + strlen(text), "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":%d}", i ? "," : "", offset, parts[i], i < 5 ? 34962 : 34963);
+        sprintf(text + strlen(text), "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":%d}", i ? "," : "", offset, parts[i],
+                i < 5 ? 34962 : 34963);
         offset += parts[i];
     }
     strcat(text, "],\n\"accessors\":[");
     for (int i = 0; i < 6; i++)
         sprintf(text + strlen(text), "%s{\"bufferView\":%d,\"componentType\":%d,\"count\":6,\"type\":\"%s\"%s}", i ? "," : "", i, i < 5 ? 5126 : 5123, types[i],
-                i == 0 ? ",\"min\":[0,0,-0.3],\"max\":[1.2,2.2,0.7]" : i == 3 ? ",\"min\":[0,0,0],\"max\":[0.5,0.5,0.5]" : "");
+                i == 0   ? ",\"min\":[0,0,-0.3],\"max\":[1.2,2.2,0.7]"
+                : i == 3 ? ",\"min\":[0,0,0],\"max\":[0.5,0.5,0.5]"
+                         : "");
     strcat(text, "],\n");
     strcat(text, rest);
     strcat(text, "}\n");
@@ -73,29 +78,26 @@ static void make_asset(asset *a, const char *rest)
 }
 
 #define PRIMITIVE "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2},\"indices\":5}"
-#define MESH "\"meshes\":[{\"name\":\"m\",\"primitives\":[" PRIMITIVE "]}]"
+#define MESH      "\"meshes\":[{\"name\":\"m\",\"primitives\":[" PRIMITIVE "]}]"
 
 /* ---- transforming them */
 
 typedef struct result {
-    norma_document *before, *after;        /* after: the output, opened again; NULL where the transform failed */
-    unsigned char  *bytes;
-    size_t          size;
+    norma_document *before, *after; /* after: the output, opened again; NULL where the transform failed */
+    unsigned char *bytes;
+    size_t size;
     norma_transform_summary summary;
     norma_document_error error;
     norma_document_result code;
-    json            json;                  /* of the output, where it is a .gltf */
+    json json; /* of the output, where it is a .gltf */
 } result;
 
-static void rows_to_columns(const double *rows, double matrix[16])
-{
-    for (int i = 0; rows && i < 16; i++)
-        matrix[i] = rows[i % 4 * 4 + i / 4];
+static void rows_to_columns(const double *rows, double matrix[16]) {
+    for (int i = 0; rows && i < 16; i++) matrix[i] = rows[i % 4 * 4 + i / 4];
 }
 
-static void run_on(norma_document *document, norma_document *before, const double *rows, int bake, const char *name, result *r)
-{
-    norma_transform_options options = { .struct_size = sizeof options, .bake = bake };
+static void run_on(norma_document *document, norma_document *before, const double *rows, int bake, const char *name, result *r) {
+    norma_transform_options options = {.struct_size = sizeof options, .bake = bake};
     rows_to_columns(rows, options.matrix);
     memset(r, 0, sizeof *r);
     r->before = before;
@@ -106,8 +108,7 @@ static void run_on(norma_document *document, norma_document *before, const doubl
     r->after = scene_reopen(r->bytes, r->size, name);
 }
 
-static void run(const asset *a, const double *rows, int bake, result *r)
-{
+static void run(const asset *a, const double *rows, int bake, result *r) {
     norma_document *document = scene_reopen((const unsigned char *)a->text, strlen(a->text), "asset.gltf");
     run_on(document, scene_reopen((const unsigned char *)a->text, strlen(a->text), "asset.gltf"), rows, bake, "out.gltf", r);
     json_error error;
@@ -116,49 +117,39 @@ static void run(const asset *a, const double *rows, int bake, result *r)
     norma_document_close(document);
 }
 
-static void finish(result *r)
-{
+static void finish(result *r) {
     norma_json_free(&r->json);
     norma_document_close(r->before);
     norma_document_close(r->after);
     free(r->bytes);
 }
 
-static void assert_done(const result *r)
-{
+static void assert_done(const result *r) {
     if (r->code != NORMA_DOCUMENT_OK)
         fail_msg("%s", r->error.message);
 }
 
 /* ---- what is drawn */
 
-static void apply(const double *rows, const double p[3], double out[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = rows ? rows[4 * k] * p[0] + rows[4 * k + 1] * p[1] + rows[4 * k + 2] * p[2] + rows[4 * k + 3] : p[k];
+static void apply(const double *rows, const double p[3], double out[3]) {
+    for (int k = 0; k < 3; k++) out[k] = rows ? rows[4 * k] * p[0] + rows[4 * k + 1] * p[1] + rows[4 * k + 2] * p[2] + rows[4 * k + 3] : p[k];
 }
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
+static void cross(const double a[3], const double b[3], double c[3]) {
     c[0] = a[1] * b[2] - a[2] * b[1];
     c[1] = a[2] * b[0] - a[0] * b[2];
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* A triangle of the input under the matrix: as the matrix's three rows say, mirrors turned round, normals by cofactors. */
-static scene_triangle expected_triangle(const scene_triangle *in, const double *rows)
-{
+static scene_triangle expected_triangle(const scene_triangle *in, const double *rows) {
     scene_triangle out = *in;
     if (!rows)
         return out;
     double cofactor[3][3]; /* rows of cof(M): cross products of M's rows */
-    for (int k = 0; k < 3; k++)
-        cross(rows + 4 * ((k + 1) % 3), rows + 4 * ((k + 2) % 3), cofactor[k]);
+    for (int k = 0; k < 3; k++) cross(rows + 4 * ((k + 1) % 3), rows + 4 * ((k + 2) % 3), cofactor[k]);
     const double determinant = dot(rows, cofactor[0]);
     for (int i = 0; i < 3; i++) {
         const int from = determinant < 0 && i ? 3 - i : i;
@@ -168,20 +159,17 @@ static scene_triangle expected_triangle(const scene_triangle *in, const double *
             out.normal[i][k] = dot(cofactor[k], in->normal[from]) * (determinant < 0 ? -1 : 1);
             length += out.normal[i][k] * out.normal[i][k];
         }
-        for (int k = 0; k < 3 && length > 0; k++)
-            out.normal[i][k] /= sqrt(length);
+        for (int k = 0; k < 3 && length > 0; k++) out.normal[i][k] /= sqrt(length);
     }
     return out;
 }
 
-static int same_triangle(const scene_triangle *a, const scene_triangle *b, double tolerance, double degrees)
-{
+static int same_triangle(const scene_triangle *a, const scene_triangle *b, double tolerance, double degrees) {
     for (int turn = 0; turn < 3; turn++) {
         int same = 1;
         for (int i = 0; i < 3 && same; i++) {
             const int k = (i + turn) % 3;
-            for (int c = 0; c < 3; c++)
-                same &= fabs(a->position[i][c] - b->position[k][c]) <= tolerance;
+            for (int c = 0; c < 3; c++) same &= fabs(a->position[i][c] - b->position[k][c]) <= tolerance;
             same = same && scene_angle_deg(a->normal[i], b->normal[k]) <= degrees;
         }
         if (same)
@@ -191,8 +179,7 @@ static int same_triangle(const scene_triangle *a, const scene_triangle *b, doubl
 }
 
 /* Every triangle of the input, under the matrix, is one of the output, and there are as many. */
-static void assert_same_scene(const result *r, const double *rows, double degrees)
-{
+static void assert_same_scene(const result *r, const double *rows, double degrees) {
     drawn_scene before, after;
     scene_read(r->before, &before);
     scene_read(r->after, &after);
@@ -203,17 +190,16 @@ static void assert_same_scene(const result *r, const double *rows, double degree
         const scene_triangle expected = expected_triangle(&before.triangles[i], rows);
         size_t found = i;
         if (!same_triangle(&expected, &after.triangles[i], tolerance, degrees))
-            for (found = 0; found < after.count && !same_triangle(&expected, &after.triangles[found], tolerance, degrees);)
-                found++;
+            for (found = 0; found < after.count && !same_triangle(&expected, &after.triangles[found], tolerance, degrees);) found++;
         if (found == after.count)
-            fail_msg("triangle %zu of node %zu, now at %g %g %g, is not in the output", i, expected.node, expected.position[0][0], expected.position[0][1], expected.position[0][2]);
+            fail_msg("triangle %zu of node %zu, now at %g %g %g, is not in the output", i, expected.node, expected.position[0][0], expected.position[0][1],
+                     expected.position[0][2]);
     }
     scene_free(&before);
     scene_free(&after);
 }
 
-static void assert_identities(norma_document *document)
-{
+static void assert_identities(norma_document *document) {
     for (size_t i = 0; i < norma_document_node_count(document); i++) {
         norma_node_info info;
         assert_int_equal(norma_document_node_info(document, i, &info), NORMA_DOCUMENT_OK);
@@ -223,8 +209,7 @@ static void assert_identities(norma_document *document)
     }
 }
 
-static const char *note_of(const norma_document *document, const char *part)
-{
+static const char *note_of(const norma_document *document, const char *part) {
     for (size_t i = 0; i < norma_document_note_count(document); i++)
         if (strstr(norma_document_note(document, i), part))
             return norma_document_note(document, i);
@@ -233,34 +218,40 @@ static const char *note_of(const norma_document *document, const char *part)
 
 /* ---- the output's JSON */
 
-static uint32_t node_token(const result *r, uint32_t number)
-{
-    return norma_json_element(&r->json, norma_json_member(&r->json, 0, "nodes"), number);
-}
+static uint32_t node_token(const result *r, uint32_t number) { return norma_json_element(&r->json, norma_json_member(&r->json, 0, "nodes"), number); }
 
-static void node_numbers(const result *r, uint32_t number, const char *key, double *out, uint32_t count)
-{
+static void node_numbers(const result *r, uint32_t number, const char *key, double *out, uint32_t count) {
     const uint32_t list = norma_json_member(&r->json, node_token(r, number), key);
-    for (uint32_t i = 0; list != JSON_NONE && i < count; i++)
-        assert_true(norma_json_number(&r->json, norma_json_element(&r->json, list, i), &out[i]));
+    for (uint32_t i = 0; list != JSON_NONE && i < count; i++) assert_true(norma_json_number(&r->json, norma_json_element(&r->json, list, i), &out[i]));
 }
 
-static void node_local(const result *r, uint32_t number, double m[16])
-{
-    double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 };
+static void node_local(const result *r, uint32_t number, double m[16]) {
+    double t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
     node_numbers(r, number, "translation", t, 3);
     node_numbers(r, number, "rotation", q, 4);
     node_numbers(r, number, "scale", s, 3);
     const double x = q[0], y = q[1], z = q[2], w = q[3];
-    const double composed[16] = { (1 - 2 * (y * y + z * z)) * s[0], 2 * (x * y + z * w) * s[0], 2 * (x * z - y * w) * s[0], 0, 2 * (x * y - z * w) * s[1],
-                                  (1 - 2 * (x * x + z * z)) * s[1], 2 * (y * z + x * w) * s[1], 0, 2 * (x * z + y * w) * s[2], 2 * (y * z - x * w) * s[2],
-                                  (1 - 2 * (x * x + y * y)) * s[2], 0, t[0], t[1], t[2], 1 };
+    const double composed[16] = {(1 - 2 * (y * y + z * z)) * s[0],
+                                 2 * (x * y + z * w) * s[0],
+                                 2 * (x * z - y * w) * s[0],
+                                 0,
+                                 2 * (x * y - z * w) * s[1],
+                                 (1 - 2 * (x * x + z * z)) * s[1],
+                                 2 * (y * z + x * w) * s[1],
+                                 0,
+                                 2 * (x * z + y * w) * s[2],
+                                 2 * (y * z - x * w) * s[2],
+                                 (1 - 2 * (x * x + y * y)) * s[2],
+                                 0,
+                                 t[0],
+                                 t[1],
+                                 t[2],
+                                 1};
     memcpy(m, composed, sizeof composed);
     node_numbers(r, number, "matrix", m, 16);
 }
 
-static uint32_t node_parent(const result *r, uint32_t number)
-{
+static uint32_t node_parent(const result *r, uint32_t number) {
     const uint32_t nodes = norma_json_member(&r->json, 0, "nodes");
     for (uint32_t i = 0; i < norma_json_size(&r->json, nodes); i++) {
         const uint32_t children = norma_json_member(&r->json, node_token(r, i), "children");
@@ -273,22 +264,19 @@ static uint32_t node_parent(const result *r, uint32_t number)
     return JSON_NONE;
 }
 
-static void node_world(const result *r, uint32_t number, double world[16])
-{
+static void node_world(const result *r, uint32_t number, double world[16]) {
     node_local(r, number, world);
     for (uint32_t above = node_parent(r, number); above != JSON_NONE; above = node_parent(r, above)) {
-        double local[16], product[16] = { 0 };
+        double local[16], product[16] = {0};
         node_local(r, above, local);
         for (int i = 0; i < 16; i++)
-            for (int k = 0; k < 4; k++)
-                product[i] += local[i % 4 + 4 * k] * world[i / 4 * 4 + k];
+            for (int k = 0; k < 4; k++) product[i] += local[i % 4 + 4 * k] * world[i / 4 * 4 + k];
         memcpy(world, product, sizeof product);
     }
 }
 
 /* rows: the upper three of the expected matrix. */
-static void assert_world(const result *r, uint32_t number, const double rows[12])
-{
+static void assert_world(const result *r, uint32_t number, const double rows[12]) {
     double world[16];
     node_world(r, number, world);
     for (int i = 0; i < 12; i++)
@@ -296,28 +284,21 @@ static void assert_world(const result *r, uint32_t number, const double rows[12]
             fail_msg("node %u: row %d, column %d of the world matrix is %g, expected %g", number, i / 4, i % 4, world[i % 4 * 4 + i / 4], rows[i]);
 }
 
-static int has_member(const result *r, uint32_t number, const char *key)
-{
-    return norma_json_member(&r->json, node_token(r, number), key) != JSON_NONE;
-}
+static int has_member(const result *r, uint32_t number, const char *key) { return norma_json_member(&r->json, node_token(r, number), key) != JSON_NONE; }
 
-static uint32_t count_of(const result *r, const char *key)
-{
-    return norma_json_size(&r->json, norma_json_member(&r->json, 0, key));
-}
+static uint32_t count_of(const result *r, const char *key) { return norma_json_size(&r->json, norma_json_member(&r->json, 0, key)); }
 
-static const double doubled[16] = { 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1 };
-static const double mirror[16] = { -1, 0, 0, 3, 0, 2, 0, 0, 0, 0, 0.5, -1, 0, 0, 0, 1 };
-static const double sheared[16] = { 1, 0.5, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
-static const double flat[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
-static const double pressed[16] = { 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
-static const double line[16] = { 1, 2, 3, 0, 2, 4, 6, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
-static const double tilted[16] = { 0.6, -0.8, 0, 5, 0.8, 0.6, 0, -7, 0, 0, 3, 1, 0, 0, 0, 1 };
+static const double doubled[16] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1};
+static const double mirror[16] = {-1, 0, 0, 3, 0, 2, 0, 0, 0, 0, 0.5, -1, 0, 0, 0, 1};
+static const double sheared[16] = {1, 0.5, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+static const double flat[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+static const double pressed[16] = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+static const double line[16] = {1, 2, 3, 0, 2, 4, 6, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+static const double tilted[16] = {0.6, -0.8, 0, 5, 0.8, 0.6, 0, -7, 0, 0, 3, 1, 0, 0, 0, 1};
 
 /* ---- without baking */
 
-static void test_identity_is_the_input(void **state)
-{
+static void test_identity_is_the_input(void **state) {
     (void)state;
     asset a;
     make_asset(&a, MESH ",\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}]");
@@ -332,8 +313,7 @@ static void test_identity_is_the_input(void **state)
     }
 }
 
-static void test_node_above_roots(void **state)
-{
+static void test_node_above_roots(void **state) {
     (void)state;
     asset a;
     make_asset(&a, MESH ",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[1,2,3]},{\"children\":[1]}],\"scenes\":[{\"nodes\":[0,2]}]");
@@ -347,7 +327,8 @@ static void test_node_above_roots(void **state)
     assert_int_equal(node_parent(&r, 2), 3);
     assert_world(&r, 3, tilted);
     assert_non_null(strstr((char *)r.bytes, "\"scenes\":[{\"nodes\":[3]}]"));
-    assert_non_null(strstr((char *)r.bytes, "\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[1,2,3]},{\"children\":[1]},")); /* old nodes keep their bytes */
+    assert_non_null(
+        strstr((char *)r.bytes, "\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[1,2,3]},{\"children\":[1]},")); /* old nodes keep their bytes */
     finish(&r);
 
     run(&a, mirror, 0, &r);
@@ -358,8 +339,7 @@ static void test_node_above_roots(void **state)
 }
 
 /* Scene 0 shows nodes 0 and 1, scene 1 shows 1 and 2, no scene shows 3: no new node may show what its scene did not. */
-static void test_scenes_that_share_roots(void **state)
-{
+static void test_scenes_that_share_roots(void **state) {
     (void)state;
     asset a;
     make_asset(&a, MESH ",\"nodes\":[{\"mesh\":0},{\"mesh\":0},{\"mesh\":0},{\"mesh\":0}],\"scenes\":[{\"nodes\":[0,1]},{\"nodes\":[1,2]},{}]");
@@ -369,17 +349,16 @@ static void test_scenes_that_share_roots(void **state)
     assert_int_equal(count_of(&r, "nodes"), 8);
     for (uint32_t i = 0; i < 4; i++) {
         assert_world(&r, i, doubled);
-        for (uint32_t k = 0; k < i; k++)
-            assert_int_not_equal(node_parent(&r, i), node_parent(&r, k));
+        for (uint32_t k = 0; k < i; k++) assert_int_not_equal(node_parent(&r, i), node_parent(&r, k));
     }
     char expected[100];
-    sprintf(expected, "\"scenes\":[{\"nodes\":[%u,%u]},{\"nodes\":[%u,%u]},{}]", node_parent(&r, 0), node_parent(&r, 1), node_parent(&r, 1), node_parent(&r, 2));
+    sprintf(expected, "\"scenes\":[{\"nodes\":[%u,%u]},{\"nodes\":[%u,%u]},{}]", node_parent(&r, 0), node_parent(&r, 1), node_parent(&r, 1),
+            node_parent(&r, 2));
     assert_non_null(strstr((char *)r.bytes, expected));
     finish(&r);
 }
 
-static void test_no_scenes_no_nodes(void **state)
-{
+static void test_no_scenes_no_nodes(void **state) {
     (void)state;
     asset a;
     result r;
@@ -398,12 +377,13 @@ static void test_no_scenes_no_nodes(void **state)
     finish(&r);
 }
 
-static void test_shear_needs_baking(void **state)
-{
+static void test_shear_needs_baking(void **state) {
     (void)state;
     asset a;
     result r;
-    make_asset(&a, MESH ",\"nodes\":[{\"mesh\":0},{\"camera\":0,\"translation\":[1,2,3]}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]");
+    make_asset(
+        &a, MESH
+        ",\"nodes\":[{\"mesh\":0},{\"camera\":0,\"translation\":[1,2,3]}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]");
     run(&a, sheared, 0, &r);
     assert_int_equal(r.code, NORMA_DOCUMENT_ERROR_ARGUMENT);
     assert_non_null(strstr(r.error.message, "--bake"));
@@ -412,13 +392,12 @@ static void test_shear_needs_baking(void **state)
     assert_done(&r);
     assert_same_scene(&r, sheared, 1e-4);
     assert_identities(r.after);
-    const double camera[12] = { 1, 0.5, 0, 2, 0, 1, 0, 2, 0, 0, 1, 3 }; /* by two nodes: one cannot hold it */
+    const double camera[12] = {1, 0.5, 0, 2, 0, 1, 0, 2, 0, 0, 1, 3}; /* by two nodes: one cannot hold it */
     assert_world(&r, 1, camera);
     finish(&r);
 }
 
-static void assert_flat(const result *r, int axis)
-{
+static void assert_flat(const result *r, int axis) {
     drawn_scene after;
     scene_read(r->after, &after);
     assert_true(after.count > 0);
@@ -430,8 +409,7 @@ static void assert_flat(const result *r, int axis)
     scene_free(&after);
 }
 
-static void test_flat_matrix(void **state)
-{
+static void test_flat_matrix(void **state) {
     (void)state;
     asset a;
     result r;
@@ -457,8 +435,7 @@ static void test_flat_matrix(void **state)
 
 /* ---- baking */
 
-static void test_bake_hierarchy(void **state)
-{
+static void test_bake_hierarchy(void **state) {
     (void)state;
     asset a;
     make_asset(&a, "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]," MESH
@@ -478,9 +455,9 @@ static void test_bake_hierarchy(void **state)
     assert_same_scene(&r, NULL, 1e-3);
     assert_identities(r.after);
     /* scale (2,1,1) after the rotation by atan2(0.96, 0.28), translated by (1,0,0) */
-    const double group[12] = { 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0 };
-    const double camera[12] = { 0.56, -1.92, 0, 2, 0.96, 0.28, 0, 0, 0, 0, 1, 5 };
-    const double both[12] = { 0.56, -1.92, 0, 0.08, 0.96, 0.28, 0, 0.28, 0, 0, 1, 0 };
+    const double group[12] = {2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    const double camera[12] = {0.56, -1.92, 0, 2, 0.96, 0.28, 0, 0, 0, 0, 1, 5};
+    const double both[12] = {0.56, -1.92, 0, 0.08, 0.96, 0.28, 0, 0.28, 0, 0, 1, 0};
     assert_world(&r, 0, group);
     assert_world(&r, 3, camera);
     assert_world(&r, 4, both);
@@ -496,14 +473,14 @@ static void test_bake_hierarchy(void **state)
     assert_identities(r.after);
     double moved[12];
     for (int i = 0; i < 12; i++)
-        moved[i] = tilted[i / 4 * 4] * camera[i % 4] + tilted[i / 4 * 4 + 1] * camera[4 + i % 4] + tilted[i / 4 * 4 + 2] * camera[8 + i % 4] + (i % 4 == 3 ? tilted[i] : 0);
+        moved[i] = tilted[i / 4 * 4] * camera[i % 4] + tilted[i / 4 * 4 + 1] * camera[4 + i % 4] + tilted[i / 4 * 4 + 2] * camera[8 + i % 4] +
+                   (i % 4 == 3 ? tilted[i] : 0);
     assert_world(&r, 3, moved);
     finish(&r);
 }
 
 /* A group that holds nothing but baked nodes draws nothing, and stays where it was, whatever the matrix. */
-static void test_bake_groups_stay(void **state)
-{
+static void test_bake_groups_stay(void **state) {
     (void)state;
     asset a;
     make_asset(&a, MESH ",\"nodes\":[{\"translation\":[0,0,7],\"children\":[1]},{\"mesh\":0,\"scale\":[2,2,2]}],\"scenes\":[{\"nodes\":[0]}]");
@@ -512,14 +489,13 @@ static void test_bake_groups_stay(void **state)
     assert_done(&r);
     assert_same_scene(&r, mirror, 1e-4);
     assert_identities(r.after);
-    const double group[12] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 7 };
+    const double group[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 7};
     assert_world(&r, 0, group);
     assert_int_equal(count_of(&r, "nodes"), 2);
     finish(&r);
 }
 
-static void test_bake_below_flat_group(void **state)
-{
+static void test_bake_below_flat_group(void **state) {
     (void)state;
     asset a;
     make_asset(&a, MESH ",\"nodes\":[{\"scale\":[1,1,0],\"children\":[1,2]},{\"mesh\":0},{}],\"scenes\":[{\"nodes\":[0]}]");
@@ -532,11 +508,11 @@ static void test_bake_below_flat_group(void **state)
     finish(&r);
 }
 
-static void test_shared_mesh(void **state)
-{
+static void test_shared_mesh(void **state) {
     (void)state;
     asset a;
-    make_asset(&a, MESH ",\"nodes\":[{\"mesh\":0,\"translation\":[1,2,3]},{\"mesh\":0},{\"mesh\":0,\"translation\":[3,2,1]},{\"mesh\":0,\"translation\":[1,2,3]}]");
+    make_asset(&a,
+               MESH ",\"nodes\":[{\"mesh\":0,\"translation\":[1,2,3]},{\"mesh\":0},{\"mesh\":0,\"translation\":[3,2,1]},{\"mesh\":0,\"translation\":[1,2,3]}]");
     result r;
     run(&a, NULL, 1, &r);
     assert_done(&r);
@@ -547,8 +523,7 @@ static void test_shared_mesh(void **state)
     finish(&r);
 }
 
-static void test_what_stays_is_named(void **state)
-{
+static void test_what_stays_is_named(void **state) {
     (void)state;
     asset a;
     make_asset(&a, "\"animations\":[{\"samplers\":[{\"input\":5,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
@@ -569,31 +544,30 @@ static void test_what_stays_is_named(void **state)
     assert_non_null(note_of(document, "\"hub\""));
     assert_non_null(note_of(document, "\"body\""));
     assert_null(note_of(document, "node 2"));
-    const double wheel[12] = { 2, 0, 0, 0, 0, 4, 0, 0, 0, 0, 2, 0 }, bone[12] = { 2, 0, 0, 2, 0, 2, 0, 2, 0, 0, 2, 2 };
+    const double wheel[12] = {2, 0, 0, 0, 0, 4, 0, 0, 0, 0, 2, 0}, bone[12] = {2, 0, 0, 2, 0, 2, 0, 2, 0, 0, 2, 2};
     assert_world(&r, 0, wheel);
     assert_world(&r, 4, bone);
     assert_int_equal(node_parent(&r, 3), JSON_NONE); /* a skinned mesh goes by its joints */
-    assert_same_scene(&(result){ .before = r.before, .after = r.before }, NULL, 0);
+    assert_same_scene(&(result){.before = r.before, .after = r.before}, NULL, 0);
     norma_document_close(document);
     finish(&r);
 }
 
 #define MODE_MESH(mode, indices) "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}" indices ",\"mode\":" mode "}]}]"
-#define SCALED(mesh) mesh ",\"nodes\":[{\"mesh\":0,\"scale\":[1,-2,1]}]"
+#define SCALED(mesh)             mesh ",\"nodes\":[{\"mesh\":0,\"scale\":[1,-2,1]}]"
 
-static void test_mirrored_primitives(void **state)
-{
+static void test_mirrored_primitives(void **state) {
     (void)state;
-    static const char *const rests[] = { SCALED(MODE_MESH("4", ",\"indices\":5")), SCALED(MODE_MESH("4", "")), SCALED(MODE_MESH("5", ",\"indices\":5")),
-                                         SCALED(MODE_MESH("5", "")), SCALED(MODE_MESH("6", ",\"indices\":5")), SCALED(MODE_MESH("6", "")) };
+    static const char *const rests[] = {SCALED(MODE_MESH("4", ",\"indices\":5")), SCALED(MODE_MESH("4", "")),
+                                        SCALED(MODE_MESH("5", ",\"indices\":5")), SCALED(MODE_MESH("5", "")),
+                                        SCALED(MODE_MESH("6", ",\"indices\":5")), SCALED(MODE_MESH("6", ""))};
     for (size_t i = 0; i < sizeof rests / sizeof *rests; i++) {
         asset a;
         make_asset(&a, rests[i]);
         for (int odd = 0; odd < 2; odd++) {
             result r;
             if (odd) /* five corners, five vertices */
-                for (char *at = a.text; (at = strstr(at, "\"count\":6")) != NULL;)
-                    at[8] = '5';
+                for (char *at = a.text; (at = strstr(at, "\"count\":6")) != NULL;) at[8] = '5';
             run(&a, NULL, 1, &r);
             assert_done(&r);
             assert_true(r.summary.mirrored);
@@ -605,8 +579,7 @@ static void test_mirrored_primitives(void **state)
 }
 
 /* Base plus delta through the node's matrix: what a renderer shows of a morphed vertex before, it must show after. */
-static void accessor_floats(const result *r, uint32_t accessor, double out[6][4], uint32_t *width)
-{
+static void accessor_floats(const result *r, uint32_t accessor, double out[6][4], uint32_t *width) {
     const json *j = &r->json;
     const uint32_t token = norma_json_element(j, norma_json_member(j, 0, "accessors"), accessor);
     uint64_t view, offset = 0, view_offset = 0, stride = 0, buffer;
@@ -638,21 +611,21 @@ static void accessor_floats(const result *r, uint32_t accessor, double out[6][4]
         }
 }
 
-static uint32_t attribute_of(const result *r, int target, const char *name)
-{
+static uint32_t attribute_of(const result *r, int target, const char *name) {
     const json *j = &r->json;
-    const uint32_t mesh = norma_json_element(j, norma_json_member(j, 0, "meshes"), 0), primitive = norma_json_element(j, norma_json_member(j, mesh, "primitives"), 0);
+    const uint32_t mesh = norma_json_element(j, norma_json_member(j, 0, "meshes"), 0),
+                   primitive = norma_json_element(j, norma_json_member(j, mesh, "primitives"), 0);
     const uint32_t object = target ? norma_json_element(j, norma_json_member(j, primitive, "targets"), 0) : norma_json_member(j, primitive, "attributes");
     uint64_t accessor;
     assert_true(norma_json_uint(j, norma_json_member(j, object, name), &accessor));
     return (uint32_t)accessor;
 }
 
-static void test_morphs_and_tangents(void **state)
-{
+static void test_morphs_and_tangents(void **state) {
     (void)state;
     asset a;
-    make_asset(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2},\"targets\":[{\"POSITION\":3,\"NORMAL\":4}],\"indices\":5}]}],"
+    make_asset(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2},\"targets\":[{\"POSITION\":3,\"NORMAL\":4}],"
+                   "\"indices\":5}]}],"
                    "\"nodes\":[{\"mesh\":0,\"matrix\":[0,2,0,0,-1,0,0,0,0,0,-3,0,4,5,6,1]}]");
     result r, same;
     run(&a, NULL, 1, &r);
@@ -672,9 +645,9 @@ static void test_morphs_and_tangents(void **state)
     accessor_floats(&r, attribute_of(&r, 1, "POSITION"), d1, &width);
     accessor_floats(&r, attribute_of(&r, 1, "NORMAL"), e1, &width);
     for (int i = 0; i < 6; i++) {
-        const double position[3] = { -p[i][1] + 4, 2 * p[i][0] + 5, -3 * p[i][2] + 6 }, delta[3] = { -d[i][1], 2 * d[i][0], -3 * d[i][2] };
-        const double normal[3] = { -n[i][1], n[i][0] / 2, -n[i][2] / 3 }, turned[3] = { -e[i][1], e[i][0] / 2, -e[i][2] / 3 };
-        const double tangent[3] = { -t[i][1], 2 * t[i][0], -3 * t[i][2] }, length = sqrt(dot(normal, normal)), along = dot(tangent, normal) / dot(normal, normal);
+        const double position[3] = {-p[i][1] + 4, 2 * p[i][0] + 5, -3 * p[i][2] + 6}, delta[3] = {-d[i][1], 2 * d[i][0], -3 * d[i][2]};
+        const double normal[3] = {-n[i][1], n[i][0] / 2, -n[i][2] / 3}, turned[3] = {-e[i][1], e[i][0] / 2, -e[i][2] / 3};
+        const double tangent[3] = {-t[i][1], 2 * t[i][0], -3 * t[i][2]}, length = sqrt(dot(normal, normal)), along = dot(tangent, normal) / dot(normal, normal);
         double flat_tangent[3];
         for (int k = 0; k < 3; k++) {
             assert_true(fabs(p1[i][k] - position[k]) < 1e-6 && fabs(d1[i][k] - delta[k]) < 1e-6);
@@ -690,16 +663,18 @@ static void test_morphs_and_tangents(void **state)
 
 /* ---- the data set */
 
-static const double turned[16] = { 0.6, 0, 1.6, 3, 0, -0.5, 0, -2, -0.8, 0, 1.2, 11, 0, 0, 0, 1 };              /* a rotation after scales (1, -0.5, 2) */
+static const double turned[16] = {0.6, 0, 1.6, 3, 0, -0.5, 0, -2, -0.8, 0, 1.2, 11, 0, 0, 0, 1}; /* a rotation after scales (1, -0.5, 2) */
 
 /* Sums that feel every position, every winding and every normal, and no order: the area, the volume, and what normals say of facets. */
-typedef struct sums { double area, volume, facing, size; int integers; } sums;
+typedef struct sums {
+    double area, volume, facing, size;
+    int integers;
+} sums;
 
-static sums sum_scene(norma_document *document, const double *rows)
-{
+static sums sum_scene(norma_document *document, const double *rows) {
     drawn_scene scene;
     scene_read(document, &scene);
-    sums s = { 0, 0, 0, 0, scene.integers };
+    sums s = {0, 0, 0, 0, scene.integers};
     for (size_t i = 0; i < scene.count; i++) {
         const scene_triangle t = expected_triangle(&scene.triangles[i], rows);
         double a[3], b[3], c[3];
@@ -711,30 +686,28 @@ static sums sum_scene(norma_document *document, const double *rows)
         cross(a, b, c);
         s.area += sqrt(dot(c, c));
         s.volume += dot(c, t.position[0]);
-        for (int k = 0; k < 3; k++)
-            s.facing += dot(c, t.normal[k]);
+        for (int k = 0; k < 3; k++) s.facing += dot(c, t.normal[k]);
     }
     scene_free(&scene);
     return s;
 }
 
-static int is_gltf(const char *path)
-{
+static int is_gltf(const char *path) {
     const norma_file_format format = norma_file_format_of_path(path);
     return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
 }
 
-typedef struct tally { size_t opened, refused, failed, compared, baked_nodes; } tally;
+typedef struct tally {
+    size_t opened, refused, failed, compared, baked_nodes;
+} tally;
 
-static void compare_sums(const char *name, const sums *a, const sums *b, const char *what)
-{
+static void compare_sums(const char *name, const sums *a, const sums *b, const char *what) {
     const double area = fmax(a->area, 1e-300);
     if (fabs(a->area - b->area) > 2e-4 * area || fabs(a->volume - b->volume) > 2e-4 * area * a->size || fabs(a->facing - b->facing) > 6e-3 * area)
         fail_msg("%s, %s: area %g and %g, volume %g and %g, facing %g and %g", name, what, a->area, b->area, a->volume, b->volume, a->facing, b->facing);
 }
 
-static int has_instances(norma_document *document)
-{
+static int has_instances(norma_document *document) {
     for (size_t i = 0; i < norma_document_node_count(document); i++) {
         norma_node_info info;
         if (norma_document_node_info(document, i, &info) == NORMA_DOCUMENT_OK && info.instances != 1)
@@ -744,8 +717,7 @@ static int has_instances(norma_document *document)
 }
 
 /* Broken files may fail, with a message; what opens and transforms must open again. */
-static void transform_file(void *user, const char *path, const char *name)
-{
+static void transform_file(void *user, const char *path, const char *name) {
     tally *count = user;
     int skinned = 0;
     const int broken = strncmp(name, "bad/", 4) == 0;
@@ -777,28 +749,34 @@ static void transform_file(void *user, const char *path, const char *name)
     count->opened += (size_t)is_gltf(path);
 }
 
-static void test_every_file(void **state)
-{
+static void test_every_file(void **state) {
     (void)state;
     if (!data_folder())
         skip();
-    tally count = { 0, 0, 0, 0, 0 };
+    tally count = {0, 0, 0, 0, 0};
     data_for_each(data_folder(), transform_file, &count);
-    print_message("# %zu glTF files transformed both ways, %zu nodes baked, %zu outputs compared; of the broken ones %zu refused, %zu transforms failed\n", count.opened,
-                  count.baked_nodes, count.compared, count.refused, count.failed);
+    print_message("# %zu glTF files transformed both ways, %zu nodes baked, %zu outputs compared; of the broken ones %zu refused, %zu transforms failed\n",
+                  count.opened, count.baked_nodes, count.compared, count.refused, count.failed);
     assert_true(count.opened > 90);
 }
 
-static void test_named_files(void **state)
-{
+static void test_named_files(void **state) {
     (void)state;
     if (!data_folder())
         skip();
-    static const struct { const char *name; double degrees; } files[] = {
-        { "gltf/khronos/NegativeScaleTest/NegativeScaleTest.gltf", 0.01 }, { "gltf/misc/nonuniform-nested.glb", 0.01 },       { "gltf/blender/02_shared_mesh/02_shared_mesh.gltf", 0.01 },
-        { "gltf/blender/02_node_hierarchy/02_node_hierarchy.gltf", 0.01 }, { "gltf/quantized/avocado-quant.glb", 1.2 },
-        { "gltf/quantized/avocado-meshopt.glb", 1.2 },                     { "gltf/khronos/MultipleScenes/MultipleScenes.gltf", 0.01 }, { "gltf/misc/mirror/one_face_123_mirror.gltf", 0.01 },
-        { "gltf/khronos/VertexColorTest/VertexColorTest.gltf", 0.01 },     { "gltf/khronos/OrientationTest/OrientationTest.gltf", 0.01 } };
+    static const struct {
+        const char *name;
+        double degrees;
+    } files[] = {{"gltf/khronos/NegativeScaleTest/NegativeScaleTest.gltf", 0.01},
+                 {"gltf/misc/nonuniform-nested.glb", 0.01},
+                 {"gltf/blender/02_shared_mesh/02_shared_mesh.gltf", 0.01},
+                 {"gltf/blender/02_node_hierarchy/02_node_hierarchy.gltf", 0.01},
+                 {"gltf/quantized/avocado-quant.glb", 1.2},
+                 {"gltf/quantized/avocado-meshopt.glb", 1.2},
+                 {"gltf/khronos/MultipleScenes/MultipleScenes.gltf", 0.01},
+                 {"gltf/misc/mirror/one_face_123_mirror.gltf", 0.01},
+                 {"gltf/khronos/VertexColorTest/VertexColorTest.gltf", 0.01},
+                 {"gltf/khronos/OrientationTest/OrientationTest.gltf", 0.01}};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         char path[1000];
         snprintf(path, sizeof path, "%s/%s", data_folder(), files[i].name);
@@ -818,8 +796,7 @@ static void test_named_files(void **state)
 }
 
 /* 125 instances of one cube: as many meshes, and the accessors of the instances' places serve the new ones. */
-static void test_instances(void **state)
-{
+static void test_instances(void **state) {
     (void)state;
     if (!data_folder())
         skip();
@@ -849,15 +826,16 @@ static void test_instances(void **state)
     finish(&r);
 }
 
-static void test_skinned_and_animated_files(void **state)
-{
+static void test_skinned_and_animated_files(void **state) {
     (void)state;
     if (!data_folder())
         skip();
-    static const struct { const char *name, *note; } files[] = { { "gltf/khronos/Fox/Fox.gltf", "skinned" },
-                                                                  { "gltf/khronos/RiggedSimple/RiggedSimple.gltf", "skinned" },
-                                                                  { "gltf/khronos/SimpleSkin/SimpleSkin.gltf", "skinned" },
-                                                                  { "gltf/khronos/InterpolationTest/InterpolationTest.gltf", "animated" } };
+    static const struct {
+        const char *name, *note;
+    } files[] = {{"gltf/khronos/Fox/Fox.gltf", "skinned"},
+                 {"gltf/khronos/RiggedSimple/RiggedSimple.gltf", "skinned"},
+                 {"gltf/khronos/SimpleSkin/SimpleSkin.gltf", "skinned"},
+                 {"gltf/khronos/InterpolationTest/InterpolationTest.gltf", "animated"}};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         char path[1000];
         snprintf(path, sizeof path, "%s/%s", data_folder(), files[i].name);
@@ -875,8 +853,7 @@ static void test_skinned_and_animated_files(void **state)
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_identity_is_the_input),
         cmocka_unit_test(test_node_above_roots),

@@ -16,18 +16,17 @@ enum { MOST_VECTORS = 1000, MOST_FACES = 200, MOST_CORNERS = 8 };
 
 typedef struct truth_face {
     size_t count, position[MOST_CORNERS], normal[MOST_CORNERS];
-    size_t triangles;             /* of the glTF that lie in it */
+    size_t triangles; /* of the glTF that lie in it */
 } truth_face;
 
 typedef struct truth_mesh {
-    double     v[MOST_VECTORS][3], vn[MOST_VECTORS][3];
-    size_t     v_count, vn_count, face_count;
+    double v[MOST_VECTORS][3], vn[MOST_VECTORS][3];
+    size_t v_count, vn_count, face_count;
     truth_face faces[MOST_FACES];
 } truth_mesh;
 
 /* Only what these files hold: v, vn, and f with v/vt/vn, counted from 1. */
-static void read_truth(const char *path, truth_mesh *truth)
-{
+static void read_truth(const char *path, truth_mesh *truth) {
     FILE *file = fopen(path, "r");
     assert_non_null(file);
     char line[1000];
@@ -51,14 +50,10 @@ static void read_truth(const char *path, truth_mesh *truth)
     assert_true(truth->face_count > 0);
 }
 
-static double distance(const double a[3], const double b[3])
-{
-    return fmax(fmax(fabs(a[0] - b[0]), fabs(a[1] - b[1])), fabs(a[2] - b[2]));
-}
+static double distance(const double a[3], const double b[3]) { return fmax(fmax(fabs(a[0] - b[0]), fabs(a[1] - b[1])), fabs(a[2] - b[2])); }
 
 /* The corner of the face at a position, or MOST_CORNERS. */
-static size_t corner_at(const truth_mesh *truth, const truth_face *face, const double position[3], double tolerance)
-{
+static size_t corner_at(const truth_mesh *truth, const truth_face *face, const double position[3], double tolerance) {
     for (size_t i = 0; i < face->count; i++)
         if (distance(truth->v[face->position[i]], position) <= tolerance)
             return i;
@@ -66,8 +61,7 @@ static size_t corner_at(const truth_mesh *truth, const truth_face *face, const d
 }
 
 /* Whether the three corners of a triangle are corners of the face in the face's own order, and how far their normals are from the face's. */
-static int lies_in(const truth_mesh *truth, const truth_face *face, const scene_triangle *triangle, double tolerance, double *worst_deg)
-{
+static int lies_in(const truth_mesh *truth, const truth_face *face, const scene_triangle *triangle, double tolerance, double *worst_deg) {
     size_t at[3];
     *worst_deg = 0;
     for (int k = 0; k < 3; k++) {
@@ -79,8 +73,7 @@ static int lies_in(const truth_mesh *truth, const truth_face *face, const scene_
     return (at[0] < at[1]) + (at[1] < at[2]) + (at[2] < at[0]) == 2;
 }
 
-static void compare(truth_mesh *truth, const drawn_scene *scene, const char *name)
-{
+static void compare(truth_mesh *truth, const drawn_scene *scene, const char *name) {
     const double tolerance = 4e-7 * scene_largest(scene);
     double worst_deg = 0;
     for (size_t i = 0; i < scene->count; i++) {
@@ -92,19 +85,17 @@ static void compare(truth_mesh *truth, const drawn_scene *scene, const char *nam
                 found = &truth->faces[k];
             }
         if (!found)
-            fail_msg("%s: triangle %zu, at %g %g %g, is in no face of the truth", name, i, scene->triangles[i].position[0][0], scene->triangles[i].position[0][1],
-                     scene->triangles[i].position[0][2]);
+            fail_msg("%s: triangle %zu, at %g %g %g, is in no face of the truth", name, i, scene->triangles[i].position[0][0],
+                     scene->triangles[i].position[0][1], scene->triangles[i].position[0][2]);
         found->triangles++;
         worst_deg = fmax(worst_deg, best);
     }
-    for (size_t k = 0; k < truth->face_count; k++)
-        assert_int_equal(truth->faces[k].triangles, truth->faces[k].count - 2);
+    for (size_t k = 0; k < truth->face_count; k++) assert_int_equal(truth->faces[k].triangles, truth->faces[k].count - 2);
     print_message("# %s: %zu triangles, normals off by at most %.5f degrees\n", name, scene->count, worst_deg);
     assert_true(worst_deg <= 0.01);
 }
 
-static void assert_identities(norma_document *document)
-{
+static void assert_identities(norma_document *document) {
     assert_true(norma_document_node_count(document) > 0);
     for (size_t i = 0; i < norma_document_node_count(document); i++) {
         norma_node_info info;
@@ -115,9 +106,8 @@ static void assert_identities(norma_document *document)
     }
 }
 
-/* One of the files is animated, if only on the spot: its nodes would stay. The animations get a name that nobody knows. */
-static char *read_without_animations(const char *path)
-{
+/* One of the files is animated, and its nodes would stay: the animations get a name that nobody knows. */
+static char *read_without_animations(const char *path) {
     FILE *file = fopen(path, "rb");
     assert_non_null(file);
     char *text = calloc(100000, 1);
@@ -131,8 +121,7 @@ static char *read_without_animations(const char *path)
     return text;
 }
 
-static void check_pair(const char *name, int bake)
-{
+static void check_pair(const char *name, int bake) {
     if (!data_folder())
         skip();
     char path[1000], truth_path[1000];
@@ -145,7 +134,7 @@ static void check_pair(const char *name, int bake)
     norma_document *document = scene_reopen((unsigned char *)text, strlen(text), path), *baked = document;
     unsigned char *bytes = NULL;
     if (bake) {
-        const norma_transform_options options = { .struct_size = sizeof options, .bake = 1 };
+        const norma_transform_options options = {.struct_size = sizeof options, .bake = 1};
         norma_transform_summary summary;
         norma_document_error error;
         if (norma_document_transform(document, &options, &summary, &error) != NORMA_DOCUMENT_OK)
@@ -166,30 +155,25 @@ static void check_pair(const char *name, int bake)
     free(text);
 }
 
-static const char *const pairs[] = { "max-geometry-transform", "max-geometry-transform-instances", "maya-equal-pivot-scale", "maya-parented-cubes", "synthetic-pre-post-rotate" };
+static const char *const pairs[] = {"max-geometry-transform", "max-geometry-transform-instances", "maya-equal-pivot-scale", "maya-parented-cubes",
+                                    "synthetic-pre-post-rotate"};
 
 /* The nodes' matrices as read, before any transform: what the rest is built on. */
-static void test_world_matrices(void **state)
-{
+static void test_world_matrices(void **state) {
     (void)state;
-    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
-        check_pair(pairs[i], 0);
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) check_pair(pairs[i], 0);
 }
 
-static void test_baked(void **state)
-{
-    check_pair(*state, 1);
-}
+static void test_baked(void **state) { check_pair(*state, 1); }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_world_matrices),
-        { "baked max-geometry-transform", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[0] },
-        { "baked max-geometry-transform-instances", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[1] },
-        { "baked maya-equal-pivot-scale", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[2] },
-        { "baked maya-parented-cubes", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[3] },
-        { "baked synthetic-pre-post-rotate", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[4] },
+        {"baked max-geometry-transform", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[0]},
+        {"baked max-geometry-transform-instances", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[1]},
+        {"baked maya-equal-pivot-scale", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[2]},
+        {"baked maya-parented-cubes", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[3]},
+        {"baked synthetic-pre-post-rotate", test_baked, NULL, NULL, (void *)(uintptr_t)pairs[4]},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

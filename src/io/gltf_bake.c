@@ -15,23 +15,22 @@
 typedef enum node_fate { FATE_KEEPS = 0, FATE_BAKED, FATE_PARTED } node_fate; /* parted: keeps its matrix, its mesh goes to a new node */
 
 typedef struct baking {
-    gltf          *g;
+    gltf *g;
     const norma_transform_options *options;
     norma_transform_summary *summary;
-    gltf_tree      tree;
-    bake_cache     cache;
-    int            moves;                  /* options->matrix is not the identity */
-    uint32_t      *order;
+    gltf_tree tree;
+    bake_cache cache;
+    int moves; /* options->matrix is not the identity */
+    uint32_t *order;
     unsigned char *flags, *fates, *carried; /* by node; carried: by root, whether the matrix goes above it */
-    uint32_t      *roots;                  /* by node: its root */
-    uint32_t      *stays;                  /* by mesh: how many nodes draw it that are not baked */
-    unsigned char *taken;                  /* by mesh: a baked node has it already, another one gets a copy */
-    int            instances_left;         /* instances that stay */
-    size_t         uses, done;             /* meshes to be carried */
+    uint32_t *roots;                        /* by node: its root */
+    uint32_t *stays;                        /* by mesh: how many nodes draw it that are not baked */
+    unsigned char *taken;                   /* by mesh: a baked node has it already, another one gets a copy */
+    int instances_left;                     /* instances that stay */
+    size_t uses, done;                      /* meshes to be carried */
 } baking;
 
-static int allocate_baking(baking *b)
-{
+static int allocate_baking(baking *b) {
     const size_t nodes = (size_t)b->g->node_count + 1, meshes = (size_t)b->g->mesh_count + 1;
     b->order = norma_gltf_bake_order(b->g, &b->tree);
     b->flags = b->order ? norma_gltf_bake_flags(b->g, b->order) : NULL;
@@ -43,8 +42,7 @@ static int allocate_baking(baking *b)
     return b->flags && b->fates && b->carried && b->roots && b->stays && b->taken;
 }
 
-static void free_baking(baking *b)
-{
+static void free_baking(baking *b) {
     norma_gltf_tree_free(&b->tree);
     norma_gltf_bake_cache_free(&b->cache);
     free(b->order);
@@ -58,8 +56,7 @@ static void free_baking(baking *b)
 
 /* ---- who is baked */
 
-static void note_stays(const baking *b, uint32_t node, const char *why)
-{
+static void note_stays(const baking *b, uint32_t node, const char *why) {
     const char *name = b->g->nodes[node].name;
     if (name && *name)
         norma_document_add_note(b->g->document, "node %u \"%s\" is not baked: %s", (unsigned)node, name, why);
@@ -68,8 +65,7 @@ static void note_stays(const baking *b, uint32_t node, const char *why)
 }
 
 /* NULL, or why a node that draws a mesh keeps it as it is. */
-static const char *why_not(const baking *b, uint32_t node)
-{
+static const char *why_not(const baking *b, uint32_t node) {
     const gltf_node *n = &b->g->nodes[node];
     const unsigned flags = b->flags[node];
     if (n->skin != GLTF_NONE)
@@ -83,8 +79,7 @@ static const char *why_not(const baking *b, uint32_t node)
     return NULL;
 }
 
-static node_fate fate_of(const baking *b, uint32_t node)
-{
+static node_fate fate_of(const baking *b, uint32_t node) {
     const gltf_node *n = &b->g->nodes[node];
     if (n->mesh == GLTF_NONE || (n->instanced && n->instances == 0))
         return FATE_KEEPS;
@@ -104,8 +99,7 @@ static node_fate fate_of(const baking *b, uint32_t node)
     return b->flags[node] & (BAKE_CARRIES | BAKE_JOINT) ? FATE_PARTED : FATE_BAKED;
 }
 
-static void decide_fates(baking *b)
-{
+static void decide_fates(baking *b) {
     for (uint32_t i = 0; i < b->g->node_count; i++) {
         const uint32_t node = b->order[i], parent = b->g->nodes[node].parent;
         b->fates[node] = (unsigned char)fate_of(b, node);
@@ -123,8 +117,7 @@ static void decide_fates(baking *b)
 }
 
 /* Which roots hold something besides baked nodes and the groups above them. */
-static norma_document_result decide_carried(baking *b, norma_document_error *error)
-{
+static norma_document_result decide_carried(baking *b, norma_document_error *error) {
     unsigned char *groups = norma_io_allocate((size_t)b->g->node_count + 1, 1); /* has a baked node below */
     if (!groups)
         return norma_document_fail_memory(b->g->document, error);
@@ -144,16 +137,14 @@ static norma_document_result decide_carried(baking *b, norma_document_error *err
 /* ---- the hierarchy */
 
 /* The world matrix that a node which keeps its own will have. */
-static void kept_world(const baking *b, uint32_t node, double world[16])
-{
+static void kept_world(const baking *b, uint32_t node, double world[16]) {
     memcpy(world, b->g->nodes[node].world, 16 * sizeof *world);
     if (b->moves && b->carried[b->roots[node]])
         norma_gltf_matrix_multiply(b->options->matrix, world, world);
 }
 
 /* Brings node, a child of above, which keeps its world matrix, to the identity. */
-static void hang_at_identity(baking *b, uint32_t node, uint32_t above)
-{
+static void hang_at_identity(baking *b, uint32_t node, uint32_t above) {
     double world[16], inverse[16], identity[16];
     kept_world(b, above, world);
     norma_gltf_matrix_identity(identity);
@@ -166,8 +157,7 @@ static void hang_at_identity(baking *b, uint32_t node, uint32_t above)
 }
 
 /* Those of node's children that are not baked, under a new node that holds the matrix which node gave up. */
-static void keep_children(baking *b, uint32_t node)
-{
+static void keep_children(baking *b, uint32_t node) {
     uint32_t between = GLTF_NONE;
     for (uint32_t child = b->tree.nodes[node].first, after; child != GLTF_NONE && !b->tree.failed; child = after) {
         after = b->tree.nodes[child].after;
@@ -186,8 +176,7 @@ static void keep_children(baking *b, uint32_t node)
     norma_gltf_tree_set_local(&b->tree, between, world);
 }
 
-static void rehang_baked(baking *b, uint32_t node)
-{
+static void rehang_baked(baking *b, uint32_t node) {
     const uint32_t parent = b->g->nodes[node].parent;
     double identity[16];
     norma_gltf_matrix_identity(identity);
@@ -200,8 +189,7 @@ static void rehang_baked(baking *b, uint32_t node)
 
 /* The matrix above all roots that hold something it must move. Roots that are baked have it in what keep_children made; a skinned mesh without children goes by its
  * joints and would rather be a root. */
-static norma_document_result raise_carried(baking *b, norma_document_error *error)
-{
+static norma_document_result raise_carried(baking *b, norma_document_error *error) {
     unsigned char *wanted = norma_io_allocate((size_t)b->g->node_count + 1, 1);
     if (!wanted)
         return norma_document_fail_memory(b->g->document, error);
@@ -217,8 +205,7 @@ static norma_document_result raise_carried(baking *b, norma_document_error *erro
 /* ---- the meshes */
 
 /* A mesh of its own for holder, carried by world. */
-static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder, const double world[16], norma_document_error *error)
-{
+static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder, const double world[16], norma_document_error *error) {
     gltf *g = b->g;
     const uint32_t mesh = g->nodes[node].mesh;
     uint32_t copy = 0, number = mesh;
@@ -233,7 +220,8 @@ static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
     b->summary->meshes++;
     b->summary->mirrored |= map.mirrored;
     if (map.rank < 2)
-        norma_document_add_note(g->document, "node %u: its matrix leaves nothing but %s, on which no normal exists; normals became +Z", (unsigned)node, map.rank ? "a line" : "a point");
+        norma_document_add_note(g->document, "node %u: its matrix leaves nothing but %s, on which no normal exists; normals became +Z", (unsigned)node,
+                                map.rank ? "a line" : "a point");
     const norma_document_result result = norma_gltf_bake_mesh(g, &b->cache, mesh, copy, &map, node, &b->summary->vertices, error);
     b->done++;
     if (!result && b->options->progress && b->options->progress(b->options->progress_user, (double)b->done / (double)b->uses))
@@ -241,10 +229,13 @@ static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
     return result;
 }
 
-typedef struct instance_arrays { gltf_array translation, rotation, scale; int has_translation, has_rotation, has_scale; } instance_arrays;
+typedef struct instance_arrays {
+    gltf_array translation, rotation, scale;
+    int has_translation, has_rotation, has_scale;
+} instance_arrays;
 
-static norma_document_result read_instance_array(gltf *g, uint32_t attributes, const char *key, uint32_t width, size_t count, gltf_array *array, int *has, norma_document_error *error)
-{
+static norma_document_result read_instance_array(gltf *g, uint32_t attributes, const char *key, uint32_t width, size_t count, gltf_array *array, int *has,
+                                                 norma_document_error *error) {
     const uint32_t token = norma_json_member(&g->json, attributes, key);
     uint64_t accessor;
     *has = token != JSON_NONE;
@@ -255,12 +246,12 @@ static norma_document_result read_instance_array(gltf *g, uint32_t attributes, c
     const norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
     if (result)
         return result;
-    return array->width == width && array->count >= count && array->component != GLTF_UINT ? NORMA_DOCUMENT_OK
-                                                                                           : norma_gltf_malformed(g, error, token, "one vector for each instance");
+    return array->width == width && array->count >= count && array->component != GLTF_UINT
+               ? NORMA_DOCUMENT_OK
+               : norma_gltf_malformed(g, error, token, "one vector for each instance");
 }
 
-static norma_document_result read_instances(gltf *g, uint32_t node, instance_arrays *arrays, norma_document_error *error)
-{
+static norma_document_result read_instances(gltf *g, uint32_t node, instance_arrays *arrays, norma_document_error *error) {
     const uint32_t extensions = norma_json_member(&g->json, g->nodes[node].token, "extensions");
     const uint32_t attributes = norma_json_member(&g->json, norma_json_member(&g->json, extensions, "EXT_mesh_gpu_instancing"), "attributes");
     const size_t count = g->nodes[node].instances;
@@ -275,39 +266,34 @@ static norma_document_result read_instances(gltf *g, uint32_t node, instance_arr
             result = norma_document_fail_memory(g->document, error);
     }
     if (norma_json_size(&g->json, attributes) > (uint32_t)(arrays->has_translation + arrays->has_rotation + arrays->has_scale))
-        norma_document_add_note(g->document, "node %u: what its instances have besides a place (such as _ID) has no place in meshes of their own, and is dropped", (unsigned)node);
+        norma_document_add_note(
+            g->document, "node %u: what its instances have besides a place (such as _ID) has no place in meshes of their own, and is dropped", (unsigned)node);
     return result;
 }
 
-static void instance_matrix(const instance_arrays *arrays, size_t index, double matrix[16])
-{
-    gltf_trs trs = { { 0, 0, 0 }, { 0, 0, 0, 1 }, { 1, 1, 1 } };
+static void instance_matrix(const instance_arrays *arrays, size_t index, double matrix[16]) {
+    gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
     float f[4];
     if (arrays->has_translation) {
         norma_gltf_floats(&arrays->translation, index, f);
-        for (int k = 0; k < 3; k++)
-            trs.translation[k] = (double)f[k];
+        for (int k = 0; k < 3; k++) trs.translation[k] = (double)f[k];
     }
     if (arrays->has_scale) {
         norma_gltf_floats(&arrays->scale, index, f);
-        for (int k = 0; k < 3; k++)
-            trs.scale[k] = (double)f[k];
+        for (int k = 0; k < 3; k++) trs.scale[k] = (double)f[k];
     }
     if (arrays->has_rotation) {
         norma_gltf_floats(&arrays->rotation, index, f);
         double squares = 0;
-        for (int k = 0; k < 4; k++)
-            squares += (double)f[k] * (double)f[k];
-        for (int k = 0; k < 4 && squares > 0; k++)
-            trs.rotation[k] = (double)f[k] / sqrt(squares);
+        for (int k = 0; k < 4; k++) squares += (double)f[k] * (double)f[k];
+        for (int k = 0; k < 4 && squares > 0; k++) trs.rotation[k] = (double)f[k] / sqrt(squares);
     }
     norma_gltf_matrix_compose(&trs, matrix);
 }
 
 /* One mesh for each instance: the first at holder, the others at new nodes below it. */
-static norma_document_result bake_instances(baking *b, uint32_t node, uint32_t holder, const double world[16], norma_document_error *error)
-{
-    instance_arrays arrays = { 0 };
+static norma_document_result bake_instances(baking *b, uint32_t node, uint32_t holder, const double world[16], norma_document_error *error) {
+    instance_arrays arrays = {0};
     norma_document_result result = read_instances(b->g, node, &arrays, error);
     b->tree.nodes[node].instances_removed = 1;
     for (size_t i = 0; !result && i < b->g->nodes[node].instances; i++) {
@@ -328,8 +314,7 @@ static norma_document_result bake_instances(baking *b, uint32_t node, uint32_t h
 }
 
 /* The new node below a parted one that draws its mesh. */
-static uint32_t part(baking *b, uint32_t node)
-{
+static uint32_t part(baking *b, uint32_t node) {
     const uint32_t holder = norma_gltf_tree_add(&b->tree, node);
     if (holder == GLTF_NONE)
         return GLTF_NONE;
@@ -341,8 +326,7 @@ static uint32_t part(baking *b, uint32_t node)
     return holder;
 }
 
-static norma_document_result bake_node(baking *b, uint32_t node, norma_document_error *error)
-{
+static norma_document_result bake_node(baking *b, uint32_t node, norma_document_error *error) {
     double world[16];
     norma_gltf_matrix_multiply(b->options->matrix, b->g->nodes[node].world, world);
     uint32_t holder = node;
@@ -356,8 +340,7 @@ static norma_document_result bake_node(baking *b, uint32_t node, norma_document_
 }
 
 /* An extension that nothing uses any more leaves the lists. */
-static void unlist(gltf *g, const char *key, const char *extension)
-{
+static void unlist(gltf *g, const char *key, const char *extension) {
     const uint32_t list = norma_json_member(&g->json, 0, key);
     json_edits *edits = norma_gltf_edits(g, 0);
     for (uint32_t value = norma_json_first(&g->json, list); edits && value != JSON_NONE; value = norma_json_next(&g->json, list, value)) {
@@ -370,19 +353,16 @@ static void unlist(gltf *g, const char *key, const char *extension)
     }
 }
 
-static void unlist_instancing(baking *b)
-{
+static void unlist_instancing(baking *b) {
     int removed = 0;
-    for (uint32_t i = 0; i < b->g->node_count; i++)
-        removed |= b->tree.nodes[i].instances_removed;
+    for (uint32_t i = 0; i < b->g->node_count; i++) removed |= b->tree.nodes[i].instances_removed;
     if (!removed || b->instances_left)
         return;
     unlist(b->g, "extensionsUsed", "EXT_mesh_gpu_instancing");
     unlist(b->g, "extensionsRequired", "EXT_mesh_gpu_instancing");
 }
 
-static norma_document_result bake_all(baking *b, norma_document_error *error)
-{
+static norma_document_result bake_all(baking *b, norma_document_error *error) {
     decide_fates(b);
     norma_document_result result = decide_carried(b, error);
     for (uint32_t i = 0; !result && i < b->g->node_count; i++)
@@ -395,9 +375,8 @@ static norma_document_result bake_all(baking *b, norma_document_error *error)
     return result ? result : norma_gltf_tree_write(&b->tree, error);
 }
 
-norma_document_result norma_gltf_bake(gltf *g, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error)
-{
-    baking b = { .g = g, .options = options, .summary = summary, .moves = !norma_gltf_matrix_is_identity(options->matrix) };
+norma_document_result norma_gltf_bake(gltf *g, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error) {
+    baking b = {.g = g, .options = options, .summary = summary, .moves = !norma_gltf_matrix_is_identity(options->matrix)};
     norma_gltf_tree_read(g, &b.tree);
     norma_document_result result = b.tree.failed || !allocate_baking(&b) ? norma_document_fail_memory(g->document, error) : bake_all(&b, error);
     free_baking(&b);

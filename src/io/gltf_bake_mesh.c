@@ -5,27 +5,25 @@
 #include <string.h>
 
 typedef struct mesh_baker {
-    gltf           *g;
-    bake_cache     *cache;
+    gltf *g;
+    bake_cache *cache;
     const bake_map *map;
-    uint32_t        node;                  /* for messages */
+    uint32_t node; /* for messages */
 } mesh_baker;
 
-static norma_document_result malformed(const mesh_baker *b, uint32_t accessor, const char *expected, norma_document_error *error)
-{
+static norma_document_result malformed(const mesh_baker *b, uint32_t accessor, const char *expected, norma_document_error *error) {
     return norma_gltf_malformed(b->g, error, b->g->accessors[accessor].token, expected);
 }
 
-static norma_document_result too_large(const mesh_baker *b, uint32_t accessor, norma_document_error *error)
-{
+static norma_document_result too_large(const mesh_baker *b, uint32_t accessor, norma_document_error *error) {
     char place[60];
-    snprintf(place, sizeof place, "accessor %u", (unsigned)accessor);
-    return norma_document_fail(b->g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, place, "under node %u its numbers become larger than floats are; expected a smaller scale",
-                               (unsigned)b->node);
+    (void)snprintf(place, sizeof place, "accessor %u", (unsigned)accessor);
+    return norma_document_fail(b->g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, place,
+                               "under node %u its numbers become larger than floats are; expected a smaller scale", (unsigned)b->node);
 }
 
-static norma_document_result check_shape(const mesh_baker *b, const bake_entry *entry, const gltf_array *array, const gltf_array *base, norma_document_error *error)
-{
+static norma_document_result check_shape(const mesh_baker *b, const bake_entry *entry, const gltf_array *array, const gltf_array *base,
+                                         norma_document_error *error) {
     if (array->width != (entry->role == BAKE_TANGENTS ? 4u : 3u))
         return malformed(b, entry->a, entry->role == BAKE_TANGENTS ? "VEC4 for tangents" : "VEC3", error);
     if (array->component == GLTF_UINT)
@@ -36,8 +34,7 @@ static norma_document_result check_shape(const mesh_baker *b, const bake_entry *
 }
 
 /* Contents equal to the stored ones, bit for bit, change nothing. */
-static int unchanged(const gltf_data *data, const gltf_array *old)
-{
+static int unchanged(const gltf_data *data, const gltf_array *old) {
     if (data->component != old->component || data->normalized != old->normalized)
         return 0;
     const size_t size = data->width * norma_gltf_component_size(data->component);
@@ -47,8 +44,7 @@ static int unchanged(const gltf_data *data, const gltf_array *old)
     return 1;
 }
 
-static norma_document_result make_data(const mesh_baker *b, bake_entry *entry, norma_document_error *error)
-{
+static norma_document_result make_data(const mesh_baker *b, bake_entry *entry, norma_document_error *error) {
     gltf_array array, base;
     norma_document_result result = norma_gltf_array(b->g, entry->a, &array, error);
     if (!result && entry->b != GLTF_NONE)
@@ -78,12 +74,12 @@ static norma_document_result make_data(const mesh_baker *b, bake_entry *entry, n
 }
 
 /* base: see norma_gltf_carry. */
-static norma_document_result bake_slot(const mesh_baker *b, bake_role role, uint32_t accessor, uint32_t base, const gltf_slot *slot, norma_document_error *error)
-{
+static norma_document_result bake_slot(const mesh_baker *b, bake_role role, uint32_t accessor, uint32_t base, const gltf_slot *slot,
+                                       norma_document_error *error) {
     const int is_direction = role != BAKE_POSITIONS && role != BAKE_POSITION_DELTAS;
     if (accessor == GLTF_NONE || (is_direction && !b->map->turns))
         return NORMA_DOCUMENT_OK;
-    bake_entry entry = { role, accessor, base, b->map->id, 0, 0 };
+    bake_entry entry = {role, accessor, base, b->map->id, 0, 0};
     if (!norma_gltf_bake_cache_find(b->cache, &entry, &entry.data)) {
         const norma_document_result result = make_data(b, &entry, error);
         if (result)
@@ -96,8 +92,8 @@ static norma_document_result bake_slot(const mesh_baker *b, bake_role role, uint
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result bake_attributes(const mesh_baker *b, const gltf_primitive *primitive, const gltf_attributes *attributes, gltf_slot slot, norma_document_error *error)
-{
+static norma_document_result bake_attributes(const mesh_baker *b, const gltf_primitive *primitive, const gltf_attributes *attributes, gltf_slot slot,
+                                             norma_document_error *error) {
     const int delta = slot.target >= 0;
     const gltf_attributes *base = &primitive->base;
     slot.attribute = "POSITION";
@@ -111,14 +107,14 @@ static norma_document_result bake_attributes(const mesh_baker *b, const gltf_pri
     return result;
 }
 
-norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, uint32_t mesh, uint32_t copy, const bake_map *map, uint32_t node, size_t *vertices, norma_document_error *error)
-{
-    const mesh_baker b = { g, cache, map, node };
+norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, uint32_t mesh, uint32_t copy, const bake_map *map, uint32_t node, size_t *vertices,
+                                           norma_document_error *error) {
+    const mesh_baker b = {g, cache, map, node};
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t i = 0; !result && i < g->meshes[mesh].primitive_count; i++) {
         const uint32_t number = g->meshes[mesh].first_primitive + i;
         const gltf_primitive *primitive = &g->primitives[number];
-        gltf_slot slot = { copy, number, GLTF_SLOT_BASE, NULL };
+        gltf_slot slot = {copy, number, GLTF_SLOT_BASE, NULL};
         if (primitive->base.position == GLTF_NONE)
             continue; /* nothing is drawn */
         result = bake_attributes(&b, primitive, &primitive->base, slot, error);

@@ -3,8 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-uint32_t *norma_gltf_bake_order(const gltf *g, const gltf_tree *tree)
-{
+uint32_t *norma_gltf_bake_order(const gltf *g, const gltf_tree *tree) {
     uint32_t *order = norma_io_allocate((size_t)g->node_count + 1, sizeof *order);
     uint32_t count = 0;
     for (uint32_t i = 0; order && i < g->node_count; i++)
@@ -16,16 +15,14 @@ uint32_t *norma_gltf_bake_order(const gltf *g, const gltf_tree *tree)
     return order;
 }
 
-static void flag_node(const gltf *g, unsigned char *flags, uint32_t token, unsigned flag)
-{
+static void flag_node(const gltf *g, unsigned char *flags, uint32_t token, unsigned flag) {
     uint64_t number;
     if (norma_json_uint(&g->json, token, &number) && number < g->node_count)
         flags[number] = (unsigned char)(flags[number] | flag);
 }
 
 /* KHR_animation_pointer: "/nodes/7/rotation". */
-static void flag_pointer(const gltf *g, unsigned char *flags, uint32_t target)
-{
+static void flag_pointer(const gltf *g, unsigned char *flags, uint32_t target) {
     const uint32_t extension = norma_json_member(&g->json, norma_json_member(&g->json, target, "extensions"), "KHR_animation_pointer");
     char *pointer = norma_json_string(&g->json, norma_json_member(&g->json, extension, "pointer"));
     if (pointer && strncmp(pointer, "/nodes/", 7) == 0) {
@@ -42,8 +39,7 @@ static void flag_pointer(const gltf *g, unsigned char *flags, uint32_t target)
     free(pointer);
 }
 
-static void flag_animations(const gltf *g, unsigned char *flags)
-{
+static void flag_animations(const gltf *g, unsigned char *flags) {
     const json *j = &g->json;
     const uint32_t animations = norma_json_member(j, 0, "animations");
     for (uint32_t animation = norma_json_first(j, animations); animation != JSON_NONE; animation = norma_json_next(j, animations, animation)) {
@@ -58,8 +54,7 @@ static void flag_animations(const gltf *g, unsigned char *flags)
     }
 }
 
-static void flag_skins(const gltf *g, unsigned char *flags)
-{
+static void flag_skins(const gltf *g, unsigned char *flags) {
     const json *j = &g->json;
     const uint32_t skins = norma_json_member(j, 0, "skins");
     for (uint32_t skin = norma_json_first(j, skins); skin != JSON_NONE; skin = norma_json_next(j, skins, skin)) {
@@ -71,26 +66,24 @@ static void flag_skins(const gltf *g, unsigned char *flags)
 }
 
 /* Extensions of a node that say nothing about where it is. */
-static const char *const placeless[] = { "EXT_mesh_gpu_instancing", "KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability", "KHR_xmp_json_ld", "KHR_xmp" };
+static const char *const placeless[] = {"EXT_mesh_gpu_instancing", "KHR_node_visibility", "KHR_node_selectability",
+                                        "KHR_node_hoverability",   "KHR_xmp_json_ld",     "KHR_xmp"};
 
-static int carries_more(const gltf *g, uint32_t node)
-{
+static int carries_more(const gltf *g, uint32_t node) {
     const json *j = &g->json;
     const uint32_t token = g->nodes[node].token, extensions = norma_json_member(j, token, "extensions");
     if (norma_json_member(j, token, "camera") != JSON_NONE)
         return 1;
     for (uint32_t value = norma_json_first(j, extensions); value != JSON_NONE; value = norma_json_next(j, extensions, value)) {
         int harmless = 0;
-        for (size_t i = 0; i < sizeof placeless / sizeof *placeless; i++)
-            harmless |= norma_json_equals(j, value - 1, placeless[i]);
+        for (size_t i = 0; i < sizeof placeless / sizeof *placeless; i++) harmless |= norma_json_equals(j, value - 1, placeless[i]);
         if (!harmless)
             return 1;
     }
     return 0;
 }
 
-unsigned char *norma_gltf_bake_flags(const gltf *g, const uint32_t *order)
-{
+unsigned char *norma_gltf_bake_flags(const gltf *g, const uint32_t *order) {
     unsigned char *flags = norma_io_allocate((size_t)g->node_count + 1, 1);
     if (!flags)
         return NULL;
@@ -106,8 +99,7 @@ unsigned char *norma_gltf_bake_flags(const gltf *g, const uint32_t *order)
     return flags;
 }
 
-const char *norma_gltf_bake_obstacle(const gltf *g, uint32_t mesh)
-{
+const char *norma_gltf_bake_obstacle(const gltf *g, uint32_t mesh) {
     for (uint32_t i = 0; i < g->meshes[mesh].primitive_count; i++) {
         const gltf_primitive *primitive = &g->primitives[g->meshes[mesh].first_primitive + i];
         const uint32_t extensions = norma_json_member(&g->json, primitive->token, "extensions");

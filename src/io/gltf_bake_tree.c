@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void append_child(gltf_tree *tree, uint32_t parent, uint32_t child)
-{
+static void append_child(gltf_tree *tree, uint32_t parent, uint32_t child) {
     tree_node *above = &tree->nodes[parent], *node = &tree->nodes[child];
     node->parent = parent;
     node->before = above->last;
@@ -19,8 +18,7 @@ static void append_child(gltf_tree *tree, uint32_t parent, uint32_t child)
     above->last = child;
 }
 
-static void add_root(gltf_tree *tree, tree_scene *scene, uint32_t root)
-{
+static void add_root(gltf_tree *tree, tree_scene *scene, uint32_t root) {
     uint32_t *grown = norma_io_grow(scene->roots, &scene->capacity, scene->count + 1, sizeof *grown);
     if (!grown) {
         tree->failed = 1;
@@ -30,8 +28,7 @@ static void add_root(gltf_tree *tree, tree_scene *scene, uint32_t root)
     scene->roots[scene->count++] = root;
 }
 
-static void read_scenes(gltf_tree *tree)
-{
+static void read_scenes(gltf_tree *tree) {
     const json *j = &tree->g->json;
     const uint32_t scenes = norma_json_member(j, 0, "scenes");
     tree->scene_count = norma_json_size(j, scenes);
@@ -55,19 +52,18 @@ static void read_scenes(gltf_tree *tree)
     }
 }
 
-static const tree_node no_node = { .parent = GLTF_NONE, .first = GLTF_NONE, .last = GLTF_NONE, .before = GLTF_NONE, .after = GLTF_NONE, .mesh = GLTF_NONE, .like = GLTF_NONE };
+static const tree_node no_node = {
+    .parent = GLTF_NONE, .first = GLTF_NONE, .last = GLTF_NONE, .before = GLTF_NONE, .after = GLTF_NONE, .mesh = GLTF_NONE, .like = GLTF_NONE};
 
-void norma_gltf_tree_read(gltf *g, gltf_tree *tree)
-{
-    *tree = (gltf_tree){ .g = g };
+void norma_gltf_tree_read(gltf *g, gltf_tree *tree) {
+    *tree = (gltf_tree){.g = g};
     tree->nodes = norma_io_grow(NULL, &tree->capacity, (size_t)g->node_count + 1, sizeof *tree->nodes);
     if (!tree->nodes) {
         tree->failed = 1;
         return;
     }
     tree->count = g->node_count;
-    for (uint32_t i = 0; i < g->node_count; i++)
-        tree->nodes[i] = no_node;
+    for (uint32_t i = 0; i < g->node_count; i++) tree->nodes[i] = no_node;
     for (uint32_t i = 0; i < g->node_count; i++) {
         const uint32_t children = norma_json_member(&g->json, g->nodes[i].token, "children");
         for (uint32_t child = norma_json_first(&g->json, children); child != JSON_NONE; child = norma_json_next(&g->json, children, child)) {
@@ -79,17 +75,14 @@ void norma_gltf_tree_read(gltf *g, gltf_tree *tree)
     read_scenes(tree);
 }
 
-void norma_gltf_tree_free(gltf_tree *tree)
-{
-    for (size_t i = 0; i < tree->scene_count; i++)
-        free(tree->scenes[i].roots);
+void norma_gltf_tree_free(gltf_tree *tree) {
+    for (size_t i = 0; i < tree->scene_count; i++) free(tree->scenes[i].roots);
     free(tree->scenes);
     free(tree->nodes);
-    *tree = (gltf_tree){ 0 };
+    *tree = (gltf_tree){0};
 }
 
-uint32_t norma_gltf_tree_add(gltf_tree *tree, uint32_t like)
-{
+uint32_t norma_gltf_tree_add(gltf_tree *tree, uint32_t like) {
     tree_node *grown = tree->failed || tree->count >= GLTF_NONE - 1 ? NULL : norma_io_grow(tree->nodes, &tree->capacity, tree->count + 1, sizeof *grown);
     if (!grown) {
         tree->failed = 1;
@@ -101,8 +94,7 @@ uint32_t norma_gltf_tree_add(gltf_tree *tree, uint32_t like)
     return (uint32_t)tree->count++;
 }
 
-static void detach(gltf_tree *tree, uint32_t child)
-{
+static void detach(gltf_tree *tree, uint32_t child) {
     tree_node *node = &tree->nodes[child];
     if (node->parent == GLTF_NONE)
         return;
@@ -113,8 +105,7 @@ static void detach(gltf_tree *tree, uint32_t child)
     node->parent = node->before = node->after = GLTF_NONE;
 }
 
-void norma_gltf_tree_give(gltf_tree *tree, uint32_t child, uint32_t parent)
-{
+void norma_gltf_tree_give(gltf_tree *tree, uint32_t child, uint32_t parent) {
     if (tree->failed)
         return;
     detach(tree, child);
@@ -122,8 +113,7 @@ void norma_gltf_tree_give(gltf_tree *tree, uint32_t child, uint32_t parent)
     tree->nodes[parent].children_changed = 1;
 }
 
-void norma_gltf_tree_insert_above(gltf_tree *tree, uint32_t node, uint32_t parent)
-{
+void norma_gltf_tree_insert_above(gltf_tree *tree, uint32_t node, uint32_t parent) {
     if (tree->failed)
         return;
     const uint32_t above = tree->nodes[node].parent;
@@ -147,23 +137,19 @@ void norma_gltf_tree_insert_above(gltf_tree *tree, uint32_t node, uint32_t paren
     tree->nodes[parent].children_changed = 1;
 }
 
-uint32_t norma_gltf_tree_root(const gltf_tree *tree, uint32_t node)
-{
-    while (tree->nodes[node].parent != GLTF_NONE)
-        node = tree->nodes[node].parent;
+uint32_t norma_gltf_tree_root(const gltf_tree *tree, uint32_t node) {
+    while (tree->nodes[node].parent != GLTF_NONE) node = tree->nodes[node].parent;
     return node;
 }
 
-int norma_gltf_tree_shows(const gltf_tree *tree, size_t scene, uint32_t root)
-{
+int norma_gltf_tree_shows(const gltf_tree *tree, size_t scene, uint32_t root) {
     for (size_t k = 0; k < tree->scenes[scene].count; k++)
         if (tree->scenes[scene].roots[k] == root)
             return 1;
     return 0;
 }
 
-void norma_gltf_tree_make_root(gltf_tree *tree, uint32_t node)
-{
+void norma_gltf_tree_make_root(gltf_tree *tree, uint32_t node) {
     if (tree->failed || tree->nodes[node].parent == GLTF_NONE)
         return;
     const uint32_t root = norma_gltf_tree_root(tree, node);
@@ -175,16 +161,14 @@ void norma_gltf_tree_make_root(gltf_tree *tree, uint32_t node)
         }
 }
 
-static void set_form(gltf_tree *tree, uint32_t node, const double local[16], int matrix_form)
-{
+static void set_form(gltf_tree *tree, uint32_t node, const double local[16], int matrix_form) {
     tree->nodes[node].local_changed = 1;
     tree->nodes[node].matrix_form = matrix_form;
     memcpy(tree->nodes[node].local, local, sizeof tree->nodes[node].local);
 }
 
 /* Readers take a node's matrix apart with floats: one that is singular for them is not for "matrix". */
-static int invertible_in_floats(const double m[16])
-{
+static int invertible_in_floats(const double m[16]) {
     double inverse[16];
     for (int i = 0; i < 16; i++)
         if (fabs(m[i]) > (double)FLT_MAX)
@@ -198,8 +182,7 @@ static int invertible_in_floats(const double m[16])
 /* Up to here columns count as perpendicular: rounding of doubles; and of the floats that rotations are often stored with, which "matrix" still holds. */
 static const double exact_tolerance = 1e-13, matrix_tolerance = 1e-6;
 
-void norma_gltf_tree_set_local(gltf_tree *tree, uint32_t node, const double local[16])
-{
+void norma_gltf_tree_set_local(gltf_tree *tree, uint32_t node, const double local[16]) {
     if (tree->failed)
         return;
     gltf_trs outer, inner;
@@ -222,29 +205,25 @@ void norma_gltf_tree_set_local(gltf_tree *tree, uint32_t node, const double loca
 
 /* Roots by the set of scenes that list them: each scene in turn splits every class into those that it lists and the others. */
 typedef struct root_classes {
-    uint32_t *of;                          /* for each node its class; 0: in no scene */
+    uint32_t *of;                                    /* for each node its class; 0: in no scene */
     uint32_t *made_in, *split_in, *split_to, *above; /* for each class: the scene (from 1) that made it, that split it last, into what; the new node */
-    uint32_t  count;
+    uint32_t count;
 } root_classes;
 
-static int allocate_classes(const gltf_tree *tree, root_classes *classes)
-{
+static int allocate_classes(const gltf_tree *tree, root_classes *classes) {
     size_t most = 1;
-    for (size_t i = 0; i < tree->scene_count; i++)
-        most += tree->scenes[i].count;
-    *classes = (root_classes){ .count = 1 };
+    for (size_t i = 0; i < tree->scene_count; i++) most += tree->scenes[i].count;
+    *classes = (root_classes){.count = 1};
     classes->of = norma_io_allocate((size_t)tree->g->node_count + 1, sizeof *classes->of);
     classes->made_in = norma_io_allocate(most, sizeof *classes->made_in);
     classes->split_in = norma_io_allocate(most, sizeof *classes->split_in);
     classes->split_to = norma_io_allocate(most, sizeof *classes->split_to);
     classes->above = norma_io_allocate(most, sizeof *classes->above);
-    for (size_t i = 0; classes->above && i < most; i++)
-        classes->above[i] = GLTF_NONE;
+    for (size_t i = 0; classes->above && i < most; i++) classes->above[i] = GLTF_NONE;
     return classes->of && classes->made_in && classes->split_in && classes->split_to && classes->above;
 }
 
-static void free_classes(root_classes *classes)
-{
+static void free_classes(root_classes *classes) {
     free(classes->of);
     free(classes->made_in);
     free(classes->split_in);
@@ -252,8 +231,7 @@ static void free_classes(root_classes *classes)
     free(classes->above);
 }
 
-static void classify(const gltf_tree *tree, root_classes *classes)
-{
+static void classify(const gltf_tree *tree, root_classes *classes) {
     for (size_t i = 0; i < tree->scene_count; i++) {
         const uint32_t scene = (uint32_t)i + 1;
         for (size_t k = 0; k < tree->scenes[i].count; k++) {
@@ -270,8 +248,7 @@ static void classify(const gltf_tree *tree, root_classes *classes)
     }
 }
 
-static void raise_roots(gltf_tree *tree, root_classes *classes, const unsigned char *wanted, const double matrix[16])
-{
+static void raise_roots(gltf_tree *tree, root_classes *classes, const unsigned char *wanted, const double matrix[16]) {
     for (uint32_t i = 0; i < tree->g->node_count && !tree->failed; i++) {
         if (!wanted[i] || tree->g->nodes[i].parent != GLTF_NONE || tree->nodes[i].parent != GLTF_NONE)
             continue;
@@ -300,8 +277,7 @@ static void raise_roots(gltf_tree *tree, root_classes *classes, const unsigned c
             norma_gltf_tree_set_local(tree, classes->above[i], matrix);
 }
 
-void norma_gltf_tree_raise(gltf_tree *tree, const unsigned char *wanted, const double matrix[16])
-{
+void norma_gltf_tree_raise(gltf_tree *tree, const unsigned char *wanted, const double matrix[16]) {
     root_classes classes;
     if (tree->failed)
         return;

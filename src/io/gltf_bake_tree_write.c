@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void add_numbers(json_text *text, const double *numbers, size_t count)
-{
+static void add_numbers(json_text *text, const double *numbers, size_t count) {
     norma_json_add_text(text, "[");
     for (size_t i = 0; i < count; i++) {
         if (i)
@@ -15,19 +14,19 @@ static void add_numbers(json_text *text, const double *numbers, size_t count)
     norma_json_add_text(text, "]");
 }
 
-typedef struct local_text { json_text matrix, translation, rotation, scale; } local_text; /* each empty where the member is not needed */
+typedef struct local_text {
+    json_text matrix, translation, rotation, scale;
+} local_text; /* each empty where the member is not needed */
 
-static void free_local(local_text *text)
-{
+static void free_local(local_text *text) {
     free(text->matrix.data);
     free(text->translation.data);
     free(text->rotation.data);
     free(text->scale.data);
 }
 
-static void write_local(const tree_node *node, local_text *text)
-{
-    *text = (local_text){ 0 };
+static void write_local(const tree_node *node, local_text *text) {
+    *text = (local_text){0};
     gltf_trs trs;
     if (node->matrix_form) {
         add_numbers(&text->matrix, node->local, 16);
@@ -42,15 +41,13 @@ static void write_local(const tree_node *node, local_text *text)
         add_numbers(&text->scale, trs.scale, 3);
 }
 
-static char *terminated(json_text *text)
-{
+static char *terminated(json_text *text) {
     norma_json_add(text, "", 1);
     return text->failed ? NULL : text->data;
 }
 
 /* object.key = text, or nothing of that name where the text is empty. */
-static int set_or_unset(json_edits *edits, uint32_t object, const char *key, json_text *text)
-{
+static int set_or_unset(json_edits *edits, uint32_t object, const char *key, json_text *text) {
     if (text->size == 0 && !text->failed) {
         norma_json_unset(edits, object, key);
         return 1;
@@ -61,8 +58,7 @@ static int set_or_unset(json_edits *edits, uint32_t object, const char *key, jso
     return value != NULL;
 }
 
-static void add_children(const gltf_tree *tree, const tree_node *node, json_text *text)
-{
+static void add_children(const gltf_tree *tree, const tree_node *node, json_text *text) {
     if (node->first == GLTF_NONE)
         return;
     norma_json_add_text(text, "[");
@@ -74,8 +70,7 @@ static void add_children(const gltf_tree *tree, const tree_node *node, json_text
     norma_json_add_text(text, "]");
 }
 
-static void remove_instances(const gltf *g, json_edits *edits, uint32_t object)
-{
+static void remove_instances(const gltf *g, json_edits *edits, uint32_t object) {
     const uint32_t extensions = norma_json_member(&g->json, object, "extensions");
     if (norma_json_size(&g->json, extensions) == 1)
         norma_json_unset(edits, object, "extensions");
@@ -83,14 +78,13 @@ static void remove_instances(const gltf *g, json_edits *edits, uint32_t object)
         norma_json_unset(edits, extensions, "EXT_mesh_gpu_instancing");
 }
 
-static int edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number)
-{
+static int edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number) {
     const gltf *g = tree->g;
     const tree_node *node = &tree->nodes[number];
     const uint32_t object = g->nodes[number].token;
     int done = 1;
     if (node->children_changed) {
-        json_text text = { 0 };
+        json_text text = {0};
         add_children(tree, node, &text);
         done &= set_or_unset(edits, object, "children", &text);
         free(text.data);
@@ -113,8 +107,7 @@ static int edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number)
     return done;
 }
 
-static void add_member(json_text *text, const char *key, const json_text *value)
-{
+static void add_member(json_text *text, const char *key, const json_text *value) {
     if (value->size == 0)
         return;
     norma_json_add_text(text, text->size > 1 ? ",\"" : "\"");
@@ -124,23 +117,21 @@ static void add_member(json_text *text, const char *key, const json_text *value)
     text->failed |= value->failed;
 }
 
-static void copy_member(const gltf *g, json_text *text, uint32_t object, const char *key)
-{
+static void copy_member(const gltf *g, json_text *text, uint32_t object, const char *key) {
     const uint32_t value = norma_json_member(&g->json, object, key);
     if (value == JSON_NONE)
         return;
-    json_text bytes = { 0 };
+    json_text bytes = {0};
     norma_json_add(&bytes, g->json.text + g->json.tokens[value].start, g->json.tokens[value].end - g->json.tokens[value].start);
     add_member(text, key, &bytes);
     free(bytes.data);
 }
 
-static void add_node_text(const gltf_tree *tree, const tree_node *node, json_text *text)
-{
+static void add_node_text(const gltf_tree *tree, const tree_node *node, json_text *text) {
     norma_json_add_text(text, "{");
     if (node->like != GLTF_NONE)
         copy_member(tree->g, text, tree->g->nodes[node->like].token, "name");
-    json_text value = { 0 };
+    json_text value = {0};
     if (node->mesh != GLTF_NONE) {
         norma_json_add_uint(&value, node->mesh);
         add_member(text, "mesh", &value);
@@ -163,11 +154,10 @@ static void add_node_text(const gltf_tree *tree, const tree_node *node, json_tex
     norma_json_add_text(text, "}");
 }
 
-static int append_nodes(const gltf_tree *tree, json_edits *edits)
-{
+static int append_nodes(const gltf_tree *tree, json_edits *edits) {
     const uint32_t array = norma_json_member(&tree->g->json, 0, "nodes");
     for (size_t i = tree->g->node_count; i < tree->count; i++) {
-        json_text text = { 0 };
+        json_text text = {0};
         add_node_text(tree, &tree->nodes[i], &text);
         const char *value = terminated(&text);
         if (value)
@@ -179,9 +169,8 @@ static int append_nodes(const gltf_tree *tree, json_edits *edits)
     return 1;
 }
 
-static int edit_scene(json_edits *edits, const tree_scene *scene)
-{
-    json_text text = { 0 };
+static int edit_scene(json_edits *edits, const tree_scene *scene) {
+    json_text text = {0};
     for (size_t i = 0; i < scene->count; i++) {
         norma_json_add_text(&text, i ? "," : "[");
         norma_json_add_uint(&text, scene->roots[i]);
@@ -193,12 +182,10 @@ static int edit_scene(json_edits *edits, const tree_scene *scene)
     return done;
 }
 
-norma_document_result norma_gltf_tree_write(gltf_tree *tree, norma_document_error *error)
-{
+norma_document_result norma_gltf_tree_write(gltf_tree *tree, norma_document_error *error) {
     json_edits *edits = tree->failed ? NULL : norma_gltf_edits(tree->g, 0);
     int done = edits != NULL;
-    for (uint32_t i = 0; done && i < tree->g->node_count; i++)
-        done = edit_node(tree, edits, i);
+    for (uint32_t i = 0; done && i < tree->g->node_count; i++) done = edit_node(tree, edits, i);
     done = done && (tree->count == tree->g->node_count || append_nodes(tree, edits));
     for (size_t i = 0; done && i < tree->scene_count; i++)
         if (tree->scenes[i].changed)

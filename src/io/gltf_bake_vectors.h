@@ -3,7 +3,15 @@
 #define NORMA_IO_GLTF_BAKE_VECTORS_H
 #include "gltf_bake.h"
 
-typedef enum bake_role { BAKE_POSITIONS = 0, BAKE_NORMALS, BAKE_TANGENTS, BAKE_POSITION_DELTAS, BAKE_NORMAL_DELTAS, BAKE_TANGENT_DELTAS, BAKE_WINDING } bake_role;
+typedef enum bake_role {
+    BAKE_POSITIONS = 0,
+    BAKE_NORMALS,
+    BAKE_TANGENTS,
+    BAKE_POSITION_DELTAS,
+    BAKE_NORMAL_DELTAS,
+    BAKE_TANGENT_DELTAS,
+    BAKE_WINDING
+} bake_role;
 
 /* array->count elements of array->width numbers into values. base: the normals that tangents go with, or that deltas of normals are added to, or the tangents that
  * deltas of tangents are; NULL where there are none. */

@@ -2,12 +2,12 @@
 #ifndef NORMA_IO_GLTF_MATRIX_H
 #define NORMA_IO_GLTF_MATRIX_H
 
-typedef struct gltf_trs {                  /* translation after rotation after scale; one scale is negative where the matrix mirrors */
-    double translation[3], rotation[4], scale[3];  /* the rotation as a unit quaternion x, y, z, w */
+typedef struct gltf_trs {                         /* translation after rotation after scale; one scale is negative where the matrix mirrors */
+    double translation[3], rotation[4], scale[3]; /* the rotation as a unit quaternion x, y, z, w */
 } gltf_trs;
 
 void norma_gltf_matrix_identity(double m[16]);
-int  norma_gltf_matrix_is_identity(const double m[16]);                              /* exactly */
+int norma_gltf_matrix_is_identity(const double m[16]);                                  /* exactly */
 void norma_gltf_matrix_multiply(const double a[16], const double b[16], double ab[16]); /* ab may be a or b */
 void norma_gltf_matrix_compose(const gltf_trs *trs, double m[16]);
 
