@@ -26,7 +26,7 @@ typedef struct bake_cache {
     size_t matrix_count, matrix_capacity;
 } bake_cache;
 
-enum { BAKE_UNCHANGED = UINT32_MAX - 1 }; /* as data: the slot keeps what it has */
+#define BAKE_UNCHANGED (UINT32_MAX - 1) /* as data: the slot keeps what it has */
 
 void norma_gltf_bake_cache_free(bake_cache *cache);
 int norma_gltf_bake_cache_find(const bake_cache *cache, const bake_entry *key, uint32_t *data);

@@ -88,9 +88,10 @@ static void find_fallback(bake_map *map) {
     }
 }
 
+#define MATRIX_ROLE UINT32_MAX
+
 /* The number of an equal matrix seen before, or of this one from now on. The table of contents serves for matrices too: by two halves of a hash of their bits. */
 static int identify(bake_cache *cache, bake_map *map) {
-    enum { MATRIX_ROLE = UINT32_MAX };
     uint64_t bits[16], mixed = 0;
     for (int i = 0; i < 16; i++) map->matrix[i] += 0.0; /* -0 is 0 */
     memcpy(bits, map->matrix, sizeof bits);
