@@ -63,7 +63,7 @@ done
 if [ "$commands" -gt 1 ] && [ "$programs" -gt 0 ]; then pass "README: $commands commands and $programs programs found"; else fail "README: commands and programs found" "$commands commands, $programs programs"; fi
 
 for document in README.md CONTRIBUTING.md CHANGELOG.md docs/*.md; do
-    missing=$(grep -oE '\]\([^)#:]+' "$document" | sed 's/^](//' | while read -r link; do [ -e "$(dirname "$document")/$link" ] || echo "$link"; done)
+    missing=$(grep -oE '\]\([^)#:]+' "$document" | sed 's/^](//' | grep -vE '^https?$' | while read -r link; do [ -e "$(dirname "$document")/$link" ] || echo "$link"; done)
     if [ -z "$missing" ]; then pass "$document: every link leads somewhere"; else fail "$document: every link leads somewhere" "$missing"; fi
 done
 finish
