@@ -2,10 +2,22 @@
 #include "around.h"
 #include "face_geometry.h"
 
+enum { AHEAD = 64 };                   /* corners between asking for memory and using it */
+
+static void look_ahead(const core_mesh *mesh, const core_around *around, size_t corner)
+{
+    const uint32_t position = norma_core_corner(mesh, corner);
+    if (mesh->weld) __builtin_prefetch(&mesh->weld[position]);
+    else __builtin_prefetch(&around->starts[position], 1);
+}
+
 static void count_corners(const core_mesh *mesh, core_around *around)
 {
     memset(around->starts, 0, (around->position_count + 1) * sizeof *around->starts);
-    for (size_t c = 0; c < mesh->corner_count; c++) around->starts[norma_core_welded_corner(mesh, c)]++;
+    for (size_t c = 0; c < mesh->corner_count; c++) {
+        if (c + AHEAD < mesh->corner_count) look_ahead(mesh, around, c + AHEAD);
+        around->starts[norma_core_welded_corner(mesh, c)]++;
+    }
 }
 
 /* Counts become the end of each range; filling backwards turns ends into starts. */
@@ -23,7 +35,10 @@ static void counts_to_ends(core_around *around)
 
 static void fill_backwards(const core_mesh *mesh, core_around *around)
 {
-    for (size_t c = mesh->corner_count; c-- > 0;) around->corners[--around->starts[norma_core_welded_corner(mesh, c)]] = (uint32_t)c;
+    for (size_t c = mesh->corner_count; c-- > 0;) {
+        if (c >= AHEAD) look_ahead(mesh, around, c - AHEAD);
+        around->corners[--around->starts[norma_core_welded_corner(mesh, c)]] = (uint32_t)c;
+    }
 }
 
 static void name_faces(const core_mesh *mesh, core_around *around)

@@ -14,7 +14,6 @@ typedef struct core_mesh {
     const uint8_t  *hard_edges;
     double          scale;                      /* exact power of two that brings double positions near 1; 1 for all other formats */
     const uint32_t *weld;                       /* NULL, or for each position the least of those that it is one with */
-    int             distance_welded;            /* positions that are one may differ */
 } core_mesh;
 
 /* ARGUMENT or OVERFLOW: what of it can be told without reading the arrays. */

@@ -32,6 +32,26 @@ static size_t ring_size(const core_surface *surface, size_t position)
     return surface->around.starts[position + 1] - surface->around.starts[position];
 }
 
+/* Random meshes wait for memory: the corners of faces some rings ahead are asked for, then, nearer, the positions that they name. */
+static void look_ahead(const core_surface *surface, size_t position)
+{
+    enum { RINGS_TO_CORNERS = 12, RINGS_TO_POSITIONS = 6 };
+    const core_around *around = &surface->around;
+    const core_mesh *mesh = &surface->mesh;
+    if (position + RINGS_TO_CORNERS >= around->position_count || surface->faces || !mesh->corner_size) return;
+    const size_t far = position + RINGS_TO_CORNERS, near = position + RINGS_TO_POSITIONS;
+    for (size_t i = around->starts[far]; i < around->starts[far + 1] && i < around->starts[far] + RING_ROOM; i++)
+        __builtin_prefetch((const unsigned char *)mesh->corners + (size_t)around->corners[i] * mesh->corner_size);
+    for (size_t i = around->starts[near]; i < around->starts[near + 1] && i < around->starts[near] + RING_ROOM; i++) {
+        const size_t begin = around->corners[i] / 3 * 3;
+        for (size_t c = begin; c < begin + 3; c++) {
+            const uint32_t at = norma_core_corner(mesh, c);
+            __builtin_prefetch((const unsigned char *)mesh->positions.data + at * mesh->positions.stride);
+            if (mesh->weld) __builtin_prefetch(&mesh->weld[at]);
+        }
+    }
+}
+
 static void visit_chunk(void *context, size_t chunk)
 {
     const visit_all *v = context;
@@ -42,6 +62,7 @@ static void visit_chunk(void *context, size_t chunk)
     norma_core_ring_in_room(&ring, &room);
     for (size_t p = begin; p < end; p++) {
         const size_t size = ring_size(v->surface, p);
+        look_ahead(v->surface, p);
         if (size > 0 && size <= RING_ROOM) visit_position(v, (uint32_t)p, &ring, &v->parts[chunk]);
     }
 }

@@ -1,6 +1,5 @@
 /* weld.c: equal positions are found by a hash table of position numbers, open addressing, in ascending order: whoever comes first stands for the rest. */
 #include "weld.h"
-#include <math.h>
 
 static const uint32_t EMPTY = UINT32_MAX;
 
@@ -41,12 +40,10 @@ static size_t table_size(size_t count)
     return size;
 }
 
-static uint32_t find_or_add(const core_mesh *mesh, uint32_t *table, size_t mask, uint32_t index)
+static uint32_t find_or_add(const core_mesh *mesh, uint32_t *table, size_t mask, uint32_t index, const uint64_t key[3], uint64_t hash)
 {
-    uint64_t key[3], other[3];
-    position_key(mesh, index, key);
-    if (!key_is_finite(key)) return index;
-    for (size_t slot = (size_t)hash_key(key) & mask;; slot = (slot + 1) & mask) {
+    uint64_t other[3];
+    for (size_t slot = (size_t)hash & mask;; slot = (slot + 1) & mask) {
         if (table[slot] == EMPTY) {
             table[slot] = index;
             return index;
@@ -56,7 +53,20 @@ static uint32_t find_or_add(const core_mesh *mesh, uint32_t *table, size_t mask,
     }
 }
 
-enum { POSITIONS_AT_A_TIME = 1 << 16 };
+enum { POSITIONS_IN_BLOCK = 64, BLOCKS_BETWEEN_TELLING = 1024 };
+
+/* Keys and slots of a block first, so that the memory of all its slots is on its way when they are looked at. */
+static void weld_block(const core_mesh *mesh, uint32_t *table, size_t mask, size_t begin, size_t end, uint32_t *weld)
+{
+    uint64_t keys[POSITIONS_IN_BLOCK][3], hashes[POSITIONS_IN_BLOCK];
+    for (size_t i = begin; i < end; i++) {
+        position_key(mesh, (uint32_t)i, keys[i - begin]);
+        hashes[i - begin] = hash_key(keys[i - begin]);
+        __builtin_prefetch(&table[(size_t)hashes[i - begin] & mask], 1);
+    }
+    for (size_t i = begin; i < end; i++)
+        weld[i] = key_is_finite(keys[i - begin]) ? find_or_add(mesh, table, mask, (uint32_t)i, keys[i - begin], hashes[i - begin]) : (uint32_t)i;
+}
 
 static norma_result weld_equal(core_call *call, const core_mesh *mesh, uint32_t *weld)
 {
@@ -65,9 +75,9 @@ static norma_result weld_equal(core_call *call, const core_mesh *mesh, uint32_t 
     if (!table) return NORMA_ERROR_MEMORY;
     memset(table, 0xff, size * sizeof *table);
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < count && result == NORMA_OK; i++) {
-        if (i % POSITIONS_AT_A_TIME == 0 && norma_core_progress(call, (double)i / (double)count)) result = NORMA_CANCELLED;
-        weld[i] = find_or_add(mesh, table, size - 1, (uint32_t)i);
+    for (size_t begin = 0; begin < count && result == NORMA_OK; begin += POSITIONS_IN_BLOCK) {
+        if (begin % (POSITIONS_IN_BLOCK * BLOCKS_BETWEEN_TELLING) == 0 && norma_core_progress(call, (double)begin / (double)count)) result = NORMA_CANCELLED;
+        weld_block(mesh, table, size - 1, begin, count - begin < POSITIONS_IN_BLOCK ? count : begin + POSITIONS_IN_BLOCK, weld);
     }
     norma_core_release(call, table, size, sizeof *table);
     return result;
@@ -79,10 +89,8 @@ norma_result norma_core_weld(core_call *call, core_mesh *mesh)
     uint32_t *weld = norma_core_allocate(call, mesh->positions.count, sizeof *weld);
     if (!weld) return NORMA_ERROR_MEMORY;
     norma_result result = weld_equal(call, mesh, weld);
-    if (result == NORMA_OK && call->options.weld == NORMA_WELD_DISTANCE && call->options.weld_distance > 0) {
+    if (result == NORMA_OK && call->options.weld == NORMA_WELD_DISTANCE && call->options.weld_distance > 0)
         result = norma_core_weld_near(call, mesh, call->options.weld_distance * mesh->scale, weld);
-        mesh->distance_welded = 1;
-    }
     if (result == NORMA_OK) mesh->weld = weld;
     else norma_core_release(call, weld, mesh->positions.count, sizeof *weld);
     return result;
