@@ -155,6 +155,7 @@ static oracle_normal sum_visible(const oracle *o, const size_t *corners, size_t 
         for (int x = 0; x < 3; ++x) normals[v.count][x] = n[x];
         ++v.count;
     }
+    if (result.doubtful) result.reason = NORMA_REASON_NONE;
     if (v.count && !result.doubtful) {
         find_visible(&v);
         result.ratio  = v.cosine;
