@@ -556,6 +556,56 @@ static void test_what_stays_is_named(void **state) {
 #define MODE_MESH(mode, indices) "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}" indices ",\"mode\":" mode "}]}]"
 #define SCALED(mesh)             mesh ",\"nodes\":[{\"mesh\":0,\"scale\":[1,-2,1]}]"
 
+/* Positions as whole numbers stay so as long as they can; else they become floats. */
+static void test_integer_positions(void **state) {
+    (void)state;
+    static const struct {
+        const char *place, *expected;
+    } cases[] = {{"\"translation\":[1,2,3]", "\"componentType\":5123"},
+                 {"\"rotation\":[0,0,0,1],\"scale\":[2,1,3]", "\"componentType\":5123"},
+                 {"\"scale\":[0.5,0.25,1]", "\"componentType\":5126"},
+                 {"\"translation\":[-1,0,0]", "\"componentType\":5126"},
+                 {"\"scale\":[70000,1,1]", "\"componentType\":5126"}};
+    const uint16_t corners[3][4] = {{0, 0, 0, 0}, {10, 1, 0, 0}, {0, 21, 5, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        asset a;
+        strcpy(a.text, "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"],"
+                       "\"buffers\":[{\"byteLength\":24,\"uri\":\"data:application/octet-stream;base64,");
+        add_base64(a.text, (const unsigned char *)corners, sizeof corners);
+        sprintf(a.text + strlen(a.text),
+                "\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":24,\"byteStride\":8,\"target\":34962}],\"accessors\":[{\"bufferView\":0,\"componentType\":"
+                "5123,\"count\":3,"
+                "\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[10,21,5]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":"
+                "0,%s}]}",
+                cases[i].place);
+        result r;
+        run(&a, NULL, 1, &r);
+        assert_done(&r);
+        assert_true(r.summary.changed);
+        assert_same_scene(&r, NULL, 180);
+        if (!strstr((const char *)r.bytes, cases[i].expected))
+            fail_msg("%s: expected %s in %.*s", cases[i].place, cases[i].expected, (int)r.size, (const char *)r.bytes);
+        finish(&r);
+    }
+}
+
+/* KHR_animation_pointer names nodes by JSON pointers. */
+static void test_animation_pointers(void **state) {
+    (void)state;
+    asset a;
+    make_asset(&a, "\"animations\":[{\"samplers\":[{\"input\":5,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":"
+                   "{\"KHR_animation_pointer\":{\"pointer\":\"/nodes/1/scale\"}}}},{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":"
+                   "{\"KHR_animation_pointer\":{\"pointer\":\"/nodes/0/extras\"}}}}]}]," MESH
+                   ",\"nodes\":[{\"mesh\":0,\"scale\":[1,2,1]},{\"mesh\":0,\"scale\":[1,2,1]}]");
+    result r;
+    run(&a, NULL, 1, &r);
+    assert_done(&r);
+    assert_int_equal(r.summary.nodes_baked, 1);
+    assert_true(has_member(&r, 1, "scale") && !has_member(&r, 0, "scale"));
+    assert_same_scene(&r, NULL, 1e-4);
+    finish(&r);
+}
+
 static void test_mirrored_primitives(void **state) {
     (void)state;
     static const char *const rests[] = {SCALED(MODE_MESH("4", ",\"indices\":5")), SCALED(MODE_MESH("4", "")),
@@ -866,6 +916,8 @@ int main(void) {
         cmocka_unit_test(test_bake_below_flat_group),
         cmocka_unit_test(test_shared_mesh),
         cmocka_unit_test(test_what_stays_is_named),
+        cmocka_unit_test(test_integer_positions),
+        cmocka_unit_test(test_animation_pointers),
         cmocka_unit_test(test_mirrored_primitives),
         cmocka_unit_test(test_morphs_and_tangents),
         cmocka_unit_test(test_named_files),
