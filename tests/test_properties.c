@@ -495,7 +495,7 @@ static void nearest_is_the_nearest(void **state) {
     for (uint64_t seed = 1; seed < 200; ++seed) {
         uint64_t  random = seed;
         mesh_file mesh   = {0};
-        const uint32_t side = 2 + shape_random(&random) % 5, count = 5 + shape_random(&random) % 60, face_count = 2 + shape_random(&random) % 20;
+        const uint32_t side = 2 + shape_random(&random) % 5 + (seed % 4 ? 0 : 4), count = 5 + shape_random(&random) % (seed % 4 ? 60 : 500), face_count = 2 + shape_random(&random) % 20; /* few to ask, and many */
         for (uint32_t i = 0; i < count; ++i) mesh_file_add_position(&mesh, shape_random(&random) % side, shape_random(&random) % side, shape_random(&random) % side);
         if (seed % 3 == 0) mesh.positions[count / 2][2] = (double)INFINITY;
         if (seed % 7 == 0) mesh.positions[0][0] = 3e38;
