@@ -90,17 +90,23 @@ static void add_part(ranges *r, size_t offset, size_t length, size_t limit)
         add_range(r, offset, length > limit - offset ? limit : offset + length);
 }
 
+/* The padding behind a view goes with it; what lives there is taken away again. */
+static size_t padded(size_t offset, size_t length)
+{
+    return length + (ALIGNMENT - (offset + length) % ALIGNMENT) % ALIGNMENT;
+}
+
 /* What of the buffer nobody needs once the new views are in use. */
 static int find_free(const gltf *g, uint32_t buffer, size_t length, ranges *left)
 {
     ranges alive = {0}, dead = {0};
     for (uint32_t v = 0; v < g->view_count; ++v) {
         const gltf_view *view = &g->views[v];
-        ranges *to = g->patch->views[v].bytes ? &dead : &alive;
+        const int goes = g->patch->views[v].bytes != NULL;
         if (view->buffer == buffer)
-            add_part(to, view->offset, view->length, length);
+            add_part(goes ? &dead : &alive, view->offset, goes ? padded(view->offset, view->length) : view->length, length);
         if (view->meshopt.token != GLTF_NONE && view->meshopt.buffer == buffer)
-            add_part(to, view->meshopt.offset, view->meshopt.length, length);
+            add_part(goes ? &dead : &alive, view->meshopt.offset, goes ? padded(view->meshopt.offset, view->meshopt.length) : view->meshopt.length, length);
     }
     sort_and_merge(&alive);
     sort_and_merge(&dead);

@@ -259,15 +259,28 @@ static norma_document_result fail_index(const gltf *g, const gltf_primitive *p, 
                                (unsigned)p->indices, (unsigned)index, p->vertices);
 }
 
-static norma_document_result fill_corners(gltf *g, gltf_primitive *p, const gltf_array *indices, norma_document_error *error)
+/* The first count indices; one loop for each width, since this is read for every corner of a file. */
+static void widen(const gltf_array *indices, size_t count, uint32_t *out)
+{
+    const unsigned char *at = indices->data;
+    const size_t stride = indices->stride;
+    if (indices->component == GLTF_UINT && stride == sizeof *out)
+        memcpy(out, at, count * sizeof *out);
+    else
+        for (size_t i = 0; i < count; ++i, at += stride)
+            out[i] = indices->component == GLTF_UBYTE    ? at[0]
+                     : indices->component == GLTF_USHORT ? (uint32_t)at[0] | (uint32_t)at[1] << 8
+                                                         : (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+/* list: the indices in order; NULL: 0, 1, 2, ... It may be the corners themselves, of a triangle list. */
+static norma_document_result fill_corners(gltf *g, gltf_primitive *p, const uint32_t *list, norma_document_error *error)
 {
     for (size_t face = 0; face < p->faces; ++face) {
         size_t at[3];
         unroll(p->mode, face, at);
         for (size_t k = 0; k < 3; ++k) {
-            uint32_t index = (uint32_t)at[k];
-            if (indices)
-                norma_gltf_uints(indices, at[k], &index);
+            uint32_t index = list ? list[at[k]] : (uint32_t)at[k];
             if (index >= p->vertices)
                 return fail_index(g, p, at[k], index, error);
             p->corners[3 * face + k] = index;
@@ -276,10 +289,25 @@ static norma_document_result fill_corners(gltf *g, gltf_primitive *p, const gltf
     return NORMA_DOCUMENT_OK;
 }
 
+static norma_document_result read_corners(gltf *g, gltf_primitive *p, const gltf_array *indices, norma_document_error *error)
+{
+    size_t count = p->mode == GLTF_TRIANGLES ? 3 * p->faces : p->faces + 2;
+    if (p->indices == GLTF_NONE || p->faces == 0)
+        return fill_corners(g, p, NULL, error);
+    uint32_t *list = p->mode == GLTF_TRIANGLES ? p->corners : norma_io_allocate(count, sizeof *list);
+    if (!list)
+        return norma_document_fail_memory(g->document, error);
+    widen(indices, count, list);
+    norma_document_result result = fill_corners(g, p, list, error);
+    if (list != p->corners)
+        free(list);
+    return result;
+}
+
 norma_document_result norma_gltf_corners(gltf *g, uint32_t number, const uint32_t **corners, norma_document_error *error)
 {
     gltf_primitive *p = &g->primitives[number];
-    gltf_array indices;
+    gltf_array indices = {0};
     *corners = p->corners;
     if (p->corners)
         return NORMA_DOCUMENT_OK;
@@ -296,7 +324,7 @@ norma_document_result norma_gltf_corners(gltf *g, uint32_t number, const uint32_
         return result;
     if (p->vertices > UINT32_MAX || p->faces > SIZE_MAX / (3 * sizeof(uint32_t)) || !(p->corners = norma_io_allocate(p->faces, 3 * sizeof(uint32_t))))
         return norma_document_fail_memory(g->document, error);
-    result = fill_corners(g, p, p->indices == GLTF_NONE ? NULL : &indices, error);
+    result = read_corners(g, p, &indices, error);
     if (result) {
         free(p->corners);
         p->corners = NULL;
