@@ -245,7 +245,7 @@ const char *norma_number_parse(const char *text, const char *end, double *value)
             *value = -*value;
         return p;
     }
-    if (p < end && *p == '#' && p == point + 1 && p - start == 2 && *start == '1') {
+    if (point && p < end && *p == '#' && p == point + 1 && p - start == 2 && *start == '1') {
         const char *special = parse_windows(p, end, value);
         if (special && negative)
             *value = -*value;
