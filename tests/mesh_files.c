@@ -39,13 +39,22 @@ void mesh_file_free(mesh_file *mesh) {
     memset(mesh, 0, sizeof *mesh);
 }
 
-norma_mesh mesh_file_view(const mesh_file *mesh) {
+norma_mesh mesh_file_view_polygons(const mesh_file *mesh) {
     static const uint32_t none[1] = {0};
     return (norma_mesh){.positions    = {mesh->positions, mesh->position_count, 0, NORMA_FORMAT_DOUBLE},
                         .corners      = mesh->corners ? mesh->corners : none,
                         .corner_count = mesh->corner_count,
                         .face_starts  = mesh->starts ? mesh->starts : none,
                         .face_count   = mesh->face_count};
+}
+
+norma_mesh mesh_file_view(const mesh_file *mesh) {
+    norma_mesh view      = mesh_file_view_polygons(mesh);
+    int        triangles = mesh->face_count > 0;
+    for (size_t f = 0; f <= mesh->face_count && triangles; ++f) triangles = mesh->starts[f] == 3 * f;
+    if (triangles) view.face_starts = NULL;
+    if (triangles) view.face_count = 0;
+    return view;
 }
 
 norma_mesh mesh_file_view_float(const mesh_file *mesh, float *floats) {
@@ -297,7 +306,10 @@ const char *data_folder(void) {
     };
     const char *given = getenv("NORMA_DATA");
     char        path[1024];
-    if (given && *given) return given;
+    if (given && *given) {
+        snprintf(path, sizeof path, "%s/INDEX.tsv", given);
+        return is_there(path) ? given : NULL;
+    }
     for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
         snprintf(path, sizeof path, "%s/INDEX.tsv", places[i]);
         if (is_there(path)) return places[i];

@@ -17,8 +17,10 @@ typedef struct mesh_file {
 int  mesh_file_load(const char *path, mesh_file *mesh);
 void mesh_file_free(mesh_file *mesh);
 
-/* Views of it; the second one over floats (position_count * 3) rounded from the doubles. */
+/* Views of it: without face_starts where all faces are triangles; with them always; the third one as the first, over floats (position_count * 3) rounded from the
+ * doubles. */
 norma_mesh mesh_file_view(const mesh_file *mesh);
+norma_mesh mesh_file_view_polygons(const mesh_file *mesh);
 norma_mesh mesh_file_view_float(const mesh_file *mesh, float *floats);
 
 /* Builds a mesh by hand. */

@@ -88,6 +88,10 @@ static size_t compare_random(const char *name, void make(mesh_file *, uint64_t *
     const norma_weld weld  = welds[shape_random(&seed) % 3];
     float           *floats = test_calloc(3 * mesh.position_count + 1, sizeof *floats);
     const size_t     wrong = compare_everything(text, &view, weld, 1);
+    if (chance(&seed, 2)) {
+        view.face_starts = mesh_file_view_polygons(&mesh).face_starts;
+        view.face_count  = mesh.face_count;
+    }
     if (chance(&seed, 2)) view.positions = mesh_file_view_float(&mesh, floats).positions;
     const size_t     wrong_float = compare_everything(text, &view, weld, 1);
     test_free(floats);

@@ -417,7 +417,7 @@ static void face_starts_of_threes_are_triangles(void **state) {
         if (which == HEAP) continue;
         mesh_file mesh;
         sample(&mesh, which);
-        const norma_mesh polygons = mesh_file_view(&mesh);
+        const norma_mesh polygons = mesh_file_view_polygons(&mesh);
         norma_mesh       plain    = polygons;
         plain.face_starts         = NULL;
         plain.face_count          = 12345; /* not looked at */
