@@ -139,13 +139,14 @@ typedef struct collected {
 
 static int collect(void *user, const void *bytes, size_t size) {
     collected *all = user;
-    if (all->size + size > all->room) {
-        all->room = 2 * (all->size + size);
+    if (all->size + size >= all->room) {
+        all->room = 2 * (all->size + size) + 1;
         all->bytes = realloc(all->bytes, all->room);
         assert_non_null(all->bytes);
     }
     memcpy(all->bytes + all->size, bytes, size);
     all->size += size;
+    all->bytes[all->size] = 0; /* tests search in it as in text */
     return 0;
 }
 
