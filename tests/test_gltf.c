@@ -382,6 +382,75 @@ static void nan_positions_are_filled(void **state) {
     bytes_free(&in);
 }
 
+/* A strip of four triangles that folds by a right angle in its middle, and a fan: the specification's order of corners, by hand; then as triangles, split at the fold. */
+static void strips_and_fans_unroll(void **state) {
+    static bytes b;
+    static const float positions[18] = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1};
+    static const uint32_t strip[12] = {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4}, fan[12] = {1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0};
+    const char *text = "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"mode\":%d}]}],\"accessors\":[{\"bufferView\":0,"
+                       "\"componentType\":5126,\"count\":6,\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":72}],\"buffers\":[{\"byteLength\":72,\"uri\":\"@URI@\"}]}";
+    char written[600];
+    (void)state;
+    b.size = 0;
+    add_floats(&b, positions, 18);
+    for (int mode = 5; mode <= 6; ++mode) {
+        snprintf(written, sizeof written, text, mode);
+        document_bytes in = asset(written, &b);
+        norma_document *before = bytes_open(in, "strip.gltf");
+        assert_memory_equal(corners_of(before, 0), mode == 5 ? strip : fan, sizeof strip);
+        norma_document_close(before);
+        if (mode == 5) {
+            norma_compute_summary summary;
+            document_bytes out = bytes_computed(in, "strip.gltf", NULL, &summary);
+            norma_document *after = bytes_open(out, "strip.gltf");
+            assert_int_equal(summary.vertices_after, 8);
+            assert_int_equal(inside(after)->primitives[0].mode, GLTF_TRIANGLES);
+            for (size_t c = 0; c < 12; ++c) {
+                float n[16], at[16];
+                element(after, attribute(after, 0, "NORMAL"), corners_of(after, 0)[c], n);
+                element(after, 0, corners_of(after, 0)[c], at);
+                assert_true(c < 6 ? n[2] == -1 : n[0] == 1 || n[0] == -1);
+                assert_memory_equal(at, positions + 3 * strip[c], 12);
+            }
+            norma_document_close(after);
+            bytes_free(&out);
+        }
+        bytes_free(&in);
+    }
+}
+
+/* Another attribute names the very bytes of the normals, or some of them with another stride: those must stay what they were. */
+static void bytes_of_others_are_not_written_over(void **state) {
+    static bytes b;
+    static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, normals[9] = {1, 0, 0, 0, 1, 0, 1, 0, 0};
+    static const char *const others[] = {"\"count\":3,\"type\":\"VEC3\"", "\"byteOffset\":4,\"count\":3,\"type\":\"VEC2\"", "\"byteOffset\":20,\"count\":3,\"type\":\"SCALAR\""};
+    char text[900];
+    (void)state;
+    b.size = 0;
+    add_floats(&b, positions, 9);
+    add_floats(&b, normals, 9);
+    for (size_t i = 0; i < 3; ++i) {
+        snprintf(text, sizeof text,
+                 "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"_OTHER\":2}}]}],\"accessors\":[{\"bufferView\":0,"
+                 "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":%d,\"componentType\":5126,%s}],"
+                 "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36}],"
+                 "\"buffers\":[{\"byteLength\":72,\"uri\":\"@URI@\"}]}",
+                 i == 2 ? 2 : 1, others[i]);
+        document_bytes in = asset(text, &b), out = bytes_computed(in, "alias.gltf", NULL, NULL);
+        norma_document *before = bytes_open(in, "alias.gltf"), *after = bytes_open(out, "alias.gltf");
+        gltf_array x = array_of(before, 2), y = array_of(after, 2);
+        for (size_t v = 0; v < 3; ++v)
+            assert_memory_equal(x.data + v * x.stride, y.data + v * y.stride, 4 * x.width);
+        float n[16];
+        element(after, attribute(after, 0, "NORMAL"), 1, n);
+        assert_true(n[0] == 0 && n[1] == 0 && n[2] == 1);
+        norma_document_close(before);
+        norma_document_close(after);
+        bytes_free(&out);
+        bytes_free(&in);
+    }
+}
+
 /* ---- reading that must fail, with a message that names the place */
 
 static void refused_texts(void **state) {
@@ -632,6 +701,8 @@ int main(void) {
         cmocka_unit_test(morphs_turn_normals),
         cmocka_unit_test(broken_normals_alone_are_mended),
         cmocka_unit_test(nan_positions_are_filled),
+        cmocka_unit_test(strips_and_fans_unroll),
+        cmocka_unit_test(bytes_of_others_are_not_written_over),
         cmocka_unit_test(refused_texts),
         cmocka_unit_test(buffers_are_named_after_the_output),
         cmocka_unit_test(other_content_is_not_overwritten),

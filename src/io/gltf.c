@@ -89,9 +89,9 @@ static norma_document_result check_version(const gltf *g, norma_document_error *
     if (version == JSON_NONE)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "/asset/version", "expected a version, as every glTF file has");
     if (!is_version_2(g, version))
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/asset/version", "expected glTF 2.0");
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/asset/version", "is not glTF 2; expected version 2.0");
     if (least != JSON_NONE && !norma_json_equals(&g->json, least, "2.0"))
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/asset/minVersion", "expected glTF 2.0");
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/asset/minVersion", "needs a later version of glTF than is read here; expected 2.0");
     return NORMA_DOCUMENT_OK;
 }
 
