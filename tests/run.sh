@@ -87,6 +87,7 @@ run_asan() {
     build asan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF || return
     say "asan: unit tests"
     units asan unit
+    one asan.golden tests/golden.sh
 }
 
 run_tsan() {
@@ -94,6 +95,7 @@ run_tsan() {
     build tsan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_SANITIZE=thread -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF || return
     say "tsan: the tests that use threads"
     units tsan parallel
+    one tsan.programs tests/threads.sh
 }
 
 for section in $sections; do
