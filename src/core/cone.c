@@ -98,7 +98,11 @@ int norma_core_smallest_cone(const double (*normals)[3], size_t count, double ax
         const size_t outside = farthest(normals, count, c.axis, &cosine);
         if (cosine >= c.cosine - ROUNDING || is_held(&c, outside)) break;
         if (!take_in(normals, &c, outside) || c.cosine <= 0x1p-30) return 0;
-        if (c.cosine >= before) break;           /* no wider than before: what is left outside is rounding */
+        if (c.cosine >= before) {                /* no wider than before: what is left outside must be rounding */
+            farthest(normals, count, c.axis, &cosine);
+            if (cosine < c.cosine - 0x1p-20) return 0;
+            break;
+        }
     }
     memcpy(axis, c.axis, sizeof c.axis);
     return 1;

@@ -156,6 +156,7 @@ static norma_result write_split(core_surface *surface, split_work *work, const s
     if (out->corners && surface->mesh.corner_count > out->corner_capacity) return NORMA_ERROR_CAPACITY;
     if ((out->source_vertices || out->normals) && count > out->vertex_capacity) return NORMA_ERROR_CAPACITY;
     if (out->normals && count > SIZE_MAX / surface->call->options.normal_stride) return NORMA_ERROR_OVERFLOW;
+    if (out->normals && count > SIZE_MAX / surface->call->options.normal_stride) return NORMA_ERROR_OVERFLOW;
     write_corners(work, out->corners, out->source_vertices);
     if (!out->normals) return NORMA_OK;
     norma_core_stage(surface->call, 0.75, 0.97);

@@ -14,10 +14,11 @@ static void position_key(const core_mesh *mesh, uint32_t index, uint64_t key[3])
     }
 }
 
-static int key_is_finite(const uint64_t key[3])
+/* NaN is equal to nothing, infinity to itself. */
+static int key_has_nan(const uint64_t key[3])
 {
-    const uint64_t exponent = UINT64_C(0x7ff) << 52;
-    return (key[0] & exponent) != exponent && (key[1] & exponent) != exponent && (key[2] & exponent) != exponent;
+    const uint64_t infinity = UINT64_C(0x7ff) << 52, magnitude = ~(UINT64_C(1) << 63);
+    return (key[0] & magnitude) > infinity || (key[1] & magnitude) > infinity || (key[2] & magnitude) > infinity;
 }
 
 /* Multiply and fold (the high half of each product comes back by the shift), so that every bit of a coordinate moves the slot. */
@@ -65,7 +66,7 @@ static void weld_block(const core_mesh *mesh, uint32_t *table, size_t mask, size
         __builtin_prefetch(&table[(size_t)hashes[i - begin] & mask], 1);
     }
     for (size_t i = begin; i < end; i++)
-        weld[i] = key_is_finite(keys[i - begin]) ? find_or_add(mesh, table, mask, (uint32_t)i, keys[i - begin], hashes[i - begin]) : (uint32_t)i;
+        weld[i] = key_has_nan(keys[i - begin]) ? (uint32_t)i : find_or_add(mesh, table, mask, (uint32_t)i, keys[i - begin], hashes[i - begin]);
 }
 
 static norma_result weld_equal(core_call *call, const core_mesh *mesh, uint32_t *weld)
