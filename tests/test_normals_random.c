@@ -69,6 +69,24 @@ static void damaged_mesh(mesh_file *mesh, uint64_t *seed) {
     }
 }
 
+/* A book: some 150 pages on one edge, bound either way, in clumps of angles; bent quads, twins, pages of no area and closed slits among them. */
+static void book_mesh(mesh_file *mesh, uint64_t *seed) {
+    const double bend = 0.2 + 0.05 * (double)(shape_random(seed) % 20);
+    mesh_file_add_position(mesh, 0, 0, 0);
+    mesh_file_add_position(mesh, 0, 0, 2);
+    for (uint32_t f = 0; f < 150; ++f) {
+        const double   angle = bend * (double)(shape_random(seed) % 31) + 1e-4 * shape_random_unit(seed), lean = chance(seed, 10) ? shape_random_unit(seed) : 0;
+        const uint32_t back = chance(seed, 2), at = (uint32_t)mesh->position_count;
+        mesh_file_add_position(mesh, cos(angle), sin(angle), 1 + shape_random_unit(seed));
+        if (chance(seed, 30)) mesh_file_add_position(mesh, 0, 0, 1);
+        else mesh_file_add_position(mesh, cos(angle + lean), sin(angle + lean), shape_random_unit(seed));
+        if (chance(seed, 12)) mesh_file_add_face(mesh, (uint32_t[]){back, 1 - back, at, at + 1}, 4);
+        else if (chance(seed, 40)) mesh_file_add_face(mesh, (uint32_t[]){0, 1, at, 1, 0, at + 1}, 6);
+        else mesh_file_add_face(mesh, (uint32_t[]){back, 1 - back, at + shape_random(seed) % 2}, 3);
+        if (chance(seed, 8)) copy_face(mesh, mesh->face_count - 1, 1, 1);
+    }
+}
+
 static size_t compare_random(const char *name, void make(mesh_file *, uint64_t *), uint64_t seed) {
     static const norma_weld welds[] = {NORMA_WELD_EXACT, NORMA_WELD_NONE, NORMA_WELD_DISTANCE};
     mesh_file mesh = {0};
@@ -114,7 +132,14 @@ static void damaged_surfaces(void **state) {
     assert_int_equal(wrong, 0);
 }
 
+static void books(void **state) {
+    (void)state;
+    size_t wrong = 0;
+    for (uint64_t seed = 1; seed <= 24 / SLOWER && wrong < 20; ++seed) wrong += compare_random("book", book_mesh, seed);
+    assert_int_equal(wrong, 0);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(lattices), cmocka_unit_test(damaged_surfaces)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(books), cmocka_unit_test(lattices), cmocka_unit_test(damaged_surfaces)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
