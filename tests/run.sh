@@ -15,7 +15,7 @@ case " $sections " in *" scripts "*) case " $sections " in *" gcc "*) ;; *) sect
 
 export NORMA_DATA=${NORMA_DATA:-$root/../shared/data}
 export NODE_PATH=$root/build/npm/node_modules
-export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1}
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:detect_stack_use_after_return=1}
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
 export TSAN_OPTIONS=${TSAN_OPTIONS:-halt_on_error=1}
 export CMOCKA_MESSAGE_OUTPUT=TAP
