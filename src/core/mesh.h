@@ -35,13 +35,16 @@ static inline uint32_t norma_core_corner(const core_mesh *mesh, size_t corner)
 
 static inline void norma_core_position(const core_mesh *mesh, uint32_t index, double out[3])
 {
-    float p[3];
     if (mesh->positions.format != NORMA_FORMAT_FLOAT) {
         norma_core_other_position(mesh, index, out);
         return;
     }
-    memcpy(p, (const unsigned char *)mesh->positions.data + index * mesh->positions.stride, sizeof p);
-    for (int i = 0; i < 3; i++) out[i] = (double)p[i];
+    const unsigned char *at = (const unsigned char *)mesh->positions.data + index * mesh->positions.stride;
+    for (size_t i = 0; i < 3; i++) {
+        float p;
+        memcpy(&p, at + i * sizeof p, sizeof p);       /* one by one: no detour through memory */
+        out[i] = (double)p;
+    }
 }
 
 static inline uint32_t norma_core_welded(const core_mesh *mesh, uint32_t index) { return mesh->weld ? mesh->weld[index] : index; }

@@ -7,7 +7,7 @@ static const uint32_t EMPTY = UINT32_MAX;
 static void position_key(const core_mesh *mesh, uint32_t index, uint64_t key[3])
 {
     double p[3];
-    norma_view_read(&mesh->positions, index, p);
+    norma_core_position(mesh, index, p);
     for (int k = 0; k < 3; k++) {
         p[k] += 0.0;
         memcpy(&key[k], &p[k], sizeof key[k]);
