@@ -143,8 +143,78 @@ static void join_repeated(const core_surface *surface, core_ring *ring)
     }
 }
 
+/* ---- ordinary rings, nearly all there are: along each edge runs one face out and one back, or one alone; paired without sorting, to the same fans and counts */
+
+enum { ORDINARY_CORNERS = 16, NO_PARTNER = -1 };
+
+typedef struct ordinary_ring {
+    uint32_t next[ORDINARY_CORNERS], previous[ORDINARY_CORNERS];
+    int      back[ORDINARY_CORNERS];          /* of each corner: the one whose face runs back along its edge to next */
+    int      met[ORDINARY_CORNERS];           /* of each corner: whether its edge from previous is another's edge to next */
+} ordinary_ring;
+
+static int pair_up(const core_ring *ring, ordinary_ring *o)
+{
+    const int count = (int)ring->count;
+    for (int i = 0; i < count; i++) {
+        if (!(ring->corners[i].flags & RING_KEPT)) return 0;
+        o->next[i] = ring->corners[i].next;
+        o->previous[i] = ring->corners[i].previous;
+        o->met[i] = 0;
+    }
+    for (int i = 0; i < count; i++) {
+        int outs = 0, backs = 0, alike = 0;
+        o->back[i] = NO_PARTNER;
+        for (int j = 0; j < count; j++) {
+            outs += o->next[j] == o->next[i];
+            alike += o->previous[j] == o->previous[i];
+            if (o->previous[j] != o->next[i]) continue;
+            backs++;
+            o->back[i] = j;
+        }
+        if (outs != 1 || alike != 1 || backs > 1) return 0;
+        if (!backs) continue;
+        if (ring->corners[i].next_key == ring->corners[o->back[i]].previous_key) return 0;
+        o->met[o->back[i]] = 1;
+    }
+    return 1;
+}
+
+static int join_ordinary(const core_surface *surface, core_ring *ring, ring_counts *counts)
+{
+    ordinary_ring o;
+    norma_edges edges = {0, 0, 0, 0};
+    if (ring->count > ORDINARY_CORNERS || !pair_up(ring, &o)) return 0;
+    for (uint32_t i = 0; i < ring->count; i++) {
+        const size_t counted = ring->position < o.next[i];
+        edges.count += counted;
+        if (o.back[i] == NO_PARTNER) {
+            edges.open += counted;
+        } else {
+            const ring_edge out = {.corner = i}, back = {.corner = (uint32_t)o.back[i]};
+            const int smooth = norma_core_edge_is_smooth(surface, ring, &out, &back);
+            if (smooth) norma_core_join(ring, out.corner, back.corner);
+            *(smooth ? &edges.smooth : &edges.hard) += counted;
+        }
+        if (o.met[i] || ring->position >= o.previous[i]) continue;
+        edges.count++;
+        edges.open++;
+    }
+    if (counts) norma_core_edges_add(&counts->edges, &edges);
+    return 1;
+}
+
+static void settle_fans(core_ring *ring)
+{
+    for (uint32_t i = 0; i < ring->count; i++) ring->corners[i].fan = norma_core_fan_of(ring, i);
+}
+
 void norma_core_ring_join_fans(const core_surface *surface, core_ring *ring, ring_counts *counts)
 {
+    if (join_ordinary(surface, ring, counts)) {
+        settle_fans(ring);
+        return;
+    }
     norma_core_list_edges(ring);
     for (size_t begin = 0, end; begin < ring->edge_count; begin = end) {
         const edge e = norma_core_edge_at(ring, begin, &end);
@@ -153,5 +223,5 @@ void norma_core_ring_join_fans(const core_surface *surface, core_ring *ring, rin
         if (counts && ring->position < ring->edges[begin].other) count_edge(ring, &e, pair, counts);
     }
     join_repeated(surface, ring);
-    for (uint32_t i = 0; i < ring->count; i++) ring->corners[i].fan = norma_core_fan_of(ring, i);
+    settle_fans(ring);
 }

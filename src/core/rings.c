@@ -88,10 +88,7 @@ static void add_part(rings_part *sum, const rings_part *part)
     norma_core_tally_add(&sum->tally, &part->tally);
     norma_core_count_add(&sum->counts.non_manifold, &part->counts.non_manifold);
     norma_core_count_add(&sum->counts.conflicts, &part->counts.conflicts);
-    sum->counts.edges.count += part->counts.edges.count;
-    sum->counts.edges.open += part->counts.edges.open;
-    sum->counts.edges.smooth += part->counts.edges.smooth;
-    sum->counts.edges.hard += part->counts.edges.hard;
+    norma_core_edges_add(&sum->counts.edges, &part->counts.edges);
 }
 
 norma_result norma_core_visit_rings(core_surface *surface, core_join join, int counting, ring_visitor *visit, void *context, rings_part *sum)

@@ -39,4 +39,11 @@ static inline void norma_core_count_add(norma_count *sum, const norma_count *par
     if (!sum->count || part->first < sum->first) sum->first = part->first;
     sum->count += part->count;
 }
+static inline void norma_core_edges_add(norma_edges *sum, const norma_edges *part)
+{
+    sum->count += part->count;
+    sum->open += part->open;
+    sum->smooth += part->smooth;
+    sum->hard += part->hard;
+}
 #endif
