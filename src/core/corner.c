@@ -50,7 +50,7 @@ static norma_result compute(core_surface *surface, const core_output *output, no
     rings_part sum = {0};
     if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1))) return NORMA_ERROR_MEMORY;
     norma_core_stage(call, 0.5, 0.97);
-    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, report || call->options.edges, visit, &work, &sum);
+    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, report || call->options.edges, NULL, visit, &work, &sum);
     const size_t without = sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
     if (result == NORMA_OK && work.reasons && without) result = fill_from_nearest(surface, output, work.reasons, without);
     norma_core_release(call, work.reasons, count, 1);

@@ -5,12 +5,13 @@
 enum { POSITIONS_IN_CHUNK = 2048 };
 
 typedef struct visit_all {
-    core_surface *surface;
-    core_join     join;
-    int           counting;
-    ring_visitor *visit;
-    void         *context;
-    rings_part   *parts;
+    core_surface  *surface;
+    core_join      join;
+    int            counting;
+    const uint8_t *skip;
+    ring_visitor  *visit;
+    void          *context;
+    rings_part    *parts;
 } visit_all;
 
 void norma_core_make_ring(const core_surface *surface, core_join join, uint32_t position, ring_counts *counts, core_ring *ring)
@@ -27,9 +28,11 @@ static void visit_position(const visit_all *v, uint32_t position, core_ring *rin
     v->visit(v->context, ring, &part->tally);
 }
 
-static size_t ring_size(const core_surface *surface, size_t position)
+/* 0 where there is nothing to visit. */
+static size_t ring_size(const visit_all *v, size_t position)
 {
-    return surface->around.starts[position + 1] - surface->around.starts[position];
+    const uint32_t *starts = v->surface->around.starts;
+    return v->skip && v->skip[position] ? 0 : starts[position + 1] - starts[position];
 }
 
 /* Random meshes wait for memory: the corners of faces some rings ahead are asked for, then, nearer, the positions that they name. */
@@ -61,7 +64,7 @@ static void visit_chunk(void *context, size_t chunk)
     core_ring ring;
     norma_core_ring_in_room(&ring, &room);
     for (size_t p = begin; p < end; p++) {
-        const size_t size = ring_size(v->surface, p);
+        const size_t size = ring_size(v, p);
         look_ahead(v->surface, p);
         if (size > 0 && size <= RING_ROOM) visit_position(v, (uint32_t)p, &ring, &v->parts[chunk]);
     }
@@ -75,7 +78,7 @@ static norma_result visit_large_rings(const visit_all *v, rings_part *part)
     if (norma_core_ring_allocate(v->surface->call, &ring, most) != NORMA_OK) return NORMA_ERROR_MEMORY;
     norma_result result = NORMA_OK;
     for (size_t p = 0; p < v->surface->mesh.positions.count && result == NORMA_OK; p++) {
-        if (ring_size(v->surface, p) <= RING_ROOM) continue;
+        if (ring_size(v, p) <= RING_ROOM) continue;
         visit_position(v, (uint32_t)p, &ring, part);
         if (norma_core_progress(v->surface->call, 1)) result = NORMA_CANCELLED;
     }
@@ -91,10 +94,10 @@ static void add_part(rings_part *sum, const rings_part *part)
     norma_core_edges_add(&sum->counts.edges, &part->counts.edges);
 }
 
-norma_result norma_core_visit_rings(core_surface *surface, core_join join, int counting, ring_visitor *visit, void *context, rings_part *sum)
+norma_result norma_core_visit_rings(core_surface *surface, core_join join, int counting, const uint8_t *skip, ring_visitor *visit, void *context, rings_part *sum)
 {
     const size_t count = surface->mesh.positions.count, chunks = count / POSITIONS_IN_CHUNK + (count % POSITIONS_IN_CHUNK != 0);
-    visit_all v = {surface, join, counting, visit, context, NULL};
+    visit_all v = {surface, join, counting, skip, visit, context, NULL};
     *sum = (rings_part){0};
     if (!count) return NORMA_OK;
     v.parts = norma_core_allocate(surface->call, chunks, sizeof *v.parts);

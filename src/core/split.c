@@ -1,5 +1,5 @@
 /* split.c: norma_split. Corners of one old vertex with one normal are one new vertex. The first of them, in the order of corners, stands for it: what
- * is kept between the passes is that corner's number, four bytes for each corner, and no normal. */
+ * is kept between the passes is that corner's number, four bytes for each corner, and the normals of positions that need no split, most of them. */
 #include "corner_fill.h"
 #include "members.h"
 #include <math.h>
@@ -8,6 +8,8 @@ typedef struct split_work {
     const core_surface *surface;
     core_output         output;              /* of new vertices; normals may be NULL */
     uint32_t           *numbers;             /* of each corner: first the corner that stands for it, then its new vertex */
+    uint8_t            *single;              /* of each position: whether all its corners are one vertex that has a normal */
+    float             (*normals)[3];         /* of those */
     uint8_t            *reasons, *wanted;    /* with the nearest fallback: of each corner; of corners that stand for a vertex with no normal at all */
 } split_work;
 
@@ -65,6 +67,27 @@ static size_t group_end(const ring_member *members, size_t begin, size_t count)
 
 /* ---- first pass: who stands for whom */
 
+static void keep_single(const split_work *work, const core_ring *ring, const ring_fan *fan)
+{
+    if (!work->single || fan->reason != NORMA_REASON_NONE) return;
+    work->single[ring->position] = 1;
+    memcpy(work->normals[ring->position], fan->normal, sizeof fan->normal);
+}
+
+/* One vertex and one fan with a normal: nothing to sort. 0 where it is not so. */
+static int number_plain(const split_work *work, const core_ring *ring)
+{
+    const core_mesh *mesh = &work->surface->mesh;
+    const uint32_t first = ring->corners[0].corner, vertex = norma_core_corner(mesh, first);
+    const ring_fan *fan = &ring->fans[ring->corners[0].fan];
+    if (fan->reason != NORMA_REASON_NONE) return 0;
+    for (size_t i = 1; i < ring->count; i++)
+        if (ring->corners[i].fan != ring->corners[0].fan || norma_core_corner(mesh, ring->corners[i].corner) != vertex) return 0;
+    for (size_t i = 0; i < ring->count; i++) work->numbers[ring->corners[i].corner] = first;
+    keep_single(work, ring, fan);
+    return 1;
+}
+
 static void visit_to_number(void *context, core_ring *ring, core_tally *tally)
 {
     const split_work *work = context;
@@ -74,11 +97,13 @@ static void visit_to_number(void *context, core_ring *ring, core_tally *tally)
         norma_core_tally(tally, ring->fans[c->fan].reason, c->corner);
         if (work->reasons) work->reasons[c->corner] = ring->fans[c->fan].reason;
     }
+    if (number_plain(work, ring)) return;
     list_members(work, ring);
     for (size_t begin = 0, end; begin < ring->count; begin = end) {
         const uint32_t first = ring->corners[members[begin].index].corner;
         end = group_end(members, begin, ring->count);
         if (work->wanted) work->wanted[first] = fan_of_group(ring, members, begin, end)->reason != NORMA_REASON_NONE;
+        if (begin == 0 && end == ring->count) keep_single(work, ring, fan_of_group(ring, members, begin, end));
         for (size_t i = begin; i < end; i++) work->numbers[ring->corners[members[i].index].corner] = first;
     }
 }
@@ -116,6 +141,15 @@ static void visit_to_write(void *context, core_ring *ring, core_tally *tally)
         const ring_fan *fan = fan_of_group(ring, members, begin, end);
         norma_core_write_element(&work->output, work->numbers[ring->corners[members[begin].index].corner], fan->reason, fan->normal, tally);
     }
+}
+
+/* The first corner at a position stands for the rest. */
+static void write_singles(const split_work *work)
+{
+    const core_around *around = &work->surface->around;
+    core_tally ignored = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
+    for (size_t p = 0; p < around->position_count; p++)
+        if (work->single[p]) norma_core_write_element(&work->output, work->numbers[around->corners[around->starts[p]]], NORMA_REASON_NONE, work->normals[p], &ignored);
 }
 
 static void receive(void *context, const corner_request *request, const float normal[3])
@@ -160,7 +194,8 @@ static norma_result write_split(core_surface *surface, split_work *work, const s
     write_corners(work, out->corners, out->source_vertices);
     if (!out->normals) return NORMA_OK;
     norma_core_stage(surface->call, 0.75, 0.97);
-    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, 0, visit_to_write, work, &ignored);
+    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, 0, work->single, visit_to_write, work, &ignored);
+    if (result == NORMA_OK) write_singles(work);
     if (result == NORMA_OK && work->output.nearest) result = fill_from_nearest(work);
     return result;
 }
@@ -170,7 +205,7 @@ static norma_result compute(core_surface *surface, split_work *work, const split
     core_call *call = surface->call;
     rings_part sum = {0};
     norma_core_stage(call, 0.5, 0.75);
-    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, 1, visit_to_number, work, &sum);
+    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, 1, NULL, visit_to_number, work, &sum);
     if (result != NORMA_OK) return result;
     const size_t count = count_vertices(work);
     result = write_split(surface, work, out, count);
@@ -182,24 +217,43 @@ static norma_result compute(core_surface *surface, split_work *work, const split
     return NORMA_OK;
 }
 
+static void release_work(const core_call *call, split_work *work)
+{
+    const size_t corners = work->surface->mesh.corner_count, positions = work->surface->mesh.positions.count;
+    norma_core_release(call, work->numbers, corners, sizeof *work->numbers);
+    norma_core_release(call, work->single, positions, 1);
+    norma_core_release(call, work->normals, positions, sizeof *work->normals);
+    norma_core_release(call, work->reasons, corners, 1);
+    norma_core_release(call, work->wanted, corners, 1);
+}
+
+static norma_result allocate_work(const core_call *call, int with_normals, split_work *work)
+{
+    const size_t corners = work->surface->mesh.corner_count, positions = work->surface->mesh.positions.count;
+    work->numbers = norma_core_allocate(call, corners, sizeof *work->numbers);
+    if (!work->numbers) return NORMA_ERROR_MEMORY;
+    if (with_normals) {
+        work->single = norma_core_allocate(call, positions, 1);
+        work->normals = norma_core_allocate(call, positions, sizeof *work->normals);
+        if (!work->single || !work->normals) return NORMA_ERROR_MEMORY;
+        memset(work->single, 0, positions);
+    }
+    if (work->output.nearest) {
+        work->reasons = norma_core_allocate(call, corners, 1);
+        work->wanted = norma_core_allocate(call, corners, 1);
+        if (!work->reasons || !work->wanted) return NORMA_ERROR_MEMORY;
+        memset(work->wanted, 0, corners);
+    }
+    return NORMA_OK;
+}
+
 static norma_result allocate_and_compute(core_surface *surface, const split_output *out, norma_report *report)
 {
-    const core_call *call = surface->call;
-    const size_t corners = surface->mesh.corner_count;
-    const int nearest = call->options.fallback == NORMA_FALLBACK_NEAREST;
     split_work work = {.surface = surface};
-    norma_result result = norma_core_output_open(call, out->normals, 0, 0, &work.output);
-    work.numbers = norma_core_allocate(call, corners, sizeof *work.numbers);
-    if (nearest) {
-        work.reasons = norma_core_allocate(call, corners, 1);
-        work.wanted = norma_core_allocate(call, corners, 1);
-    }
-    if (!work.numbers || (nearest && (!work.reasons || !work.wanted))) result = NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK && work.wanted) memset(work.wanted, 0, corners);
+    norma_result result = norma_core_output_open(surface->call, out->normals, 0, 0, &work.output);
+    if (result == NORMA_OK) result = allocate_work(surface->call, out->normals != NULL, &work);
     if (result == NORMA_OK) result = compute(surface, &work, out, report);
-    norma_core_release(call, work.numbers, corners, sizeof *work.numbers);
-    norma_core_release(call, work.reasons, corners, 1);
-    norma_core_release(call, work.wanted, corners, 1);
+    release_work(surface->call, &work);
     return result;
 }
 

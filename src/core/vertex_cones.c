@@ -44,7 +44,7 @@ norma_result norma_core_cone_vertices(core_surface *surface, core_vertices *vert
     norma_result result = vertices->normals && vertices->reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         memset(vertices->reasons, NORMA_REASON_UNREFERENCED, count);
-        result = norma_core_visit_rings(surface, CORE_JOIN_ALL, 0, visit, vertices, &sum);
+        result = norma_core_visit_rings(surface, CORE_JOIN_ALL, 0, NULL, visit, vertices, &sum);
     }
     norma_core_count_add(&tally->degenerate, &surface->degenerate_faces);
     if (result != NORMA_OK) norma_core_release_vertices(vertices);
