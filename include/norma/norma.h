@@ -164,7 +164,8 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
  * New vertices are told apart by old vertex and the bits of the normal; positions that no corner uses are left out. corner_capacity counts corners, vertex_capacity
  * the elements of source_vertices and of normals; *vertex_count (may be NULL) is set on success. The report is that of norma_corner_normals, in corners;
  * options->reasons, where given, has room for one of each new vertex. With the nearest fallback, a corner without a normal is one with the first corner of its
- * vertex that has one, so degenerate faces add no vertex. Cost as norma_corner_normals, twice where normals are asked for; 4 bytes a corner of scratch on top. */
+ * vertex that has one, so degenerate faces add no vertex. Cost as norma_corner_normals, twice where a position splits; 4 bytes a corner and 13 a position of
+ * scratch on top. */
 norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, uint32_t *corners, size_t corner_capacity,
                          uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count, norma_report *report);
 
