@@ -76,7 +76,7 @@ static void book_mesh(mesh_file *mesh, uint64_t *seed) {
     mesh_file_add_position(mesh, 0, 0, 2);
     for (uint32_t f = 0; f < 150; ++f) {
         const double   angle = bend * (double)(shape_random(seed) % 31) + 1e-4 * shape_random_unit(seed), lean = chance(seed, 10) ? shape_random_unit(seed) : 0;
-        const uint32_t back = chance(seed, 2), at = (uint32_t)mesh->position_count;
+        const uint32_t back = (uint32_t)chance(seed, 2), at = (uint32_t)mesh->position_count;
         mesh_file_add_position(mesh, cos(angle), sin(angle), 1 + shape_random_unit(seed));
         if (chance(seed, 30)) mesh_file_add_position(mesh, 0, 0, 1);
         else mesh_file_add_position(mesh, cos(angle + lean), sin(angle + lean), shape_random_unit(seed));
