@@ -58,13 +58,16 @@ static bounds find_bounds(const gltf_data *data)
     return b;
 }
 
-static void add_bounds(json_text *text, const double *values, uint32_t width)
+static void add_bounds(json_text *text, const double *values, const gltf_data *data)
 {
     norma_json_add(text, "[", 1);
-    for (uint32_t k = 0; k < width; ++k) {
+    for (uint32_t k = 0; k < data->width; ++k) {
         if (k)
             norma_json_add(text, ",", 1);
-        norma_json_add_float(text, (float)values[k]);
+        if (data->component == GLTF_UINT)
+            norma_json_add_uint(text, (uint64_t)values[k]);
+        else
+            norma_json_add_float(text, (float)values[k]);
     }
     norma_json_add(text, "]", 1);
 }
@@ -89,10 +92,7 @@ static void set_bounds(gltf *g, uint32_t accessor, const char *key, const double
     json_text text = {0};
     if ((old == JSON_NONE && !data->bounds) || says(g, old, values, data->width))
         return;
-    if (data->component == GLTF_UINT && data->width == 1)
-        norma_json_add(&text, "[", 1), norma_json_add_uint(&text, (uint64_t)values[0]), norma_json_add(&text, "]", 1);
-    else
-        add_bounds(&text, values, data->width);
+    add_bounds(&text, values, data);
     norma_json_add(&text, "", 1);
     if (!text.failed)
         norma_json_set(g->edits, accessor, key, text.data);
@@ -239,6 +239,32 @@ static void add_type(const gltf *g, json_text *text, const patch_accessor *acces
     }
 }
 
+/* A member as the accessor of before has it, in its own text. */
+static void add_same(const gltf *g, json_text *text, uint32_t like, const char *key)
+{
+    uint32_t value = norma_json_member(&g->json, like, key);
+    if (value == JSON_NONE)
+        return;
+    const json_token *token = &g->json.tokens[value];
+    norma_json_add_text(text, ",");
+    norma_json_add_quoted(text, key);
+    norma_json_add_text(text, ":");
+    norma_json_add(text, g->text + token->start, token->end - token->start);
+}
+
+static void add_bounds_like(const gltf *g, json_text *text, uint32_t like, const char *key, const double *values, const gltf_data *data)
+{
+    if (says(g, norma_json_member(&g->json, like, key), values, data->width)) {
+        add_same(g, text, like, key);
+        return;
+    }
+    norma_json_add_text(text, ",");
+    norma_json_add_quoted(text, key);
+    norma_json_add_text(text, ":");
+    add_bounds(text, values, data);
+}
+
+/* What parts from an accessor is described as that is: its name, its extras, bounds where it has them. */
 static void describe(const gltf *g, json_text *text, const patch_accessor *accessor, const gltf_data *data)
 {
     norma_json_add_text(text, "{\"bufferView\":");
@@ -251,15 +277,16 @@ static void describe(const gltf *g, json_text *text, const patch_accessor *acces
     add_type(g, text, accessor, data);
     if (data->normalized)
         norma_json_add_text(text, ",\"normalized\":true");
+    const uint32_t like = accessor->like == GLTF_NONE ? JSON_NONE : g->accessors[accessor->like].token;
     bounds b = {.any = 0};
-    if (data->bounds)
+    if (data->bounds || norma_json_member(&g->json, like, "min") != JSON_NONE || norma_json_member(&g->json, like, "max") != JSON_NONE)
         b = find_bounds(data);
     if (b.any) {
-        norma_json_add_text(text, ",\"min\":");
-        add_bounds(text, b.least, data->width);
-        norma_json_add_text(text, ",\"max\":");
-        add_bounds(text, b.most, data->width);
+        add_bounds_like(g, text, like, "min", b.least, data);
+        add_bounds_like(g, text, like, "max", b.most, data);
     }
+    add_same(g, text, like, "name");
+    add_same(g, text, like, "extras");
     norma_json_add(text, "}", 2);
 }
 
