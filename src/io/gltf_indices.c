@@ -38,6 +38,20 @@ static size_t left_over(const gltf *g, const gltf_primitive *p)
     return (p->indices == GLTF_NONE ? p->vertices : g->accessors[p->indices].count) - 3 * p->faces;
 }
 
+/* Of a strip or fan, what is drawn: triangles that name a vertex twice only lead from one part to the next, and a list needs none. Returns the number of corners. */
+static size_t drop_stitches(const uint32_t *old, uint32_t *corners, size_t faces)
+{
+    size_t kept = 0;
+    for (size_t f = 0; f < faces; ++f) {
+        const uint32_t *of = old + 3 * f;
+        if (of[0] == of[1] || of[1] == of[2] || of[2] == of[0])
+            continue;
+        memmove(corners + kept, corners + 3 * f, 3 * sizeof *corners);
+        kept += 3;
+    }
+    return kept ? kept : 3 * faces;
+}
+
 static norma_document_result put_list(gltf_job *job, uint32_t number, const uint32_t *corners, size_t count, size_t extra)
 {
     gltf *g = job->g;
@@ -94,7 +108,10 @@ norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t number)
         return result;
     if (memcmp(old, job->corners[number], 3 * p->faces * sizeof *old) == 0)
         return p->indices == GLTF_NONE ? put_sequence(job, number) : NORMA_DOCUMENT_OK;
-    if (p->mode != GLTF_TRIANGLES)
+    size_t count = 3 * p->faces;
+    if (p->mode != GLTF_TRIANGLES) {
         norma_gltf_set_mode(g, 0, number, GLTF_TRIANGLES);
-    return put_list(job, number, job->corners[number], 3 * p->faces, left_over(g, p));
+        count = drop_stitches(old, job->corners[number], p->faces);
+    }
+    return put_list(job, number, job->corners[number], count, left_over(g, p));
 }

@@ -66,7 +66,10 @@ function corners(asset, p) {
   if (mode < 4) return list;
   const out = [];
   if (mode === 4) return list.slice(0, list.length - (list.length % 3));
-  for (let i = 0; i + 2 < list.length; i++) out.push(...(mode === 5 ? [list[i], list[i + 1 + (i % 2)], list[i + 2 - (i % 2)]] : [list[i + 1], list[i + 2], list[0]]));
+  for (let i = 0; i + 2 < list.length; i++) {
+    const triangle = mode === 5 ? [list[i], list[i + 1 + (i % 2)], list[i + 2 - (i % 2)]] : [list[i + 1], list[i + 2], list[0]];
+    if (new Set(triangle).size === 3) out.push(...triangle); // the others draw nothing, and a list need not have them
+  }
   return out;
 }
 
