@@ -76,8 +76,20 @@ static found look(const gltf *g, uint32_t buffer, const char *file)
     return same ? FOUND_SAME : FOUND_OTHER;
 }
 
-/* Whether the asset that stands at path now has a buffer of this name. */
-static int belongs_to_output(const char *path, const char *name)
+/* Whether a buffer's name is one that choose_name may have given for this output. */
+static int is_named_after(const char *path, uint32_t number, int several, const char *name)
+{
+    char *plain = name_after(path, number, several, 0);
+    size_t stem = plain ? strlen(plain) - strlen(".bin") : 0;
+    const char *rest = plain && strncmp(name, plain, stem) == 0 ? name + stem : "";
+    free(plain);
+    if (*rest == '-')
+        rest += 1 + strspn(rest + 1, "0123456789");
+    return strcmp(rest, ".bin") == 0;
+}
+
+/* Whether the asset that stands at path now has a buffer that was named so for it. */
+static int replaces_own(const char *path, uint32_t number, int several)
 {
     const norma_document_options options = {.struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY};
     norma_document *old = NULL;
@@ -86,7 +98,7 @@ static int belongs_to_output(const char *path, const char *name)
         return 0;
     const gltf *g = norma_gltf_of(old);
     for (uint32_t b = 0; norma_document_format(old) >= NORMA_FILE_GLTF && b < g->buffer_count; ++b)
-        belongs |= g->buffers[b].name && strcmp(g->buffers[b].name, name) == 0;
+        belongs |= g->buffers[b].name && is_named_after(path, number, several, g->buffers[b].name);
     norma_document_close(old);
     return belongs;
 }
@@ -107,11 +119,13 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
         char *name = name_after(path, buffer, several, attempt), *file = name && folder ? norma_gltf_join(folder, name) : NULL;
         found there = file ? look(g, buffer, file) : FOUND_NOTHING;
         chosen = file && (there == FOUND_NOTHING || (there == FOUND_SAME && !free_only));
-        if (file && !chosen && !try_more && !(try_more = belongs_to_output(path, name)))
+        if (file && !chosen && !try_more && !(try_more = replaces_own(path, buffer, several)))
             result = refuse(g, file, error);
         if (!file || attempt == 100000)
             result = norma_document_fail_memory(g->document, error);
         free(file);
+        if (chosen && attempt && !free_only)
+            norma_document_add_note(g->document, "the buffer is %s; that of the asset which was replaced stays beside it under its old name", name);
         if (chosen)
             g->patch->buffers[buffer].name = name;
         else
