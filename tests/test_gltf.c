@@ -242,8 +242,8 @@ static void what_is_shared_stays_shared(void **state) {
     add_floats(&b, positions, 15);
     add_shorts(&b, indices, 10);
     document_bytes in = asset("{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0},\"indices\":2},"
-                              "{\"attributes\":{\"POSITION\":0},\"mode\":0}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":5,\"type\":\"VEC3\"},"
-                              "{\"bufferView\":1,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"},{\"bufferView\":1,\"byteOffset\":12,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}],"
+                              "{\"attributes\":{\"POSITION\":0},\"mode\":0}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":5,\"type\":\"VEC3\",\"name\":\"p\\u0020q\","
+                              "\"extras\":[1.0],\"min\":[0,0.0,0],\"max\":[1,1,1e0]},{\"bufferView\":1,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"},{\"bufferView\":1,\"byteOffset\":12,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}],"
                               "\"bufferViews\":[{\"buffer\":0,\"byteLength\":60},{\"buffer\":0,\"byteOffset\":60,\"byteLength\":20}],\"buffers\":[{\"byteLength\":80,\"uri\":\"@URI@\"}]}",
                               &b);
     document_bytes out = bytes_computed(in, "shared.gltf", NULL, &summary);
@@ -252,6 +252,7 @@ static void what_is_shared_stays_shared(void **state) {
     assert_int_equal(attribute(after, 0, "POSITION"), attribute(after, 1, "POSITION"));
     assert_int_equal(attribute(after, 0, "NORMAL"), attribute(after, 1, "NORMAL"));
     assert_int_equal(attribute(after, 2, "POSITION"), 0); /* the points keep theirs */
+    assert_true(contains(out, "\"count\":7,\"type\":\"VEC3\",\"min\":[0,0.0,0],\"max\":[1,1,1e0],\"name\":\"p\\u0020q\",\"extras\":[1.0]}")); /* the others' is like it */
     assert_int_equal(inside(after)->accessors[0].count, 5);
     assert_int_equal(attribute(after, 2, "NORMAL"), GLTF_NONE);
     for (uint32_t p = 0; p < 2; ++p) {
@@ -419,6 +420,68 @@ static void strips_and_fans_unroll(void **state) {
     }
 }
 
+/* Two strips of a quad each, a right angle between them, sewn into one by corners that repeat: the list that it becomes has the four triangles that are drawn. */
+static void stitches_are_left_out_of_a_list(void **state) {
+    static bytes b;
+    static const float positions[24] = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1};
+    static const uint16_t strip[10] = {0, 1, 2, 3, 3, 2, 2, 3, 6, 7};
+    static const float drawn[4][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}}; /* first corners */
+    norma_compute_summary summary;
+    (void)state;
+    b.size = 0;
+    add_floats(&b, positions, 24);
+    add_shorts(&b, strip, 10);
+    document_bytes in = asset("{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"mode\":5}]}],\"accessors\":[{\"bufferView\":0,"
+                              "\"componentType\":5126,\"count\":8,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5123,\"count\":10,\"type\":\"SCALAR\"}],\"bufferViews\":["
+                              "{\"buffer\":0,\"byteLength\":96},{\"buffer\":0,\"byteOffset\":96,\"byteLength\":20}],\"buffers\":[{\"byteLength\":116,\"uri\":\"@URI@\"}]}",
+                              &b);
+    document_bytes out = bytes_computed(in, "sewn.gltf", NULL, &summary);
+    norma_document *after = bytes_open(out, "sewn.gltf");
+    assert_int_equal(inside(after)->primitives[0].mode, GLTF_TRIANGLES);
+    assert_int_equal(inside(after)->primitives[0].faces, 4);
+    for (size_t f = 0; f < 4; ++f) {
+        float at[16], n[16];
+        element(after, 0, corners_of(after, 0)[3 * f], at);
+        element(after, attribute(after, 0, "NORMAL"), corners_of(after, 0)[3 * f], n);
+        assert_memory_equal(at, drawn[f], 12);
+        assert_true(fabsf(n[f < 2 ? 2 : 0]) == 1);
+    }
+    norma_document_close(after);
+    bytes_free(&out);
+    bytes_free(&in);
+}
+
+/* Normals that are right already, one tangent that leans, one that is perpendicular to the last bits of a float, which stay. */
+static void leaning_tangents_are_turned_under_right_normals(void **state) {
+    static bytes b;
+    static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, normals[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1}, tangents[12] = {.6F, 0, .8F, -1, 1, 0, 1e-6F, 1, 0, 1, 0, 1};
+    (void)state;
+    b.size = 0;
+    add_floats(&b, positions, 9);
+    add_floats(&b, normals, 9);
+    add_floats(&b, tangents, 12);
+    document_bytes in = asset("{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2}}]}],\"accessors\":["
+                              "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
+                              "{\"bufferView\":2,\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,"
+                              "\"byteLength\":36},{\"buffer\":0,\"byteOffset\":72,\"byteLength\":48}],\"buffers\":[{\"byteLength\":120,\"uri\":\"@URI@\"}]}",
+                              &b);
+    const norma_compute_options missing = {.struct_size = sizeof missing, .only = NORMA_ONLY_MISSING};
+    document_bytes out = bytes_computed(in, "lean.gltf", NULL, NULL), kept = bytes_computed(in, "lean.gltf", &missing, NULL);
+    norma_document *after = bytes_open(out, "lean.gltf");
+    float t[16];
+    element(after, attribute(after, 0, "TANGENT"), 0, t);
+    assert_true(t[0] == 1 && t[1] == 0 && t[2] == 0 && t[3] == -1);
+    for (size_t v = 1; v < 3; ++v) {
+        element(after, attribute(after, 0, "TANGENT"), v, t);
+        assert_memory_equal(t, tangents + 4 * v, 16);
+    }
+    assert_true(bytes_equal(kept, in));
+    norma_document_close(after);
+    bytes_free(&kept);
+    bytes_free(&out);
+    bytes_free(&in);
+}
+
 /* Another attribute names the very bytes of the normals, or some of them with another stride: those must stay what they were. */
 static void bytes_of_others_are_not_written_over(void **state) {
     static bytes b;
@@ -537,16 +600,21 @@ static void drop_place(place *p) {
     bytes_free(&p->bytes);
 }
 
-static norma_document_result save_computed(const place *p, const char *path, int in_place, norma_document_error *error) {
+static norma_document_result save_shaded(const place *p, const char *path, int in_place, norma_shading shading, norma_document_error *error) {
     const norma_save_options options = {.struct_size = sizeof options, .in_place = in_place};
+    const norma_compute_options compute = {.struct_size = sizeof compute, .shading = shading};
     norma_document *document;
     norma_document_result result = norma_document_open(p->source, NULL, &document, error);
     if (!result)
-        result = norma_document_compute(document, NULL, NULL, error);
+        result = norma_document_compute(document, &compute, NULL, error);
     if (!result)
         result = norma_document_save(document, path, &options, error);
     norma_document_close(document);
     return result;
+}
+
+static norma_document_result save_computed(const place *p, const char *path, int in_place, norma_document_error *error) {
+    return save_shaded(p, path, in_place, NORMA_SHADING_DEFAULT, error);
 }
 
 static int has(const char *path, document_bytes expected) {
@@ -609,6 +677,35 @@ static void other_content_is_not_overwritten(void **state) {
     bytes_free(&text);
     bytes_free(&before);
     bytes_free(&mine);
+    drop_place(&p);
+}
+
+/* Someone tries one shading after the other into the same output: each time the buffers of the times before stay whole, and are used again where they serve. */
+static void an_output_is_replaced_again_and_again(void **state) {
+    static const norma_shading shadings[] = {NORMA_SHADING_SMOOTH, NORMA_SHADING_DEFAULT, NORMA_SHADING_FLAT, NORMA_SHADING_SMOOTH, NORMA_SHADING_DEFAULT};
+    static const char *const names[] = {"\"out.bin\"", "\"out-1.bin\"", "\"out-1.bin\"", "\"out.bin\"", "\"out-1.bin\""}; /* a cube's creases are flat */
+    static const char *const tails[] = {"x.bin", "-1x.bin", "-.bin2"};                                                          /* no names of ours */
+    place p;
+    char out[128], bin[140], *text;
+    norma_document_error error;
+    (void)state;
+    make_place(&p);
+    snprintf(out, sizeof out, "%s/out.gltf", p.other);
+    for (size_t i = 0; i < sizeof shadings / sizeof shadings[0]; ++i) {
+        if (save_shaded(&p, out, 0, shadings[i], &error))
+            fail_msg("%zu: %s", i, error.message);
+        document_bytes written = bytes_load(out);
+        assert_true(contains(written, names[i]));
+        bytes_free(&written);
+    }
+    for (size_t i = 0; i < 3; ++i) { /* an asset at the output's place whose buffers are named otherwise says nothing about out.bin */
+        assert_true(asprintf(&text, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"out%s\"}]}", tails[i]) > 0);
+        write_file(out, text, strlen(text));
+        free(text);
+        snprintf(bin, sizeof bin, "%s/out.bin", p.other);
+        write_file(bin, "mine", 4);
+        assert_int_equal(save_shaded(&p, out, 0, NORMA_SHADING_FLAT, &error), NORMA_DOCUMENT_ERROR_REFUSED);
+    }
     drop_place(&p);
 }
 
@@ -702,10 +799,13 @@ int main(void) {
         cmocka_unit_test(broken_normals_alone_are_mended),
         cmocka_unit_test(nan_positions_are_filled),
         cmocka_unit_test(strips_and_fans_unroll),
+        cmocka_unit_test(stitches_are_left_out_of_a_list),
+        cmocka_unit_test(leaning_tangents_are_turned_under_right_normals),
         cmocka_unit_test(bytes_of_others_are_not_written_over),
         cmocka_unit_test(refused_texts),
         cmocka_unit_test(buffers_are_named_after_the_output),
         cmocka_unit_test(other_content_is_not_overwritten),
+        cmocka_unit_test(an_output_is_replaced_again_and_again),
         cmocka_unit_test(in_place_only_adds_to_the_buffer),
         cmocka_unit_test(a_link_out_of_the_folder_is_not_followed),
         cmocka_unit_test(images_go_along),

@@ -1,6 +1,7 @@
 /* gltf_contents.c: a set's new normals, and all else that its added vertices need, as contents of its attributes: old elements keep their bits, added ones are copies,
  * tangents of new normals are made perpendicular to them. */
 #include "gltf_compute.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -158,16 +159,29 @@ static norma_document_result put_normals(const contents *c)
 
 /* ---- tangents */
 
+/* Whether a tangent leans against the normal more than its code and rounding explain: right ones keep their bits. */
+static int leans(const float tangent[3], const float normal[3], vector_encoding encoding)
+{
+    double dot = 0, squares = 0;
+    for (int k = 0; k < 3; ++k) {
+        dot += (double)tangent[k] * (double)normal[k];
+        squares += (double)tangent[k] * (double)tangent[k];
+    }
+    return !(fabs(dot) <= (encoding == VECTOR_SNORM8 ? .0137 : 2e-4) * sqrt(squares));
+}
+
 static norma_document_result turn_tangents(const contents *c, uint32_t accessor, gltf_data *data)
 {
     vector_encoding encoding = encoding_of(c->job->g, accessor, 4);
     size_t size = norma_gltf_data_size(data);
     gltf_array array = {.data = data->bytes, .count = c->count, .stride = size, .component = data->component, .width = data->width, .normalized = data->normalized};
     float *tangents = norma_io_allocate(c->count, 4 * sizeof *tangents), *units = norma_io_allocate(c->count, 3 * sizeof *units);
-    unsigned char *codes = norma_io_allocate(c->count, 3 * sizeof(float));
-    int ok = tangents && units && codes;
-    for (size_t v = 0; ok && v < c->count; ++v)
+    unsigned char *codes = norma_io_allocate(c->count, 3 * sizeof(float)), *turned = norma_io_allocate(c->count, 1);
+    int ok = tangents && units && codes && turned;
+    for (size_t v = 0; ok && v < c->count; ++v) {
         norma_gltf_floats(&array, v, tangents + 4 * v);
+        turned[v] = c->changed[v] || (is_new(c->set, v) && leans(tangents + 4 * v, c->stored + 3 * v, encoding));
+    }
     const norma_vec3_view normals = {.data = c->stored, .count = c->count, .format = NORMA_FORMAT_FLOAT};
     ok = ok && norma_orthogonalise_tangents(tangents, 0, normals, c->count, tangents, 0, c->count) == NORMA_OK;
     for (size_t v = 0; ok && v < c->count; ++v)
@@ -175,11 +189,12 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
     size_t code_size = 3 * norma_gltf_component_size(data->component);
     ok = ok && encode_units(encoding, units, c->count, codes, code_size);
     for (size_t v = 0; ok && v < c->count; ++v)
-        if (c->changed[v])
+        if (turned[v])
             memcpy(data->bytes + v * size, codes + v * code_size, code_size);
     free(tangents);
     free(units);
     free(codes);
+    free(turned);
     return ok ? NORMA_DOCUMENT_OK : out_of_memory(c);
 }
 
