@@ -153,7 +153,7 @@ typedef struct norma_transform_options {
 typedef struct norma_transform_summary {
     int    changed;
     size_t vertices, meshes, nodes_baked;
-    int    mirrored;                       /* the matrix, or one of the nodes baked, mirrors: winding was reversed there */
+    int    mirrored;                       /* the matrix, or one of the nodes baked, mirrors: winding was reversed there (a glTF that is not baked: by whoever draws it) */
 } norma_transform_summary;
 norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
 

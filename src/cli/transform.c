@@ -83,7 +83,7 @@ static const char *what_flattening_does(int rank) {
 static void write_text(const void *user, const norma_document *document, FILE *out) {
     const transform_work *work = user;
     const norma_transform_summary *summary = &work->summary;
-    (void)document;
+    const int on_a_node = norma_document_format(document) >= NORMA_FILE_GLTF && !work->options.bake;
     if (!summary->changed) {
         fputs("nothing to do: the output is the input, byte for byte", out);
         return;
@@ -101,9 +101,13 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         fputs(", ", out);
         cli_counted(out, summary->nodes_baked, "node baked", "nodes baked");
     }
-    if (summary->mirrored)
+    if (summary->mirrored && on_a_node)
+        fputs("; mirrored by a new node above the meshes: their winding stays, and what draws the file reverses it", out);
+    else if (summary->mirrored)
         fputs("; mirrored: winding reversed, so that faces still look outwards", out);
-    if (work->info.rank < 3)
+    if (work->info.rank < 3 && on_a_node)
+        fprintf(out, "; flattened (rank %d) by a new node: which normals are drawn is up to what draws the file; --bake settles it", work->info.rank);
+    else if (work->info.rank < 3)
         fputs(what_flattening_does(work->info.rank), out);
 }
 
