@@ -7,7 +7,7 @@ set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
-packages="gcc libc6-dev make cmake ninja-build pkg-config libjsmn-dev libmeshoptimizer-dev"
+packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev"
 if [ "$what" = all ]; then
     # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers; mpfr and gmp: the oracle; mandoc: the manual's lint.
     packages="$packages g++ clang libclang-rt-14-dev libcmocka-dev libmpfr-dev libgmp-dev mandoc"
