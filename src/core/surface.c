@@ -3,38 +3,58 @@
 #include "triangle.h"
 #include "ring.h"
 #include "weld.h"
+#include <stdatomic.h>
+
+enum { FACES_IN_CHUNK = 1 << 12 };
+
+typedef struct survey_part { norma_count degenerate; int any_flat; } survey_part;
 
 typedef struct face_survey {
     core_surface *surface;
-    uint8_t      *flat_at;              /* NULL, or nonzero at positions of faces that have edges but no direction */
-    int           any_flat;
+    atomic_uchar *flat_at;              /* NULL, or nonzero at positions of faces that have edges but no direction */
+    survey_part  *parts;                /* of each chunk */
 } face_survey;
 
-static void survey_face(face_survey *survey, size_t f, const core_face *face)
+static void survey_face(const face_survey *survey, size_t f, const core_face *face, survey_part *part)
 {
-    core_surface *s = survey->surface;
-    if (s->faces) s->faces[f] = *face;
+    const core_mesh *mesh = &survey->surface->mesh;
+    if (survey->surface->faces) survey->surface->faces[f] = *face;
     if ((face->flags & CORE_FACE_DIRECTED) || !(face->flags & CORE_FACE_FINITE)) return;
-    norma_core_count_one(&s->degenerate_faces, f);
+    norma_core_count_one(&part->degenerate, f);
     if (!survey->flat_at || !(face->flags & CORE_FACE_EDGED)) return;
-    survey->any_flat = 1;
-    for (size_t c = norma_core_face_begin(&s->mesh, f); c < norma_core_face_end(&s->mesh, f); c++) survey->flat_at[norma_core_welded_corner(&s->mesh, c)] = 1;
+    part->any_flat = 1;
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
+        atomic_store_explicit(&survey->flat_at[norma_core_welded_corner(mesh, c)], 1, memory_order_relaxed);
+}
+
+static void survey_chunk(void *context, size_t chunk)
+{
+    const face_survey *survey = context;
+    const core_surface *s = survey->surface;
+    const size_t count = s->mesh.face_count, begin = chunk * FACES_IN_CHUNK, end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
+    core_face faces[CORE_LANES];
+    for (size_t f = begin; f < end; f += CORE_LANES) {
+        const size_t lanes = end - f < CORE_LANES ? end - f : CORE_LANES;
+        norma_core_faces_geometry(s->call, &s->mesh, f, lanes, faces);
+        for (size_t i = 0; i < lanes; i++) survey_face(survey, f + i, &faces[i], &survey->parts[chunk]);
+    }
 }
 
 /* Measures all faces once: polygons are kept, of triangles only what is wrong with them. */
-static norma_result survey_faces(face_survey *survey)
+static norma_result survey_faces(face_survey *survey, int *any_flat)
 {
-    enum { FACES_BETWEEN_TELLING = 1 << 15 };
     core_surface *s = survey->surface;
-    const size_t count = s->mesh.face_count;
-    core_face faces[CORE_LANES];
-    for (size_t f = 0; f < count; f += CORE_LANES) {
-        const size_t lanes = count - f < CORE_LANES ? count - f : CORE_LANES;
-        if (f % FACES_BETWEEN_TELLING == 0 && norma_core_progress(s->call, (double)f / (double)count)) return NORMA_CANCELLED;
-        norma_core_faces_geometry(s->call, &s->mesh, f, lanes, faces);
-        for (size_t i = 0; i < lanes; i++) survey_face(survey, f + i, &faces[i]);
+    const size_t chunks = s->mesh.face_count / FACES_IN_CHUNK + (s->mesh.face_count % FACES_IN_CHUNK != 0);
+    survey->parts = norma_core_allocate(s->call, chunks, sizeof *survey->parts);
+    if (!survey->parts) return NORMA_ERROR_MEMORY;
+    memset(survey->parts, 0, chunks * sizeof *survey->parts);
+    const norma_result result = norma_core_parallel(s->call, chunks, survey_chunk, survey);
+    for (size_t i = 0; i < chunks; i++) {
+        norma_core_count_add(&s->degenerate_faces, &survey->parts[i].degenerate);
+        *any_flat |= survey->parts[i].any_flat;
     }
-    return NORMA_OK;
+    norma_core_release(s->call, survey->parts, chunks, sizeof *survey->parts);
+    return result;
 }
 
 static void find_longest_edges(const core_surface *s, uint32_t *longest)
@@ -47,17 +67,17 @@ static void find_longest_edges(const core_surface *s, uint32_t *longest)
     }
 }
 
-static void lend_at_each(core_surface *s, const uint8_t *flat_at, const uint32_t *longest, core_ring *ring, uint32_t *lender)
+static void lend_at_each(core_surface *s, atomic_uchar *flat_at, const uint32_t *longest, core_ring *ring, uint32_t *lender)
 {
     memset(lender, 0xff, s->mesh.face_count * sizeof *lender);
     for (size_t p = 0; p < s->mesh.positions.count; p++) {
-        if (!flat_at[p]) continue;
+        if (!atomic_load_explicit(&flat_at[p], memory_order_relaxed)) continue;
         norma_core_ring_load(s, (uint32_t)p, 0, ring);
         norma_core_ring_lend(s, ring, longest, lender);
     }
 }
 
-static norma_result lend_directions(core_surface *s, const uint8_t *flat_at)
+static norma_result lend_directions(core_surface *s, atomic_uchar *flat_at)
 {
     const size_t faces = s->mesh.face_count;
     core_ring ring = {0};
@@ -81,13 +101,14 @@ static norma_result prepare_faces(core_surface *s, core_use use)
     face_survey survey = {.surface = s};
     if (s->mesh.face_starts && !(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces))) return NORMA_ERROR_MEMORY;
     if (use == CORE_FOR_FANS) {
-        survey.flat_at = norma_core_allocate(s->call, positions, 1);
+        survey.flat_at = norma_core_allocate(s->call, positions, sizeof *survey.flat_at);
         if (!survey.flat_at) return NORMA_ERROR_MEMORY;
-        memset(survey.flat_at, 0, positions);
+        for (size_t p = 0; p < positions; p++) atomic_init(&survey.flat_at[p], 0);
     }
-    norma_result result = survey_faces(&survey);
-    if (result == NORMA_OK && survey.any_flat) result = lend_directions(s, survey.flat_at);
-    norma_core_release(s->call, survey.flat_at, positions, 1);
+    int any_flat = 0;
+    norma_result result = survey_faces(&survey, &any_flat);
+    if (result == NORMA_OK && any_flat) result = lend_directions(s, survey.flat_at);
+    norma_core_release(s->call, survey.flat_at, positions, sizeof *survey.flat_at);
     return result;
 }
 
