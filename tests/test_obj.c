@@ -278,6 +278,9 @@ static void nothing_to_do(void **state)
     (void)state;
     expect_compute("v 0 0 0\nvn 1 0 0\nvn 5 0 0\np 1\n", NULL, "v 0 0 0\nvn 1 0 0\nvn 5 0 0\np 1\n");
     expect_compute("# nothing", NULL, "# nothing");
+    /* normals that are right already keep their spelling, one that is not costs all lines theirs */
+    expect_compute(SQUARE "vn -0.0 0 1.000000\nvn 3 0 0\nvn 0 -0 1e0\nf -1//-1 2//1 3//1\n", NULL, SQUARE "vn -0.0 0 1.000000\nvn 3 0 0\nvn 0 -0 1e0\nf -1//-1 2//1 3//1\n");
+    expect_compute(SQUARE "vn -0.0 0 1.000000\nvn 3 0 0\nf 1//1 2//1 3//2\n", NULL, SQUARE "vn 0 0 1\nf 1//1 2//1 3//1\n");
     expect_compute(SQUARE "vn 1 0 0\nf -1//-1 2//1 3//1\n", &missing, SQUARE "vn 1 0 0\nf -1//-1 2//1 3//1\n");
     expect_compute(SQUARE "vn 1 0 0\nf -1//-1 2//1 3//1\n", &broken, SQUARE "vn 1 0 0\nf -1//-1 2//1 3//1\n");
 }

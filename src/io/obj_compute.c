@@ -251,6 +251,24 @@ static int number_new(computation *c, normal_table *table, const uint32_t *old_n
     return 1;
 }
 
+/* Whether every corner that gets a normal has these very numbers already (the sign of a zero aside): then the file stays as it is. */
+static int says_so_already(const computation *c, const normal_table *table, size_t base, const uint32_t *corner_normals)
+{
+    const obj_state *state = c->state;
+    for (size_t corner = 0; corner < state->corner_count; ++corner) {
+        if (c->wanted && !c->wanted[corner])
+            continue;
+        const uint32_t old = state->corner_normals[corner];
+        const float *now = table->normals + 3 * (corner_normals[corner] - base);
+        if (old >= OBJ_BAD_NORMAL)
+            return 0;
+        for (size_t i = 0; i < 3; ++i)
+            if (state->normals[3 * (size_t)old + i] != now[i])
+                return 0;
+    }
+    return 1;
+}
+
 /* Puts kept and new normals in place of the old ones. */
 static int replace_normals(obj_state *state, const normal_table *table, const uint32_t *old_numbers, size_t kept)
 {
@@ -290,15 +308,17 @@ static norma_document_result store(computation *c)
     uint32_t *corner_normals = norma_io_allocate(state->corner_count, sizeof *corner_normals);
     uint32_t *recent = norma_io_allocate(state->position_count, sizeof *recent);
     size_t kept = old_numbers ? number_old(c, old_numbers) : 0;
-    int stored = old_numbers && corner_normals && recent && number_new(c, &table, old_numbers, kept, recent, corner_normals) &&
-                 replace_normals(state, &table, old_numbers, kept);
+    int stored = old_numbers && corner_normals && recent && number_new(c, &table, old_numbers, kept, recent, corner_normals);
+    int idle = stored && says_so_already(c, &table, kept, corner_normals);
+    if (stored && !idle)
+        stored = replace_normals(state, &table, old_numbers, kept);
     free(old_numbers);
     free(recent);
     free(table.normals);
     free(table.slots);
-    if (!stored) {
+    if (!stored || idle) {
         free(corner_normals);
-        return norma_document_fail_memory(c->document, c->error);
+        return stored ? NORMA_DOCUMENT_OK : norma_document_fail_memory(c->document, c->error);
     }
     free(state->corner_normals);
     state->corner_normals = corner_normals;
