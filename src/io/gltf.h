@@ -151,6 +151,7 @@ norma_document_result norma_gltf_read_accessors(gltf *g, norma_document_error *e
 norma_document_result norma_gltf_read_meshes(gltf *g, norma_document_error *error);        /* gltf_meshes.c */
 norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error);         /* gltf_nodes.c */
 norma_document_result norma_gltf_load_buffer(gltf *g, uint32_t buffer, norma_document_error *error);
+int                   norma_gltf_view_overruns(const gltf *g, uint32_t view);              /* its end lies beyond its buffer's */
 norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsigned char **bytes, norma_document_error *error); /* decoded where compressed; view->length of them */
 norma_document_result norma_gltf_decode_meshopt(gltf *g, uint32_t view, norma_document_error *error);
 /* The elements of an accessor, resolved once and cached. */

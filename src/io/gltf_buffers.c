@@ -81,6 +81,28 @@ static norma_document_result read_view(gltf *g, gltf_view *view, norma_document_
     return read_meshopt(g, view, error);
 }
 
+int norma_gltf_view_overruns(const gltf *g, uint32_t view)
+{
+    const gltf_view *v = &g->views[view];
+    const size_t length = g->buffers[v->buffer].length;
+    return v->offset > length || v->length > length - v->offset;
+}
+
+/* What is used of them is refused where it is used; of the others a person should know. */
+static void note_overruns(gltf *g)
+{
+    uint32_t first = GLTF_NONE, count = 0;
+    for (uint32_t v = 0; v < g->view_count; ++v)
+        if (norma_gltf_view_overruns(g, v)) {
+            first = count ? first : v;
+            ++count;
+        }
+    if (count == 1)
+        norma_document_add_note(g->document, "bufferView %u ends beyond its buffer: what it should hold is not there", (unsigned)first);
+    else if (count)
+        norma_document_add_note(g->document, "%u bufferViews, %u the first of them, end beyond their buffers: what they should hold is not there", (unsigned)count, (unsigned)first);
+}
+
 norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *error)
 {
     uint32_t buffers, views, number = 0;
@@ -110,6 +132,7 @@ norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *err
         if (result)
             return result;
     }
+    note_overruns(g);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -184,8 +207,7 @@ norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t number, const unsi
     norma_document_result result = norma_gltf_load_buffer(g, view->buffer, error);
     if (result)
         return result;
-    size_t length = g->buffers[view->buffer].length;
-    if (view->offset > length || view->length > length - view->offset)
+    if (norma_gltf_view_overruns(g, number))
         return norma_gltf_malformed(g, error, view->token, "a view that ends inside its buffer");
     *bytes = g->buffers[view->buffer].bytes + view->offset;
     return NORMA_DOCUMENT_OK;

@@ -225,9 +225,8 @@ static norma_document_result place_in_view(placer *p, uint32_t view)
 /* A view that ends behind its buffer is a fault that must not come to mean our bytes when the buffer grows. */
 static int may_grow(const gltf *g, uint32_t buffer)
 {
-    size_t length = buffer < g->buffer_count ? g->buffers[buffer].length : SIZE_MAX;
     for (uint32_t v = 0; v < g->view_count; ++v)
-        if (g->views[v].buffer == buffer && (g->views[v].offset > length || g->views[v].length > length - g->views[v].offset))
+        if (g->views[v].buffer == buffer && norma_gltf_view_overruns(g, v))
             return 0;
     return 1;
 }
