@@ -557,6 +557,31 @@ static void refused_texts(void **state) {
     }
 }
 
+/* What a view beyond its buffer should hold must not become what is written: its buffer does not grow, and a note tells of it. */
+static void a_view_beyond_its_buffer_is_told_of(void **state) {
+    static bytes b;
+    static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    (void)state;
+    b.size = 0;
+    add_floats(&b, positions, 9);
+    document_bytes in = asset("{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
+                              "\"count\":3,\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36}],"
+                              "\"buffers\":[{\"byteLength\":36,\"uri\":\"@URI@\"}]}",
+                              &b);
+    norma_document *before = bytes_open(in, "beyond.gltf");
+    assert_int_equal(norma_document_note_count(before), 1);
+    assert_string_equal(norma_document_note(before, 0), "bufferView 1 ends beyond its buffer: what it should hold is not there");
+    norma_document_close(before);
+    document_bytes out = bytes_computed(in, "beyond.gltf", NULL, NULL);
+    norma_document *after = bytes_open(out, "beyond.gltf");
+    assert_int_equal(inside(after)->buffers[0].length, 36);
+    assert_int_equal(inside(after)->accessors[attribute(after, 0, "NORMAL")].view, 2);
+    assert_int_equal(inside(after)->views[2].buffer, 1);
+    norma_document_close(after);
+    bytes_free(&out);
+    bytes_free(&in);
+}
+
 /* ---- files */
 
 typedef struct place {
@@ -803,6 +828,7 @@ int main(void) {
         cmocka_unit_test(leaning_tangents_are_turned_under_right_normals),
         cmocka_unit_test(bytes_of_others_are_not_written_over),
         cmocka_unit_test(refused_texts),
+        cmocka_unit_test(a_view_beyond_its_buffer_is_told_of),
         cmocka_unit_test(buffers_are_named_after_the_output),
         cmocka_unit_test(other_content_is_not_overwritten),
         cmocka_unit_test(an_output_is_replaced_again_and_again),
