@@ -68,7 +68,7 @@ static uint32_t place_of(const core_mesh *mesh, size_t f)
     return begin < norma_core_face_end(mesh, f) ? norma_core_corner(mesh, begin) : UINT32_MAX;
 }
 
-static void write_nearest(const core_mesh *mesh, const core_output *output, const core_nearest *nearest)
+static void write_nearest(const core_mesh *mesh, const core_output *output, core_nearest *nearest)
 {
     for (size_t f = 0; f < mesh->face_count; f++) {
         float normal[3];

@@ -51,7 +51,7 @@ static norma_result write_all(vertex_work *work, core_tally *sum)
     return result;
 }
 
-static void write_nearest(const vertex_work *work, const core_nearest *nearest)
+static void write_nearest(const vertex_work *work, core_nearest *nearest)
 {
     for (size_t v = 0; v < work->vertices.count; v++) {
         float normal[3];
