@@ -201,6 +201,40 @@ static void a_second_time_changes_nothing(void **state) {
 }
 
 /* 31 cubes, 248 vertices, bytes as indices: 744 vertices need shorts; the value 255 is no index. */
+static norma_document_result double_it(norma_document *document, norma_document_error *error) {
+    const norma_transform_options options = {.struct_size = sizeof options, .matrix = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1}};
+    return norma_document_transform(document, &options, NULL, error);
+}
+
+/* A second change would begin from what was read: refused, unless the first changed nothing. */
+static void a_document_takes_one_change(void **state) {
+    norma_document_error error;
+    static bytes b;
+    cube_bytes(&b);
+    char text[sizeof CUBE_TEXT + 64];
+    (void)state;
+    snprintf(text, sizeof text, "{ \"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],%s", CUBE_TEXT + 1);
+    document_bytes in = asset(text, &b), done = bytes_computed(in, "cube.gltf", NULL, NULL);
+    for (int first = 0; first < 2; ++first)
+        for (int second = 0; second < 2; ++second) {
+            norma_document *document = bytes_open(in, "cube.gltf");
+            assert_int_equal(first ? double_it(document, &error) : norma_document_compute(document, NULL, NULL, &error), NORMA_DOCUMENT_OK);
+            assert_int_equal(second ? double_it(document, &error) : norma_document_compute(document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+            assert_non_null(strstr(error.message, "changed already"));
+            norma_document_close(document);
+        }
+    norma_document *document = bytes_open(done, "cube.gltf");
+    assert_int_equal(norma_document_compute(document, NULL, NULL, &error), NORMA_DOCUMENT_OK); /* all normals are right already */
+    if (double_it(document, &error))
+        fail_msg("%s", error.message);
+    document_bytes out = bytes_of(document);
+    assert_true(contains(out, "\"scale\":[2,2,2]"));
+    norma_document_close(document);
+    bytes_free(&out);
+    bytes_free(&done);
+    bytes_free(&in);
+}
+
 static void indices_widen(void **state) {
     static bytes b;
     char text[1200];
@@ -817,6 +851,7 @@ int main(void) {
         cmocka_unit_test(smooth_adds_no_vertex),
         cmocka_unit_test(the_rest_of_the_text_stays),
         cmocka_unit_test(a_second_time_changes_nothing),
+        cmocka_unit_test(a_document_takes_one_change),
         cmocka_unit_test(indices_widen),
         cmocka_unit_test(what_is_shared_stays_shared),
         cmocka_unit_test(materials_make_no_seam),

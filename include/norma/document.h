@@ -2,7 +2,9 @@
  *
  * A document is opened from a path or from memory, changed by norma_document_compute or norma_document_transform, and saved: to a temporary
  * file that is flushed and renamed, so that the old file or the new one is whole at any time. The source file is mapped, not copied; it must
- * not change while its document is open. Distinct documents may be used by distinct threads at once; one document by one thread at a time.
+ * not change while its document is open. A glTF document takes one change; a second, on top of the first, is an argument error: save and open it again.
+ * Its mesh data and infos stay those of the file as it was read; in the other formats they follow the changes. Distinct documents may be used by
+ * distinct threads at once; one document by one thread at a time.
  *
  * Zero-initialised option structs mean the documented defaults. Strings are UTF-8, owned by the document, valid until it is closed. */
 #ifndef NORMA_DOCUMENT_H

@@ -194,6 +194,8 @@ typedef struct gltf_slot {
     const char *attribute;                /* "NORMAL", ...; must outlive the patch (a literal, or a name in g->attributes); NULL with GLTF_SLOT_INDICES */
 } gltf_slot;
 
+/* Before anything is put: refuses a second change, since what is in the arrays stays as it was read. */
+norma_document_result norma_gltf_begin_change(gltf *g, norma_document_error *error);
 size_t   norma_gltf_data_size(const gltf_data *data);                       /* bytes of one element */
 /* Registers contents (bytes become the patch's, also on failure) and gives their number, to be put into one slot or several. GLTF_NONE: out of memory. */
 uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data);

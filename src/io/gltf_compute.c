@@ -97,12 +97,12 @@ norma_document_result norma_gltf_compute(norma_document *document, const norma_c
 {
     gltf *g = norma_gltf_of(document);
     gltf_job job = {.g = g, .options = options, .summary = summary, .error = error};
-    if (g->changed)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "was changed already; expected it to be saved and opened again");
     norma_options_of_compute(options, &job.core);
     job.core.progress = NULL;
     begin_summary(&job);
-    norma_document_result result = norma_gltf_make_sets(&job);
+    norma_document_result result = norma_gltf_begin_change(g, error);
+    if (!result)
+        result = norma_gltf_make_sets(&job);
     if (!result)
         result = compute_meshes(&job);
     if (!result)

@@ -134,7 +134,15 @@ json_edits *norma_gltf_edits(gltf *g, uint32_t copy)
     return copy ? g->patch->copies[copy - 1].edits : g->edits;
 }
 
-/* ---- the end */
+/* ---- beginning and end */
+
+norma_document_result norma_gltf_begin_change(gltf *g, norma_document_error *error)
+{
+    if (g->changed)
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "was changed already; expected it to be saved and opened again");
+    norma_gltf_patch_free(g); /* of a change that changed nothing */
+    return NORMA_DOCUMENT_OK;
+}
 
 static norma_document_result append_copies(gltf *g, norma_document_error *error)
 {

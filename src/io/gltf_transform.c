@@ -47,8 +47,10 @@ norma_document_result norma_gltf_transform(norma_document *document, const norma
                                            norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_matrix_info info;
-    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_gltf_begin_change(g, error);
     double normal[9];
+    if (result)
+        return result;
     norma_normal_matrix_double(options->matrix, NORMA_WINDING_KEPT, normal, &info);
     summary->mirrored = info.mirrored;
     if (g->node_count == 0) {
