@@ -11,7 +11,7 @@ install(EXPORT norma-targets NAMESPACE norma:: DESTINATION ${package_dir})
 install(FILES ${CMAKE_BINARY_DIR}/norma-config.cmake ${CMAKE_BINARY_DIR}/norma-config-version.cmake DESTINATION ${package_dir})
 
 # Relative to the file itself, so that an installed tree can be moved.
-file(RELATIVE_PATH pc_prefix /root/${CMAKE_INSTALL_LIBDIR}/pkgconfig /root)
+file(RELATIVE_PATH pc_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(cmake/norma.pc.in norma.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/norma.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 

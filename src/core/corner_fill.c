@@ -1,6 +1,7 @@
 /* corner_fill.c: the rings of the sources are made a second time rather than all normals kept, since files where many corners lack one are rare. */
 #include "corner_fill.h"
 #include "nearest.h"
+#include "sort.h"
 
 norma_result norma_core_find_sources(const core_surface *surface, const uint8_t *reasons, const uint8_t *wanted, corner_request *requests, size_t count, size_t *found)
 {
@@ -22,32 +23,11 @@ norma_result norma_core_find_sources(const core_surface *surface, const uint8_t 
     return result;
 }
 
-static int request_less(const corner_request *a, const corner_request *b)
+static int request_less(const void *one, const void *other)
 {
+    const corner_request *a = one, *b = other;
     if (a->position != b->position) return a->position < b->position;
     return a->target < b->target;
-}
-
-static void sift(corner_request *heap, size_t at, size_t count)
-{
-    for (size_t child; (child = 2 * at + 1) < count; at = child) {
-        if (child + 1 < count && request_less(&heap[child], &heap[child + 1])) child++;
-        if (!request_less(&heap[at], &heap[child])) return;
-        const corner_request r = heap[at];
-        heap[at] = heap[child];
-        heap[child] = r;
-    }
-}
-
-static void sort_requests(corner_request *requests, size_t count)
-{
-    for (size_t i = count / 2; i-- > 0;) sift(requests, i, count);
-    for (size_t end = count; end > 1; end--) {
-        const corner_request r = requests[0];
-        requests[0] = requests[end - 1];
-        requests[end - 1] = r;
-        sift(requests, 0, end - 1);
-    }
 }
 
 static const ring_fan *fan_of_corner(const core_ring *ring, uint32_t corner)
@@ -66,7 +46,7 @@ norma_result norma_core_fetch_normals(const core_surface *surface, corner_reques
     core_ring ring;
     const size_t most = surface->around.most;
     if (norma_core_ring_allocate(surface->call, &ring, most) != NORMA_OK) return NORMA_ERROR_MEMORY;
-    sort_requests(requests, count);
+    norma_core_sort(requests, count, sizeof *requests, request_less);
     for (size_t i = 0; i < count; i++) {
         if (i == 0 || requests[i].position != requests[i - 1].position) norma_core_make_ring(surface, CORE_JOIN_FANS, requests[i].position, NULL, &ring);
         receive(context, &requests[i], fan_of_corner(&ring, requests[i].corner)->normal);

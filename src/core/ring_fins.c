@@ -5,6 +5,7 @@
  * those that run back: the same fans, in O(n log n). Faces whose normals lean (bent polygons) or are
  * borrowed, and polygons that run both ways, are few, and are compared with all; twins among the others stand opposite, beyond any crease that is asked about. */
 #include "ring_edges.h"
+#include "sort.h"
 #include "triangle.h"
 
 typedef struct fin { double angle; uint32_t back, edge; } fin;       /* edge: its number among those of its side */
@@ -17,32 +18,11 @@ typedef struct fin_set {
     size_t              out_count, back_count;
 } fin_set;
 
-static int fin_less(const fin *a, const fin *b)
+static int fin_less(const void *one, const void *other)
 {
+    const fin *a = one, *b = other;
     if (a->back != b->back) return a->back < b->back;
     return a->angle < b->angle || (a->angle == b->angle && a->edge < b->edge);
-}
-
-static void sift(fin *heap, size_t at, size_t count)
-{
-    for (size_t child; (child = 2 * at + 1) < count; at = child) {
-        if (child + 1 < count && fin_less(&heap[child], &heap[child + 1])) child++;
-        if (!fin_less(&heap[at], &heap[child])) return;
-        const fin f = heap[at];
-        heap[at] = heap[child];
-        heap[child] = f;
-    }
-}
-
-static void sort_fins(fin *fins, size_t count)
-{
-    for (size_t i = count / 2; i-- > 0;) sift(fins, i, count);
-    for (size_t end = count; end > 1; end--) {
-        const fin f = fins[0];
-        fins[0] = fins[end - 1];
-        fins[end - 1] = f;
-        sift(fins, 0, end - 1);
-    }
 }
 
 /* ---- angles round the edge */
@@ -158,7 +138,7 @@ static void join_group(fin_set *f, const edge_frame *frame, uint32_t group)
     fin *fins = (fin *)(void *)f->ring->sorted;
     f->out_count = list_side(f, frame, 0, group, fins);
     f->back_count = list_side(f, frame, 1, group, fins + f->out_count);
-    sort_fins(fins, f->out_count + f->back_count);
+    norma_core_sort(fins, f->out_count + f->back_count, sizeof *fins, fin_less);
     f->out = fins;
     f->back = fins + f->out_count;
     join_neighbours(f);
