@@ -6,17 +6,16 @@ CMAKE_FLAGS ?=
 .PHONY: all help deps demo test bench asan tsan format lint install single clean
 .DEFAULT_GOAL := all
 
-all: tools
+# Where packages cannot be installed (another system, neither root nor sudo) the script says which, and CMake tells whether they are there all the same.
+all:
+	@scripts/install-deps.sh build || true
+	@command -v cmake >/dev/null && command -v ninja >/dev/null || { echo "cmake and ninja are needed"; exit 1; }
+	@mkdir -p $(BUILD)
 	@cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_TESTS=OFF $(CMAKE_FLAGS) >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
 	@cmake --build $(BUILD)
 
-.PHONY: tools
-tools:
-	@command -v cmake >/dev/null && command -v ninja >/dev/null || { echo "cmake and ninja are needed: make deps installs what is missing"; exit 1; }
-	@mkdir -p $(BUILD)
-
 help:
-	@echo "make          the optimised tool, $(BUILD)/bin/norma, and the libraries, $(BUILD)/lib/"
+	@echo "make          installs what building needs, then the optimised tool, $(BUILD)/bin/norma, and the libraries, $(BUILD)/lib/"
 	@echo "make demo     installs what is missing, builds, computes the normals of a real mesh, draws a picture"
 	@echo "make test     installs what is missing, then the whole test suite (two compilers, sanitizers, install, examples, README)"
 	@echo "make asan     the tests under the address and undefined-behaviour sanitizers only (clang)"
@@ -33,7 +32,6 @@ deps:
 	@scripts/install-deps.sh
 
 demo:
-	@scripts/install-deps.sh build
 	@$(MAKE) --no-print-directory all
 	@BUILD=$(BUILD) scripts/demo.sh
 
