@@ -237,7 +237,7 @@ static int run_job(const file_job *job) {
     return cli_status_of(result);
 }
 
-int cli_change_files(const cli_verb *verb, const cli_common *common, const cli_files *files, const cli_changer *changer) {
+static int change_files(const cli_verb *verb, const cli_common *common, const cli_files *files, const cli_changer *changer) {
     int status = cli_check_inputs(verb, files);
     if (!status)
         status = check_outputs(verb, common, files);
@@ -257,4 +257,30 @@ int cli_change_files(const cli_verb *verb, const cli_common *common, const cli_f
         free(output);
     }
     return cli_finish(status);
+}
+
+int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *own, size_t own_count, int count, char **arguments) {
+    cli_common common = {.threads = NORMA_ALL_THREADS};
+    cli_files files = {.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
+    const cli_table shared[] = {
+        {cli_output_options, cli_output_option_count, &files},
+        {cli_input_options, cli_input_option_count, &files},
+        {cli_common_options, cli_common_option_count, &common},
+    };
+    cli_table tables[CLI_OWN_TABLES + CLI_COUNT(shared)];
+    int wants_help;
+    if (!files.inputs.words)
+        return CLI_FILE;
+    own_count = own_count < CLI_OWN_TABLES ? own_count : CLI_OWN_TABLES;
+    memcpy(tables, own, own_count * sizeof *own);
+    memcpy(tables + own_count, shared, sizeof shared);
+    int status = cli_parse(verb, tables, own_count + CLI_COUNT(shared), count, arguments, &files.inputs, &wants_help);
+    if (wants_help)
+        fputs(verb->help, stdout), status = cli_finish(status);
+    else if (!status)
+        status = changer->prepare(verb, changer->work, common.threads);
+    if (!status && !wants_help)
+        status = change_files(verb, &common, &files, changer);
+    free(files.inputs.words);
+    return status;
 }

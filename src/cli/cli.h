@@ -66,6 +66,13 @@ typedef struct cli_common {
 extern const cli_option cli_common_options[]; /* --json --quiet --threads */
 extern const size_t cli_common_option_count;
 extern const cli_option cli_matrix_options[]; /* --scale --rotate --translate --matrix */
+#define CLI_MATRIX_HELP                                                                                      \
+    "The matrix: the first given acts first on the points\n"                                                 \
+    "  --scale X,Y,Z         or one number for all three\n"                                                  \
+    "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"                    \
+    "  --translate X,Y,Z\n"                                                                                  \
+    "  --matrix \"16 numbers, row by row\"\n"                                                                \
+    "                        for column vectors: the translation is the last column\n"
 extern const size_t cli_matrix_option_count;
 typedef struct cli_matrix {
     double matrix[16]; /* column-major */
@@ -93,9 +100,12 @@ typedef struct cli_changer {
     norma_document_result (*change)(void *work, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error);
     void (*write_json)(const void *work, struct cli_json *json);                     /* the keys after "input" and "output" */
     void (*write_text)(const void *work, const norma_document *document, FILE *out); /* what stands after "IN -> OUT: ", without the line's end */
+    int (*prepare)(const cli_verb *verb, void *work, uint32_t threads);               /* once all options are read: a status */
 } cli_changer;
 int cli_check_inputs(const cli_verb *verb, const cli_files *files);
-int cli_change_files(const cli_verb *verb, const cli_common *common, const cli_files *files, const cli_changer *changer);
+/* Such a verb as a whole, from its arguments to its status; tables: its own options beside those that all of them take. */
+enum { CLI_OWN_TABLES = 2 };
+int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *tables, size_t table_count, int count, char **arguments);
 
 /* Opens "-" or a path. *memory is what standard input held; freed after the document. */
 norma_document_result cli_open(const char *input, const norma_document_options *options, norma_document **document, void **memory, norma_document_error *error);

@@ -1,6 +1,5 @@
 /* compute.c: norma compute: normals of the surface, written into a copy of each file. */
 #include "cli.h"
-#include <stdlib.h>
 #include <string.h>
 
 static const char help[] = "norma compute IN -o OUT: computes normals and writes them into a copy of IN\n"
@@ -310,30 +309,19 @@ static void write_text(const void *user, const norma_document *document, FILE *o
 
 /* ---- the verb */
 
+static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
+    compute_work *work = user;
+    work->options.threads = threads;
+    if (work->crease_given + work->smooth_given + work->flat_given > 1)
+        return cli_usage(verb, "--crease, --smooth and --flat exclude each other");
+    return CLI_OK;
+}
+
 static int run(const cli_verb *verb, int count, char **arguments) {
     compute_work work = {.options = {.struct_size = sizeof work.options}};
-    cli_common common = {.threads = NORMA_ALL_THREADS};
-    cli_files files = {.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
-    const cli_table tables[] = {
-        {options, CLI_COUNT(options), &work},
-        {cli_output_options, cli_output_option_count, &files},
-        {cli_input_options, cli_input_option_count, &files},
-        {cli_common_options, cli_common_option_count, &common},
-    };
-    int wants_help, status;
-    if (!files.inputs.words)
-        return CLI_FILE;
-    status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &files.inputs, &wants_help);
-    work.options.threads = common.threads;
-    const cli_changer changer = {&work, change, write_json, write_text};
-    if (wants_help)
-        fputs(help, stdout), status = cli_finish(status);
-    else if (!status && work.crease_given + work.smooth_given + work.flat_given > 1)
-        status = cli_usage(verb, "--crease, --smooth and --flat exclude each other");
-    else if (!status)
-        status = cli_change_files(verb, &common, &files, &changer);
-    free(files.inputs.words);
-    return status;
+    const cli_table table = {options, CLI_COUNT(options), &work};
+    const cli_changer changer = {&work, change, write_json, write_text, prepare};
+    return cli_run_changer(verb, &changer, &table, 1, count, arguments);
 }
 
 const cli_verb cli_verb_compute = {"compute", "computes normals and writes them into a copy of a file", help, run};

@@ -12,12 +12,7 @@ static const char help[] = "norma matrix MATRIX: what a matrix does to normals, 
                            "  norma matrix --scale 1,1,0                      flattened: rank 2, and still one right answer\n"
                            "  norma matrix --matrix \"1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1\" --json\n"
                            "\n"
-                           "The matrix: the first given acts first on the points\n"
-                           "  --scale X,Y,Z         or one number for all three\n"
-                           "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"
-                           "  --translate X,Y,Z\n"
-                           "  --matrix \"16 numbers, row by row\"\n"
-                           "                        for column vectors: the translation is the last column\n"
+                           CLI_MATRIX_HELP
                            "\n"
                            "  --json                one object, matrices as nine numbers row by row\n"
                            "\n"

@@ -1,6 +1,5 @@
 /* transform.c: norma transform: a file under one matrix, its normals with it. */
 #include "cli.h"
-#include <stdlib.h>
 #include <string.h>
 
 static const char help[] = "norma transform IN -o OUT MATRIX: positions, normals, tangents and winding under one matrix\n"
@@ -13,12 +12,7 @@ static const char help[] = "norma transform IN -o OUT MATRIX: positions, normals
                            "                                                           first doubled, then moved\n"
                            "  norma transform a.glb -o b.glb --bake                    node transforms carried into the meshes\n"
                            "\n"
-                           "The matrix: the first given acts first on the points\n"
-                           "  --scale X,Y,Z         or one number for all three\n"
-                           "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"
-                           "  --translate X,Y,Z\n"
-                           "  --matrix \"16 numbers, row by row\"\n"
-                           "                        for column vectors: the translation is the last column\n"
+                           CLI_MATRIX_HELP
                            "\n"
                            "glTF\n"
                            "  (without --bake)      the matrix becomes a new node above the scene's roots, meshes stay as they are\n"
@@ -40,8 +34,8 @@ static const char help[] = "norma transform IN -o OUT MATRIX: positions, normals
 typedef struct transform_work {
     norma_transform_options options;
     norma_transform_summary summary;
-    norma_matrix_info info; /* of the matrix */
-    int matrix_given;
+    cli_matrix matrix;      /* as it was given */
+    norma_matrix_info info; /* of it */
 } transform_work;
 
 static const char *set_bake(void *settings, const char *value) {
@@ -91,7 +85,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
     cli_counted(out, summary->vertices, "vertex", "vertices");
     fputs(" in ", out);
     cli_counted(out, summary->meshes, "mesh", "meshes");
-    if (!work->matrix_given)
+    if (!work->matrix.given)
         fputs(work->summary.nodes_baked ? "" : ", no node baked", out);
     else if (work->info.mirrored && work->info.kind <= NORMA_KIND_TRANSLATION)
         fputs(", matrix: mirror", out);
@@ -111,45 +105,25 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         fputs(what_flattening_does(work->info.rank), out);
 }
 
-static int prepare(const cli_verb *verb, transform_work *work, const cli_matrix *matrix) {
+static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
+    transform_work *work = user;
     double normal_matrix[9];
-    if (!matrix->given && !work->options.bake)
+    const double *m = work->matrix.matrix;
+    if (!work->matrix.given && !work->options.bake)
         return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate, --matrix, or --bake for glTF");
-    const double *m = matrix->matrix;
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
         return cli_usage(verb, "the last row of the matrix must be 0 0 0 1; a perspective cannot be applied to a file");
-    memcpy(work->options.matrix, m, sizeof matrix->matrix);
-    work->matrix_given = matrix->given > 0;
+    memcpy(work->options.matrix, m, sizeof work->options.matrix);
+    work->options.threads = threads;
     norma_normal_matrix_double(m, NORMA_WINDING_REVERSED, normal_matrix, &work->info);
     return CLI_OK;
 }
 
 static int run(const cli_verb *verb, int count, char **arguments) {
-    transform_work work = {.options = {.struct_size = sizeof work.options}};
-    cli_matrix matrix = cli_matrix_identity;
-    cli_common common = {.threads = NORMA_ALL_THREADS};
-    cli_files files = {.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
-    const cli_table tables[] = {
-        {options, CLI_COUNT(options), &work},
-        {cli_matrix_options, cli_matrix_option_count, &matrix},
-        {cli_output_options, cli_output_option_count, &files},
-        {cli_input_options, cli_input_option_count, &files},
-        {cli_common_options, cli_common_option_count, &common},
-    };
-    int wants_help, status;
-    if (!files.inputs.words)
-        return CLI_FILE;
-    status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &files.inputs, &wants_help);
-    work.options.threads = common.threads;
-    const cli_changer changer = {&work, change, write_json, write_text};
-    if (wants_help)
-        fputs(help, stdout), status = cli_finish(status);
-    else if (!status)
-        status = prepare(verb, &work, &matrix);
-    if (!status && !wants_help)
-        status = cli_change_files(verb, &common, &files, &changer);
-    free(files.inputs.words);
-    return status;
+    transform_work work = {.options = {.struct_size = sizeof work.options}, .matrix = cli_matrix_identity};
+    const cli_table tables[] = {{options, CLI_COUNT(options), &work}, {cli_matrix_options, cli_matrix_option_count, &work.matrix}};
+    const cli_changer changer = {&work, change, write_json, write_text, prepare};
+    return cli_run_changer(verb, &changer, tables, CLI_COUNT(tables), count, arguments);
 }
 
 const cli_verb cli_verb_transform = {"transform", "moves, turns, scales or mirrors a file, normals included", help, run};

@@ -10,7 +10,14 @@ int norma_carry_is_identity(const double model[16])
     return 1;
 }
 
-norma_document_result norma_carry_prepare(const norma_document *document, const double model[16], normal_carrier *carrier, norma_document_error *error)
+norma_document_result norma_carry_progress(const norma_document *document, const norma_transform_options *options, double fraction, norma_document_error *error)
+{
+    if (options->progress && options->progress(options->progress_user, fraction))
+        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result prepare(const norma_document *document, const double model[16], normal_carrier *carrier, norma_document_error *error)
 {
     double exact[9], greatest = 0, squares[3] = {0};
     norma_matrix_info info;
@@ -32,6 +39,16 @@ norma_document_result norma_carry_prepare(const norma_document *document, const 
         carrier->flat[axis] = greatest > 0 ? exact[3 * longest + axis] / sqrt(squares[longest]) : axis == 2;
     carrier->mirrored = info.mirrored;
     return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_carry_begin(const norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, normal_carrier *carrier,
+                                        norma_document_error *error)
+{
+    norma_document_result result = prepare(document, options->matrix, carrier, error);
+    if (result)
+        return result;
+    summary->mirrored = carrier->mirrored;
+    return norma_carry_progress(document, options, 0, error);
 }
 
 static void settle_lost(const normal_carrier *carrier, const double *before, float *after, size_t count, size_t *vanished, size_t *not_finite)

@@ -47,21 +47,16 @@ norma_document_result norma_ply_settle(norma_document *document, norma_document_
     ply_state *state = document->state;
     if (!norma_ply_has_edit(state))
         return NORMA_DOCUMENT_OK;
-    norma_memory_sink memory = {0};
-    norma_document_result result = norma_ply_write(document, NULL, norma_memory_sink_write, &memory, error);
-    if (result) {
-        free(memory.bytes);
-        return result == NORMA_DOCUMENT_ERROR_FILE ? norma_document_fail_memory(document, error) : result;
-    }
+    unsigned char *bytes;
+    size_t size;
+    norma_document_result result = norma_rewrite_to_memory(document, &bytes, &size, error);
+    if (result)
+        return result;
     free_state_content(state);
-    state->own = memory.bytes;
-    state->bytes = memory.bytes;
-    state->size = memory.size;
-    const size_t notes = document->note_count;       /* reading our own bytes says nothing new */
-    result = read_bytes(document, error);
-    while (document->note_count > notes)
-        free(document->notes[--document->note_count]);
-    return result;
+    state->own = bytes;
+    state->bytes = bytes;
+    state->size = size;
+    return norma_rewrite_read(document, read_bytes, error);
 }
 
 static size_t count_meshes(const norma_document *document)

@@ -3,7 +3,7 @@
 #ifndef NORMA_IO_PLY_H
 #define NORMA_IO_PLY_H
 #include "document_internal.h"
-#include "sink.h"
+#include "rewrite.h"
 
 typedef enum ply_type { PLY_INT8 = 0, PLY_UINT8, PLY_INT16, PLY_UINT16, PLY_INT32, PLY_UINT32, PLY_FLOAT, PLY_DOUBLE, PLY_NO_TYPE } ply_type;
 typedef enum ply_encoding { PLY_ASCII = 0, PLY_LITTLE_ENDIAN, PLY_BIG_ENDIAN } ply_encoding;

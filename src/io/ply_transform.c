@@ -117,12 +117,9 @@ norma_document_result norma_ply_transform(norma_document *document, const norma_
     if (norma_carry_is_identity(options->matrix))
         return NORMA_DOCUMENT_OK;
     normal_carrier carrier;
-    result = norma_carry_prepare(document, options->matrix, &carrier, error);
+    result = norma_carry_begin(document, options, summary, &carrier, error);
     if (result)
         return result;
-    summary->mirrored = carrier.mirrored;
-    if (options->progress && options->progress(options->progress_user, 0))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
     result = transform_positions(document, options->matrix, error);
     if (!result)
         result = transform_normals(document, &carrier, error);
@@ -130,7 +127,5 @@ norma_document_result norma_ply_transform(norma_document *document, const norma_
         result = reverse_faces(document, error);
     if (!result)
         result = norma_ply_drop_idle_edit(document, &summary->changed, error);
-    if (!result && options->progress && options->progress(options->progress_user, 1))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
-    return result;
+    return result ? result : norma_carry_progress(document, options, 1, error);
 }

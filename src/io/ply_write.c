@@ -292,22 +292,19 @@ static norma_document_result write_changed(norma_document *document, norma_sink 
     return result;
 }
 
-norma_document_result norma_ply_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
+static norma_document_result write_body(norma_document *document, norma_sink *sink, norma_document_error *error)
 {
     const ply_state *state = document->state;
-    (void)path;
-    norma_sink *sink = norma_sink_create(write, user);
-    if (!sink)
-        return norma_document_fail_memory(document, error);
-    norma_document_result result = NORMA_DOCUMENT_OK;
     if (norma_ply_has_edit(state))
-        result = write_changed(document, sink, error);
-    else
-        norma_sink_put(sink, state->bytes, state->size);
-    int failed = norma_sink_finish(sink);
-    if (!result && failed)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
-    return result;
+        return write_changed(document, sink, error);
+    norma_sink_put(sink, state->bytes, state->size);
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_ply_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
+{
+    (void)path;
+    return norma_rewrite(document, write_body, write, user, error);
 }
 
 /* ---- whether anything would change at all */
@@ -315,16 +312,11 @@ norma_document_result norma_ply_write(norma_document *document, const char *path
 norma_document_result norma_ply_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error)
 {
     ply_state *state = document->state;
-    norma_compare_sink same = {state->bytes, state->size};
-    norma_document_result result = NORMA_DOCUMENT_OK;
     *changed = state->edit.added_count > 0 || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
     if (*changed)
-        return result;
-    result = norma_ply_write(document, NULL, norma_compare_sink_write, &same, NULL);
-    *changed = result == NORMA_DOCUMENT_ERROR_FILE || same.left > 0;
-    if (result == NORMA_DOCUMENT_ERROR_MEMORY)
-        return norma_document_fail_memory(document, error);
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_rewrite_compare(document, state->bytes, state->size, changed, error);
     if (!*changed)
         norma_ply_free_edit(&state->edit);
-    return NORMA_DOCUMENT_OK;
+    return result;
 }

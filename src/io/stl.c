@@ -104,22 +104,19 @@ static norma_document_result write_changed(norma_document *document, norma_sink 
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_stl_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
+static norma_document_result write_body(norma_document *document, norma_sink *sink, norma_document_error *error)
 {
     const stl_state *state = document->state;
-    (void)path;
-    norma_sink *sink = norma_sink_create(write, user);
-    if (!sink)
-        return norma_document_fail_memory(document, error);
-    norma_document_result result = NORMA_DOCUMENT_OK;
     if (state->normals || state->vertices)
-        result = write_changed(document, sink, error);
-    else
-        norma_sink_put(sink, state->bytes, state->size);
-    int failed = norma_sink_finish(sink);
-    if (!result && failed)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
-    return result;
+        return write_changed(document, sink, error);
+    norma_sink_put(sink, state->bytes, state->size);
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_stl_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
+{
+    (void)path;
+    return norma_rewrite(document, write_body, write, user, error);
 }
 
 norma_document_result norma_stl_settle(norma_document *document, norma_document_error *error)
@@ -127,38 +124,29 @@ norma_document_result norma_stl_settle(norma_document *document, norma_document_
     stl_state *state = document->state;
     if (!state->normals && !state->vertices)
         return NORMA_DOCUMENT_OK;
-    norma_memory_sink memory = {0};
-    norma_document_result result = norma_stl_write(document, NULL, norma_memory_sink_write, &memory, error);
-    if (result) {
-        free(memory.bytes);
-        return result == NORMA_DOCUMENT_ERROR_FILE ? norma_document_fail_memory(document, error) : result;
-    }
+    unsigned char *bytes;
+    size_t size;
+    norma_document_result result = norma_rewrite_to_memory(document, &bytes, &size, error);
+    if (result)
+        return result;
     free_state_content(state);
-    state->own = memory.bytes;
-    state->bytes = memory.bytes;
-    state->size = memory.size;
-    const size_t notes = document->note_count;       /* reading our own bytes says nothing new */
-    result = read_bytes(document, error);
-    while (document->note_count > notes)
-        free(document->notes[--document->note_count]);
-    return result;
+    state->own = bytes;
+    state->bytes = bytes;
+    state->size = size;
+    return norma_rewrite_read(document, read_bytes, error);
 }
 
 norma_document_result norma_stl_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error)
 {
     stl_state *state = document->state;
-    norma_compare_sink same = {state->bytes, state->size};
-    norma_document_result result = norma_stl_write(document, NULL, norma_compare_sink_write, &same, NULL);
-    *changed = result == NORMA_DOCUMENT_ERROR_FILE || same.left > 0;
-    if (result == NORMA_DOCUMENT_ERROR_MEMORY)
-        return norma_document_fail_memory(document, error);
+    norma_document_result result = norma_rewrite_compare(document, state->bytes, state->size, changed, error);
     if (!*changed) {
         free(state->normals);
         free(state->vertices);
         state->normals = NULL;
         state->vertices = NULL;
     }
-    return NORMA_DOCUMENT_OK;
+    return result;
 }
 
 const format_functions norma_stl_functions = {

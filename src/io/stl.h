@@ -2,7 +2,7 @@
 #ifndef NORMA_IO_STL_H
 #define NORMA_IO_STL_H
 #include "document_internal.h"
-#include "sink.h"
+#include "rewrite.h"
 
 enum { STL_HEADER = 84, STL_FACET = 50, STL_NORMAL = 12, STL_VERTICES = 36 };
 
