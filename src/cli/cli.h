@@ -94,6 +94,17 @@ typedef struct cli_files {
 extern const cli_option cli_input_options[], cli_output_options[]; /* --input-format; -o --out-dir --in-place */
 extern const size_t cli_input_option_count, cli_output_option_count;
 
+/* What --help says of what cli_run_changer reads. */
+#define CLI_FILES_HELP                                                                                  \
+    "Files\n"                                                                                           \
+    "  -o, --output OUT      the output, in IN's format; - is standard output\n"                        \
+    "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n" \
+    "  --input-format obj|ply|stl|gltf|glb\n"                                                           \
+    "                        needed for standard input, which is called -\n"                            \
+    "  --threads N           how many may work (all); the result is the same to the bit\n"              \
+    "  --json                a summary for programs on standard output, one object a line\n"            \
+    "  --quiet               says nothing but errors\n"
+
 /* What a verb does to each file of a batch: opened, changed, written, told about. */
 typedef struct cli_changer {
     void *work; /* the verb's own: its options, and the summary of the file at hand */

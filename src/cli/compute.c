@@ -38,14 +38,7 @@ static const char help[] = "norma compute IN -o OUT: computes normals and writes
                            "                        that are not finite, zero or not of unit length (broken)\n"
                            "  --morphs              normal deltas also for glTF morph targets that have none\n"
                            "\n"
-                           "Files\n"
-                           "  -o, --output OUT      the output, in IN's format; - is standard output\n"
-                           "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n"
-                           "  --input-format obj|ply|stl|gltf|glb\n"
-                           "                        needed for standard input, which is called -\n"
-                           "  --threads N           how many may work (all); the result is the same to the bit\n"
-                           "  --json                a summary for programs on standard output, one object a line\n"
-                           "  --quiet               says nothing but errors\n"
+                           CLI_FILES_HELP
                            "\n"
                            "A face that has no direction has no vote; what then has no normal of its own gets the nearest one, and the\n"
                            "summary counts it. Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";

@@ -19,14 +19,7 @@ static const char help[] = "norma transform IN -o OUT MATRIX: positions, normals
                            "  --bake                the world matrix of every node that draws a mesh goes into the mesh: any depth, shear\n"
                            "                        and mirrors included. Skinned and animated meshes stay, and are named\n"
                            "\n"
-                           "Files\n"
-                           "  -o, --output OUT      the output, in IN's format; - is standard output\n"
-                           "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n"
-                           "  --input-format obj|ply|stl|gltf|glb\n"
-                           "                        needed for standard input, which is called -\n"
-                           "  --threads N           how many may work (all); the result is the same to the bit\n"
-                           "  --json                a summary for programs on standard output, one object a line\n"
-                           "  --quiet               says nothing but errors\n"
+                           CLI_FILES_HELP
                            "\n"
                            "'norma matrix' with the same options tells what a matrix does to normals.\n"
                            "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
