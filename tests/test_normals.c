@@ -213,6 +213,9 @@ static void vertex_without_a_face_gets_the_fallback(void **state) {
     assert_memory_equal(at(r, 0), given, 12);
     assert_memory_equal(at(r, 4), given, 12);
     test_free(r);
+    r = vertices_with(TRIANGLES(p, c), (norma_options){.fallback = NORMA_FALLBACK_GIVEN, .fallback_normal = {-0.0f, -0.0f, -0.0f}});
+    assert_memory_equal(at(r, 4), zero, 12);
+    test_free(r);
     r = vertices_with(TRIANGLES(p, c), (norma_options){.fallback = NORMA_FALLBACK_NEAREST});
     assert_same(r, 4, 5);
     assert_int_equal(r->reasons[4], NORMA_REASON_UNREFERENCED);

@@ -6,7 +6,7 @@ norma_result norma_core_output_open(const core_call *call, float *normals, size_
 {
     const norma_options *o = &call->options;
     *output = (core_output){.normals = (unsigned char *)normals, .stride = o->normal_stride, .reasons = o->reasons, .nearest = o->fallback == NORMA_FALLBACK_NEAREST};
-    if (o->fallback == NORMA_FALLBACK_GIVEN) memcpy(output->fallback, o->fallback_normal, sizeof output->fallback);
+    for (int k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; k++) output->fallback[k] = o->fallback_normal[k] + 0.0F; /* no -0 */
     if (count && !normals) return NORMA_ERROR_ARGUMENT;
     if (count > capacity) return NORMA_ERROR_CAPACITY;
     return count && count > SIZE_MAX / o->normal_stride ? NORMA_ERROR_OVERFLOW : NORMA_OK;
