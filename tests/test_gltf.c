@@ -757,6 +757,16 @@ static void an_output_is_replaced_again_and_again(void **state) {
         assert_true(contains(written, names[i]));
         bytes_free(&written);
     }
+    char colon[128];
+    snprintf(colon, sizeof colon, "%s/a:b.gltf", p.other);
+    for (size_t i = 0; i < 3; ++i) /* a name that is no scheme */
+        assert_int_equal(save_shaded(&p, colon, 0, i ? NORMA_SHADING_FLAT : NORMA_SHADING_SMOOTH, &error), NORMA_DOCUMENT_OK);
+    norma_document *again;
+    if (norma_document_open(colon, NULL, &again, &error))
+        fail_msg("%s", error.message);
+    assert_string_equal(inside(again)->buffers[0].name, "./a:b-1.bin");
+    assert_int_equal(norma_document_compute(again, NULL, NULL, &error), NORMA_DOCUMENT_OK);
+    norma_document_close(again);
     for (size_t i = 0; i < 3; ++i) { /* an asset at the output's place whose buffers are named otherwise says nothing about out.bin */
         assert_true(asprintf(&text, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"out%s\"}]}", tails[i]) > 0);
         write_file(out, text, strlen(text));

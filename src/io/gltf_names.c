@@ -81,6 +81,7 @@ static int is_named_after(const char *path, uint32_t number, int several, const 
 {
     char *plain = name_after(path, number, several, 0);
     size_t stem = plain ? strlen(plain) - strlen(".bin") : 0;
+    name += strncmp(name, "./", 2) == 0 ? 2 : 0;
     const char *rest = plain && strncmp(name, plain, stem) == 0 ? name + stem : "";
     free(plain);
     if (*rest == '-')

@@ -30,16 +30,27 @@ static size_t unescape(const char *text, size_t length, char *out)
     return size;
 }
 
+/* Whether a colon ends the first part, as behind a scheme. */
+static int begins_with_scheme(const char *text)
+{
+    return text[strcspn(text, ":/")] == ':';
+}
+
+/* A colon that was escaped is part of a name: "./" in front says so (RFC 3986, 4.2). */
 char *norma_gltf_uri_decode(const char *uri)
 {
     size_t length = strlen(uri);
-    char *out = malloc(length + 1);
+    char *out = malloc(length + 3);
     size_t size = out ? unescape(uri, length, out) : SIZE_MAX;
     if (size == SIZE_MAX || memchr(out, '\0', size)) {
         free(out);
         return NULL;
     }
     out[size] = '\0';
+    if (begins_with_scheme(out) && !begins_with_scheme(uri)) {
+        memmove(out + 2, out, size + 1);
+        memcpy(out, "./", 2);
+    }
     return out;
 }
 
@@ -136,10 +147,7 @@ unsigned char *norma_gltf_data_decode(const char *uri, size_t *size)
 /* No scheme, not absolute, no "..". */
 static int is_below(const char *name)
 {
-    if (name[0] == '/' || name[0] == '\0')
-        return 0;
-    const char *colon = strchr(name, ':'), *slash = strchr(name, '/');
-    if (colon && (!slash || colon < slash))
+    if (name[0] == '/' || name[0] == '\0' || begins_with_scheme(name))
         return 0;
     for (const char *part = name; part; part = strchr(part, '/')) {
         if (*part == '/')
