@@ -104,7 +104,19 @@ static int is_zero(const double columns[9]) {
     return 1;
 }
 
-static const char *meaning(const norma_matrix_info *info) {
+/* Rank and kind are judged with a tolerance; what is left of normals is not. */
+static const char *what_is_left(const matrix_answer *found) {
+    if (found->info.determinant != 0)
+        return "flat within 1e-6 of its largest stretch, but not exactly: every face keeps its direction";
+    if (!is_zero(found->cofactor))
+        return "space is flattened to a plane, whose normal is the only one left";
+    if (found->info.rank == 1)
+        return "space is flattened to a line: no face keeps a direction, no normal exists";
+    return "space is flattened to a point: no face keeps a direction, no normal exists";
+}
+
+static const char *meaning(const matrix_answer *found) {
+    const norma_matrix_info *info = &found->info;
     switch (info->kind) {
     case NORMA_KIND_IDENTITY:
         return info->mirrored ? "a mirror aside; M itself carries normals" : "normals stay as they are";
@@ -121,14 +133,7 @@ static const char *meaning(const norma_matrix_info *info) {
     case NORMA_KIND_SINGULAR:
         break;
     }
-    switch (info->rank) {
-    case 2:
-        return "space is flattened to a plane, whose normal is the only one left";
-    case 1:
-        return "space is flattened to a line: no face keeps a direction, no normal exists";
-    default:
-        return "space is flattened to a point: no face keeps a direction, no normal exists";
-    }
+    return what_is_left(found);
 }
 
 static void carry(const double columns[9], const float n[3], double carried[3]) {
@@ -151,7 +156,7 @@ static void print_worst(const matrix_answer *found) {
     const double *m = found->model, upper[9] = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
     double worst[3], plain[3], right[3];
     char degrees[32];
-    if (info->rank < 2) {
+    if (is_zero(found->normal)) {
         printf("plain M       leaves nothing that could be a normal, and neither does anything else\n");
         return;
     }
@@ -183,7 +188,7 @@ static void print_shortcut(matrix_answer *found) {
         printf("M itself, renormalised\n");
         return;
     case NORMA_SHORTCUT_NONE:
-        printf(found->info.rank < 2 ? "none\n" : "none; use the normal matrix\n");
+        printf(is_zero(found->normal) ? "none\n" : "none; use the normal matrix\n");
         return;
     case NORMA_SHORTCUT_AXIS_SCALE:
         break;
@@ -197,14 +202,14 @@ static void print_text(matrix_answer *found) {
     const norma_matrix_info *info = &found->info;
     printf("M, row by row\n");
     print_rows(found->model, 4);
-    printf("\nkind          %s: %s\n", cli_kind_name(info->kind), meaning(info));
+    printf("\nkind          %s: %s\n", cli_kind_name(info->kind), meaning(found));
     printf("mirrored      %s\n", info->mirrored ? "yes: reverse the winding of faces, or they look inwards" : "no");
     printf("rank          %d\n", info->rank);
     printf("determinant   %.7g\n", tidy(info->determinant));
     if (isfinite(info->anisotropy))
         printf("anisotropy    %.7g (largest stretch over smallest)\n", info->anisotropy);
     else
-        printf("anisotropy    infinite (flattened)\n");
+        printf("anisotropy    %s\n", info->determinant != 0 ? "beyond 1e6" : "infinite (flattened)");
     print_worst(found);
     printf("\nNormal matrix: %s\n", is_zero(found->normal) ? "of zeros, no normal exists"
                                     : info->mirrored       ? "carries normals right, faces reversed; renormalise after it"

@@ -29,6 +29,7 @@ typedef struct transform_work {
     norma_transform_summary summary;
     cli_matrix matrix;      /* as it was given */
     norma_matrix_info info; /* of it */
+    int leaves_normals;     /* its normal matrix is not zero */
 } transform_work;
 
 static const char *set_bake(void *settings, const char *value) {
@@ -56,15 +57,15 @@ static void write_json(const void *user, cli_json *json) {
     cli_json_string(json, "kind", cli_kind_name(work->info.kind));
 }
 
-static const char *what_flattening_does(int rank) {
-    switch (rank) {
-    case 2:
+/* The rank is judged with a tolerance; what is left of normals is not. */
+static const char *what_flattening_does(const transform_work *work) {
+    if (work->info.determinant != 0)
+        return "; flat within 1e-6 of its largest stretch, but not exactly: each face keeps its normal";
+    if (work->leaves_normals)
         return "; flattened to a plane (rank 2): each face keeps the right normal, the plane's, or none where it collapsed";
-    case 1:
+    if (work->info.rank == 1)
         return "; flattened to a line (rank 1): no face keeps a direction, so no normal is right";
-    default:
-        return "; flattened to a point (rank 0): no face keeps a direction, so no normal is right";
-    }
+    return "; flattened to a point (rank 0): no face keeps a direction, so no normal is right";
 }
 
 static void write_text(const void *user, const norma_document *document, FILE *out) {
@@ -95,7 +96,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
     if (work->info.rank < 3 && on_a_node)
         fprintf(out, "; flattened (rank %d) by a new node: which normals are drawn is up to what draws the file; --bake settles it", work->info.rank);
     else if (work->info.rank < 3)
-        fputs(what_flattening_does(work->info.rank), out);
+        fputs(what_flattening_does(work), out);
 }
 
 static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
@@ -109,6 +110,8 @@ static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
     memcpy(work->options.matrix, m, sizeof work->options.matrix);
     work->options.threads = threads;
     norma_normal_matrix_double(m, NORMA_WINDING_REVERSED, normal_matrix, &work->info);
+    work->leaves_normals = 0;
+    for (int i = 0; i < 9; ++i) work->leaves_normals |= normal_matrix[i] != 0;
     return CLI_OK;
 }
 
