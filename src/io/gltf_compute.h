@@ -23,7 +23,8 @@ typedef struct gltf_surface {
 } gltf_surface;
 
 typedef struct gltf_set {
-    uint32_t  lead;                       /* its first primitive */
+    uint32_t  lead, last;                 /* its first and last primitive; in between by the job's next_in_set */
+    uint32_t  next_at;                    /* the next set over the same positions, or GLTF_NONE */
     uint32_t  mesh;                       /* GLTF_NONE: several meshes draw it */
     int       wanted, has_morphs;
     size_t    vertices, added_count, added_capacity;
@@ -48,6 +49,7 @@ typedef struct gltf_job {
     gltf_set                    *sets;
     uint32_t                     set_count;
     uint32_t                    *set_of;  /* for each primitive; GLTF_NONE: not read */
+    uint32_t                    *next_in_set; /* for each primitive the next one of its set, or GLTF_NONE */
     uint32_t                   **corners; /* for each primitive its new corners, or NULL */
     size_t                       meshes_done;
     double                       progress_base, progress_scale;

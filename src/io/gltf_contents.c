@@ -8,7 +8,6 @@
 typedef struct contents {
     gltf_job   *job;
     gltf_set   *set;
-    uint32_t    set_number;
     size_t      count;                    /* vertices as they will be */
     float      *stored;                   /* the normals as readers will decode them */
     uint8_t    *changed;                  /* a vertex whose normal's code is not the old one's */
@@ -35,10 +34,9 @@ static norma_document_result put(const contents *c, int32_t target, const char *
     gltf *g = c->job->g;
     uint32_t number = norma_gltf_add_data(g, data);
     int ok = number != GLTF_NONE;
-    for (uint32_t i = 0; ok && i < g->primitive_count; ++i) {
+    for (uint32_t i = c->set->lead; ok && i != GLTF_NONE; i = c->job->next_in_set[i]) {
         const gltf_slot slot = {.primitive = i, .target = target, .attribute = attribute};
-        if (c->job->set_of[i] == c->set_number)
-            ok = norma_gltf_put(g, &slot, number);
+        ok = norma_gltf_put(g, &slot, number);
     }
     return ok ? NORMA_DOCUMENT_OK : out_of_memory(c);
 }
@@ -318,7 +316,7 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number)
     gltf_set *set = &job->sets[number];
     const gltf *g = job->g;
     const gltf_attributes *base = &g->primitives[set->lead].base;
-    contents c = {.job = job, .set = set, .set_number = number, .count = set->vertices + set->added_count};
+    contents c = {.job = job, .set = set, .count = set->vertices + set->added_count};
     c.stored = norma_io_allocate(c.count, 3 * sizeof *c.stored);
     c.changed = norma_io_allocate(c.count, 1);
     norma_document_result result = c.stored && c.changed ? NORMA_DOCUMENT_OK : out_of_memory(&c);

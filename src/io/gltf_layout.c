@@ -127,8 +127,12 @@ typedef struct space {
 static void use(space *s, size_t i, size_t offset, size_t length)
 {
     range whole = s->left.list[i];
-    s->left.list[i].end = offset;
-    if (offset + length < whole.end) {
+    if (offset == whole.start) {          /* no empty range stays behind, to be looked at by all that follow */
+        s->left.list[i].start = offset + length;
+    } else {
+        s->left.list[i].end = offset;
+    }
+    if (offset > whole.start && offset + length < whole.end) {
         add_range(&s->left, 0, 1);
         if (s->left.failed)
             return;
@@ -141,13 +145,22 @@ static void use(space *s, size_t i, size_t offset, size_t length)
 
 static int keep_place(space *s, const gltf_view *old, patch_view *view)
 {
-    for (size_t i = 0; view->length <= old->length && i < s->left.count; ++i)
-        if (old->offset >= s->left.list[i].start && view->length <= s->left.list[i].end - s->left.list[i].start && old->offset <= s->left.list[i].end - view->length) {
-            view->offset = old->offset;
-            use(s, i, view->offset, view->length);
-            return 1;
-        }
-    return 0;
+    size_t low = 0, high = s->left.count; /* the last range that begins at the old place or before it */
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (s->left.list[middle].start <= old->offset)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    if (low == 0 || view->length > old->length)
+        return 0;
+    const range *around = &s->left.list[low - 1];
+    if (view->length > around->end - around->start || old->offset > around->end - view->length)
+        return 0;
+    view->offset = old->offset;
+    use(s, low - 1, view->offset, view->length);
+    return 1;
 }
 
 static void find_place(space *s, patch_view *view)

@@ -80,7 +80,7 @@ static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t 
 static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t primitive)
 {
     const gltf_primitive *p = &job->g->primitives[primitive];
-    *set = (gltf_set){.lead = primitive, .mesh = p->mesh, .vertices = p->vertices, .wanted = 1, .has_morphs = has_morphs(job, p)};
+    *set = (gltf_set){.lead = primitive, .last = primitive, .mesh = p->mesh, .vertices = p->vertices, .wanted = 1, .has_morphs = has_morphs(job, p)};
     if (job->options->only == NORMA_ONLY_ALL || p->base.normal == GLTF_NONE)
         return NORMA_DOCUMENT_OK;
     if (job->options->only == NORMA_ONLY_BROKEN)
@@ -89,34 +89,49 @@ static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t pr
     return NORMA_DOCUMENT_OK;
 }
 
+/* Puts a primitive into its set, which is made where there is none yet. sets_at: for each accessor the last set made over its positions. */
+static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_t *sets_at)
+{
+    const gltf_primitive *p = &job->g->primitives[primitive];
+    uint32_t s = sets_at[p->base.position];
+    while (s != GLTF_NONE && !same_set(job, &job->sets[s], p))
+        s = job->sets[s].next_at;
+    if (s != GLTF_NONE) {
+        gltf_set *set = &job->sets[s];
+        set->mesh = set->mesh == p->mesh ? p->mesh : GLTF_NONE;
+        job->next_in_set[set->last] = primitive;
+        set->last = primitive;
+        job->set_of[primitive] = s;
+        return NORMA_DOCUMENT_OK;
+    }
+    s = job->set_count++;
+    job->set_of[primitive] = s;
+    norma_document_result result = begin_set(job, &job->sets[s], primitive);
+    job->sets[s].next_at = sets_at[p->base.position];
+    sets_at[p->base.position] = s;
+    return result;
+}
+
 norma_document_result norma_gltf_make_sets(gltf_job *job)
 {
     const gltf *g = job->g;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    uint32_t *sets_at = norma_io_allocate(g->accessor_count, sizeof *sets_at);
     job->sets = norma_io_allocate(g->primitive_count, sizeof *job->sets);
     job->set_of = norma_io_allocate(g->primitive_count, sizeof *job->set_of);
+    job->next_in_set = norma_io_allocate(g->primitive_count, sizeof *job->next_in_set);
     job->corners = norma_io_allocate(g->primitive_count, sizeof *job->corners);
-    if (!job->sets || !job->set_of || !job->corners)
-        return out_of_memory(job);
-    for (uint32_t i = 0; i < g->primitive_count; ++i) {
-        const gltf_primitive *p = &g->primitives[i];
-        uint32_t s = 0;
-        job->set_of[i] = GLTF_NONE;
-        if (p->not_read)
-            continue;
-        while (s < job->set_count && !same_set(job, &job->sets[s], p))
-            ++s;
-        job->set_of[i] = s;
-        if (s < job->set_count) {
-            if (job->sets[s].mesh != p->mesh)
-                job->sets[s].mesh = GLTF_NONE;
-            continue;
-        }
-        ++job->set_count;
-        norma_document_result result = begin_set(job, &job->sets[s], i);
-        if (result)
-            return result;
+    if (!sets_at || !job->sets || !job->set_of || !job->next_in_set || !job->corners)
+        result = out_of_memory(job);
+    for (uint32_t a = 0; !result && a < g->accessor_count; ++a)
+        sets_at[a] = GLTF_NONE;
+    for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
+        job->set_of[i] = job->next_in_set[i] = GLTF_NONE;
+        if (!g->primitives[i].not_read)
+            result = join_set(job, i, sets_at);
     }
-    return NORMA_DOCUMENT_OK;
+    free(sets_at);
+    return result;
 }
 
 void norma_gltf_sets_free(gltf_job *job)
@@ -134,6 +149,7 @@ void norma_gltf_sets_free(gltf_job *job)
     free(job->corners);
     free(job->sets);
     free(job->set_of);
+    free(job->next_in_set);
 }
 
 /* ---- points become vertices */
@@ -307,18 +323,14 @@ norma_document_result norma_gltf_take_points(gltf_job *job, const gltf_surface *
 static norma_document_result own_corners(gltf_job *job, const gltf_set *set, uint32_t **corners, size_t *count)
 {
     gltf *g = job->g;
-    uint32_t number = (uint32_t)(set - job->sets);
     *corners = NULL;
     *count = 0;
-    for (uint32_t i = 0; i < g->primitive_count; ++i)
-        if (job->set_of[i] == number)
-            *count += 3 * g->primitives[i].faces;
+    for (uint32_t i = set->lead; i != GLTF_NONE; i = job->next_in_set[i])
+        *count += 3 * g->primitives[i].faces;
     *corners = norma_io_allocate(*count, sizeof **corners);
     size_t at = 0;
-    for (uint32_t i = 0; *corners && i < g->primitive_count; ++i) {
+    for (uint32_t i = set->lead; *corners && i != GLTF_NONE; i = job->next_in_set[i]) {
         const uint32_t *own;
-        if (job->set_of[i] != number)
-            continue;
         norma_document_result result = norma_gltf_corners(g, i, &own, job->error);
         if (result)
             return result;
