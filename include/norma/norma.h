@@ -130,8 +130,7 @@ typedef struct norma_report {
  * What holds for the four calls below:
  * - Buffers are the caller's, read or written during the call only. normals: the first three floats of each element at options->normal_stride bytes (12 by
  *   default) from one to the next, of any alignment; capacity counts elements, not floats. Each is written once and never read, so it may be mapped
- *   memory of a GPU; nothing is written between or beyond them. -0 is never written, unless a given fallback
- *   holds it.
+ *   memory of a GPU; nothing is written between or beyond them. -0 is never written.
  * - Errors: NORMA_ERROR_ARGUMENT for a NULL mesh, a NULL buffer where there is something to read or write, triangles whose corner_count is no multiple of
  *   three, face_starts that fall or do not run from 0 to corner_count, no corners and more corners than positions, a NaN crease, an option out of its range,
  *   an instruction set that the machine lacks; _CAPACITY, _INDEX, _OVERFLOW (also from 2^32 - 1 positions, corners or faces on), _MEMORY. All but _MEMORY and
