@@ -9,8 +9,8 @@ what=${1:-all}
 
 packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev"
 if [ "$what" = all ]; then
-    # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers; mpfr and gmp: the oracle; mandoc: the manual's lint.
-    packages="$packages g++ clang libclang-rt-14-dev libcmocka-dev libmpfr-dev libgmp-dev mandoc"
+    # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers; gmp: the oracle; mandoc: the manual's lint.
+    packages="$packages g++ clang libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc"
 fi
 
 missing=""

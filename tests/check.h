@@ -33,5 +33,17 @@ static inline double degrees_to(const float *a, double x, double y, double z) {
         assert_true(off_ <= (tolerance_deg));                                                                                                     \
     } while (0)
 
+/* How much less of a long test a sanitizer's build runs. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SLOWER 8
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SLOWER 8
+#endif
+#endif
+#ifndef SLOWER
+#define SLOWER 1
+#endif
+
 #define assert_ok(call) assert_int_equal(call, NORMA_OK)
 #endif

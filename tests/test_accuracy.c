@@ -7,17 +7,6 @@
 #include "oracle/shapes.h"
 #include <norma/document.h>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SLOWER 8
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SLOWER 8
-#endif
-#endif
-#ifndef SLOWER
-#define SLOWER 1
-#endif
-
 enum { WEIGHTS = 7, CREASES = 4, VERTEX_SAMPLE = 6000 / SLOWER, LARGEST = SLOWER > 1 ? 60000 : 400000 };
 static const float creases[CREASES] = {0, 0.523598776f, 1.04719755f, 3.14159274f};
 

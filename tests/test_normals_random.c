@@ -5,17 +5,6 @@
 #include "oracle/compare.h"
 #include "oracle/shapes.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SLOWER 8
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SLOWER 8
-#endif
-#endif
-#ifndef SLOWER
-#define SLOWER 1
-#endif
-
 typedef struct extras {
     uint8_t  hard[8192];
     uint32_t groups[4096];
