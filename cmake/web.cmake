@@ -1,0 +1,55 @@
+# The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, which has the tests and the bundler, puts the files together.
+# Two modules: norma.wasm is the core, page.wasm the core with the readers of io. Neither imports anything.
+find_program(NORMA_WASM_CC NAMES clang)
+find_program(NORMA_WASM_LD NAMES wasm-ld)
+find_program(NORMA_NODE NAMES node nodejs)
+find_path(NORMA_WASI_INCLUDE NAMES wasm32-wasi/stdlib.h)
+foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_NODE NORMA_WASI_INCLUDE)
+  if(NOT ${tool})
+    message(FATAL_ERROR "The page needs clang, lld, wasi-libc, libclang-rt-dev-wasm32 and nodejs (${tool}); scripts/install-deps.sh web installs what is missing, "
+                        "-DNORMA_WEB=OFF builds without")
+  endif()
+endforeach()
+
+set(web_dir ${CMAKE_BINARY_DIR}/web)
+set(web_objects_dir ${web_dir}/objects)
+file(MAKE_DIRECTORY ${web_objects_dir} ${web_dir}/npm)
+set(web_flags --target=wasm32-wasi -std=c11 -O3 -DNDEBUG -msimd128 -mbulk-memory -ffp-contract=off -fno-math-errno -fno-trapping-math -fvisibility=hidden
+              -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${CMAKE_SOURCE_DIR}/include)
+if(NORMA_WERROR)
+  list(APPEND web_flags -Werror)
+endif()
+
+# web_objects(LIST SOURCES...): one object file for each source, with the headers it was seen to include.
+function(web_objects list)
+  set(objects "")
+  foreach(source ${ARGN})
+    file(RELATIVE_PATH name ${CMAKE_SOURCE_DIR} ${source})
+    string(REPLACE "/" "_" name ${name})
+    set(object ${web_objects_dir}/${name}.o)
+    add_custom_command(OUTPUT ${object}
+      COMMAND ${NORMA_WASM_CC} ${web_flags} -MD -MF ${object}.d -c ${source} -o ${object}
+      DEPENDS ${source} DEPFILE ${object}.d COMMENT "WebAssembly ${name}" VERBATIM)
+    list(APPEND objects ${object})
+  endforeach()
+  set(${list} ${objects} PARENT_SCOPE)
+endfunction()
+
+function(web_module name)
+  add_custom_command(OUTPUT ${web_dir}/${name}
+    COMMAND ${NORMA_WASM_CC} --target=wasm32-wasi -nostartfiles -O3 -Wl,--no-entry -Wl,--strip-all -Wl,--gc-sections -Wl,--stack-first -Wl,-z,stack-size=1048576
+            ${ARGN} -o ${web_dir}/${name}
+    DEPENDS ${ARGN} COMMENT "WebAssembly ${name}" VERBATIM)
+endfunction()
+
+set(web_core_sources ${core_sources})
+list(TRANSFORM web_core_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
+file(GLOB web_call_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/src/*.c)
+web_objects(web_core_objects ${web_core_sources} ${web_call_sources})
+web_module(norma.wasm ${web_core_objects})
+
+file(GLOB web_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/package/* ${CMAKE_SOURCE_DIR}/web/*.mjs)
+add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
+  COMMAND ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs package ${web_dir}
+  DEPENDS ${web_inputs} ${web_dir}/norma.wasm COMMENT "npm package" VERBATIM)
+add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm)

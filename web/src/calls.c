@@ -1,0 +1,83 @@
+/* calls.c: the library's calls as WebAssembly exports: numbers and addresses only, so that JavaScript lays out no structure. Angles come in degrees, as they do
+ * on the command line, and become radians here, so that both round alike. */
+#include "calls.h"
+#include "exports.h"
+#include <stdlib.h>
+
+#define PI 3.141592653589793
+
+float web_radians(double degrees) { return (float)(degrees * (PI / 180)); }
+
+/* ---- memory: blocks of the heap, and one each of what a call takes by address */
+
+void *WEB_EXPORT(web_allocate)(size_t bytes) { return malloc(bytes ? bytes : 1); }
+void WEB_EXPORT(web_release)(void *block) { free(block); }
+const char *WEB_EXPORT(web_result_text)(norma_result result) { return norma_result_text(result); }
+const char *WEB_EXPORT(web_version)(void) { return norma_version(); }
+
+norma_mesh web_mesh(const web_mesh_arguments *given) {
+    return (norma_mesh){.positions = {given->positions, given->position_count, 0, given->format},
+                        .corners = given->corners,
+                        .corner_count = given->corners ? given->corner_count : given->position_count,
+                        .corner_size = given->corner_size};
+}
+
+norma_options web_options(const web_mesh_arguments *given) {
+    return (norma_options){.weight = given->weight, .weld = given->weld, .weld_distance = given->weld_distance};
+}
+
+/* The arguments that every call on a mesh takes, in the order in which JavaScript hands them over. */
+#define MESH_PARAMETERS                                                                                                                                    \
+    const void *positions, size_t position_count, norma_format format, const void *corners, size_t corner_count, size_t corner_size, norma_weight weight, \
+        norma_weld weld, double weld_distance
+#define MESH_ARGUMENTS                                                                                                                                     \
+    const web_mesh_arguments given = {positions, position_count, format, corners, corner_count, corner_size, weight, weld, weld_distance};                 \
+    const norma_mesh mesh = web_mesh(&given);                                                                                                              \
+    const norma_options options = web_options(&given)
+
+norma_result WEB_EXPORT(web_face_normals)(MESH_PARAMETERS, float *normals, size_t capacity) {
+    MESH_ARGUMENTS;
+    return norma_face_normals(&mesh, &options, normals, capacity, NULL);
+}
+
+norma_result WEB_EXPORT(web_vertex_normals)(MESH_PARAMETERS, float *normals, size_t capacity) {
+    MESH_ARGUMENTS;
+    return norma_vertex_normals(&mesh, &options, normals, capacity, NULL);
+}
+
+norma_result WEB_EXPORT(web_corner_normals)(MESH_PARAMETERS, double crease_deg, float *normals, size_t capacity) {
+    MESH_ARGUMENTS;
+    return norma_corner_normals(&mesh, web_radians(crease_deg), &options, normals, capacity, NULL);
+}
+
+norma_result WEB_EXPORT(web_split)(MESH_PARAMETERS, double crease_deg, uint32_t *new_corners, size_t corner_capacity, uint32_t *source_vertices, float *normals,
+                                   size_t vertex_capacity, size_t *vertex_count) {
+    MESH_ARGUMENTS;
+    return norma_split(&mesh, web_radians(crease_deg), &options, new_corners, corner_capacity, source_vertices, normals, vertex_capacity, vertex_count, NULL);
+}
+
+/* ---- matrices */
+
+norma_result WEB_EXPORT(web_normal_matrices)(const float *models, size_t count, norma_winding winding, float *normal_matrices) {
+    return norma_normal_matrices(models, count, winding, normal_matrices, count);
+}
+
+/* numbers: determinant, anisotropy, worst error in radians, the three of the worst normal, kind, rank, mirrored, shortcut. */
+norma_result WEB_EXPORT(web_matrix_info)(const float *model, double numbers[10]) {
+    norma_matrix_info info;
+    float normal_matrix[9];
+    const norma_result result = norma_normal_matrix(model, NORMA_WINDING_REVERSED, normal_matrix, &info);
+    numbers[0] = info.determinant;
+    numbers[1] = info.anisotropy;
+    numbers[2] = info.worst_error_rad;
+    for (int i = 0; i < 3; ++i) numbers[3 + i] = (double)info.worst_normal[i];
+    numbers[6] = info.kind;
+    numbers[7] = info.rank;
+    numbers[8] = info.mirrored;
+    numbers[9] = norma_matrix_shortcut(&info);
+    return result;
+}
+
+norma_result WEB_EXPORT(web_transform_normals)(const float *normal_matrix, const void *normals, size_t count, norma_format format, float *out) {
+    return norma_transform_normals(normal_matrix, (norma_vec3_view){normals, count, 0, format}, out, 0, count);
+}
