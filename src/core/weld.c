@@ -56,29 +56,35 @@ static uint32_t find_or_add(const core_mesh *mesh, uint32_t *table, size_t mask,
 
 enum { POSITIONS_IN_BLOCK = 64, BLOCKS_BETWEEN_TELLING = 1024 };
 
-/* Keys and slots of a block first, so that the memory of all its slots is on its way when they are looked at. */
-static void weld_block(const core_mesh *mesh, uint32_t *table, size_t mask, size_t begin, size_t end, uint32_t *weld)
+/* Keys and slots of a block first, so that the memory of all its slots is on its way when they are looked at. Whether any is one with an earlier. */
+static int weld_block(const core_mesh *mesh, uint32_t *table, size_t mask, size_t begin, size_t end, uint32_t *weld)
 {
+    int any = 0;
     uint64_t keys[POSITIONS_IN_BLOCK][3], hashes[POSITIONS_IN_BLOCK];
     for (size_t i = begin; i < end; i++) {
         position_key(mesh, (uint32_t)i, keys[i - begin]);
         hashes[i - begin] = hash_key(keys[i - begin]);
         __builtin_prefetch(&table[(size_t)hashes[i - begin] & mask], 1);
     }
-    for (size_t i = begin; i < end; i++)
+    for (size_t i = begin; i < end; i++) {
         weld[i] = key_has_nan(keys[i - begin]) ? (uint32_t)i : find_or_add(mesh, table, mask, (uint32_t)i, keys[i - begin], hashes[i - begin]);
+        any |= weld[i] != i;
+    }
+    return any;
 }
 
-static norma_result weld_equal(core_call *call, const core_mesh *mesh, uint32_t *weld)
+/* *any: whether two positions are one. */
+static norma_result weld_equal(core_call *call, const core_mesh *mesh, uint32_t *weld, int *any)
 {
     const size_t count = mesh->positions.count, size = table_size(count);
     uint32_t *table = norma_core_allocate(call, size, sizeof *table);
     if (!table) return NORMA_ERROR_MEMORY;
     memset(table, 0xff, size * sizeof *table);
+    *any = 0;
     norma_result result = NORMA_OK;
     for (size_t begin = 0; begin < count && result == NORMA_OK; begin += POSITIONS_IN_BLOCK) {
         if (begin % (POSITIONS_IN_BLOCK * BLOCKS_BETWEEN_TELLING) == 0 && norma_core_progress(call, (double)begin / (double)count)) result = NORMA_CANCELLED;
-        weld_block(mesh, table, size - 1, begin, count - begin < POSITIONS_IN_BLOCK ? count : begin + POSITIONS_IN_BLOCK, weld);
+        *any |= weld_block(mesh, table, size - 1, begin, count - begin < POSITIONS_IN_BLOCK ? count : begin + POSITIONS_IN_BLOCK, weld);
     }
     norma_core_release(call, table, size, sizeof *table);
     return result;
@@ -89,10 +95,11 @@ norma_result norma_core_weld(core_call *call, core_mesh *mesh)
     if (call->options.weld == NORMA_WELD_NONE || !mesh->positions.count) return NORMA_OK;
     uint32_t *weld = norma_core_allocate(call, mesh->positions.count, sizeof *weld);
     if (!weld) return NORMA_ERROR_MEMORY;
-    norma_result result = weld_equal(call, mesh, weld);
-    if (result == NORMA_OK && call->options.weld == NORMA_WELD_DISTANCE && call->options.weld_distance > 0)
-        result = norma_core_weld_near(call, mesh, call->options.weld_distance * mesh->scale, weld);
-    if (result == NORMA_OK) mesh->weld = weld;
+    int any;
+    norma_result result = weld_equal(call, mesh, weld, &any);
+    const int by_distance = call->options.weld == NORMA_WELD_DISTANCE && call->options.weld_distance > 0;
+    if (result == NORMA_OK && by_distance) result = norma_core_weld_near(call, mesh, call->options.weld_distance * mesh->scale, weld);
+    if (result == NORMA_OK && (any || by_distance)) mesh->weld = weld;     /* a map of each to itself would only cost a look into it for each corner */
     else norma_core_release(call, weld, mesh->positions.count, sizeof *weld);
     return result;
 }

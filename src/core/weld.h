@@ -3,8 +3,8 @@
 #define NORMA_CORE_WELD_H
 #include "mesh.h"
 
-/* Sets mesh->weld as the options ask: NULL for NORMA_WELD_NONE, else for each position the least index of those that are one with it. NaN is equal
- * to nothing. MEMORY or CANCELLED leave it NULL. Release with norma_core_unweld. */
+/* Sets mesh->weld as the options ask: NULL for NORMA_WELD_NONE and where no two positions are one, else for each position the least index of those that
+ * are one with it. NaN is equal to nothing. MEMORY or CANCELLED leave it NULL. Release with norma_core_unweld. */
 norma_result norma_core_weld(core_call *call, core_mesh *mesh);
 void         norma_core_unweld(const core_call *call, core_mesh *mesh);
 
