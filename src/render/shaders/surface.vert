@@ -1,0 +1,64 @@
+// surface.vert: a surface through the pipeline: local, world, view, clip (viewport: glViewport). How the files make a program: colour.glsl.
+//
+// #define one of  SHADING_FLAT     each face has one normal, that of its last corner (index triangles so that each face has a last vertex of its own, or none is shared)
+//                 SHADING_GOURAUD  light is computed here, colours are interpolated
+//                 SHADING_PHONG    normals are interpolated, light is computed for each pixel
+//                 SHOW_NORMALS     the unit normal in lit space as a colour, 0.5 + 0.5 n
+//                 SHOW_WINDING     faces seen from their front green, from their back red
+//                 SHOW_ERROR       value on the colour scale
+// #define LIGHT_IN_VIEW            lit space is view space; otherwise world space
+//
+// Attributes (bind by location)
+//   0  vec3  position   local
+//   1  vec3  normal     local, any length; with SHADING_FLAT the face's
+//   2  vec4  colour     linear; the constant (1, 1, 1, 1) where there is none (vertexAttrib4f)
+//   3  float value      SHOW_ERROR: degrees
+// Uniforms
+//   mat4 local_to_world, world_to_view, view_to_clip
+//   mat3 normal_matrix  from local to lit space: norma_normal_matrix of the node (world), norma_normal_matrix_model_view (view), reversed winding; or plain M, to show
+//                       why that is wrong. Where the node mirrors, the front is clockwise: glFrontFace(GL_CW)
+//   vec3 base_colour    linear
+//   float two_sided     1: a back face is lit as the front of its other side; 0: as its normal says (cull it, if it shall not be seen)
+//   float scale_top     SHOW_ERROR: the degrees at the scale's top
+// and those of light.glsl.
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 colour;
+layout(location = 3) in float value;
+uniform mat4 local_to_world, world_to_view, view_to_clip;
+uniform mat3 normal_matrix;
+uniform vec3 base_colour;
+
+out vec3 lit_point;
+#if defined(SHADING_FLAT)
+flat out vec3 lit_normal;
+#else
+out vec3 lit_normal;
+#endif
+out vec3 surface_colour;
+#if defined(SHADING_GOURAUD)
+out vec3 back_colour;
+#endif
+#if defined(SHOW_ERROR)
+out float surface_value;
+#endif
+
+void main() {
+    vec4 world = local_to_world * vec4(position, 1.0);
+    vec4 view = world_to_view * world;
+    gl_Position = view_to_clip * view;
+#if defined(LIGHT_IN_VIEW)
+    lit_point = view.xyz;
+#else
+    lit_point = world.xyz;
+#endif
+    lit_normal = unit(normal_matrix * normal);
+    surface_colour = base_colour * colour.rgb;
+#if defined(SHADING_GOURAUD)
+    back_colour = lit(lit_point, -lit_normal, surface_colour);
+    surface_colour = lit(lit_point, lit_normal, surface_colour);
+#endif
+#if defined(SHOW_ERROR)
+    surface_value = value;
+#endif
+}
