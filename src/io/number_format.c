@@ -8,15 +8,28 @@
 #include <math.h>
 #include <string.h>
 
+/* "00" to "99": two digits for one division. */
+static const char pairs[] = "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434445464748495051525354555657585960616263646566676869"
+                            "707172737475767778798081828384858687888990919293949596979899";
+
+static size_t digits_of(uint64_t value)
+{
+    size_t digits = 1;
+    for (; value >= 10000; value /= 10000)
+        digits += 4;
+    return digits + (value >= 10) + (value >= 100) + (value >= 1000);
+}
+
 size_t norma_number_format_integer(uint64_t value, char out[20])
 {
-    char reversed[20];
-    size_t length = 0;
-    do
-        reversed[length++] = (char)('0' + value % 10);
-    while (value /= 10);
-    for (size_t i = 0; i < length; ++i)
-        out[i] = reversed[length - 1 - i];
+    const size_t length = digits_of(value);
+    char *p = out + length;
+    for (; value >= 100; value /= 100)
+        memcpy(p -= 2, pairs + 2 * (value % 100), 2);
+    if (value >= 10)
+        memcpy(out, pairs + 2 * value, 2);
+    else
+        *out = (char)('0' + value);
     return length;
 }
 
@@ -200,11 +213,12 @@ size_t norma_number_format_normal(float value, char out[32])
     *p++ = (char)('0' + decimals / 100000000);
     decimals %= 100000000;
     if (decimals) {
+        const uint32_t first = decimals / 10000, last = decimals % 10000;
         *p++ = '.';
-        for (int i = 7; i >= 0; --i) {
-            p[i] = (char)('0' + decimals % 10);
-            decimals /= 10;
-        }
+        memcpy(p, pairs + 2 * (first / 100), 2);
+        memcpy(p + 2, pairs + 2 * (first % 100), 2);
+        memcpy(p + 4, pairs + 2 * (last / 100), 2);
+        memcpy(p + 6, pairs + 2 * (last % 100), 2);
         p += 8;
         while (p[-1] == '0')
             --p;

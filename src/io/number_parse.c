@@ -1,7 +1,9 @@
 /* number_parse.c: decimal text to the nearest double.
  *
  * Three ways, each exact: a double times or by a power of ten where both are exact (Clinger 1990); 64-bit digits times or by a power of five in 128
- * bits; integers of any length. A decimal halfway between two doubles has at most 767 digits, so digits past DIGITS only say "a little more". */
+ * bits; integers of any length. A decimal halfway between two doubles has at most 767 digits, so digits past DIGITS only say "a little more".
+ *
+ * Plain decimals, nearly all that files hold, are read eight digits at a time within one 64-bit word; all else character by character. */
 #include "number.h"
 #include "number_big.h"
 #include <float.h>
@@ -128,9 +130,10 @@ static double exact_to_double(const decimal *number)
     return divide_to_double(&numerator, &denominator, (int)exponent);
 }
 
+static const double power[23] = { 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
+
 static double to_double(const decimal *number)
 {
-    static const double power[] = { 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
     int64_t exponent = number->exponent;
     if (number->mantissa == 0)
         return 0;
@@ -210,7 +213,63 @@ static const char *parse_exponent(const char *text, const char *end, int64_t *ex
     return p;
 }
 
-const char *norma_number_parse(const char *text, const char *end, double *value)
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && defined(__SIZEOF_INT128__)
+/* Eight digits, each a byte of 0 to 9, the first in the lowest byte: neighbours are joined to two digits, then four, then eight. */
+static uint64_t join_digits(uint64_t digits)
+{
+    digits = 10 * digits + (digits >> 8);
+    return ((digits & UINT64_C(0x000000ff000000ff)) * UINT64_C(0x000f424000000064) + (digits >> 16 & UINT64_C(0x000000ff000000ff)) * UINT64_C(0x0000271000000001)) >> 32;
+}
+
+/* Adds the digits at *p to the mantissa and returns how many they were; -1: too near the end of the text for a whole word. More than 19 in all are no matter here. */
+static int take_digits(const char **p, const char *end, uint64_t *mantissa)
+{
+    static const uint64_t scale[] = { 1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000 };
+    int taken = 0, count;
+    do {
+        uint64_t bytes;
+        if (end - *p < 8)
+            return -1;
+        memcpy(&bytes, *p, sizeof bytes);
+        bytes ^= UINT64_C(0x3030303030303030);
+        const uint64_t others = (((bytes & UINT64_C(0x7f7f7f7f7f7f7f7f)) + UINT64_C(0x7676767676767676)) | bytes) & UINT64_C(0x8080808080808080);
+        count = others ? __builtin_ctzll(others) / 8 : 8;
+        if (count == 0)
+            break;
+        *mantissa = *mantissa * scale[count] + join_digits(bytes << (64 - 8 * count));
+        *p += count;
+        taken += count;
+    } while (count == 8 && taken < 24);
+    return taken;
+}
+
+/* A sign, digits, a point, digits: at most 19. NULL: something else, or it cannot be told from here. */
+static const char *parse_plain(const char *text, const char *end, double *value)
+{
+    const char *p = text;
+    uint64_t mantissa = 0;
+    const int negative = p < end && *p == '-';
+    p += negative;
+    const int whole = take_digits(&p, end, &mantissa);
+    if (whole < 0 || p >= end || *p != '.')
+        return NULL;
+    ++p;
+    const int decimals = take_digits(&p, end, &mantissa);
+    if (decimals < 0 || whole + decimals == 0 || whole + decimals > 19 || p >= end || (*p | 0x20) == 'e' || *p == '#' || FLT_EVAL_METHOD != 0)
+        return NULL;
+    double magnitude = mantissa <= UINT64_C(1) << 53 ? (double)mantissa / power[decimals] : wide_to_double(mantissa, -decimals);
+    *value = negative ? -magnitude : magnitude;
+    return p;
+}
+#else
+static const char *parse_plain(const char *text, const char *end, double *value)
+{
+    (void)text, (void)end, (void)value;
+    return NULL;
+}
+#endif
+
+static const char *parse_any(const char *text, const char *end, double *value)
 {
     decimal number = { 0, 0, NULL, NULL, 0 };
     const char *p = text;
@@ -267,6 +326,12 @@ const char *norma_number_parse(const char *text, const char *end, double *value)
         p = parse_exponent(p, end, &number.exponent);
     *value = negative ? -to_double(&number) : to_double(&number);
     return p;
+}
+
+const char *norma_number_parse(const char *text, const char *end, double *value)
+{
+    const char *next = parse_plain(text, end, value);
+    return next ? next : parse_any(text, end, value);
 }
 
 const char *norma_number_parse_integer(const char *text, const char *end, int64_t *value)
