@@ -6,6 +6,7 @@
  * Plain decimals, nearly all that files hold, are read eight digits at a time within one 64-bit word; all else character by character. */
 #include "number.h"
 #include "number_big.h"
+#include "digits.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -213,30 +214,20 @@ static const char *parse_exponent(const char *text, const char *end, int64_t *ex
     return p;
 }
 
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && defined(__SIZEOF_INT128__)
-/* Eight digits, each a byte of 0 to 9, the first in the lowest byte: neighbours are joined to two digits, then four, then eight. */
-static uint64_t join_digits(uint64_t digits)
-{
-    digits = 10 * digits + (digits >> 8);
-    return ((digits & UINT64_C(0x000000ff000000ff)) * UINT64_C(0x000f424000000064) + (digits >> 16 & UINT64_C(0x000000ff000000ff)) * UINT64_C(0x0000271000000001)) >> 32;
-}
-
+#if NORMA_DIGITS_BY_WORD && defined(__SIZEOF_INT128__)
 /* Adds the digits at *p to the mantissa and returns how many they were; -1: too near the end of the text for a whole word. More than 19 in all are no matter here. */
 static int take_digits(const char **p, const char *end, uint64_t *mantissa)
 {
     static const uint64_t scale[] = { 1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000 };
     int taken = 0, count;
     do {
-        uint64_t bytes;
         if (end - *p < 8)
             return -1;
-        memcpy(&bytes, *p, sizeof bytes);
-        bytes ^= UINT64_C(0x3030303030303030);
-        const uint64_t others = (((bytes & UINT64_C(0x7f7f7f7f7f7f7f7f)) + UINT64_C(0x7676767676767676)) | bytes) & UINT64_C(0x8080808080808080);
-        count = others ? __builtin_ctzll(others) / 8 : 8;
+        const uint64_t bytes = norma_digits_load(*p);
+        count = norma_digits_count(bytes);
         if (count == 0)
             break;
-        *mantissa = *mantissa * scale[count] + join_digits(bytes << (64 - 8 * count));
+        *mantissa = *mantissa * scale[count] + norma_digits_join(bytes, count);
         *p += count;
         taken += count;
     } while (count == 8 && taken < 24);

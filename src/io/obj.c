@@ -49,7 +49,7 @@ norma_mesh norma_obj_mesh(const obj_state *state)
     return (norma_mesh){ .positions = positions,
                          .corners = state->corners ? state->corners : nothing,
                          .corner_count = state->corner_count,
-                         .face_starts = state->corner_count == 3 * state->face_count ? NULL : state->face_starts,
+                         .face_starts = state->face_starts,
                          .face_count = state->face_count };
 }
 

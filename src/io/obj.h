@@ -1,5 +1,7 @@
 /* obj.h: what an OBJ file holds: positions, polygons, normals and smoothing groups as arrays. The text itself stays the file's bytes: nothing is remembered
- * of where a statement stands, but for vn lines; a writer walks over the same statements again, in the same order. Internal to obj_*.c. */
+ * of where a statement stands, but for vn lines; a writer walks over the same statements again, in the same order. Internal to obj_*.c.
+ *
+ * The text is cut into stretches of whole statements, which threads read and write side by side. */
 #ifndef NORMA_IO_OBJ_H
 #define NORMA_IO_OBJ_H
 #include "document_internal.h"
@@ -15,17 +17,24 @@ typedef struct obj_run {
     int64_t group;                           /* 0: none */
 } obj_run;
 
+/* Where a stretch begins, in the text and in each list. */
+typedef struct obj_stretch {
+    size_t   offset, position, normal, face, other;
+} obj_stretch;
+
 typedef struct obj_state {
+    obj_stretch *stretches;                  /* one more, at the end of all */
+    size_t    stretch_count;
     double   *positions;                     /* three each */
     size_t    position_count, position_room; /* rooms count what norma_io_grow counts: positions, corners, ... */
     uint32_t *corners;                       /* position of each corner */
-    uint32_t *corner_normals;                /* in step with corners */
+    uint32_t *corner_normals;                /* in step with corners; NULL: none names a normal */
     size_t    corner_count, corner_room, corner_normal_room;
-    uint32_t *face_starts;                   /* face_count + 1 */
+    uint32_t *face_starts;                   /* face_count + 1; NULL: all are triangles */
     size_t    face_count, face_room;
     float    *normals;                       /* three each */
-    size_t   *normal_offsets;                /* of each normal the byte its statement begins at; SIZE_MAX: computed, it has none yet */
-    size_t    normal_count, normal_room, normal_offset_room;
+    size_t   *normal_offsets;                /* of the first offset_count normals the byte its statement begins at; SIZE_MAX, or behind those: computed, it has none */
+    size_t    normal_count, offset_count, normal_room, normal_offset_room;
     uint32_t *other_normals;                 /* those that statements other than faces name, in the order of the text */
     size_t    other_count, other_room;
     obj_run  *runs;
@@ -49,7 +58,22 @@ typedef struct obj_state {
     uint8_t  *hard_edges;
 } obj_state;
 
-/* obj_read.c */
+static inline size_t norma_obj_face_start(const obj_state *state, size_t face)
+{
+    return state->face_starts ? state->face_starts[face] : 3 * face;
+}
+
+static inline uint32_t norma_obj_normal(const obj_state *state, size_t corner)
+{
+    return state->corner_normals ? state->corner_normals[corner] : OBJ_NO_NORMAL;
+}
+
+static inline size_t norma_obj_normal_offset(const obj_state *state, size_t normal)
+{
+    return normal < state->offset_count ? state->normal_offsets[normal] : SIZE_MAX;
+}
+
+/* obj_gather.c */
 norma_document_result norma_obj_read(norma_document *document, obj_state *state, norma_document_error *error);
 void                  norma_obj_free(obj_state *state);
 

@@ -3,7 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "memory.h"
 #include "obj.h"
+#include "obj_number.h"
+#include "tasks.h"
 
 #define PI 3.14159265358979323846
 
@@ -19,8 +22,9 @@ typedef struct computation {
     double                 crease;
     norma_edges            edges;
     uint8_t               *wanted;         /* of each corner; NULL: all */
-    float                 *computed;       /* of each corner, position or face, as the shading has it; zero where the mesh has none at all */
+    float                 *computed;       /* of each element: a point, a corner, a position or a face, as elements has it; zero where the mesh has none at all */
     uint8_t               *reasons;        /* in step with computed */
+    uint32_t              *points;         /* of each corner the point, numbered as corners first use them; NULL: elements are no points */
     size_t                 element_count;
 } computation;
 
@@ -36,8 +40,8 @@ static int is_broken(const float *n)
 /* A face without normals: none of its corners names one that is there. */
 static int lacks_normals(const obj_state *state, size_t face)
 {
-    for (size_t c = state->face_starts[face]; c < state->face_starts[face + 1]; ++c)
-        if (state->corner_normals[c] < OBJ_BAD_NORMAL)
+    for (size_t c = norma_obj_face_start(state, face); c < norma_obj_face_start(state, face + 1); ++c)
+        if (norma_obj_normal(state, c) < OBJ_BAD_NORMAL)
             return 0;
     return 1;
 }
@@ -45,7 +49,7 @@ static int lacks_normals(const obj_state *state, size_t face)
 /* A corner that names a normal which is not there always gets one: left alone, it would come to name one of the new ones. */
 static int is_wanted(const computation *c, size_t corner)
 {
-    uint32_t normal = c->state->corner_normals[corner];
+    uint32_t normal = norma_obj_normal(c->state, corner);
     if (normal == OBJ_BAD_NORMAL)
         return 1;
     if (c->only == NORMA_ONLY_MISSING)
@@ -66,7 +70,7 @@ static int choose_corners(computation *c, size_t *count)
     *count = 0;
     for (size_t face = 0; face < state->face_count; ++face) {
         int whole = lacks_normals(state, face);
-        for (size_t corner = state->face_starts[face]; corner < state->face_starts[face + 1]; ++corner) {
+        for (size_t corner = norma_obj_face_start(state, face); corner < norma_obj_face_start(state, face + 1); ++corner) {
             c->wanted[corner] = (uint8_t)(whole || is_wanted(c, corner));
             *count += c->wanted[corner];
         }
@@ -96,94 +100,60 @@ static norma_result choose_shading(computation *c, const norma_compute_options *
     return result;
 }
 
-static norma_result compute_elements(computation *c)
+/* All that the core counted without a normal of its own. */
+static size_t without_normal(const norma_report *report)
+{
+    return report->non_finite.count + report->unreferenced.count + report->cancelled.count;
+}
+
+/* Where every corner gets a new normal, those of one position that share theirs are computed as one point: less to write, and less to number. */
+static norma_result compute_points(computation *c)
+{
+    const size_t most = c->state->corner_count;
+    c->points = norma_io_block(most, sizeof *c->points);
+    c->computed = norma_io_block(most, 3 * sizeof *c->computed); /* what is not used is never touched */
+    if (!c->points || !c->computed)
+        return NORMA_ERROR_MEMORY;
+    norma_result result =
+        norma_split(&c->mesh, (float)c->crease, &c->core, c->points, most, NULL, c->computed, most, &c->element_count, &c->summary->report);
+    c->summary->filled = without_normal(&c->summary->report);
+    return result;
+}
+
+static norma_result compute_corners(computation *c)
+{
+    return norma_corner_normals(&c->mesh, (float)c->crease, &c->core, c->computed, c->element_count, &c->summary->report);
+}
+
+static norma_result compute_each(computation *c)
 {
     const obj_state *state = c->state;
-    norma_report *report = &c->summary->report;
     size_t count = c->shading == NORMA_SHADING_SMOOTH ? state->position_count : c->shading == NORMA_SHADING_FLAT ? state->face_count : state->corner_count;
-    if (count > SIZE_MAX / (3 * sizeof(float)))
-        return NORMA_ERROR_MEMORY;
     c->element_count = count;
-    c->computed = malloc(3 * count * sizeof(float));
+    c->computed = norma_io_block(count, 3 * sizeof *c->computed);
     c->reasons = norma_io_allocate(count, 1);
     if (!c->computed || !c->reasons)
         return NORMA_ERROR_MEMORY;
     c->core.reasons = c->reasons;
     if (c->shading == NORMA_SHADING_SMOOTH)
-        return norma_vertex_normals(&c->mesh, &c->core, c->computed, count, report);
+        return norma_vertex_normals(&c->mesh, &c->core, c->computed, count, &c->summary->report);
     if (c->shading == NORMA_SHADING_FLAT)
-        return norma_face_normals(&c->mesh, &c->core, c->computed, count, report);
-    c->core.edges = &c->edges;
-    norma_result result = norma_corner_normals(&c->mesh, (float)c->crease, &c->core, c->computed, count, report);
-    c->summary->edges_counted = 1;
+        return norma_face_normals(&c->mesh, &c->core, c->computed, count, &c->summary->report);
+    return compute_corners(c);
+}
+
+static norma_result compute_elements(computation *c)
+{
+    const int creased = c->shading == NORMA_SHADING_CREASE;
+    if (creased)
+        c->core.edges = &c->edges;
+    norma_result result = creased && !c->wanted ? compute_points(c) : compute_each(c);
+    c->summary->edges_counted = creased;
     c->summary->hard_edges = c->edges.hard;
     return result;
 }
 
 /* ---- numbering */
-
-typedef struct normal_table {
-    float    *normals;         /* three each */
-    size_t    count, room;
-    uint64_t *slots;           /* a normal's number + 1 below the upper half of its hash, so that others are told apart without a look at them; 0: free */
-    size_t    mask;
-} normal_table;
-
-static uint64_t hash_normal(const float *n)
-{
-    uint32_t bits[3];
-    memcpy(bits, n, sizeof bits);
-    uint64_t hash = (bits[0] | (uint64_t)bits[1] << 32) * UINT64_C(0x9e3779b97f4a7c15);
-    hash = (hash ^ hash >> 29 ^ bits[2]) * UINT64_C(0xbf58476d1ce4e5b9);
-    return hash ^ hash >> 32;
-}
-
-static uint64_t upper_half(uint64_t hash)
-{
-    return hash & ~(uint64_t)UINT32_MAX;
-}
-
-static int rehash(normal_table *table, size_t size)
-{
-    uint64_t *slots = norma_io_allocate(size, sizeof *slots);
-    if (!slots)
-        return 0;
-    free(table->slots);
-    table->slots = slots;
-    table->mask = size - 1;
-    for (size_t i = 0; i < table->count; ++i) {
-        uint64_t hash = hash_normal(table->normals + 3 * i);
-        size_t slot = (size_t)hash & table->mask;
-        while (slots[slot])
-            slot = (slot + 1) & table->mask;
-        slots[slot] = upper_half(hash) | (i + 1);
-    }
-    return 1;
-}
-
-static int is_number(const normal_table *table, uint32_t number, const float *n)
-{
-    return number < table->count && memcmp(table->normals + 3 * (size_t)number, n, 3 * sizeof(float)) == 0;
-}
-
-/* The number of n among the table's normals; UINT32_MAX: memory is out. */
-static uint32_t find_or_add(normal_table *table, const float *n)
-{
-    if (2 * table->count >= table->mask && !rehash(table, table->mask ? 2 * (table->mask + 1) : 1024))
-        return UINT32_MAX;
-    uint64_t hash = hash_normal(n);
-    size_t slot = (size_t)hash & table->mask;
-    for (; table->slots[slot]; slot = (slot + 1) & table->mask)
-        if (upper_half(table->slots[slot]) == upper_half(hash) && is_number(table, (uint32_t)table->slots[slot] - 1, n))
-            return (uint32_t)table->slots[slot] - 1;
-    void *grown = norma_io_grow(table->normals, &table->room, table->count + 1, 3 * sizeof(float));
-    if (!grown)
-        return UINT32_MAX;
-    table->normals = grown;
-    memcpy(table->normals + 3 * table->count, n, 3 * sizeof(float));
-    table->slots[slot] = upper_half(hash) | ++table->count;
-    return (uint32_t)table->count - 1;
-}
 
 /* Of the old normals those that stay, given their new numbers; the others UINT32_MAX. With --only, lines that nothing named stay too: they are no business
  * of ours. */
@@ -193,10 +163,10 @@ static size_t number_old(const computation *c, uint32_t *numbers)
     size_t kept = 0;
     memset(numbers, c->wanted ? 1 : 0, state->normal_count * sizeof *numbers);
     for (size_t corner = 0; c->wanted && corner < state->corner_count; ++corner)
-        if (c->wanted[corner] && state->corner_normals[corner] < OBJ_BAD_NORMAL)
+        if (c->wanted[corner] && norma_obj_normal(state, corner) < OBJ_BAD_NORMAL)
             numbers[state->corner_normals[corner]] = 0;
     for (size_t corner = 0; c->wanted && corner < state->corner_count; ++corner)
-        if (!c->wanted[corner] && state->corner_normals[corner] < OBJ_BAD_NORMAL)
+        if (!c->wanted[corner] && norma_obj_normal(state, corner) < OBJ_BAD_NORMAL)
             numbers[state->corner_normals[corner]] = 1;
     for (size_t i = 0; i < state->other_count; ++i)
         if (state->other_normals[i] < OBJ_BAD_NORMAL)
@@ -206,60 +176,87 @@ static size_t number_old(const computation *c, uint32_t *numbers)
     return kept;
 }
 
-/* The normal of an element as it is written: what no element of the mesh has is up; zero has no sign. */
-static void final_normal(const float *computed, float n[3])
+/* ---- elements become numbers */
+
+static size_t element_of(const computation *c, size_t face, size_t corner)
 {
-    for (int i = 0; i < 3; ++i)
-        n[i] = computed[i] + 0.0f;
-    if (n[0] == 0 && n[1] == 0 && n[2] == 0)
-        n[2] = 1;
+    if (c->points)
+        return c->points[corner];
+    return c->shading == NORMA_SHADING_SMOOTH ? c->state->corners[corner] : c->shading == NORMA_SHADING_FLAT ? face : corner;
 }
 
-/* The number of a corner's normal. Most corners have that of the one before, or of the last one at their position: asking there first spares the table. */
-static uint32_t number_of(normal_table *table, const float *n, uint32_t before, uint32_t *at_position)
+enum { LEAST_SLICE = 1 << 15 };
+
+typedef struct renumbering {
+    const computation *c;
+    const uint32_t    *numbers, *old_numbers;
+    size_t             slices, kept;
+    uint32_t          *corner_normals;
+} renumbering;
+
+/* Normals as they are written: what no element of the mesh has is up; zero has no sign. */
+static void finish_normals(void *context, size_t slice)
 {
-    if (is_number(table, before, n))
-        return before;
-    if (!is_number(table, *at_position, n))
-        *at_position = find_or_add(table, n);
-    return *at_position;
+    const renumbering *r = context;
+    const size_t count = r->c->element_count, end = norma_io_slice(count, r->slices, slice + 1);
+    for (size_t i = norma_io_slice(count, r->slices, slice); i < end; ++i) {
+        float *n = r->c->computed + 3 * i;
+        for (int k = 0; k < 3; ++k)
+            n[k] += 0.0f;
+        if (n[0] == 0 && n[1] == 0 && n[2] == 0)
+            n[2] = 1;
+    }
 }
 
-/* Gives each wanted corner its number in the table, from base on, and counts the elements that had no normal of their own. recent: a number for each
- * position. */
-static int number_new(computation *c, normal_table *table, const uint32_t *old_numbers, size_t base, uint32_t *recent, uint32_t *corner_normals)
+/* The elements that wanted corners use, in the order of their first use. Counts those that had no normal of their own. 0: out of memory. */
+static int order_elements(computation *c, obj_numbering *numbering)
 {
     const obj_state *state = c->state;
-    uint32_t number = UINT32_MAX;
+    uint8_t *seen = norma_io_allocate(c->element_count, 1);
+    numbering->order = norma_io_block(c->element_count, sizeof *numbering->order);
+    if (!seen || !numbering->order) {
+        free(seen);
+        return 0;
+    }
     for (size_t face = 0; face < state->face_count; ++face)
-        for (size_t corner = state->face_starts[face]; corner < state->face_starts[face + 1]; ++corner) {
-            uint32_t old = state->corner_normals[corner];
-            if (c->wanted && !c->wanted[corner]) {
-                corner_normals[corner] = old == OBJ_NO_NORMAL ? old : old_numbers[old];
+        for (size_t corner = norma_obj_face_start(state, face); corner < norma_obj_face_start(state, face + 1); ++corner) {
+            const size_t element = element_of(c, face, corner);
+            if (seen[element] || (c->wanted && !c->wanted[corner]))
                 continue;
-            }
-            size_t element = c->shading == NORMA_SHADING_SMOOTH ? state->corners[corner] : c->shading == NORMA_SHADING_FLAT ? face : corner;
-            float n[3];
-            final_normal(c->computed + 3 * element, n);
-            number = number_of(table, n, number, &recent[state->corners[corner]]);
-            if (number == UINT32_MAX || number + base >= OBJ_MOST)
-                return 0;
-            corner_normals[corner] = (uint32_t)(number + base);
+            seen[element] = 1;
+            numbering->order[numbering->count++] = (uint32_t)element;
             c->summary->filled += c->reasons[element] != NORMA_REASON_NONE;
-            c->reasons[element] = NORMA_REASON_NONE;
         }
+    free(seen);
     return 1;
 }
 
+/* Each wanted corner's number, the others' as they were kept. Points become numbers where they stand. */
+static void renumber_slice(void *context, size_t slice)
+{
+    const renumbering *r = context;
+    const computation *c = r->c;
+    const obj_state *state = c->state;
+    const size_t end = norma_io_slice(state->face_count, r->slices, slice + 1);
+    for (size_t face = norma_io_slice(state->face_count, r->slices, slice); face < end; ++face)
+        for (size_t corner = norma_obj_face_start(state, face); corner < norma_obj_face_start(state, face + 1); ++corner) {
+            const uint32_t old = norma_obj_normal(state, corner);
+            if (c->wanted && !c->wanted[corner])
+                r->corner_normals[corner] = old == OBJ_NO_NORMAL ? old : r->old_numbers[old];
+            else
+                r->corner_normals[corner] = (uint32_t)r->kept + r->numbers[element_of(c, face, corner)];
+        }
+}
+
 /* Whether every corner that gets a normal has these very numbers already (the sign of a zero aside): then the file stays as it is. */
-static int says_so_already(const computation *c, const normal_table *table, size_t base, const uint32_t *corner_normals)
+static int says_so_already(const computation *c, const float *normals, size_t base, const uint32_t *corner_normals)
 {
     const obj_state *state = c->state;
     for (size_t corner = 0; corner < state->corner_count; ++corner) {
         if (c->wanted && !c->wanted[corner])
             continue;
-        const uint32_t old = state->corner_normals[corner];
-        const float *now = table->normals + 3 * (corner_normals[corner] - base);
+        const uint32_t old = norma_obj_normal(state, corner);
+        const float *now = normals + 3 * (corner_normals[corner] - base);
         if (old >= OBJ_BAD_NORMAL)
             return 0;
         for (size_t i = 0; i < 3; ++i)
@@ -269,26 +266,26 @@ static int says_so_already(const computation *c, const normal_table *table, size
     return 1;
 }
 
-/* Puts kept and new normals in place of the old ones. */
-static int replace_normals(obj_state *state, const normal_table *table, const uint32_t *old_numbers, size_t kept)
+/* Puts kept and new normals in place of the old ones. Where none are kept, the new ones are taken as they are. */
+static int replace_normals(obj_state *state, obj_numbering *numbering, const uint32_t *old_numbers, size_t kept)
 {
-    size_t count = kept + table->count;
-    float *normals = norma_io_allocate(count, 3 * sizeof *normals);
-    size_t *offsets = norma_io_allocate(count, sizeof *offsets);
+    const size_t count = kept + numbering->unique_count;
+    float *normals = kept ? norma_io_block(count, 3 * sizeof *normals) : numbering->unique;
+    size_t *offsets = norma_io_allocate(kept, sizeof *offsets);
     if (!normals || !offsets) {
-        free(normals);
+        free(kept ? normals : NULL);
         free(offsets);
         return 0;
     }
     for (size_t i = 0; i < state->normal_count; ++i)
         if (old_numbers[i] != UINT32_MAX) {
             memcpy(normals + 3 * (size_t)old_numbers[i], state->normals + 3 * i, 3 * sizeof *normals);
-            offsets[old_numbers[i]] = state->normal_offsets[i];
+            offsets[old_numbers[i]] = norma_obj_normal_offset(state, i);
         }
-    if (table->count)
-        memcpy(normals + 3 * kept, table->normals, 3 * table->count * sizeof *normals);
-    for (size_t i = kept; i < count; ++i)
-        offsets[i] = SIZE_MAX;
+    if (kept && numbering->unique_count)
+        memcpy(normals + 3 * kept, numbering->unique, 3 * numbering->unique_count * sizeof *normals);
+    if (!kept)
+        numbering->unique = NULL;
     for (size_t i = 0; i < state->other_count; ++i)
         if (state->other_normals[i] < OBJ_BAD_NORMAL)
             state->other_normals[i] = old_numbers[state->other_normals[i]];
@@ -297,36 +294,59 @@ static int replace_normals(obj_state *state, const normal_table *table, const ui
     state->normals = normals;
     state->normal_offsets = offsets;
     state->normal_count = count;
+    state->offset_count = kept;
     return 1;
 }
 
-static norma_document_result store(computation *c)
+/* Numbers for all corners; 0: out of memory, or of numbers. */
+static int number_corners(computation *c, obj_numbering *numbering, renumbering *r)
 {
-    obj_state *state = c->state;
-    normal_table table = { 0 };
-    uint32_t *old_numbers = norma_io_allocate(state->normal_count, sizeof *old_numbers);
-    uint32_t *corner_normals = norma_io_allocate(state->corner_count, sizeof *corner_normals);
-    uint32_t *recent = norma_io_allocate(state->position_count, sizeof *recent);
-    size_t kept = old_numbers ? number_old(c, old_numbers) : 0;
-    int stored = old_numbers && corner_normals && recent && number_new(c, &table, old_numbers, kept, recent, corner_normals);
-    int idle = stored && says_so_already(c, &table, kept, corner_normals);
-    if (stored && !idle)
-        stored = replace_normals(state, &table, old_numbers, kept);
-    free(old_numbers);
-    free(recent);
-    free(table.normals);
-    free(table.slots);
-    if (!stored || idle) {
-        free(corner_normals);
-        return stored ? NORMA_DOCUMENT_OK : norma_document_fail_memory(c->document, c->error);
-    }
+    const obj_state *state = c->state;
+    r->slices = norma_io_slices(c->element_count, LEAST_SLICE);
+    norma_io_tasks(c->core.threads, r->slices, finish_normals, r);
+    if (!c->points && !order_elements(c, numbering))
+        return 0;
+    if (!norma_obj_number(numbering) || numbering->unique_count > OBJ_MOST - r->kept)
+        return 0;
+    r->numbers = numbering->numbers;
+    r->corner_normals = c->points ? c->points : norma_io_block(state->corner_count, sizeof *r->corner_normals);
+    if (!r->corner_normals)
+        return 0;
+    r->slices = norma_io_slices(state->face_count, LEAST_SLICE);
+    norma_io_tasks(c->core.threads, r->slices, renumber_slice, r);
+    c->points = NULL;
+    return 1;
+}
+
+static void take_corner_normals(obj_state *state, uint32_t *corner_normals)
+{
     free(state->corner_normals);
     state->corner_normals = corner_normals;
     state->has_normals = 1;
     state->bad_normal_count = 0;
     state->normals_replaced = 1;
-    c->summary->changed = 1;
-    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result store(computation *c)
+{
+    obj_state *state = c->state;
+    uint32_t *old_numbers = norma_io_allocate(state->normal_count, sizeof *old_numbers);
+    renumbering r = { .c = c, .old_numbers = old_numbers, .kept = old_numbers ? number_old(c, old_numbers) : 0 };
+    obj_numbering numbering = { .normals = c->computed, .element_count = c->element_count, .count = c->points ? c->element_count : 0, .threads = c->core.threads };
+    int stored = old_numbers && number_corners(c, &numbering, &r);
+    int idle = stored && says_so_already(c, numbering.unique, r.kept, r.corner_normals);
+    if (stored && !idle)
+        stored = replace_normals(state, &numbering, old_numbers, r.kept);
+    free(old_numbers);
+    free(numbering.order);
+    free(numbering.numbers);
+    free(numbering.unique);
+    if (stored && !idle)
+        take_corner_normals(state, r.corner_normals);
+    else if (r.corner_normals != c->points)
+        free(r.corner_normals);
+    c->summary->changed = stored && !idle;
+    return stored ? NORMA_DOCUMENT_OK : norma_document_fail_memory(c->document, c->error);
 }
 
 static norma_document_result run(computation *c, const norma_compute_options *options)
@@ -355,6 +375,7 @@ norma_document_result norma_obj_compute(norma_document *document, const norma_co
     norma_options_of_compute(options, &c.core);
     norma_document_result result = run(&c, options);
     free(c.wanted);
+    free(c.points);
     free(c.computed);
     free(c.reasons);
     return result;

@@ -81,7 +81,7 @@ static void list_sides(patches *p, const core_mesh *mesh)
 {
     const obj_state *state = p->state;
     for (size_t face = 0; face < state->face_count; ++face) {
-        size_t begin = state->face_starts[face], end = state->face_starts[face + 1];
+        size_t begin = norma_obj_face_start(state, face), end = norma_obj_face_start(state, face + 1);
         for (size_t c = begin; c < end && p->numbers[face]; ++c) {
             uint32_t a = norma_core_welded(mesh, state->corners[c]);
             uint32_t b = norma_core_welded(mesh, state->corners[c + 1 < end ? c + 1 : begin]);

@@ -1,6 +1,7 @@
 /* obj_text.c: the grammar of OBJ's lines, as little of it as normals need. */
 #include "obj_text.h"
 #include <string.h>
+#include "digits.h"
 #include "number.h"
 
 /* A backslash at p, then nothing but blanks up to the line end: the byte after that, else NULL. At the end of the text it joins nothing. */
@@ -108,19 +109,37 @@ obj_kind norma_obj_keyword(const char *p, const char *end, const char **rest)
     return look_up(p, (size_t)(*rest - p));
 }
 
-/* An integer, or nothing where the text is empty there (*is_there); 0 where something else stands there. */
-static int read_index(const char **p, const char *end, int64_t *index, int *is_there)
+/* The digits at *p, fewer than 18, with something else behind them. 0: something else stands there, or it cannot be told so simply. */
+static int read_digits(const char **p, const char *end, int64_t *index)
 {
+#if NORMA_DIGITS_BY_WORD
+    if (end - *p >= 8) {
+        const uint64_t bytes = norma_digits_load(*p);
+        const int count = norma_digits_count(bytes);
+        if (count > 0 && count < 8) {
+            *index = (int64_t)norma_digits_join(bytes, count);
+            *p += count;
+            return 1;
+        }
+    }
+#endif
     const char *digits = *p;
     int64_t value = 0;
     for (; digits < end && digits - *p < 18 && (unsigned char)(*digits - '0') < 10; ++digits)
         value = 10 * value + (*digits - '0');
-    *is_there = digits > *p;
-    if (*is_there && (digits == end || (unsigned char)(*digits - '0') >= 10)) {      /* nearly always */
-        *index = value;
-        *p = digits;
+    if (digits == *p || (digits < end && (unsigned char)(*digits - '0') < 10))
+        return 0;
+    *index = value;
+    *p = digits;
+    return 1;
+}
+
+/* An integer, or nothing where the text is empty there (*is_there); 0 where something else stands there. */
+static int read_index(const char **p, const char *end, int64_t *index, int *is_there)
+{
+    *is_there = 1;
+    if (read_digits(p, end, index))      /* nearly always */
         return 1;
-    }
     *is_there = !norma_obj_is_delimiter(*p, end) && **p != '/';
     if (!*is_there)
         return 1;

@@ -129,9 +129,10 @@ static void swap(uint32_t *a, uint32_t *b)
 static void reverse_faces(obj_state *state)
 {
     for (size_t face = 0; face < state->face_count; ++face)
-        for (size_t a = state->face_starts[face] + (size_t)1, b = state->face_starts[face + 1] - (size_t)1; a < b; ++a, --b) {
+        for (size_t a = norma_obj_face_start(state, face) + 1, b = norma_obj_face_start(state, face + 1) - 1; a < b; ++a, --b) {
             swap(&state->corners[a], &state->corners[b]);
-            swap(&state->corner_normals[a], &state->corner_normals[b]);
+            if (state->corner_normals)
+                swap(&state->corner_normals[a], &state->corner_normals[b]);
         }
     state->faces_reversed = !state->faces_reversed;
 }

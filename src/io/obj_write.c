@@ -128,7 +128,7 @@ static void write_block(writer *w, const char *p)
     const line_ending ending = ending_like(w, p);
     copy_then_skip(w, p, p);
     for (size_t i = 0; i < w->state->normal_count; ++i)
-        if (w->state->normal_offsets[i] == SIZE_MAX)
+        if (norma_obj_normal_offset(w->state, i) == SIZE_MAX)
             write_new_normal(w, i, ending);
         else
             write_kept_normal(w, i, ending);
@@ -159,7 +159,7 @@ static int at_token(const writer *w, const char **p)
 
 static void rewrite_face(writer *w, const char *p)
 {
-    const uint32_t *normals = w->state->corner_normals + w->state->face_starts[w->face];
+    const uint32_t *normals = w->state->corner_normals + norma_obj_face_start(w->state, w->face);
     obj_corner corner;
     for (; at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end, ++normals)
         if (!says(w, &corner, *normals)) {
@@ -171,7 +171,7 @@ static void rewrite_face(writer *w, const char *p)
 /* The first token stays where it is, the others change places; what lies between them does not. */
 static void reverse_face(writer *w, const char *p)
 {
-    size_t begin = w->state->face_starts[w->face], count = 0;
+    size_t begin = norma_obj_face_start(w->state, w->face), count = 0;
     obj_corner slot, corner;
     for (const char *q = p; at_token(w, &q) && norma_obj_corner(q, w->end, &corner); q = corner.end) {
         void *grown = norma_io_grow(w->tokens, &w->token_room, count + 1, sizeof *w->tokens);
@@ -182,7 +182,7 @@ static void reverse_face(writer *w, const char *p)
         w->tokens[count++] = q;
     }
     for (size_t i = 0; i < count; ++i) {
-        uint32_t normal = w->state->corner_normals[begin + i];
+        uint32_t normal = norma_obj_normal(w->state, begin + i);
         norma_obj_corner(w->tokens[i], w->end, &slot);
         norma_obj_corner(w->tokens[i ? count - i : 0], w->end, &corner);
         copy_then_skip(w, slot.begin, slot.end);

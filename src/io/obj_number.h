@@ -1,0 +1,20 @@
+/* obj_number.h: equal normals are one, numbered in the order of their first use. Internal to obj_compute.c and obj_number.c. */
+#ifndef NORMA_IO_OBJ_NUMBER_H
+#define NORMA_IO_OBJ_NUMBER_H
+#include <norma/norma.h>
+
+typedef struct obj_numbering {
+    const float *normals;                /* of elements, three each */
+    size_t       element_count;
+    uint32_t    *order;                  /* elements in the order of first use; NULL: all, as they are */
+    size_t       count;                  /* of the order */
+    uint32_t     threads;
+    /* found */
+    uint32_t    *numbers;                /* of each element in the order; of others undefined */
+    float       *unique;                 /* each normal once, by its number */
+    size_t       unique_count;
+} obj_numbering;
+
+/* 0: out of memory. What it found is the caller's to free. */
+int norma_obj_number(obj_numbering *numbering);
+#endif
