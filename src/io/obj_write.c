@@ -1,15 +1,16 @@
-/* obj_write.c: the file again, its statements walked in the order they were read. What did not change is copied as bytes, in spans as long as they come. */
+/* obj_write.c: the file again, its statements walked in the order they were read. What did not change is copied as bytes, in spans as long as they come; stretches of the text
+ * and slices of the block of normals are made side by side. */
 #include <math.h>
 #include <stdlib.h>
 #include "number.h"
 #include "obj.h"
 #include "obj_text.h"
-#include "sink.h"
+#include "ordered.h"
 
 typedef struct writer {
     const obj_state *state;
     norma_sink      *sink;
-    const char      *text, *end;
+    const char      *text, *end;           /* of the whole file */
     const char      *pending;              /* what lies from here to where we are is to be copied */
     size_t           position, normal, face, other; /* the next of each */
     const char     **tokens;               /* of a face that is reversed */
@@ -121,17 +122,6 @@ static void write_new_normal(writer *w, size_t normal, line_ending ending)
     for (const char *p = ending.begin; p < ending.end; ++p)
         line[length++] = *p;
     norma_sink_put(w->sink, line, length);
-}
-
-static void write_block(writer *w, const char *p)
-{
-    const line_ending ending = ending_like(w, p);
-    copy_then_skip(w, p, p);
-    for (size_t i = 0; i < w->state->normal_count; ++i)
-        if (norma_obj_normal_offset(w->state, i) == SIZE_MAX)
-            write_new_normal(w, i, ending);
-        else
-            write_kept_normal(w, i, ending);
 }
 
 /* ---- corners */
@@ -246,37 +236,119 @@ static void write_statement(writer *w, const char *begin, obj_kind kind, const c
     }
 }
 
-static void write_statements(writer *w)
+/* From begin to end, whole statements. What lies before from is walked over without being written. */
+static void write_statements(writer *w, const char *begin, const char *from, const char *end)
 {
-    const char *p = w->text;
-    if (w->end - p >= 3 && (unsigned char)p[0] == 0xef && (unsigned char)p[1] == 0xbb && (unsigned char)p[2] == 0xbf)
-        p += 3;
-    while (p < w->end && !w->sink->failed && !w->out_of_memory) {
-        const char *begin = p, *rest;
-        if (w->state->normals_replaced && (size_t)(begin - w->text) == w->state->block)
-            write_block(w, begin);
+    for (const char *p = begin; p < end && !w->sink->failed && !w->out_of_memory;) {
+        const char *statement = p, *rest;
+        if (p == from) {
+            w->sink->used = 0;
+            w->pending = from;
+        }
         p = norma_obj_skip_blanks(p, w->end);
         obj_kind kind = norma_obj_keyword(p, w->end, &rest);
         p = norma_obj_skip_end(norma_obj_statement_end(rest, w->end), w->end);
-        write_statement(w, begin, kind, rest, p);
+        write_statement(w, statement, kind, rest, p);
     }
-    copy_then_skip(w, w->end, w->end);
+    copy_then_skip(w, end, end);
+}
+
+/* ---- pieces: stretches of the text, that which the block of normals falls into as two, and slices of the block between them */
+
+enum { SLICE = 1 << 13 };                  /* normals */
+
+typedef struct pieces {
+    const obj_state *state;
+    const char      *text, *end;
+    size_t           split, slices;        /* the stretch that holds the block's place (none: past the last); slices of the block */
+    line_ending      ending;               /* of the block's lines */
+} pieces;
+
+/* Whether anything in a stretch is to be written otherwise than it stands there. */
+static int changes(const obj_state *s, const obj_stretch *a, const obj_stretch *b)
+{
+    if (s->positions_moved && a->position < b->position)
+        return 1;
+    if ((s->normals_replaced || s->normals_turned) && a->normal < b->normal)
+        return 1;
+    if ((s->normals_replaced || s->faces_reversed) && a->face < b->face)
+        return 1;
+    return s->normals_replaced && a->other < b->other;
+}
+
+/* Of one stretch what lies between two places; from: begin, or the block's place. */
+static void make_text(const pieces *p, size_t stretch, const char *from, const char *to, norma_piece *piece)
+{
+    const obj_stretch *at = &p->state->stretches[stretch];
+    const char *begin = p->text + at->offset;
+    if (!changes(p->state, at, at + 1)) {
+        piece->span = from;
+        piece->span_size = (size_t)(to - from);
+        return;
+    }
+    writer w = { .state = p->state, .sink = &piece->sink, .text = p->text, .end = p->end, .pending = from > begin ? begin : from,
+                 .position = at->position, .normal = at->normal, .face = at->face, .other = at->other };
+    write_statements(&w, begin, from > begin ? from : NULL, to);
+    piece->sink.failed |= w.out_of_memory;
+    free((void *)w.tokens);
+}
+
+static void make_normals(const pieces *p, size_t slice, norma_piece *piece)
+{
+    const size_t begin = slice * SLICE, left = p->state->normal_count - begin, end = begin + (left < SLICE ? left : SLICE);
+    writer w = { .state = p->state, .sink = &piece->sink, .text = p->text, .end = p->end };
+    for (size_t i = begin; i < end; ++i)
+        if (norma_obj_normal_offset(p->state, i) == SIZE_MAX)
+            write_new_normal(&w, i, p->ending);
+        else
+            write_kept_normal(&w, i, p->ending);
+}
+
+static void make_piece(void *context, size_t index, norma_piece *piece)
+{
+    const pieces *p = context;
+    const obj_stretch *stretches = p->state->stretches;
+    const int behind = index > p->split + p->slices;
+    if (index > p->split && !behind) {
+        make_normals(p, index - p->split - 1, piece);
+        return;
+    }
+    const size_t stretch = behind ? index - p->slices - 1 : index;
+    const char *from = p->text + (stretch ? stretches[stretch].offset : 0), *to = p->text + stretches[stretch + 1].offset;
+    const char *block = p->text + p->state->block;
+    if (stretch == p->split)
+        make_text(p, stretch, behind ? block : from, behind ? to : block, piece);
+    else
+        make_text(p, stretch, from, to, piece);
+}
+
+static void find_split(pieces *p, size_t *count)
+{
+    const obj_state *state = p->state;
+    p->split = state->stretch_count;
+    *count = state->stretch_count;
+    if (!state->normals_replaced || state->block == SIZE_MAX)
+        return;
+    p->split = 0;
+    while (state->stretches[p->split + 1].offset <= state->block)
+        ++p->split;
+    p->slices = (state->normal_count + SLICE - 1) / SLICE;
+    const writer w = { .state = state, .text = p->text, .end = p->end };
+    p->ending = ending_like(&w, p->text + state->block);
+    *count += p->slices + 1;
 }
 
 norma_document_result norma_obj_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
 {
     const obj_state *state = document->state;
     const char *text = (const char *)document->source.data;
+    pieces p = { .state = state, .text = text, .end = text + document->source.size };
+    size_t count;
     (void)path;
-    writer w = { .state = state, .text = text, .end = text + document->source.size, .pending = text, .sink = norma_sink_create(write, user) };
-    if (!w.sink)
-        return norma_document_fail_memory(document, error);
-    if (state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed)
-        write_statements(&w);
-    else
-        put(&w, w.text, w.end);
-    free((void *)w.tokens);
-    if (norma_sink_finish(w.sink))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
-    return w.out_of_memory ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
+    find_split(&p, &count);
+    switch (norma_write_ordered(document->threads, count, make_piece, &p, write, user)) {
+    case NORMA_ORDERED_REFUSED: return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
+    case NORMA_ORDERED_MEMORY: return norma_document_fail_memory(document, error);
+    default: return NORMA_DOCUMENT_OK;
+    }
 }

@@ -1,4 +1,4 @@
-/* sink.c: bytes on their way out, gathered into blocks before they are handed on. */
+/* sink.c: bytes on their way out, gathered into blocks before they are handed on, or kept. */
 #include "sink.h"
 #include "document_internal.h"
 #include <stdlib.h>
@@ -6,12 +6,13 @@
 norma_sink *norma_sink_create(norma_write *write, void *user)
 {
     norma_sink *sink = malloc(sizeof *sink);
-    if (!sink)
+    unsigned char *block = malloc(SINK_BLOCK);
+    if (!sink || !block) {
+        free(sink);
+        free(block);
         return NULL;
-    sink->write = write;
-    sink->user = user;
-    sink->failed = 0;
-    sink->used = 0;
+    }
+    *sink = (norma_sink){.write = write, .user = user, .block = block, .capacity = SINK_BLOCK};
     return sink;
 }
 
@@ -21,27 +22,50 @@ static void hand_on(norma_sink *sink, const void *bytes, size_t size)
         sink->failed = sink->write(sink->user, bytes, size) != 0;
 }
 
+/* So that size bytes more fit behind those that are kept. Without memory what is there is dropped: a block, if there is one, has room for SINK_BLOCK. */
+static void keep_more(norma_sink *sink, size_t size)
+{
+    unsigned char *grown = sink->used > SIZE_MAX / 4 - size ? NULL : norma_io_grow(sink->block, &sink->capacity, sink->used + size, 1);
+    if (grown) {
+        sink->block = grown;
+        return;
+    }
+    sink->failed = 1;
+    sink->used = 0;
+}
+
 void norma_sink_flush(norma_sink *sink)
 {
+    if (!sink->write) {
+        keep_more(sink, SINK_BLOCK);
+        return;
+    }
     hand_on(sink, sink->block, sink->used);
     sink->used = 0;
 }
 
 void norma_sink_put_slowly(norma_sink *sink, const void *bytes, size_t size)
 {
-    norma_sink_flush(sink);
-    if (size >= SINK_BLOCK / 2) {
-        hand_on(sink, bytes, size);
-        return;
+    if (!sink->write) {
+        keep_more(sink, size);
+        if (sink->failed)
+            return;
+    } else {
+        norma_sink_flush(sink);
+        if (size >= SINK_BLOCK / 2) {
+            hand_on(sink, bytes, size);
+            return;
+        }
     }
-    memcpy(sink->block, bytes, size);
-    sink->used = size;
+    memcpy(sink->block + sink->used, bytes, size);
+    sink->used += size;
 }
 
 int norma_sink_finish(norma_sink *sink)
 {
     norma_sink_flush(sink);
     int failed = sink->failed;
+    free(sink->block);
     free(sink);
     return failed;
 }

@@ -1,4 +1,4 @@
-/* sink.h: bytes on their way out, gathered into blocks before they are handed on. */
+/* sink.h: bytes on their way out, gathered into blocks before they are handed on; or kept, all of them, for someone else to hand on. */
 #ifndef NORMA_IO_SINK_H
 #define NORMA_IO_SINK_H
 #include <norma/document.h>
@@ -7,15 +7,16 @@
 enum { SINK_BLOCK = 1 << 16 };
 
 typedef struct norma_sink {
-    norma_write  *write;
-    void         *user;
-    int           failed;              /* write answered nonzero: all that follows is dropped */
-    size_t        used;
-    unsigned char block[SINK_BLOCK];
+    norma_write   *write;              /* NULL: all is kept in block, which grows */
+    void          *user;
+    int            failed;             /* write answered nonzero, or memory is out: all that follows is dropped */
+    size_t         used, capacity;
+    unsigned char *block;
 } norma_sink;
 
 /* NULL: out of memory. */
 norma_sink *norma_sink_create(norma_write *write, void *user);
+/* Hands on what is gathered; a sink that keeps its bytes makes room for a block more. */
 void        norma_sink_flush(norma_sink *sink);
 /* Flushes and frees; nonzero where write answered so at any time. */
 int         norma_sink_finish(norma_sink *sink);
@@ -24,7 +25,7 @@ void        norma_sink_put_slowly(norma_sink *sink, const void *bytes, size_t si
 
 static inline void norma_sink_put(norma_sink *sink, const void *bytes, size_t size)
 {
-    if (size > SINK_BLOCK - sink->used) {
+    if (size > sink->capacity - sink->used) {
         norma_sink_put_slowly(sink, bytes, size);
         return;
     }
@@ -35,7 +36,7 @@ static inline void norma_sink_put(norma_sink *sink, const void *bytes, size_t si
 /* Room for size bytes (at most SINK_BLOCK) that the caller fills before the next call. */
 static inline unsigned char *norma_sink_room(norma_sink *sink, size_t size)
 {
-    if (size > SINK_BLOCK - sink->used)
+    if (size > sink->capacity - sink->used)
         norma_sink_flush(sink);
     unsigned char *room = sink->block + sink->used;
     sink->used += size;
