@@ -1,5 +1,6 @@
 /* obj.c: OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names one. */
 #include "obj.h"
+#include "scene.h"
 #include <stdlib.h>
 
 static norma_document_result open_obj(norma_document *document, norma_document_error *error)
@@ -95,5 +96,6 @@ const format_functions norma_obj_functions = {
     .mesh_data = mesh_data,
     .compute = norma_obj_compute,
     .transform = norma_obj_transform,
-    .write = norma_obj_write
+    .write = norma_obj_write,
+    .scene = &norma_obj_scene
 };

@@ -1,6 +1,7 @@
 /* ply.c: PLY documents. The file's bytes stay as they are; what compute and transform change is kept beside them until it is written, or until another
  * change needs to see it: then it becomes the document's bytes, which are read anew. */
 #include "ply.h"
+#include "scene.h"
 #include <stdlib.h>
 
 static void free_state_content(ply_state *state)
@@ -141,4 +142,5 @@ const format_functions norma_ply_functions = {
     .compute = norma_ply_compute,
     .transform = norma_ply_transform,
     .write = norma_ply_write,
+    .scene = &norma_ply_scene,
 };
