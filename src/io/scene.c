@@ -127,6 +127,8 @@ static const norma_mesh_attributes no_attributes = {.material = SIZE_MAX, .tange
 static norma_document_result make_attributes(norma_document *document, size_t index, norma_document_error *error)
 {
     norma_scene *scene = document->scene;
+    if (need_materials(document)) /* of an OBJ, its attributes as well */
+        return norma_document_fail_memory(document, error);
     if (!scene->attributes && !(scene->attributes = norma_scene_allocate(scene, norma_document_mesh_count(document), sizeof *scene->attributes)))
         return norma_document_fail_memory(document, error);
     if (scene->attributes[index])
@@ -135,9 +137,7 @@ static norma_document_result make_attributes(norma_document *document, size_t in
     if (!made)
         return norma_document_fail_memory(document, error);
     *made = no_attributes;
-    norma_document_result result = need_materials(document) ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
-    if (!result && functions_of(document)->attributes)
-        result = functions_of(document)->attributes(document, index, made, error);
+    norma_document_result result = functions_of(document)->attributes ? functions_of(document)->attributes(document, index, made, error) : NORMA_DOCUMENT_OK;
     if (!result)
         scene->attributes[index] = made;
     return result;
