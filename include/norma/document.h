@@ -1,6 +1,6 @@
 /* document.h: files that hold normals. Read, patched and written back, with every byte that is not about normals kept.
  *
- * A document is opened from a path or from memory, changed by norma_document_compute or norma_document_transform, and saved: to a temporary
+ * A document is opened from a path or from memory, changed by norma_document_compute, _transform or _edit, and saved: to a temporary
  * file that is flushed and renamed, so that the old file or the new one is whole at any time. The source file is mapped, not copied; it must
  * not change while its document is open. A glTF document takes one change; a second, on top of the first, is an argument error: save and open it again.
  * Its mesh data and infos stay those of the file as it was read; in the other formats they follow the changes. Distinct documents may be used by
@@ -228,6 +228,28 @@ typedef struct norma_transform_summary {
     int    mirrored;                       /* the matrix, or one of the nodes baked, mirrors: winding was reversed there (a glTF that is not baked: by whoever draws it) */
 } norma_transform_summary;
 norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
+
+/* ---- editing: single faces, normals, positions, tangents; what norma check --fix does to a file
+ *
+ * All that is not named keeps its bytes wherever its encoding stays. NULL: that stays as it is. Marks are bytes, nonzero for what is meant. */
+
+enum { NORMA_STRIP_NOTHING = 0, NORMA_STRIP_ALL, NORMA_STRIP_MORPHS }; /* normals of the mesh and its morph targets; of the targets alone */
+
+typedef struct norma_mesh_edit {
+    const uint8_t *reverse_faces;          /* a mark for each face: its corners run the other way round, the first stays the first */
+    const uint8_t *drop_faces;             /* a mark for each face: it is left out (a glTF primitive keeps one: without any it would not be valid) */
+    const float   *normals;                /* three numbers for each stored normal: of a vertex (glTF, PLY), a vn (OBJ), a facet (STL); unit vectors */
+    const uint8_t *set_normals;            /* a mark for each: those that replace the stored ones */
+    const double  *positions;              /* three numbers for each position (STL: three positions a facet) */
+    const uint8_t *set_positions;
+    const float   *tangents;               /* glTF: x, y, z, sign for each vertex */
+    const uint8_t *set_tangents;           /* where the primitive has none yet, all are taken, whatever the marks */
+    int            strip_normals;          /* glTF: normals that are taken away; their accessor stays, since numbers never shift */
+} norma_mesh_edit;
+
+/* edits: one for each mesh of the document, in its order. Like compute and transform a change: of an open glTF the only one. Argument error for what the format does not
+ * have. After an error the document can only be closed. O(file). */
+norma_document_result norma_document_edit(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 
 /* ---- writing */
 

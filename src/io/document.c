@@ -275,6 +275,20 @@ norma_document_result norma_document_transform(norma_document *document, const n
     return result;
 }
 
+norma_document_result norma_document_edit(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
+    norma_document_result result = check_usable(document, error);
+    if (result)
+        return result;
+    if (!edits)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no edits were given");
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
+        if ((edits[i].set_normals && !edits[i].normals) || (edits[i].set_positions && !edits[i].positions) || (edits[i].set_tangents && !edits[i].tangents))
+            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "marks without numbers were given for mesh %zu", i);
+    result = document->functions->edit(document, edits, error);
+    document->failed = result != NORMA_DOCUMENT_OK;
+    return result;
+}
+
 /* ---- writing */
 
 static int same_extension(const char *a, const char *b) {

@@ -1,5 +1,6 @@
 /* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it requires, and its table of functions. */
 #include "gltf.h"
+#include "edit.h"
 #include "gltf_patch.h"
 #include "gltf_scene.h"
 #include <stdio.h>
@@ -318,6 +319,7 @@ const format_functions norma_gltf_functions = {
     .node_info = node_info,
     .compute = norma_gltf_compute,
     .transform = norma_gltf_transform,
+    .edit = norma_gltf_edit,
     .write = norma_gltf_write,
     .write_companions = norma_gltf_write_companions,
     .reads_from = norma_gltf_reads_from,

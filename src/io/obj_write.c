@@ -67,7 +67,7 @@ static void rewrite_normal(writer *w, const char *p, size_t normal)
         if (!next)
             return;
         next = norma_obj_number_end(next, w->end);
-        if (isfinite(values[i]) && fabs((double)values[i] - old) > 1e-9) {
+        if (isfinite(values[i]) && !(fabs((double)values[i] - old) <= 1e-9)) { /* also where the old one is no number */
             copy_then_skip(w, p, next);
             norma_sink_put(w->sink, text, norma_number_format_normal(values[i], text));
         }
@@ -230,7 +230,9 @@ static void write_statement(writer *w, const char *begin, obj_kind kind, const c
     case OBJ_FACE:
         if (!at_token(w, &rest))
             break;                                     /* a face without a corner is none */
-        if (state->faces_reversed)
+        if (state->drop_faces && state->drop_faces[w->face])
+            copy_then_skip(w, begin, after);
+        else if (state->faces_reversed || (state->reverse_faces && state->reverse_faces[w->face]))
             reverse_face(w, rest);
         else if (state->normals_replaced)
             rewrite_face(w, rest);
@@ -263,6 +265,11 @@ static void write_statements(writer *w)
     copy_then_skip(w, w->end, w->end);
 }
 
+int norma_obj_has_change(const obj_state *state)
+{
+    return state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed || state->reverse_faces || state->drop_faces;
+}
+
 norma_document_result norma_obj_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
 {
     const obj_state *state = document->state;
@@ -271,7 +278,7 @@ norma_document_result norma_obj_write(norma_document *document, const char *path
     writer w = { .state = state, .text = text, .end = text + document->source.size, .pending = text, .sink = norma_sink_create(write, user) };
     if (!w.sink)
         return norma_document_fail_memory(document, error);
-    if (state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed)
+    if (norma_obj_has_change(state))
         write_statements(&w);
     else
         put(&w, w.text, w.end);
