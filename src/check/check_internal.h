@@ -2,9 +2,7 @@
 #ifndef NORMA_CHECK_INTERNAL_H
 #define NORMA_CHECK_INTERNAL_H
 #include <norma/check.h>
-#include "../core/around.h"
-#include "../core/call.h"
-#include "../core/mesh.h"
+#include "../core/topology.h"
 
 typedef enum check_rule {
 #define RULE(id, name, render, print, fix, verb, validator, what, why, how) RULE_##id,
@@ -83,28 +81,18 @@ typedef struct check_face {
     float height;                         /* over its longest edge: twice the area / longest edge squared; 1 where a position is not finite */
 } check_face;
 
-/* The other side of each edge that begins at a kept corner, running to the face's next kept corner. */
-enum { CHECK_MOST_CORNERS = 0x7ffffff0 };
-#define CHECK_EDGE_NONE     UINT32_MAX        /* no edge begins here: the corner is one with the next, or the face has no edges */
-#define CHECK_EDGE_OPEN     (UINT32_MAX - 1)  /* of one face */
-#define CHECK_EDGE_CONFLICT (UINT32_MAX - 2)  /* of exactly two faces, which run the same way */
-#define CHECK_EDGE_MANY     (UINT32_MAX - 3)  /* of more than two */
-#define CHECK_EDGE_SHARED   (UINT32_MAX - 4)  /* below this: the corner at which the only other face's edge begins, running the other way */
-
 struct check_mesh {
     check_run              *run;
     const norma_check_mesh *given;
     check_place             place;
     uint8_t                 rules[CHECK_RULE_COUNT]; /* wanted here: without those that extras silence */
     int                     on_purpose;   /* the material is double-sided or not opaque: normals and windings may be meant as they are */
-    core_mesh               mesh;         /* checked; weld set once norma_check_weld was called */
+    core_mesh               mesh;         /* checked; as the file has it, not welded */
     /* Made when first asked for, freed with the mesh. */
+    core_topology           topology;     /* topology.mesh: the same with corners that are welded positions, the least of those that are exactly equal */
+    int                     has_topology;
     check_face             *faces;
-    core_around             around;       /* by exactly equal positions */
     uint32_t               *users;        /* where corners name normals (OBJ): of each normal the first corner that does; UINT32_MAX: none */
-    uint32_t               *partners;     /* of each corner: see CHECK_EDGE_ */
-    uint32_t               *components;   /* of each face: its number; UINT32_MAX: the face has no edges */
-    size_t                  component_count;
     size_t                  degenerate_count;
 };
 
@@ -117,9 +105,9 @@ static inline int norma_check_wants_any(const check_mesh *m, check_rule first, c
 }
 
 /* Each makes what is not there yet. OK, MEMORY or CANCELLED. */
-norma_result norma_check_weld(check_mesh *m);                  /* mesh.weld */
-norma_result norma_check_faces(check_mesh *m);                 /* faces, degenerate_count (needs and makes the weld) */
-norma_result norma_check_around(check_mesh *m);                /* around: the corners at each position */
+norma_result norma_check_weld(check_mesh *m);                  /* topology.mesh */
+norma_result norma_check_faces(check_mesh *m);                 /* faces, degenerate_count */
+norma_result norma_check_around(check_mesh *m);                /* topology.around: the corners at each position */
 norma_result norma_check_users(check_mesh *m);                 /* users, where data.corner_normals is given */
 size_t       norma_check_face_of(const check_mesh *m, size_t corner);
 

@@ -1,6 +1,4 @@
 /* mesh.c: the geometry that rules share: which positions are one, the direction and height of each face, the corners around each position. */
-#include "../core/face_geometry.h"
-#include "../core/weld.h"
 #include "check_internal.h"
 #include <math.h>
 #include <string.h>
@@ -26,11 +24,17 @@ norma_result norma_check_blocks(check_run *run, size_t count, size_t size, check
 
 /* ---- shared geometry */
 
-norma_result norma_check_weld(check_mesh *m) { return m->mesh.weld ? NORMA_OK : norma_core_weld(&m->run->call, &m->mesh); }
+norma_result norma_check_weld(check_mesh *m) {
+    if (m->has_topology)
+        return NORMA_OK;
+    norma_result result = norma_core_topology_open(&m->run->call, &m->mesh, &m->topology);
+    m->has_topology = !result;
+    return result;
+}
 
 norma_result norma_check_around(check_mesh *m) {
-    norma_result result = m->around.starts ? NORMA_OK : norma_check_weld(m);
-    return result || m->around.starts ? result : norma_core_around_build(&m->run->call, &m->mesh, &m->around);
+    norma_result result = norma_check_weld(m);
+    return result || m->topology.around.starts ? result : norma_core_around_build(&m->run->call, &m->topology.mesh, &m->topology.around);
 }
 
 /* The square of a face's longest edge; of a polygon also the distance of any corner from the first, so that one with many short edges is not taken for thick. */
@@ -77,12 +81,13 @@ typedef struct face_pass {
 static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
     const face_pass *pass = context;
     check_mesh *m = pass->m;
+    const core_mesh *mesh = &m->topology.mesh;
     core_face faces[CORE_LANES];
     for (size_t f = begin; f < end; f += CORE_LANES) {
         size_t lanes = end - f < CORE_LANES ? end - f : CORE_LANES;
-        norma_core_faces_geometry(&m->run->call, &m->mesh, f, lanes, faces);
+        norma_core_faces_geometry(&m->run->call, mesh, f, lanes, faces);
         for (size_t i = 0; i < lanes; i++) {
-            m->faces[f + i] = judge_face(&m->mesh, f + i, &faces[i]);
+            m->faces[f + i] = judge_face(mesh, f + i, &faces[i]);
             pass->degenerate[block] += (double)m->faces[f + i].height < DEGENERATE;
         }
     }

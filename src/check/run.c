@@ -1,5 +1,4 @@
 /* run.c: one run over a file or over arrays: options made whole, each mesh through all families of rules, then nodes. */
-#include "../core/weld.h"
 #include "findings.h"
 #include <stdlib.h>
 #include <string.h>
@@ -100,15 +99,10 @@ static norma_result open_mesh(check_run *run, const norma_check_mesh *given, che
 
 static void close_mesh(check_mesh *m) {
     const core_call *call = &m->run->call;
-    size_t faces = m->mesh.face_count, corners = m->mesh.corner_count;
-    norma_core_release(call, m->faces, faces, sizeof *m->faces);
-    norma_core_release(call, m->partners, corners, sizeof *m->partners);
-    norma_core_release(call, m->components, faces, sizeof *m->components);
+    norma_core_release(call, m->faces, m->mesh.face_count, sizeof *m->faces);
     norma_core_release(call, m->users, norma_check_normal_count(m), sizeof *m->users);
-    if (m->around.starts)
-        norma_core_around_release(call, &m->around);
-    if (m->mesh.weld)
-        norma_core_unweld(call, &m->mesh);
+    if (m->has_topology)
+        norma_core_topology_close(&m->topology);
 }
 
 typedef norma_result check_family(check_mesh *m);
