@@ -1,16 +1,22 @@
 #!/bin/sh
 # Installs what building and testing need and this machine lacks: Debian packages by apt-get (as root or through sudo), and from npm the
-# Khronos glTF validator in the versions of tests/validator/package-lock.json, into build/npm. Where nothing is missing it only looks.
+# Khronos glTF validator in the versions of tests/validator/package-lock.json, into build/npm, and what tests/web/package-lock.json names, into build/npm-web.
+# Where nothing is missing it only looks.
 #   scripts/install-deps.sh build   what `make` needs
+#   scripts/install-deps.sh web     what the page, the npm package and so `norma view` need to be built
 #   scripts/install-deps.sh         that, and what `make test` needs
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
 packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev"
+web_packages="clang lld wasi-libc libclang-rt-dev-wasm32"
+[ "$what" != web ] || packages=$web_packages
 if [ "$what" = all ]; then
     # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers; gmp: the oracle; mandoc: the manual's lint.
     packages="$packages g++ clang libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc"
+    # chromium: the page's tests.
+    packages="$packages $web_packages chromium"
 fi
 
 missing=""
@@ -24,8 +30,8 @@ $package installed"*) ;;
     *) missing="$missing $package" ;;
     esac
 done
+[ "$what" = build ] || command -v node >/dev/null || missing="$missing nodejs"
 if [ "$what" = all ]; then
-    command -v node >/dev/null || missing="$missing nodejs"
     command -v npm >/dev/null || missing="$missing npm"
 fi
 
@@ -42,13 +48,17 @@ if [ -n "$missing" ]; then
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
 fi
 
-if [ "$what" = all ]; then
-    npm_dir=$root/build/npm
-    if ! cmp -s "$root/tests/validator/package-lock.json" "$npm_dir/installed-lock.json"; then
-        echo "installing: the packages of tests/validator/package-lock.json from npm"
-        mkdir -p "$npm_dir"
-        cp "$root/tests/validator/package.json" "$root/tests/validator/package-lock.json" "$npm_dir"
-        (cd "$npm_dir" && npm ci --no-audit --no-fund --ignore-scripts --loglevel=error)
-        cp "$root/tests/validator/package-lock.json" "$npm_dir/installed-lock.json"
+# from_npm FOLDER PLACE: the packages of FOLDER/package-lock.json, into PLACE.
+from_npm() {
+    if ! cmp -s "$root/$1/package-lock.json" "$2/installed-lock.json"; then
+        echo "installing: the packages of $1/package-lock.json from npm"
+        mkdir -p "$2"
+        cp "$root/$1/package.json" "$root/$1/package-lock.json" "$2"
+        (cd "$2" && npm ci --no-audit --no-fund --ignore-scripts --loglevel=error)
+        cp "$root/$1/package-lock.json" "$2/installed-lock.json"
     fi
+}
+if [ "$what" = all ]; then
+    from_npm tests/validator "$root/build/npm"
+    from_npm tests/web "$root/build/npm-web"
 fi

@@ -1,6 +1,6 @@
 /* document.h: files that hold normals. Read, patched and written back, with every byte that is not about normals kept.
  *
- * A document is opened from a path or from memory, changed by norma_document_compute or norma_document_transform, and saved: to a temporary
+ * A document is opened from a path or from memory, changed by norma_document_compute, _transform or _edit, and saved: to a temporary
  * file that is flushed and renamed, so that the old file or the new one is whole at any time. The source file is mapped, not copied; it must
  * not change while its document is open. A glTF document takes one change; a second, on top of the first, is an argument error: save and open it again.
  * Its mesh data and infos stay those of the file as it was read; in the other formats they follow the changes. Distinct documents may be used by
@@ -44,12 +44,14 @@ typedef enum norma_document_depth {
 } norma_document_depth;
 
 typedef struct norma_document_options {
-    size_t               struct_size;      /* sizeof of the caller's header; 0: this first version */
+    size_t               struct_size;      /* sizeof of the caller's header; 0: its first version, up to progress_user */
     norma_file_format    format;           /* unknown: by the path's extension */
     norma_document_depth depth;
     uint32_t             threads;          /* as in norma_options */
     norma_progress      *progress;
     void                *progress_user;
+    int                  lenient;          /* nonzero: what norma check judges is read instead of refused: glTF normals fewer or more than positions (told of by
+                                              norma_document_mesh_attributes), extensions that a file requires and that are not known (by norma_document_unread) */
 } norma_document_options;
 
 /* error may be NULL. On failure *document is NULL. */
@@ -99,9 +101,77 @@ typedef struct norma_node_info {           /* glTF nodes that draw a mesh; none 
     size_t      node, mesh;                /* numbers in the file */
     double      world[16];                 /* column-major */
     size_t      instances;                 /* EXT_mesh_gpu_instancing: how many; else 1 */
+    size_t      parent;                    /* number in the file; SIZE_MAX: a root */
+    size_t      skin;                      /* number in the file; SIZE_MAX: none */
+    size_t      mirrored_instances;        /* of the instances: those whose world matrix mirrors; of a SUMMARY all or none, by the node's own matrix */
+    const char *where;                     /* "/nodes/4" */
+    const char *path;                      /* names from the root, "a/b/leg"; a node without one: its number; cut in front where it is very long */
+    const char *ignore;                    /* as of norma_material_info: rules that extras of the node, or of a node above it, silence */
 } norma_node_info;
 size_t norma_document_node_count(const norma_document *document);
 norma_document_result norma_document_node_info(const norma_document *document, size_t index, norma_node_info *info);
+
+/* World matrix of one instance (0 of a node without instancing: its own), column-major. Argument error for a node or an instance that is not there;
+ * index is that of norma_document_node_info. */
+norma_document_result norma_document_instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error);
+
+/* ---- what else belongs to a surface: for whoever judges it or draws it
+ *
+ * Infos and arrays are the file's as it was read, made on first use, owned by the document. What a format does not have is empty. Rules that a file silences are
+ * named in extras: {"norma": {"ignore": ["N201", "N3", "placeholder-normals"]}}, of the document's root, a mesh, a primitive, a material, a node. */
+
+typedef struct norma_material_info {
+    const char *name, *where;              /* where: "/materials/3"; "" in OBJ, whose name is what usemtl says */
+    float       base_color[4];             /* linear, alpha last; ones where it is not told */
+    float       metallic, roughness;
+    int         double_sided, unlit;
+    int         not_opaque;                /* alphaMode other than OPAQUE, or some light passes through (KHR_materials_transmission, _diffuse_transmission) */
+    int         normal_map;                /* a normal texture, or a normal texture of its clear coat */
+    size_t      normal_texcoord;           /* the set of UVs that it uses */
+    const char *ignore;                    /* "N201,N3"; "" for none */
+} norma_material_info;
+size_t norma_document_material_count(norma_document *document);
+norma_document_result norma_document_material_info(norma_document *document, size_t index, norma_material_info *info);
+
+typedef struct norma_mesh_attributes {     /* what a mesh has beside norma_mesh_data */
+    size_t          material;              /* SIZE_MAX: none (glTF: the default material); OBJ with face_materials: of the first face */
+    const uint32_t *face_materials;        /* OBJ with several: of each face, UINT32_MAX none; else NULL */
+    const float    *texcoords;             /* two numbers each, v as stored: of the set that the normal map uses, else of set 0; NULL: none */
+    size_t          texcoord_count;
+    const uint32_t *corner_texcoords;      /* OBJ: of each corner, UINT32_MAX none; NULL: the corner's vertex */
+    const float    *colors;                /* red, green, blue, alpha of each vertex; NULL: none */
+    const float    *tangents;              /* x, y, z, sign of each vertex, as stored; NULL: none */
+    size_t          tangent_count;
+    const char     *tangent_encoding;      /* "float", "snorm8", "snorm16"; "" where there are none */
+    size_t          normals_missing;       /* elements without the normal that they should have: glTF vertices; OBJ faces of which some corners name a normal and others none */
+    size_t          normals_surplus;       /* glTF: normals too many */
+    size_t          normals_out_of_range;  /* OBJ: faces with a vn that is 0 or is not there (their corner_normals: UINT32_MAX) */
+    const char     *ignore;                /* rules that extras of the document's root, the mesh or the primitive silence */
+} norma_mesh_attributes;
+/* Argument error where norma_document_mesh_data has one. */
+norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error);
+
+typedef struct norma_morph_data {          /* what one target adds to each vertex at weight 1, as floats; count 0: the target has none */
+    norma_vec3_view positions, normals, tangents;
+} norma_morph_data;
+norma_document_result norma_document_morph_data(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error);
+
+typedef struct norma_skin_info {
+    const char *name, *where;              /* where: "/skins/0" */
+    size_t      joint_count;
+    double      anisotropy;                /* largest over smallest singular value of a joint's world matrix, at rest or in any key of an animation that scales it or a node
+                                              above it: the largest there is; INFINITY where one is singular */
+    size_t      joint;                     /* the node for which that is so; SIZE_MAX: no joints */
+    const char *ignore;                    /* rules that extras of the document's root silence */
+} norma_skin_info;
+size_t norma_document_skin_count(norma_document *document);
+norma_document_result norma_document_skin_info(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
+
+typedef struct norma_unread {              /* a part that was not read */
+    const char *where, *why;               /* JSON pointer; one line, "compressed with KHR_draco_mesh_compression, which is not read yet" */
+} norma_unread;
+size_t norma_document_unread_count(norma_document *document);
+norma_document_result norma_document_unread(norma_document *document, size_t index, norma_unread *unread);
 
 /* ---- computing normals */
 
@@ -158,6 +228,28 @@ typedef struct norma_transform_summary {
     int    mirrored;                       /* the matrix, or one of the nodes baked, mirrors: winding was reversed there (a glTF that is not baked: by whoever draws it) */
 } norma_transform_summary;
 norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
+
+/* ---- editing: single faces, normals, positions, tangents; what norma check --fix does to a file
+ *
+ * All that is not named keeps its bytes wherever its encoding stays. NULL: that stays as it is. Marks are bytes, nonzero for what is meant. */
+
+enum { NORMA_STRIP_NOTHING = 0, NORMA_STRIP_ALL, NORMA_STRIP_MORPHS }; /* normals of the mesh and its morph targets; of the targets alone */
+
+typedef struct norma_mesh_edit {
+    const uint8_t *reverse_faces;          /* a mark for each face: its corners run the other way round, the first stays the first */
+    const uint8_t *drop_faces;             /* a mark for each face: it is left out (a glTF primitive keeps one: without any it would not be valid) */
+    const float   *normals;                /* three numbers for each stored normal: of a vertex (glTF, PLY), a vn (OBJ), a facet (STL); unit vectors */
+    const uint8_t *set_normals;            /* a mark for each: those that replace the stored ones */
+    const double  *positions;              /* three numbers for each position (STL: three positions a facet) */
+    const uint8_t *set_positions;
+    const float   *tangents;               /* glTF: x, y, z, sign for each vertex */
+    const uint8_t *set_tangents;           /* where the primitive has none yet, all are taken, whatever the marks */
+    int            strip_normals;          /* glTF: normals that are taken away; their accessor stays, since numbers never shift */
+} norma_mesh_edit;
+
+/* edits: one for each mesh of the document, in its order. Like compute and transform a change: of an open glTF the only one. Argument error for what the format does not
+ * have. After an error the document can only be closed. O(file). */
+norma_document_result norma_document_edit(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 
 /* ---- writing */
 

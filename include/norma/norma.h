@@ -176,14 +176,37 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad, const n
 norma_result norma_interpolate_normal(const float a[3], const float b[3], const float c[3], const float barycentric[3], float normal[3]);
 
 /* ---- meshes that move: what depends on topology alone, done once. Fans and shared positions are those of the mesh at creation.
- * Declared for later: version 0.1 of the library does not define these four, so a program that calls them does not link. */
+ *
+ * A plan keeps who votes where, so that an update has nothing left to do but to measure faces and sum. Creases stay those of the mesh at creation, so that
+ * no edge flickers between hard and soft as it bends; a face that had no direction then votes as soon as it has one, in the fan that it lay in.
+ * - Threads: an update writes nothing of the plan. Any number of updates of one plan may run at once, each with its own output.
+ * - Memory: an update allocates nothing, but where NORMA_FALLBACK_NEAREST is asked for and some normal is missing: then scratch from its options' allocator.
+ *   With threads above 1, threads of the system are started and joined. An update's tasks need some 64 KiB of stack. */
 
 typedef enum norma_element { NORMA_PER_VERTEX = 0, NORMA_PER_CORNER } norma_element; /* per vertex: the fans that its corners lie in, summed */
 typedef struct norma_plan norma_plan;
+/* Makes a plan. mesh is read during the call only; options: weld, non_manifold, allocator (kept until norma_plan_destroy: it must live as long), threads, isa,
+ * parallel_for, progress, edges (where they are counted) are of use, the rest is not. *plan is written on success alone; it is the caller's, to be given to
+ * norma_plan_destroy. Errors as for norma_corner_normals, and NORMA_ERROR_ARGUMENT for plan NULL or an element that is none; NORMA_ERROR_MEMORY
+ * also for a mesh made up so that its vertices' overlapping fans hold more than 16 times its corners. Cost about that of norma_corner_normals. */
 norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float crease_angle_rad, const norma_options *options, norma_plan **plan);
+/* The normals of the plan's mesh at new positions, of any format and stride, as many as the mesh had (else NORMA_ERROR_ARGUMENT).
+ * Per corner: the bits that norma_corner_normals would give if shared positions and fans were the plan's. Per vertex: the sum over the fans that its corners lie in,
+ * where that cancels over its own corners; so the bits of norma_vertex_normals wherever those fans are all there are at its position. Each face is
+ * measured by the positions that its own corners name, also where positions that were one have parted.
+ * moved: NULL, and all is computed; or the numbers of the vertices that moved since normals were last right, in any order, repeated or not (one that does not exist:
+ * NORMA_ERROR_INDEX, before anything is written). Then the normals, and reasons, that these positions can change are written and nothing else: of all corners of all faces
+ * that name a moved vertex, with those that share their sums. The outcome is that of a full update, bit for bit.
+ * normals: norma_plan's vertices or corners of them; capacity, stride, reasons, fallback as for the calls above. Options: weight, fallback, normal_stride,
+ * reasons, threads, isa, parallel_for, progress are of use, and with NORMA_FALLBACK_NEAREST allocator; the weld is the plan's. With that fallback, normals that are missing may
+ * change wherever they are: all of them are written, and an update of some costs as much as one of all, and more.
+ * report (may be NULL): of what was written; degenerate_faces: faces of which the first corner's (its vertex's) normal was written; edges are not looked at, and not counted.
+ * Cost: O(corners), or O(what is written and the vertices around it); double positions are all looked at, for the range they lie in. */
 norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions, const uint32_t *moved, size_t moved_count, /* NULL: all */
                                const norma_options *options, float *normals, size_t capacity, norma_report *report);
+/* What the plan holds, in bytes; 0 for NULL. */
 size_t       norma_plan_bytes(const norma_plan *plan);
+/* Gives all of it back to the allocator it came from. NULL is fine. No update of it may be running. */
 void         norma_plan_destroy(norma_plan *plan);
 
 /* ---- matrices

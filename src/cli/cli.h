@@ -130,6 +130,16 @@ void cli_print_notes(const char *input, const norma_document *document);
 void cli_json_notes(struct cli_json *json, const norma_document *document);
 int cli_finish(int status); /* flushes stdout; a full disk there is status 3 */
 
+/* A report that goes to a file, whole or not at all. */
+typedef struct cli_output {
+    FILE *out;
+    const char *path;
+    char *temporary; /* NULL: written as it is */
+} cli_output;
+int cli_output_begin(cli_output *output, const char *path); /* "-": stdout; 0: failed, and said so */
+int cli_output_end(cli_output *output);                     /* a status */
+void cli_output_drop(cli_output *output);                   /* as if it had never been begun */
+
 /* ---- progress and interruption */
 
 typedef struct cli_progress {
@@ -143,6 +153,7 @@ int cli_interrupted(void); /* 0, or 128 plus the signal */
 void cli_progress_start(cli_progress *progress, const char *what, const char *name, int quiet, double megabytes);
 int cli_progress_report(void *progress, double fraction); /* a norma_progress */
 void cli_progress_stop(cli_progress *progress);
+int cli_stop_when_interrupted(void *nothing, double fraction); /* a norma_progress that shows nothing */
 
 /* ---- reports for people */
 

@@ -72,3 +72,9 @@ void cli_progress_stop(cli_progress *progress) {
     }
     progress->shown = progress->enabled = 0;
 }
+
+int cli_stop_when_interrupted(void *nothing, double fraction) {
+    (void)nothing;
+    (void)fraction;
+    return cli_interrupted() != 0;
+}

@@ -7,14 +7,13 @@ typedef struct corner_work {
     uint8_t           *reasons;              /* of each corner; NULL unless the nearest is asked for */
 } corner_work;
 
-static void visit(void *context, core_ring *ring, core_tally *tally)
+static void see(void *context, const core_fans *fans, core_tally *tally)
 {
     const corner_work *work = context;
-    for (size_t i = 0; i < ring->count; i++) {
-        const ring_corner *c = &ring->corners[i];
-        const ring_fan *fan = &ring->fans[c->fan];
-        norma_core_write_element(work->output, c->corner, fan->reason, fan->normal, tally);
-        if (work->reasons) work->reasons[c->corner] = fan->reason;
+    for (size_t i = 0; i < fans->count; i++) {
+        const core_fan *fan = &fans->fans[fans->fan_of[i]];
+        norma_core_write_element(work->output, fans->corners[i], (int)fan->reason, fan->normal, tally);
+        if (work->reasons) work->reasons[fans->corners[i]] = (uint8_t)fan->reason;
     }
 }
 
@@ -48,14 +47,15 @@ static norma_result compute(core_surface *surface, const core_output *output, no
     const size_t count = surface->mesh.corner_count;
     corner_work work = {.output = output};
     rings_part sum = {0};
+    const ring_visit visit = {.join = CORE_JOIN_FANS, .counting = report || call->options.edges, .see = see, .context = &work,
+                              .target = output->normals, .target_size = output->stride};
     if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1))) return NORMA_ERROR_MEMORY;
     norma_core_stage(call, 0.5, 0.97);
-    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, report || call->options.edges, NULL, visit, &work, &sum);
+    norma_result result = norma_core_visit_rings(surface, &visit, &sum);
     const size_t without = sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
     if (result == NORMA_OK && work.reasons && without) result = fill_from_nearest(surface, output, work.reasons, without);
     norma_core_release(call, work.reasons, count, 1);
     if (result != NORMA_OK) return result;
-    sum.tally.degenerate = surface->degenerate_faces;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
     return NORMA_OK;

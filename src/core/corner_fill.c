@@ -30,7 +30,7 @@ static int request_less(const void *one, const void *other)
     return a->target < b->target;
 }
 
-static const ring_fan *fan_of_corner(const core_ring *ring, uint32_t corner)
+static const core_fan *fan_of_corner(const core_ring *ring, uint32_t corner)
 {
     size_t low = 0, high = ring->count;
     while (high - low > 1) {
@@ -38,7 +38,7 @@ static const ring_fan *fan_of_corner(const core_ring *ring, uint32_t corner)
         if (ring->corners[middle].corner <= corner) low = middle;
         else high = middle;
     }
-    return &ring->fans[ring->corners[low].fan];
+    return &ring->fans[ring->fan_of[low]];
 }
 
 norma_result norma_core_fetch_normals(const core_surface *surface, corner_request *requests, size_t count, corner_receiver *receive, void *context)

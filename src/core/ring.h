@@ -22,28 +22,34 @@ typedef struct ring_edge {              /* a face runs along the edge from the r
     uint32_t corner;                    /* ring number */
 } ring_edge;
 
-typedef struct ring_fan {
-    double   sum[3], weight;
-    uint32_t votes;
-    uint8_t  reason;                    /* NORMA_REASON_NONE, UNREFERENCED, CANCELLED or NON_FINITE */
+typedef struct ring_sum { double sum[3], weight; size_t votes; } ring_sum;
+
+typedef struct core_fan {
     float    normal[3];                 /* with NORMA_REASON_NONE */
-} ring_fan;
+    uint32_t reason;                    /* NORMA_REASON_NONE, UNREFERENCED, CANCELLED or NON_FINITE */
+} core_fan;
 
 typedef struct core_ring {
     ring_corner *corners;
     ring_edge   *edges, *sorted;        /* two for each corner */
-    ring_fan    *fans;                  /* at the ring number of each fan's first corner */
+    ring_sum    *sums;                  /* these two of each fan */
+    core_fan    *fans;
+    uint32_t    *fan_of;                /* of each corner, the number of its fan, in the order of their first corners */
     double     (*normals)[3];           /* scratch of the visible weight */
-    size_t       count, edge_count;
+    size_t       count, edge_count, fan_count;
     uint32_t     position;
     int          finite;                /* the position itself */
+    int          waits;                 /* a face here must borrow a direction, and nobody has looked yet whose */
+    norma_count  degenerate;            /* triangles without a direction whose first corner is here */
 } core_ring;
 
 enum { RING_ROOM = 64 };
 typedef struct ring_room {              /* what a ring of ordinary size needs, for the stack */
     ring_corner corners[RING_ROOM];
     ring_edge   edges[2 * RING_ROOM], sorted[2 * RING_ROOM];
-    ring_fan    fans[RING_ROOM];
+    ring_sum    sums[RING_ROOM];
+    core_fan    fans[RING_ROOM];
+    uint32_t    fan_of[RING_ROOM];
     double      normals[RING_ROOM][3];
 } ring_room;
 
@@ -60,8 +66,10 @@ void norma_core_ring_join_all(core_ring *ring);
 void norma_core_ring_join_fans(const core_surface *surface, core_ring *ring, ring_counts *counts);
 /* Sums each fan in ascending order of corners, and gives it a normal or the reason why it has none. */
 void norma_core_ring_sum(const core_surface *surface, core_ring *ring);
+/* The normal of a fan of voters, or that they cancel. */
+void norma_core_decide_sum(const double sum[3], double weight, core_fan *fan);
 /* The most visible normal of some corners alone, given as ring numbers. */
-void norma_core_ring_see_some(core_ring *ring, const uint32_t *members, size_t count, ring_fan *fan);
+void norma_core_ring_see_some(core_ring *ring, const uint32_t *members, size_t count, core_fan *fan);
 
 /* The corner at which the face's longest edge begins; ties: the first one's. */
 uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face);

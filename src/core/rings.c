@@ -1,22 +1,21 @@
-/* rings.c: positions in chunks of fixed size, so that partial counts do not depend on the threads. Rings that a stack has no room for are few; they
- * come last, one after the other, in memory that is taken once. */
-#include "rings.h"
+/* rings.c: positions in chunks of fixed size, so that partial counts do not depend on the threads. Ordinary rings are made many at a time, others one by
+ * one; those that a stack has no room for are few, and come last, one after the other, in memory that is taken once. Where triangles without a direction
+ * turn up, their rings wait until it is known whose they borrow. */
+#include "ring_batch.h"
 
 enum { POSITIONS_IN_CHUNK = 2048 };
 
 typedef struct visit_all {
-    core_surface  *surface;
-    core_join      join;
-    int            counting;
-    const uint8_t *skip;
-    ring_visitor  *visit;
-    void          *context;
-    rings_part    *parts;
+    core_surface     *surface;
+    const ring_visit *visit;
+    atomic_uchar     *only;             /* NULL, or nonzero at the positions whose rings waited */
+    rings_part       *parts;
 } visit_all;
 
 void norma_core_make_ring(const core_surface *surface, core_join join, uint32_t position, ring_counts *counts, core_ring *ring)
 {
     norma_core_ring_load(surface, position, 1, ring);
+    if (join == CORE_JOIN_FANS && ring->waits) return;
     if (join == CORE_JOIN_FANS) norma_core_ring_join_fans(surface, ring, counts);
     else norma_core_ring_join_all(ring);
     norma_core_ring_sum(surface, ring);
@@ -24,34 +23,87 @@ void norma_core_make_ring(const core_surface *surface, core_join join, uint32_t 
 
 static void visit_position(const visit_all *v, uint32_t position, core_ring *ring, rings_part *part)
 {
-    norma_core_make_ring(v->surface, v->join, position, v->counting ? &part->counts : NULL, ring);
-    v->visit(v->context, ring, &part->tally);
+    const core_around *around = &v->surface->around;
+    norma_core_make_ring(v->surface, v->visit->join, position, v->visit->counting ? &part->counts : NULL, ring);
+    if (v->visit->join == CORE_JOIN_FANS && ring->waits) {
+        part->waiting++;
+        return;
+    }
+    const core_fans fans = {position, (uint32_t)ring->count, (uint32_t)ring->fan_count, around->corners + around->starts[position],
+                            ring->fan_of, ring->fans, norma_core_ring_members(ring), ring};
+    v->visit->see(v->visit->context, &fans, &part->tally);
+    norma_core_count_add(&part->tally.degenerate, &ring->degenerate);
 }
 
 /* 0 where there is nothing to visit. */
 static size_t ring_size(const visit_all *v, size_t position)
 {
     const uint32_t *starts = v->surface->around.starts;
-    return v->skip && v->skip[position] ? 0 : starts[position + 1] - starts[position];
+    if (v->visit->skip && v->visit->skip[position]) return 0;
+    if (v->only && !atomic_load_explicit(&v->only[position], memory_order_relaxed)) return 0;
+    return starts[position + 1] - starts[position];
 }
 
-/* Random meshes wait for memory: the corners of faces some rings ahead are asked for, then, nearer, the positions that they name. */
-static void look_ahead(const core_surface *surface, size_t position)
+/* One by one, all in the chunk that a stack has room for. */
+static void visit_chunk_singly(const visit_all *v, size_t begin, size_t end, rings_part *part)
 {
-    enum { RINGS_TO_CORNERS = 12, RINGS_TO_POSITIONS = 6 };
-    const core_around *around = &surface->around;
-    const core_mesh *mesh = &surface->mesh;
-    if (position + RINGS_TO_CORNERS >= around->position_count || surface->faces || !mesh->corner_size) return;
-    const size_t far = position + RINGS_TO_CORNERS, near = position + RINGS_TO_POSITIONS;
-    for (size_t i = around->starts[far]; i < around->starts[far + 1] && i < around->starts[far] + RING_ROOM; i++)
-        __builtin_prefetch((const unsigned char *)mesh->corners + (size_t)around->corners[i] * mesh->corner_size);
-    for (size_t i = around->starts[near]; i < around->starts[near + 1] && i < around->starts[near] + RING_ROOM; i++) {
-        const size_t begin = around->corners[i] / 3 * 3;
-        for (size_t c = begin; c < begin + 3; c++) {
-            const uint32_t at = norma_core_corner(mesh, c);
-            __builtin_prefetch((const unsigned char *)mesh->positions.data + at * mesh->positions.stride);
-            if (mesh->weld) __builtin_prefetch(&mesh->weld[at]);
-        }
+    ring_room room;
+    core_ring ring;
+    norma_core_ring_in_room(&ring, &room);
+    for (size_t p = begin; p < end; p++) {
+        const size_t size = ring_size(v, p);
+        if (size > 0 && size <= RING_ROOM) visit_position(v, (uint32_t)p, &ring, part);
+    }
+}
+
+/* Those of a list that are not ordinary after all. */
+static void visit_singly(const visit_all *v, const ring_list *list, rings_part *part)
+{
+    ring_room room;
+    core_ring ring;
+    norma_core_ring_in_room(&ring, &room);
+    for (size_t i = 0; i < list->ring_count; i++)
+        if (list->rings[i].fan_count == 0) visit_position(v, list->rings[i].position, &ring, part);
+}
+
+static void see_ordinary(const visit_all *v, const ring_list *list, ring_batch *batch, rings_part *part)
+{
+    ring_member members[ORDINARY_CORNERS];
+    const core_around *around = &v->surface->around;
+    for (size_t i = 0; i < list->ring_count; i++) {
+        const listed_ring *r = &list->rings[i];
+        const core_fans fans = {r->position, r->count, r->fan_count, around->corners + around->starts[r->position],
+                                batch->fan_of + r->begin, batch->fans + r->first_fan, members, NULL};
+        if (r->fan_count) v->visit->see(v->visit->context, &fans, &part->tally);
+    }
+}
+
+/* Lists ordinary rings from position on, as many as fit; what cannot be ordinary is visited at once. Returns where the next list begins. */
+static size_t list_rings(const visit_all *v, size_t position, size_t end, ring_list *list, rings_part *part)
+{
+    norma_core_clear_list(list);
+    for (; position < end; position++) {
+        const size_t size = ring_size(v, position);
+        if (size > ORDINARY_CORNERS && size <= RING_ROOM) visit_chunk_singly(v, position, position + 1, part);
+        if (size == 0 || size > ORDINARY_CORNERS) continue;
+        if (!norma_core_list_ring(v->surface, v->visit, (uint32_t)position, (uint32_t)size, list)) break;
+    }
+    return position;
+}
+
+/* While one list is worked on, the memory of the next is on its way. */
+static void visit_in_batches(const visit_all *v, size_t position, size_t end, rings_part *part)
+{
+    ring_list lists[2];
+    ring_batch batch;
+    int at = 0;
+    position = list_rings(v, position, end, &lists[at], part);
+    while (lists[at].ring_count) {
+        position = list_rings(v, position, end, &lists[!at], part);
+        const int all = norma_core_settle_batch(v->surface, &lists[at], &batch, v->visit->counting ? &part->counts.edges : NULL);
+        see_ordinary(v, &lists[at], &batch, part);
+        if (!all) visit_singly(v, &lists[at], part);
+        at = !at;
     }
 }
 
@@ -60,14 +112,9 @@ static void visit_chunk(void *context, size_t chunk)
     const visit_all *v = context;
     const size_t count = v->surface->mesh.positions.count, begin = chunk * POSITIONS_IN_CHUNK;
     const size_t end = count - begin < POSITIONS_IN_CHUNK ? count : begin + POSITIONS_IN_CHUNK;
-    ring_room room;
-    core_ring ring;
-    norma_core_ring_in_room(&ring, &room);
-    for (size_t p = begin; p < end; p++) {
-        const size_t size = ring_size(v, p);
-        look_ahead(v->surface, p);
-        if (size > 0 && size <= RING_ROOM) visit_position(v, (uint32_t)p, &ring, &v->parts[chunk]);
-    }
+    const int ordinary = v->visit->join == CORE_JOIN_FANS && !v->only && norma_core_can_batch(v->surface);
+    if (ordinary) visit_in_batches(v, begin, end, &v->parts[chunk]);
+    else visit_chunk_singly(v, begin, end, &v->parts[chunk]);
 }
 
 static norma_result visit_large_rings(const visit_all *v, rings_part *part)
@@ -92,20 +139,31 @@ static void add_part(rings_part *sum, const rings_part *part)
     norma_core_count_add(&sum->counts.non_manifold, &part->counts.non_manifold);
     norma_core_count_add(&sum->counts.conflicts, &part->counts.conflicts);
     norma_core_edges_add(&sum->counts.edges, &part->counts.edges);
+    sum->waiting += part->waiting;
 }
 
-norma_result norma_core_visit_rings(core_surface *surface, core_join join, int counting, const uint8_t *skip, ring_visitor *visit, void *context, rings_part *sum)
+static norma_result visit_in_parallel(visit_all *v, rings_part *sum)
 {
-    const size_t count = surface->mesh.positions.count, chunks = count / POSITIONS_IN_CHUNK + (count % POSITIONS_IN_CHUNK != 0);
-    visit_all v = {surface, join, counting, skip, visit, context, NULL};
-    *sum = (rings_part){0};
-    if (!count) return NORMA_OK;
-    v.parts = norma_core_allocate(surface->call, chunks, sizeof *v.parts);
-    if (!v.parts) return NORMA_ERROR_MEMORY;
-    memset(v.parts, 0, chunks * sizeof *v.parts);
-    norma_result result = norma_core_parallel(surface->call, chunks, visit_chunk, &v);
-    if (result == NORMA_OK) result = visit_large_rings(&v, sum);
-    for (size_t i = 0; i < chunks; i++) add_part(sum, &v.parts[i]);
-    norma_core_release(surface->call, v.parts, chunks, sizeof *v.parts);
+    core_call *call = v->surface->call;
+    const size_t count = v->surface->mesh.positions.count, chunks = count / POSITIONS_IN_CHUNK + (count % POSITIONS_IN_CHUNK != 0);
+    v->parts = norma_core_allocate(call, chunks, sizeof *v->parts);
+    if (!v->parts) return NORMA_ERROR_MEMORY;
+    memset(v->parts, 0, chunks * sizeof *v->parts);
+    norma_result result = norma_core_parallel(call, chunks, visit_chunk, v);
+    if (result == NORMA_OK) result = visit_large_rings(v, sum);
+    for (size_t i = 0; i < chunks; i++) add_part(sum, &v->parts[i]);
+    norma_core_release(call, v->parts, chunks, sizeof *v->parts);
     return result;
+}
+
+norma_result norma_core_visit_rings(core_surface *surface, const ring_visit *visit, rings_part *sum)
+{
+    visit_all v = {.surface = surface, .visit = visit};
+    *sum = (rings_part){.tally.degenerate = surface->degenerate_faces};
+    if (!surface->mesh.positions.count) return NORMA_OK;
+    norma_result result = visit_in_parallel(&v, sum);
+    if (result != NORMA_OK || !sum->waiting) return result;
+    result = norma_core_surface_lend(surface);
+    v.only = surface->flat_at;
+    return result == NORMA_OK ? visit_in_parallel(&v, sum) : result;
 }

@@ -1,18 +1,37 @@
 /* rings.h: every ring of a surface, visited in parallel. */
 #ifndef NORMA_CORE_RINGS_H
 #define NORMA_CORE_RINGS_H
+#include "members.h"
 #include "output.h"
-#include "ring.h"
 
 typedef enum core_join { CORE_JOIN_ALL = 0, CORE_JOIN_FANS } core_join;
-typedef struct rings_part { core_tally tally; ring_counts counts; } rings_part;
+typedef struct rings_part { core_tally tally; ring_counts counts; size_t waiting; } rings_part;
 
-/* Sees each position at which there are corners once, its fans joined and summed. What it adds to part is summed over all. */
-typedef void ring_visitor(void *context, core_ring *ring, core_tally *tally);
+/* What becomes of the corners at one position. */
+typedef struct core_fans {
+    uint32_t        position, count, fan_count;
+    const uint32_t *corners;             /* ascending */
+    const uint32_t *fan_of;              /* of each corner, the number of its fan, in the order of their first corners */
+    const core_fan *fans;
+    ring_member    *members;             /* room for one of each corner */
+    core_ring      *ring;                /* with CORE_JOIN_ALL */
+} core_fans;
 
-/* counting: whether edges are counted. skip: NULL, or nonzero at positions that are passed over. sum: what all visits added up to. MEMORY or CANCELLED: some
- * were not made. */
-norma_result norma_core_visit_rings(core_surface *surface, core_join join, int counting, const uint8_t *skip, ring_visitor *visit, void *context, rings_part *sum);
+/* Sees each position at which there are corners once, its fans joined and summed. What it adds to tally is summed over all. */
+typedef void ring_visitor(void *context, const core_fans *fans, core_tally *tally);
+
+typedef struct ring_visit {
+    core_join      join;
+    int            counting;             /* whether edges are counted */
+    const uint8_t *skip;                 /* NULL, or nonzero at positions that are passed over */
+    ring_visitor  *see;
+    void          *context;
+    const void    *target;               /* NULL, or where the visitor will write: target_size bytes for each corner */
+    size_t         target_size;
+} ring_visit;
+
+/* sum: what all visits added up to, degenerate faces among it. MEMORY or CANCELLED: some were not made. */
+norma_result norma_core_visit_rings(core_surface *surface, const ring_visit *visit, rings_part *sum);
 
 /* The same for one position, in order, in a ring that has room for any position of the surface. */
 void norma_core_make_ring(const core_surface *surface, core_join join, uint32_t position, ring_counts *counts, core_ring *ring);

@@ -15,47 +15,49 @@ typedef struct split_work {
 
 /* ---- one position */
 
-static void set_bits(const split_work *work, const ring_fan *fan, ring_member *m)
+static void set_bits(const split_work *work, const core_fan *fan, ring_member *m)
 {
     if (fan->reason == NORMA_REASON_NONE) memcpy(m->bits, fan->normal, sizeof m->bits);
     else memcpy(m->bits, work->output.fallback, sizeof m->bits);
 }
 
+static const core_fan *fan_of_member(const core_fans *fans, const ring_member *m) { return &fans->fans[fans->fan_of[m->index]]; }
+
 /* Where the nearest is asked for, a corner without a normal is one with the first corner of its vertex that has one. Members come sorted by vertex and index. */
-static void borrow_within_vertex(const core_ring *ring, ring_member *members, size_t count)
+static void borrow_within_vertex(const core_fans *fans, ring_member *members, size_t count)
 {
     const ring_member *lender = NULL;
     for (size_t i = 0; i < count && !lender; i++)
-        if (ring->fans[ring->corners[members[i].index].fan].reason == NORMA_REASON_NONE) lender = &members[i];
+        if (fan_of_member(fans, &members[i])->reason == NORMA_REASON_NONE) lender = &members[i];
     for (size_t i = 0; i < count && lender; i++)
-        if (ring->fans[ring->corners[members[i].index].fan].reason != NORMA_REASON_NONE) memcpy(members[i].bits, lender->bits, sizeof lender->bits);
+        if (fan_of_member(fans, &members[i])->reason != NORMA_REASON_NONE) memcpy(members[i].bits, lender->bits, sizeof lender->bits);
 }
 
-static void list_members(const split_work *work, core_ring *ring)
+static void list_members(const split_work *work, const core_fans *fans)
 {
-    ring_member *members = norma_core_ring_members(ring);
-    for (uint32_t i = 0; i < ring->count; i++) {
-        members[i] = (ring_member){.vertex = norma_core_corner(&work->surface->mesh, ring->corners[i].corner), .index = i};
-        if (!work->output.nearest) set_bits(work, &ring->fans[ring->corners[i].fan], &members[i]);
+    ring_member *members = fans->members;
+    for (uint32_t i = 0; i < fans->count; i++) {
+        members[i] = (ring_member){.vertex = norma_core_corner(&work->surface->mesh, fans->corners[i]), .index = i};
+        if (!work->output.nearest) set_bits(work, &fans->fans[fans->fan_of[i]], &members[i]);
     }
-    norma_core_sort_members(members, ring->count);
+    norma_core_sort_members(members, fans->count);
     if (!work->output.nearest) return;
-    for (size_t i = 0; i < ring->count; i++) set_bits(work, &ring->fans[ring->corners[members[i].index].fan], &members[i]);
-    for (size_t begin = 0, end; begin < ring->count; begin = end) {
-        for (end = begin; end < ring->count && members[end].vertex == members[begin].vertex; end++) { }
-        borrow_within_vertex(ring, members + begin, end - begin);
+    for (size_t i = 0; i < fans->count; i++) set_bits(work, fan_of_member(fans, &members[i]), &members[i]);
+    for (size_t begin = 0, end; begin < fans->count; begin = end) {
+        for (end = begin; end < fans->count && members[end].vertex == members[begin].vertex; end++) { }
+        borrow_within_vertex(fans, members + begin, end - begin);
     }
-    norma_core_sort_members(members, ring->count);
+    norma_core_sort_members(members, fans->count);
 }
 
 /* A vertex has a normal as soon as one of its corners does; first_fan is that one's, or the first one's. */
-static const ring_fan *fan_of_group(const core_ring *ring, const ring_member *members, size_t begin, size_t end)
+static const core_fan *fan_of_group(const core_fans *fans, size_t begin, size_t end)
 {
     for (size_t i = begin; i < end; i++) {
-        const ring_fan *fan = &ring->fans[ring->corners[members[i].index].fan];
+        const core_fan *fan = fan_of_member(fans, &fans->members[i]);
         if (fan->reason == NORMA_REASON_NONE) return fan;
     }
-    return &ring->fans[ring->corners[members[begin].index].fan];
+    return fan_of_member(fans, &fans->members[begin]);
 }
 
 static size_t group_end(const ring_member *members, size_t begin, size_t count)
@@ -67,44 +69,42 @@ static size_t group_end(const ring_member *members, size_t begin, size_t count)
 
 /* ---- first pass: who stands for whom */
 
-static void keep_single(const split_work *work, const core_ring *ring, const ring_fan *fan)
+static void keep_single(const split_work *work, const core_fans *fans, const core_fan *fan)
 {
     if (!work->single || fan->reason != NORMA_REASON_NONE) return;
-    work->single[ring->position] = 1;
-    memcpy(work->normals[ring->position], fan->normal, sizeof fan->normal);
+    work->single[fans->position] = 1;
+    memcpy(work->normals[fans->position], fan->normal, sizeof fan->normal);
 }
 
 /* One vertex and one fan with a normal: nothing to sort. 0 where it is not so. */
-static int number_plain(const split_work *work, const core_ring *ring)
+static int number_plain(const split_work *work, const core_fans *fans)
 {
     const core_mesh *mesh = &work->surface->mesh;
-    const uint32_t first = ring->corners[0].corner, vertex = norma_core_corner(mesh, first);
-    const ring_fan *fan = &ring->fans[ring->corners[0].fan];
-    if (fan->reason != NORMA_REASON_NONE) return 0;
-    for (size_t i = 1; i < ring->count; i++)
-        if (ring->corners[i].fan != ring->corners[0].fan || norma_core_corner(mesh, ring->corners[i].corner) != vertex) return 0;
-    for (size_t i = 0; i < ring->count; i++) work->numbers[ring->corners[i].corner] = first;
-    keep_single(work, ring, fan);
+    const uint32_t first = fans->corners[0], vertex = norma_core_corner(mesh, first);
+    if (fans->fan_count != 1 || fans->fans[0].reason != NORMA_REASON_NONE) return 0;
+    for (size_t i = 1; i < fans->count && mesh->weld; i++)
+        if (norma_core_corner(mesh, fans->corners[i]) != vertex) return 0;
+    for (size_t i = 0; i < fans->count; i++) work->numbers[fans->corners[i]] = first;
+    keep_single(work, fans, &fans->fans[0]);
     return 1;
 }
 
-static void visit_to_number(void *context, core_ring *ring, core_tally *tally)
+static void see_to_number(void *context, const core_fans *fans, core_tally *tally)
 {
     const split_work *work = context;
-    const ring_member *members = norma_core_ring_members(ring);
-    for (size_t i = 0; i < ring->count; i++) {
-        const ring_corner *c = &ring->corners[i];
-        norma_core_tally(tally, ring->fans[c->fan].reason, c->corner);
-        if (work->reasons) work->reasons[c->corner] = ring->fans[c->fan].reason;
+    for (size_t i = 0; i < fans->count; i++) {
+        const uint32_t reason = fans->fans[fans->fan_of[i]].reason;
+        norma_core_tally(tally, (int)reason, fans->corners[i]);
+        if (work->reasons) work->reasons[fans->corners[i]] = (uint8_t)reason;
     }
-    if (number_plain(work, ring)) return;
-    list_members(work, ring);
-    for (size_t begin = 0, end; begin < ring->count; begin = end) {
-        const uint32_t first = ring->corners[members[begin].index].corner;
-        end = group_end(members, begin, ring->count);
-        if (work->wanted) work->wanted[first] = fan_of_group(ring, members, begin, end)->reason != NORMA_REASON_NONE;
-        if (begin == 0 && end == ring->count) keep_single(work, ring, fan_of_group(ring, members, begin, end));
-        for (size_t i = begin; i < end; i++) work->numbers[ring->corners[members[i].index].corner] = first;
+    if (number_plain(work, fans)) return;
+    list_members(work, fans);
+    for (size_t begin = 0, end; begin < fans->count; begin = end) {
+        const uint32_t first = fans->corners[fans->members[begin].index];
+        end = group_end(fans->members, begin, fans->count);
+        if (work->wanted) work->wanted[first] = fan_of_group(fans, begin, end)->reason != NORMA_REASON_NONE;
+        if (begin == 0 && end == fans->count) keep_single(work, fans, fan_of_group(fans, begin, end));
+        for (size_t i = begin; i < end; i++) work->numbers[fans->corners[fans->members[i].index]] = first;
     }
 }
 
@@ -131,15 +131,14 @@ static void write_corners(split_work *work, uint32_t *corners, uint32_t *source_
 
 /* ---- second pass: the normals */
 
-static void visit_to_write(void *context, core_ring *ring, core_tally *tally)
+static void see_to_write(void *context, const core_fans *fans, core_tally *tally)
 {
     const split_work *work = context;
-    const ring_member *members = norma_core_ring_members(ring);
-    list_members(work, ring);
-    for (size_t begin = 0, end; begin < ring->count; begin = end) {
-        end = group_end(members, begin, ring->count);
-        const ring_fan *fan = fan_of_group(ring, members, begin, end);
-        norma_core_write_element(&work->output, work->numbers[ring->corners[members[begin].index].corner], fan->reason, fan->normal, tally);
+    list_members(work, fans);
+    for (size_t begin = 0, end; begin < fans->count; begin = end) {
+        end = group_end(fans->members, begin, fans->count);
+        const core_fan *fan = fan_of_group(fans, begin, end);
+        norma_core_write_element(&work->output, work->numbers[fans->corners[fans->members[begin].index]], (int)fan->reason, fan->normal, tally);
     }
 }
 
@@ -187,14 +186,14 @@ typedef struct split_output {
 static norma_result write_split(core_surface *surface, split_work *work, const split_output *out, size_t count)
 {
     rings_part ignored;
+    const ring_visit visit = {.join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
     if (out->corners && surface->mesh.corner_count > out->corner_capacity) return NORMA_ERROR_CAPACITY;
     if ((out->source_vertices || out->normals) && count > out->vertex_capacity) return NORMA_ERROR_CAPACITY;
-    if (out->normals && count > SIZE_MAX / surface->call->options.normal_stride) return NORMA_ERROR_OVERFLOW;
     if (out->normals && count > SIZE_MAX / surface->call->options.normal_stride) return NORMA_ERROR_OVERFLOW;
     write_corners(work, out->corners, out->source_vertices);
     if (!out->normals) return NORMA_OK;
     norma_core_stage(surface->call, 0.75, 0.97);
-    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, 0, work->single, visit_to_write, work, &ignored);
+    norma_result result = norma_core_visit_rings(surface, &visit, &ignored);
     if (result == NORMA_OK) write_singles(work);
     if (result == NORMA_OK && work->output.nearest) result = fill_from_nearest(work);
     return result;
@@ -204,13 +203,14 @@ static norma_result compute(core_surface *surface, split_work *work, const split
 {
     core_call *call = surface->call;
     rings_part sum = {0};
+    const ring_visit visit = {.join = CORE_JOIN_FANS, .counting = 1, .see = see_to_number, .context = work, .target = work->numbers,
+                              .target_size = sizeof *work->numbers};
     norma_core_stage(call, 0.5, 0.75);
-    norma_result result = norma_core_visit_rings(surface, CORE_JOIN_FANS, 1, NULL, visit_to_number, work, &sum);
+    norma_result result = norma_core_visit_rings(surface, &visit, &sum);
     if (result != NORMA_OK) return result;
     const size_t count = count_vertices(work);
     result = write_split(surface, work, out, count);
     if (result != NORMA_OK) return result;
-    sum.tally.degenerate = surface->degenerate_faces;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
     if (out->vertex_count) *out->vertex_count = count;

@@ -3,7 +3,6 @@
 #include "triangle.h"
 #include "ring.h"
 #include "weld.h"
-#include <stdatomic.h>
 
 enum { FACES_IN_CHUNK = 1 << 12 };
 
@@ -50,7 +49,7 @@ static norma_result survey_faces(face_survey *survey, int *any_flat)
     memset(survey->parts, 0, chunks * sizeof *survey->parts);
     const norma_result result = norma_core_parallel(s->call, chunks, survey_chunk, survey);
     for (size_t i = 0; i < chunks; i++) {
-        norma_core_count_add(&s->degenerate_faces, &survey->parts[i].degenerate);
+        if (s->faces) norma_core_count_add(&s->degenerate_faces, &survey->parts[i].degenerate);
         *any_flat |= survey->parts[i].any_flat;
     }
     norma_core_release(s->call, survey->parts, chunks, sizeof *survey->parts);
@@ -67,17 +66,17 @@ static void find_longest_edges(const core_surface *s, uint32_t *longest)
     }
 }
 
-static void lend_at_each(core_surface *s, atomic_uchar *flat_at, const uint32_t *longest, core_ring *ring, uint32_t *lender)
+static void lend_at_each(core_surface *s, const uint32_t *longest, core_ring *ring, uint32_t *lender)
 {
     memset(lender, 0xff, s->mesh.face_count * sizeof *lender);
     for (size_t p = 0; p < s->mesh.positions.count; p++) {
-        if (!atomic_load_explicit(&flat_at[p], memory_order_relaxed)) continue;
+        if (!atomic_load_explicit(&s->flat_at[p], memory_order_relaxed)) continue;
         norma_core_ring_load(s, (uint32_t)p, 0, ring);
         norma_core_ring_lend(s, ring, longest, lender);
     }
 }
 
-static norma_result lend_directions(core_surface *s, atomic_uchar *flat_at)
+static norma_result lend_directions(core_surface *s)
 {
     const size_t faces = s->mesh.face_count;
     core_ring ring = {0};
@@ -85,7 +84,7 @@ static norma_result lend_directions(core_surface *s, atomic_uchar *flat_at)
     norma_result result = lender && longest ? norma_core_ring_allocate(s->call, &ring, s->around.most) : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         find_longest_edges(s, longest);
-        lend_at_each(s, flat_at, longest, &ring, lender);
+        lend_at_each(s, longest, &ring, lender);
         norma_core_ring_release(s->call, &ring, s->around.most);
         s->lender = lender;
         lender = NULL;
@@ -95,21 +94,26 @@ static norma_result lend_directions(core_surface *s, atomic_uchar *flat_at)
     return result;
 }
 
-static norma_result prepare_faces(core_surface *s, core_use use)
+norma_result norma_core_surface_lend(core_surface *s)
 {
     const size_t positions = s->mesh.positions.count;
     face_survey survey = {.surface = s};
-    if (s->mesh.face_starts && !(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces))) return NORMA_ERROR_MEMORY;
-    if (use == CORE_FOR_FANS) {
-        survey.flat_at = norma_core_allocate(s->call, positions, sizeof *survey.flat_at);
-        if (!survey.flat_at) return NORMA_ERROR_MEMORY;
-        for (size_t p = 0; p < positions; p++) atomic_init(&survey.flat_at[p], 0);
-    }
     int any_flat = 0;
-    norma_result result = survey_faces(&survey, &any_flat);
-    if (result == NORMA_OK && any_flat) result = lend_directions(s, survey.flat_at);
-    norma_core_release(s->call, survey.flat_at, positions, sizeof *survey.flat_at);
-    return result;
+    survey.flat_at = norma_core_allocate(s->call, positions, sizeof *survey.flat_at);
+    if (!survey.flat_at) return NORMA_ERROR_MEMORY;
+    for (size_t p = 0; p < positions; p++) atomic_init(&survey.flat_at[p], 0);
+    s->flat_at = survey.flat_at;
+    const norma_result result = survey_faces(&survey, &any_flat);
+    return result == NORMA_OK && any_flat ? lend_directions(s) : result;
+}
+
+/* Polygons are measured once, since that takes long; triangles where they are met. */
+static norma_result measure_polygons(core_surface *s, core_use use)
+{
+    face_survey survey = {.surface = s};
+    int any_flat = 0;
+    if (!(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces))) return NORMA_ERROR_MEMORY;
+    return use == CORE_FOR_FANS ? norma_core_surface_lend(s) : survey_faces(&survey, &any_flat);
 }
 
 /* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this much over the crease. */
@@ -125,9 +129,9 @@ norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_u
         norma_core_stage(call, 0.2, 0.35);
         result = norma_core_around_build(call, &surface->mesh, &surface->around);
     }
-    if (result == NORMA_OK && (use != CORE_FOR_SUMS || surface->mesh.face_starts)) {
+    if (result == NORMA_OK && surface->mesh.face_starts) {
         norma_core_stage(call, 0.35, 0.5);
-        result = prepare_faces(surface, use);
+        result = measure_polygons(surface, use);
     }
     if (result != NORMA_OK) norma_core_surface_close(surface);
     return result;
@@ -137,6 +141,7 @@ void norma_core_surface_close(core_surface *surface)
 {
     const core_call *call = surface->call;
     norma_core_release(call, surface->lender, surface->mesh.face_count, sizeof *surface->lender);
+    norma_core_release(call, surface->flat_at, surface->mesh.positions.count, sizeof *surface->flat_at);
     norma_core_release(call, surface->faces, surface->mesh.face_count, sizeof *surface->faces);
     if (surface->around.starts) norma_core_around_release(call, &surface->around);
     if (surface->mesh.weld) norma_core_unweld(call, &surface->mesh);

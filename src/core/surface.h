@@ -3,6 +3,7 @@
 #define NORMA_CORE_SURFACE_H
 #include "around.h"
 #include "face_geometry.h"
+#include <stdatomic.h>
 
 typedef struct core_surface {
     core_call   *call;
@@ -10,16 +11,18 @@ typedef struct core_surface {
     core_around  around;
     core_face   *faces;               /* of each face of a mesh of polygons; NULL for triangles, which are measured where they are met */
     uint32_t    *lender;              /* NULL where no face needs one; else of each face without a direction the face whose direction it borrows, UINT32_MAX: none */
-    norma_count  degenerate_faces;
+    atomic_uchar *flat_at;            /* with lender: nonzero at the positions of faces that have edges but no direction */
+    norma_count  degenerate_faces;    /* of polygons; triangles are counted where they are met */
     double       crease;              /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi: every angle */
     double       crease_cosine;       /* about its cosine */
 } core_surface;
 
 typedef enum core_use { CORE_FOR_SUMS = 0, CORE_FOR_RINGS, CORE_FOR_FANS } core_use;  /* sums need no corners sorted; fans are rings cut at edges */
 
-/* call stays the caller's. Where use is sums, faces of a mesh of triangles are not measured, nor degenerate ones counted. What it returns but NORMA_OK leaves
- * nothing to release. */
+/* call stays the caller's. What it returns but NORMA_OK leaves nothing to release. */
 norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use, double crease_angle_rad, core_surface *surface);
+/* For triangles, once one without a direction has been met: finds whose directions such borrow. MEMORY or CANCELLED: it has not. */
+norma_result norma_core_surface_lend(core_surface *surface);
 void         norma_core_surface_close(core_surface *surface);
 
 static inline void norma_core_surface_face(const core_surface *surface, size_t face, core_face *out)

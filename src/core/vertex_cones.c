@@ -4,17 +4,17 @@
 
 enum { OWN = 0x80 };                       /* the vertex has a result of its own, since that of its position cancelled */
 
-static void keep(const core_vertices *vertices, uint32_t index, int own, const ring_fan *fan)
+static void keep(const core_vertices *vertices, uint32_t index, int own, const core_fan *fan)
 {
     memcpy(vertices->normals[index], fan->normal, sizeof fan->normal);
-    vertices->reasons[index] = (uint8_t)(fan->reason | own);
+    vertices->reasons[index] = (uint8_t)(fan->reason | (uint32_t)own);
 }
 
 static void see_each_vertex(const core_vertices *vertices, core_ring *ring)
 {
     ring_member *members = norma_core_ring_members(ring);
     uint32_t *numbers = norma_core_ring_numbers(ring);
-    ring_fan fan = {.reason = NORMA_REASON_CANCELLED};
+    core_fan fan = {.reason = NORMA_REASON_CANCELLED};
     for (uint32_t i = 0; i < ring->count; i++)
         members[i] = (ring_member){.vertex = norma_core_corner(&vertices->surface->mesh, ring->corners[i].corner), .index = i};
     norma_core_sort_members(members, ring->count);
@@ -26,9 +26,10 @@ static void see_each_vertex(const core_vertices *vertices, core_ring *ring)
     }
 }
 
-static void visit(void *context, core_ring *ring, core_tally *tally)
+static void see(void *context, const core_fans *fans, core_tally *tally)
 {
     const core_vertices *vertices = context;
+    core_ring *ring = fans->ring;
     (void)tally;
     if (ring->fans[0].reason == NORMA_REASON_CANCELLED && vertices->surface->mesh.weld) see_each_vertex(vertices, ring);
     else keep(vertices, ring->position, 0, &ring->fans[0]);
@@ -36,7 +37,8 @@ static void visit(void *context, core_ring *ring, core_tally *tally)
 
 norma_result norma_core_cone_vertices(core_surface *surface, core_vertices *vertices, core_tally *tally)
 {
-    rings_part sum;
+    rings_part sum = {0};
+    const ring_visit visit = {.join = CORE_JOIN_ALL, .see = see, .context = vertices};
     const size_t count = surface->mesh.positions.count;
     *vertices = (core_vertices){.surface = surface, .count = count};
     vertices->normals = norma_core_allocate(surface->call, count, sizeof *vertices->normals);
@@ -44,9 +46,9 @@ norma_result norma_core_cone_vertices(core_surface *surface, core_vertices *vert
     norma_result result = vertices->normals && vertices->reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         memset(vertices->reasons, NORMA_REASON_UNREFERENCED, count);
-        result = norma_core_visit_rings(surface, CORE_JOIN_ALL, 0, NULL, visit, vertices, &sum);
+        result = norma_core_visit_rings(surface, &visit, &sum);
     }
-    norma_core_count_add(&tally->degenerate, &surface->degenerate_faces);
+    norma_core_count_add(&tally->degenerate, &sum.tally.degenerate);
     if (result != NORMA_OK) norma_core_release_vertices(vertices);
     return result;
 }

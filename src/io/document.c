@@ -1,5 +1,6 @@
 /* document.c: opens a document, and hands every call to the table of functions of its format. */
 #include "document_internal.h"
+#include "scene.h"
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -7,14 +8,16 @@
 
 /* ---- options of any version */
 
-/* A caller's header may be older or newer than this library: what it does not know is zero, what we do not know is left out. */
-static void copy_options(void *copy, size_t size, const void *given) {
+/* A caller's header may be older or newer than this library: what it does not know is zero, what we do not know is left out. A size of 0 is that
+ * of the first version. */
+static void copy_options(void *copy, size_t size, size_t first_size, const void *given) {
     memset(copy, 0, size);
     if (!given)
         return;
     size_t given_size;
     memcpy(&given_size, given, sizeof given_size);
-    memcpy(copy, given, given_size && given_size < size ? given_size : size);
+    given_size = given_size ? given_size : first_size;
+    memcpy(copy, given, given_size < size ? given_size : size);
 }
 
 /* ---- opening and closing */
@@ -54,7 +57,9 @@ static norma_document *make_document(const char *name, int has_folder, const nor
     document->threads = options->threads;
     document->progress = options->progress;
     document->progress_user = options->progress_user;
-    if (document->path && (document->folder || !has_folder))
+    document->lenient = options->lenient;
+    document->scene = norma_scene_create();
+    if (document->scene && document->path && (document->folder || !has_folder))
         return document;
     norma_document_close(document);
     return NULL;
@@ -76,7 +81,7 @@ static norma_document_result read_document(norma_document *document, norma_docum
 static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory, const norma_document_options *given,
                                        norma_document **document, norma_document_error *error) {
     norma_document_options options;
-    copy_options(&options, sizeof options, given);
+    copy_options(&options, sizeof options, offsetof(norma_document_options, lenient), given);
     norma_document *made = make_document(name, has_folder, &options);
     if (!made)
         return norma_document_fail_memory(NULL, error);
@@ -131,6 +136,7 @@ void norma_document_close(norma_document *document) {
         return;
     if (document->functions)
         document->functions->close(document);
+    norma_scene_destroy(document->scene);
     for (size_t i = 0; i < document->note_count; ++i) free(document->notes[i]);
     free(document->notes);
     norma_file_close(&document->source);
@@ -165,7 +171,7 @@ size_t norma_document_node_count(const norma_document *document) {
 norma_document_result norma_document_node_info(const norma_document *document, size_t index, norma_node_info *info) {
     if (!info)
         return NORMA_DOCUMENT_ERROR_ARGUMENT;
-    *info = (norma_node_info){.name = "", .instances = 1};
+    *info = (norma_node_info){.name = "", .instances = 1, .parent = SIZE_MAX, .skin = SIZE_MAX, .where = "", .path = "", .ignore = ""};
     if (index >= norma_document_node_count(document))
         return NORMA_DOCUMENT_ERROR_ARGUMENT;
     return document->functions->node_info(document, index, info);
@@ -226,7 +232,7 @@ norma_document_result norma_document_compute(norma_document *document, const nor
         return result;
     norma_compute_options options;
     norma_compute_summary unwanted;
-    copy_options(&options, sizeof options, given);
+    copy_options(&options, sizeof options, sizeof options, given);
     const char *bad = bad_compute_option(&options);
     if (bad)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
@@ -258,13 +264,27 @@ norma_document_result norma_document_transform(norma_document *document, const n
         return result;
     norma_transform_options options;
     norma_transform_summary unwanted;
-    copy_options(&options, sizeof options, given);
+    copy_options(&options, sizeof options, sizeof options, given);
     const char *bad = bad_matrix(options.matrix);
     if (bad)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
     summary = summary ? summary : &unwanted;
     *summary = (norma_transform_summary){0};
     result = document->functions->transform(document, &options, summary, error);
+    document->failed = result != NORMA_DOCUMENT_OK;
+    return result;
+}
+
+norma_document_result norma_document_edit(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
+    norma_document_result result = check_usable(document, error);
+    if (result)
+        return result;
+    if (!edits)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no edits were given");
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
+        if ((edits[i].set_normals && !edits[i].normals) || (edits[i].set_positions && !edits[i].positions) || (edits[i].set_tangents && !edits[i].tangents))
+            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "marks without numbers were given for mesh %zu", i);
+    result = document->functions->edit(document, edits, error);
     document->failed = result != NORMA_DOCUMENT_OK;
     return result;
 }
@@ -346,7 +366,7 @@ static norma_document_result write_target(norma_document *document, const char *
 norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *given, norma_document_error *error) {
     norma_document_result result = check_usable(document, error);
     norma_save_options options;
-    copy_options(&options, sizeof options, given);
+    copy_options(&options, sizeof options, sizeof options, given);
     if (!result)
         result = check_target(document, path, options.in_place, error);
     if (result)

@@ -5,6 +5,7 @@
 #include "file.h"
 
 typedef struct format_functions format_functions;
+typedef struct scene_functions scene_functions;
 
 struct norma_document {
     const format_functions *functions;
@@ -20,6 +21,8 @@ struct norma_document {
     char                  **notes;
     size_t                  note_count, note_capacity;
     int                     failed;        /* a change went wrong half-way: it can only be closed */
+    int                     lenient;       /* what norma check judges is read instead of refused */
+    struct norma_scene     *scene;         /* what else is told of it (scene.h) */
 };
 
 /* Each returns NORMA_DOCUMENT_OK or what norma_document_fail returned. State is freed by close also after a failed open. */
@@ -33,6 +36,7 @@ struct format_functions {
     norma_document_result (*node_info)(const norma_document *document, size_t index, norma_node_info *info);
     norma_document_result (*compute)(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error);
     norma_document_result (*transform)(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
+    norma_document_result (*edit)(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
     /* The document's own bytes in order. glTF: the text or GLB, as it is to stand at path (NULL: with data URIs). */
     norma_document_result (*write)(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error);
     /* NULL, or the other files that belong beside path (a .gltf's buffers, its images). Called when the bytes of path are written and flushed to its temporary,
@@ -40,6 +44,7 @@ struct format_functions {
     norma_document_result (*write_companions)(norma_document *document, const char *path, int in_place, norma_document_error *error);
     /* NULL, or whether path is one of the files that this document was read from. */
     int                   (*reads_from)(const norma_document *document, const char *path);
+    const scene_functions  *scene;                                                                                              /* NULL: nothing else is told */
 };
 
 extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions, norma_gltf_functions; /* gltf: .gltf and .glb */

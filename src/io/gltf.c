@@ -1,6 +1,8 @@
 /* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it requires, and its table of functions. */
 #include "gltf.h"
+#include "edit.h"
 #include "gltf_patch.h"
+#include "gltf_scene.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -96,7 +98,7 @@ static norma_document_result check_version(const gltf *g, norma_document_error *
 }
 
 /* What a file may require without a word in it changing what its meshes' numbers mean. */
-static int is_harmless(const char *name)
+int norma_gltf_is_known(const char *name)
 {
     static const char *const prefixes[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_lights_", "EXT_texture_", "MSFT_texture_", "KHR_animation_", "KHR_audio_"};
     static const char *const names[] = {"KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_xmp",
@@ -120,7 +122,8 @@ static norma_document_result check_required(const gltf *g, norma_document_error 
         char *name = norma_json_string(j, item);
         if (!name)
             return norma_gltf_malformed(g, error, item, "the name of an extension");
-        int draco = strcmp(name, "KHR_draco_mesh_compression") == 0, known = is_harmless(name) || (draco && g->document->depth == NORMA_DOCUMENT_SUMMARY);
+        int draco = strcmp(name, "KHR_draco_mesh_compression") == 0;
+        int known = norma_gltf_is_known(name) || (draco && g->document->depth == NORMA_DOCUMENT_SUMMARY) || g->document->lenient;
         norma_document_result result = NORMA_DOCUMENT_OK;
         if (!known)
             result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/extensionsRequired", "requires %s, which %s", name,
@@ -303,7 +306,7 @@ static norma_document_result node_info(const norma_document *document, size_t in
     const gltf_node *node = &g->nodes[g->drawing[index]];
     *info = (norma_node_info){.name = node->name, .node = g->drawing[index], .mesh = node->mesh, .instances = node->instances};
     memcpy(info->world, node->world, sizeof info->world);
-    return NORMA_DOCUMENT_OK;
+    return norma_gltf_describe_node(document, index, info);
 }
 
 const format_functions norma_gltf_functions = {
@@ -316,7 +319,9 @@ const format_functions norma_gltf_functions = {
     .node_info = node_info,
     .compute = norma_gltf_compute,
     .transform = norma_gltf_transform,
+    .edit = norma_gltf_edit,
     .write = norma_gltf_write,
     .write_companions = norma_gltf_write_companions,
     .reads_from = norma_gltf_reads_from,
+    .scene = &norma_gltf_scene,
 };

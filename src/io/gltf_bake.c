@@ -8,7 +8,7 @@
  * empty nodes) gets it by a node above the roots. Where a root has nothing of that kind, its groups of baked nodes keep their world matrices. */
 #include "gltf_bake.h"
 #include "gltf_matrix.h"
-#include <math.h>
+#include "gltf_scene.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -229,76 +229,29 @@ static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
     return result;
 }
 
-typedef struct instance_arrays {
-    gltf_array translation, rotation, scale;
-    int has_translation, has_rotation, has_scale;
-} instance_arrays;
-
-static norma_document_result read_instance_array(gltf *g, uint32_t attributes, const char *key, uint32_t width, size_t count, gltf_array *array, int *has,
-                                                 norma_document_error *error) {
-    const uint32_t token = norma_json_member(&g->json, attributes, key);
-    uint64_t accessor;
-    *has = token != JSON_NONE;
-    if (!*has)
-        return NORMA_DOCUMENT_OK;
-    if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
-        return norma_gltf_malformed(g, error, token, "the number of an accessor");
-    const norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
-    if (result)
-        return result;
-    return array->width == width && array->count >= count && array->component != GLTF_UINT
-               ? NORMA_DOCUMENT_OK
-               : norma_gltf_malformed(g, error, token, "one vector for each instance");
-}
-
-static norma_document_result read_instances(gltf *g, uint32_t node, instance_arrays *arrays, norma_document_error *error) {
-    const uint32_t extensions = norma_json_member(&g->json, g->nodes[node].token, "extensions");
-    const uint32_t attributes = norma_json_member(&g->json, norma_json_member(&g->json, extensions, "EXT_mesh_gpu_instancing"), "attributes");
-    const size_t count = g->nodes[node].instances;
-    norma_document_result result = read_instance_array(g, attributes, "TRANSLATION", 3, count, &arrays->translation, &arrays->has_translation, error);
-    if (!result)
-        result = read_instance_array(g, attributes, "ROTATION", 4, count, &arrays->rotation, &arrays->has_rotation, error);
-    if (!result)
-        result = read_instance_array(g, attributes, "SCALE", 3, count, &arrays->scale, &arrays->has_scale, error);
+/* Their accessors are given up: each instance becomes a node. */
+static norma_document_result take_instances(gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error) {
+    norma_document_result result = norma_gltf_read_instances(g, node, instances, error);
+    const uint32_t attributes = instances->attributes;
     for (uint32_t value = norma_json_first(&g->json, attributes); !result && value != JSON_NONE; value = norma_json_next(&g->json, attributes, value)) {
         uint64_t accessor;
         if (norma_json_uint(&g->json, value, &accessor) && accessor < g->accessor_count && !norma_gltf_release(g, (uint32_t)accessor))
             result = norma_document_fail_memory(g->document, error);
     }
-    if (norma_json_size(&g->json, attributes) > (uint32_t)(arrays->has_translation + arrays->has_rotation + arrays->has_scale))
+    if (norma_json_size(&g->json, attributes) > (uint32_t)(instances->has_translation + instances->has_rotation + instances->has_scale))
         norma_document_add_note(
             g->document, "node %u: what its instances have besides a place (such as _ID) has no place in meshes of their own, and is dropped", (unsigned)node);
     return result;
 }
 
-static void instance_matrix(const instance_arrays *arrays, size_t index, double matrix[16]) {
-    gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
-    float f[4];
-    if (arrays->has_translation) {
-        norma_gltf_floats(&arrays->translation, index, f);
-        for (int k = 0; k < 3; k++) trs.translation[k] = (double)f[k];
-    }
-    if (arrays->has_scale) {
-        norma_gltf_floats(&arrays->scale, index, f);
-        for (int k = 0; k < 3; k++) trs.scale[k] = (double)f[k];
-    }
-    if (arrays->has_rotation) {
-        norma_gltf_floats(&arrays->rotation, index, f);
-        double squares = 0;
-        for (int k = 0; k < 4; k++) squares += (double)f[k] * (double)f[k];
-        for (int k = 0; k < 4 && squares > 0; k++) trs.rotation[k] = (double)f[k] / sqrt(squares);
-    }
-    norma_gltf_matrix_compose(&trs, matrix);
-}
-
 /* One mesh for each instance: the first at holder, the others at new nodes below it. */
 static norma_document_result bake_instances(baking *b, uint32_t node, uint32_t holder, const double world[16], norma_document_error *error) {
-    instance_arrays arrays = {0};
-    norma_document_result result = read_instances(b->g, node, &arrays, error);
+    gltf_instances instances = {0};
+    norma_document_result result = take_instances(b->g, node, &instances, error);
     b->tree.nodes[node].instances_removed = 1;
     for (size_t i = 0; !result && i < b->g->nodes[node].instances; i++) {
         double matrix[16];
-        instance_matrix(&arrays, i, matrix);
+        norma_gltf_instance_matrix(&instances, i, matrix);
         norma_gltf_matrix_multiply(world, matrix, matrix);
         uint32_t at = holder;
         if (i > 0) {

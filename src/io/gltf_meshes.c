@@ -1,5 +1,6 @@
 /* gltf_meshes.c: meshes and their primitives: which accessors they use, how many triangles they draw, and the corners of those. */
 #include "gltf.h"
+#include "scene.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,11 +166,35 @@ static norma_document_result read_primitive(gltf *g, gltf_primitive *p, norma_do
     return NORMA_DOCUMENT_OK;
 }
 
+/* Normals too few or too many are judged by norma check, where it asks for that. */
 static norma_document_result check_counts(gltf *g, const gltf_primitive *p, const gltf_attributes *set, norma_document_error *error)
 {
-    for (uint32_t i = set->first; i < set->first + set->count; ++i)
-        if (g->accessors[g->attributes[i].accessor].count != p->vertices)
+    for (uint32_t i = set->first; i < set->first + set->count; ++i) {
+        uint32_t accessor = g->attributes[i].accessor;
+        int judged = g->document->lenient && set == &p->base && accessor == p->base.normal;
+        if (g->accessors[accessor].count != p->vertices && !judged)
             return norma_gltf_malformed(g, error, g->attributes[i].token, "an accessor with as many elements as POSITION has");
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Where there are fewer normals than positions, zeros follow them, so that whoever reads one for each vertex reads memory that is there. */
+static norma_document_result pad_normals(gltf *g, const gltf_primitive *p, norma_document_error *error)
+{
+    gltf_accessor *a = &g->accessors[p->base.normal];
+    gltf_array array;
+    norma_document_result result = norma_gltf_array(g, p->base.normal, &array, error);
+    if (result || array.count >= p->vertices)
+        return result;
+    unsigned char *padded = p->vertices > g->held ? NULL : norma_io_allocate(p->vertices, a->element_size);
+    if (!padded)
+        return norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < array.count; ++i)
+        memcpy(padded + i * a->element_size, array.data + i * array.stride, a->element_size);
+    free(a->owned);
+    a->owned = padded;
+    a->array.data = padded;
+    a->array.stride = a->element_size;
     return NORMA_DOCUMENT_OK;
 }
 
@@ -186,6 +211,8 @@ static norma_document_result check_whole(gltf *g, uint32_t number, norma_documen
         result = check_counts(g, p, &g->targets[p->first_target + t], error);
     if (!result)
         result = norma_gltf_array(g, p->base.position, &positions, error);
+    if (!result && p->base.normal != GLTF_NONE && g->accessors[p->base.normal].count < p->vertices)
+        result = pad_normals(g, p, error);
     return result ? result : norma_gltf_corners(g, number, &corners, error);
 }
 
@@ -351,6 +378,18 @@ static norma_document_result decode_normals(gltf *g, gltf_primitive *p, norma_do
     return NORMA_DOCUMENT_OK;
 }
 
+/* Of each corner the normal: its vertex, where that has one. */
+static norma_document_result name_normals(gltf *g, const uint32_t *corners, size_t corner_count, size_t normals, const uint32_t **out, norma_document_error *error)
+{
+    uint32_t *names = norma_scene_allocate(g->document->scene, corner_count, sizeof *names);
+    if (!names)
+        return norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < corner_count; ++i)
+        names[i] = corners[i] < normals ? corners[i] : UINT32_MAX;
+    *out = names;
+    return NORMA_DOCUMENT_OK;
+}
+
 norma_document_result norma_gltf_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error)
 {
     gltf *g = norma_gltf_of(document);
@@ -367,7 +406,9 @@ norma_document_result norma_gltf_mesh_data(norma_document *document, size_t inde
     data->mesh.positions = norma_gltf_vec3_view(&positions);
     data->mesh.corners = corners;
     data->mesh.corner_count = 3 * p->faces;
-    if (p->normals)
-        data->normals = (norma_vec3_view){.data = p->normals, .count = p->vertices, .format = NORMA_FORMAT_FLOAT};
-    return NORMA_DOCUMENT_OK;
+    if (!p->normals)
+        return NORMA_DOCUMENT_OK;
+    size_t count = g->accessors[p->base.normal].count;
+    data->normals = (norma_vec3_view){.data = p->normals, .count = count < p->vertices ? count : p->vertices, .format = NORMA_FORMAT_FLOAT};
+    return count < p->vertices ? name_normals(g, corners, 3 * p->faces, count, &data->corner_normals, error) : NORMA_DOCUMENT_OK;
 }

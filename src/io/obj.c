@@ -1,5 +1,8 @@
 /* obj.c: OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names one. */
 #include "obj.h"
+#include "edit.h"
+#include "rewrite.h"
+#include "scene.h"
 #include <stdlib.h>
 
 static norma_document_result open_obj(norma_document *document, norma_document_error *error)
@@ -19,6 +22,28 @@ static void close_obj(norma_document *document)
     norma_obj_free(state);
     free(state);
     document->state = NULL;
+}
+
+static norma_document_result read_anew(norma_document *document, norma_document_error *error)
+{
+    return norma_obj_read(document, document->state, error);
+}
+
+norma_document_result norma_obj_settle(norma_document *document, norma_document_error *error)
+{
+    obj_state *state = document->state;
+    unsigned char *bytes;
+    size_t size;
+    if (!norma_obj_has_change(state))
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_rewrite_to_memory(document, &bytes, &size, error);
+    if (result)
+        return result;
+    norma_obj_free(state);
+    *state = (obj_state){0};
+    norma_file_close(&document->source);
+    document->source = (file_bytes){.data = bytes, .size = size, .owned = 1};
+    return norma_rewrite_read(document, read_anew, error);
 }
 
 static size_t mesh_count(const norma_document *document)
@@ -95,5 +120,7 @@ const format_functions norma_obj_functions = {
     .mesh_data = mesh_data,
     .compute = norma_obj_compute,
     .transform = norma_obj_transform,
-    .write = norma_obj_write
+    .edit = norma_obj_edit,
+    .write = norma_obj_write,
+    .scene = &norma_obj_scene
 };

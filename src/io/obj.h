@@ -51,6 +51,7 @@ typedef struct obj_state {
     int       positions_moved;
     int       floats_suffice;                /* for the moved positions: nine digits tell all there is */
     int       faces_reversed;
+    const uint8_t *reverse_faces, *drop_faces; /* marks of an edit under way, its caller's; or NULL */
 
     /* For norma_document_mesh_data. */
     uint32_t *shown_normals;                 /* corner_normals without OBJ_BAD_NORMAL */
@@ -79,6 +80,10 @@ void                  norma_obj_free(obj_state *state);
 
 /* The core's view of positions and faces, without groups. */
 norma_mesh norma_obj_mesh(const obj_state *state);
+
+/* obj.c: the changes become the document's bytes, which are read anew. Nothing to do where there are none. */
+norma_document_result norma_obj_settle(norma_document *document, norma_document_error *error);
+int                   norma_obj_has_change(const obj_state *state);             /* obj_write.c */
 
 /* obj_groups.c: sets group_masks, and hard_edges where masks do not suffice, such that faces of one group other than 0 share edges, and others do not. */
 norma_result norma_obj_groups(obj_state *state, const norma_options *options);

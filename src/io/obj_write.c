@@ -68,7 +68,7 @@ static void rewrite_normal(writer *w, const char *p, size_t normal)
         if (!next)
             return;
         next = norma_obj_number_end(next, w->end);
-        if (isfinite(values[i]) && fabs((double)values[i] - old) > 1e-9) {
+        if (isfinite(values[i]) && !(fabs((double)values[i] - old) <= 1e-9)) { /* also where the old one is no number */
             copy_then_skip(w, p, next);
             norma_sink_put(w->sink, text, norma_number_format_normal(values[i], text));
         }
@@ -220,7 +220,9 @@ static void write_statement(writer *w, const char *begin, obj_kind kind, const c
     case OBJ_FACE:
         if (!at_token(w, &rest))
             break;                                     /* a face without a corner is none */
-        if (state->faces_reversed)
+        if (state->drop_faces && state->drop_faces[w->face])
+            copy_then_skip(w, begin, after);
+        else if (state->faces_reversed || (state->reverse_faces && state->reverse_faces[w->face]))
             reverse_face(w, rest);
         else if (state->normals_replaced)
             rewrite_face(w, rest);
@@ -271,7 +273,7 @@ static int changes(const obj_state *s, const obj_stretch *a, const obj_stretch *
         return 1;
     if ((s->normals_replaced || s->normals_turned) && a->normal < b->normal)
         return 1;
-    if ((s->normals_replaced || s->faces_reversed) && a->face < b->face)
+    if ((s->normals_replaced || s->faces_reversed || s->reverse_faces || s->drop_faces) && a->face < b->face)
         return 1;
     return s->normals_replaced && a->other < b->other;
 }
@@ -336,6 +338,11 @@ static void find_split(pieces *p, size_t *count)
     const writer w = { .state = state, .text = p->text, .end = p->end };
     p->ending = ending_like(&w, p->text + state->block);
     *count += p->slices + 1;
+}
+
+int norma_obj_has_change(const obj_state *state)
+{
+    return state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed || state->reverse_faces || state->drop_faces;
 }
 
 norma_document_result norma_obj_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)

@@ -1,6 +1,8 @@
 /* ply.c: PLY documents. The file's bytes stay as they are; what compute and transform change is kept beside them until it is written, or until another
  * change needs to see it: then it becomes the document's bytes, which are read anew. */
 #include "ply.h"
+#include "edit.h"
+#include "scene.h"
 #include <stdlib.h>
 
 static void free_state_content(ply_state *state)
@@ -140,5 +142,7 @@ const format_functions norma_ply_functions = {
     .mesh_data = give_mesh,
     .compute = norma_ply_compute,
     .transform = norma_ply_transform,
+    .edit = norma_ply_edit,
     .write = norma_ply_write,
+    .scene = &norma_ply_scene,
 };

@@ -82,6 +82,8 @@ typedef struct ply_edit {
     size_t    added_count;
     uint32_t *corners;                  /* new corners in the order of ply_mesh.corners, or NULL */
     int       reversed;                 /* the winding changed: other data of corners turns with it */
+    uint8_t  *reversed_rows;            /* with it: only in the faces where this is nonzero; or NULL: in all */
+    uint8_t  *dropped_rows;             /* faces that are left out, or NULL */
 } ply_edit;
 
 typedef struct ply_state {
@@ -178,6 +180,8 @@ typedef struct ply_plan {
     const uint32_t    *indices;         /* PLY_INDICES of faces: new corners, as many as the old list has, one row after another */
     const ply_lists   *lists;           /* PLY_INDICES of strips: new lists; NULL for faces */
     const uint32_t    *face_starts;     /* PLY_REVERSE: corners of each row (NULL: 3) */
+    const uint8_t     *reversed_rows;   /* PLY_REVERSE: of these rows only, or NULL */
+    const uint8_t     *dropped_rows;    /* rows that are left out, or NULL */
     int                changed;         /* 0: the rows are copied as they are */
 } ply_plan;
 norma_document_result norma_ply_write_rows(norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error);

@@ -134,7 +134,8 @@ static void put_reversed(const row_writer *writer, const ply_item *item, const u
     const size_t count_size = norma_ply_type_size(item->source->count_type), bytes = count * norma_ply_type_size(item->type);
     norma_sink_put(writer->sink, at, count_size);
     at += count_size;
-    if (corners == 0 || count % corners != 0) {
+    const uint8_t *rows = writer->plan->reversed_rows;
+    if (corners == 0 || count % corners != 0 || (rows && !rows[row])) {
         norma_sink_put(writer->sink, at, bytes);
         return;
     }
@@ -171,6 +172,14 @@ static const unsigned char *write_row(row_writer *writer, const unsigned char *a
     return at;
 }
 
+static const unsigned char *drop_row(row_writer *writer, const unsigned char *at, size_t row)
+{
+    const uint32_t *starts = writer->plan->face_starts;
+    if (writer->next_index)
+        writer->next_index += starts ? starts[row + 1] - starts[row] : 3;
+    return norma_ply_row_end(&writer->state->header, writer->plan->element, at);
+}
+
 static norma_document_result write_added(norma_document *document, row_writer *writer, norma_document_error *error)
 {
     const ply_plan *plan = writer->plan;
@@ -197,7 +206,7 @@ norma_document_result norma_ply_write_rows(norma_document *document, const ply_p
     compile(&writer);
     const unsigned char *at = state->bytes + plan->element->begin;
     for (size_t row = 0; row < plan->element->count && !sink->failed; ++row)
-        at = write_row(&writer, at, row, row);
+        at = plan->dropped_rows && plan->dropped_rows[row] ? drop_row(&writer, at, row) : write_row(&writer, at, row, row);
     norma_document_result result = write_added(document, &writer, error);
     free(writer.steps);
     return result;

@@ -11,6 +11,7 @@ typedef struct text_writer {
     const uint32_t      *next_index;
     const int64_t       *next_item;
     size_t               row;            /* the old row */
+    int                  any;            /* a row was written */
 } text_writer;
 
 /* The next word, the white space before it copied. Reading has made sure that there is one. */
@@ -132,7 +133,8 @@ static int put_reversed(text_writer *writer)
         words[i].offset = (size_t)(found - writer->state->bytes);
         at = found + words[i].length;
     }
-    const size_t tuple = corners && count % corners == 0 ? count / corners : 0;
+    const uint8_t *rows = writer->plan->reversed_rows;
+    const size_t tuple = corners && count % corners == 0 && (!rows || rows[writer->row]) ? count / corners : 0;
     for (size_t i = 0; i < count; ++i) {
         const size_t corner = tuple ? i / tuple : 0, from = tuple && corner > 0 ? (corners - corner) * tuple + i % tuple : i;
         take_word(writer);
@@ -204,14 +206,36 @@ static norma_document_result write_added(norma_document *document, text_writer *
     return result;
 }
 
+/* With the break before it, which the row before has no need of; before the first row that stays there is none, and the one behind goes. */
+static void drop_row(text_writer *writer, const ply_span *span)
+{
+    const uint32_t *starts = writer->plan->face_starts;
+    if (writer->next_index)
+        writer->next_index += starts ? starts[writer->row + 1] - starts[writer->row] : 3;
+    writer->at = writer->state->bytes + span->offset + span->length;
+    while (!writer->any && writer->at < writer->end && (*writer->at == ' ' || *writer->at == '\t' || *writer->at == '\r')) ++writer->at;
+    if (!writer->any && writer->at < writer->end && *writer->at == '\n')
+        ++writer->at;
+}
+
 norma_document_result norma_ply_write_text_rows(norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error)
 {
     const ply_state *state = document->state;
     text_writer writer = {.state = state, .plan = plan, .sink = sink, .at = state->bytes + plan->element->begin, .end = state->bytes + plan->element->end,
                           .next_index = plan->indices, .next_item = plan->lists ? plan->lists->items : NULL};
-    for (writer.row = 0; writer.row < plan->element->count && !sink->failed; ++writer.row)
-        if (!put_row(&writer, writer.row))
-            return norma_document_fail_memory(document, error);
+    ply_span *spans = NULL;
+    norma_document_result result = plan->dropped_rows ? norma_ply_row_spans(document, plan->element, &spans, error) : NORMA_DOCUMENT_OK;
+    for (writer.row = 0; !result && writer.row < plan->element->count && !sink->failed; ++writer.row) {
+        if (plan->dropped_rows && plan->dropped_rows[writer.row])
+            drop_row(&writer, &spans[writer.row]);
+        else if (!put_row(&writer, writer.row))
+            result = norma_document_fail_memory(document, error);
+        else
+            writer.any = 1;
+    }
+    free(spans);
+    if (result)
+        return result;
     norma_sink_put(sink, writer.at, (size_t)(writer.end - writer.at));
     return write_added(document, &writer, error);
 }

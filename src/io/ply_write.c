@@ -6,7 +6,7 @@
 int norma_ply_has_edit(const ply_state *state)
 {
     const ply_edit *edit = &state->edit;
-    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals || edit->corners || edit->added_count > 0;
+    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows;
 }
 
 void norma_ply_free_edit(ply_edit *edit)
@@ -17,6 +17,8 @@ void norma_ply_free_edit(ply_edit *edit)
     free(edit->face_normals);
     free(edit->added);
     free(edit->corners);
+    free(edit->reversed_rows);
+    free(edit->dropped_rows);
     *edit = (ply_edit){0};
 }
 
@@ -113,6 +115,9 @@ static void plan_faces(const ply_state *state, ply_plan *plan)
     plan->item_count = plan->element->property_count;
     plan->indices = edit->corners;
     plan->face_starts = state->mesh.face_starts;
+    plan->reversed_rows = edit->reversed_rows;
+    plan->dropped_rows = edit->dropped_rows;
+    plan->changed |= edit->dropped_rows != NULL;
 }
 
 /* The strips anew: where a crease or a mirror parts their triangles, they end in -1 and begin again. */
@@ -228,9 +233,12 @@ static void write_header_part(header_writer *writer, const ply_plan *plan)
 {
     const ply_property *before = NULL;
     int inserted = 0;
-    if (plan->added_count > 0) {
+    size_t dropped = 0;
+    for (size_t row = 0; plan->dropped_rows && row < plan->element->count; ++row)
+        dropped += plan->dropped_rows[row] != 0;
+    if (plan->added_count > 0 || dropped > 0) {
         char count[20 + 1];
-        count[norma_number_format_integer(plan->element->count + plan->added_count, count)] = '\0';
+        count[norma_number_format_integer(plan->element->count + plan->added_count - dropped, count)] = '\0';
         replace_word(writer, plan->element->count_text, count);
     }
     for (size_t i = 0; i < plan->item_count; ++i) {
@@ -312,7 +320,7 @@ norma_document_result norma_ply_write(norma_document *document, const char *path
 norma_document_result norma_ply_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error)
 {
     ply_state *state = document->state;
-    *changed = state->edit.added_count > 0 || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
+    *changed = state->edit.added_count > 0 || state->edit.dropped_rows || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
     if (*changed)
         return NORMA_DOCUMENT_OK;
     norma_document_result result = norma_rewrite_compare(document, state->bytes, state->size, changed, error);

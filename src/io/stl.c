@@ -1,6 +1,7 @@
 /* stl.c: STL documents. The file's bytes stay as they are; new normals and vertices are kept beside them until they are written, or until another change
  * needs to see them: then they become the document's bytes, which are read anew. */
 #include "stl.h"
+#include "edit.h"
 #include <stdlib.h>
 
 static void free_state_content(stl_state *state)
@@ -119,21 +120,25 @@ norma_document_result norma_stl_write(norma_document *document, const char *path
     return norma_rewrite(document, write_body, write, user, error);
 }
 
-norma_document_result norma_stl_settle(norma_document *document, norma_document_error *error)
+norma_document_result norma_stl_take_bytes(norma_document *document, unsigned char *bytes, size_t size, norma_document_error *error)
 {
     stl_state *state = document->state;
-    if (!state->normals && !state->vertices)
-        return NORMA_DOCUMENT_OK;
-    unsigned char *bytes;
-    size_t size;
-    norma_document_result result = norma_rewrite_to_memory(document, &bytes, &size, error);
-    if (result)
-        return result;
     free_state_content(state);
     state->own = bytes;
     state->bytes = bytes;
     state->size = size;
     return norma_rewrite_read(document, read_bytes, error);
+}
+
+norma_document_result norma_stl_settle(norma_document *document, norma_document_error *error)
+{
+    const stl_state *state = document->state;
+    if (!state->normals && !state->vertices)
+        return NORMA_DOCUMENT_OK;
+    unsigned char *bytes;
+    size_t size;
+    norma_document_result result = norma_rewrite_to_memory(document, &bytes, &size, error);
+    return result ? result : norma_stl_take_bytes(document, bytes, size, error);
 }
 
 norma_document_result norma_stl_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error)
@@ -157,5 +162,6 @@ const format_functions norma_stl_functions = {
     .mesh_data = give_mesh,
     .compute = norma_stl_compute,
     .transform = norma_stl_transform,
+    .edit = norma_stl_edit,
     .write = norma_stl_write,
 };

@@ -6,6 +6,8 @@ const RESULT_NAMES = Object.fromEntries(Object.entries(RESULT).map(([name, numbe
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
 const WELDS = ["exact", "none"];
 const WELD_DISTANCE = 2;
+const NON_MANIFOLD = ["hard", "smooth"];
+const FALLBACKS = ["zero", "nearest"];
 const WINDINGS = ["kept", "reversed"];
 const ELEMENTS = ["vertex", "corner"];
 
@@ -88,6 +90,8 @@ export function makeChecks(textOf) {
   return {
     fail, wrong, vectors, indices, options, degrees, output, floats, moved, weld,
     weight: (value) => numberOf(WEIGHTS, value, "weight"),
+    nonManifold: (value) => numberOf(NON_MANIFOLD, value, "nonManifold"),
+    fallback: (value) => numberOf(FALLBACKS, value, "fallback"),
     winding: (value) => numberOf(WINDINGS, value, "winding"),
     element: (value) => numberOf(ELEMENTS, value, "per"),
   };

@@ -20,14 +20,15 @@ export function bindCalls(wasm) {
     const corners = check.indices(used, positions);
     const weight = check.weight(options.weight ?? "angle");
     const [weld, distance] = check.weld(options.weld ?? "exact");
-    return { positions, indices: used, options, format, corners, vertices: positions.length / 3, weight, weld, distance };
+    const nonManifold = check.nonManifold(options.nonManifold ?? "hard"), fallback = check.fallback(options.fallback ?? "zero");
+    return { positions, indices: used, options, format, corners, vertices: positions.length / 3, weight, weld, distance, nonManifold, fallback };
   };
 
   /* The same as the exports take it. */
   const hand = (mesh, lender) => [
     lender.input(mesh.positions), mesh.vertices, mesh.format,
     mesh.indices ? lender.input(mesh.indices) : 0, mesh.corners, mesh.indices ? mesh.indices.BYTES_PER_ELEMENT : 4,
-    mesh.weight, mesh.weld, mesh.distance,
+    mesh.weight, mesh.weld, mesh.distance, mesh.nonManifold, mesh.fallback,
   ];
 
   /* One normal for each of count elements. */

@@ -12,12 +12,24 @@ export interface MeshOptions {
   weight?: Weight;
   /** Which vertices share a normal: those at exactly equal positions (the default), none but the same index, or those joined by steps of at most this distance. */
   weld?: "exact" | "none" | number;
+  /** Edges of three or more faces: a crease (the default), or smooth where the angle allows it. */
+  nonManifold?: "hard" | "smooth";
+  /** What has no normal of its own, as in a degenerate face: zero (the default), or the nearest normal there is. */
+  fallback?: "zero" | "nearest";
+}
+
+export interface OutputOptions extends MeshOptions {
   /** Written to and returned, where it is given; at least as long as what is written. */
   out?: Float32Array | null;
 }
 
-export interface CreaseOptions extends MeshOptions {
+export interface SplitOptions extends MeshOptions {
   /** Degrees: an edge that bends by at most this is smooth. Default: 60; 180 makes every shared edge smooth. */
+  crease?: number;
+}
+
+export interface CreaseOptions extends OutputOptions {
+  /** Degrees, as for splitting. Default: 60. */
   crease?: number;
 }
 
@@ -30,13 +42,11 @@ export interface SplitMesh {
   normals: Float32Array;
 }
 
-export interface PlanOptions {
+export interface PlanOptions extends MeshOptions {
   /** One normal per vertex (the default) or per corner. */
   per?: "vertex" | "corner";
   /** Degrees. Default: 180 per vertex, 60 per corner. */
   crease?: number;
-  weight?: Weight;
-  weld?: "exact" | "none" | number;
 }
 
 export interface Plan {
@@ -75,17 +85,17 @@ export interface MatrixInfo {
 export interface Norma {
   readonly version: string;
   /** Three floats for each triangle. Without indices, every three positions are one. */
-  faceNormals(positions: Vectors, indices?: Indices | null, options?: MeshOptions): Float32Array;
-  faceNormals(positions: Vectors, options?: MeshOptions): Float32Array;
+  faceNormals(positions: Vectors, indices?: Indices | null, options?: OutputOptions): Float32Array;
+  faceNormals(positions: Vectors, options?: OutputOptions): Float32Array;
   /** Three floats for each position. */
-  vertexNormals(positions: Vectors, indices?: Indices | null, options?: MeshOptions): Float32Array;
-  vertexNormals(positions: Vectors, options?: MeshOptions): Float32Array;
+  vertexNormals(positions: Vectors, indices?: Indices | null, options?: OutputOptions): Float32Array;
+  vertexNormals(positions: Vectors, options?: OutputOptions): Float32Array;
   /** Three floats for each corner of each triangle. */
   cornerNormals(positions: Vectors, indices?: Indices | null, options?: CreaseOptions): Float32Array;
   cornerNormals(positions: Vectors, options?: CreaseOptions): Float32Array;
   /** The normals of corners as an indexed mesh: vertices are doubled only where a crease needs it. */
-  split(positions: Vectors, indices?: Indices | null, options?: Omit<CreaseOptions, "out">): SplitMesh;
-  split(positions: Vectors, options?: Omit<CreaseOptions, "out">): SplitMesh;
+  split(positions: Vectors, indices?: Indices | null, options?: SplitOptions): SplitMesh;
+  split(positions: Vectors, options?: SplitOptions): SplitMesh;
   /** For a mesh that moves: all that depends on its indices is done once. Shared positions and creases are those of the positions given here. */
   plan(positions: Vectors, indices?: Indices | null, options?: PlanOptions): Plan;
   plan(positions: Vectors, options?: PlanOptions): Plan;

@@ -23,16 +23,16 @@ norma_mesh web_mesh(const web_mesh_arguments *given) {
 }
 
 norma_options web_options(const web_mesh_arguments *given) {
-    return (norma_options){.weight = given->weight, .weld = given->weld, .weld_distance = given->weld_distance};
+    return (norma_options){.weight = given->weight, .weld = given->weld, .weld_distance = given->weld_distance, .non_manifold = given->non_manifold, .fallback = given->fallback};
 }
 
 /* The arguments that every call on a mesh takes, in the order in which JavaScript hands them over. */
 #define MESH_PARAMETERS                                                                                                                                    \
     const void *positions, size_t position_count, norma_format format, const void *corners, size_t corner_count, size_t corner_size, norma_weight weight, \
-        norma_weld weld, double weld_distance
-#define MESH_ARGUMENTS                                                                                                                                     \
-    const web_mesh_arguments given = {positions, position_count, format, corners, corner_count, corner_size, weight, weld, weld_distance};                 \
-    const norma_mesh mesh = web_mesh(&given);                                                                                                              \
+        norma_weld weld, double weld_distance, norma_non_manifold non_manifold, norma_fallback fallback
+#define MESH_ARGUMENTS                                                                                                                                          \
+    const web_mesh_arguments given = {positions, position_count, format, corners, corner_count, corner_size, weight, weld, weld_distance, non_manifold, fallback}; \
+    const norma_mesh mesh = web_mesh(&given);                                                                                                                   \
     const norma_options options = web_options(&given)
 
 norma_result WEB_EXPORT(web_face_normals)(MESH_PARAMETERS, float *normals, size_t capacity) {

@@ -12,6 +12,8 @@ typedef struct web_mesh_arguments {
     norma_weight weight;
     norma_weld   weld;
     double       weld_distance;
+    norma_non_manifold non_manifold;
+    norma_fallback     fallback;
 } web_mesh_arguments;
 
 norma_mesh    web_mesh(const web_mesh_arguments *given);

@@ -1,0 +1,47 @@
+/* ring_batch.h: ordinary rings of triangles, nearly all there are, made many at a time: up to so many corners, along each edge one face out and one back, with
+ * at most one gap, and directions that doubles decide. To the same bits as one by one. */
+#ifndef NORMA_CORE_RING_BATCH_H
+#define NORMA_CORE_RING_BATCH_H
+#include "rings.h"
+
+enum { BATCH_CORNERS = 128, ORDINARY_CORNERS = 16 };
+
+typedef struct listed_ring {
+    uint32_t position;
+    uint8_t  begin, count;               /* of its corners among those of the list */
+    uint8_t  first_fan, fan_count;       /* once settled; no fan: it is not ordinary */
+} listed_ring;
+
+typedef struct ring_list {
+    size_t      corner_count, ring_count;
+    uint32_t    corners[BATCH_CORNERS];
+    uint32_t    next[BATCH_CORNERS], previous[BATCH_CORNERS];      /* the face's other corners, as the mesh names them */
+    double      turn[BATCH_CORNERS];                               /* which of its face's corners it is */
+    listed_ring rings[BATCH_CORNERS];
+} ring_list;
+
+typedef double   batch_lane[BATCH_CORNERS + ORDINARY_CORNERS];      /* of each corner; the last ring may be read and written beyond its end */
+typedef uint32_t batch_index[BATCH_CORNERS + ORDINARY_CORNERS];
+
+typedef struct ring_batch {
+    batch_lane  at[3], next_at[3], previous_at[3], turn;            /* in: positions */
+    batch_index next, previous;                                     /* in: welded, of triangles whose three differ */
+    batch_lane  normal[3], vote[3], weight, sure;                   /* of its face; the weighted normal */
+    batch_lane  sum[3], total;                                      /* of each fan, from here on */
+    float       direction[3][BATCH_CORNERS];
+    double      decided[BATCH_CORNERS];
+    core_fan    fans[BATCH_CORNERS];
+    uint32_t    fan_of[BATCH_CORNERS];
+} ring_batch;
+
+int  norma_core_can_batch(const core_surface *surface);
+void norma_core_clear_list(ring_list *list);
+/* Adds a ring, and asks for the memory that it will need. 0: the list is full. */
+int  norma_core_list_ring(const core_surface *surface, const ring_visit *visit, uint32_t position, uint32_t count, ring_list *list);
+/* Joins and sums the fans of all rings in the list; 0: some are not ordinary. edges may be NULL. */
+int  norma_core_settle_batch(const core_surface *surface, ring_list *list, ring_batch *batch, norma_edges *edges);
+
+/* ring_lanes.c: what of it is done in lanes, once the corners are loaded. */
+typedef int ring_lanes(const core_surface *surface, ring_list *list, ring_batch *batch, norma_edges *edges);
+ring_lanes *norma_core_choose_ring_lanes(norma_isa isa);
+#endif

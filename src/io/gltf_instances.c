@@ -1,0 +1,54 @@
+/* gltf_instances.c: the places where a node draws its mesh again and again (EXT_mesh_gpu_instancing). */
+#include "gltf_scene.h"
+#include "gltf_matrix.h"
+#include <math.h>
+
+static norma_document_result read_instance_array(gltf *g, uint32_t attributes, const char *key, uint32_t width, size_t count, gltf_array *array, int *has,
+                                                 norma_document_error *error) {
+    const uint32_t token = norma_json_member(&g->json, attributes, key);
+    uint64_t accessor;
+    *has = token != JSON_NONE;
+    if (!*has)
+        return NORMA_DOCUMENT_OK;
+    if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
+        return norma_gltf_malformed(g, error, token, "the number of an accessor");
+    const norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
+    if (result)
+        return result;
+    return array->width == width && array->count >= count && array->component != GLTF_UINT
+               ? NORMA_DOCUMENT_OK
+               : norma_gltf_malformed(g, error, token, "one vector for each instance");
+}
+
+norma_document_result norma_gltf_read_instances(gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error) {
+    const uint32_t extensions = norma_json_member(&g->json, g->nodes[node].token, "extensions");
+    const uint32_t attributes = norma_json_member(&g->json, norma_json_member(&g->json, extensions, "EXT_mesh_gpu_instancing"), "attributes");
+    const size_t count = g->nodes[node].instances;
+    *instances = (gltf_instances){.attributes = attributes};
+    norma_document_result result = read_instance_array(g, attributes, "TRANSLATION", 3, count, &instances->translation, &instances->has_translation, error);
+    if (!result)
+        result = read_instance_array(g, attributes, "ROTATION", 4, count, &instances->rotation, &instances->has_rotation, error);
+    if (!result)
+        result = read_instance_array(g, attributes, "SCALE", 3, count, &instances->scale, &instances->has_scale, error);
+    return result;
+}
+
+void norma_gltf_instance_matrix(const gltf_instances *instances, size_t index, double matrix[16]) {
+    gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
+    float f[4];
+    if (instances->has_translation) {
+        norma_gltf_floats(&instances->translation, index, f);
+        for (int k = 0; k < 3; k++) trs.translation[k] = (double)f[k];
+    }
+    if (instances->has_scale) {
+        norma_gltf_floats(&instances->scale, index, f);
+        for (int k = 0; k < 3; k++) trs.scale[k] = (double)f[k];
+    }
+    if (instances->has_rotation) {
+        norma_gltf_floats(&instances->rotation, index, f);
+        double squares = 0;
+        for (int k = 0; k < 4; k++) squares += (double)f[k] * (double)f[k];
+        for (int k = 0; k < 4 && squares > 0; k++) trs.rotation[k] = (double)f[k] / sqrt(squares);
+    }
+    norma_gltf_matrix_compose(&trs, matrix);
+}

@@ -1,0 +1,370 @@
+/* gltf_scene.c: what a glTF's surfaces have beside positions, corners and normals: UVs, colours, tangents, morph targets, the rules that extras silence, where a
+ * node stands, and what of the file was not read. */
+#include "gltf_scene.h"
+#include "gltf_matrix.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- texts */
+
+const char *norma_gltf_name(gltf *g, uint32_t token)
+{
+    uint32_t name = norma_json_member(&g->json, token, "name");
+    if (!norma_json_is(&g->json, name, JSON_STRING))
+        return "";
+    char *decoded = norma_json_string(&g->json, name);
+    char *kept = decoded ? norma_scene_text(g->document->scene, decoded) : NULL;
+    free(decoded);
+    return kept;
+}
+
+const char *norma_gltf_where(gltf *g, const char *list, size_t number)
+{
+    char text[64];
+    snprintf(text, sizeof text, "/%s/%zu", list, number);
+    return norma_scene_text(g->document->scene, text);
+}
+
+static const char *add_rule(gltf *g, const char *list, uint32_t token)
+{
+    char *rule = norma_json_string(&g->json, token);
+    const char *longer = rule ? norma_scene_join(g->document->scene, list, rule) : NULL;
+    free(rule);
+    return longer;
+}
+
+const char *norma_gltf_ignore(gltf *g, uint32_t token)
+{
+    const json *j = &g->json;
+    uint32_t ignore = norma_json_member(j, norma_json_member(j, norma_json_member(j, token, "extras"), "norma"), "ignore");
+    const char *list = "";
+    if (norma_json_is(j, ignore, JSON_STRING))
+        return add_rule(g, list, ignore);
+    if (!norma_json_is(j, ignore, JSON_ARRAY))
+        return list;
+    for (uint32_t item = norma_json_first(j, ignore); list && item != JSON_NONE; item = norma_json_next(j, ignore, item))
+        if (norma_json_is(j, item, JSON_STRING))
+            list = add_rule(g, list, item);
+    return list;
+}
+
+/* ---- arrays */
+
+static int is_plain(const gltf_array *array, uint32_t width)
+{
+    return array->component == GLTF_FLOAT && array->stride == width * sizeof(float) && (uintptr_t)array->data % sizeof(float) == 0;
+}
+
+norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error)
+{
+    gltf_array array;
+    *floats = NULL;
+    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
+    if (result)
+        return result;
+    if (array.width != width)
+        return norma_gltf_malformed(g, error, g->accessors[accessor].token, width == 2 ? "pairs of numbers" : width == 3 ? "vectors of three numbers" : "vectors of four numbers");
+    if (is_plain(&array, width)) {
+        *floats = (const float *)(const void *)array.data;
+        return NORMA_DOCUMENT_OK;
+    }
+    float *copy = norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
+    if (!copy)
+        return norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < array.count; ++i)
+        norma_gltf_floats(&array, i, copy + width * i);
+    *floats = copy;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- attributes */
+
+static const char *encoding_name(const gltf *g, uint32_t accessor)
+{
+    switch (g->accessors[accessor].component) {
+    case GLTF_BYTE: return "snorm8";
+    case GLTF_SHORT: return "snorm16";
+    case GLTF_UBYTE: return "unorm8";
+    case GLTF_USHORT: return "unorm16";
+    default: return "float";
+    }
+}
+
+/* A set of UVs that is there and is one; what is not, this library has no use for, and others will say. */
+static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, size_t set, norma_mesh_attributes *attributes, norma_document_error *error)
+{
+    char name[40];
+    snprintf(name, sizeof name, "TEXCOORD_%zu", set);
+    uint32_t found = norma_gltf_find(g, &p->base, name);
+    uint32_t accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
+    if (accessor == GLTF_NONE || g->accessors[accessor].width != 2 || g->accessors[accessor].count != p->vertices)
+        return NORMA_DOCUMENT_OK;
+    attributes->texcoord_count = p->vertices;
+    return norma_gltf_decode(g, accessor, 2, &attributes->texcoords, error);
+}
+
+static norma_document_result read_colors(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error)
+{
+    gltf_array array;
+    uint32_t found = norma_gltf_find(g, &p->base, "COLOR_0"), accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
+    if (accessor == GLTF_NONE || g->accessors[accessor].count != p->vertices)
+        return NORMA_DOCUMENT_OK;
+    if (g->accessors[accessor].width == 4)
+        return norma_gltf_decode(g, accessor, 4, &attributes->colors, error);
+    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
+    if (result || array.width != 3)
+        return result;
+    float *colors = norma_scene_allocate(g->document->scene, array.count, 4 * sizeof *colors);
+    if (!colors)
+        return norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < array.count; ++i) {
+        norma_gltf_floats(&array, i, colors + 4 * i);
+        colors[4 * i + 3] = 1;
+    }
+    attributes->colors = colors;
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result read_tangents(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error)
+{
+    if (p->base.tangent == GLTF_NONE)
+        return NORMA_DOCUMENT_OK;
+    attributes->tangent_count = g->accessors[p->base.tangent].count;
+    attributes->tangent_encoding = encoding_name(g, p->base.tangent);
+    return norma_gltf_decode(g, p->base.tangent, 4, &attributes->tangents, error);
+}
+
+static void count_normals(const gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes)
+{
+    size_t count = p->base.normal == GLTF_NONE ? p->vertices : g->accessors[p->base.normal].count;
+    attributes->normals_missing = count < p->vertices ? p->vertices - count : 0;
+    attributes->normals_surplus = count > p->vertices ? count - p->vertices : 0;
+}
+
+static const char *ignored_by_primitive(gltf *g, const gltf_primitive *p)
+{
+    norma_scene *scene = g->document->scene;
+    const char *root = norma_gltf_ignore(g, 0), *mesh = norma_gltf_ignore(g, g->meshes[p->mesh].token), *own = norma_gltf_ignore(g, p->token);
+    const char *above = root && mesh ? norma_scene_join(scene, root, mesh) : NULL;
+    return above && own ? norma_scene_join(scene, above, own) : NULL;
+}
+
+static norma_document_result read_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error)
+{
+    gltf *g = norma_gltf_of(document);
+    const gltf_primitive *p = &g->primitives[index];
+    size_t set = 0;
+    if (p->material < document->scene->material_count) {
+        attributes->material = p->material;
+        if (document->scene->materials[p->material].normal_map)
+            set = document->scene->materials[p->material].normal_texcoord;
+    }
+    count_normals(g, p, attributes);
+    attributes->ignore = ignored_by_primitive(g, p);
+    if (!attributes->ignore)
+        return norma_document_fail_memory(document, error);
+    norma_document_result result = read_texcoords(g, p, set, attributes, error);
+    if (!result)
+        result = read_colors(g, p, attributes, error);
+    return result ? result : read_tangents(g, p, attributes, error);
+}
+
+/* ---- morph targets */
+
+static norma_document_result read_deltas(gltf *g, uint32_t accessor, norma_vec3_view *view, norma_document_error *error)
+{
+    const float *floats;
+    if (accessor == GLTF_NONE)
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_gltf_decode(g, accessor, 3, &floats, error);
+    if (!result)
+        *view = (norma_vec3_view){.data = floats, .count = g->accessors[accessor].count, .format = NORMA_FORMAT_FLOAT};
+    return result;
+}
+
+static norma_document_result read_morph(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error)
+{
+    gltf *g = norma_gltf_of(document);
+    norma_scene *scene = document->scene;
+    size_t number = g->primitives[mesh].first_target + target;
+    if (!scene->morphs && !(scene->morphs = norma_scene_allocate(scene, g->target_count, sizeof *scene->morphs)))
+        return norma_document_fail_memory(document, error);
+    if (!scene->morphs[number]) {
+        const gltf_attributes *attributes = &g->targets[number];
+        norma_morph_data *made = norma_scene_allocate(scene, 1, sizeof *made);
+        if (!made)
+            return norma_document_fail_memory(document, error);
+        norma_document_result result = read_deltas(g, attributes->position, &made->positions, error);
+        if (!result)
+            result = read_deltas(g, attributes->normal, &made->normals, error);
+        if (!result)
+            result = read_deltas(g, attributes->tangent, &made->tangents, error);
+        if (result)
+            return result;
+        scene->morphs[number] = made;
+    }
+    *data = *scene->morphs[number];
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- nodes */
+
+/* Names from the root; the number of a node that has none. What would be longer than PATH_ROOM is cut in front, so that a deep tree costs no more than a shallow one. */
+static const char *path_of(gltf *g, uint32_t number)
+{
+    enum { PATH_ROOM = 400 };
+    char path[PATH_ROOM + 1], unnamed[16];
+    size_t at = PATH_ROOM;
+    path[at] = '\0';
+    for (uint32_t node = number; node != GLTF_NONE; node = g->nodes[node].parent) {
+        const char *name = g->nodes[node].name;
+        if (!name[0]) {
+            snprintf(unnamed, sizeof unnamed, "%u", (unsigned)node);
+            name = unnamed;
+        }
+        size_t length = strlen(name), slash = node != number;
+        if (length + slash + 4 > at) {
+            if (at == PATH_ROOM)                               /* one name that fills it */
+                return norma_scene_text(g->document->scene, name);
+            at -= 4;
+            memcpy(path + at, ".../", 4);
+            break;
+        }
+        at -= slash;
+        if (slash)
+            path[at] = '/';
+        at -= length;
+        memcpy(path + at, name, length);
+    }
+    return norma_scene_text(g->document->scene, path + at);
+}
+
+static const char *ignored_by_node(gltf *g, uint32_t node)
+{
+    const char *list = norma_gltf_ignore(g, 0);
+    for (; list && node != GLTF_NONE; node = g->nodes[node].parent) {
+        const char *own = norma_gltf_ignore(g, g->nodes[node].token);
+        list = own && own[0] ? norma_scene_join(g->document->scene, list, own) : own ? list : NULL;
+    }
+    return list;
+}
+
+/* Exactly: the sign of the determinant of the 3x3. */
+static int mirrors(const double world[16])
+{
+    double normal_matrix[9];
+    norma_matrix_info info;
+    return norma_normal_matrix_double(world, NORMA_WINDING_KEPT, normal_matrix, &info) == NORMA_OK && info.mirrored;
+}
+
+static norma_document_result count_mirrored(gltf *g, uint32_t node, size_t *mirrored)
+{
+    const gltf_node *n = &g->nodes[node];
+    gltf_instances instances;
+    *mirrored = 0;
+    if (!n->instanced || g->document->depth == NORMA_DOCUMENT_SUMMARY) {
+        *mirrored = mirrors(n->world) ? n->instances : 0;
+        return NORMA_DOCUMENT_OK;
+    }
+    norma_document_result result = norma_gltf_read_instances(g, node, &instances, NULL);
+    for (size_t i = 0; !result && i < n->instances; ++i) {
+        double world[16];
+        norma_gltf_instance_matrix(&instances, i, world);
+        norma_gltf_matrix_multiply(n->world, world, world);
+        *mirrored += (size_t)mirrors(world);
+    }
+    return result;
+}
+
+static norma_document_result make_node(gltf *g, uint32_t node, norma_node_info *info)
+{
+    info->parent = g->nodes[node].parent == GLTF_NONE ? SIZE_MAX : g->nodes[node].parent;
+    info->skin = g->nodes[node].skin == GLTF_NONE ? SIZE_MAX : g->nodes[node].skin;
+    info->where = norma_gltf_where(g, "nodes", node);
+    info->path = path_of(g, node);
+    info->ignore = ignored_by_node(g, node);
+    if (!info->where || !info->path || !info->ignore)
+        return NORMA_DOCUMENT_ERROR_MEMORY;
+    return count_mirrored(g, node, &info->mirrored_instances);
+}
+
+norma_document_result norma_gltf_describe_node(const norma_document *document, size_t index, norma_node_info *info)
+{
+    gltf *g = norma_gltf_of(document);
+    norma_scene *scene = document->scene;
+    if (!scene->nodes && !(scene->nodes = norma_scene_allocate(scene, g->drawing_count, sizeof *scene->nodes)))
+        return NORMA_DOCUMENT_ERROR_MEMORY;
+    norma_node_info made = *info;
+    norma_document_result result = scene->nodes[index].where ? NORMA_DOCUMENT_OK : make_node(g, g->drawing[index], &made);
+    if (!result && !scene->nodes[index].where)
+        scene->nodes[index] = made;
+    if (!result)
+        *info = scene->nodes[index];
+    return result;
+}
+
+static norma_document_result instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error)
+{
+    gltf *g = norma_gltf_of(document);
+    uint32_t node = g->drawing[index];
+    gltf_instances instances;
+    memcpy(world, g->nodes[node].world, sizeof g->nodes[node].world);
+    if (!g->nodes[node].instanced)
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_gltf_read_instances(g, node, &instances, error);
+    if (!result) {
+        double matrix[16];
+        norma_gltf_instance_matrix(&instances, instance, matrix);
+        norma_gltf_matrix_multiply(world, matrix, world);
+    }
+    return result;
+}
+
+/* ---- what was not read */
+
+static const char *unknown_extension(gltf *g, uint32_t token)
+{
+    char *name = norma_json_string(&g->json, token), *why = NULL;
+    size_t size = name ? strlen(name) + 64 : 0;
+    if (name && (norma_gltf_is_known(name) || strcmp(name, "KHR_draco_mesh_compression") == 0))     /* its primitives are named instead */
+        why = norma_scene_text(g->document->scene, "");
+    else if (name && (why = norma_scene_allocate(g->document->scene, size, 1)) != NULL)
+        snprintf(why, size, "requires %s, which is not known here", name);
+    free(name);
+    return why;
+}
+
+static norma_document_result read_unread(norma_document *document, norma_document_error *error)
+{
+    gltf *g = norma_gltf_of(document);
+    norma_scene *scene = document->scene;
+    uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;
+    norma_unread *unread = norma_scene_allocate(scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count, sizeof *unread);
+    size_t count = 0;
+    if (!unread)
+        return norma_document_fail_memory(document, error);
+    for (uint32_t item = norma_json_first(&g->json, list); item != JSON_NONE; item = norma_json_next(&g->json, list, item), ++number) {
+        const norma_unread made = {norma_gltf_where(g, "extensionsRequired", number), unknown_extension(g, item)};
+        if (!made.where || !made.why)
+            return norma_document_fail_memory(document, error);
+        if (made.why[0])
+            unread[count++] = made;
+    }
+    for (uint32_t i = 0; i < g->primitive_count; ++i)
+        if (g->primitives[i].not_read && g->primitives[i].mode >= GLTF_TRIANGLES)
+            unread[count++] = (norma_unread){g->primitives[i].where, g->primitives[i].not_read};
+    scene->unread = unread;
+    scene->unread_count = count;
+    return NORMA_DOCUMENT_OK;
+}
+
+const scene_functions norma_gltf_scene = {
+    .materials = norma_gltf_materials,
+    .attributes = read_attributes,
+    .morph = read_morph,
+    .skin_count = norma_gltf_skin_count,
+    .skin = norma_gltf_skin,
+    .unread = read_unread,
+    .instance_world = instance_world,
+};

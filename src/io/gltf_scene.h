@@ -1,0 +1,38 @@
+/* gltf_scene.h: what the files share that tell what else a glTF's surfaces have. */
+#ifndef NORMA_IO_GLTF_SCENE_H
+#define NORMA_IO_GLTF_SCENE_H
+#include "gltf.h"
+#include "scene.h"
+
+/* Rules that the extras of an object silence, "N201,N3"; "" for none, NULL: out of memory. */
+const char *norma_gltf_ignore(gltf *g, uint32_t token);
+/* The "name" of an object, "" for none; NULL: out of memory. */
+const char *norma_gltf_name(gltf *g, uint32_t token);
+/* "/LIST/NUMBER"; NULL: out of memory. */
+const char *norma_gltf_where(gltf *g, const char *list, size_t number);
+/* An accessor as floats, width of them for each element, tight: the file's own bytes where they are just that, else a decoded copy that the document keeps.
+ * count elements are wanted; where it has fewer, NULL. */
+norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error);
+
+/* gltf_materials.c */
+norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error);
+
+/* gltf_skins.c */
+size_t                norma_gltf_skin_count(const norma_document *document);
+norma_document_result norma_gltf_skin(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
+
+/* gltf_instances.c: where a node draws its mesh, again and again (EXT_mesh_gpu_instancing) */
+typedef struct gltf_instances {
+    gltf_array translation, rotation, scale;
+    int        has_translation, has_rotation, has_scale;
+    uint32_t   attributes;               /* the JSON object that names them; JSON_NONE */
+} gltf_instances;
+norma_document_result norma_gltf_read_instances(gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error);
+void                  norma_gltf_instance_matrix(const gltf_instances *instances, size_t index, double matrix[16]); /* within the node */
+
+/* gltf.c: whether a file may require the extension without a word in it changing what its meshes' numbers mean. */
+int norma_gltf_is_known(const char *name);
+
+/* The fields of a drawing node's info that are not about what it draws. */
+norma_document_result norma_gltf_describe_node(const norma_document *document, size_t index, norma_node_info *info);
+#endif

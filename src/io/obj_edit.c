@@ -1,0 +1,34 @@
+/* obj_edit.c: faces of an OBJ reversed or left out, single vn and v lines with other numbers: the text is written so and read anew. */
+#include "edit.h"
+#include "obj.h"
+#include "sink.h"
+#include <stdlib.h>
+#include <string.h>
+
+static void take_numbers(obj_state *state, const norma_mesh_edit *edit)
+{
+    for (size_t i = 0; edit->set_normals && i < state->normal_count; ++i)
+        if (edit->set_normals[i])
+            memcpy(state->normals + 3 * i, edit->normals + 3 * i, 3 * sizeof *state->normals);
+    for (size_t i = 0; edit->set_positions && i < state->position_count; ++i)
+        if (edit->set_positions[i])
+            memcpy(state->positions + 3 * i, edit->positions + 3 * i, 3 * sizeof *state->positions);
+    state->normals_turned |= edit->set_normals != NULL;
+    state->positions_moved |= edit->set_positions != NULL;
+}
+
+norma_document_result norma_obj_edit(norma_document *document, const norma_mesh_edit *edit, norma_document_error *error)
+{
+    norma_document_result result = norma_obj_settle(document, error);
+    if (result)
+        return result;
+    obj_state *state = document->state;
+    take_numbers(state, edit);
+    state->reverse_faces = edit->reverse_faces;
+    state->drop_faces = edit->drop_faces;
+    result = norma_obj_settle(document, error);
+    state = document->state;
+    if (result && state)
+        state->reverse_faces = state->drop_faces = NULL; /* the caller's */
+    return result;
+}

@@ -1,0 +1,244 @@
+/* obj_scene.c: what an OBJ's faces have beside positions and normals: texture vertices and materials. A second walk over the same statements, for those who ask. */
+#include "obj.h"
+#include "obj_text.h"
+#include "number.h"
+#include "scene.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct walk {
+    norma_document *document;
+    const obj_state *state;
+    const char *end;
+    float    *texcoords;
+    size_t    texcoord_count, texcoord_room;
+    uint32_t *corner_texcoords;               /* of each corner */
+    size_t    corner, face;
+    const char **names;                       /* of materials, in the order of their first use */
+    size_t    name_count, name_room;
+    uint32_t *table;                          /* hash table of names: number + 1 */
+    size_t    table_size;
+    uint32_t *face_materials;
+    uint32_t  material;                       /* in force; UINT32_MAX: none */
+    int       failed;                         /* out of memory */
+} walk;
+
+/* ---- names */
+
+static size_t hash_of(const char *text, size_t length)
+{
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < length; ++i)
+        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(1099511628211);
+    return (size_t)(hash ^ hash >> 29);
+}
+
+static uint32_t *slot_of(const walk *w, const char *text, size_t length)
+{
+    size_t at = hash_of(text, length) & (w->table_size - 1);
+    for (; w->table[at]; at = (at + 1) & (w->table_size - 1)) {
+        const char *name = w->names[w->table[at] - 1];
+        if (strlen(name) == length && memcmp(name, text, length) == 0)
+            break;
+    }
+    return &w->table[at];
+}
+
+static int grow_table(walk *w)
+{
+    size_t larger = w->table_size ? 2 * w->table_size : 64;
+    uint32_t *table = norma_io_allocate(larger, sizeof *table);
+    if (!table)
+        return 0;
+    free(w->table);
+    w->table = table;
+    w->table_size = larger;
+    for (size_t i = 0; i < w->name_count; ++i)
+        *slot_of(w, w->names[i], strlen(w->names[i])) = (uint32_t)i + 1;
+    return 1;
+}
+
+/* Texts with a zero byte in them end there. */
+static void use_material(walk *w, const char *text, size_t length)
+{
+    const char *zero = memchr(text, 0, length);
+    length = zero ? (size_t)(zero - text) : length;
+    if (2 * w->name_count >= w->table_size && !grow_table(w)) {
+        w->failed = 1;
+        return;
+    }
+    uint32_t *slot = slot_of(w, text, length);
+    if (!*slot) {
+        const char **names = norma_io_grow((void *)w->names, &w->name_room, w->name_count + 1, sizeof *names);
+        char *name = names ? norma_scene_allocate(w->document->scene, length + 1, 1) : NULL;
+        w->names = names ? names : w->names;
+        w->failed |= !name;
+        if (!name)
+            return;
+        memcpy(name, text, length);
+        w->names[w->name_count] = name;
+        *slot = (uint32_t)++w->name_count;
+    }
+    w->material = *slot - 1;
+}
+
+/* ---- statements */
+
+static void read_material(walk *w, const char *p)
+{
+    p = norma_obj_skip_blanks(p, w->end);
+    const char *end = norma_obj_statement_end(p, w->end);
+    while (end > p && norma_obj_is_blank(end[-1]))
+        --end;
+    use_material(w, p, (size_t)(end - p));
+}
+
+static void read_texcoord(walk *w, const char *p)
+{
+    float *grown = norma_io_grow(w->texcoords, &w->texcoord_room, w->texcoord_count + 1, 2 * sizeof *grown);
+    if (!grown) {
+        w->failed = 1;
+        return;
+    }
+    w->texcoords = grown;
+    for (size_t i = 0; i < 2; ++i) {
+        double number = 0;
+        p = norma_obj_skip_blanks(p, w->end);
+        const char *next = norma_number_parse(p, w->end, &number);
+        p = norma_obj_number_end(next ? next : p, w->end);
+        grown[2 * w->texcoord_count + i] = (float)number;
+    }
+    ++w->texcoord_count;
+}
+
+static uint32_t texture_of(const walk *w, const obj_corner *corner)
+{
+    int64_t index;
+    const char *slash = memchr(corner->begin, '/', (size_t)(corner->end - corner->begin));
+    if (!corner->has_texture || !slash || !norma_number_parse_integer(slash + 1, corner->end, &index))
+        return UINT32_MAX;
+    uint32_t number = norma_obj_resolve(index, w->texcoord_count);
+    return number == UINT32_MAX - 2 ? UINT32_MAX : number;
+}
+
+static void read_face(walk *w, const char *p)
+{
+    obj_corner corner;
+    size_t first = w->corner;
+    for (p = norma_obj_skip_blanks(p, w->end); w->corner < w->state->corner_count && norma_obj_corner(p, w->end, &corner); p = norma_obj_skip_blanks(corner.end, w->end))
+        w->corner_texcoords[w->corner++] = texture_of(w, &corner);
+    if (w->corner > first && w->face < w->state->face_count)
+        w->face_materials[w->face++] = w->material;
+}
+
+static int is_word(const char *p, const char *end, const char *word)
+{
+    size_t length = strlen(word);
+    return (size_t)(end - p) > length && memcmp(p, word, length) == 0 && norma_obj_is_blank(p[length]);
+}
+
+static void read_all(walk *w)
+{
+    const char *text = (const char *)w->document->source.data, *rest;
+    if (w->document->source.size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
+        text += 3;
+    for (const char *p = text; p < w->end && !w->failed; p = norma_obj_skip_end(norma_obj_statement_end(p, w->end), w->end)) {
+        p = norma_obj_skip_blanks(p, w->end);
+        if (is_word(p, w->end, "vt"))
+            read_texcoord(w, p + 2);
+        else if (is_word(p, w->end, "usemtl"))
+            read_material(w, p + 6);
+        else if (p < w->end && *p == 'f' && norma_obj_keyword(p, w->end, &rest) == OBJ_FACE)
+            read_face(w, rest);
+    }
+}
+
+/* ---- the document's */
+
+static int keep_materials(walk *w)
+{
+    norma_scene *scene = w->document->scene;
+    norma_material_info *materials = norma_scene_allocate(scene, w->name_count, sizeof *materials);
+    if (!materials)
+        return 0;
+    for (size_t i = 0; i < w->name_count; ++i)
+        materials[i] = (norma_material_info){.name = w->names[i], .where = "", .base_color = {1, 1, 1, 1}, .roughness = 1, .ignore = ""};
+    scene->materials = materials;
+    scene->material_count = w->name_count;
+    return 1;
+}
+
+static int several(const walk *w)
+{
+    for (size_t i = 1; i < w->face; ++i)
+        if (w->face_materials[i] != w->face_materials[0])
+            return 1;
+    return 0;
+}
+
+/* vt numbers past the last one name none. */
+static void keep_texcoords(walk *w, norma_mesh_attributes *made)
+{
+    int any = 0;
+    for (size_t i = 0; i < w->corner; ++i) {
+        if (w->corner_texcoords[i] >= w->texcoord_count)
+            w->corner_texcoords[i] = UINT32_MAX;
+        any |= w->corner_texcoords[i] != UINT32_MAX;
+    }
+    float *kept = any ? norma_scene_allocate(w->document->scene, w->texcoord_count, 2 * sizeof *kept) : NULL;
+    w->failed |= any && !kept;
+    if (!kept)
+        return;
+    memcpy(kept, w->texcoords, w->texcoord_count * 2 * sizeof *kept);
+    made->texcoords = kept;
+    made->texcoord_count = w->texcoord_count;
+    made->corner_texcoords = w->corner_texcoords;
+}
+
+static void count_normals(const obj_state *state, norma_mesh_attributes *made)
+{
+    for (size_t face = 0; state->corner_normals && face < state->face_count; ++face) {
+        int bad = 0, without = 0, with = 0;
+        for (size_t i = norma_obj_face_start(state, face); i < norma_obj_face_start(state, face + 1); ++i) {
+            bad |= state->corner_normals[i] == OBJ_BAD_NORMAL;
+            without |= state->corner_normals[i] == OBJ_NO_NORMAL;
+            with |= state->corner_normals[i] < OBJ_BAD_NORMAL;
+        }
+        made->normals_out_of_range += (size_t)bad;
+        made->normals_missing += (size_t)(!bad && with && without);
+    }
+}
+
+/* Both, materials and attributes, come of one walk. */
+static norma_document_result walk_all(norma_document *document, norma_document_error *error)
+{
+    norma_scene *scene = document->scene;
+    const obj_state *state = document->state;
+    walk w = {.document = document, .state = state, .end = (const char *)document->source.data + document->source.size, .material = UINT32_MAX};
+    norma_mesh_attributes *made = norma_scene_allocate(scene, 1, sizeof *made);
+    norma_mesh_attributes **list = norma_scene_allocate(scene, 1, sizeof *list);
+    w.corner_texcoords = norma_scene_allocate(scene, state->corner_count, sizeof *w.corner_texcoords);
+    w.face_materials = norma_scene_allocate(scene, state->face_count, sizeof *w.face_materials);
+    w.failed = !made || !list || !w.corner_texcoords || !w.face_materials;
+    if (!w.failed)
+        read_all(&w);
+    if (!w.failed) {
+        *made = (norma_mesh_attributes){.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""};
+        keep_texcoords(&w, made);
+        count_normals(state, made);
+        if (w.face && w.face_materials[0] != UINT32_MAX)
+            made->material = w.face_materials[0];
+        if (several(&w))
+            made->face_materials = w.face_materials;
+        list[0] = made;
+    }
+    w.failed = w.failed || !keep_materials(&w);
+    if (!w.failed)
+        scene->attributes = list;
+    free(w.texcoords);
+    free((void *)w.names);
+    free(w.table);
+    return w.failed ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
+}
+
+const scene_functions norma_obj_scene = {.materials = walk_all};

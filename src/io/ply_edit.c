@@ -1,0 +1,94 @@
+/* ply_edit.c: faces of a PLY reversed or left out, normals and positions of single vertices replaced: kept as changes beside the bytes, then made bytes. */
+#include "edit.h"
+#include "ply.h"
+#include <stdlib.h>
+#include <string.h>
+
+static uint8_t *copy_marks(const uint8_t *marks, size_t count)
+{
+    uint8_t *copy = norma_io_allocate(count, 1);
+    if (copy && count)
+        memcpy(copy, marks, count);
+    return copy;
+}
+
+/* As stored, with codes for the new ones. */
+static norma_document_result edit_normals(norma_document *document, const norma_mesh_edit *edit, norma_document_error *error)
+{
+    ply_state *state = document->state;
+    const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
+    ply_edit *change = &state->edit;
+    double *values = NULL;
+    float *codes = norma_io_allocate(state->vertices, 3 * sizeof *codes);
+    norma_document_result result = codes ? norma_ply_read_columns(document, vertex, state->header.normal, &values, error) : norma_document_fail_memory(document, error);
+    if (!result) {
+        norma_ply_normal_types(&state->header, vertex, state->header.normal, change->normal_types);
+        for (size_t i = 0; i < state->vertices; ++i)
+            if (norma_edit_says(edit->set_normals, i))
+                memcpy(codes + 3 * i, edit->normals + 3 * i, 3 * sizeof *codes);
+        result = norma_ply_encode_normals(document, change->normal_types, codes, state->vertices, error);
+    }
+    for (size_t i = 0; !result && i < state->vertices; ++i)
+        for (size_t axis = 0; axis < 3 && norma_edit_says(edit->set_normals, i); ++axis)
+            values[3 * i + axis] = (double)codes[3 * i + axis];
+    free(codes);
+    if (result)
+        free(values);
+    else
+        change->stored_normals = values;
+    return result;
+}
+
+static norma_document_result edit_positions(norma_document *document, const norma_mesh_edit *edit, norma_document_error *error)
+{
+    ply_state *state = document->state;
+    const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
+    norma_document_result result = norma_ply_read_columns(document, vertex, state->header.position, &state->edit.positions, error);
+    for (int axis = 0; axis < 3; ++axis)
+        state->edit.position_types[axis] = norma_ply_property(&state->header, vertex, state->header.position[axis])->type;
+    for (size_t i = 0; !result && i < state->vertices; ++i)
+        if (norma_edit_says(edit->set_positions, i))
+            memcpy(state->edit.positions + 3 * i, edit->positions + 3 * i, 3 * sizeof(double));
+    return result;
+}
+
+static norma_document_result edit_faces(norma_document *document, const norma_mesh_edit *edit, norma_document_error *error)
+{
+    ply_state *state = document->state;
+    const ply_mesh *mesh = &state->mesh;
+    ply_edit *change = &state->edit;
+    for (size_t face = mesh->polygon_count; edit->drop_faces && face < mesh->face_count; ++face)
+        if (edit->drop_faces[face])
+            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "triangles of a strip cannot be left out; expected faces");
+    if (edit->drop_faces && !(change->dropped_rows = copy_marks(edit->drop_faces, mesh->polygon_count)))
+        return norma_document_fail_memory(document, error);
+    if (!edit->reverse_faces)
+        return NORMA_DOCUMENT_OK;
+    change->corners = norma_io_allocate(mesh->corner_count, sizeof *change->corners);
+    change->reversed_rows = copy_marks(edit->reverse_faces, mesh->polygon_count);
+    if (!change->corners || !change->reversed_rows)
+        return norma_document_fail_memory(document, error);
+    change->reversed = 1;
+    memcpy(change->corners, mesh->corners, mesh->corner_count * sizeof *change->corners);
+    for (size_t face = 0; face < mesh->face_count; ++face) {
+        size_t begin = mesh->face_starts ? mesh->face_starts[face] : 3 * face, end = mesh->face_starts ? mesh->face_starts[face + 1] : begin + 3;
+        for (size_t i = begin + 1; edit->reverse_faces[face] && i < end; ++i)
+            change->corners[i] = mesh->corners[end + begin - i];
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_ply_edit(norma_document *document, const norma_mesh_edit *edit, norma_document_error *error)
+{
+    norma_document_result result = norma_ply_settle(document, error);
+    ply_state *state = document->state;
+    if (!result && edit->set_normals && state->header.normal[0] == PLY_NONE)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "has no normals that could be replaced");
+    if (!result && edit->set_normals)
+        result = edit_normals(document, edit, error);
+    if (!result && edit->set_positions)
+        result = edit_positions(document, edit, error);
+    if (!result && norma_edit_has_faces(edit))
+        result = edit_faces(document, edit, error);
+    return result ? result : norma_ply_settle(document, error);
+}

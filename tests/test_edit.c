@@ -1,0 +1,311 @@
+/* test_edit.c: norma_document_edit on every mesh of the data set and of assets: faces reversed, left out, normals and positions replaced, each read back from the bytes written.
+ * Reversed twice, a text or a list of rows is byte for byte what it was. */
+#include "check.h"
+#include "document_bytes.h"
+#include "mesh_files.h"
+
+static uint32_t next_random(uint32_t *state) {
+    *state = *state * 1664525u + 1013904223u;
+    return *state >> 8;
+}
+
+static size_t corner_at(const norma_mesh *mesh, size_t corner) {
+    if (!mesh->corners)
+        return corner;
+    if (mesh->corner_size == 1)
+        return ((const uint8_t *)mesh->corners)[corner];
+    return mesh->corner_size == 2 ? ((const uint16_t *)mesh->corners)[corner] : ((const uint32_t *)mesh->corners)[corner];
+}
+
+static size_t faces_of(const norma_mesh *mesh) { return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3; }
+static size_t start_of(const norma_mesh *mesh, size_t face) { return mesh->face_starts ? mesh->face_starts[face] : 3 * face; }
+
+static void position_at(const norma_mesh *mesh, size_t corner, double out[3]) {
+    const norma_vec3_view *view = &mesh->positions;
+    const size_t sizes[] = {4, 8, 1, 1, 2, 2}, size = sizes[view->format];
+    const unsigned char *at = (const unsigned char *)view->data + corner_at(mesh, corner) * (view->stride ? view->stride : 3 * size);
+    for (int k = 0; k < 3; ++k, at += size) {
+        float f;
+        int16_t s;
+        uint16_t u;
+        switch (view->format) {
+        case NORMA_FORMAT_FLOAT: memcpy(&f, at, 4), out[k] = (double)f; break;
+        case NORMA_FORMAT_DOUBLE: memcpy(&out[k], at, 8); break;
+        case NORMA_FORMAT_INT8: out[k] = *(const int8_t *)at; break;
+        case NORMA_FORMAT_UINT8: out[k] = *at; break;
+        case NORMA_FORMAT_INT16: memcpy(&s, at, 2), out[k] = s; break;
+        case NORMA_FORMAT_UINT16: memcpy(&u, at, 2), out[k] = u; break;
+        }
+    }
+}
+
+typedef struct opened {
+    document_bytes bytes;
+    norma_document *document;
+    size_t meshes;
+} opened;
+
+static opened open_bytes(document_bytes bytes, const char *path) {
+    opened file = {.bytes = bytes, .document = bytes_open(bytes, path)};
+    file.meshes = norma_document_mesh_count(file.document);
+    return file;
+}
+
+static void close_bytes(opened *file) {
+    norma_document_close(file->document);
+    bytes_free(&file->bytes);
+}
+
+static int is_read(norma_document *document, size_t mesh) {
+    norma_mesh_info info;
+    assert_int_equal(norma_document_mesh_info(document, mesh, &info), NORMA_DOCUMENT_OK);
+    return !info.not_read;
+}
+
+static norma_mesh_data data_of(norma_document *document, size_t mesh) {
+    norma_mesh_data data;
+    assert_int_equal(norma_document_mesh_data(document, mesh, &data, NULL), NORMA_DOCUMENT_OK);
+    return data;
+}
+
+/* Marks for about one element of five, at least one. */
+static uint8_t *random_marks(size_t count, uint32_t *seed) {
+    uint8_t *marks = calloc(count + 1, 1);
+    for (size_t i = 0; i < count; ++i) marks[i] = next_random(seed) % 5 == 0;
+    if (count)
+        marks[next_random(seed) % count] = 1;
+    return marks;
+}
+
+/* ---- faces */
+
+static void compare_faces(const norma_mesh *old, const norma_mesh *now, const norma_mesh_edit *edit) {
+    size_t face = 0, count = faces_of(old);
+    for (size_t f = 0; f < count; ++f) {
+        if (edit->drop_faces && edit->drop_faces[f])
+            continue;
+        size_t begin = start_of(old, f), end = start_of(old, f + 1), at = start_of(now, face);
+        assert_int_equal(start_of(now, face + 1) - at, end - begin);
+        for (size_t i = begin; i < end; ++i) {
+            size_t from = edit->reverse_faces && edit->reverse_faces[f] && i > begin ? end + begin - i : i;
+            double a[3], b[3];
+            position_at(old, from, a);
+            position_at(now, at + i - begin, b);
+            assert_true(memcmp(a, b, sizeof a) == 0 || a[0] != a[0] || a[1] != a[1] || a[2] != a[2]);
+        }
+        ++face;
+    }
+    assert_int_equal(face, faces_of(now));
+}
+
+static int has_strips(norma_document *document, const norma_mesh_data *data, size_t mesh) {
+    norma_mesh_info info;
+    norma_document_mesh_info(document, mesh, &info);
+    return norma_document_format(document) == NORMA_FILE_PLY && info.faces != faces_of(&data->mesh);
+}
+
+/* The edited bytes, or none where the format said that it cannot. */
+static document_bytes edited(document_bytes bytes, const char *path, const norma_mesh_edit *edits) {
+    norma_document *document = bytes_open(bytes, path);
+    norma_document_error error;
+    norma_document_result result = norma_document_edit(document, edits, &error);
+    document_bytes out = {0};
+    if (result == NORMA_DOCUMENT_ERROR_UNSUPPORTED)
+        assert_true(error.message[0] != 0);
+    else if (result) {
+        print_error("%s: %s\n", path, error.message);
+        fail();
+    } else
+        out = bytes_of(document);
+    norma_document_close(document);
+    return out;
+}
+
+static void free_edits(norma_mesh_edit *edits, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+        free((void *)edits[i].reverse_faces);
+        free((void *)edits[i].drop_faces);
+        free((void *)edits[i].set_normals);
+        free((void *)edits[i].normals);
+    }
+    free(edits);
+}
+
+static void try_faces(const char *path, int drop) {
+    uint32_t seed = 7;
+    opened file = open_bytes(bytes_load(path), path);
+    norma_mesh_edit *edits = calloc(file.meshes + 1, sizeof *edits);
+    for (size_t m = 0; m < file.meshes; ++m) {
+        if (!is_read(file.document, m))
+            continue;
+        norma_mesh_data data = data_of(file.document, m);
+        size_t faces = faces_of(&data.mesh);
+        edits[m].reverse_faces = random_marks(faces, &seed);
+        uint8_t *dropped = drop && !has_strips(file.document, &data, m) ? random_marks(faces, &seed) : NULL;
+        if (dropped && faces < 2) /* a glTF primitive keeps one */
+            dropped[0] = 0;
+        edits[m].drop_faces = dropped;
+    }
+    document_bytes out = edited(file.bytes, path, edits);
+    if (out.size) {
+        opened now = open_bytes(out, path);
+        for (size_t m = 0; m < file.meshes; ++m) {
+            if (!is_read(file.document, m))
+                continue;
+            norma_mesh_data before = data_of(file.document, m), after = data_of(now.document, m);
+            size_t left = 0;
+            for (size_t f = 0; f < faces_of(&before.mesh); ++f) left += !edits[m].drop_faces || !edits[m].drop_faces[f];
+            if (left)
+                compare_faces(&before.mesh, &after.mesh, &edits[m]);
+        }
+        norma_file_format format = norma_document_format(file.document);
+        if (!drop && format != NORMA_FILE_GLTF && format != NORMA_FILE_GLB) {
+            document_bytes back = edited(out, path, edits);
+            norma_mesh_data data = data_of(file.document, 0);
+            if (!has_strips(file.document, &data, 0) && !bytes_equal(back, file.bytes)) {
+                print_error("%s: reversed twice is not the same\n", path);
+                fail();
+            }
+            bytes_free(&back);
+        }
+        close_bytes(&now);
+    }
+    free_edits(edits, file.meshes);
+    close_bytes(&file);
+}
+
+/* ---- normals */
+
+static void try_normals(const char *path) {
+    uint32_t seed = 11;
+    opened file = open_bytes(bytes_load(path), path);
+    norma_mesh_edit *edits = calloc(file.meshes + 1, sizeof *edits);
+    int any = 0;
+    for (size_t m = 0; m < file.meshes; ++m) {
+        if (!is_read(file.document, m))
+            continue;
+        norma_mesh_data data = data_of(file.document, m);
+        if (!data.normals.count)
+            continue;
+        any = 1;
+        uint8_t *set = random_marks(data.normals.count, &seed);
+        float *normals = calloc(3 * data.normals.count + 1, sizeof *normals);
+        for (size_t i = 0; i < data.normals.count; ++i) normals[3 * i + next_random(&seed) % 3] = next_random(&seed) % 2 ? 1.0f : -1.0f;
+        edits[m].set_normals = set;
+        edits[m].normals = normals;
+    }
+    document_bytes out = any ? edited(file.bytes, path, edits) : (document_bytes){0};
+    if (out.size) {
+        opened now = open_bytes(out, path);
+        for (size_t m = 0; m < file.meshes; ++m) {
+            if (!edits[m].set_normals)
+                continue;
+            norma_mesh_data before = data_of(file.document, m), after = data_of(now.document, m);
+            assert_int_equal(before.normals.count, after.normals.count);
+            for (size_t i = 0; i < before.normals.count; ++i) {
+                const float *is = (const float *)before.normals.data + 3 * i, *was = (const float *)after.normals.data + 3 * i;
+                const float *wanted = edits[m].set_normals[i] ? edits[m].normals + 3 * i : is;
+                for (int k = 0; k < 3; ++k)
+                    if (!(was[k] == wanted[k]) && !(was[k] != was[k] && wanted[k] != wanted[k])) {
+                        print_error("%s: normal %zu is %g instead of %g\n", path, i, (double)was[k], (double)wanted[k]);
+                        fail();
+                    }
+            }
+        }
+        close_bytes(&now);
+    }
+    free_edits(edits, file.meshes);
+    close_bytes(&file);
+}
+
+/* ---- positions: moved by one place of its own */
+
+static void one_position_is_moved(const char *path) {
+    opened file = open_bytes(bytes_load(path), path);
+    norma_mesh_data data = data_of(file.document, 0);
+    size_t count = data.mesh.positions.count;
+    norma_mesh_edit edit = {0};
+    double *positions = calloc(3 * count, sizeof *positions);
+    uint8_t *set = calloc(count, 1);
+    positions[4] = 0.25;
+    set[1] = 1;
+    edit.positions = positions;
+    edit.set_positions = set;
+    document_bytes out = edited(file.bytes, path, &edit);
+    opened now = open_bytes(out, path);
+    norma_mesh_data after = data_of(now.document, 0);
+    for (size_t c = 0; c < data.mesh.corner_count; ++c) {
+        double a[3], b[3];
+        position_at(&data.mesh, c, a);
+        position_at(&after.mesh, c, b);
+        if (corner_at(&data.mesh, c) == 1)
+            a[0] = 0, a[1] = 0.25, a[2] = 0;
+        assert_true(a[0] == b[0] && a[1] == b[1] && a[2] == b[2]);
+    }
+    free(positions);
+    free(set);
+    close_bytes(&now);
+    close_bytes(&file);
+}
+
+static void assets_keep_all_else(void **state) {
+    static const char *const paths[] = {"assets/box-rotated.obj", "assets/concave-66gon.obj", "assets/dodecahedron.obj", "assets/goathead.obj", "assets/spider.stl"};
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(paths); ++i) {
+        try_faces(paths[i], 0);
+        try_faces(paths[i], 1);
+        try_normals(paths[i]);
+        one_position_is_moved(paths[i]);
+    }
+}
+
+static size_t tried;
+
+static void visit(const char *path, const char *name, const char *expect) {
+    (void)name;
+    if (strcmp(expect, "ok") != 0)
+        return;
+    document_bytes bytes = bytes_load(path);
+    int small = bytes.size < 4000000 / SLOWER;
+    int opens = small && bytes_try(bytes, path, NULL, NULL) == NORMA_DOCUMENT_OK;
+    bytes_free(&bytes);
+    if (!opens)
+        return;
+    try_faces(path, 0);
+    try_faces(path, 1);
+    try_normals(path);
+    ++tried;
+}
+
+static void data_set_keeps_all_else(void **state) {
+    static const char *const formats[] = {"obj", "ply", "stl", "gltf", "glb"};
+    (void)state;
+    size_t files = 0;
+    tried = 0;
+    for (size_t i = 0; i < COUNT_OF(formats); ++i) files += data_for_each_format(formats[i], visit);
+    if (files == 0)
+        skip();
+    assert_true(tried > 100);
+}
+
+static void marks_without_numbers_are_refused(void **state) {
+    (void)state;
+    opened file = open_bytes(bytes_load("assets/goathead.obj"), "assets/goathead.obj");
+    const uint8_t *marks = calloc(1000000, 1);
+    const norma_mesh_edit edit = {.set_normals = marks};
+    norma_document_error error;
+    assert_int_equal(norma_document_edit(file.document, &edit, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "marks without numbers"));
+    assert_int_equal(norma_document_edit(file.document, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    free((void *)marks);
+    close_bytes(&file);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(assets_keep_all_else),
+        cmocka_unit_test(data_set_keeps_all_else),
+        cmocka_unit_test(marks_without_numbers_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

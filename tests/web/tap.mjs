@@ -1,0 +1,26 @@
+/* Checks as TAP lines, as tests/tap.sh has them. */
+let number = 0, failed = 0;
+
+export function check(name, holds, detail) {
+  number++;
+  if (!holds) failed++;
+  console.log(`${holds ? "ok" : "not ok"} ${number} - ${name}`);
+  if (!holds && detail !== undefined) console.log(String(detail).split("\n").slice(0, 40).map((line) => `# ${line}`).join("\n"));
+  return holds;
+}
+
+export function skip(name) { console.log(`ok ${++number} # SKIP ${name}`); }
+
+export async function attempt(name, work) {
+  try {
+    await work();
+    return check(name, true);
+  } catch (error) {
+    return check(name, false, error?.stack ?? error);
+  }
+}
+
+export function finish() {
+  console.log(`1..${number}`);
+  process.exitCode = failed || !number ? 1 : 0;
+}
