@@ -30,6 +30,8 @@ const char *cli_suggest(const char *word, const void *names, size_t count, size_
 
 /* ---- options: one table for each verb */
 
+enum { CLI_NO_VALUE = 0, CLI_VALUE = 1, CLI_MAYBE_VALUE = 2 /* only as --name=value; else the value is NULL */ };
+
 typedef struct cli_option {
     const char *name; /* without its dashes */
     char letter;      /* 'o' for -o, or 0 */
