@@ -146,12 +146,13 @@ typedef struct norma_mesh_attributes {     /* what a mesh has beside norma_mesh_
     size_t          normals_missing;       /* elements without the normal that they should have: glTF vertices; OBJ faces of which some corners name a normal and others none */
     size_t          normals_surplus;       /* glTF: normals too many */
     size_t          normals_out_of_range;  /* OBJ: faces with a vn that is 0 or is not there (their corner_normals: UINT32_MAX) */
+    const uint8_t  *face_faults;           /* OBJ: of each face 1 where it is one of normals_missing, 2 of normals_out_of_range, else 0; NULL: no face is */
     const char     *ignore;                /* rules that extras of the document's root, the mesh or the primitive silence */
 } norma_mesh_attributes;
 /* Argument error where norma_document_mesh_data has one. */
 norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error);
 
-typedef struct norma_morph_data {          /* what one target adds to each vertex at weight 1, as floats; count 0: the target has none */
+typedef struct norma_morph_data {          /* what one target adds to each vertex at weight 1, as floats, positions in the unit of the mesh's; count 0: none */
     norma_vec3_view positions, normals, tangents;
 } norma_morph_data;
 norma_document_result norma_document_morph_data(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error);

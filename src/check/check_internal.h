@@ -145,7 +145,6 @@ static inline size_t norma_check_block_count(size_t count, size_t size) { return
 /* format decides the profile where options do not. ARGUMENT, MEMORY: nothing to abandon. */
 norma_result norma_check_begin(check_run *run, const norma_check_options *options, norma_file_format format);
 norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given);
-norma_result norma_check_run_nodes(check_run *run, const norma_check_scene *scene); /* nodes and skins, with the materials of the meshes they draw */
 norma_findings *norma_check_finish(check_run *run);
 void norma_check_abandon(check_run *run);
 /* Takes from mask what a list of extras' "ignore" names; words that name no rule are passed over. */

@@ -1,5 +1,6 @@
 /* run.c: one run over a file or over arrays: options made whole, each mesh through all families of rules, then nodes. */
 #include "findings.h"
+#include "scene_rules.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -110,6 +111,9 @@ typedef norma_result check_family(check_mesh *m);
 norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given) {
     static check_family *const families[] = {
         norma_check_lengths,
+        norma_check_presence,
+        norma_check_tangents,
+        norma_check_morphs,
     };
     char label[CHECK_MESSAGE];
     check_mesh m;
@@ -134,6 +138,8 @@ norma_result norma_check_scene_run(const norma_check_scene *scene, const norma_c
         norma_core_stage(&run.call, (double)i / (double)scene->mesh_count, (double)(i + 1) / (double)scene->mesh_count);
         result = norma_check_run_mesh(&run, &scene->meshes[i]);
     }
+    if (!result)
+        result = norma_check_nodes(&run, scene, NULL, NULL);
     if (result)
         norma_check_abandon(&run);
     else

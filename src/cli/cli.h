@@ -18,7 +18,7 @@ typedef struct cli_verb {
     int (*run)(const struct cli_verb *verb, int count, char **arguments);
 } cli_verb;
 
-extern const cli_verb cli_verb_compute, cli_verb_transform, cli_verb_matrix, cli_verb_info;
+extern const cli_verb cli_verb_compute, cli_verb_transform, cli_verb_matrix, cli_verb_info, cli_verb_check, cli_verb_explain;
 
 /* ---- messages on stderr: "norma compute: ..." (verb may be NULL). Always CLI_USAGE, so that a caller can return it. */
 #if defined(__GNUC__)
@@ -29,6 +29,8 @@ int cli_usage(const cli_verb *verb, const char *format, ...);
 const char *cli_suggest(const char *word, const void *names, size_t count, size_t stride);
 
 /* ---- options: one table for each verb */
+
+enum { CLI_NO_VALUE = 0, CLI_VALUE = 1, CLI_MAYBE_VALUE = 2 /* only as --name=value; else the value is NULL */ };
 
 typedef struct cli_option {
     const char *name; /* without its dashes */

@@ -2,22 +2,23 @@
 #include "cli.h"
 #include <string.h>
 
-static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix, &cli_verb_info};
+static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix, &cli_verb_check, &cli_verb_explain, &cli_verb_info};
 
-static const char introduction[] = "Norma keeps surface normals right: computes them, and carries them through transforms, in OBJ, PLY, STL and\n"
-                                   "glTF files, leaving everything else in the file as it was.\n"
+static const char introduction[] = "Norma keeps surface normals right: computes them, carries them through transforms and checks them, in OBJ,\n"
+                                   "PLY, STL and glTF files, leaving everything else in the file as it was.\n"
                                    "\n"
                                    "Examples\n"
                                    "  norma info chair.obj                             what is in it\n"
                                    "  norma compute chair.obj -o out.obj               normals, creases at 60 degrees\n"
                                    "  norma transform chair.glb -o out.glb --scale 2,1,1\n"
                                    "  norma matrix --scale 2,0.5,1                     how wrong plain M is, and what is right\n"
+                                   "  norma check models/                              what is wrong with normals, windings, seams, transforms\n"
                                    "\n"
                                    "Verbs\n";
 
 static const char ending[] = "\n"
                              "'norma help VERB' or 'norma VERB --help' tells more. 'norma --version' tells the version.\n"
-                             "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+                             "Exit status: 0 fine, 1 findings (check), 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
 
 static void print_help(FILE *out) {
     fputs(introduction, out);
@@ -33,7 +34,7 @@ static const cli_verb *find_verb(const char *name) {
 }
 
 static int unknown_verb(const char *name) {
-    static const char *const planned[] = {"check", "explain", "render", "view"};
+    static const char *const planned[] = {"render", "view"};
     const char *names[CLI_COUNT(verbs)], *meant;
     for (size_t i = 0; i < CLI_COUNT(planned); ++i)
         if (strcmp(name, planned[i]) == 0)

@@ -108,7 +108,7 @@ static int read_option(const cli_verb *verb, const cli_table *tables, size_t tab
         return unknown_option(verb, tables, table_count, argument);
     if (value && !option->takes_value)
         return cli_usage(verb, "--%s takes no value", option->name);
-    if (!value && option->takes_value) {
+    if (!value && option->takes_value == CLI_VALUE) {
         if (*at + 1 >= count || is_option(tables, table_count, arguments[*at + 1]))
             return cli_usage(verb, "%s needs a value", argument);
         value = arguments[++*at];

@@ -183,6 +183,22 @@ static norma_document_result read_deltas(gltf *g, uint32_t accessor, norma_vec3_
     return result;
 }
 
+/* Positions that are normalised integers are given as the integers that they are; what moves them is brought to their unit. */
+static norma_document_result scale_moves(gltf *g, uint32_t base, norma_vec3_view *moves, norma_document_error *error)
+{
+    const gltf_accessor *a = &g->accessors[base];
+    float unit = a->component == GLTF_BYTE ? 127 : a->component == GLTF_UBYTE ? 255 : a->component == GLTF_SHORT ? 32767 : a->component == GLTF_USHORT ? 65535 : 1;
+    if (!a->normalized || unit == 1 || !moves->count)
+        return NORMA_DOCUMENT_OK;
+    float *scaled = norma_scene_allocate(g->document->scene, moves->count, 3 * sizeof *scaled);
+    if (!scaled)
+        return norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < 3 * moves->count; ++i)
+        scaled[i] = unit * ((const float *)moves->data)[i];
+    moves->data = scaled;
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result read_morph(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error)
 {
     gltf *g = norma_gltf_of(document);
@@ -196,6 +212,8 @@ static norma_document_result read_morph(norma_document *document, size_t mesh, s
         if (!made)
             return norma_document_fail_memory(document, error);
         norma_document_result result = read_deltas(g, attributes->position, &made->positions, error);
+        if (!result)
+            result = scale_moves(g, g->primitives[mesh].base.position, &made->positions, error);
         if (!result)
             result = read_deltas(g, attributes->normal, &made->normals, error);
         if (!result)

@@ -195,18 +195,35 @@ static void keep_texcoords(walk *w, norma_mesh_attributes *made)
     made->corner_texcoords = w->corner_texcoords;
 }
 
-static void count_normals(const obj_state *state, norma_mesh_attributes *made)
+/* 1: some corners name a normal and others none; 2: one names a normal that is not there. */
+static uint8_t fault_of(const obj_state *state, size_t face)
 {
-    for (size_t face = 0; state->corner_normals && face < state->face_count; ++face) {
-        int bad = 0, without = 0, with = 0;
-        for (size_t i = norma_obj_face_start(state, face); i < norma_obj_face_start(state, face + 1); ++i) {
-            bad |= state->corner_normals[i] == OBJ_BAD_NORMAL;
-            without |= state->corner_normals[i] == OBJ_NO_NORMAL;
-            with |= state->corner_normals[i] < OBJ_BAD_NORMAL;
-        }
-        made->normals_out_of_range += (size_t)bad;
-        made->normals_missing += (size_t)(!bad && with && without);
+    int bad = 0, without = 0, with = 0;
+    for (size_t i = norma_obj_face_start(state, face); i < norma_obj_face_start(state, face + 1); ++i) {
+        bad |= state->corner_normals[i] == OBJ_BAD_NORMAL;
+        without |= state->corner_normals[i] == OBJ_NO_NORMAL;
+        with |= state->corner_normals[i] < OBJ_BAD_NORMAL;
     }
+    return bad ? 2 : with && without;
+}
+
+static void judge_normals(walk *w, norma_mesh_attributes *made)
+{
+    const obj_state *state = w->state;
+    uint8_t *faults = NULL;
+    for (size_t face = 0; state->corner_normals && face < state->face_count; ++face) {
+        uint8_t fault = fault_of(state, face);
+        if (!fault)
+            continue;
+        if (!faults && !(faults = norma_scene_allocate(w->document->scene, state->face_count, 1))) {
+            w->failed = 1;
+            return;
+        }
+        faults[face] = fault;
+        made->normals_missing += fault == 1;
+        made->normals_out_of_range += fault == 2;
+    }
+    made->face_faults = faults;
 }
 
 /* Both, materials and attributes, come of one walk. */
@@ -225,7 +242,7 @@ static norma_document_result walk_all(norma_document *document, norma_document_e
     if (!w.failed) {
         *made = (norma_mesh_attributes){.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""};
         keep_texcoords(&w, made);
-        count_normals(state, made);
+        judge_normals(&w, made);
         if (w.face && w.face_materials[0] != UINT32_MAX)
             made->material = w.face_materials[0];
         if (several(&w))
@@ -241,4 +258,16 @@ static norma_document_result walk_all(norma_document *document, norma_document_e
     return w.failed ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
 }
 
-const scene_functions norma_obj_scene = {.materials = walk_all};
+static norma_document_result read_unread(norma_document *document, norma_document_error *error)
+{
+    const obj_state *state = document->state;
+    norma_unread *unread = norma_scene_allocate(document->scene, 1, sizeof *unread);
+    if (!unread)
+        return norma_document_fail_memory(document, error);
+    *unread = (norma_unread){.where = "", .why = "free-form surfaces, of which only polygons that stand beside them are read"};
+    document->scene->unread = unread;
+    document->scene->unread_count = state->has_surfaces != 0;
+    return NORMA_DOCUMENT_OK;
+}
+
+const scene_functions norma_obj_scene = {.materials = walk_all, .unread = read_unread};

@@ -1,0 +1,143 @@
+/* morphs.c: N901 to N903: morph targets that turn the surface and not its normals, that cancel normals, that have normals where the mesh has none. */
+#include "scene_rules.h"
+#include "../core/face_geometry.h"
+#include <math.h>
+#include <string.h>
+
+static const double BENDS_DEG = 5, CANCELS = 0.1, NO_LENGTH = 1e-6, DEGENERATE = 1e-6;
+
+static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+/* ---- N901 */
+
+static void moved_position(const check_mesh *m, const norma_vec3_view *deltas, uint32_t v, double p[3]) {
+    double delta[3];
+    norma_core_position(&m->mesh, v, p);
+    norma_view_read(deltas, v, delta);
+    for (int k = 0; k < 3; k++) p[k] += delta[k];
+}
+
+static int moves(const check_mesh *m, const norma_vec3_view *deltas, size_t face) {
+    double delta[3];
+    for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face); c++) {
+        norma_view_read(deltas, norma_core_corner(&m->mesh, c), delta);
+        if (delta[0] != 0 || delta[1] != 0 || delta[2] != 0)
+            return 1;
+    }
+    return 0;
+}
+
+/* The unit normal of the moved face; 0 where it has become degenerate. */
+static int moved_normal(const check_mesh *m, const norma_vec3_view *deltas, size_t face, double normal[3]) {
+    size_t begin = norma_core_face_begin(&m->mesh, face), end = norma_core_face_end(&m->mesh, face);
+    double first[3], before[3], p[3], longest = 0;
+    moved_position(m, deltas, norma_core_corner(&m->mesh, begin), first);
+    memset(before, 0, sizeof before);
+    memset(normal, 0, 3 * sizeof *normal);
+    for (size_t c = begin + 1; c < end; c++) {
+        double edge[3];
+        moved_position(m, deltas, norma_core_corner(&m->mesh, c), p);
+        norma_core_subtract(p, first, edge);
+        longest = fmax(longest, norma_core_dot(edge, edge));
+        if (c > begin + 1) {
+            double between[3];
+            norma_core_subtract(edge, before, between);
+            longest = fmax(longest, norma_core_dot(between, between));
+            normal[0] += before[1] * edge[2] - before[2] * edge[1];
+            normal[1] += before[2] * edge[0] - before[0] * edge[2];
+            normal[2] += before[0] * edge[1] - before[1] * edge[0];
+        }
+        memcpy(before, edge, sizeof before);
+    }
+    double twice_area = length_of(normal);
+    if (!(twice_area > DEGENERATE * longest) || !isfinite(twice_area))
+        return 0;
+    for (int k = 0; k < 3; k++) normal[k] /= twice_area;
+    return 1;
+}
+
+static double bend_deg(const check_mesh *m, const norma_vec3_view *deltas, size_t face) {
+    const check_face *at_rest = &m->faces[face];
+    double moved[3];
+    if (!norma_check_directed(at_rest) || !moves(m, deltas, face) || !moved_normal(m, deltas, face, moved))
+        return 0;
+    const double n[3] = {(double)at_rest->normal[0], (double)at_rest->normal[1], (double)at_rest->normal[2]};
+    const double cross[3] = {n[1] * moved[2] - n[2] * moved[1], n[2] * moved[0] - n[0] * moved[2], n[0] * moved[1] - n[1] * moved[0]};
+    return atan2(length_of(cross), norma_core_dot(n, moved)) * (180 / 3.141592653589793);
+}
+
+static norma_result judge_bends(check_mesh *m) {
+    char message[CHECK_MESSAGE];
+    check_hits hits = {0};
+    size_t targets = 0;
+    for (size_t t = 0; t < m->given->morph_count; t++) {
+        const norma_morph_data *morph = &m->given->morphs[t];
+        size_t before = hits.count;
+        if (morph->normals.count || morph->positions.count < m->mesh.positions.count)
+            continue;
+        norma_result result = norma_check_faces(m);
+        if (result)
+            return result;
+        for (size_t f = 0; f < m->mesh.face_count; f++) {
+            double bend = bend_deg(m, &morph->positions, f);
+            if (bend > BENDS_DEG)
+                norma_check_hit(m->run, &hits, bend, norma_check_face(f));
+        }
+        targets += hits.count > before;
+    }
+    if (!hits.count)
+        return NORMA_OK;
+    norma_check_message(message, "%z of %z morph targets turn faces by up to %g degrees and have no normals; the moved surface is shaded as if it had not moved", targets,
+                        m->given->morph_count, hits.worst);
+    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N901, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &hits, .message = message});
+}
+
+/* ---- N902 */
+
+static norma_result judge_sums(check_mesh *m) {
+    char message[CHECK_MESSAGE];
+    check_hits hits = {.least = 1};
+    size_t normals = norma_check_normal_count(m);
+    for (size_t t = 0; t < m->given->morph_count; t++) {
+        const norma_vec3_view *deltas = &m->given->morphs[t].normals;
+        for (size_t v = 0; v < deltas->count && v < normals; v++) {
+            double n[3], delta[3];
+            norma_check_normal(m, v, n);
+            norma_view_read(deltas, v, delta);
+            if (!(length_of(n) >= NO_LENGTH)) /* already none: N101, N102 */
+                continue;
+            for (int k = 0; k < 3; k++) n[k] += delta[k];
+            if (length_of(n) < CANCELS)
+                norma_check_hit(m->run, &hits, length_of(n), norma_check_vertex(v));
+        }
+    }
+    if (!hits.count)
+        return NORMA_OK;
+    norma_check_message(message, "%z normals of which a morph target at weight 1 leaves less than a tenth (%g); their direction is noise", hits.count, hits.worst);
+    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N902, .severity = NORMA_SEVERITY_WARNING, .unit = "length", .hits = &hits, .message = message});
+}
+
+/* ---- N903 */
+
+static norma_result judge_bases(check_mesh *m) {
+    char message[CHECK_MESSAGE];
+    size_t normals = 0, tangents = 0;
+    for (size_t t = 0; t < m->given->morph_count; t++) {
+        normals += m->given->morphs[t].normals.count && !norma_check_normal_count(m);
+        tangents += m->given->morphs[t].tangents.count && !m->given->attributes.tangent_count;
+    }
+    if (!normals && !tangents)
+        return NORMA_OK;
+    norma_check_message(message, "%z morph targets have %s and the mesh has none; there is nothing to add them to", normals ? normals : tangents, normals ? "normals" : "tangents");
+    return norma_check_add_one(m->run, &m->place, m, RULE_N903, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, message);
+}
+
+norma_result norma_check_morphs(check_mesh *m) {
+    if (!m->given->morph_count || !m->given->morphs)
+        return NORMA_OK;
+    int lit = norma_check_normal_count(m) > 0 && !m->given->material.unlit;
+    norma_result result = lit && norma_check_wants(m, RULE_N901) ? judge_bends(m) : NORMA_OK;
+    if (!result && norma_check_wants(m, RULE_N902) && m->given->info.normals == NORMA_NORMALS_PER_VERTEX)
+        result = judge_sums(m);
+    return !result && norma_check_wants(m, RULE_N903) ? judge_bases(m) : result;
+}

@@ -1,0 +1,90 @@
+/* report_check_json.c: findings for programs: the schema norma-check/1. Keys are fixed; more may be added. */
+#include "check_verb.h"
+#include <math.h>
+
+static const char *fix_name(norma_fix fix) { return fix == NORMA_FIX_SAFE ? "safe" : fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL; }
+
+static void write_number(cli_json *json, const char *key, size_t number) {
+    if (number == SIZE_MAX)
+        cli_json_null(json, key);
+    else
+        cli_json_size(json, key, number);
+}
+
+static void write_position(cli_json *json, const norma_sample *sample) {
+    if (!sample->has_position) {
+        cli_json_null(json, "position");
+        return;
+    }
+    cli_json_open(json, "position", '[');
+    for (int i = 0; i < 3; ++i) cli_json_number(json, NULL, sample->position[i]);
+    cli_json_close(json, ']');
+}
+
+static void write_worst(cli_json *json, const norma_finding *finding) {
+    cli_json_open(json, "worst", '{');
+    cli_json_number(json, "value", finding->worst_value);
+    cli_json_string(json, "unit", finding->unit);
+    write_number(json, "vertex", finding->worst.vertex);
+    write_number(json, "face", finding->worst.face);
+    write_position(json, &finding->worst);
+    cli_json_close(json, '}');
+}
+
+static void write_sample(cli_json *json, const norma_sample *sample) {
+    cli_json_open(json, NULL, '{');
+    if (sample->vertex != SIZE_MAX)
+        cli_json_size(json, "vertex", sample->vertex);
+    if (sample->face != SIZE_MAX)
+        cli_json_size(json, "face", sample->face);
+    if (sample->normal != SIZE_MAX)
+        cli_json_size(json, "normal", sample->normal);
+    write_position(json, sample);
+    cli_json_close(json, '}');
+}
+
+static void write_item(cli_json *json, const check_item *item) {
+    const norma_finding *finding = item->finding;
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "rule", finding->rule->id);
+    cli_json_string(json, "name", finding->rule->name);
+    cli_json_string(json, "severity", check_severity_name(item->severity));
+    cli_json_string(json, "where", finding->where);
+    cli_json_size(json, "count", finding->count);
+    write_worst(json, finding);
+    cli_json_open(json, "samples", '[');
+    for (size_t i = 0; i < finding->sample_count; ++i) write_sample(json, &finding->samples[i]);
+    cli_json_close(json, ']');
+    cli_json_string(json, "fix", fix_name(finding->fix));
+    cli_json_string(json, "message", finding->message);
+    cli_json_close(json, '}');
+}
+
+static void begin(FILE *out) { fputs("{\"schema\": \"norma-check/1\", \"files\": [\n", out); }
+
+static void write_file(FILE *out, const check_report *report) {
+    cli_json json = {.out = out};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "path", report->path);
+    cli_json_string(&json, "profile", report->profile == NORMA_CHECK_PROFILE_PRINT ? "print" : "render");
+    cli_json_string(&json, "status", report->status);
+    cli_json_open(&json, "findings", '[');
+    for (size_t i = 0; i < report->count; ++i) write_item(&json, &report->items[i]);
+    cli_json_close(&json, ']');
+    cli_json_close(&json, '}');
+}
+
+static void end(FILE *out, const check_totals *totals) {
+    cli_json json = {.out = out, .needs_comma = 1};
+    fputs("\n]", out);
+    cli_json_open(&json, "summary", '{');
+    cli_json_size(&json, "errors", totals->errors);
+    cli_json_size(&json, "warnings", totals->warnings);
+    cli_json_size(&json, "infos", totals->infos);
+    cli_json_size(&json, "files", totals->files);
+    cli_json_size(&json, "not_checked", totals->not_checked);
+    cli_json_close(&json, '}');
+    fputs("}\n", out);
+}
+
+const check_format check_format_json = {"json", begin, write_file, ",\n", end};
