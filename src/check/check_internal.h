@@ -152,4 +152,18 @@ void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore);
 
 /* ---- families: each looks at its rules on one mesh */
 norma_result norma_check_lengths(check_mesh *m);               /* lengths.c: N101 to N103 */
+norma_result norma_check_facing(check_mesh *m);                /* facing.c: N201, N202 */
+norma_result norma_check_placeholder(check_mesh *m);           /* placeholder.c: N203 */
+norma_result norma_check_deviation(check_mesh *m);             /* deviation.c: N204 */
+norma_result norma_check_facets(check_mesh *m);                /* facets.c: N205 */
+norma_result norma_check_edges(check_mesh *m);                 /* edges.c: N301, N303, N305, N306 */
+norma_result norma_check_shapes(check_mesh *m);                /* shapes.c: N401, N402 */
+norma_result norma_check_cancelled(check_mesh *m);             /* cancelled.c: N403 */
+norma_result norma_check_polygons(check_mesh *m);              /* polygons.c: N404, N405 */
+norma_result norma_check_seams(check_mesh *m);                 /* seams.c: N501 */
+norma_result norma_check_coincident(check_mesh *m);            /* coincident.c: N503 */
+norma_result norma_check_precision(check_mesh *m);             /* precision.c: N502, N701, N702 */
+
+/* edges.c: topology.partners; adds the findings of edges that are wanted when the edges are paired, once. */
+norma_result norma_check_pairs(check_mesh *m);
 #endif

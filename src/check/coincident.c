@@ -1,0 +1,173 @@
+/* coincident.c: N503: positions that are almost, and not quite, equal: found in a grid of cells some steps wide, so that most positions are far from the sides of their
+ * cell and one look suffices. Cells that are full of near positions end at the first of them. */
+#include "check_internal.h"
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum { POSITIONS_IN_BLOCK = 1 << 13, CELL_STEPS = 8 };
+static const double NEAR = 1e-6; /* of the diagonal */
+
+typedef struct grid {
+    const check_mesh *m;
+    double low[3], step, cell;
+    size_t mask;
+    _Atomic uint32_t *heads;   /* of each slot the position added last; UINT32_MAX: none */
+    uint32_t *next;            /* of each position the one added before it */
+    uint8_t *used;             /* by a face */
+    check_hits *parts;
+} grid;
+
+static uint64_t mix(uint64_t h) {
+    h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
+    h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
+    return h ^ (h >> 32);
+}
+
+static size_t slot_of(const grid *g, const int64_t cell[3]) {
+    uint64_t h = mix((uint64_t)cell[0]);
+    h = mix(h + (uint64_t)cell[1] * UINT64_C(0x9e3779b97f4a7c15));
+    return (size_t)mix(h + (uint64_t)cell[2] * UINT64_C(0xc2b2ae3d27d4eb4f)) & g->mask;
+}
+
+static void cell_of(const grid *g, const double p[3], int64_t cell[3]) {
+    for (int k = 0; k < 3; k++) cell[k] = (int64_t)floor((p[k] - g->low[k]) / g->cell);
+}
+
+static void add_positions(void *context, size_t block, size_t begin, size_t end) {
+    grid *g = context;
+    (void)block;
+    for (size_t i = begin; i < end; i++) {
+        double p[3];
+        int64_t cell[3];
+        if (!g->used[i])
+            continue;
+        norma_core_position(&g->m->mesh, (uint32_t)i, p);
+        cell_of(g, p, cell);
+        g->next[i] = atomic_exchange_explicit(&g->heads[slot_of(g, cell)], (uint32_t)i, memory_order_relaxed);
+    }
+}
+
+/* Whether a position of the slot lies within the step and is not equal. The order in a slot is that of chance, so the first one found must do. */
+static int is_near_in(const grid *g, const int64_t cell[3], size_t self, const double p[3]) {
+    for (uint32_t i = atomic_load_explicit(&g->heads[slot_of(g, cell)], memory_order_relaxed); i != UINT32_MAX; i = g->next[i]) {
+        double q[3], d[3];
+        if (i == self)
+            continue;
+        norma_core_position(&g->m->mesh, i, q);
+        norma_core_subtract(p, q, d);
+        double square = norma_core_dot(d, d);
+        if (square < g->step * g->step && square > 0)
+            return 1;
+    }
+    return 0;
+}
+
+/* Which cells along an axis lie within a step: from -1, 0 to 0, 1. */
+static void reach(const grid *g, const double p[3], const int64_t cell[3], int from[3], int to[3]) {
+    for (int k = 0; k < 3; k++) {
+        double in_cell = p[k] - g->low[k] - (double)cell[k] * g->cell;
+        from[k] = in_cell < 1.01 * g->step ? -1 : 0;
+        to[k] = in_cell > g->cell - 1.01 * g->step ? 1 : 0;
+    }
+}
+
+static int is_near(const grid *g, size_t self) {
+    double p[3];
+    int64_t cell[3];
+    int from[3], to[3];
+    norma_core_position(&g->m->mesh, (uint32_t)self, p);
+    cell_of(g, p, cell);
+    reach(g, p, cell, from, to);
+    for (int x = from[0]; x <= to[0]; x++)
+        for (int y = from[1]; y <= to[1]; y++)
+            for (int z = from[2]; z <= to[2]; z++) {
+                const int64_t there[3] = {cell[0] + x, cell[1] + y, cell[2] + z};
+                if (is_near_in(g, there, self, p))
+                    return 1;
+            }
+    return 0;
+}
+
+static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
+    grid *g = context;
+    for (size_t i = begin; i < end; i++)
+        if (g->used[i] && is_near(g, i))
+            norma_check_hit(g->m->run, &g->parts[block], 0, norma_check_vertex(i));
+}
+
+/* ---- the grid */
+
+/* One of each set of equal positions that faces use, all of whose coordinates are finite. */
+static void find_used(grid *g, double high[3]) {
+    const core_mesh *mesh = &g->m->mesh;
+    memset(g->used, 0, mesh->positions.count);
+    for (size_t c = 0; c < mesh->corner_count; c++) g->used[g->m->topology.corners[c]] = 1;
+    for (int k = 0; k < 3; k++) {
+        g->low[k] = INFINITY;
+        high[k] = -INFINITY;
+    }
+    for (size_t i = 0; i < mesh->positions.count; i++) {
+        double p[3];
+        if (!g->used[i])
+            continue;
+        norma_core_position(mesh, (uint32_t)i, p);
+        g->used[i] = (uint8_t)norma_core_finite(p);
+        for (int k = 0; k < 3 && g->used[i]; k++) {
+            g->low[k] = fmin(g->low[k], p[k]);
+            high[k] = fmax(high[k], p[k]);
+        }
+    }
+}
+
+static norma_result add_coincident(check_mesh *m, check_hits *hits, double step) {
+    char message[CHECK_MESSAGE];
+    norma_check_message(message, "%z positions lie within %g, a millionth of the mesh's diagonal, of another, and are not equal to it: cracks", hits->count, step);
+    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N503, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = hits, .message = message});
+}
+
+static norma_result search(check_mesh *m, grid *g, size_t blocks) {
+    size_t count = m->mesh.positions.count;
+    norma_result result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, add_positions, g);
+    if (!result)
+        result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_positions, g);
+    check_hits hits = {0};
+    for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &g->parts[i]);
+    if (!result && hits.count)
+        return add_coincident(m, &hits, g->step);
+    norma_check_hits_free(&hits);
+    return result;
+}
+
+norma_result norma_check_coincident(check_mesh *m) {
+    size_t count = m->mesh.positions.count, blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK), slots = 16;
+    if (!m->mesh.face_count || !norma_check_wants(m, RULE_N503))
+        return NORMA_OK;
+    norma_result result = norma_check_weld(m);
+    if (result)
+        return result;
+    const core_call *call = &m->run->call;
+    while (slots < count) slots *= 2;
+    grid g = {.m = m, .mask = slots - 1};
+    g.heads = norma_core_allocate(call, slots, sizeof *g.heads);
+    g.next = norma_core_allocate(call, count, sizeof *g.next);
+    g.used = norma_core_allocate(call, count, 1);
+    g.parts = norma_core_allocate(call, blocks, sizeof *g.parts);
+    result = g.heads && g.next && g.used && g.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result) {
+        double high[3], square = 0;
+        memset((void *)g.heads, 0xff, slots * sizeof *g.heads);
+        memset(g.parts, 0, blocks * sizeof *g.parts);
+        find_used(&g, high);
+        for (int k = 0; k < 3; k++) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
+        g.step = NEAR * sqrt(square);
+        g.cell = CELL_STEPS * g.step;
+        if (g.step > 0 && g.step < INFINITY)
+            result = search(m, &g, blocks);
+    }
+    norma_core_release(call, (void *)g.heads, slots, sizeof *g.heads);
+    norma_core_release(call, g.next, count, sizeof *g.next);
+    norma_core_release(call, g.used, count, 1);
+    norma_core_release(call, g.parts, blocks, sizeof *g.parts);
+    return result;
+}
