@@ -4,6 +4,7 @@
  * more is tried after another, up to nine (seventeen); subnormal numbers begin with one. Whether digits read back is asked of exact arithmetic, never assumed. */
 #include "number.h"
 #include "number_big.h"
+#include "digits.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -202,6 +203,17 @@ size_t norma_number_format_double(double value, char out[32])
     return format_shortest(value, 0, out);
 }
 
+static void write_eight(uint32_t number, char *out)
+{
+#if NORMA_DIGITS_BY_WORD
+    const uint64_t text = norma_digits_split(number) | UINT64_C(0x3030303030303030);
+    memcpy(out, &text, sizeof text);
+#else
+    for (int i = 6; i >= 0; i -= 2, number /= 100)
+        memcpy(out + i, pairs + 2 * (number % 100), 2);
+#endif
+}
+
 size_t norma_number_format_normal(float value, char out[32])
 {
     if (!(value >= -1.0f && value <= 1.0f))
@@ -213,12 +225,8 @@ size_t norma_number_format_normal(float value, char out[32])
     *p++ = (char)('0' + decimals / 100000000);
     decimals %= 100000000;
     if (decimals) {
-        const uint32_t first = decimals / 10000, last = decimals % 10000;
         *p++ = '.';
-        memcpy(p, pairs + 2 * (first / 100), 2);
-        memcpy(p + 2, pairs + 2 * (first % 100), 2);
-        memcpy(p + 4, pairs + 2 * (last / 100), 2);
-        memcpy(p + 6, pairs + 2 * (last % 100), 2);
+        write_eight(decimals, p);
         p += 8;
         while (p[-1] == '0')
             --p;

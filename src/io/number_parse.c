@@ -234,7 +234,7 @@ static int take_digits(const char **p, const char *end, uint64_t *mantissa)
     return taken;
 }
 
-/* A sign, digits, a point, digits: at most 19. NULL: something else, or it cannot be told from here. */
+/* A sign, digits, a point, digits: at most 19, as shortest doubles have them. NULL: something else, or it cannot be told from here. */
 static const char *parse_plain(const char *text, const char *end, double *value)
 {
     const char *p = text;
@@ -321,7 +321,9 @@ static const char *parse_any(const char *text, const char *end, double *value)
 
 const char *norma_number_parse(const char *text, const char *end, double *value)
 {
-    const char *next = parse_plain(text, end, value);
+    const char *next = norma_digits_plain(text, end, value);
+    if (!next)
+        next = parse_plain(text, end, value);
     return next ? next : parse_any(text, end, value);
 }
 

@@ -233,8 +233,10 @@ static void copy_part(const obj_state *state, const obj_part *part, const place 
         copy_list(state->other_normals + to->at.other, part->other_normals, part->other_count * sizeof(uint32_t));
     if (part->corner_count)
         copy_list(state->corners + to->corner, part->corners, part->corner_count * sizeof(uint32_t));
-    if (part->corner_count && to->with_normals)
+    if (part->corner_count && part->names_normals)
         copy_list(state->corner_normals + to->corner, part->corner_normals, part->corner_count * sizeof(uint32_t));
+    else if (part->corner_count && to->with_normals)
+        memset(state->corner_normals + to->corner, 0xff, part->corner_count * sizeof(uint32_t));
     for (size_t i = 0; to->with_faces && i < part->face_count; ++i)
         state->face_starts[to->at.face + i + 1] = (uint32_t)to->corner + part->face_ends[i];
 }

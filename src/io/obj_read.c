@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "digits.h"
 #include "number.h"
 #include "obj_text.h"
 
@@ -54,7 +55,9 @@ static norma_document_result read_numbers(reader *r, const char **p, double numb
 {
     for (int i = 0; i < 3; ++i) {
         *p = norma_obj_skip_blanks(*p, r->end);
-        const char *next = norma_number_parse(*p, r->end, &numbers[i]);
+        const char *next = norma_digits_plain(*p, r->end, &numbers[i]);
+        if (!next)
+            next = norma_number_parse(*p, r->end, &numbers[i]);
         int whole = next && norma_obj_is_delimiter(next, r->end);
         if (!next || (!whole && *next == ','))
             return fail_at(r, *p, expected);
@@ -130,12 +133,15 @@ static norma_document_result resolve(reader *r, int64_t index, size_t count, int
     return NORMA_DOCUMENT_OK;
 }
 
+/* The normal of the corner that comes next. Those before the first one that names any have none. */
 static norma_document_result name_normal(reader *r, const obj_corner *corner, uint32_t *normal)
 {
     obj_part *part = r->part;
     *normal = OBJ_NO_NORMAL;
     if (!corner->has_normal)
         return NORMA_DOCUMENT_OK;
+    if (!part->names_normals && part->corner_count)
+        memset(part->corner_normals, 0xff, part->corner_count * sizeof *part->corner_normals);
     part->names_normals = 1;
     norma_document_result result = resolve(r, corner->normal, part->normal_count, OBJ_OF_CORNER_NORMAL, part->corner_count, normal);
     if (result || (corner->normal < 0 && !part->whole))
@@ -169,9 +175,38 @@ static norma_document_result add_corner(reader *r, const obj_corner *corner)
     if (position > part->last_position)
         part->last_position = position;
     part->corners[count] = position;
-    part->corner_normals[count] = normal;
+    if (part->names_normals)
+        part->corner_normals[count] = normal;
     part->corner_count = count + 1;
     return NORMA_DOCUMENT_OK;
+}
+
+/* Corners that are a number of at most seven digits and nothing else, as far as there is room and they come: how many. */
+static size_t add_plain_corners(reader *r, const char **p)
+{
+    obj_part *part = r->part;
+    const size_t before = part->corner_count;
+    size_t count = before;
+    uint32_t last = part->last_position;
+#if NORMA_DIGITS_BY_WORD
+    const size_t room = part->corner_normal_room < part->corner_room ? part->corner_normal_room : part->corner_room;
+    for (const char *at = *p; r->end - at >= 16 && count < room && !part->names_normals && *at == ' ';) {
+        const uint64_t bytes = norma_digits_load(++at);
+        const int digits = norma_digits_count(bytes);
+        if (digits == 0 || digits == 8 || (at[digits] != ' ' && !norma_obj_is_end(at[digits])))
+            break;
+        const uint32_t position = (uint32_t)norma_digits_join(bytes, digits) - 1;
+        if (position == UINT32_MAX)
+            break;
+        last = position > last ? position : last;
+        part->corners[count++] = position;
+        at += digits;
+        *p = at;
+    }
+#endif
+    part->last_position = last;
+    part->corner_count = count;
+    return count - before;
 }
 
 static norma_document_result end_face(reader *r, size_t corners)
@@ -187,7 +222,7 @@ static norma_document_result end_face(reader *r, size_t corners)
 
 static norma_document_result read_face(reader *r, const char **p)
 {
-    size_t corners = 0;
+    size_t corners = add_plain_corners(r, p);
     for (;; ++corners) {
         obj_corner corner;
         *p = norma_obj_skip_blanks(*p, r->end);

@@ -110,7 +110,7 @@ obj_kind norma_obj_keyword(const char *p, const char *end, const char **rest)
 }
 
 /* The digits at *p, fewer than 18, with something else behind them. 0: something else stands there, or it cannot be told so simply. */
-static int read_digits(const char **p, const char *end, int64_t *index)
+static inline int read_digits(const char **p, const char *end, int64_t *index)
 {
 #if NORMA_DIGITS_BY_WORD
     if (end - *p >= 8) {

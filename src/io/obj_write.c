@@ -2,6 +2,7 @@
  * and slices of the block of normals are made side by side. */
 #include <math.h>
 #include <stdlib.h>
+#include "digits.h"
 #include "number.h"
 #include "obj.h"
 #include "obj_text.h"
@@ -113,15 +114,17 @@ static void write_kept_normal(writer *w, size_t normal, line_ending ending)
 
 static void write_new_normal(writer *w, size_t normal, line_ending ending)
 {
-    char line[128] = "vn";
+    enum { LONGEST = 128 };
+    char *line = (char *)norma_sink_room(w->sink, LONGEST);
     size_t length = 2;
+    memcpy(line, "vn", 2);
     for (int i = 0; i < 3; ++i) {
         line[length++] = ' ';
         length += norma_number_format_normal(w->state->normals[3 * normal + (size_t)i], line + length);
     }
     for (const char *p = ending.begin; p < ending.end; ++p)
         line[length++] = *p;
-    norma_sink_put(w->sink, line, length);
+    w->sink->used -= LONGEST - length;
 }
 
 /* ---- corners */
@@ -147,15 +150,50 @@ static int at_token(const writer *w, const char **p)
     return *p < w->end && !norma_obj_is_end(**p) && **p != '#';
 }
 
-static void rewrite_face(writer *w, const char *p)
+/* Corners that are a number of at most seven digits and nothing else, one blank before each, which get their normals: as far as they come. Returns how many. */
+static size_t rewrite_plain_corners(writer *w, const char **p, const uint32_t *normals, size_t count)
 {
-    const uint32_t *normals = w->state->corner_normals + norma_obj_face_start(w->state, w->face);
+    size_t done = 0;
+#if NORMA_DIGITS_BY_WORD
+    enum { LONGEST = 32 };                     /* of a corner as it is written; 8 bytes at a time go to it */
+    const size_t gap = (size_t)(*p - w->pending);
+    if (count > SINK_BLOCK / LONGEST - 1 || gap > LONGEST)
+        return 0;
+    char *out = (char *)norma_sink_room(w->sink, (count + 1) * LONGEST), *const room_end = out + (count + 1) * LONGEST;
+    memcpy(out, w->pending, gap);
+    out += gap;
+    for (const char *at = *p; done < count && w->end - at >= 16 && *at == ' ' && normals[done] < 99999999; ++done) {
+        const uint64_t bytes = norma_digits_load(++at);
+        const int digits = norma_digits_count(bytes);
+        if (digits == 0 || digits == 8 || (at[digits] != ' ' && !norma_obj_is_end(at[digits])))
+            break;
+        memcpy(++out, at, 8);
+        out[-1] = ' ';
+        out += digits;
+        memcpy(out, "//", 2);
+        out += 2 + norma_digits_write(normals[done] + 1, out + 2);
+        at += digits;
+        *p = at;
+    }
+    w->sink->used -= (size_t)(room_end - out);
+    w->pending = *p;
+#endif
+    return done;
+}
+
+/* Returns the place behind the last corner. */
+static const char *rewrite_face(writer *w, const char *p)
+{
+    const size_t begin = norma_obj_face_start(w->state, w->face), end = norma_obj_face_start(w->state, w->face + 1);
+    const uint32_t *normals = w->state->corner_normals + begin;
+    normals += rewrite_plain_corners(w, &p, normals, end - begin);
     obj_corner corner;
     for (; at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end, ++normals)
         if (!says(w, &corner, *normals)) {
             copy_then_skip(w, corner.texture_end, corner.end);
             put_number(w, &corner, *normals);
         }
+    return p;
 }
 
 /* The first token stays where it is, the others change places; what lies between them does not. */
@@ -201,41 +239,62 @@ static void rewrite_referring(writer *w, const char *p)
 
 /* ---- statements */
 
-static void write_statement(writer *w, const char *begin, obj_kind kind, const char *rest, const char *after)
+static const char *statement_end(const writer *w, const char *p)
+{
+    return norma_obj_skip_end(norma_obj_statement_end(p, w->end), w->end);
+}
+
+/* Returns the place behind the statement. */
+static const char *write_face(writer *w, const char *begin, const char *p)
 {
     const obj_state *state = w->state;
+    const char *first = p;
+    if (!at_token(w, &first))
+        return statement_end(w, first);            /* a face without a corner is none */
+    const size_t face = w->face;
+    if (state->drop_faces && state->drop_faces[face]) {
+        first = statement_end(w, first);
+        copy_then_skip(w, begin, first);
+    } else if (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])) {
+        reverse_face(w, first);
+    } else if (state->normals_replaced) {
+        p = rewrite_face(w, p);
+        ++w->face;
+        return statement_end(w, p);
+    }
+    ++w->face;
+    return statement_end(w, first);
+}
+
+/* The same of any statement; p: behind its keyword. */
+static const char *write_statement(writer *w, const char *begin, obj_kind kind, const char *p)
+{
+    const obj_state *state = w->state;
+    if (kind == OBJ_FACE)
+        return write_face(w, begin, p);
+    const char *after = statement_end(w, p);
     switch (kind) {
     case OBJ_POSITION:
         if (state->positions_moved)
-            rewrite_position(w, rest);
+            rewrite_position(w, p);
         ++w->position;
         break;
     case OBJ_NORMAL:
         if (state->normals_replaced)
             copy_then_skip(w, begin, after);
         else if (state->normals_turned)
-            rewrite_normal(w, rest, w->normal);
+            rewrite_normal(w, p, w->normal);
         ++w->normal;
-        break;
-    case OBJ_FACE:
-        if (!at_token(w, &rest))
-            break;                                     /* a face without a corner is none */
-        if (state->drop_faces && state->drop_faces[w->face])
-            copy_then_skip(w, begin, after);
-        else if (state->faces_reversed || (state->reverse_faces && state->reverse_faces[w->face]))
-            reverse_face(w, rest);
-        else if (state->normals_replaced)
-            rewrite_face(w, rest);
-        ++w->face;
         break;
     case OBJ_REFERRING:
     case OBJ_SURFACE:
         if (state->normals_replaced)
-            rewrite_referring(w, rest);
+            rewrite_referring(w, p);
         break;
     default:
         break;
     }
+    return after;
 }
 
 /* From begin to end, whole statements. What lies before from is walked over without being written. */
@@ -249,8 +308,7 @@ static void write_statements(writer *w, const char *begin, const char *from, con
         }
         p = norma_obj_skip_blanks(p, w->end);
         obj_kind kind = norma_obj_keyword(p, w->end, &rest);
-        p = norma_obj_skip_end(norma_obj_statement_end(rest, w->end), w->end);
-        write_statement(w, statement, kind, rest, p);
+        p = write_statement(w, statement, kind, rest);
     }
     copy_then_skip(w, end, end);
 }
