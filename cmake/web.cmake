@@ -14,7 +14,7 @@ endforeach()
 set(web_dir ${CMAKE_BINARY_DIR}/web)
 set(web_objects_dir ${web_dir}/objects)
 file(MAKE_DIRECTORY ${web_objects_dir} ${web_dir}/npm)
-set(web_flags --target=wasm32-wasi -std=c11 -O3 -DNDEBUG -msimd128 -mbulk-memory -ffp-contract=off -fno-math-errno -fno-trapping-math -fvisibility=hidden
+set(web_flags --target=wasm32-wasi -std=c11 -O3 -DNDEBUG -msimd128 -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${CMAKE_SOURCE_DIR}/include)
 if(NORMA_WERROR)
   list(APPEND web_flags -Werror)
@@ -28,7 +28,7 @@ function(web_objects list)
     string(REPLACE "/" "_" name ${name})
     set(object ${web_objects_dir}/${name}.o)
     add_custom_command(OUTPUT ${object}
-      COMMAND ${NORMA_WASM_CC} ${web_flags} -MD -MF ${object}.d -c ${source} -o ${object}
+      COMMAND ${NORMA_WASM_CC} ${web_flags} ${web_flags_here} -MD -MF ${object}.d -c ${source} -o ${object}
       DEPENDS ${source} DEPFILE ${object}.d COMMENT "WebAssembly ${name}" VERBATIM)
     list(APPEND objects ${object})
   endforeach()
@@ -48,8 +48,17 @@ file(GLOB web_call_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/src/*.c)
 web_objects(web_core_objects ${web_core_sources} ${web_call_sources})
 web_module(norma.wasm ${web_core_objects})
 
+# The page's module: the readers as well, without what a page has not.
+set(web_page_sources ${io_sources})
+list(FILTER web_page_sources EXCLUDE REGEX "/(file|gltf_meshopt)\\.c$")
+list(TRANSFORM web_page_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
+file(GLOB web_model_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/model/*.c)
+set(web_flags_here -include ${CMAKE_SOURCE_DIR}/web/model/missing.h)
+web_objects(web_page_objects ${web_page_sources} ${web_model_sources} ${CMAKE_SOURCE_DIR}/src/cli/view_pack.c)
+web_module(page.wasm ${web_core_objects} ${web_page_objects})
+
 file(GLOB web_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/package/* ${CMAKE_SOURCE_DIR}/web/*.mjs)
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
   COMMAND ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs package ${web_dir}
   DEPENDS ${web_inputs} ${web_dir}/norma.wasm COMMENT "npm package" VERBATIM)
-add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm)
+add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/page.wasm)

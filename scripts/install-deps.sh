@@ -9,7 +9,7 @@ set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
-packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libjansson-dev"
+packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libjansson-dev libpng-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32"
 [ "$what" != web ] || packages=$web_packages
 if [ "$what" = all ]; then

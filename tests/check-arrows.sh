@@ -36,7 +36,8 @@ core_system='system/(stddef|stdint|stdbool|stdlib|string|math|float|limits|stdal
 only "the core includes only itself, norma.h and a C library without input and output" src/core "src/core/[a-z0-9_]+\.h|include/norma/norma\.h|$core_system"
 only "io includes only itself, the core and public headers" src/io "src/(io|core)/[a-z0-9_]+\.h|include/norma/[a-z]+\.h|system/.*"
 only "check includes only itself, the core and public headers" src/check "src/(check/[a-z0-9_]+\.(h|def)|core/[a-z0-9_]+\.h)|include/norma/[a-z]+\.h|system/.*"
-only "the tool includes only itself and public headers" src/cli "src/cli/[a-z0-9_]+\.h|include/norma/[a-z]+\.h|system/.*"
+only "render includes only itself and the core's public header" src/render "src/render/[a-z0-9_]+\.h|include/norma/norma\.h|system/.*"
+only "the tool includes only itself, the renderer's one header and public headers" src/cli "src/cli/[a-z0-9_]+\.h|src/render/render\.h|include/norma/[a-z]+\.h|system/.*"
 only "public headers include only each other and the freestanding C library" include/norma "include/norma/[a-z]+\.h|system/(stddef|stdint)\.h"
 
 # The same of what is linked: what the core's objects ask for that the core does not define.

@@ -157,6 +157,7 @@ norma_result norma_check_placeholder(check_mesh *m);           /* placeholder.c:
 norma_result norma_check_deviation(check_mesh *m);             /* deviation.c: N204 */
 norma_result norma_check_facets(check_mesh *m);                /* facets.c: N205 */
 norma_result norma_check_edges(check_mesh *m);                 /* edges.c: N301, N303, N305, N306 */
+norma_result norma_check_solids(check_mesh *m);                /* solids.c: N302, N304 */
 norma_result norma_check_shapes(check_mesh *m);                /* shapes.c: N401, N402 */
 norma_result norma_check_cancelled(check_mesh *m);             /* cancelled.c: N403 */
 norma_result norma_check_polygons(check_mesh *m);              /* polygons.c: N404, N405 */

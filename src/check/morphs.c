@@ -123,8 +123,8 @@ static norma_result judge_bases(check_mesh *m) {
     char message[CHECK_MESSAGE];
     size_t normals = 0, tangents = 0;
     for (size_t t = 0; t < m->given->morph_count; t++) {
-        normals += m->given->morphs[t].normals.count && !norma_check_normal_count(m);
-        tangents += m->given->morphs[t].tangents.count && !m->given->attributes.tangent_count;
+        normals += m->given->morphs[t].normals.count && m->given->info.normals == NORMA_NORMALS_NONE;
+        tangents += m->given->morphs[t].tangents.count && !m->given->attributes.tangents && !m->given->info.has_tangents;
     }
     if (!normals && !tangents)
         return NORMA_OK;

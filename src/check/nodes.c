@@ -55,6 +55,7 @@ static norma_result judge_instances(const norma_node_info *node, check_instance_
         if (node->instances > 1 && node->mirrored_instances <= node->instances && !sums->singular) {
             sums->mirrored = node->mirrored_instances;
             sums->upright = node->instances - node->mirrored_instances;
+            sums->determinant = NAN;
         }
         return NORMA_OK;
     }
@@ -78,7 +79,8 @@ static norma_result add(const node_judgement *j, check_rule rule, norma_severity
     check_hits hits = {.count = count, .worst = worst, .worst_spot = CHECK_NOWHERE};
     if (!count || !j->rules[rule])
         return NORMA_OK;
-    return norma_check_add(j->run, &j->place, NULL, &(check_report){.rule = rule, .severity = severity, .unit = unit, .hits = &hits, .message = message});
+    return norma_check_add(j->run, &j->place, NULL,
+                           &(check_report){.rule = rule, .severity = severity, .unit = unit, .no_value = isnan(worst), .hits = &hits, .message = message});
 }
 
 static void begin_message(const node_judgement *j, size_t count, char text[CHECK_MESSAGE]) {
@@ -88,10 +90,11 @@ static void begin_message(const node_judgement *j, size_t count, char text[CHECK
 }
 
 static norma_result add_mirrored(const node_judgement *j, const node_sums *sums) {
-    char begin[CHECK_MESSAGE], message[CHECK_MESSAGE];
+    char begin[CHECK_MESSAGE], determinant[CHECK_MESSAGE], message[CHECK_MESSAGE];
     int mixed = sums->mirrored && sums->upright;
     begin_message(j, sums->mirrored, begin);
-    norma_check_message(message, "%sworld determinant %g%s%s%s", begin, sums->determinant, mixed ? ", and the others do not mirror" : "", j->double_sided ? " and the material is double-sided" : "",
+    norma_check_message(determinant, isnan(sums->determinant) ? "below 0" : "%g", sums->determinant);
+    norma_check_message(message, "%sworld determinant %s%s%s%s", begin, determinant, mixed ? ", and the others do not mirror" : "", j->double_sided ? " and the material is double-sided" : "",
                         mixed            ? "; one draw call can turn its culling one way only"
                         : j->double_sided ? "; renderers disagree on how to light it"
                                           : "; renderers must turn their culling round");

@@ -79,8 +79,10 @@ static norma_document_result read_morphs(document_check *d, size_t index, norma_
 static norma_document_result check_mesh_of(document_check *d, size_t index) {
     norma_check_mesh *mesh = &d->meshes[d->mesh_count];
     norma_document_result result = norma_document_mesh_info(d->document, index, &mesh->info);
+    if (!result)
+        result = tell_up_to(d, &mesh->info);
     if (!result && mesh->info.not_read)
-        return tell_up_to(d, &mesh->info);
+        return NORMA_DOCUMENT_OK;
     if (!result)
         result = norma_document_mesh_data(d->document, index, &mesh->data, d->error);
     if (!result)
@@ -118,26 +120,35 @@ static norma_result instance_world(void *context, size_t index, size_t instance,
     return !result ? NORMA_OK : result == NORMA_DOCUMENT_ERROR_MEMORY ? NORMA_ERROR_MEMORY : NORMA_ERROR_INDEX;
 }
 
-/* A skin that cannot be judged, its animations being malformed, is one that was not checked. */
+/* A skin whose joints or animations are malformed is not read; the meshes are all the same. */
+static norma_document_result tell_malformed(document_check *d, size_t skin, const char *why) {
+    char where[CHECK_MESSAGE], label[CHECK_MESSAGE];
+    norma_check_message(where, "/skins/%z", skin);
+    norma_check_message(label, "skin %z", skin);
+    const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
+    norma_check_partly(&d->run);
+    if (!d->run.rules[RULE_N001])
+        return NORMA_DOCUMENT_OK;
+    norma_result result = norma_check_add_one(&d->run, &place, NULL, RULE_N001, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, why);
+    return result ? fail(d->error, result) : NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result read_skins(document_check *d) {
     size_t count = norma_document_skin_count(d->document);
     norma_document_result result = NORMA_DOCUMENT_OK;
     d->skins = calloc(count + 1, sizeof *d->skins);
     if (!d->skins)
         return fail(d->error, NORMA_ERROR_MEMORY);
-    for (size_t i = 0; i < count && !result; i++) {
+    for (; d->skin_count < count && !result; d->skin_count++) {
+        norma_skin_info *skin = &d->skins[d->skin_count];
         norma_document_error error;
-        char where[CHECK_MESSAGE], label[CHECK_MESSAGE];
-        norma_document_result read = norma_document_skin_info(d->document, i, &d->skins[d->skin_count], &error);
-        d->skin_count++;
-        if (!read)
-            continue;
+        norma_document_result read = norma_document_skin_info(d->document, d->skin_count, skin, &error);
         if (read == NORMA_DOCUMENT_ERROR_MEMORY)
             return fail(d->error, NORMA_ERROR_MEMORY);
-        d->skins[i] = (norma_skin_info){.name = "", .where = "", .ignore = "", .joint = SIZE_MAX};
-        norma_check_message(where, "/skins/%z", i);
-        norma_check_message(label, "skin %z", i);
-        result = tell_unread(d, where, label, error.message);
+        if (!read)
+            continue;
+        *skin = (norma_skin_info){.name = "", .where = "", .ignore = "", .joint = SIZE_MAX};
+        result = tell_malformed(d, d->skin_count, error.message);
     }
     return result;
 }

@@ -16,7 +16,7 @@ static int lacks_normals(const check_mesh *m, size_t face) {
 static norma_result add_missing(check_mesh *m) {
     char message[CHECK_MESSAGE];
     check_hits hits = {0};
-    int some = norma_check_normal_count(m) > 0;
+    int some = m->given->info.normals != NORMA_NORMALS_NONE;
     int too_few = m->given->attributes.normals_missing > 0 && !m->given->attributes.face_faults; /* of vertices: N106's */
     if (m->given->material.unlit || too_few || (some && !m->given->data.corner_normals))
         return NORMA_OK;

@@ -110,7 +110,7 @@ typedef norma_result check_family(check_mesh *m);
 
 norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given) {
     static check_family *const families[] = {
-        norma_check_lengths, norma_check_facing, norma_check_placeholder, norma_check_deviation, norma_check_facets,  norma_check_edges,
+        norma_check_lengths, norma_check_facing, norma_check_placeholder, norma_check_deviation, norma_check_facets,  norma_check_edges,      norma_check_solids,
         norma_check_shapes,  norma_check_cancelled, norma_check_polygons, norma_check_seams,     norma_check_coincident, norma_check_precision,
         norma_check_presence,
         norma_check_tangents,

@@ -108,11 +108,12 @@ static norma_result judge_values(check_mesh *m) {
 
 norma_result norma_check_tangents(check_mesh *m) {
     const norma_check_mesh *given = m->given;
-    int tangents = given->attributes.tangents && given->attributes.tangent_count, normals = norma_check_normal_count(m) > 0;
+    int tangents = given->attributes.tangents != NULL || given->info.has_tangents, normals = given->info.normals != NORMA_NORMALS_NONE;
     norma_result result = judge_values(m);
-    if (!result && tangents && norma_check_wants(m, RULE_N804))
+    if (!result && given->attributes.tangents && norma_check_wants(m, RULE_N804))
         result = norma_check_tangent_signs(m);
-    if (!result && !tangents && given->material.normal_map && !given->material.unlit && m->mesh.face_count && norma_check_wants(m, RULE_N805))
+    int usable = tangents && normals; /* without normals readers must ignore them */
+    if (!result && !usable && given->material.normal_map && !given->material.unlit && m->mesh.face_count && norma_check_wants(m, RULE_N805))
         result = norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_INFO, CHECK_NOWHERE, "a normal map and no tangents; renderers make their own, and not all alike");
     if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
         result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, "tangents and no normals; readers must ignore them");

@@ -58,8 +58,9 @@ static norma_result fill(norma_plan *plan, core_surface *surface)
     norma_result result = norma_core_plan_slots_open(surface, plan->of, &slots);
     if (result != NORMA_OK) return result;
     uint8_t *wide = norma_core_allocate(surface->call, count, 1);
-    if (wide) memset(wide, 1, count);
+    if (wide) memset(wide, 0, count);
     result = wide ? find_lonely(plan, surface) : NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK) result = norma_core_plan_tile(plan, &slots, wide);
     if (result == NORMA_OK) result = norma_core_plan_widen(plan, &slots, wide);
     norma_core_release(surface->call, wide, count, 1);
     norma_core_plan_slots_close(&slots);

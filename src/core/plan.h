@@ -5,6 +5,7 @@
 #include "cone.h"
 #include "output.h"
 #include "surface.h"
+#include <stdatomic.h>
 
 enum { PLAN_MOST_BLOCKS = 24 };
 
@@ -25,6 +26,12 @@ typedef struct plan_wide {
     uint32_t *at_starts, *at;          /* of each vertex of the mesh its corners here */
 } plan_wide;
 
+typedef struct plan_tile plan_tile;    /* plan_tile.h */
+
+/* The one part of a plan that updates write: marks for what moved, of a mesh that is larger than the stack has bits for. Whoever comes while another has them
+ * does without, in more passes. */
+typedef struct plan_shared { atomic_flag taken; uint64_t *bits; } plan_shared;
+
 struct norma_plan {
     core_call     memory;              /* of the creation's allocator, and of nothing else */
     norma_element of;
@@ -33,6 +40,12 @@ struct norma_plan {
     uint32_t     *lonely;              /* vertices without corners, ascending */
     size_t        lonely_count;
     norma_count   empty_faces;         /* of no corner at all */
+    plan_tile    *tiles;
+    size_t        tile_count;
+    uint32_t     *words;               /* the tiles' lists */
+    uint32_t     *occurrence_starts, *occurrences; /* of each vertex, where the tiles have it */
+    size_t        occurrence_count;
+    plan_shared  *shared;              /* NULL where the stack suffices */
     plan_wide     wide;
     plan_block    blocks[PLAN_MOST_BLOCKS];
     size_t        block_count, bytes;
@@ -40,6 +53,9 @@ struct norma_plan {
 
 /* Memory that lives as long as the plan does. */
 void *norma_core_plan_keep(norma_plan *plan, size_t count, size_t size);
+
+static inline int norma_core_plan_borrow(const norma_plan *plan) { return plan->shared && !atomic_flag_test_and_set_explicit(&plan->shared->taken, memory_order_acquire); }
+static inline void norma_core_plan_give_back(const norma_plan *plan) { atomic_flag_clear_explicit(&plan->shared->taken, memory_order_release); }
 
 /* ---- plan_slots.c: the slots at a position */
 
@@ -60,6 +76,12 @@ void         norma_core_plan_slots_close(plan_slots *slots);
 /* Tells of each slot at a position, always in the same order; vertices per vertex only. */
 void         norma_core_plan_slots_at(plan_slots *slots, uint32_t position, plan_slot_receiver *receive, void *context);
 
+/* plan_order.c: the positions that have corners, in an order in which neighbours are near each other; order has room for all positions. */
+norma_result norma_core_plan_order(const core_surface *surface, uint32_t *order, size_t *count);
+
+/* plan_tile_build.c: all positions whose rings a tile has room for; wide becomes nonzero at the others. */
+norma_result norma_core_plan_tile(norma_plan *plan, plan_slots *slots, uint8_t *wide);
+
 /* ---- plan_wide.c: chosen: nonzero at each position whose slots are wide. */
 norma_result norma_core_plan_widen(norma_plan *plan, plan_slots *slots, const uint8_t *chosen);
 
@@ -75,7 +97,9 @@ typedef struct plan_work {
     core_tally        *tally;          /* what the calling thread sums up */
 } plan_work;
 
-/* plan_wide_update.c */
+/* plan_tile_update.c, plan_wide_update.c */
+norma_result norma_core_plan_update_tiles(plan_work *work);
+void         norma_core_plan_tile_vertices(const norma_plan *plan, uint32_t *vertices);
 norma_result norma_core_plan_update_wide(plan_work *work);
 /* Of each corner of its faces the vertex, by the corner's number in the mesh. */
 void         norma_core_plan_wide_vertices(const norma_plan *plan, uint32_t *vertices);

@@ -50,137 +50,188 @@ INLINE void measure_all(ring_batch *t, size_t count, norma_weight weight)
     }
 }
 
-/* ---- joining */
+/* ---- lanes round a ring: from each face to the one whose edge to next is its own edge from previous */
 
-typedef struct ring_links {
-    uint32_t back[ORDINARY_CORNERS];   /* of each corner, one bit for each corner whose face runs out along the edge that its own comes back along */
-    uint32_t met, smooth;              /* corners of which there is one; of which that edge is smooth */
-} ring_links;
+typedef uint32_t index_lanes __attribute__((vector_size(4 * CORE_LANES)));
+typedef uint8_t  byte_lanes __attribute__((vector_size(CORE_LANES)));
 
-INLINE void compare(const uint32_t *next, const uint32_t *previous, uint32_t count, uint32_t lanes, uint32_t *back)
+/* Closed rings of few corners, most of them, walked in a register: byte j tells where lane j leads, eight times its number, with LEADS. Were two nexts the same,
+ * some corner could not be reached. Vectors by name: left to themselves, compilers unroll the lanes and compare one by one, which takes four times as long. */
+INLINE int walk_closed(const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order)
 {
-    for (uint32_t j = 0; j < lanes; j++) back[j] = 0;
-    for (uint32_t i = 0; i < count; i++)
-        for (uint32_t j = 0; j < lanes; j++) back[j] |= (uint32_t)(previous[j] == next[i]) << i;
+    enum { LEADS = 0x80, BYTE = 0xff, SHIFT = 56 };
+    index_lanes codes = {0}, here, code = (index_lanes){0} + LEADS;
+    uint64_t leads_to;
+    uint32_t at = LEADS, seen = 0;
+    memcpy(&here, previous, sizeof here);
+    for (uint32_t i = 0; i < count; i++, code += 8) codes |= (index_lanes)(here == (index_lanes){0} + next[i]) & code;
+    const byte_lanes bytes = __builtin_convertvector(codes, byte_lanes);
+    memcpy(&leads_to, &bytes, sizeof leads_to);
+    for (uint32_t i = 0; i < count; i++) {
+        order[i] = (uint8_t)((at & SHIFT) / 8);
+        seen |= 1U << (at & SHIFT) / 8;
+        at = (uint32_t)(leads_to >> (at & SHIFT)) & BYTE;
+        if (!at) return 0;
+    }
+    return at == LEADS && seen == (1U << count) - 1 && count > 2;
 }
 
 static inline uint32_t lowest(uint32_t bits) { return (uint32_t)__builtin_ctz(bits); }
-INLINE int at_most_one(uint32_t bits) { return (bits & (bits - 1)) == 0; }
 
-/* Whether a walk from face to face, four bits of leads_to for each, comes through all of them: else two fans touch here. */
-INLINE int is_round(uint64_t leads_to, uint32_t count)
+/* Any ring: open ones begin at the corner whose next is nobody's previous. 0: there is no single way through all corners, so that edges of other than two
+ * faces, twins, or fans that only touch are here. */
+static int walk(const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order, int *open)
 {
-    uint32_t at = 0, seen = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        at = (uint32_t)(leads_to >> 4 * at) & 15;
-        seen |= 1U << at;
-    }
-    return seen == (1U << count) - 1;
-}
-
-/* Whether each edge is one face's out and one face's back, but for one gap at most, no two faces are twins, and there is but one way round. */
-INLINE int link_up(const ring_batch *t, const listed_ring *ring, ring_links *links)
-{
-    const uint32_t *next = t->next + ring->begin, *previous = t->previous + ring->begin, count = ring->count, full = (1U << count) - 1;
-    uint32_t any = 0, sum = 0, several = 0, twins = 0, met = 0;
-    uint64_t leads_to = 0;
-    if (count <= CORE_LANES) compare(next, previous, count, CORE_LANES, links->back);
-    else compare(next, previous, count, ORDINARY_CORNERS, links->back);
+    const uint32_t all = (1U << count) - 1;
+    uint32_t same[ORDINARY_CORNERS], any = 0, seen = 0, at = 0;
     for (uint32_t j = 0; j < count; j++) {
-        const uint32_t bits = links->back[j];
-        any |= bits;
-        sum += bits;
-        several |= bits & (bits - 1);
-        met |= (uint32_t)(bits != 0) << j;
-        twins |= bits ? links->back[lowest(bits)] >> j & 1 : 0;
-        leads_to |= bits ? (uint64_t)lowest(bits) << 4 * j : 0;
+        same[j] = 0;
+        for (uint32_t i = 0; i < count; i++) same[j] |= (uint32_t)(previous[j] == next[i]) << i;
+        any |= same[j];
     }
-    links->met = met;
-    if (any != sum || several || twins || !at_most_one(met ^ full)) return 0;
-    if (met != full) leads_to |= (uint64_t)lowest(any ^ full) << 4 * lowest(met ^ full);      /* across the gap */
-    return is_round(leads_to, count);
+    *open = any != all;
+    if (*open) at = lowest(any ^ all);
+    for (uint32_t i = 0; i < count; i++) {
+        order[i] = (uint8_t)at;
+        seen |= 1U << at;
+        if (!same[at]) return *open && seen == all;
+        at = lowest(same[at]);
+    }
+    return !*open && at == 0 && seen == all && count > 2;
 }
 
-static const double DOUBT = 0x1p-30;
-
-/* 1 smooth, 0 not, -1 too near the crease to tell by the cosine. */
-INLINE int is_smooth(const core_surface *s, const ring_list *list, const ring_batch *t, uint32_t out, uint32_t back)
+INLINE void load_at(const core_mesh *mesh, uint32_t index, batch_lane to[3], size_t lane)
 {
-    const core_mesh *mesh = &s->mesh;
-    if (mesh->hard_edges) {
-        const uint32_t corner = list->corners[back], before = corner % 3 == 0 ? corner + 2 : corner - 1;
-        if (mesh->hard_edges[list->corners[out]] || mesh->hard_edges[before]) return 0;
-    }
-    if (mesh->smoothing_groups && !(mesh->smoothing_groups[list->corners[out] / 3] & mesh->smoothing_groups[list->corners[back] / 3])) return 0;
-    const double cosine = t->normal[0][out] * t->normal[0][back] + t->normal[1][out] * t->normal[1][back] + t->normal[2][out] * t->normal[2][back];
-    if (cosine > s->crease_cosine + DOUBT) return 1;
-    return cosine < s->crease_cosine - DOUBT ? 0 : -1;
+    double p[3];
+    norma_core_position(mesh, index, p);
+    for (int k = 0; k < 3; k++) to[k][lane] = p[k];
 }
 
-INLINE int judge_edges(const core_surface *s, const ring_list *list, const ring_batch *t, const listed_ring *ring, ring_links *links)
+INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const listed_ring *ring, const uint8_t *order, ring_batch *t)
 {
-    uint32_t smooth = 0;
-    for (uint32_t j = 0; j < ring->count; j++) {
-        if (!links->back[j]) continue;
-        const int judged = is_smooth(s, list, t, ring->begin + lowest(links->back[j]), ring->begin + j);
-        if (judged < 0) return 0;
-        smooth |= (uint32_t)judged << j;
+    const size_t begin = ring->begin, lanes = ring->count <= CORE_LANES ? CORE_LANES : ORDINARY_CORNERS;
+    double own[3];
+    norma_core_position(mesh, ring->position, own);
+    for (int k = 0; k < 3; k++)
+        for (size_t i = 0; i < lanes; i++) t->at[k][begin + i] = own[k];
+    load_at(mesh, list->next[begin + order[0]], t->next_at, begin);
+    for (size_t i = 0; i < ring->count; i++) {
+        const size_t corner = begin + order[i];
+        double p[3];
+        t->lane_of[corner] = (uint8_t)(begin + i);
+        t->turn[begin + i] = list->turn[corner];
+        norma_core_position(mesh, list->previous[corner], p);
+        for (int k = 0; k < 3; k++) t->previous_at[k][begin + i] = t->next_at[k][begin + i + 1] = p[k];
     }
-    links->smooth = smooth;
+}
+
+/* 0: the ring is not ordinary. */
+INLINE int order_ring(const core_mesh *mesh, const ring_list *list, listed_ring *ring, ring_batch *t)
+{
+    uint32_t welded[2][ORDINARY_CORNERS], higher = 0;
+    const uint32_t *next = list->next + ring->begin, *previous = list->previous + ring->begin;
+    uint8_t order[ORDINARY_CORNERS];
+    int open = 0;
+    for (uint32_t i = 0; i < ring->count && mesh->weld; i++) {
+        welded[0][i] = mesh->weld[next[i]];
+        welded[1][i] = mesh->weld[previous[i]];
+    }
+    if (mesh->weld) {
+        next = welded[0];
+        previous = welded[1];
+    }
+    if (!(ring->count <= CORE_LANES && walk_closed(next, previous, ring->count, order)) && !walk(next, previous, ring->count, order, &open)) return 0;
+    for (uint32_t i = 0; i < ring->count; i++) higher += ring->position < next[i];
+    ring->higher = (uint8_t)higher;
+    ring->open = (uint8_t)open;
+    load_lanes(mesh, list, ring, order, t);
     return 1;
 }
 
-/* Edges to positions of higher number: of two faces where they come back, of one where they go out or come back alone. */
-INLINE void count_edges(const ring_batch *t, const listed_ring *ring, const ring_links *links, norma_edges *edges)
+#define UNSURE (-4.0)
+
+/* Also across the ends of rings, where they mean nothing. */
+INLINE void compare_normals(ring_batch *t, size_t count)
 {
-    uint32_t out = 0, back = 0;
+    for (size_t from = 0; from < count; from += CORE_LANES)
+        for (size_t i = from; i < from + CORE_LANES; i++) {
+            const double cosine = t->normal[0][i] * t->normal[0][i + 1] + t->normal[1][i] * t->normal[1][i + 1] + t->normal[2][i] * t->normal[2][i + 1];
+            t->cosine[i] = t->sure[i] == 0 ? UNSURE : cosine;
+        }
+}
+
+/* From the last lane to the first; across the gap of an open ring everything passes. */
+INLINE void close_ring(ring_batch *t, const listed_ring *ring)
+{
+    const size_t first = ring->begin, last = first + ring->count - 1U;
+    double cosine = 2;
+    if (!ring->open) cosine = t->normal[0][last] * t->normal[0][first] + t->normal[1][last] * t->normal[1][first] + t->normal[2][last] * t->normal[2][first];
+    t->cosine[last] = t->sure[last] == 0 ? UNSURE : cosine;
+}
+
+/* ---- joining */
+
+static const double DOUBT = 0x1p-30;
+
+/* Whether the caller's marks leave the edge between two faces smooth: out begins at the ring, back ends there. */
+static int is_unmarked(const core_mesh *mesh, uint32_t out, uint32_t back)
+{
+    const uint32_t before = back % 3 == 0 ? back + 2 : back - 1;
+    if (mesh->hard_edges && (mesh->hard_edges[out] || mesh->hard_edges[before])) return 0;
+    return !mesh->smoothing_groups || (mesh->smoothing_groups[out / 3] & mesh->smoothing_groups[back / 3]);
+}
+
+/* One bit for each lane whose edge to the following one is cut. 0: too near the crease to tell by the cosine. */
+static int find_cuts(const core_surface *s, const ring_list *list, const ring_batch *t, const listed_ring *ring, uint32_t *cuts)
+{
+    const int marked = s->mesh.hard_edges || s->mesh.smoothing_groups;
+    uint32_t corner_of[ORDINARY_CORNERS];
+    for (uint32_t i = 0; i < ring->count; i++) corner_of[t->lane_of[ring->begin + i] - ring->begin] = list->corners[ring->begin + i];
+    *cuts = 0;
     for (uint32_t i = 0; i < ring->count; i++) {
-        out += ring->position < t->next[ring->begin + i];
-        back |= (uint32_t)(ring->position < t->previous[ring->begin + i]) << i;
+        const uint32_t following = i + 1U == ring->count ? 0 : i + 1;
+        if (ring->open && !following) break;
+        if (marked && !is_unmarked(&s->mesh, corner_of[following], corner_of[i])) {
+            *cuts |= 1U << i;
+            continue;
+        }
+        const double cosine = t->cosine[ring->begin + i];
+        if (cosine > s->crease_cosine + DOUBT) continue;
+        if (!(cosine < s->crease_cosine - DOUBT)) return 0;
+        *cuts |= 1U << i;
     }
-    const uint32_t alone = back & ~links->met, shared = back & links->met;
-    uint32_t smooth = 0, two = 0;
+    return 1;
+}
+
+/* Edges to positions of higher number: one at each face's previous, and at the first one's next if that is another. */
+static void count_edges(const core_surface *s, const ring_list *list, const ring_batch *t, const listed_ring *ring, uint32_t cuts, norma_edges *edges)
+{
     for (uint32_t i = 0; i < ring->count; i++) {
-        two += shared >> i & 1;
-        smooth += shared >> i & links->smooth >> i & 1;
+        const uint32_t lane = (uint32_t)t->lane_of[ring->begin + i] - ring->begin;
+        const size_t higher = ring->position < norma_core_welded(&s->mesh, list->previous[ring->begin + i]);
+        const int shared = !ring->open || lane + 1 < ring->count;
+        edges->count += higher;
+        if (!shared) edges->open += higher;
+        else if (cuts >> lane & 1) edges->hard += higher;
+        else edges->smooth += higher;
+        if (!ring->open || lane) continue;
+        const size_t first = ring->position < norma_core_welded(&s->mesh, list->next[ring->begin + i]);
+        edges->count += first;
+        edges->open += first;
     }
-    edges->count += out + (alone != 0);
-    edges->open += out - two + (alone != 0);
-    edges->smooth += smooth;
-    edges->hard += two - smooth;
 }
 
 /* ---- fans: a ring that is cut nowhere or once is one, any other as many as there are cuts */
-
-static void number_fans(const listed_ring *ring, const ring_links *links, uint32_t *fan_of)
-{
-    uint32_t heads = (1U << ring->count) - 1, leads_to[ORDINARY_CORNERS], first[ORDINARY_CORNERS];
-    for (uint32_t j = 0; j < ring->count; j++) {
-        leads_to[j] = links->smooth >> j & 1 ? lowest(links->back[j]) : UINT32_MAX;
-        if (leads_to[j] != UINT32_MAX) heads &= ~(1U << leads_to[j]);
-        fan_of[j] = UINT32_MAX;
-    }
-    for (uint32_t j = 0; j < ring->count; j++) {
-        if (!(heads >> j & 1)) continue;
-        for (uint32_t i = j; i != UINT32_MAX; i = leads_to[i]) fan_of[i] = j;
-    }
-    uint32_t count = 0;
-    for (uint32_t j = 0; j < ORDINARY_CORNERS; j++) first[j] = UINT32_MAX;
-    for (uint32_t j = 0; j < ring->count; j++) {
-        if (first[fan_of[j]] == UINT32_MAX) first[fan_of[j]] = count++;
-        fan_of[j] = first[fan_of[j]];
-    }
-}
 
 INLINE void sum_one_fan(ring_batch *t, const listed_ring *ring)
 {
     double x = 0, y = 0, z = 0, weight = 0;
     for (uint32_t i = ring->begin; i < (uint32_t)ring->begin + ring->count; i++) {
-        x += t->vote[0][i];
-        y += t->vote[1][i];
-        z += t->vote[2][i];
-        weight += t->weight[i];
-        t->fan_of[i] = 0;
+        const size_t lane = t->lane_of[i];
+        x += t->vote[0][lane];
+        y += t->vote[1][lane];
+        z += t->vote[2][lane];
+        weight += t->weight[lane];
     }
     t->sum[0][ring->first_fan] = x;
     t->sum[1][ring->first_fan] = y;
@@ -188,40 +239,64 @@ INLINE void sum_one_fan(ring_batch *t, const listed_ring *ring)
     t->total[ring->first_fan] = weight;
 }
 
-static void sum_fans(ring_batch *t, const listed_ring *ring, const ring_links *links)
+/* From one cut to the next, and then in the order of first corners. */
+static uint32_t number_fans(ring_batch *t, const listed_ring *ring, uint32_t cuts)
 {
-    number_fans(ring, links, t->fan_of + ring->begin);
+    uint32_t fan_of_lane[ORDINARY_CORNERS], number[ORDINARY_CORNERS + 1], fan = 0, count = 0;
+    const uint32_t last = ring->count - 1U;
+    for (uint32_t i = 0; i < ring->count; i++) {
+        fan_of_lane[i] = fan;
+        number[i] = UINT32_MAX;
+        fan += cuts >> i & 1;
+    }
+    number[ring->count] = UINT32_MAX;
+    for (uint32_t i = 0; i <= last && !ring->open && !(cuts >> last & 1); i++)       /* the last fan goes on in the first */
+        if (fan_of_lane[i] == fan) fan_of_lane[i] = 0;
+    for (uint32_t i = 0; i < ring->count; i++) {
+        uint32_t *of = &number[fan_of_lane[t->lane_of[ring->begin + i] - ring->begin]];
+        if (*of == UINT32_MAX) *of = count++;
+        t->fan_of[ring->begin + i] = *of;
+    }
+    return count;
+}
+
+static void sum_fans(ring_batch *t, listed_ring *ring, uint32_t cuts)
+{
+    ring->fan_count = (uint8_t)number_fans(t, ring, cuts);
     for (uint32_t f = ring->first_fan; f < (uint32_t)ring->first_fan + ring->fan_count; f++) t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
     for (uint32_t i = ring->begin; i < (uint32_t)ring->begin + ring->count; i++) {
-        const uint32_t f = ring->first_fan + t->fan_of[i];
-        for (int k = 0; k < 3; k++) t->sum[k][f] += t->vote[k][i];
-        t->total[f] += t->weight[i];
+        const size_t f = ring->first_fan + t->fan_of[i], lane = t->lane_of[i];
+        for (int k = 0; k < 3; k++) t->sum[k][f] += t->vote[k][lane];
+        t->total[f] += t->weight[lane];
     }
 }
 
-INLINE uint32_t count_bits(uint32_t bits)
+/* Every edge far from the crease and smooth, no marks: what most rings are. -1: not ordinary. */
+INLINE int is_smooth(const core_surface *s, ring_batch *t, const listed_ring *ring)
 {
-    uint32_t count = 0;
-    for (; bits; bits &= bits - 1) count++;
-    return count;
+    double least = 2;
+    close_ring(t, ring);
+    for (size_t i = ring->begin; i < (size_t)ring->begin + ring->count; i++) least = t->cosine[i] < least ? t->cosine[i] : least;
+    if (least == UNSURE) return -1;
+    return least > s->crease_cosine + DOUBT && !s->mesh.hard_edges && !s->mesh.smoothing_groups;
 }
 
 INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_batch *t, listed_ring *ring, uint32_t first_fan, norma_edges *edges)
 {
-    ring_links links;
-    double sure = 1;
-    for (uint32_t i = ring->begin; i < (uint32_t)ring->begin + ring->count; i++) sure = t->sure[i] == 0 ? 0 : sure;
-    if (sure == 0 || !link_up(t, ring, &links) || !judge_edges(s, list, t, ring, &links)) return 0;
-    const uint32_t cuts = ((1U << ring->count) - 1) ^ links.smooth;
+    uint32_t cuts = 0;
+    const int smooth = is_smooth(s, t, ring);
+    if (smooth < 0 || (!smooth && !find_cuts(s, list, t, ring, &cuts))) return 0;
     ring->first_fan = (uint8_t)first_fan;
     ring->fan_count = 1;
-    if (at_most_one(cuts)) {
-        sum_one_fan(t, ring);
+    if ((cuts & (cuts - 1)) == 0 && !(cuts && ring->open)) sum_one_fan(t, ring);
+    else sum_fans(t, ring, cuts);
+    if (!edges) return 1;
+    if (ring->open || cuts) {
+        count_edges(s, list, t, ring, cuts, edges);
     } else {
-        ring->fan_count = (uint8_t)count_bits(cuts);
-        sum_fans(t, ring, &links);
+        edges->count += ring->higher;
+        edges->smooth += ring->higher;
     }
-    if (edges) count_edges(t, ring, &links, edges);
     return 1;
 }
 
@@ -250,17 +325,30 @@ static void name_fans(ring_batch *t, size_t count)
     }
 }
 
+/* So that lanes beyond the last one compute with numbers. */
+static void fill_up(ring_batch *t, size_t count)
+{
+    for (size_t i = count; i < count + CORE_LANES; i++) {
+        t->turn[i] = 0;
+        for (int k = 0; k < 3; k++) t->at[k][i] = t->next_at[k][i] = t->previous_at[k][i] = t->normal[k][i] = 0;
+    }
+}
+
 INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges)
 {
     uint32_t fans = 0;
     int all = 1;
+    for (size_t i = 0; i < list->ring_count; i++) list->rings[i].fan_count = (uint8_t)order_ring(&s->mesh, list, &list->rings[i], t);
+    fill_up(t, list->corner_count);
     measure_all(t, list->corner_count, s->call->options.weight);
+    compare_normals(t, list->corner_count);
     for (size_t i = 0; i < list->ring_count; i++) {
         listed_ring *ring = &list->rings[i];
         if (ring->fan_count && !settle_ring(s, list, t, ring, fans, edges)) ring->fan_count = 0;
         fans += ring->fan_count;
         all &= ring->fan_count != 0;
     }
+    for (size_t f = fans; f < fans + CORE_LANES; f++) t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
     decide(t, fans);
     name_fans(t, fans);
     return all;

@@ -9,6 +9,7 @@ typedef struct visit_all {
     core_surface     *surface;
     const ring_visit *visit;
     atomic_uchar     *only;             /* NULL, or nonzero at the positions whose rings waited */
+    ring_lanes       *settle;
     rings_part       *parts;
 } visit_all;
 
@@ -68,12 +69,13 @@ static void visit_singly(const visit_all *v, const ring_list *list, rings_part *
 
 static void see_ordinary(const visit_all *v, const ring_list *list, ring_batch *batch, rings_part *part)
 {
+    static const uint32_t one_fan[ORDINARY_CORNERS] = {0};
     ring_member members[ORDINARY_CORNERS];
     const core_around *around = &v->surface->around;
     for (size_t i = 0; i < list->ring_count; i++) {
         const listed_ring *r = &list->rings[i];
         const core_fans fans = {r->position, r->count, r->fan_count, around->corners + around->starts[r->position],
-                                batch->fan_of + r->begin, batch->fans + r->first_fan, members, NULL};
+                                r->fan_count == 1 ? one_fan : batch->fan_of + r->begin, batch->fans + r->first_fan, members, NULL};
         if (r->fan_count) v->visit->see(v->visit->context, &fans, &part->tally);
     }
 }
@@ -100,7 +102,7 @@ static void visit_in_batches(const visit_all *v, size_t position, size_t end, ri
     position = list_rings(v, position, end, &lists[at], part);
     while (lists[at].ring_count) {
         position = list_rings(v, position, end, &lists[!at], part);
-        const int all = norma_core_settle_batch(v->surface, &lists[at], &batch, v->visit->counting ? &part->counts.edges : NULL);
+        const int all = v->settle(v->surface, &lists[at], &batch, v->visit->counting ? &part->counts.edges : NULL);
         see_ordinary(v, &lists[at], &batch, part);
         if (!all) visit_singly(v, &lists[at], part);
         at = !at;
@@ -158,7 +160,7 @@ static norma_result visit_in_parallel(visit_all *v, rings_part *sum)
 
 norma_result norma_core_visit_rings(core_surface *surface, const ring_visit *visit, rings_part *sum)
 {
-    visit_all v = {.surface = surface, .visit = visit};
+    visit_all v = {.surface = surface, .visit = visit, .settle = norma_core_choose_ring_lanes(surface->call->options.isa)};
     *sum = (rings_part){.tally.degenerate = surface->degenerate_faces};
     if (!surface->mesh.positions.count) return NORMA_OK;
     norma_result result = visit_in_parallel(&v, sum);

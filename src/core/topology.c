@@ -88,6 +88,7 @@ norma_result norma_core_topology_open(core_call *call, const core_mesh *checked,
 void norma_core_topology_close(core_topology *t)
 {
     norma_core_release(t->call, t->partners, t->mesh.corner_count, sizeof *t->partners);
+    norma_core_release(t->call, t->others, t->mesh.corner_count, sizeof *t->others);
     if (t->around.starts) norma_core_around_release(t->call, &t->around);
     norma_core_release(t->call, t->polygons, t->mesh.face_count, sizeof *t->polygons);
     norma_core_release(t->call, t->corners, t->mesh.corner_count, sizeof *t->corners);
@@ -265,7 +266,10 @@ static void pair_edge(const pairing *p, size_t block, const ring *r, const core_
         t->partners[runs[1].corner] = runs[0].corner;
         return;
     }
-    for (size_t i = 0; i < count; i++) t->partners[runs[i].corner] = count == 1 ? CORE_EDGE_OPEN : count == 2 ? CORE_EDGE_CONFLICT : CORE_EDGE_MANY;
+    for (size_t i = 0; i < count; i++) {
+        t->partners[runs[i].corner] = count == 1 ? CORE_EDGE_OPEN : count == 2 ? CORE_EDGE_CONFLICT : CORE_EDGE_MANY;
+        if (count > 1) t->others[runs[i].corner] = runs[i + 1 < count ? i + 1 : 0].corner;
+    }
     if (p->visitor && p->visitor->edge) p->visitor->edge(p->visitor->context, block, r->position, runs, count);
 }
 
@@ -349,7 +353,8 @@ norma_result norma_core_pair_edges(core_topology *topology, const core_topology_
     norma_result result = topology->around.starts ? NORMA_OK : norma_core_around_build(topology->call, &topology->mesh, &topology->around);
     if (result != NORMA_OK) return result;
     if (!topology->partners) topology->partners = norma_core_allocate(topology->call, topology->mesh.corner_count, sizeof *topology->partners);
-    if (!topology->partners) return NORMA_ERROR_MEMORY;
+    if (!topology->others) topology->others = norma_core_allocate(topology->call, topology->mesh.corner_count, sizeof *topology->others);
+    if (!topology->partners || !topology->others) return NORMA_ERROR_MEMORY;
     result = norma_core_parallel(topology->call, p.blocks - 1, pair_block, (void *)(uintptr_t)&p);
     return result == NORMA_OK ? pair_large(&p) : result;
 }

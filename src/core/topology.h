@@ -24,6 +24,7 @@ typedef struct core_topology {
     core_around   around;
     core_polygon *polygons;                  /* of each face; NULL for triangles */
     uint32_t     *partners;                  /* of each corner: see above. NULL before norma_core_pair_edges */
+    uint32_t     *others;                    /* at corners with CORE_EDGE_CONFLICT or _MANY, and there only: the corner of the edge's next face, round about */
 } core_topology;
 
 typedef struct core_edge_run {               /* a face runs along an edge between the ring's position and another one */

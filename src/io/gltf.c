@@ -84,15 +84,20 @@ static int is_version_2(const gltf *g, uint32_t token)
     return t->type == JSON_STRING && t->end - t->start >= 5 && g->text[t->start + 1] == '2' && g->text[t->start + 2] == '.';
 }
 
+int norma_gltf_needs_later(const gltf *g)
+{
+    uint32_t least = norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "minVersion");
+    return least != JSON_NONE && !norma_json_equals(&g->json, least, "2.0");
+}
+
 static norma_document_result check_version(const gltf *g, norma_document_error *error)
 {
-    uint32_t asset = norma_json_member(&g->json, 0, "asset"), version = norma_json_member(&g->json, asset, "version");
-    uint32_t least = norma_json_member(&g->json, asset, "minVersion");
+    uint32_t version = norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "version");
     if (version == JSON_NONE)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "/asset/version", "expected a version, as every glTF file has");
     if (!is_version_2(g, version))
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/asset/version", "is not glTF 2; expected version 2.0");
-    if (least != JSON_NONE && !norma_json_equals(&g->json, least, "2.0"))
+    if (norma_gltf_needs_later(g) && !g->document->lenient)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/asset/minVersion", "needs a later version of glTF than is read here; expected 2.0");
     return NORMA_DOCUMENT_OK;
 }

@@ -71,6 +71,16 @@ static void read_normal_map(const gltf *g, uint32_t material, uint32_t extension
     info->normal_texcoord = info->normal_map ? texcoord_of(g, texture) : 0;
 }
 
+/* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit for those of VRM avatars (their MToon shader), is lit: it needs its normals. */
+static int is_unlit(const gltf *g, uint32_t extensions, size_t number)
+{
+    const json *j = &g->json;
+    uint32_t vrm = norma_json_member(j, norma_json_member(j, 0, "extensions"), "VRM"), list = norma_json_member(j, vrm, "materialProperties");
+    uint32_t shader = norma_json_member(j, norma_json_is(j, list, JSON_ARRAY) ? norma_json_element(j, list, (uint32_t)number) : JSON_NONE, "shader");
+    int toon = norma_json_member(j, extensions, "VRMC_materials_mtoon") != JSON_NONE || norma_json_equals(j, shader, "VRM/MToon");
+    return norma_json_member(j, extensions, "KHR_materials_unlit") != JSON_NONE && !toon;
+}
+
 static int read_material(gltf *g, uint32_t token, size_t number, norma_material_info *info)
 {
     const json *j = &g->json;
@@ -80,7 +90,7 @@ static int read_material(gltf *g, uint32_t token, size_t number, norma_material_
     info->where = norma_gltf_where(g, "materials", number);
     info->ignore = norma_gltf_ignore(g, token);
     info->double_sided = norma_json_is(j, norma_json_member(j, token, "doubleSided"), JSON_TRUE);
-    info->unlit = norma_json_member(j, extensions, "KHR_materials_unlit") != JSON_NONE;
+    info->unlit = is_unlit(g, extensions, number);
     info->not_opaque = lets_light_through(g, token, extensions);
     read_color(g, token, extensions, info);
     read_normal_map(g, token, extensions, info);

@@ -1,6 +1,6 @@
 /* gltf_meshes.c: meshes and their primitives: which accessors they use, how many triangles they draw, and the corners of those. */
 #include "gltf.h"
-#include "scene.h"
+#include "gltf_scene.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -399,7 +399,7 @@ norma_document_result norma_gltf_mesh_data(norma_document *document, size_t inde
     norma_document_result result = norma_gltf_corners(g, (uint32_t)index, &corners, error);
     if (!result)
         result = norma_gltf_array(g, p->base.position, &positions, error);
-    if (!result && p->base.normal != GLTF_NONE && !p->normals)
+    if (!result && p->base.normal != GLTF_NONE && !p->normals && !(document->lenient && norma_gltf_is_placeholder(g, p->base.normal)))
         result = decode_normals(g, p, error);
     if (result)
         return result;

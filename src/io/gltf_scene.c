@@ -128,7 +128,7 @@ static norma_document_result read_colors(gltf *g, const gltf_primitive *p, norma
 
 static norma_document_result read_tangents(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error)
 {
-    if (p->base.tangent == GLTF_NONE)
+    if (p->base.tangent == GLTF_NONE || norma_gltf_is_placeholder(g, p->base.tangent))
         return NORMA_DOCUMENT_OK;
     attributes->tangent_count = g->accessors[p->base.tangent].count;
     attributes->tangent_encoding = encoding_name(g, p->base.tangent);
@@ -353,15 +353,33 @@ static const char *unknown_extension(gltf *g, uint32_t token)
     return why;
 }
 
+int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor)
+{
+    return g->accessors[accessor].view == GLTF_NONE && g->accessors[accessor].sparse.count == 0;
+}
+
+static const char *why_in_part(const gltf *g, const gltf_primitive *p)
+{
+    if (p->not_read)
+        return p->mode >= GLTF_TRIANGLES ? p->not_read : NULL;
+    if (p->base.normal != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.normal))
+        return "its normals have no bytes: something else is to fill them";
+    if (p->base.tangent != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.tangent))
+        return "its tangents have no bytes: something else is to fill them";
+    return NULL;
+}
+
 static norma_document_result read_unread(norma_document *document, norma_document_error *error)
 {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;
-    norma_unread *unread = norma_scene_allocate(scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count, sizeof *unread);
+    norma_unread *unread = norma_scene_allocate(scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 1, sizeof *unread);
     size_t count = 0;
     if (!unread)
         return norma_document_fail_memory(document, error);
+    if (norma_gltf_needs_later(g))
+        unread[count++] = (norma_unread){"/asset/minVersion", "needs a later version of glTF than 2.0"};
     for (uint32_t item = norma_json_first(&g->json, list); item != JSON_NONE; item = norma_json_next(&g->json, list, item), ++number) {
         const norma_unread made = {norma_gltf_where(g, "extensionsRequired", number), unknown_extension(g, item)};
         if (!made.where || !made.why)
@@ -369,9 +387,11 @@ static norma_document_result read_unread(norma_document *document, norma_documen
         if (made.why[0])
             unread[count++] = made;
     }
-    for (uint32_t i = 0; i < g->primitive_count; ++i)
-        if (g->primitives[i].not_read && g->primitives[i].mode >= GLTF_TRIANGLES)
-            unread[count++] = (norma_unread){g->primitives[i].where, g->primitives[i].not_read};
+    for (uint32_t i = 0; i < g->primitive_count; ++i) {
+        const char *why = why_in_part(g, &g->primitives[i]);
+        if (why)
+            unread[count++] = (norma_unread){g->primitives[i].where, why};
+    }
     scene->unread = unread;
     scene->unread_count = count;
     return NORMA_DOCUMENT_OK;

@@ -10,8 +10,7 @@ const char *norma_gltf_ignore(gltf *g, uint32_t token);
 const char *norma_gltf_name(gltf *g, uint32_t token);
 /* "/LIST/NUMBER"; NULL: out of memory. */
 const char *norma_gltf_where(gltf *g, const char *list, size_t number);
-/* An accessor as floats, width of them for each element, tight: the file's own bytes where they are just that, else a decoded copy that the document keeps.
- * count elements are wanted; where it has fewer, NULL. */
+/* An accessor as floats, width of them for each element, tight: the file's own bytes where they are just that, else a decoded copy that the document keeps. */
 norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error);
 
 /* gltf_materials.c */
@@ -32,6 +31,10 @@ void                  norma_gltf_instance_matrix(const gltf_instances *instances
 
 /* gltf.c: whether a file may require the extension without a word in it changing what its meshes' numbers mean. */
 int norma_gltf_is_known(const char *name);
+/* Its elements have no bytes at all: zeros by the specification, that an extension or the program that loads the file is to fill. What norma check judges they are not. */
+int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor);
+/* gltf.c: it asks for a version later than the one that is read here. */
+int norma_gltf_needs_later(const gltf *g);
 
 /* The fields of a drawing node's info that are not about what it draws. */
 norma_document_result norma_gltf_describe_node(const norma_document *document, size_t index, norma_node_info *info);

@@ -114,7 +114,60 @@ export function bindCalls(wasm) {
     });
   };
 
-  return { version: heap.text(wasm.web_version()), faceNormals, vertexNormals, cornerNormals, split, normalMatrix, normalMatrices, matrixInfo, transformNormals };
+  /* A plan's own room in the heap, for callers who want nothing copied: made when it is first asked for. */
+  const makeRoom = (length) => {
+    let at = 0;
+    return {
+      array: () => new Float32Array(wasm.memory.buffer, (at ||= heap.allocate(4 * length)), length),
+      free: () => { if (at) wasm.web_release(at); at = 0; },
+    };
+  };
+
+  const createPlan = (mesh, per, crease) => heap.lend((lender) => {
+    const result = lender.block(4);
+    const address = wasm.web_plan_create(...hand(mesh, lender), per, crease, result) >>> 0;
+    expect(new Int32Array(wasm.memory.buffer, result, 1)[0]);
+    return address;
+  });
+
+  const plan = (positions, indices, given) => {
+    const mesh = readMesh(positions, indices, given);
+    const per = check.element(mesh.options.per ?? "vertex"), { vertices } = mesh;
+    const crease = check.degrees(mesh.options.crease ?? (per === 0 ? 180 : 60), "crease");
+    const count = per === 0 ? vertices : mesh.corners;
+    let address = createPlan(mesh, per, crease);
+    const rooms = { positions: makeRoom(3 * vertices), normals: makeRoom(3 * count) };
+    const alive = () => address || check.wrong("this plan has been freed");
+
+    const update = (now, options) => {
+      alive();
+      const { moved: list, out: array } = check.options(options);
+      const format = check.vectors(now, "positions");
+      if (now.length !== 3 * vertices) check.wrong(`positions: ${now.length / 3} vectors where the plan has ${vertices}`);
+      const moved = check.moved(list, vertices);
+      if (moved && !array) check.wrong("moved: needs out, which holds the normals of the last update");
+      const out = check.output(array, 3 * count);
+      return heap.lend((lender) => {
+        const written = lender.output(out, 3 * count, moved !== null);
+        expect(wasm.web_plan_update(address, lender.input(now), vertices, format, moved ? lender.input(moved) : 0, moved ? moved.length : 0, written.at, count));
+        return written.fetch();
+      });
+    };
+    const free = () => {
+      if (address) wasm.web_plan_free(address);
+      address = 0;
+      rooms.positions.free();
+      rooms.normals.free();
+    };
+    return {
+      count, update, free,
+      get bytes() { return wasm.web_plan_bytes(alive()) >>> 0; },
+      get positions() { return alive() && rooms.positions.array(); },
+      get normals() { return alive() && rooms.normals.array(); },
+    };
+  };
+
+  return { version: heap.text(wasm.web_version()), faceNormals, vertexNormals, cornerNormals, split, plan, normalMatrix, normalMatrices, matrixInfo, transformNormals };
 }
 
 export { NormaError };

@@ -1,0 +1,32 @@
+/* plan_tile_moved.h: from vertices that moved to what of each tile they touch. */
+#ifndef NORMA_CORE_PLAN_TILE_MOVED_H
+#define NORMA_CORE_PLAN_TILE_MOVED_H
+#include "plan_tile.h"
+
+enum { MARKS_IN_BLOCK = 1 << 17 };     /* occurrences that the stack has bits for */
+
+typedef struct tile_marks {
+    size_t    first_tile, tile_count, busy; /* the tiles that are marked now, and how many of them anything moved in */
+    uint32_t  first_occurrence;
+    uint64_t *bits;                    /* of each occurrence from there on */
+    int       borrowed;                /* the plan's, which has bits for all */
+    uint64_t  own[MARKS_IN_BLOCK / 64];
+} tile_marks;
+
+typedef struct tile_touch {
+    uint16_t faces[TILE_FACES], slots[TILE_SLOTS];
+    uint32_t face_count, slot_count;
+    uint8_t  slot_is_touched[TILE_SLOTS];
+} tile_touch;
+
+void norma_core_marks_open(const plan_work *work, tile_marks *marks);
+/* Marks what moved in the next tiles; 0 where none are left. */
+int  norma_core_marks_next(const plan_work *work, tile_marks *marks);
+void norma_core_marks_close(const plan_work *work, tile_marks *marks);
+
+/* The slots whose normals may change, and the faces that vote in them; 0 where nothing of the tile moved. */
+int norma_core_tile_touch(const tile_marks *marks, const tile_view *t, norma_element of, tile_touch *touch);
+
+/* Whether the normal of a member's corner (its vertex) is written: by a slot of this tile, and one of those that are written (NULL: all). */
+int norma_core_tile_writes(const tile_view *t, norma_element of, uint32_t member, const uint8_t *slot_is_written);
+#endif

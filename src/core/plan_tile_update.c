@@ -1,0 +1,253 @@
+/* plan_tile_update.c: one tile after the other, by whoever is free: positions in, faces measured, slots summed, normals out. */
+#include "plan_tile.h"
+#include "plan_tile_moved.h"
+#include <math.h>
+
+enum { FEWEST_TILES_TO_SHARE = 16, TILES_AHEAD = 1 };
+
+typedef struct tiles_work {
+    plan_work     *work;
+    tile_kernels   kernels;
+    tile_marks     marks;
+    size_t         tasks, first, count; /* tiles */
+    core_tally     tallies[PLAN_MOST_TASKS];
+} tiles_work;
+
+/* ---- in */
+
+static void load_positions(const plan_work *work, const tile_view *t, tile_room *room)
+{
+    double zero = 0;
+    for (uint32_t v = 0; v < t->vertex_count; v++) {
+        norma_core_position(&work->mesh, t->vertices[v], room->positions[v]);
+        for (int k = 0; k < 3; k++) zero += room->positions[v][k] - room->positions[v][k];
+    }
+    room->all_finite = zero == 0;
+}
+
+static core_mesh local_mesh(const tile_view *t, const tile_room *room)
+{
+    return (core_mesh){
+        .positions = {room->positions, t->vertex_count, sizeof room->positions[0], NORMA_FORMAT_DOUBLE},
+        .corners = t->corners,
+        .corner_count = t->corner_count,
+        .corner_size = sizeof *t->corners,
+        .face_starts = t->face_starts,
+        .face_count = t->face_count,
+        .scale = 1,
+        .weld = t->weld,
+    };
+}
+
+/* ---- faces that are not triangles, or that doubles do not decide */
+
+static void take_face(const core_mesh *mesh, norma_weight weight, const tile_view *t, uint32_t number, tile_room *room)
+{
+    core_face face;
+    const uint32_t begin = (uint32_t)norma_core_face_begin(mesh, number), end = (uint32_t)norma_core_face_end(mesh, number);
+    norma_core_face_geometry(mesh, number, &face);
+    const int directed = (face.flags & CORE_FACE_DIRECTED) != 0;
+    for (int k = 0; k < 3; k++) room->normals[number][k] = directed ? face.normal[k] : 0;
+    room->normals[number][3] = 1;
+    for (uint32_t c = begin; c < end; c++)
+        room->weights[norma_core_tile_member(t->corner_faces != NULL, number, c - begin, c)] =
+            directed && norma_core_is_kept(mesh, number, c) ? norma_core_corner_weight(mesh, weight, number, &face, c) : -0.0;
+    if (!directed && (face.flags & CORE_FACE_FINITE)) room->degenerate[room->degenerate_count++] = (uint16_t)number;
+}
+
+static int has_edges(const tile_view *t, uint32_t face)
+{
+    const uint16_t *at = t->corners + 3 * (size_t)face;
+    const uint32_t a = t->weld[at[0]], b = t->weld[at[1]], c = t->weld[at[2]];
+    return a != b && b != c && c != a;
+}
+
+static void measure_faces(const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room)
+{
+    const core_mesh mesh = local_mesh(t, room);
+    const norma_weight weight = w->work->call->options.weight;
+    uint8_t unsure[TILE_FACES];
+    room->degenerate_count = 0;
+    if (!t->corner_faces) w->kernels.measure(t, faces, w->work->call->measure, weight, room, unsure);
+    for (uint32_t i = 0; i < faces.count; i++) {
+        const uint32_t face = faces.numbers ? faces.numbers[i] : i;
+        if (t->corner_faces || unsure[face] || (t->weld && !has_edges(t, face))) take_face(&mesh, weight, t, face, room);
+    }
+}
+
+/* ---- sums that ask for more */
+
+typedef struct tile_cone { const tile_view *t; const tile_room *room; uint32_t first, vertex; } tile_cone;   /* vertex: UINT32_MAX, or alone */
+
+static int cone_normal(const void *context, size_t index, double normal[3])
+{
+    const tile_cone *c = context;
+    const uint32_t member = c->t->members[c->first + index];
+    if (c->vertex != UINT32_MAX && c->t->corners[norma_core_tile_corner_of(c->t, member)] != c->vertex) return 0;
+    memcpy(normal, c->room->normals[norma_core_tile_face_of(c->t, member)], 3 * sizeof *normal);
+    return !signbit(c->room->weights[member]);
+}
+
+static int decide_cone(const tile_view *t, const tile_room *room, uint32_t slot, uint32_t vertex, double weight, float normal[3])
+{
+    const uint32_t first = norma_core_tile_start(t, slot);
+    const tile_cone cone = {t, room, first, vertex};
+    return norma_core_plan_decide_cone(weight, cone_normal, &cone, norma_core_tile_start(t, slot + 1) - first, normal);
+}
+
+static void decide_cones(const tile_view *t, tile_some slots, tile_room *room)
+{
+    for (uint32_t i = 0; i < slots.count; i++) {
+        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
+        room->reasons[slot] = (uint8_t)decide_cone(t, room, slot, UINT32_MAX, room->sums[slot][3], room->results[slot]);
+    }
+}
+
+/* Of a vertex's own corners alone. */
+static int decide_own(const tiles_work *w, const tile_view *t, const tile_room *room, uint32_t slot, uint32_t vertex, float normal[3])
+{
+    double sum[4] = {0, 0, 0, -0.0};
+    for (uint32_t i = norma_core_tile_start(t, slot); i < norma_core_tile_start(t, slot + 1); i++) {
+        const uint32_t member = t->members[i];
+        if (t->corners[norma_core_tile_corner_of(t, member)] != vertex) continue;
+        for (int k = 0; k < 4; k++) sum[k] += room->weights[member] * room->normals[norma_core_tile_face_of(t, member)][k];
+    }
+    return w->work->call->options.weight == NORMA_WEIGHT_VISIBLE ? decide_cone(t, room, slot, vertex, sum[3], normal) : norma_core_plan_decide(sum, normal);
+}
+
+/* ---- out */
+
+static int is_finite(const tile_room *room, uint32_t vertex) { return room->all_finite || norma_core_finite(room->positions[vertex]); }
+
+static void write_vertex(const tiles_work *w, const tile_view *t, const tile_room *room, uint32_t slot, uint32_t vertex, core_tally *tally)
+{
+    const core_output *output = w->work->output;
+    const float *normal = room->results[slot];
+    int reason = room->reasons[slot];
+    float own[3] = {0, 0, 0};
+    if (!is_finite(room, vertex)) {
+        reason = NORMA_REASON_NON_FINITE;
+    } else if (reason == NORMA_REASON_CANCELLED && decide_own(w, t, room, slot, vertex, own) == NORMA_REASON_NONE) {
+        reason = NORMA_REASON_NONE;
+        normal = own;
+    }
+    norma_core_write_element(output, t->vertices[vertex], reason, normal, tally);
+}
+
+static void write_vertices(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
+{
+    for (uint32_t i = 0; i < slots.count; i++) {
+        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
+        const uint32_t begin = t->vertex_starts ? t->vertex_starts[slot] : slot, end = t->vertex_starts ? t->vertex_starts[slot + 1] : slot + 1;
+        for (uint32_t v = begin; v < end; v++) write_vertex(w, t, room, slot, v, tally);
+    }
+}
+
+/* Nearly all tiles: a vertex for each slot, all of them with a normal, and nobody asks for reasons. */
+static void write_plain(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots)
+{
+    for (uint32_t i = 0; i < slots.count; i++) {
+        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
+        norma_core_write_normal(w->work->output, t->vertices[slot], room->results[slot]);
+    }
+}
+
+static int is_plain(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots)
+{
+    unsigned any = !room->all_finite || w->work->output->reasons || t->slot_of;
+    for (uint32_t i = 0; i < slots.count && !any; i++) any |= room->reasons[slots.numbers ? slots.numbers[i] : i];
+    return !any;
+}
+
+static void write_corners(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
+{
+    for (uint32_t i = 0; i < slots.count; i++) {
+        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
+        for (uint32_t m = norma_core_tile_start(t, slot); m < norma_core_tile_start(t, slot + 1); m++) {
+            const uint32_t member = t->members[m], vertex = t->corners[norma_core_tile_corner_of(t, member)];
+            const int reason = is_finite(room, vertex) ? room->reasons[slot] : NORMA_REASON_NON_FINITE;
+            norma_core_write_element(w->work->output, norma_core_tile_mesh_corner(t, member), reason, room->results[slot], tally);
+        }
+    }
+}
+
+/* A face without a direction is counted where the normal of its first corner is written. */
+static void count_degenerate(const tiles_work *w, const tile_view *t, const tile_room *room, const uint8_t *slot_is_written, core_tally *tally)
+{
+    for (uint32_t i = 0; i < room->degenerate_count; i++) {
+        const uint32_t face = room->degenerate[i], begin = t->face_starts ? t->face_starts[face] : 3 * face;
+        const uint32_t member = norma_core_tile_member(t->corner_faces != NULL, face, 0, begin);
+        if (t->face_starts && t->face_starts[face + 1] == begin) continue;
+        if (norma_core_tile_writes(t, w->work->plan->of, member, slot_is_written)) norma_core_count_one(&tally->degenerate, t->faces[face]);
+    }
+}
+
+/* ---- tiles */
+
+static void update_tile(const tiles_work *w, const tile_view *t, const tile_touch *touch, core_tally *tally)
+{
+    tile_room room;
+    const tile_some faces = {touch ? touch->faces : NULL, touch ? touch->face_count : t->face_count};
+    const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
+    load_positions(w->work, t, &room);
+    measure_faces(w, t, faces, &room);
+    w->kernels.sum(t, slots, &room);
+    if (w->work->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cones(t, slots, &room);
+    else w->kernels.decide(slots, &room);
+    if (w->work->plan->of == NORMA_PER_CORNER) write_corners(w, t, &room, slots, tally);
+    else if (is_plain(w, t, &room, slots)) write_plain(w, t, &room, slots);
+    else write_vertices(w, t, &room, slots, tally);
+    if (room.degenerate_count) count_degenerate(w, t, &room, touch ? touch->slot_is_touched : NULL, tally);
+}
+
+static void update_some(void *context, size_t task)
+{
+    tiles_work *w = context;
+    const plan_range range = norma_core_plan_range(w->count, w->tasks, task);
+    for (size_t i = w->first + range.begin; i < w->first + range.end; i++) {
+        const tile_view t = norma_core_tile(w->work->plan, i);
+        tile_touch touch;
+        if (!w->work->moved) update_tile(w, &t, NULL, &w->tallies[task]);
+        else if (norma_core_tile_touch(&w->marks, &t, w->work->plan->of, &touch)) update_tile(w, &t, &touch, &w->tallies[task]);
+    }
+}
+
+/* busy: how many tiles there is something to do in. */
+static norma_result run(tiles_work *w, size_t first, size_t count, size_t busy)
+{
+    w->first = first;
+    w->count = count;
+    w->tasks = busy / FEWEST_TILES_TO_SHARE + 1;
+    if (w->tasks > PLAN_MOST_TASKS) w->tasks = PLAN_MOST_TASKS;
+    memset(w->tallies, 0, w->tasks * sizeof *w->tallies);
+    const norma_result result = norma_core_parallel(w->work->call, w->tasks, update_some, w);
+    for (size_t i = 0; i < w->tasks; i++) norma_core_tally_add(w->work->tally, &w->tallies[i]);
+    return result;
+}
+
+static norma_result update_moved(tiles_work *w)
+{
+    norma_result result = NORMA_OK;
+    norma_core_marks_open(w->work, &w->marks);
+    while (result == NORMA_OK && norma_core_marks_next(w->work, &w->marks))
+        if (w->marks.busy) result = run(w, w->marks.first_tile, w->marks.tile_count, w->marks.busy);
+    norma_core_marks_close(w->work, &w->marks);
+    return result;
+}
+
+norma_result norma_core_plan_update_tiles(plan_work *work)
+{
+    tiles_work w = {.work = work};
+    const size_t count = work->plan->tile_count;
+    if (!count) return NORMA_OK;
+    w.kernels = norma_core_tile_kernels(work->call->options.isa);
+    return work->moved ? update_moved(&w) : run(&w, 0, count, count);
+}
+
+void norma_core_plan_tile_vertices(const norma_plan *plan, uint32_t *vertices)
+{
+    for (size_t i = 0; i < plan->tile_count; i++) {
+        const tile_view t = norma_core_tile(plan, i);
+        for (uint32_t m = 0; m < t.member_count; m++) vertices[norma_core_tile_mesh_corner(&t, t.members[m])] = t.vertices[t.corners[norma_core_tile_corner_of(&t, t.members[m])]];
+    }
+}

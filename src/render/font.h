@@ -1,0 +1,122 @@
+/* font.h: the strokes of letters. Futura light of the Hershey Fonts.
+ *
+ * The Hershey Fonts were originally created by Dr. A. V. Hershey while working at the U. S. National Bureau of Standards. The format of the font data in this
+ * distribution was originally created by James Hurt, Cognition, Inc., 900 Technology Park Drive, Billerica, MA 01821 (mit-eddie!ci-dandelion!hurt). They may be used by
+ * anyone for any purpose, commercial or otherwise, provided that these acknowledgements are distributed with the font data; the data may be converted into any format
+ * except the one distributed by the U.S. NTIS.
+ *
+ * A glyph is pairs of letters, each a number as its distance from R: first its left and right border, then points, x to the right and y downwards; " R" lifts the pen.
+ * Capitals stand from -12 to 9. The last three are ours. */
+#ifndef NORMA_RENDER_FONT_H
+#define NORMA_RENDER_FONT_H
+#include <stdint.h>
+
+enum { RENDER_FIRST_GLYPH = 32, RENDER_GLYPHS = 95, RENDER_GLYPH_TOP = -12, RENDER_GLYPH_BOTTOM = 9 };
+
+static const char *const render_glyphs[RENDER_GLYPHS] = {
+    "JZ",
+    "MWRFRT RRYQZR[SZRY",
+    "JZNFNM RVFVM",
+    "H]SBLb RYBRb RLOZO RKUYU",
+    "H\\PBP_ RTBT_ RYIWGTFPFMGKIKKLMMNOOUQWRXSYUYXWZT[P[MZKX",
+    "F^[FI[ RNFPHPJOLMMKMIKIIJGLFNFPGSHVHYG[F RWTUUTWTYV[X[ZZ[X[VYTWT",
+    "E_\\O\\N[MZMYNXPVUTXRZP[L[JZIYHWHUISJRQNRMSKSIRGPFNGMIMKNNPQUXWZY[[[\\Z\\Y",
+    "MWRHQGRFSGSIRKQL",
+    "KYVBTDRGPKOPOTPYR]T`Vb",
+    "KYNBPDRGTKUPUTTYR]P`Nb",
+    "JZRLRX RMOWU RWOMU",
+    "E_RIR[ RIR[R",
+    "NVSWRXQWRVSWSYQ[",
+    "E_IR[R",
+    "NVRVQWRXSWRV",
+    "G][BIb",
+    "H\\QFNGLJKOKRLWNZQ[S[VZXWYRYOXJVGSFQF",
+    "H\\NJPISFS[",
+    "H\\LKLJMHNGPFTFVGWHXJXLWNUQK[Y[",
+    "H\\MFXFRNUNWOXPYSYUXXVZS[P[MZLYKW",
+    "H\\UFKTZT RUFU[",
+    "H\\WFMFLOMNPMSMVNXPYSYUXXVZS[P[MZLYKW",
+    "H\\XIWGTFRFOGMJLOLTMXOZR[S[VZXXYUYTXQVOSNRNOOMQLT",
+    "H\\YFO[ RKFYF",
+    "H\\PFMGLILKMMONSOVPXRYTYWXYWZT[P[MZLYKWKTLRNPQOUNWMXKXIWGTFPF",
+    "H\\XMWPURRSQSNRLPKMKLLINGQFRFUGWIXMXRWWUZR[P[MZLX",
+    "NVROQPRQSPRO RRVQWRXSWRV",
+    "NVROQPRQSPRO RSWRXQWRVSWSYQ[",
+    "F^ZIJRZ[",
+    "E_IO[O RIU[U",
+    "F^JIZRJ[",
+    "I[LKLJMHNGPFTFVGWHXJXLWNVORQRT RRYQZR[SZRY",
+    "E`WNVLTKQKOLNMMPMSNUPVSVUUVS RQKOMNPNSOUPV RWKVSVUXVZV\\T]Q]O\\L[JYHWGTFQFNGLHJJILHOHRIUJWLYNZQ[T[WZYYZX RXKWSWUXV",
+    "I[RFJ[ RRFZ[ RMTWT",
+    "G\\KFK[ RKFTFWGXHYJYLXNWOTP RKPTPWQXRYTYWXYWZT[K[",
+    "H]ZKYIWGUFQFOGMILKKNKSLVMXOZQ[U[WZYXZV",
+    "G\\KFK[ RKFRFUGWIXKYNYSXVWXUZR[K[",
+    "H[LFL[ RLFYF RLPTP RL[Y[",
+    "HZLFL[ RLFYF RLPTP",
+    "H]ZKYIWGUFQFOGMILKKNKSLVMXOZQ[U[WZYXZVZS RUSZS",
+    "G]KFK[ RYFY[ RKPYP",
+    "NVRFR[",
+    "JZVFVVUYTZR[P[NZMYLVLT",
+    "G\\KFK[ RYFKT RPOY[",
+    "HYLFL[ RL[X[",
+    "F^JFJ[ RJFR[ RZFR[ RZFZ[",
+    "G]KFK[ RKFY[ RYFY[",
+    "G]PFNGLIKKJNJSKVLXNZP[T[VZXXYVZSZNYKXIVGTFPF",
+    "G\\KFK[ RKFTFWGXHYJYMXOWPTQKQ",
+    "G]PFNGLIKKJNJSKVLXNZP[T[VZXXYVZSZNYKXIVGTFPF RSWY]",
+    "G\\KFK[ RKFTFWGXHYJYLXNWOTPKP RRPY[",
+    "H\\YIWGTFPFMGKIKKLMMNOOUQWRXSYUYXWZT[P[MZKX",
+    "JZRFR[ RKFYF",
+    "G]KFKULXNZQ[S[VZXXYUYF",
+    "I[JFR[ RZFR[",
+    "F^HFM[ RRFM[ RRFW[ R\\FW[",
+    "H\\KFY[ RYFK[",
+    "I[JFRPR[ RZFRP",
+    "H\\YFK[ RKFYF RK[Y[",
+    "KYOBOb RPBPb ROBVB RObVb",
+    "KYKFY^",
+    "KYTBTb RUBUb RNBUB RNbUb",
+    "JZRDJR RRDZR",
+    "I[Ib[b",
+    "NVSKQMQORPSORNQO",
+    "I\\XMX[ RXPVNTMQMONMPLSLUMXOZQ[T[VZXX",
+    "H[LFL[ RLPNNPMSMUNWPXSXUWXUZS[P[NZLX",
+    "I[XPVNTMQMONMPLSLUMXOZQ[T[VZXX",
+    "I\\XFX[ RXPVNTMQMONMPLSLUMXOZQ[T[VZXX",
+    "I[LSXSXQWOVNTMQMONMPLSLUMXOZQ[T[VZXX",
+    "MYWFUFSGRJR[ ROMVM",
+    "I\\XMX]W`VaTbQbOa RXPVNTMQMONMPLSLUMXOZQ[T[VZXX",
+    "I\\MFM[ RMQPNRMUMWNXQX[",
+    "NVQFRGSFREQF RRMR[",
+    "MWRFSGTFSERF RSMS^RaPbNb",
+    "IZMFM[ RWMMW RQSX[",
+    "NVRFR[",
+    "CaGMG[ RGQJNLMOMQNRQR[ RRQUNWMZM\\N]Q][",
+    "I\\MMM[ RMQPNRMUMWNXQX[",
+    "I\\QMONMPLSLUMXOZQ[T[VZXXYUYSXPVNTMQM",
+    "H[LMLb RLPNNPMSMUNWPXSXUWXUZS[P[NZLX",
+    "I\\XMXb RXPVNTMQMONMPLSLUMXOZQ[T[VZXX",
+    "KXOMO[ ROSPPRNTMWM",
+    "J[XPWNTMQMNNMPNRPSUTWUXWXXWZT[Q[NZMX",
+    "MYRFRWSZU[W[ ROMVM",
+    "I\\MMMWNZP[S[UZXW RXMX[",
+    "JZLMR[ RXMR[",
+    "G]JMN[ RRMN[ RRMV[ RZMV[",
+    "J[MMX[ RXMM[",
+    "JZLMR[ RXMR[P_NaLbKb",
+    "J[XMM[ RMMXM RM[X[",
+    "KYTBRCQDPFPHQJRKSMSOQQ RRCQEQGRISJTLTNSPORSTTVTXSZR[Q]Q_Ra RQSSUSWRYQZP\\P^Q`RaTb",
+    "NVRBRb",
+    "KYPBRCSDTFTHSJRKQMQOSQ RRCSESGRIQJPLPNQPURQTPVPXQZR[S]S_Ra RSSQUQWRYSZT\\T^S`RaPb",
+    "F^IUISJPLONOPPTSVTXTZS[Q RISJQLPNPPQTTVUXUZT[Q[O",
+};
+
+static const struct render_extra_glyph {
+    uint32_t character;
+    const char *glyph;
+} render_extra_glyphs[] = {
+    {0xB0, "MWUITGRFPGOIPKRLTKUI"}, /* degree */
+    {0xD7, "H\\LNXZ RXNLZ"}, /* times */
+    {0x2212, "E_IR[R"}, /* minus */
+};
+#endif

@@ -1,0 +1,215 @@
+/* model.c: a pack becomes arrays for the graphics card. The pack may come from a page that somebody edited, so that every offset and index is checked. */
+#include "model.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- reading a pack */
+
+/* Whether count elements of size bytes lie in the pack at an offset that suits them. */
+static int lies_inside(const view_pack_head *head, uint32_t at, uint64_t count, size_t size) {
+    return at % 8 == 0 && at <= head->size && count <= (head->size - at) / size;
+}
+
+static int has_head(const unsigned char *pack, size_t size) {
+    const view_pack_head *head = (const view_pack_head *)(const void *)pack;
+    return size >= sizeof *head && head->magic == VIEW_PACK_MAGIC && head->size <= size && lies_inside(head, head->meshes, head->mesh_count, sizeof(view_pack_mesh)) &&
+           lies_inside(head, head->draws, head->draw_count, sizeof(view_pack_draw));
+}
+
+static int is_there(const view_pack_head *head, uint32_t at, uint64_t count) { return at == VIEW_PACK_NONE || lies_inside(head, at, count, 4); }
+
+static int record_is_sound(const view_pack_head *head, const view_pack_mesh *r) {
+    const size_t vector = r->is_double ? 24 : 12;
+    const int polygons = r->face_starts != VIEW_PACK_NONE;
+    return lies_inside(head, r->positions, r->position_count, vector) && is_there(head, r->corners, r->corner_count) &&
+           is_there(head, r->face_starts, (uint64_t)r->face_count + 1) && is_there(head, r->groups, r->face_count) &&
+           (r->storage == NORMA_NORMALS_NONE || lies_inside(head, r->normals, r->normal_count, 12)) && is_there(head, r->corner_normals, r->corner_count) &&
+           (polygons || r->corner_count % 3 == 0) && (r->corners != VIEW_PACK_NONE || r->corner_count <= r->position_count);
+}
+
+static const void *at_offset(const model *m, uint32_t at) { return at == VIEW_PACK_NONE ? NULL : m->pack + at; }
+
+static void read_record(const model *m, const view_pack_mesh *record, model_mesh *mesh) {
+    mesh->record = record;
+    mesh->mesh = (norma_mesh){.positions = {at_offset(m, record->positions), record->position_count, 0, record->is_double ? NORMA_FORMAT_DOUBLE : NORMA_FORMAT_FLOAT},
+                              .corners = at_offset(m, record->corners),
+                              .corner_count = record->corner_count,
+                              .face_starts = at_offset(m, record->face_starts),
+                              .face_count = record->face_count};
+    if (record->storage != NORMA_NORMALS_NONE)
+        mesh->stored = (norma_vec3_view){at_offset(m, record->normals), record->normal_count, 0, NORMA_FORMAT_FLOAT};
+    mesh->stored_of_corner = at_offset(m, record->corner_normals);
+}
+
+void model_position(const model_mesh *mesh, size_t position, double out[3]) {
+    for (size_t axis = 0; axis < 3; ++axis)
+        out[axis] = mesh->record->is_double ? ((const double *)mesh->mesh.positions.data)[3 * position + axis] : (double)((const float *)mesh->mesh.positions.data)[3 * position + axis];
+}
+
+size_t model_corner_position(const model_mesh *mesh, size_t corner) {
+    return mesh->mesh.corners ? ((const uint32_t *)mesh->mesh.corners)[corner] : corner;
+}
+
+/* The core checks corners and faces; what it finds wrong is not drawn. */
+static int mesh_is_sound(const model_mesh *mesh) {
+    float *normals = malloc((size_t)mesh->record->corner_count * 12 + 1);
+    const norma_result result = normals ? norma_face_normals(&mesh->mesh, NULL, normals, mesh->record->corner_count, NULL) : NORMA_ERROR_MEMORY;
+    free(normals);
+    return result == NORMA_OK;
+}
+
+/* ---- triangles */
+
+static size_t face_start(const model_mesh *mesh, size_t face) { return mesh->mesh.face_starts ? mesh->mesh.face_starts[face] : 3 * face; }
+
+static size_t count_triangles(const model_mesh *mesh, size_t *most_corners) {
+    size_t triangles = 0;
+    for (size_t face = 0; face < mesh->mesh.face_count; ++face) {
+        const size_t corners = face_start(mesh, face + 1) - face_start(mesh, face);
+        triangles += corners > 2 ? corners - 2 : 0;
+        *most_corners = corners > *most_corners ? corners : *most_corners;
+    }
+    return triangles;
+}
+
+static void cut_faces(model_mesh *mesh, double (*points)[3], uint32_t *scratch) {
+    uint32_t *out = mesh->triangle_corners;
+    for (size_t face = 0; face < mesh->mesh.face_count; ++face) {
+        const size_t start = face_start(mesh, face), corners = face_start(mesh, face + 1) - start;
+        if (corners < 3)
+            continue;
+        for (size_t i = 0; i < corners; ++i) model_position(mesh, model_corner_position(mesh, start + i), points[i]);
+        model_triangulate((const double(*)[3])points, corners, scratch, out);
+        for (size_t i = 0; i < 3 * (corners - 2); ++i) out[i] += (uint32_t)start;
+        out += 3 * (corners - 2);
+    }
+}
+
+static int make_triangles(model_mesh *mesh) {
+    size_t most = 0;
+    if (!mesh->mesh.face_starts) {
+        mesh->triangle_count = mesh->mesh.corner_count / 3;
+        return 1;
+    }
+    mesh->triangle_count = count_triangles(mesh, &most);
+    mesh->triangle_corners = malloc(12 * mesh->triangle_count + 1);
+    double(*points)[3] = malloc(sizeof *points * most + 1);
+    uint32_t *scratch = malloc(sizeof *scratch * most + 1);
+    const int made = mesh->triangle_corners && points && scratch;
+    if (made)
+        cut_faces(mesh, points, scratch);
+    free(points);
+    free(scratch);
+    return made;
+}
+
+/* ---- arrays for the graphics card */
+
+static void find_ball(model_mesh *mesh) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, square = 0;
+    for (size_t i = 0; i < mesh->mesh.positions.count; ++i) {
+        double p[3];
+        model_position(mesh, i, p);
+        for (int axis = 0; axis < 3; ++axis) {
+            if (isfinite(p[axis]) && p[axis] < low[axis]) low[axis] = p[axis];
+            if (isfinite(p[axis]) && p[axis] > high[axis]) high[axis] = p[axis];
+        }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const double half = low[axis] <= high[axis] ? 0.5 * high[axis] - 0.5 * low[axis] : 0;
+        mesh->centre[axis] = low[axis] <= high[axis] ? low[axis] + half : 0;
+        square = fmax(square, half);
+    }
+    mesh->radius = square > 0 ? sqrt(3) * square : 1;
+}
+
+static size_t triangle_corner(const model_mesh *mesh, size_t i) { return mesh->triangle_corners ? mesh->triangle_corners[i] : i; }
+
+static void fill_positions(model_mesh *mesh) {
+    for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+        double p[3];
+        model_position(mesh, model_corner_position(mesh, triangle_corner(mesh, i)), p);
+        for (size_t axis = 0; axis < 3; ++axis) {
+            const double x = (p[axis] - mesh->centre[axis]) / mesh->radius;
+            mesh->draw_positions[3 * i + axis] = isfinite(x) ? (float)x : 0;
+        }
+    }
+}
+
+static double distance(const float *a, const float *b) {
+    const double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1], z = (double)a[2] - (double)b[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* How far a normal is drawn: half of the mean length of the two edges at its corner. */
+static void fill_reach(model_mesh *mesh) {
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        const float *p = mesh->draw_positions + 9 * t;
+        const double ab = distance(p, p + 3), bc = distance(p + 3, p + 6), ca = distance(p + 6, p);
+        mesh->draw_reach[3 * t] = (float)(0.25 * (ab + ca));
+        mesh->draw_reach[3 * t + 1] = (float)(0.25 * (ab + bc));
+        mesh->draw_reach[3 * t + 2] = (float)(0.25 * (bc + ca));
+    }
+}
+
+static int make_arrays(model_mesh *mesh) {
+    const size_t corners = 3 * mesh->triangle_count;
+    mesh->normals = calloc(3 * mesh->mesh.corner_count + 1, sizeof(float));
+    mesh->draw_positions = malloc(12 * corners + 1);
+    mesh->draw_normals = mesh->triangle_corners ? malloc(12 * corners + 1) : mesh->normals;
+    mesh->draw_reach = malloc(4 * corners + 1);
+    mesh->draw_values = calloc(corners + 1, sizeof(float));
+    if (!mesh->normals || !mesh->draw_positions || !mesh->draw_normals || !mesh->draw_reach || !mesh->draw_values)
+        return 0;
+    find_ball(mesh);
+    fill_positions(mesh);
+    fill_reach(mesh);
+    return 1;
+}
+
+static int open_mesh(const model *m, const view_pack_mesh *record, model_mesh *mesh) {
+    if (!record_is_sound(m->head, record))
+        return 0;
+    read_record(m, record, mesh);
+    return mesh_is_sound(mesh) && make_triangles(mesh) && make_arrays(mesh);
+}
+
+model *model_open(unsigned char *pack, size_t size) {
+    model *m = calloc(1, sizeof *m);
+    if (!m || !has_head(pack, size)) {
+        free(pack);
+        free(m);
+        return NULL;
+    }
+    m->pack = pack;
+    m->head = (const view_pack_head *)(const void *)pack;
+    m->draws = (const view_pack_draw *)(const void *)(pack + m->head->draws);
+    m->meshes = calloc((size_t)m->head->mesh_count + 1, sizeof *m->meshes);
+    const view_pack_mesh *records = (const view_pack_mesh *)(const void *)(pack + m->head->meshes);
+    int sound = m->meshes != NULL;
+    for (uint32_t i = 0; i < m->head->mesh_count && sound; ++i) sound = open_mesh(m, &records[i], &m->meshes[i]);
+    for (uint32_t i = 0; i < m->head->draw_count && sound; ++i) sound = m->draws[i].mesh < m->head->mesh_count;
+    if (sound)
+        return m;
+    model_close(m);
+    return NULL;
+}
+
+void model_close(model *m) {
+    if (!m)
+        return;
+    for (uint32_t i = 0; m->meshes && i < m->head->mesh_count; ++i) {
+        model_mesh *mesh = &m->meshes[i];
+        free(mesh->draw_positions);
+        if (mesh->draw_normals != mesh->normals)
+            free(mesh->draw_normals);
+        free(mesh->normals);
+        free(mesh->draw_reach);
+        free(mesh->draw_values);
+        free(mesh->triangle_corners);
+    }
+    free(m->meshes);
+    free(m->pack);
+    free(m);
+}

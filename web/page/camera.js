@@ -1,0 +1,114 @@
+/* The camera: it orbits a point. Angles in degrees, as in `norma render --camera AZIMUTH,ELEVATION`. */
+import { dot } from "./matrix.js";
+
+const FRONT = { azimuth: 30, elevation: 20, distance: 3.4, centre: [0, 0, 0] };
+const FIELD_OF_VIEW = (38 * Math.PI) / 180;
+
+export function makeCamera() {
+  const camera = { ...FRONT, centre: [0, 0, 0], aspect: 1 };
+  const radians = (degrees) => (degrees * Math.PI) / 180;
+
+  /* Right, up and back (to the eye), unit, in the world. */
+  const axes = () => {
+    const [a, e] = [radians(camera.azimuth), radians(camera.elevation)];
+    return { right: [Math.cos(a), 0, -Math.sin(a)], up: [-Math.sin(a) * Math.sin(e), Math.cos(e), -Math.cos(a) * Math.sin(e)], back: [Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e)] };
+  };
+  const eye = () => axes().back.map((x, i) => camera.centre[i] + camera.distance * x);
+
+  const worldToView = () => {
+    const { right, up, back } = axes(), at = eye();
+    return [right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0, -dot(right, at), -dot(up, at), -dot(back, at), 1];
+  };
+
+  /* Half of the angle of view belongs to the shorter side. */
+  const tangents = () => {
+    const t = Math.tan(FIELD_OF_VIEW / 2);
+    return camera.aspect >= 1 ? [t * camera.aspect, t] : [t, t / camera.aspect];
+  };
+
+  /* reach: everything lies within this distance of the origin. */
+  const viewToClip = (reach) => {
+    const [x, y] = tangents(), away = Math.hypot(...eye());
+    const near = Math.max(away - reach, camera.distance * 0.01), far = away + reach + near;
+    return [1 / x, 0, 0, 0, 0, 1 / y, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, (2 * far * near) / (near - far), 0];
+  };
+
+  /* Through a point of the picture, from -1 to 1 each way. */
+  const ray = (x, y) => {
+    const { right, up, back } = axes(), [tx, ty] = tangents();
+    return { from: eye(), along: [0, 1, 2].map((i) => right[i] * x * tx + up[i] * y * ty - back[i]) };
+  };
+
+  const orbit = (azimuth, elevation) => {
+    camera.azimuth = (camera.azimuth + azimuth) % 360;
+    camera.elevation = Math.max(-90, Math.min(90, camera.elevation + elevation));
+  };
+  /* By parts of the picture's height. */
+  const pan = (x, y) => {
+    const { right, up } = axes(), size = 2 * camera.distance * tangents()[1];
+    for (let i = 0; i < 3; i++) camera.centre[i] -= (right[i] * x + up[i] * y) * size;
+  };
+  const zoom = (factor) => { camera.distance = Math.max(0.05, Math.min(100, camera.distance * factor)); };
+  const reset = (start) => Object.assign(camera, FRONT, { centre: [0, 0, 0] }, start);
+
+  return Object.assign(camera, { axes, eye, worldToView, viewToClip, ray, orbit, pan, zoom, reset });
+}
+
+/* Mouse, touch and keyboard. taken(event, phase) may claim a drag for itself ("down", "move", "up"); changed() is called after every change. */
+export function steer(canvas, camera, { changed, hover, taken }) {
+  const pointers = new Map();
+  let claimed = null, gap = 0;
+
+  const spread = () => { const [a, b] = [...pointers.values()]; return Math.hypot(a.x - b.x, a.y - b.y); };
+
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.focus({ preventScroll: true });
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (pointers.size === 2) gap = spread();
+    if (pointers.size === 1 && event.button === 0 && !event.shiftKey && taken(event, "down")) claimed = event.pointerId;
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    hover(event);
+    const was = pointers.get(event.pointerId);
+    if (!was) return;
+    if (claimed === event.pointerId) { taken(event, "move"); return; }
+    const x = event.clientX - was.x, y = event.clientY - was.y, height = canvas.clientHeight || 1;
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (pointers.size === 2) {
+      const now = spread();
+      if (gap > 0 && now > 0) camera.zoom(gap / now);
+      gap = now;
+      camera.pan(x / height / 2, -y / height / 2);
+    } else if (event.shiftKey || event.buttons & 6) camera.pan(x / height, -y / height);
+    else camera.orbit(-x * 0.4, y * 0.4);
+    changed();
+  });
+  const end = (event) => {
+    if (claimed === event.pointerId) { taken(event, "up"); claimed = null; }
+    pointers.delete(event.pointerId);
+  };
+  canvas.addEventListener("pointerup", end);
+  canvas.addEventListener("pointercancel", end);
+  canvas.addEventListener("pointerleave", () => hover(null));
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    camera.zoom(Math.exp(Math.max(-1, Math.min(1, event.deltaY * (event.deltaMode ? 0.05 : 0.0015)))));
+    changed();
+  }, { passive: false });
+
+  const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+  canvas.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const step = steps[event.key];
+    if (step && event.shiftKey) camera.pan(step[0] * 0.05, step[1] * 0.05);
+    else if (step) camera.orbit(step[0] * 5, step[1] * 5);
+    else if (event.key === "+" || event.key === "=") camera.zoom(0.9);
+    else if (event.key === "-" || event.key === "_") camera.zoom(1 / 0.9);
+    else if (event.key === "0" || event.key === "Home") camera.reset();
+    else return;
+    event.preventDefault();
+    changed();
+  });
+}
