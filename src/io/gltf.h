@@ -87,6 +87,7 @@ typedef struct gltf_primitive {
     const char     *not_read;             /* NULL: triangles that can be computed */
     char            where[64];            /* JSON pointer */
     uint32_t       *corners;              /* cached by norma_gltf_corners, 3 * faces */
+    const uint32_t *direct_corners;       /* the same where the file itself has them so */
     float          *normals;              /* cached by mesh_data */
 } gltf_primitive;
 

@@ -20,6 +20,7 @@ typedef struct gltf_surface {
     float     *normals;
     uint8_t   *reasons;
     size_t     point_count;
+    int        in_order;                  /* points are numbered as corners first use them, and each is used */
 } gltf_surface;
 
 typedef struct gltf_set {
@@ -60,7 +61,7 @@ norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *surfac
 void                  norma_gltf_surface_free(gltf_surface *surface);
 
 norma_document_result norma_gltf_make_sets(gltf_job *job);                                           /* gltf_sets.c */
-norma_document_result norma_gltf_take_points(gltf_job *job, const gltf_surface *surface);
+norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *surface);   /* points become corners */
 norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set);
 void                  norma_gltf_sets_free(gltf_job *job);
 

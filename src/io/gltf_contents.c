@@ -1,6 +1,7 @@
 /* gltf_contents.c: a set's new normals, and all else that its added vertices need, as contents of its attributes: old elements keep their bits, added ones are copies,
  * tangents of new normals are made perpendicular to them. */
 #include "gltf_compute.h"
+#include "memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,7 @@ typedef struct contents {
     gltf_job   *job;
     gltf_set   *set;
     size_t      count;                    /* vertices as they will be */
-    float      *stored;                   /* the normals as readers will decode them */
+    float      *stored;                   /* the normals as readers will decode them, for tangents; NULL: there are none */
     uint8_t    *changed;                  /* a vertex whose normal's code is not the old one's */
 } contents;
 
@@ -50,10 +51,12 @@ static norma_document_result copy_elements(const contents *c, uint32_t accessor,
     if (result)
         return result;
     *data = (gltf_data){.component = array.component, .normalized = array.normalized, .width = array.width, .element_size = size, .count = c->count};
-    data->bytes = norma_io_allocate(c->count, size);
+    data->bytes = norma_io_block(c->count, size);
     if (!data->bytes)
         return out_of_memory(c);
-    for (size_t v = 0; v < c->count; ++v)
+    if (array.stride == size)
+        memcpy(data->bytes, array.data, c->set->vertices * size);
+    for (size_t v = array.stride == size ? c->set->vertices : 0; v < c->count; ++v)
         memcpy(data->bytes + v * size, array.data + old_vertex(c->set, v) * array.stride, size);
     return NORMA_DOCUMENT_OK;
 }
@@ -139,10 +142,16 @@ static norma_document_result put_normals(const contents *c)
 {
     uint32_t old = c->job->g->primitives[c->set->lead].base.normal;
     vector_encoding encoding = encoding_of(c->job->g, old, 3);
-    gltf_data data = vector_data(encoding, 3, c->count);
+    gltf_data data = {.component = GLTF_FLOAT, .width = 3, .count = c->count};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes, norma_gltf_data_size(&data)))
-        result = out_of_memory(c);
+    if (encoding == VECTOR_FLOAT) {          /* as they are */
+        data.bytes = (unsigned char *)c->set->normals;
+        c->set->normals = NULL;
+    } else {
+        data = vector_data(encoding, 3, c->count);
+        if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes, norma_gltf_data_size(&data)))
+            result = out_of_memory(c);
+    }
     if (old == GLTF_NONE)
         memset(c->changed, 1, c->count);
     else if (!result)
@@ -151,7 +160,8 @@ static norma_document_result put_normals(const contents *c)
         free(data.bytes);
         return result;
     }
-    decode_stored(c, &data);
+    if (c->stored)
+        decode_stored(c, &data);
     return put(c, GLTF_SLOT_BASE, "NORMAL", &data);
 }
 
@@ -317,9 +327,10 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number)
     const gltf *g = job->g;
     const gltf_attributes *base = &g->primitives[set->lead].base;
     contents c = {.job = job, .set = set, .count = set->vertices + set->added_count};
-    c.stored = norma_io_allocate(c.count, 3 * sizeof *c.stored);
+    const int tangents = base->tangent != GLTF_NONE;
+    c.stored = tangents ? norma_io_allocate(c.count, 3 * sizeof *c.stored) : NULL;
     c.changed = norma_io_allocate(c.count, 1);
-    norma_document_result result = c.stored && c.changed ? NORMA_DOCUMENT_OK : out_of_memory(&c);
+    norma_document_result result = (c.stored || !tangents) && c.changed ? NORMA_DOCUMENT_OK : out_of_memory(&c);
     if (!result) {
         report_reasons(&c);
         result = put_normals(&c);

@@ -1,6 +1,7 @@
 /* gltf_indices.c: a primitive's new indices. They stay as they are where no corner changed; they widen where added vertices need it, the largest value of each width
  * being no index (glTF 2.0, 3.7.2.1); strips and fans whose corners changed become triangles. */
 #include "gltf_compute.h"
+#include "memory.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,32 +53,57 @@ static size_t drop_stitches(const uint32_t *old, uint32_t *corners, size_t faces
     return kept ? kept : 3 * faces;
 }
 
-static norma_document_result put_list(gltf_job *job, uint32_t number, const uint32_t *corners, size_t count, size_t extra)
+/* As the file is to have them, where that is not what they are in memory already. */
+static norma_document_result encode_indices(gltf_job *job, gltf_data *data, const uint32_t *corners, size_t count, const gltf_array *old)
+{
+    const size_t size = norma_gltf_data_size(data);
+    data->bytes = norma_io_block(data->count, size);
+    if (!data->bytes)
+        return out_of_memory(job);
+    for (size_t i = 0; i < count; ++i)
+        write_index(data->bytes + i * size, data->component, corners[i]);
+    for (size_t i = count; i < data->count; ++i) {
+        uint32_t index = (uint32_t)i;
+        if (old->data)
+            norma_gltf_uints(old, i, &index);
+        write_index(data->bytes + i * size, data->component, index);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static int is_little_endian(void)
+{
+    const uint32_t probe = 1;
+    unsigned char first;
+    memcpy(&first, &probe, 1);
+    return first == 1;
+}
+
+/* Takes the corners, which it frees or hands on. */
+static norma_document_result put_list(gltf_job *job, uint32_t number, uint32_t *corners, size_t count, size_t extra)
 {
     gltf *g = job->g;
     const gltf_primitive *p = &g->primitives[number];
     gltf_array old = {0};
     uint32_t largest = 0;
     norma_document_result result = p->indices == GLTF_NONE ? NORMA_DOCUMENT_OK : norma_gltf_array(g, p->indices, &old, job->error);
-    if (result)
+    if (result) {
+        free(corners);
         return result;
+    }
     for (size_t i = 0; i < count; ++i)
         largest = corners[i] > largest ? corners[i] : largest;
     if (extra && largest < p->vertices)
         largest = (uint32_t)p->vertices - 1;
     gltf_data data = {.component = component_for(g, p, largest), .width = 1, .count = count + extra, .is_indices = 1};
-    size_t size = norma_gltf_data_size(&data);
-    data.bytes = norma_io_allocate(data.count, size);
-    if (!data.bytes)
-        return out_of_memory(job);
-    for (size_t i = 0; i < count; ++i)
-        write_index(data.bytes + i * size, data.component, corners[i]);
-    for (size_t i = count; i < data.count; ++i) {
-        uint32_t index = (uint32_t)i;
-        if (old.data)
-            norma_gltf_uints(&old, i, &index);
-        write_index(data.bytes + i * size, data.component, index);
+    if (data.component == GLTF_UINT && extra == 0 && is_little_endian()) {
+        data.bytes = (unsigned char *)corners;
+    } else {
+        result = encode_indices(job, &data, corners, count, &old);
+        free(corners);
     }
+    if (result)
+        return result;
     const gltf_slot slot = {.primitive = number, .target = GLTF_SLOT_INDICES};
     uint32_t added = norma_gltf_add_data(g, &data);
     return added != GLTF_NONE && norma_gltf_put(g, &slot, added) ? NORMA_DOCUMENT_OK : out_of_memory(job);
@@ -92,9 +118,7 @@ static norma_document_result put_sequence(gltf_job *job, uint32_t number)
         return out_of_memory(job);
     for (size_t i = 0; i < p->vertices; ++i)
         corners[i] = (uint32_t)i;
-    norma_document_result result = put_list(job, number, corners, p->vertices, 0);
-    free(corners);
-    return result;
+    return put_list(job, number, corners, p->vertices, 0);
 }
 
 norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t number)
@@ -113,5 +137,7 @@ norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t number)
         norma_gltf_set_mode(g, 0, number, GLTF_TRIANGLES);
         count = drop_stitches(old, job->corners[number], p->faces);
     }
-    return put_list(job, number, job->corners[number], count, left_over(g, p));
+    uint32_t *corners = job->corners[number];
+    job->corners[number] = NULL;
+    return put_list(job, number, corners, count, left_over(g, p));
 }

@@ -1,5 +1,7 @@
 /* gltf_meshes.c: meshes and their primitives: which accessors they use, how many triangles they draw, and the corners of those. */
 #include "gltf.h"
+#include "memory.h"
+#include "tasks.h"
 #include "gltf_scene.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -316,6 +318,48 @@ static norma_document_result fill_corners(gltf *g, gltf_primitive *p, const uint
     return NORMA_DOCUMENT_OK;
 }
 
+enum { LEAST_SLICE = 1 << 17 };
+
+/* Whether every index is below a limit; slices of them are looked at side by side. */
+typedef struct index_check {
+    const uint32_t *indices;
+    size_t          count, slices, limit;
+    uint32_t        greatest[256];       /* of each slice */
+} index_check;
+
+static void find_greatest(void *context, size_t slice)
+{
+    index_check *check = context;
+    const size_t end = norma_io_slice(check->count, check->slices, slice + 1);
+    uint32_t greatest = 0;
+    for (size_t i = norma_io_slice(check->count, check->slices, slice); i < end; ++i)
+        greatest = check->indices[i] > greatest ? check->indices[i] : greatest;
+    check->greatest[slice] = greatest;
+}
+
+static int all_below(const gltf *g, const uint32_t *indices, size_t count, size_t limit)
+{
+    index_check check = {.indices = indices, .count = count, .slices = norma_io_slices(count, LEAST_SLICE), .limit = limit};
+    uint32_t greatest = 0;
+    norma_io_tasks(g->document->threads, check.slices, find_greatest, &check);
+    for (size_t i = 0; i < check.slices; ++i)
+        greatest = check.greatest[i] > greatest ? check.greatest[i] : greatest;
+    return count == 0 || greatest < limit;
+}
+
+/* A list of triangles whose indices lie in the file as this machine has them is used where it lies. */
+static const uint32_t *corners_in_place(const gltf *g, const gltf_primitive *p, const gltf_array *indices)
+{
+    const uint32_t probe = 1;
+    unsigned char first;
+    memcpy(&first, &probe, 1);
+    if (!first || p->mode != GLTF_TRIANGLES || p->indices == GLTF_NONE || indices->component != GLTF_UINT || indices->stride != sizeof(uint32_t) ||
+        (uintptr_t)indices->data % sizeof(uint32_t) != 0)
+        return NULL;
+    const uint32_t *corners = (const uint32_t *)(const void *)indices->data;
+    return all_below(g, corners, 3 * p->faces, p->vertices) ? corners : NULL;
+}
+
 static norma_document_result read_corners(gltf *g, gltf_primitive *p, const gltf_array *indices, norma_document_error *error)
 {
     size_t count = p->mode == GLTF_TRIANGLES ? 3 * p->faces : p->faces + 2;
@@ -335,8 +379,8 @@ norma_document_result norma_gltf_corners(gltf *g, uint32_t number, const uint32_
 {
     gltf_primitive *p = &g->primitives[number];
     gltf_array indices = {0};
-    *corners = p->corners;
-    if (p->corners)
+    *corners = p->corners ? p->corners : p->direct_corners;
+    if (*corners)
         return NORMA_DOCUMENT_OK;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (p->not_read)
@@ -349,7 +393,10 @@ norma_document_result norma_gltf_corners(gltf *g, uint32_t number, const uint32_
     }
     if (result)
         return result;
-    if (p->vertices > UINT32_MAX || p->faces > SIZE_MAX / (3 * sizeof(uint32_t)) || !(p->corners = norma_io_allocate(p->faces, 3 * sizeof(uint32_t))))
+    *corners = p->direct_corners = corners_in_place(g, p, &indices);
+    if (*corners)
+        return NORMA_DOCUMENT_OK;
+    if (p->vertices > UINT32_MAX || p->faces > SIZE_MAX / (3 * sizeof(uint32_t)) || !(p->corners = norma_io_block(p->faces, 3 * sizeof(uint32_t))))
         return norma_document_fail_memory(g->document, error);
     result = read_corners(g, p, &indices, error);
     if (result) {

@@ -41,7 +41,7 @@ void norma_gltf_patch_free(gltf *g)
     for (size_t i = 0; i < patch->piece_count; ++i)
         free(patch->pieces[i].owned);
     for (size_t i = 0; i < patch->view_count; ++i)
-        free(patch->views[i].bytes);
+        free(patch->views[i].owned);
     void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies, patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released, patch->pins};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i)
         free(blocks[i]);

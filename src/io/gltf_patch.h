@@ -34,7 +34,8 @@ typedef struct patch_piece {
 } patch_piece;
 
 typedef struct patch_view {               /* old ones first, then new ones */
-    unsigned char *bytes;                 /* NULL: stays as it was */
+    const unsigned char *bytes;           /* NULL: stays as it was */
+    unsigned char *owned;                 /* the same where they are the view's own, else a piece's */
     size_t         length, stride;        /* stride 0: none to be said */
     int            target;                /* of a new one */
     uint32_t       buffer;                /* where it was or is to be */

@@ -1,6 +1,7 @@
 /* gltf_place.c: pieces find their views. What keeps its size stays where it was; interleaved attributes that all grow stay interleaved; of what outgrows its place,
  * the first takes a view that nobody else needs any more, the rest get new ones. So no view is left unused. */
 #include "gltf_patch.h"
+#include "memory.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -124,12 +125,27 @@ static norma_document_result own_view(placer *p, uint32_t view)
     norma_document_result result = norma_gltf_view_bytes(p->g, view, &bytes, p->error);
     if (result)
         return result;
-    to->bytes = norma_io_allocate(old->length, 1);
+    to->bytes = to->owned = norma_io_block(old->length, 1);
     if (!to->bytes)
         return out_of_memory(p);
-    memcpy(to->bytes, bytes, old->length);
+    memcpy(to->owned, bytes, old->length);
     to->length = old->length;
     to->stride = old->stride;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Whether a piece alone is all that an old view holds. */
+static int fills_view(const placer *p, uint32_t view, const patch_piece *piece)
+{
+    return !p->patch->views[view].bytes && piece->old_offset == 0 && piece->old_stride == piece->size && p->g->views[view].length == piece->count * piece->size;
+}
+
+static norma_document_result lend_to_view(placer *p, uint32_t view, const patch_piece *piece)
+{
+    patch_view *to = &p->patch->views[view];
+    to->bytes = piece->bytes;
+    to->length = p->g->views[view].length;
+    to->stride = p->g->views[view].stride;
     return NORMA_DOCUMENT_OK;
 }
 
@@ -144,13 +160,15 @@ static norma_document_result take_view(placer *p, uint32_t view, patch_piece *pi
 {
     patch_view *to = &p->patch->views[view];
     size_t stride = stride_for(piece);
-    if (piece->count > SIZE_MAX / stride || !(to->bytes = norma_io_allocate(piece->count, stride)))
+    if (piece->count > SIZE_MAX / stride || (stride != piece->size && !(to->owned = norma_io_allocate(piece->count, stride))))
         return out_of_memory(p);
+    to->bytes = to->owned ? to->owned : piece->bytes;
     to->length = piece->count * stride;
     int said = view < p->g->view_count && p->g->views[view].stride == stride;
     to->stride = stride != piece->size || said ? stride : 0;
     to->target = piece->target;
-    write_rows(to->bytes, stride, piece);
+    if (to->owned)
+        write_rows(to->owned, stride, piece);
     norma_gltf_point_piece(p->g, piece, view, 0);
     piece->placed = 1;
     return NORMA_DOCUMENT_OK;
@@ -181,13 +199,13 @@ static norma_document_result grow_interleaved(placer *p, uint32_t view)
 {
     patch_view *to = &p->patch->views[view];
     size_t stride = p->g->views[view].stride, count = p->patch->pieces[p->first[view]].count;
-    to->bytes = norma_io_allocate(count, stride);
+    to->bytes = to->owned = norma_io_allocate(count, stride);
     if (!to->bytes)
         return out_of_memory(p);
     to->length = count * stride;
     to->stride = stride;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
-        write_rows(to->bytes + p->patch->pieces[i].old_offset, stride, &p->patch->pieces[i]);
+        write_rows(to->owned + p->patch->pieces[i].old_offset, stride, &p->patch->pieces[i]);
         p->patch->pieces[i].placed = 1;
     }
     return NORMA_DOCUMENT_OK;
@@ -210,9 +228,9 @@ static norma_document_result place_in_view(placer *p, uint32_t view)
         patch_piece *piece = &p->patch->pieces[i];
         if (!piece->fits)
             continue;
-        result = own_view(p, view);
-        if (!result)
-            write_rows(p->patch->views[view].bytes + piece->old_offset, piece->old_stride, piece);
+        result = fills_view(p, view, piece) ? lend_to_view(p, view, piece) : own_view(p, view);
+        if (!result && p->patch->views[view].owned)
+            write_rows(p->patch->views[view].owned + piece->old_offset, piece->old_stride, piece);
         piece->placed = 1;
     }
     if (!result && leaver != GLTF_NONE && !fitting && p->stays[view] == 0)

@@ -7,11 +7,17 @@
 
 /* ---- equal contents */
 
+static uint64_t hash_shape(const gltf_data *data)
+{
+    return (UINT64_C(0x9E3779B97F4A7C15) ^ (uint64_t)data->component ^ (uint64_t)data->width << 16 ^ (uint64_t)data->normalized << 24 ^ (uint64_t)data->is_indices << 25) +
+           data->count * UINT64_C(0xD6E8FEB86659FD93);
+}
+
 static uint64_t hash_data(const gltf_data *data)
 {
     const uint64_t prime = 0x9E3779B97F4A7C15u;
     size_t size = data->count * norma_gltf_data_size(data);
-    uint64_t hash = prime ^ (uint64_t)data->component ^ (uint64_t)data->width << 16 ^ (uint64_t)data->normalized << 24 ^ (uint64_t)data->is_indices << 25;
+    uint64_t hash = hash_shape(data) * prime;
     for (size_t i = 0; i < size; i += 8) {
         uint64_t word = 0;
         memcpy(&word, data->bytes + i, size - i < 8 ? size - i : 8);
@@ -19,6 +25,29 @@ static uint64_t hash_data(const gltf_data *data)
         hash ^= hash >> 29;
     }
     return hash;
+}
+
+static int compare_hashes(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Contents whose shape no other has are equal to none, and need not be looked at. Sorted hashes of all shapes; NULL: out of memory. */
+static uint64_t *sort_shapes(const gltf_patch *patch)
+{
+    uint64_t *shapes = norma_io_allocate(patch->data_count, sizeof *shapes);
+    for (size_t i = 0; shapes && i < patch->data_count; ++i)
+        shapes[i] = hash_shape(&patch->datas[i]);
+    if (shapes)
+        qsort(shapes, patch->data_count, sizeof *shapes, compare_hashes);
+    return shapes;
+}
+
+static int has_company(const uint64_t *shapes, size_t count, uint64_t shape)
+{
+    const uint64_t *found = bsearch(&shape, shapes, count, sizeof *shapes, compare_hashes);
+    return found && ((found > shapes && found[-1] == shape) || (found + 1 < shapes + count && found[1] == shape));
 }
 
 static int equal_data(const gltf_data *a, const gltf_data *b)
@@ -34,13 +63,16 @@ static int find_equal_datas(gltf_patch *patch)
     while (capacity / 2 < patch->data_count)
         capacity *= 2;
     uint32_t *table = norma_io_allocate(capacity, sizeof *table);
+    uint64_t *shapes = sort_shapes(patch);
     patch->same = norma_io_allocate(patch->data_count, sizeof *patch->same);
-    if (!table || !patch->same) {
+    if (!table || !shapes || !patch->same) {
         free(table);
+        free(shapes);
         return 0;
     }
     for (uint32_t i = 0; i < patch->data_count; ++i) {
-        size_t at = hash_data(&patch->datas[i]) & (capacity - 1);
+        const uint64_t shape = hash_shape(&patch->datas[i]);
+        size_t at = (has_company(shapes, patch->data_count, shape) ? hash_data(&patch->datas[i]) : shape) & (capacity - 1);
         while (table[at] && !equal_data(&patch->datas[table[at] - 1], &patch->datas[i]))
             at = (at + 1) & (capacity - 1);
         if (!table[at])
@@ -48,6 +80,7 @@ static int find_equal_datas(gltf_patch *patch)
         patch->same[i] = table[at] - 1;
     }
     free(table);
+    free(shapes);
     return 1;
 }
 

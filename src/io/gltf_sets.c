@@ -1,6 +1,8 @@
 /* gltf_sets.c: which primitives draw the same vertices, and which vertices their points become: the first point of an old vertex gets its number, so that old indices
  * stay right; further ones are added behind. */
 #include "gltf_compute.h"
+#include "memory.h"
+#include "tasks.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -265,40 +267,82 @@ static uint32_t take_vertex(gltf_set *set, uint32_t vertex, const float normal[3
     return (uint32_t)number;
 }
 
-/* places: for each point of the surface its vertex in this set, valid where stamps says the set's number + 1. */
-static int take_primitive(gltf_job *job, const gltf_surface *s, uint32_t number, uint32_t *places, uint32_t *stamps)
+/* Where a mesh is one primitive, every point is drawn, and they come in the order of their corners: no need to look at those. */
+static int take_all_points(gltf_set *set, const gltf_surface *s, uint32_t *places)
+{
+    const uint32_t first = (uint32_t)s->position_start[0];
+    for (size_t point = 0; point < s->point_count; ++point) {
+        places[point] = take_vertex(set, s->sources[point] - first, s->normals + 3 * point, s->reasons[point]);
+        if (places[point] == GLTF_NONE)
+            return 0;
+    }
+    return 1;
+}
+
+/* The points of a primitive's corners, for which stamps do not say already that they have their place. */
+static int take_points_of(gltf_set *set, uint32_t set_number, const gltf_surface *s, uint32_t local, size_t corner_count, uint32_t *places, uint32_t *stamps)
+{
+    const uint32_t *points = s->points + s->corner_start[local];
+    for (size_t c = 0; c < corner_count; ++c) {
+        const uint32_t point = points[c];
+        if (stamps[point] == set_number + 1)
+            continue;
+        uint32_t vertex = s->sources[point] - (uint32_t)s->position_start[local];
+        places[point] = take_vertex(set, vertex, s->normals + 3 * (size_t)point, s->reasons[point]);
+        stamps[point] = set_number + 1;
+        if (places[point] == GLTF_NONE)
+            return 0;
+        if (set->has_morphs)
+            set->point_of[places[point]] = point;
+    }
+    return 1;
+}
+
+enum { LEAST_SLICE = 1 << 16 };
+
+typedef struct placing {
+    const uint32_t *points, *places;
+    uint32_t       *corners;              /* may be the points */
+    size_t          count, slices;
+} placing;
+
+static void place_slice(void *context, size_t slice)
+{
+    const placing *p = context;
+    const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
+    for (size_t c = norma_io_slice(p->count, p->slices, slice); c < end; ++c)
+        p->corners[c] = p->places[p->points[c]];
+}
+
+/* places: for each point of the surface its vertex in this set, valid where stamps says the set's number + 1. The corners of a mesh that is one primitive are made where its
+ * points stand, which nobody needs any more. */
+static int take_primitive(gltf_job *job, gltf_surface *s, uint32_t number, uint32_t *places, uint32_t *stamps)
 {
     gltf *g = job->g;
     const gltf_primitive *p = &g->primitives[number];
     uint32_t local = p->number, set_number = job->set_of[number];
     gltf_set *set = &job->sets[set_number];
-    const uint32_t *points = s->points + s->corner_start[local];
-    uint32_t *corners = norma_io_allocate(p->faces, 3 * sizeof *corners);
-    if (!corners || !begin_vertices(set)) {
-        free(corners);
+    const int alone = g->meshes[s->mesh].primitive_count == 1 && s->in_order && !set->has_morphs;
+    if (!begin_vertices(set))
         return 0;
-    }
-    job->corners[number] = corners;
-    for (size_t c = 0; c < 3 * p->faces; ++c) {
-        uint32_t point = points[c];
-        if (stamps[point] != set_number + 1) {
-            uint32_t vertex = s->sources[point] - (uint32_t)s->position_start[local];
-            places[point] = take_vertex(set, vertex, s->normals + 3 * (size_t)point, s->reasons[point]);
-            stamps[point] = set_number + 1;
-            if (places[point] == GLTF_NONE)
-                return 0;
-            if (set->has_morphs)
-                set->point_of[places[point]] = point;
-        }
-        corners[c] = places[point];
-    }
+    if (!(alone ? take_all_points(set, s, places) : take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps)))
+        return 0;
+    placing placed = {.points = s->points + s->corner_start[local], .places = places, .count = 3 * p->faces};
+    placed.corners = alone ? s->points : norma_io_block(placed.count, sizeof *placed.corners);
+    if (!placed.corners)
+        return 0;
+    placed.slices = norma_io_slices(placed.count, LEAST_SLICE);
+    norma_io_tasks(job->core.threads, placed.slices, place_slice, &placed);
+    if (alone)
+        s->points = NULL;
+    job->corners[number] = placed.corners;
     return 1;
 }
 
-norma_document_result norma_gltf_take_points(gltf_job *job, const gltf_surface *s)
+norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s)
 {
     const gltf_mesh *mesh = &job->g->meshes[s->mesh];
-    uint32_t *places = norma_io_allocate(s->point_count, sizeof *places), *stamps = norma_io_allocate(s->point_count, sizeof *stamps);
+    uint32_t *places = norma_io_block(s->point_count, sizeof *places), *stamps = norma_io_allocate(s->point_count, sizeof *stamps);
     unsigned char *done = norma_io_allocate(mesh->primitive_count, 1);
     int ok = places && stamps && done;
     for (uint32_t i = 0; ok && i < mesh->primitive_count; ++i) {

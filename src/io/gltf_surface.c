@@ -1,5 +1,6 @@
 /* gltf_surface.c: the triangles of a mesh as one surface for the core, and the points that the core makes of them. */
 #include "gltf_compute.h"
+#include "memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,7 +125,7 @@ static norma_document_result gather_positions(gltf_job *job, gltf_surface *s, si
             s->core.positions = norma_gltf_vec3_view(&array);
             return NORMA_DOCUMENT_OK;
         }
-        if (!s->positions && !(s->positions = norma_io_allocate(count, size)))
+        if (!s->positions && !(s->positions = norma_io_block(count, size)))
             return out_of_memory(job);
         copy_positions(&array, &e, (unsigned char *)s->positions + next * size, size);
         next += array.count;
@@ -151,7 +152,7 @@ static norma_document_result gather_corners(gltf_job *job, gltf_surface *s, size
             s->core.corners = corners;
             return NORMA_DOCUMENT_OK;
         }
-        if (!s->corners && !(s->corners = norma_io_allocate(count, sizeof *s->corners)))
+        if (!s->corners && !(s->corners = norma_io_block(count, sizeof *s->corners)))
             return out_of_memory(job);
         for (size_t k = 0; k < 3 * p->faces; ++k)
             s->corners[next + k] = corners[k] + (uint32_t)s->position_start[i];
@@ -182,10 +183,10 @@ norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surfa
 /* Room for most points; what is not used is never touched. */
 static int make_room(gltf_surface *s, size_t most)
 {
-    s->sources = norma_io_allocate(most, sizeof *s->sources);
-    s->normals = norma_io_allocate(most, 3 * sizeof *s->normals);
+    s->sources = norma_io_block(most, sizeof *s->sources);
+    s->normals = norma_io_block(most, 3 * sizeof *s->normals);
     s->reasons = norma_io_allocate(most, 1);
-    s->points = norma_io_allocate(s->core.corner_count, sizeof *s->points);
+    s->points = norma_io_block(s->core.corner_count, sizeof *s->points);
     return s->sources && s->normals && s->reasons && s->points;
 }
 
@@ -199,6 +200,7 @@ static norma_document_result find_creased(gltf_job *job, gltf_surface *s, norma_
     job->core.reasons = s->reasons;
     norma_result result = norma_split(&s->core, (float)job->summary->crease_angle_rad, &job->core, s->points, most, s->sources, s->normals, most, &s->point_count, report);
     job->core.edges = NULL;
+    s->in_order = 1;
     job->summary->hard_edges += edges.hard;
     return result ? norma_document_fail_core(job->g->document, job->error, result) : NORMA_DOCUMENT_OK;
 }
@@ -249,6 +251,7 @@ static int join_faces(gltf_surface *s, const float *faces, const uint8_t *reason
         }
         s->points[c] = table[at] - 1;
     }
+    s->in_order = 1;
     free(table);
     return table != NULL;
 }

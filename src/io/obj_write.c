@@ -252,18 +252,16 @@ static const char *write_face(writer *w, const char *begin, const char *p)
     if (!at_token(w, &first))
         return statement_end(w, first);            /* a face without a corner is none */
     const size_t face = w->face;
-    if (state->drop_faces && state->drop_faces[face]) {
-        first = statement_end(w, first);
-        copy_then_skip(w, begin, first);
-    } else if (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])) {
+    const int drops = state->drop_faces && state->drop_faces[face];
+    if (!drops && (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])))
         reverse_face(w, first);
-    } else if (state->normals_replaced) {
-        p = rewrite_face(w, p);
-        ++w->face;
-        return statement_end(w, p);
-    }
+    else if (!drops && state->normals_replaced)
+        first = rewrite_face(w, p);
     ++w->face;
-    return statement_end(w, first);
+    first = statement_end(w, first);
+    if (drops)
+        copy_then_skip(w, begin, first);
+    return first;
 }
 
 /* The same of any statement; p: behind its keyword. */
