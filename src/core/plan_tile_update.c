@@ -15,14 +15,43 @@ typedef struct tiles_work {
 
 /* ---- in */
 
-static void load_positions(const plan_work *work, const tile_view *t, tile_room *room)
+static void load_floats(const plan_work *work, const tile_view *t, tile_room *room)
 {
-    double zero = 0;
+    const unsigned char *data = work->mesh.positions.data;
+    const size_t stride = work->mesh.positions.stride;
+    for (uint32_t v = 0; v < t->vertex_count; v++) {
+        float p[3];
+        memcpy(p, data + t->vertices[v] * stride, sizeof p);
+        for (int k = 0; k < 3; k++) room->positions[v][k] = (double)p[k];
+        room->positions[v][3] = 0;
+    }
+}
+
+static void load_others(const plan_work *work, const tile_view *t, tile_room *room)
+{
     for (uint32_t v = 0; v < t->vertex_count; v++) {
         norma_core_position(&work->mesh, t->vertices[v], room->positions[v]);
-        for (int k = 0; k < 3; k++) zero += room->positions[v][k] - room->positions[v][k];
+        room->positions[v][3] = 0;
     }
-    room->all_finite = zero == 0;
+}
+
+static void load_positions(const plan_work *work, const tile_view *t, tile_room *room)
+{
+    double zero[4] = {0, 0, 0, 0};
+    if (work->mesh.positions.format == NORMA_FORMAT_FLOAT) load_floats(work, t, room);
+    else load_others(work, t, room);
+    for (uint32_t v = 0; v < t->vertex_count; v++)
+        for (int k = 0; k < 4; k++) zero[k] += room->positions[v][k] - room->positions[v][k];
+    room->all_finite = (zero[0] + zero[1]) + (zero[2] + zero[3]) == 0;
+}
+
+/* What the next tile will read, and this one write. */
+static void look_ahead(const plan_work *work, const tile_view *t, const tile_view *next)
+{
+    const unsigned char *data = work->mesh.positions.data;
+    for (uint32_t v = 0; v < next->vertex_count; v++) __builtin_prefetch(data + next->vertices[v] * work->mesh.positions.stride);
+    if (work->plan->of != NORMA_PER_VERTEX) return;
+    for (uint32_t v = 0; v < t->own_count; v++) __builtin_prefetch(work->output->normals + t->vertices[v] * work->output->stride, 1);
 }
 
 static core_mesh local_mesh(const tile_view *t, const tile_room *room)
@@ -62,17 +91,28 @@ static int has_edges(const tile_view *t, uint32_t face)
     return a != b && b != c && c != a;
 }
 
+/* Corners at one position of the plan may have parted: such a triangle has no vote, whatever it measures. */
+static void measure_welded(const core_mesh *mesh, norma_weight weight, const tile_view *t, tile_some faces, tile_room *room)
+{
+    for (uint32_t i = 0; i < faces.count; i++) {
+        const uint32_t face = faces.numbers ? faces.numbers[i] : i;
+        if (!has_edges(t, face)) take_face(mesh, weight, t, face, room);
+    }
+}
+
 static void measure_faces(const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room)
 {
     const core_mesh mesh = local_mesh(t, room);
     const norma_weight weight = w->work->call->options.weight;
-    uint8_t unsure[TILE_FACES];
-    room->degenerate_count = 0;
-    if (!t->corner_faces) w->kernels.measure(t, faces, w->work->call->measure, weight, room, unsure);
-    for (uint32_t i = 0; i < faces.count; i++) {
-        const uint32_t face = faces.numbers ? faces.numbers[i] : i;
-        if (t->corner_faces || unsure[face] || (t->weld && !has_edges(t, face))) take_face(&mesh, weight, t, face, room);
+    room->doubted_count = room->degenerate_count = 0;
+    if (t->corner_faces) {
+        for (uint32_t i = 0; i < faces.count; i++) take_face(&mesh, weight, t, faces.numbers ? faces.numbers[i] : i, room);
+        return;
     }
+    w->kernels.measure(t, faces, w->work->call->measure, weight, room);
+    for (uint32_t i = 0; i < room->doubted_count; i++)
+        if (!t->weld || has_edges(t, room->doubted[i])) take_face(&mesh, weight, t, room->doubted[i], room);
+    if (t->weld) measure_welded(&mesh, weight, t, faces, room);
 }
 
 /* ---- sums that ask for more */
@@ -95,11 +135,13 @@ static int decide_cone(const tile_view *t, const tile_room *room, uint32_t slot,
     return norma_core_plan_decide_cone(weight, cone_normal, &cone, norma_core_tile_start(t, slot + 1) - first, normal);
 }
 
+/* Sums tell who has votes. */
 static void decide_cones(const tile_view *t, tile_some slots, tile_room *room)
 {
     for (uint32_t i = 0; i < slots.count; i++) {
         const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        room->reasons[slot] = (uint8_t)decide_cone(t, room, slot, UINT32_MAX, room->sums[slot][3], room->results[slot]);
+        room->all_normal = 0;
+        if (room->reasons[slot] != NORMA_REASON_UNREFERENCED) room->reasons[slot] = (uint8_t)decide_cone(t, room, slot, UINT32_MAX, 1, room->results[slot]);
     }
 }
 
@@ -152,11 +194,9 @@ static void write_plain(const tiles_work *w, const tile_view *t, const tile_room
     }
 }
 
-static int is_plain(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots)
+static int is_plain(const tiles_work *w, const tile_view *t, const tile_room *room)
 {
-    unsigned any = !room->all_finite || w->work->output->reasons || t->slot_of;
-    for (uint32_t i = 0; i < slots.count && !any; i++) any |= room->reasons[slots.numbers ? slots.numbers[i] : i];
-    return !any;
+    return room->all_finite && room->all_normal && !t->slot_of && !w->work->output->reasons;
 }
 
 static void write_corners(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
@@ -191,11 +231,10 @@ static void update_tile(const tiles_work *w, const tile_view *t, const tile_touc
     const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
     load_positions(w->work, t, &room);
     measure_faces(w, t, faces, &room);
-    w->kernels.sum(t, slots, &room);
+    room.all_normal = w->kernels.sum(t, slots, &room);
     if (w->work->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cones(t, slots, &room);
-    else w->kernels.decide(slots, &room);
     if (w->work->plan->of == NORMA_PER_CORNER) write_corners(w, t, &room, slots, tally);
-    else if (is_plain(w, t, &room, slots)) write_plain(w, t, &room, slots);
+    else if (is_plain(w, t, &room)) write_plain(w, t, &room, slots);
     else write_vertices(w, t, &room, slots, tally);
     if (room.degenerate_count) count_degenerate(w, t, &room, touch ? touch->slot_is_touched : NULL, tally);
 }
@@ -207,7 +246,11 @@ static void update_some(void *context, size_t task)
     for (size_t i = w->first + range.begin; i < w->first + range.end; i++) {
         const tile_view t = norma_core_tile(w->work->plan, i);
         tile_touch touch;
-        if (!w->work->moved) update_tile(w, &t, NULL, &w->tallies[task]);
+        if (!w->work->moved) {
+            const tile_view next = norma_core_tile(w->work->plan, i + 1 < w->first + w->count ? i + 1 : i);
+            look_ahead(w->work, &t, &next);
+            update_tile(w, &t, NULL, &w->tallies[task]);
+        }
         else if (norma_core_tile_touch(&w->marks, &t, w->work->plan->of, &touch)) update_tile(w, &t, &touch, &w->tallies[task]);
     }
 }
