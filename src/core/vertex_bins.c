@@ -4,7 +4,7 @@
 #include "vertex_add.h"
 #include <stdatomic.h>
 
-enum { LEAST_IN_BIN = 1 << 10, MOST_IN_BIN = 1 << 17, MOST_BUFFERS = 64, BUFFERS_FOR_JOBS = 8, AT_ONCE = 64, SPANS_IN_BIN = 32, LEAST_SPANS_IN_BIN = 4, BINS_FOR_EACH = 4 };
+enum { LEAST_IN_BIN = 1 << 10, MOST_IN_BIN = 1 << 17, MOST_BUFFERS = 64, BUFFERS_FOR_JOBS = 8, AT_ONCE = 64, SPANS_IN_BIN = 32, LEAST_SPANS_IN_BIN = 6, BINS_FOR_EACH = 4 };
 
 typedef struct bin_work {
     const core_surface *surface;
@@ -15,7 +15,8 @@ typedef struct bin_work {
     core_tally         *tallies;                 /* of each bin */
     vertex_sum         *sums;                    /* buffers of bin_size each */
     atomic_int         *taken;                   /* of each buffer */
-    size_t              chunks, bins, bin_size, buffers, step;
+    size_t              chunks, bins, bin_size, buffers;
+    size_t              step;                    /* each task takes every step-th bin: never are more at work than there are buffers */
 } bin_work;
 
 /* ---- is it worth it */
@@ -125,10 +126,11 @@ norma_result norma_core_bin_vertices(core_surface *surface, const core_range *ra
     if (mesh->face_starts || mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE || !positions) return NORMA_OK;
     const size_t bin_size = choose_bin_size(call, positions, average_span(ranges, chunks)), bins = positions / bin_size + (positions % bin_size != 0);
     if (!is_coherent(ranges, chunks, bin_size)) return NORMA_OK;
-    const size_t buffers = smaller(bins, smaller(MOST_BUFFERS, call->options.parallel_for ? BUFFERS_FOR_JOBS : norma_core_workers(call)));
+    const size_t workers = call->options.parallel_for ? BUFFERS_FOR_JOBS : norma_core_workers(call);
+    const size_t buffers = smaller(smaller(workers, MOST_BUFFERS), 1 + (bins - 1) / BINS_FOR_EACH);         /* a quarter of all sums, however many work */
     bin_work work = {.surface = surface, .ranges = ranges, .output = output, .add = norma_core_choose_add(call->options.isa), .chunks = chunks, .bins = bins, .bin_size = bin_size,
                      .finish = norma_core_choose_finish(call->options.isa), .buffers = buffers,
-                     .step = call->options.parallel_for || norma_core_workers(call) > MOST_BUFFERS ? buffers : bins};
+                     .step = call->options.parallel_for || buffers < workers ? buffers : bins};
     work.sums = norma_core_allocate(call, buffers * bin_size, sizeof *work.sums);
     work.tallies = norma_core_allocate(call, bins, sizeof *work.tallies);
     norma_result result = work.sums && work.tallies ? compute_all(&work, tally) : NORMA_ERROR_MEMORY;
