@@ -67,7 +67,8 @@ typedef struct tile_room {
     double   normals[TILE_FACES][4];   /* of each face; the fourth: 1; zero where there is no direction */
     double   weights[TILE_CORNERS];    /* of each member's corner; -0: no vote */
     double   positions[TILE_VERTICES][4]; /* of each vertex; the fourth: 0 */
-    float    results[TILE_SLOTS][3];   /* of each slot */
+    double   sums[4][TILE_SLOTS];      /* of each slot asked for, in the order asked; the fourth: of weights */
+    float    results[3][TILE_SLOTS];
     uint8_t  reasons[TILE_SLOTS];
     uint16_t doubted[TILE_FACES];      /* triangles that doubles do not decide */
     uint16_t degenerate[TILE_FACES];   /* faces, finite and without a direction */

@@ -135,56 +135,57 @@ INLINE void sum_slot(const tile_view *t, uint32_t slot, const tile_room *room, i
     memcpy(out, &sum, sizeof sum);
 }
 
-/* Sums to lanes. */
-INLINE void turn_sums(const double (*sums)[4], double s[4][CORE_LANES])
+/* Four sums to lanes. */
+INLINE void store_sums(const double (*sums)[4], uint32_t at, tile_room *room)
 {
 #if defined(__GNUC__)
-    for (int half = 0; half < CORE_LANES; half += 4) {
-        const quad r[4] = {QUAD_IN(sums[half]), QUAD_IN(sums[half + 1]), QUAD_IN(sums[half + 2]), QUAD_IN(sums[half + 3])};
-        TURN(r, &s[0][half], &s[1][half], &s[2][half]);
-        for (int i = 0; i < 4; i++) s[3][half + i] = sums[half + i][3];
-    }
+    const quad r[4] = {QUAD_IN(sums[0]), QUAD_IN(sums[1]), QUAD_IN(sums[2]), QUAD_IN(sums[3])};
+    TURN(r, &room->sums[0][at], &room->sums[1][at], &room->sums[2][at]);
+    for (uint32_t i = 0; i < 4; i++) room->sums[3][at + i] = sums[i][3];
 #else
-    for (int i = 0; i < CORE_LANES; i++)
-        for (int k = 0; k < 4; k++) s[k][i] = sums[i][k];
+    for (uint32_t i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) room->sums[k][at + i] = sums[i][k];
 #endif
 }
 
-/* Directions of most sums at once, by the very steps of norma_core_plan_decide; the others by itself. Returns whether all have one. */
-INLINE int decide_slots(const double (*sums)[4], const uint32_t *slots, uint32_t count, tile_room *room)
+INLINE void sum_some(const tile_view *t, tile_some slots, tile_room *room, int polygons)
 {
-    double s[4][CORE_LANES], square[CORE_LANES], length[CORE_LANES];
-    float unit[3][CORE_LANES];
-    int plain = 1, all = 1;
-    turn_sums(sums, s);
-    for (int i = 0; i < CORE_LANES; i++) square[i] = s[0][i] * s[0][i] + s[1][i] * s[1][i] + s[2][i] * s[2][i];
-    for (int i = 0; i < CORE_LANES; i++) length[i] = sqrt(square[i]);
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < CORE_LANES; i++) unit[k][i] = (float)(s[k][i] / length[i]) + 0.0F;
-    for (int i = 0; i < CORE_LANES; i++) plain &= (square[i] > NORMA_TINIEST) & (square[i] < NORMA_HUGEST) & (length[i] > 0x1p-20 * s[3][i]);
+    for (uint32_t begin = 0; begin < slots.count; begin += 4) {
+        double sums[4][4];
+        for (uint32_t i = 0; i < 4; i++) sum_slot(t, number_at(slots, begin + i < slots.count ? begin + i : slots.count - 1), room, polygons, sums[i]);
+        store_sums((const double(*)[4])sums, begin, room);
+    }
+}
+
+/* Directions of all sums at once, by the very steps of norma_core_plan_decide, which decides by itself where they do not do. Returns whether all have one. */
+INLINE int decide_all(uint32_t count, tile_room *room)
+{
+    const double *x = room->sums[0], *y = room->sums[1], *z = room->sums[2], *weight = room->sums[3];
+    float *nx = room->results[0], *ny = room->results[1], *nz = room->results[2];
+    uint32_t plain = 0, all = 0;
     for (uint32_t i = 0; i < count; i++) {
-        float *result = room->results[slots[i]];
-        for (int k = 0; k < 3; k++) result[k] = unit[k][i];
-        room->reasons[slots[i]] = NORMA_REASON_NONE;
+        const double square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i], length = sqrt(square);
+        nx[i] = (float)(x[i] / length) + 0.0F;
+        ny[i] = (float)(y[i] / length) + 0.0F;
+        nz[i] = (float)(z[i] / length) + 0.0F;
+        plain += (square > NORMA_TINIEST) & (square < NORMA_HUGEST) & (length > 0x1p-20 * weight[i]);
     }
-    for (uint32_t i = 0; i < count && !plain; i++) {
-        room->reasons[slots[i]] = (uint8_t)norma_core_plan_decide(sums[i], room->results[slots[i]]);
-        all &= room->reasons[slots[i]] == NORMA_REASON_NONE;
+    memset(room->reasons, NORMA_REASON_NONE, count);
+    if (plain == count) return 1;
+    for (uint32_t i = 0; i < count; i++) {
+        const double sum[4] = {x[i], y[i], z[i], weight[i]};
+        float normal[3] = {0, 0, 0};
+        room->reasons[i] = (uint8_t)norma_core_plan_decide(sum, normal);
+        for (int k = 0; k < 3; k++) room->results[k][i] = normal[k];
+        all += room->reasons[i] == NORMA_REASON_NONE;
     }
-    return all;
+    return all == count;
 }
 
 INLINE int sum_slots(const tile_view *t, tile_some slots, tile_room *room, int polygons)
 {
-    int all = 1;
-    for (uint32_t begin = 0; begin < slots.count; begin += CORE_LANES) {
-        double sums[CORE_LANES][4];
-        uint32_t names[CORE_LANES];
-        name_some(slots, begin, names);
-        for (int i = 0; i < CORE_LANES; i++) sum_slot(t, names[i], room, polygons, sums[i]);
-        all &= decide_slots((const double(*)[4])sums, names, slots.count - begin < CORE_LANES ? slots.count - begin : CORE_LANES, room);
-    }
-    return all;
+    sum_some(t, slots, room, polygons);
+    return decide_all(slots.count, room);
 }
 
 /* ---- for each instruction set */

@@ -138,10 +138,12 @@ static int decide_cone(const tile_view *t, const tile_room *room, uint32_t slot,
 /* Sums tell who has votes. */
 static void decide_cones(const tile_view *t, tile_some slots, tile_room *room)
 {
+    room->all_normal = 0;
     for (uint32_t i = 0; i < slots.count; i++) {
-        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        room->all_normal = 0;
-        if (room->reasons[slot] != NORMA_REASON_UNREFERENCED) room->reasons[slot] = (uint8_t)decide_cone(t, room, slot, UINT32_MAX, 1, room->results[slot]);
+        float normal[3] = {0, 0, 0};
+        if (room->reasons[i] == NORMA_REASON_UNREFERENCED) continue;
+        room->reasons[i] = (uint8_t)decide_cone(t, room, slots.numbers ? slots.numbers[i] : i, UINT32_MAX, 1, normal);
+        for (int k = 0; k < 3; k++) room->results[k][i] = normal[k];
     }
 }
 
@@ -161,27 +163,27 @@ static int decide_own(const tiles_work *w, const tile_view *t, const tile_room *
 
 static int is_finite(const tile_room *room, uint32_t vertex) { return room->all_finite || norma_core_finite(room->positions[vertex]); }
 
-static void write_vertex(const tiles_work *w, const tile_view *t, const tile_room *room, uint32_t slot, uint32_t vertex, core_tally *tally)
+typedef struct tile_result { uint32_t slot; int reason; float normal[3]; } tile_result;
+
+static tile_result result_at(const tile_room *room, tile_some slots, uint32_t i)
 {
-    const core_output *output = w->work->output;
-    const float *normal = room->results[slot];
-    int reason = room->reasons[slot];
-    float own[3] = {0, 0, 0};
-    if (!is_finite(room, vertex)) {
-        reason = NORMA_REASON_NON_FINITE;
-    } else if (reason == NORMA_REASON_CANCELLED && decide_own(w, t, room, slot, vertex, own) == NORMA_REASON_NONE) {
-        reason = NORMA_REASON_NONE;
-        normal = own;
-    }
-    norma_core_write_element(output, t->vertices[vertex], reason, normal, tally);
+    return (tile_result){slots.numbers ? slots.numbers[i] : i, room->reasons[i], {room->results[0][i], room->results[1][i], room->results[2][i]}};
+}
+
+static void write_vertex(const tiles_work *w, const tile_view *t, const tile_room *room, const tile_result *result, uint32_t vertex, core_tally *tally)
+{
+    tile_result own = *result;
+    if (!is_finite(room, vertex)) own.reason = NORMA_REASON_NON_FINITE;
+    else if (own.reason == NORMA_REASON_CANCELLED && decide_own(w, t, room, own.slot, vertex, own.normal) == NORMA_REASON_NONE) own.reason = NORMA_REASON_NONE;
+    norma_core_write_element(w->work->output, t->vertices[vertex], own.reason, own.normal, tally);
 }
 
 static void write_vertices(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
 {
     for (uint32_t i = 0; i < slots.count; i++) {
-        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        const uint32_t begin = t->vertex_starts ? t->vertex_starts[slot] : slot, end = t->vertex_starts ? t->vertex_starts[slot + 1] : slot + 1;
-        for (uint32_t v = begin; v < end; v++) write_vertex(w, t, room, slot, v, tally);
+        const tile_result result = result_at(room, slots, i);
+        const uint32_t begin = t->vertex_starts ? t->vertex_starts[result.slot] : result.slot, end = t->vertex_starts ? t->vertex_starts[result.slot + 1] : begin + 1;
+        for (uint32_t v = begin; v < end; v++) write_vertex(w, t, room, &result, v, tally);
     }
 }
 
@@ -189,8 +191,8 @@ static void write_vertices(const tiles_work *w, const tile_view *t, const tile_r
 static void write_plain(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots)
 {
     for (uint32_t i = 0; i < slots.count; i++) {
-        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        norma_core_write_normal(w->work->output, t->vertices[slot], room->results[slot]);
+        const float normal[3] = {room->results[0][i], room->results[1][i], room->results[2][i]};
+        norma_core_write_normal(w->work->output, t->vertices[slots.numbers ? slots.numbers[i] : i], normal);
     }
 }
 
@@ -202,11 +204,11 @@ static int is_plain(const tiles_work *w, const tile_view *t, const tile_room *ro
 static void write_corners(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
 {
     for (uint32_t i = 0; i < slots.count; i++) {
-        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        for (uint32_t m = norma_core_tile_start(t, slot); m < norma_core_tile_start(t, slot + 1); m++) {
+        const tile_result result = result_at(room, slots, i);
+        for (uint32_t m = norma_core_tile_start(t, result.slot); m < norma_core_tile_start(t, result.slot + 1); m++) {
             const uint32_t member = t->members[m], vertex = t->corners[norma_core_tile_corner_of(t, member)];
-            const int reason = is_finite(room, vertex) ? room->reasons[slot] : NORMA_REASON_NON_FINITE;
-            norma_core_write_element(w->work->output, norma_core_tile_mesh_corner(t, member), reason, room->results[slot], tally);
+            norma_core_write_element(w->work->output, norma_core_tile_mesh_corner(t, member), is_finite(room, vertex) ? result.reason : NORMA_REASON_NON_FINITE, result.normal,
+                                     tally);
         }
     }
 }
