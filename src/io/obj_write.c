@@ -253,9 +253,12 @@ static const char *write_face(writer *w, const char *begin, const char *p)
         return statement_end(w, first);            /* a face without a corner is none */
     const size_t face = w->face;
     if (state->drop_faces && state->drop_faces[face]) {
-        first = statement_end(w, first);
-        copy_then_skip(w, begin, first);
-    } else if (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])) {
+        const char *after = statement_end(w, first);
+        copy_then_skip(w, begin, after);
+        ++w->face;
+        return after;
+    }
+    if (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])) {
         reverse_face(w, first);
     } else if (state->normals_replaced) {
         p = rewrite_face(w, p);
