@@ -110,22 +110,19 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
 
 /* ---- mending and writing */
 
-/* Mends, and once more what a glTF could not take at once. *last: the document that is to be saved. */
+/* Mends, and what it becomes again until nothing more changes: one fix may uncover what another one mends, and a glTF takes one change at a time. mended->document is what
+ * it is in the end, as it would be read. */
 static norma_document_result mend_steps(const check_settings *settings, norma_document *document, const norma_check_options *options, const char *path, check_mended *mended,
-                                        norma_document **last, norma_document_error *error) {
-    norma_mend_summary summary = {0};
-    *last = document;
-    norma_document_result result = norma_mend_document(document, options, settings->fix == CHECK_FIX_UNSAFE, &summary, error);
-    mended->changed = summary.changed;
+                                        norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
     mended->document = document;
-    if (result || !summary.changed)
-        return result;
-    result = reopen(settings, document, path, mended, &mended->document, error);
-    while (!result && summary.again && mended->step_count < CLI_COUNT(mended->steps)) {
-        *last = mended->document;
-        result = norma_mend_document(*last, options, settings->fix == CHECK_FIX_UNSAFE, &summary, error);
-        if (!result)
-            result = reopen(settings, *last, path, mended, &mended->document, error);
+    while (!result && mended->step_count < CLI_COUNT(mended->steps)) {
+        norma_mend_summary summary = {0};
+        result = norma_mend_document(mended->document, options, settings->fix == CHECK_FIX_UNSAFE, &summary, error);
+        if (result || !summary.changed)
+            return result;
+        mended->changed = 1;
+        result = reopen(settings, mended->document, path, mended, &mended->document, error);
     }
     return result;
 }
@@ -152,8 +149,8 @@ static norma_document_result save_steps(const check_settings *settings, norma_do
     return result;
 }
 
-static norma_document_result save(const check_settings *settings, norma_document *document, norma_document *last, const norma_check_options *options, const char *path,
-                                  check_mended *mended, norma_document_error *error) {
+static norma_document_result save(const check_settings *settings, norma_document *document, const norma_check_options *options, const char *path, check_mended *mended,
+                                  norma_document_error *error) {
     if (settings->dry_run || (settings->files->in_place && !mended->changed))
         return NORMA_DOCUMENT_OK;
     char *output = cli_output_of(settings->files, path);
@@ -163,7 +160,7 @@ static norma_document_result save(const check_settings *settings, norma_document
     }
     norma_document_result result = norma_document_format(document) == NORMA_FILE_GLTF
                                        ? save_steps(settings, document, options, output, mended, error)
-                                       : save_as(last, output, settings->files->in_place, error);
+                                       : save_as(mended->document, output, settings->files->in_place, error);
     mended->written = !result;
     free(output);
     return result;
@@ -172,11 +169,10 @@ static norma_document_result save(const check_settings *settings, norma_document
 norma_document_result check_mend(const check_settings *settings, norma_document *document, const norma_findings *before, const norma_check_options *options, const char *path,
                                  check_mended *mended, norma_document_error *error) {
     verdict was = {0}, is = {0};
-    norma_document *last;
     *mended = (check_mended){0};
     norma_document_result result = judge_all(settings, document, &was, error);
     if (!result)
-        result = mend_steps(settings, document, options, path, mended, &last, error);
+        result = mend_steps(settings, document, options, path, mended, error);
     if (!result && mended->changed)
         result = norma_check_document(mended->document, options, &mended->findings, error);
     if (!result && mended->changed)
@@ -186,7 +182,7 @@ norma_document_result check_mend(const check_settings *settings, norma_document 
     mended->worse = mended->changed && is_worse(is, was);
     if (mended->changed)
         mended->table = make_table(before, mended->findings);
-    return mended->worse ? NORMA_DOCUMENT_OK : save(settings, document, last, options, path, mended, error);
+    return mended->worse ? NORMA_DOCUMENT_OK : save(settings, document, options, path, mended, error);
 }
 
 void check_mended_free(check_mended *mended) {
