@@ -317,6 +317,9 @@ static void test_tangent_windings(void **state) {
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, W, 4, NAN, "v12 v13 v14 v15"});
     for (int v = 12; v < 16; v++) s.uvs[v][1] = 0.5F; /* no area: no winding */
     assert_clean(check_islands(&s, 0));
+    static const float last_digits[4][2] = {{0.3F, 0.7F}, {0.30000001192F + 0x1p-25F, 0.7F}, {0.3F, 0.7F + 0x1p-24F}, {0.3F - 0x1p-25F, 0.7F - 0x1p-24F}}; /* one point, but for rounding */
+    memcpy(s.uvs[12], last_digits, sizeof last_digits);
+    assert_clean(check_islands(&s, 0));
 
     make_islands(&s); /* the smaller side, whichever it is */
     for (int i = 0; i < 4; i++) set_signs(&s, i, -1);
@@ -377,11 +380,12 @@ static void test_presence(void **state) {
 }
 
 static norma_findings *check_counts(size_t normals, const char *extras) {
+    static const uint16_t other_corners[6] = {0, 1, 2, 2, 1, 3}; /* the second face begins behind the first normal */
     gltf_asset a = {0};
     char rest[1000];
     asset_floats(&a, &square[0][0], 4, 3);
     asset_floats(&a, &up[0][0], normals, 3);
-    asset_uint16(&a, corners, 6);
+    asset_uint16(&a, other_corners, 6);
     snprintf(rest, sizeof rest, "\"meshes\":[{%s\"primitives\":[{" SURFACE "}]}]", extras);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     asset_free(&a);
@@ -392,6 +396,7 @@ static void test_counts(void **state) {
     (void)state;
     assert_clean(check_counts(4, ""));
     FOUND(check_counts(2, ""), {"N106", PRIMITIVE, E, 2, NAN, "v2 v3"});
+    FOUND(check_counts(1, ""), {"N106", PRIMITIVE, E, 3, NAN, "v1 v2 v3"});
     FOUND(check_counts(5, ""), {"N106", PRIMITIVE, E, 1, NAN, ""});
     assert_clean(check_counts(5, "\"extras\":{\"norma\":{\"ignore\":[\"N1\"]}},"));
 }

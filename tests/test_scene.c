@@ -187,6 +187,12 @@ static void test_deep_path(void **state) {
     assert_memory_equal(leaf.path, ".../node/node", 13);
     assert_string_equal(leaf.path + length - 9, "node/leaf");
     norma_document_close(document);
+    memset(rest, 'x', 1000); /* a name that is longer by itself is kept whole */
+    sprintf(rest + 1000, "\"}]," MESH);
+    memcpy(rest, "\"nodes\":[{\"mesh\":0,\"name\":\"", 27);
+    document = asset_open(&a, rest, 0);
+    assert_int_equal(strlen(node_info(document, 0).path), 1000 - 27);
+    norma_document_close(document);
     free(rest);
     asset_free(&a);
 }

@@ -120,6 +120,19 @@ norma_document_result norma_check_document(norma_document *document, const norma
 /* The finding of a file that could not be opened: N001 with what the error says. NULL: out of memory. */
 norma_findings *norma_check_unreadable(const norma_document_error *error, norma_file_format format, const norma_check_options *options);
 
+/* ---- mending */
+
+typedef struct norma_mend_summary {
+    int changed;                           /* 0: the document would be written as it was read, byte for byte */
+    int again;                             /* nonzero: a glTF, which takes one change, is to be saved, opened and mended once more */
+} norma_mend_summary;
+
+/* Puts right in the document what the rules of options find and a program can: what is safe, and where unsafe is nonzero also what may change what was meant (each rule's
+ * fix tells). Nothing else changes. New normals come from the surface, with the weight and crease that the file's other normals show; where the winding of all faces at
+ * a normal is reversed, it turns with them. options: as for norma_check_document, but for max_samples and profile, which is that of the rules. Errors as of
+ * norma_check_document and norma_document_edit; after one the document can only be closed. The document is to be opened leniently. */
+norma_document_result norma_mend_document(norma_document *document, const norma_check_options *options, int unsafe, norma_mend_summary *summary, norma_document_error *error);
+
 /* ---- how normals were made */
 
 /* Which weight and crease explain the normals of a surface best: those whose normals lie nearest to the stored ones, by mean angle; of several that explain as well,

@@ -322,6 +322,30 @@ norma_result norma_orthogonalise_tangents(const float *tangents, size_t tangent_
  * corner) is not moved. O(corner_count). */
 norma_result norma_reverse_winding(void *corners, size_t corner_size, size_t corner_count, const uint32_t *face_starts, size_t face_count);
 
+typedef enum norma_orient_open { NORMA_ORIENT_OPEN_KEPT = 0, NORMA_ORIENT_OPEN_BY_RAYS } norma_orient_open;
+
+typedef struct norma_orient_report {
+    size_t parts;                     /* that shared edges hold together, cut at edges of more than two faces; each is one of the next three */
+    size_t closed, open, one_sided;   /* one-sided: no winding agrees with itself (a Moebius band); its faces are left as they are */
+    size_t inward;                    /* closed ones that looked inward once their faces agreed */
+    size_t nested;                    /* solids right inside a solid: cavities that were turned, or bodies of their own; left as they are */
+    size_t by_rays, undecided;        /* open ones: turned or confirmed by rays; left as most of their faces were */
+    double least_confidence;          /* of those by rays: (rays for it - rays against it) / 256; 1 where there are none */
+    size_t reversed_faces;
+    size_t winding_conflicts, non_manifold_edges; /* before: edges of exactly two faces that run the same way; of more than two */
+} norma_orient_report;
+
+/* Which faces should be wound the other way round, so that neighbours agree and what is closed looks outward: reverse[f] becomes 1 or 0 for each face.
+ *
+ * Each part is wound as most of its faces are. A closed one then looks outward by the sign of its volume, unless it is a cavity: negative volume right inside (the
+ * smallest part in which it lies, by winding numbers) a solid, judged from outside in. Open parts keep the winding of most of their faces, or are turned by a majority
+ * of 256 rays each, towards the side from which rays run farther (Takayama, Jacobson, Kavan, Sorkine-Hornung 2014): a guess, with a confidence.
+ * A part counts as closed where its own faces cancel at each edge, though others touch it there. The mesh is not changed; norma_reverse_winding of single faces,
+ * or swapping two corners, does that. options: weld, threads, parallel_for, allocator and progress are used; may be NULL, as report. capacity: elements of reverse, one for
+ * each face. Errors are those of norma_face_normals. The same answer for any number of threads. O(corners log of the valence), and of nesting and rays
+ * O(parts log parts + rays log faces). */
+norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open, const norma_options *options, uint8_t *reverse, size_t capacity, norma_orient_report *report);
+
 /* Signed normalised integers (glTF: c / 127, c / 32767, at least -1). Encoding takes the nearest code whose length a reader accepts as unit.
  * normals: any format and length; made unit first. out: three integers at each out_stride (0: tight; glTF pads three bytes to four, which stay as they are). The reader
  * is the Khronos validator: | length - 1 | <= 0.00674; nearest by Euclid, so that the direction is within .3907 degrees (8 bits) or .00151 (16). -n gets the negated

@@ -6,6 +6,7 @@
 
 static const double BENDS_DEG = 5, CANCELS = 0.1, NO_LENGTH = 1e-6, DEGENERATE = 1e-6;
 
+static inline double greater(double a, double b) { return a > b ? a : b; }
 static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 /* ---- N901 */
@@ -27,7 +28,7 @@ static int moves(const check_mesh *m, const norma_vec3_view *deltas, size_t face
     return 0;
 }
 
-/* The unit normal of the moved face; 0 where it has become degenerate. */
+/* A normal of the moved face; 0 where it has become degenerate. */
 static int moved_normal(const check_mesh *m, const norma_vec3_view *deltas, size_t face, double normal[3]) {
     size_t begin = norma_core_face_begin(&m->mesh, face), end = norma_core_face_end(&m->mesh, face);
     double first[3], before[3], p[3], longest = 0;
@@ -38,11 +39,11 @@ static int moved_normal(const check_mesh *m, const norma_vec3_view *deltas, size
         double edge[3];
         moved_position(m, deltas, norma_core_corner(&m->mesh, c), p);
         norma_core_subtract(p, first, edge);
-        longest = fmax(longest, norma_core_dot(edge, edge));
+        longest = greater(longest, norma_core_dot(edge, edge));
         if (c > begin + 1) {
             double between[3];
             norma_core_subtract(edge, before, between);
-            longest = fmax(longest, norma_core_dot(between, between));
+            longest = greater(longest, norma_core_dot(between, between));
             normal[0] += before[1] * edge[2] - before[2] * edge[1];
             normal[1] += before[2] * edge[0] - before[0] * edge[2];
             normal[2] += before[0] * edge[1] - before[1] * edge[0];
@@ -50,20 +51,52 @@ static int moved_normal(const check_mesh *m, const norma_vec3_view *deltas, size
         memcpy(before, edge, sizeof before);
     }
     double twice_area = length_of(normal);
-    if (!(twice_area > DEGENERATE * longest) || !isfinite(twice_area))
-        return 0;
-    for (int k = 0; k < 3; k++) normal[k] /= twice_area;
-    return 1;
+    return twice_area > DEGENERATE * longest && isfinite(twice_area);
 }
 
+/* 0 where it is no more than BENDS_DEG. */
 static double bend_deg(const check_mesh *m, const norma_vec3_view *deltas, size_t face) {
+    static const double tangent = 0.08748866352592401; /* of BENDS_DEG */
     const check_face *at_rest = &m->faces[face];
     double moved[3];
     if (!norma_check_directed(at_rest) || !moves(m, deltas, face) || !moved_normal(m, deltas, face, moved))
         return 0;
     const double n[3] = {(double)at_rest->normal[0], (double)at_rest->normal[1], (double)at_rest->normal[2]};
     const double cross[3] = {n[1] * moved[2] - n[2] * moved[1], n[2] * moved[0] - n[0] * moved[2], n[0] * moved[1] - n[1] * moved[0]};
-    return atan2(length_of(cross), norma_core_dot(n, moved)) * (180 / 3.141592653589793);
+    double sine = length_of(cross), cosine = norma_core_dot(n, moved);
+    return cosine > 0 && sine <= tangent * cosine ? 0 : atan2(sine, cosine) * (180 / 3.141592653589793);
+}
+
+enum { FACES_IN_BLOCK = 1 << 13 };
+
+typedef struct bend_pass {
+    const check_mesh *m;
+    const norma_vec3_view *deltas;
+    check_hits *parts;                    /* of each block */
+} bend_pass;
+
+static void judge_block(void *context, size_t block, size_t begin, size_t end) {
+    const bend_pass *pass = context;
+    for (size_t f = begin; f < end; f++) {
+        double bend = bend_deg(pass->m, pass->deltas, f);
+        if (bend > BENDS_DEG)
+            norma_check_hit(pass->m->run, &pass->parts[block], bend, norma_check_face(f));
+    }
+}
+
+static norma_result judge_target(check_mesh *m, const norma_vec3_view *deltas, check_hits *hits) {
+    size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
+    norma_result result = norma_check_faces(m);
+    if (result || !blocks)
+        return result;
+    bend_pass pass = {m, deltas, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    if (!pass.parts)
+        return NORMA_ERROR_MEMORY;
+    memset(pass.parts, 0, blocks * sizeof *pass.parts);
+    result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_block, &pass);
+    for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, hits, &pass.parts[i]);
+    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
+    return result;
 }
 
 static norma_result judge_bends(check_mesh *m) {
@@ -75,13 +108,10 @@ static norma_result judge_bends(check_mesh *m) {
         size_t before = hits.count;
         if (morph->normals.count || morph->positions.count < m->mesh.positions.count)
             continue;
-        norma_result result = norma_check_faces(m);
-        if (result)
+        norma_result result = judge_target(m, &morph->positions, &hits);
+        if (result) {
+            norma_check_hits_free(&hits);
             return result;
-        for (size_t f = 0; f < m->mesh.face_count; f++) {
-            double bend = bend_deg(m, &morph->positions, f);
-            if (bend > BENDS_DEG)
-                norma_check_hit(m->run, &hits, bend, norma_check_face(f));
         }
         targets += hits.count > before;
     }

@@ -7,15 +7,17 @@
 
 enum { WITH = 1, AGAINST = 2 };
 
+static inline double greater(double a, double b) { return a > b ? a : b; }
+static inline double largest_of(double a, double b, double c) { return greater(fabs(a), greater(fabs(b), fabs(c))); }
+
 /* Of a triangle in UV: twice its signed area; 0 where that is no more than what rounding the numbers to floats can make, or a sliver's. Relative to the triangle, so that the
  * smallest island counts. */
 static double uv_area(const float *a, const float *b, const float *c) {
     const double ab[2] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1]}, ac[2] = {(double)c[0] - (double)a[0], (double)c[1] - (double)a[1]};
-    double area = ab[0] * ac[1] - ab[1] * ac[0], longest = 0, far = 0;
-    const double lengths[] = {ab[0], ab[1], ac[0], ac[1], ac[0] - ab[0], ac[1] - ab[1]};
-    for (int i = 0; i < 6; i++) longest = fmax(longest, fabs(lengths[i]));
-    for (int k = 0; k < 2; k++) far = fmax(far, fmax(fabs((double)a[k]), fmax(fabs((double)b[k]), fabs((double)c[k]))));
-    double noise = fmax(0x1p-22 * far * longest, 1e-6 * longest * longest);
+    double area = ab[0] * ac[1] - ab[1] * ac[0];
+    double longest = greater(largest_of(ab[0], ac[0], ac[0] - ab[0]), largest_of(ab[1], ac[1], ac[1] - ab[1]));
+    double far = greater(largest_of((double)a[0], (double)b[0], (double)c[0]), largest_of((double)a[1], (double)b[1], (double)c[1]));
+    double noise = greater(0x1p-22 * far * longest, 1e-6 * longest * longest);
     return fabs(area) > noise ? area : 0; /* also where one is not finite: nothing is greater than NaN */
 }
 
@@ -26,8 +28,7 @@ static uint32_t texcoord_of(const check_mesh *m, size_t corner) {
 }
 
 /* A polygon as the fan from its first corner. */
-static double face_area(const check_mesh *m, size_t face) {
-    size_t begin = norma_core_face_begin(&m->mesh, face), end = norma_core_face_end(&m->mesh, face);
+static double face_area(const check_mesh *m, size_t begin, size_t end) {
     const float *uvs = m->given->attributes.texcoords;
     double sum = 0;
     for (size_t c = begin + 1; c + 1 < end; c++) {
@@ -42,11 +43,12 @@ static double face_area(const check_mesh *m, size_t face) {
 static void judge_faces(const check_mesh *m, uint8_t *verdicts) {
     const norma_mesh_attributes *a = &m->given->attributes;
     for (size_t f = 0; f < m->mesh.face_count; f++) {
-        double area = face_area(m, f);
+        size_t begin = norma_core_face_begin(&m->mesh, f), end = norma_core_face_end(&m->mesh, f);
+        double area = face_area(m, begin, end);
         if (area == 0)
             continue;
         float expected = area < 0 ? 1 : -1;
-        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f); c++) {
+        for (size_t c = begin; c < end; c++) {
             size_t v = norma_core_corner(&m->mesh, c);
             float sign = v < a->tangent_count ? a->tangents[4 * v + 3] : 0;
             if (sign == 1 || sign == -1)

@@ -99,7 +99,7 @@ static int check_folder(const cli_verb *verb, const cli_files *files) {
     return status;
 }
 
-static int check_outputs(const cli_verb *verb, const cli_common *common, const cli_files *files) {
+int cli_check_outputs(const cli_verb *verb, const cli_common *common, const cli_files *files) {
     int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i) standard |= is_standard(files->inputs.words[i]);
     if (ways == 0)
@@ -117,8 +117,7 @@ static int check_outputs(const cli_verb *verb, const cli_common *common, const c
     return files->folder ? check_folder(verb, files) : CLI_OK;
 }
 
-/* The output of an input; owned by the caller. NULL: out of memory. */
-static char *output_of(const cli_files *files, const char *input) {
+char *cli_output_of(const cli_files *files, const char *input) {
     const char *folder = files->folder ? files->folder : "", *name = files->output ? files->output : files->folder ? base_name(input) : input;
     size_t length = strlen(folder), size = length + strlen(name) + 2;
     char *path = malloc(size);
@@ -240,14 +239,14 @@ static int run_job(const file_job *job) {
 static int change_files(const cli_verb *verb, const cli_common *common, const cli_files *files, const cli_changer *changer) {
     int status = cli_check_inputs(verb, files);
     if (!status)
-        status = check_outputs(verb, common, files);
+        status = cli_check_outputs(verb, common, files);
     if (status)
         return status;
     for (size_t i = 0; i < files->inputs.count; ++i) {
         if (cli_interrupted())
             return cli_finish(cli_interrupted());
         const char *input = files->inputs.words[i];
-        char *output = output_of(files, input);
+        char *output = cli_output_of(files, input);
         if (!output) {
             fprintf(stderr, "norma: out of memory\n");
             return CLI_FILE;

@@ -29,11 +29,19 @@ static const char help[] =
     "Report\n"
     "  --format text|json|sarif|html\n"
     "                        (text); --json is the same as --format json\n"
-    "  -o, --output FILE     where the report goes (standard output)\n"
+    "  -o, --output FILE     where the report goes (standard output); with a fix where the mended file goes\n"
     "  --fail-on error|warning|info|never\n"
     "                        from which severity on the exit status is 1 (error)\n"
     "  --max-samples N       places named in each finding (10)\n"
     "  --quiet               the verdict alone, in a report for people\n"
+    "\n"
+    "Fixes\n"
+    "  --fix                 mends what can be mended safely: lengths, NaN, zeros, facet normals, tangents\n"
+    "  --fix-unsafe          also what an artist may have meant: windings, sides, missing normals, transforms, ...;\n"
+    "                        with --select that alone\n"
+    "  -o, --output FILE     the mended file; --out-dir FOLDER for several; --in-place replaces each, whole or not at all\n"
+    "  --dry-run             tells what a fix would leave, and writes nothing\n"
+    "                        The report and the exit status are then about what is left. What would become worse is not written.\n"
     "\n"
     "Files\n"
     "  --files-from FILE     names, one a line; - is standard input\n"
@@ -46,10 +54,10 @@ static const char help[] =
 typedef struct check_work {
     check_settings settings;
     const check_format *format;
-    const char *output, *config, *baseline, *new_baseline;
+    const char *config, *baseline, *new_baseline;
     cli_words lists;
     int no_config;
-    cli_files files;  /* the words, and --input-format */
+    cli_files files;  /* the words, --input-format, and where the report or what is mended goes */
     cli_common common;
 } check_work;
 
@@ -117,14 +125,6 @@ static const char *set_format(void *settings, const char *value) {
     return "text, json, sarif or html";
 }
 
-static const char *set_output(void *settings, const char *value) {
-    check_work *work = settings;
-    if (work->output)
-        return "to be given once";
-    work->output = value;
-    return value[0] ? NULL : "a name, or - for standard output";
-}
-
 static const char *set_fail_on(void *settings, const char *value) {
     check_settings *check = &((check_work *)settings)->settings;
     for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
@@ -144,6 +144,25 @@ static const char *set_max_samples(void *settings, const char *value) {
     return NULL;
 }
 
+static const char *set_fix(void *settings, const char *value) {
+    check_settings *check = &((check_work *)settings)->settings;
+    (void)value;
+    check->fix = check->fix ? check->fix : CHECK_FIX_SAFE;
+    return NULL;
+}
+
+static const char *set_fix_unsafe(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->settings.fix = CHECK_FIX_UNSAFE;
+    return NULL;
+}
+
+static const char *set_dry_run(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->settings.dry_run = 1;
+    return NULL;
+}
+
 static const char *set_files_from(void *settings, const char *value) {
     check_work *work = settings;
     work->lists.words[work->lists.count++] = value;
@@ -160,7 +179,9 @@ static const cli_option options[] = {
     {"baseline", 0, 1, set_baseline},
     {"write-baseline", 0, 1, set_new_baseline},
     {"format", 0, 1, set_format},
-    {"output", 'o', 1, set_output},
+    {"fix", 0, 0, set_fix},
+    {"fix-unsafe", 0, 0, set_fix_unsafe},
+    {"dry-run", 0, 0, set_dry_run},
     {"fail-on", 0, 1, set_fail_on},
     {"max-samples", 0, 1, set_max_samples},
     {"files-from", 0, 1, set_files_from},
@@ -171,6 +192,7 @@ static const cli_option options[] = {
 static int read_options(const cli_verb *verb, check_work *work, int count, char **arguments, int *wants_help) {
     const cli_table tables[] = {
         {options, CLI_COUNT(options), work},
+        {cli_output_options, cli_output_option_count, &work->files},
         {cli_input_options, cli_input_option_count, &work->files},
         {cli_common_options, cli_common_option_count, &work->common},
     };
@@ -185,6 +207,9 @@ static int read_options(const cli_verb *verb, check_work *work, int count, char 
         return cli_usage(verb, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)
         return cli_usage(verb, "--baseline and --write-baseline exclude each other");
+    if (!work->settings.fix && (work->files.folder || work->files.in_place || work->settings.dry_run))
+        return cli_usage(verb, "--%s needs --fix or --fix-unsafe", work->settings.dry_run ? "dry-run" : work->files.folder ? "out-dir" : "in-place");
+    work->settings.files = &work->files;
     work->settings.threads = work->common.threads;
     if (work->common.quiet && work->format == &check_format_text)
         work->format = &check_format_quiet;
@@ -216,7 +241,7 @@ static int gather_inputs(const cli_verb *verb, const check_work *work, check_inp
 static int check_files(const check_work *work, const check_inputs *inputs, check_configs *configs) {
     cli_output output;
     check_totals totals = {0};
-    if (!cli_output_begin(&output, work->output ? work->output : "-"))
+    if (!cli_output_begin(&output, work->files.output && !work->settings.fix ? work->files.output : "-"))
         return CLI_FILE;
     work->format->begin(output.out);
     int status = check_all_files(&work->settings, configs, work->format, inputs, output.out, &totals);
@@ -236,10 +261,22 @@ static int open_baseline(check_work *work) {
     return !(work->new_baseline || work->baseline) || work->settings.baseline;
 }
 
+/* Where mended files are to go: of all inputs that words, folders and lists named. */
+static int check_places(const cli_verb *verb, check_work *work, const check_inputs *inputs) {
+    const cli_common common = {.json = 0};
+    cli_files files = work->files;
+    files.inputs = (cli_words){(const char **)inputs->paths, inputs->count};
+    if (files.output && strcmp(files.output, "-") == 0)
+        return cli_usage(verb, "the report has standard output; expected a name after -o");
+    return cli_check_outputs(verb, &common, &files);
+}
+
 static int check_all(const cli_verb *verb, check_work *work) {
     check_inputs inputs = {0};
     check_configs *configs = check_configs_new(work->config, work->no_config);
     int status = configs && open_baseline(work) ? gather_inputs(verb, work, &inputs) : CLI_FILE;
+    if (status != CLI_USAGE && work->settings.fix && !work->settings.dry_run)
+        status = cli_worse(status, check_places(verb, work, &inputs));
     if (configs && status != CLI_USAGE && (!status || inputs.count))
         status = cli_worse(status, check_files(work, &inputs, configs));
     if (work->new_baseline && work->settings.baseline && status != CLI_USAGE && !cli_interrupted())

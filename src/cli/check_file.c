@@ -1,6 +1,6 @@
 /* check_file.c: norma check on one file: opened leniently, judged by the library, its findings weighed by the configuration and the baseline, told by the report's form. */
 #define _XOPEN_SOURCE 700
-#include "check_verb.h"
+#include "check_fix.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,22 +12,35 @@ typedef struct file_check {
     norma_document *document;
     void *memory;
     norma_findings *findings;
+    check_mended mended;        /* with --fix: what the report is then about */
+    int mend_status;
     norma_document_error error;
 } file_check;
 
 /* ---- what is asked of this file */
+
+static norma_check_profile choose_profile(const file_check *check) {
+    return check->settings->profile ? check->settings->profile : check->config->profile;
+}
 
 static void choose_rules(const file_check *check, uint8_t mask[CHECK_RULES]) {
     const check_settings *settings = check->settings;
     const check_config *config = check->config;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule) {
         int selected = settings->has_select ? settings->select[rule] : config->has_select ? config->select[rule] : 1;
-        mask[rule] = selected && !settings->ignore[rule] && !config->ignore[rule];
+        mask[rule] = selected && !settings->ignore[rule] && !config->ignore[rule] && config->severity[rule] != CHECK_SEVERITY_OFF;
     }
 }
 
-static norma_check_profile choose_profile(const file_check *check) {
-    return check->settings->profile ? check->settings->profile : check->config->profile;
+static norma_check_options choose_options(const file_check *check, const uint8_t *rules) {
+    const check_settings *settings = check->settings;
+    return (norma_check_options){.struct_size = sizeof(norma_check_options),
+                                 .profile = choose_profile(check),
+                                 .strict = settings->strict || check->config->strict == 1,
+                                 .max_samples = settings->max_samples,
+                                 .rules = rules,
+                                 .threads = settings->threads,
+                                 .progress = cli_stop_when_interrupted};
 }
 
 static int fail_on(const file_check *check) {
@@ -35,6 +48,13 @@ static int fail_on(const file_check *check) {
         return check->settings->fail_on;
     return check->config->fail_on >= 0 ? check->config->fail_on : (int)NORMA_SEVERITY_ERROR;
 }
+
+/* What the report is about. */
+static const norma_findings *findings_of(const file_check *check) {
+    return check->mended.findings && !check->mended.worse && !check->mend_status ? check->mended.findings : check->findings;
+}
+
+static norma_document *document_of(const file_check *check) { return findings_of(check) == check->findings ? check->document : check->mended.document; }
 
 /* ---- names that overrides go by */
 
@@ -58,8 +78,8 @@ static int is_file_meant(const file_check *check, const check_override *override
 static const char *material_name(const file_check *check, size_t mesh) {
     norma_mesh_attributes attributes;
     norma_material_info material;
-    if (norma_document_mesh_attributes(check->document, mesh, &attributes, NULL) || attributes.material == SIZE_MAX ||
-        norma_document_material_info(check->document, attributes.material, &material))
+    if (norma_document_mesh_attributes(document_of(check), mesh, &attributes, NULL) || attributes.material == SIZE_MAX ||
+        norma_document_material_info(document_of(check), attributes.material, &material))
         return NULL;
     return material.name;
 }
@@ -68,15 +88,15 @@ static const char *material_name(const file_check *check, size_t mesh) {
 static size_t mesh_of(const file_check *check, const norma_finding *finding) {
     norma_mesh_info mesh;
     norma_node_info node;
-    size_t meshes = norma_document_mesh_count(check->document), number = SIZE_MAX;
+    size_t meshes = norma_document_mesh_count(document_of(check)), number = SIZE_MAX;
     for (size_t i = 0; i < meshes; ++i)
-        if (!norma_document_mesh_info(check->document, i, &mesh) && strcmp(mesh.where, finding->where) == 0)
+        if (!norma_document_mesh_info(document_of(check), i, &mesh) && strcmp(mesh.where, finding->where) == 0)
             return i;
-    for (size_t i = 0; i < norma_document_node_count(check->document) && number == SIZE_MAX; ++i)
-        if (!norma_document_node_info(check->document, i, &node) && strcmp(node.where, finding->where) == 0)
+    for (size_t i = 0; i < norma_document_node_count(document_of(check)) && number == SIZE_MAX; ++i)
+        if (!norma_document_node_info(document_of(check), i, &node) && strcmp(node.where, finding->where) == 0)
             number = node.mesh;
     for (size_t i = 0; i < meshes && number != SIZE_MAX; ++i)
-        if (!norma_document_mesh_info(check->document, i, &mesh) && mesh.mesh == number)
+        if (!norma_document_mesh_info(document_of(check), i, &mesh) && mesh.mesh == number)
             return i;
     return SIZE_MAX;
 }
@@ -86,9 +106,9 @@ static int is_meant(const file_check *check, const check_override *override, con
         return 0;
     if (!override->meshes && !override->materials)
         return 1;
-    size_t mesh = check->document ? mesh_of(check, finding) : SIZE_MAX;
+    size_t mesh = document_of(check) ? mesh_of(check, finding) : SIZE_MAX;
     norma_mesh_info info;
-    if (mesh == SIZE_MAX || norma_document_mesh_info(check->document, mesh, &info))
+    if (mesh == SIZE_MAX || norma_document_mesh_info(document_of(check), mesh, &info))
         return 0;
     if (override->meshes && !any_matches(override->meshes, info.name))
         return 0;
@@ -109,6 +129,21 @@ static int severity_of(const file_check *check, const norma_finding *finding) {
 
 /* ---- judging */
 
+/* Where it fails, the report is about the file as it is. */
+static void mend_file(file_check *check, const norma_check_options *options) {
+    norma_document_error error = {0};
+    norma_document_result result = check_mend(check->settings, check->document, check->findings, options, check->path, &check->mended, &error);
+    if (result && result != NORMA_DOCUMENT_CANCELLED) {
+        cli_name_error(&error, check->path);
+        cli_print_error(&error);
+    }
+    check->mend_status = cli_status_of(result);
+    if (check->mended.worse) {
+        fprintf(stderr, "norma: %s: mended it would be worse than it is; it is not written\n", cli_input_name(check->path));
+        check->mend_status = CLI_FINDINGS;
+    }
+}
+
 static norma_document_result open_and_judge(file_check *check) {
     uint8_t rules[CHECK_RULES];
     const check_settings *settings = check->settings;
@@ -118,14 +153,11 @@ static norma_document_result open_and_judge(file_check *check) {
     if (result)
         return result;
     choose_rules(check, rules);
-    const norma_check_options options = {.struct_size = sizeof options,
-                                         .profile = choose_profile(check),
-                                         .strict = settings->strict || check->config->strict == 1,
-                                         .max_samples = settings->max_samples,
-                                         .rules = rules,
-                                         .threads = settings->threads,
-                                         .progress = cli_stop_when_interrupted};
-    return norma_check_document(check->document, &options, &check->findings, &check->error);
+    const norma_check_options options = choose_options(check, rules);
+    result = norma_check_document(check->document, &options, &check->findings, &check->error);
+    if (!result && settings->fix)
+        mend_file(check, &options);
+    return result;
 }
 
 static void count_item(const file_check *check, const check_item *item, check_totals *totals) {
@@ -143,8 +175,8 @@ static void count_item(const file_check *check, const check_item *item, check_to
 static size_t weigh(const file_check *check, check_item *items, check_totals *totals) {
     size_t count = 0;
     check_baseline *baseline = check->settings->baseline;
-    for (size_t i = 0; i < norma_findings_count(check->findings); ++i) {
-        const norma_finding *finding = norma_findings_get(check->findings, i);
+    for (size_t i = 0; i < norma_findings_count(findings_of(check)); ++i) {
+        const norma_finding *finding = norma_findings_get(findings_of(check), i);
         int severity = severity_of(check, finding);
         if (severity == CHECK_SEVERITY_OFF)
             continue;
@@ -192,7 +224,7 @@ static void report_unreadable(file_check *check, const check_format *format, FIL
         return;
     }
     const check_item item = {norma_findings_get(check->findings, 0), NORMA_SEVERITY_ERROR};
-    const check_report report = {check->path, norma_findings_profile(check->findings), "unreadable", &item, 1, NULL};
+    const check_report report = {check->path, norma_findings_profile(check->findings), "unreadable", &item, 1, NULL, NULL};
     count_item(check, &item, totals);
     add_totals_of_file(&report, &before, totals);
     format->file(out, &report);
@@ -200,19 +232,21 @@ static void report_unreadable(file_check *check, const check_format *format, FIL
 
 static void report_findings(file_check *check, const check_format *format, FILE *out, check_totals *totals) {
     check_totals before = *totals;
-    check_item *items = calloc(norma_findings_count(check->findings) + 1, sizeof *items);
+    check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
     if (!items) {
         check->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         report_unreadable(check, format, out, totals);
         return;
     }
     const check_report report = {check->path,
-                                 norma_findings_profile(check->findings),
-                                 norma_findings_partly(check->findings) ? "partly" : "checked",
+                                 norma_findings_profile(findings_of(check)),
+                                 norma_findings_partly(findings_of(check)) ? "partly" : "checked",
                                  items,
                                  weigh(check, items, totals),
-                                 check->document};
+                                 document_of(check),
+                                 check->mended.table};
     add_totals_of_file(&report, &before, totals);
+    totals->status = cli_worse(totals->status, check->mend_status);
     format->file(out, &report);
     free(items);
 }
@@ -222,12 +256,13 @@ void check_one_file(const check_settings *settings, const check_config *config, 
     if (config->override_count)
         check.absolute = realpath(path, NULL);
     norma_document_result result = open_and_judge(&check);
-    if (result == NORMA_DOCUMENT_CANCELLED)
-        totals->status = cli_status_of(result);
+    if (result == NORMA_DOCUMENT_CANCELLED || cli_interrupted())
+        totals->status = cli_status_of(NORMA_DOCUMENT_CANCELLED);
     else if (result)
         report_unreadable(&check, format, out, totals);
     else
         report_findings(&check, format, out, totals);
+    check_mended_free(&check.mended);
     norma_findings_free(check.findings);
     norma_document_close(check.document);
     free(check.memory);

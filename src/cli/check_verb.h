@@ -61,8 +61,12 @@ typedef struct check_settings {
     uint32_t threads;
     norma_file_format input_format;
     struct check_baseline *baseline; /* NULL: none */
+    int fix;                /* CHECK_FIX_... */
+    int dry_run;
+    const cli_files *files; /* where mended files go */
 } check_settings;
 enum { CHECK_FAIL_NEVER = 100 };
+enum { CHECK_FIX_NOTHING = 0, CHECK_FIX_SAFE, CHECK_FIX_UNSAFE };
 
 /* ---- the report on one file (check_file.c) */
 
@@ -78,6 +82,7 @@ typedef struct check_report {
     const check_item *items;
     size_t count;
     norma_document *document;   /* for pictures; NULL: unreadable */
+    const char *mended;         /* a table of counts before and after; NULL: nothing was mended */
 } check_report;
 
 typedef struct check_totals {

@@ -117,6 +117,8 @@ typedef struct cli_changer {
     int (*prepare)(const cli_verb *verb, void *work, uint32_t threads);               /* once all options are read: a status */
 } cli_changer;
 int cli_check_inputs(const cli_verb *verb, const cli_files *files);
+int cli_check_outputs(const cli_verb *verb, const cli_common *common, const cli_files *files); /* whether all have somewhere to go; makes the folder */
+char *cli_output_of(const cli_files *files, const char *input);                                /* of an input; the caller's to free. NULL: out of memory */
 /* Such a verb as a whole, from its arguments to its status; tables: its own options beside those that all of them take. */
 enum { CLI_OWN_TABLES = 2 };
 int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *tables, size_t table_count, int count, char **arguments);

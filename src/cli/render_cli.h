@@ -55,13 +55,18 @@ typedef struct render_scene_file {
     render_variant variants[RENDER_MOST_PANELS];
     render_scene scenes[RENDER_MOST_PANELS]; /* one for each variant */
     size_t variant_count;
-    float **owned; /* arrays that the scenes point to */
+    size_t *document_meshes; /* of each surface of any scene: its number in the document */
+    char found[200];         /* --show findings: how many, in words */
+    void **owned; /* arrays that the scenes point to */
     size_t owned_count, owned_room;
 } render_scene_file;
 
 norma_document_result render_file_open(const render_settings *settings, const char *input, render_scene_file *file, norma_document_error *error);
 /* The scene with normals of this variant; made when it is first asked for. NULL: failed, and error says why. together: normals are computed for errors as well. */
 const render_scene *render_file_scene(const render_settings *settings, render_scene_file *file, const render_variant *variant, norma_document_error *error);
+/* Colours the faces and vertices that norma check names, and fills file->found. */
+norma_document_result render_file_mark(const render_settings *settings, render_scene_file *file, render_surface *surfaces, size_t surface_count, norma_document_error *error);
+int render_file_keep(render_scene_file *file, void *block); /* freed with the file; 0: out of memory, and the block is freed */
 void render_file_close(render_scene_file *file);
 
 /* ---- panels */

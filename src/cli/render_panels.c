@@ -149,6 +149,8 @@ static render_panel *add_panel(render_plan *plan, const render_scene *scene, con
                             .show = settings->show,
                             .space = settings->space,
                             .lines = settings->lines};
+    if (settings->show == RENDER_SHOW_MARKS)
+        panel->lines |= RENDER_DOTS;
     memcpy(panel->matrix, settings->matrix.matrix, sizeof panel->matrix);
     if (i < settings->label_count)
         title = settings->labels[i];
@@ -220,6 +222,7 @@ int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *
     const render_variant usual = {settings->compute, settings->crease_given, settings->crease_rad, settings->weight};
     if (settings->compare)
         return add_sides(verb, plan, file, &usual, error);
+    const size_t first = plan->count;
     const render_scene *scene = render_file_scene(settings, file, &usual, error);
     if (!scene)
         return cli_status_of(error->result);
@@ -228,6 +231,10 @@ int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *
     int status = too_many(verb, plan, 1);
     if (!status)
         add_panel(plan, scene, title);
+    if (!status && settings->show == RENDER_SHOW_MARKS) {
+        snprintf(plan->below[first], sizeof plan->below[first], "%.150s", file->found);
+        plan->panels[first].below = plan->below[first];
+    }
     return status;
 }
 

@@ -37,6 +37,7 @@ void render_file_close(render_scene_file *file) {
     for (size_t i = 0; i < file->variant_count; ++i) free_scene(&file->scenes[i]);
     for (size_t i = 0; i < file->owned_count; ++i) free(file->owned[i]);
     free(file->owned);
+    free(file->document_meshes);
     norma_document_close(file->document);
     free(file->memory);
     *file = (render_scene_file){0};
@@ -112,16 +113,18 @@ static norma_document_result fill_surface(const render_settings *settings, rende
 
 /* ---- glTF: the primitives of a mesh are one body */
 
-static int keep(render_scene_file *file, float *array) {
+int render_file_keep(render_scene_file *file, void *block) {
     if (file->owned_count == file->owned_room) {
         const size_t room = file->owned_room ? 2 * file->owned_room : 16;
-        float **larger = realloc(file->owned, room * sizeof *larger);
-        if (!larger)
+        void **larger = realloc(file->owned, room * sizeof *larger);
+        if (!larger) {
+            free(block);
             return 0;
+        }
         file->owned = larger;
         file->owned_room = room;
     }
-    file->owned[file->owned_count++] = array;
+    file->owned[file->owned_count++] = block;
     return 1;
 }
 
@@ -137,8 +140,7 @@ static int join_primitives(render_scene_file *file, render_surface *first, size_
     int good = 1;
     for (size_t i = 0; i < count; ++i) {
         first[i].expected = expected[i];
-        if (!keep(file, expected[i])) {
-            free(expected[i]);
+        if (!render_file_keep(file, expected[i])) {
             first[i].expected = NULL;
             good = 0;
         }
@@ -172,6 +174,7 @@ static norma_document_result fill_surfaces(const render_settings *settings, rend
             result = fill_surface(settings, file, variant, i, &info, &m->surfaces[m->surface_count], error);
         if (result)
             return result;
+        file->document_meshes[m->surface_count] = i;
         m->mesh_of[m->surface_count++] = info.mesh;
     }
     for (size_t first = 0, next; first < m->surface_count; first = next) {
@@ -245,9 +248,13 @@ static norma_document_result make_scene(const render_settings *settings, render_
     const size_t meshes = norma_document_mesh_count(file->document);
     scene_maker m = {.surfaces = calloc(meshes + 1, sizeof *m.surfaces), .mesh_of = calloc(meshes + 1, sizeof *m.mesh_of)};
     size_t draws = 0;
-    norma_document_result result = m.surfaces && m.mesh_of ? NORMA_DOCUMENT_OK : fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (!file->document_meshes)
+        file->document_meshes = calloc(meshes + 1, sizeof *file->document_meshes);
+    norma_document_result result = m.surfaces && m.mesh_of && file->document_meshes ? NORMA_DOCUMENT_OK : fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
     if (!result)
         result = fill_surfaces(settings, file, variant, &m, error);
+    if (!result && settings->show == RENDER_SHOW_MARKS)
+        result = render_file_mark(settings, file, m.surfaces, m.surface_count, error);
     if (!result)
         result = count_draws(file->document, &m, &draws);
     if (!result && !(m.draws = calloc((draws > meshes ? draws : meshes) + 1, sizeof *m.draws)))

@@ -74,6 +74,8 @@ static void write_item(FILE *out, const char *path, const check_item *item) {
 static void begin(FILE *out) { (void)out; }
 
 static void write_file(FILE *out, const check_report *report) {
+    if (report->mended)
+        fprintf(out, "%s: mended\n%s", cli_input_name(report->path), report->mended);
     for (size_t i = 0; i < report->count; ++i) write_item(out, cli_input_name(report->path), &report->items[i]);
 }
 

@@ -98,7 +98,7 @@ static size_t make_tree(const halving *h, uint32_t *numbers, size_t count, const
     return nodes;
 }
 
-/* ---- boxes of components */
+/* ---- boxes */
 
 static void set_box_node(void *context, size_t node, size_t begin, size_t count)
 {
@@ -122,7 +122,7 @@ static void join_boxes(core_box_node *node, const double low[3], const double hi
 }
 
 /* Children come behind their parents. */
-static void fill_boxes(core_box_tree *tree, const core_component *components)
+static void fill_boxes(core_box_tree *tree, const core_box *boxes)
 {
     for (size_t i = tree->node_count; i-- > 0;) {
         core_box_node *node = &tree->nodes[i];
@@ -131,8 +131,8 @@ static void fill_boxes(core_box_tree *tree, const core_component *components)
             node->high[k] = -INFINITY;
         }
         for (uint32_t k = 0; !node->right && k < node->count; k++) {
-            const core_component *c = &components[tree->numbers[node->begin + k]];
-            join_boxes(node, c->low, c->high);
+            const core_box *box = &boxes[tree->numbers[node->begin + k]];
+            join_boxes(node, box->low, box->high);
         }
         if (!node->right) continue;
         join_boxes(node, tree->nodes[node->left].low, tree->nodes[node->left].high);
@@ -140,7 +140,7 @@ static void fill_boxes(core_box_tree *tree, const core_component *components)
     }
 }
 
-norma_result norma_core_box_tree_build(const core_call *call, const core_component *components, size_t count, core_box_tree *tree)
+norma_result norma_core_box_tree_build(const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree)
 {
     *tree = (core_box_tree){.count = count};
     double (*centres)[3] = norma_core_allocate(call, count, sizeof *centres);
@@ -150,12 +150,12 @@ norma_result norma_core_box_tree_build(const core_call *call, const core_compone
     const int fine = centres && items && tree->numbers && tree->nodes;
     for (size_t i = 0; fine && i < count; i++) {
         tree->numbers[i] = (uint32_t)i;
-        for (int k = 0; k < 3; k++) centres[i][k] = components[i].low[k] / 2 + components[i].high[k] / 2;
+        for (int k = 0; k < 3; k++) centres[i][k] = boxes[i].low[k] / 2 + boxes[i].high[k] / 2;
     }
     if (fine) {
         const halving h = {(const double (*)[3])centres, items};
         tree->node_count = make_tree(&h, tree->numbers, count, &(shape){tree, set_box_node, set_box_children});
-        fill_boxes(tree, components);
+        fill_boxes(tree, boxes);
     }
     norma_core_release(call, centres, count, sizeof *centres);
     norma_core_release(call, items, count, sizeof *items);

@@ -1,7 +1,8 @@
-/* box_tree.h: trees over boxes: which components' boxes hold a point; groups of faces seen from afar. */
+/* box_tree.h: trees over boxes: which of them hold a point, which a ray meets; groups of faces seen from afar. */
 #ifndef NORMA_CORE_BOX_TREE_H
 #define NORMA_CORE_BOX_TREE_H
 #include "components.h"
+#include "kdtree.h"
 #include "sort.h"
 
 typedef struct core_box_node {
@@ -16,8 +17,8 @@ typedef struct core_box_tree {
     size_t         node_count, count;
 } core_box_tree;
 
-/* Over the boxes of components. O(n log^2 n). */
-norma_result norma_core_box_tree_build(const core_call *call, const core_component *components, size_t count, core_box_tree *tree);
+/* O(n log n). */
+norma_result norma_core_box_tree_build(const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree);
 void         norma_core_box_tree_release(const core_call *call, core_box_tree *tree);
 /* Those in nodes whose box holds the point; the caller looks at each one's own. */
 void         norma_core_box_tree_stab(const core_box_tree *tree, const double point[3], void (*visit)(void *context, uint32_t number), void *context);
@@ -34,7 +35,7 @@ typedef struct core_dipoles {
     size_t       node_count, count;
 } core_dipoles;
 
-/* Over some faces; reverse: NULL, or those that are taken the other way round. O(n log^2 n). */
+/* Over some faces; reverse: NULL, or those that are taken the other way round. O(n log n). */
 norma_result norma_core_dipoles_build(const core_topology *topology, const uint8_t *reverse, const uint32_t *faces, size_t count, core_dipoles *dipoles);
 void         norma_core_dipoles_release(const core_call *call, core_dipoles *dipoles);
 #endif

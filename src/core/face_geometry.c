@@ -43,8 +43,8 @@ void norma_core_normalise(const double v[3], double unit[3])
         const int exponent = ilogb(largest);
         for (int k = 0; k < 3; k++) scaled[k] = ldexp(v[k], -exponent);
     }
-    const double length = sqrt(norma_core_dot(scaled, scaled));
-    for (int k = 0; k < 3; k++) unit[k] = scaled[k] / length;
+    const double inverse = 1 / sqrt(norma_core_dot(scaled, scaled));       /* as the kernel that makes eight at once */
+    for (int k = 0; k < 3; k++) unit[k] = scaled[k] * inverse;
 }
 
 /* Walks a face's kept corners in ascending order, for whoever asks for point 0, 1, 2, ... (and 0 again). */

@@ -212,6 +212,21 @@ static norma_result find_parents(nesting *n)
     return result == NORMA_OK ? judge_all(n) : result;
 }
 
+static norma_result build_tree(nesting *n)
+{
+    const core_call *call = n->topology->call;
+    const core_components *c = n->components;
+    core_box *boxes = norma_core_allocate(call, c->count, sizeof *boxes);
+    if (!boxes) return NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < c->count; i++) {
+        memcpy(boxes[i].low, c->each[i].low, sizeof boxes[i].low);
+        memcpy(boxes[i].high, c->each[i].high, sizeof boxes[i].high);
+    }
+    const norma_result result = norma_core_box_tree_build(call, boxes, c->count, &n->tree);
+    norma_core_release(call, boxes, c->count, sizeof *boxes);
+    return result;
+}
+
 norma_result norma_core_judge_nesting(const core_topology *topology, core_components *components, uint8_t not_closed)
 {
     const core_call *call = topology->call;
@@ -226,7 +241,7 @@ norma_result norma_core_judge_nesting(const core_topology *topology, core_compon
         memset(n.winding, 0, count * sizeof *n.winding);
         memset(n.asked, 0, count * sizeof *n.asked);
         memset(n.dipoles, 0, count * sizeof *n.dipoles);
-        result = norma_core_box_tree_build(call, components->each, count, &n.tree);
+        result = build_tree(&n);
     }
     if (result == NORMA_OK) result = find_parents(&n);
     for (size_t i = 0; n.dipoles && n.tree.nodes && i < count; i++) norma_core_dipoles_release(call, &n.dipoles[i]);

@@ -25,3 +25,14 @@ int norma_core_has_isa(norma_isa isa)
     return 0;
 #endif
 }
+
+core_level norma_core_level(norma_isa isa)
+{
+#if defined(CORE_HAS_X86)
+    if (isa == NORMA_ISA_PORTABLE || isa == NORMA_ISA_SSE2) return CORE_PORTABLE;     /* SSE2 is what portable code compiles to on this family */
+    if (isa != NORMA_ISA_AVX2 && norma_core_has_isa(NORMA_ISA_AVX512)) return CORE_AVX512;
+    if (norma_core_has_isa(NORMA_ISA_AVX2)) return CORE_AVX2;
+#endif
+    (void)isa;
+    return CORE_PORTABLE;
+}

@@ -1,6 +1,10 @@
 /* mesh.c: what must hold of a mesh before anything is computed or written: first its shape, then what its arrays say. */
 #include "mesh.h"
+#include "isa.h"
 #include <math.h>
+#include <stdatomic.h>
+
+typedef core_range core_range_of(const unsigned char *corners, size_t count);
 
 static norma_result shape_of_positions(const norma_vec3_view *view)
 {
@@ -58,22 +62,77 @@ static int face_starts_are_valid(const core_mesh *mesh)
     return 1;
 }
 
-enum { CORNERS_AT_A_TIME = 1 << 20 };
-
-static norma_result check_corners(core_call *call, const core_mesh *mesh)
+/* Faces of three corners each are triangles, whoever counts them. */
+static int all_are_triangles(const core_mesh *mesh)
 {
-    if (!mesh->corner_size) return NORMA_OK;
-    for (size_t begin = 0; begin < mesh->corner_count; begin += CORNERS_AT_A_TIME) {
-        if (norma_core_progress(call, (double)begin / (double)mesh->corner_count)) return NORMA_CANCELLED;
-        const size_t end = mesh->corner_count - begin < CORNERS_AT_A_TIME ? mesh->corner_count : begin + CORNERS_AT_A_TIME;
-        uint32_t largest = 0;
-        for (size_t c = begin; c < end; c++) {
-            const uint32_t index = norma_core_corner(mesh, c);
-            largest = index > largest ? index : largest;
-        }
-        if (largest >= mesh->positions.count) return NORMA_ERROR_INDEX;
+    if (mesh->corner_count != 3 * mesh->face_count) return 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
+        if (mesh->face_starts[f] != 3 * f) return 0;
+    return 1;
+}
+
+/* ---- what corners name: checked, and kept as one range for each chunk of faces */
+
+enum { CHUNKS_IN_TASK = 256, CORNERS_IN_TASK = 3 * CORE_FACES_IN_CHUNK * CHUNKS_IN_TASK };
+
+typedef struct corner_check {
+    const core_mesh *mesh;
+    core_range      *ranges;                 /* NULL, or of each chunk */
+    core_range_of   *range_of;
+    atomic_int       wrong;
+} corner_check;
+
+CORE_INLINE core_range range_of_indices(const unsigned char *corners, size_t count)
+{
+    uint32_t least = UINT32_MAX, most = 0;
+    for (size_t c = 0; c < count; c++) {
+        uint32_t index;
+        memcpy(&index, corners + 4 * c, sizeof index);
+        least = index < least ? index : least;
+        most = index > most ? index : most;
     }
-    return NORMA_OK;
+    return (core_range){least, most};
+}
+
+static core_range range_portable(const unsigned char *corners, size_t count) { return range_of_indices(corners, count); }
+#if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static core_range range_avx2(const unsigned char *corners, size_t count) { return range_of_indices(corners, count); }
+static core_range_of *const RANGE_OF[] = {range_portable, range_avx2, range_avx2};
+#else
+static core_range_of *const RANGE_OF[] = {range_portable};
+#endif
+
+static core_range range_of_corners(const corner_check *check, size_t begin, size_t end)
+{
+    const core_mesh *mesh = check->mesh;
+    if (mesh->corner_size == 4) return check->range_of((const unsigned char *)mesh->corners + 4 * begin, end - begin);
+    core_range range = {UINT32_MAX, 0};
+    for (size_t c = begin; c < end; c++) {
+        const uint32_t index = norma_core_corner(mesh, c);
+        range.least = index < range.least ? index : range.least;
+        range.most = index > range.most ? index : range.most;
+    }
+    return range;
+}
+
+static void check_task(void *context, size_t task)
+{
+    corner_check *check = context;
+    const size_t corners = 3 * CORE_FACES_IN_CHUNK, count = check->mesh->corner_count, last = count - task * CORNERS_IN_TASK < CORNERS_IN_TASK ? count : (task + 1) * CORNERS_IN_TASK;
+    for (size_t begin = task * CORNERS_IN_TASK; begin < last; begin += corners) {
+        const core_range range = range_of_corners(check, begin, last - begin < corners ? last : begin + corners);
+        if (range.most >= check->mesh->positions.count) atomic_store_explicit(&check->wrong, 1, memory_order_relaxed);
+        if (check->ranges) check->ranges[begin / corners] = range;
+    }
+}
+
+static norma_result check_corners(core_call *call, const core_mesh *mesh, core_range *ranges)
+{
+    corner_check check = {.mesh = mesh, .ranges = ranges, .range_of = RANGE_OF[norma_core_level(call->options.isa)]};
+    if (!mesh->corner_size && !ranges) return NORMA_OK;
+    const norma_result result = norma_core_parallel(call, mesh->corner_count / CORNERS_IN_TASK + (mesh->corner_count % CORNERS_IN_TASK != 0), check_task, &check);
+    if (result != NORMA_OK) return result;
+    return atomic_load_explicit(&check.wrong, memory_order_relaxed) ? NORMA_ERROR_INDEX : NORMA_OK;
 }
 
 /* Products of four lengths must fit a double: beyond 2^200 or below 2^-200 all positions are read times a power of two. */
@@ -91,10 +150,13 @@ static double scale_of_doubles(const core_mesh *mesh)
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }
 
-norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh)
+norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh) { return norma_core_mesh_ranges(call, mesh, NULL); }
+
+norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges)
 {
     if (mesh->face_starts && !face_starts_are_valid(mesh)) return NORMA_ERROR_ARGUMENT;
-    const norma_result result = check_corners(call, mesh);
+    if (mesh->face_starts && all_are_triangles(mesh)) mesh->face_starts = NULL;
+    const norma_result result = check_corners(call, mesh, ranges);
     if (result == NORMA_OK && mesh->positions.format == NORMA_FORMAT_DOUBLE) mesh->scale = scale_of_doubles(mesh);
     return result;
 }

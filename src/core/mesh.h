@@ -21,6 +21,11 @@ norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked);
 /* ARGUMENT (face_starts) or INDEX or CANCELLED: reads the arrays. */
 norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh);
 
+/* The same; and of each CORE_FACES_IN_CHUNK triangles in a row, the least and the greatest position that their corners name. */
+enum { CORE_FACES_IN_CHUNK = 1024 };
+typedef struct core_range { uint32_t least, most; } core_range;
+norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges);
+
 /* Out of line, so that the common cases stay short. */
 uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner);
 void     norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]);

@@ -20,6 +20,14 @@ static inline void norma_core_write_normal(const core_output *output, size_t ind
 {
     memcpy(output->normals + index * output->stride, normal, 3 * sizeof(float));
 }
+/* Of count elements in a row, all with a normal of their own. */
+static inline void norma_core_write_normals(const core_output *output, size_t first, size_t count, const float (*normals)[3])
+{
+    if (output->stride == 3 * sizeof(float)) memcpy(output->normals + first * output->stride, normals, count * sizeof *normals);
+    else
+        for (size_t i = 0; i < count; i++) norma_core_write_normal(output, first + i, normals[i]);
+    if (output->reasons) memset(output->reasons + first, NORMA_REASON_NONE, count);
+}
 /* Writes the normal of an element that has one, or the fallback (not the nearest, which is written later), and its reason; counts what has none. */
 void norma_core_write_element(const core_output *output, size_t index, int reason, const float normal[3], core_tally *tally);
 

@@ -66,21 +66,23 @@ static inline uint32_t norma_core_tile_slot_of(const tile_view *t, uint32_t own)
 typedef struct tile_room {
     double   normals[TILE_FACES][4];   /* of each face; the fourth: 1; zero where there is no direction */
     double   weights[TILE_CORNERS];    /* of each member's corner; -0: no vote */
-    double   positions[TILE_VERTICES][4]; /* of each vertex; the fourth is not used */
-    double   sums[TILE_SLOTS][4];      /* of each slot; the fourth: of weights */
-    float    results[TILE_SLOTS][3];
+    double   positions[TILE_VERTICES][4]; /* of each vertex; the fourth: 0 */
+    double   sums[4][TILE_SLOTS];      /* of each slot asked for, in the order asked; the fourth: of weights */
+    float    results[3][TILE_SLOTS];
     uint8_t  reasons[TILE_SLOTS];
+    uint16_t doubted[TILE_FACES];      /* triangles that doubles do not decide */
     uint16_t degenerate[TILE_FACES];   /* faces, finite and without a direction */
-    uint32_t degenerate_count;
-    int      all_finite;
+    uint32_t doubted_count, degenerate_count;
+    int      all_finite, all_normal;   /* each position; each slot summed has a normal */
 } tile_room;
 
 typedef struct tile_some { const uint16_t *numbers; uint32_t count; } tile_some;   /* numbers NULL: 0, 1, 2, ... */
 
 typedef struct tile_kernels {
-    void (*measure)(const tile_view *t, tile_some faces, core_measure *measure, norma_weight weight, tile_room *room, uint8_t *unsure); /* triangles */
-    void (*sum)(const tile_view *t, tile_some slots, tile_room *room);
-    void (*decide)(tile_some slots, tile_room *room);
+    /* Triangles: normals and weights of some faces; the doubted ones are listed. */
+    void (*measure)(const tile_view *t, tile_some faces, core_measure *measure, norma_weight weight, tile_room *room);
+    /* Results and reasons of some slots; whether all have a normal. */
+    int (*sum)(const tile_view *t, tile_some slots, tile_room *room);
 } tile_kernels;
 
 /* plan_tile_sums.c: the same bits from each. */

@@ -15,14 +15,43 @@ typedef struct tiles_work {
 
 /* ---- in */
 
-static void load_positions(const plan_work *work, const tile_view *t, tile_room *room)
+static void load_floats(const plan_work *work, const tile_view *t, tile_room *room)
 {
-    double zero = 0;
+    const unsigned char *data = work->mesh.positions.data;
+    const size_t stride = work->mesh.positions.stride;
+    for (uint32_t v = 0; v < t->vertex_count; v++) {
+        float p[3];
+        memcpy(p, data + t->vertices[v] * stride, sizeof p);
+        for (int k = 0; k < 3; k++) room->positions[v][k] = (double)p[k];
+        room->positions[v][3] = 0;
+    }
+}
+
+static void load_others(const plan_work *work, const tile_view *t, tile_room *room)
+{
     for (uint32_t v = 0; v < t->vertex_count; v++) {
         norma_core_position(&work->mesh, t->vertices[v], room->positions[v]);
-        for (int k = 0; k < 3; k++) zero += room->positions[v][k] - room->positions[v][k];
+        room->positions[v][3] = 0;
     }
-    room->all_finite = zero == 0;
+}
+
+static void load_positions(const plan_work *work, const tile_view *t, tile_room *room)
+{
+    double zero[4] = {0, 0, 0, 0};
+    if (work->mesh.positions.format == NORMA_FORMAT_FLOAT) load_floats(work, t, room);
+    else load_others(work, t, room);
+    for (uint32_t v = 0; v < t->vertex_count; v++)
+        for (int k = 0; k < 4; k++) zero[k] += room->positions[v][k] - room->positions[v][k];
+    room->all_finite = (zero[0] + zero[1]) + (zero[2] + zero[3]) == 0;
+}
+
+/* What the next tile will read, and this one write. */
+static void look_ahead(const plan_work *work, const tile_view *t, const tile_view *next)
+{
+    const unsigned char *data = work->mesh.positions.data;
+    for (uint32_t v = 0; v < next->vertex_count; v++) __builtin_prefetch(data + next->vertices[v] * work->mesh.positions.stride);
+    if (work->plan->of != NORMA_PER_VERTEX) return;
+    for (uint32_t v = 0; v < t->own_count; v++) __builtin_prefetch(work->output->normals + t->vertices[v] * work->output->stride, 1);
 }
 
 static core_mesh local_mesh(const tile_view *t, const tile_room *room)
@@ -62,17 +91,28 @@ static int has_edges(const tile_view *t, uint32_t face)
     return a != b && b != c && c != a;
 }
 
+/* Corners at one position of the plan may have parted: such a triangle has no vote, whatever it measures. */
+static void measure_welded(const core_mesh *mesh, norma_weight weight, const tile_view *t, tile_some faces, tile_room *room)
+{
+    for (uint32_t i = 0; i < faces.count; i++) {
+        const uint32_t face = faces.numbers ? faces.numbers[i] : i;
+        if (!has_edges(t, face)) take_face(mesh, weight, t, face, room);
+    }
+}
+
 static void measure_faces(const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room)
 {
     const core_mesh mesh = local_mesh(t, room);
     const norma_weight weight = w->work->call->options.weight;
-    uint8_t unsure[TILE_FACES];
-    room->degenerate_count = 0;
-    if (!t->corner_faces) w->kernels.measure(t, faces, w->work->call->measure, weight, room, unsure);
-    for (uint32_t i = 0; i < faces.count; i++) {
-        const uint32_t face = faces.numbers ? faces.numbers[i] : i;
-        if (t->corner_faces || unsure[face] || (t->weld && !has_edges(t, face))) take_face(&mesh, weight, t, face, room);
+    room->doubted_count = room->degenerate_count = 0;
+    if (t->corner_faces) {
+        for (uint32_t i = 0; i < faces.count; i++) take_face(&mesh, weight, t, faces.numbers ? faces.numbers[i] : i, room);
+        return;
     }
+    w->kernels.measure(t, faces, w->work->call->measure, weight, room);
+    for (uint32_t i = 0; i < room->doubted_count; i++)
+        if (!t->weld || has_edges(t, room->doubted[i])) take_face(&mesh, weight, t, room->doubted[i], room);
+    if (t->weld) measure_welded(&mesh, weight, t, faces, room);
 }
 
 /* ---- sums that ask for more */
@@ -95,11 +135,15 @@ static int decide_cone(const tile_view *t, const tile_room *room, uint32_t slot,
     return norma_core_plan_decide_cone(weight, cone_normal, &cone, norma_core_tile_start(t, slot + 1) - first, normal);
 }
 
+/* Sums tell who has votes. */
 static void decide_cones(const tile_view *t, tile_some slots, tile_room *room)
 {
+    room->all_normal = 0;
     for (uint32_t i = 0; i < slots.count; i++) {
-        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        room->reasons[slot] = (uint8_t)decide_cone(t, room, slot, UINT32_MAX, room->sums[slot][3], room->results[slot]);
+        float normal[3] = {0, 0, 0};
+        if (room->reasons[i] == NORMA_REASON_UNREFERENCED) continue;
+        room->reasons[i] = (uint8_t)decide_cone(t, room, slots.numbers ? slots.numbers[i] : i, UINT32_MAX, 1, normal);
+        for (int k = 0; k < 3; k++) room->results[k][i] = normal[k];
     }
 }
 
@@ -119,27 +163,27 @@ static int decide_own(const tiles_work *w, const tile_view *t, const tile_room *
 
 static int is_finite(const tile_room *room, uint32_t vertex) { return room->all_finite || norma_core_finite(room->positions[vertex]); }
 
-static void write_vertex(const tiles_work *w, const tile_view *t, const tile_room *room, uint32_t slot, uint32_t vertex, core_tally *tally)
+typedef struct tile_result { uint32_t slot; int reason; float normal[3]; } tile_result;
+
+static tile_result result_at(const tile_room *room, tile_some slots, uint32_t i)
 {
-    const core_output *output = w->work->output;
-    const float *normal = room->results[slot];
-    int reason = room->reasons[slot];
-    float own[3] = {0, 0, 0};
-    if (!is_finite(room, vertex)) {
-        reason = NORMA_REASON_NON_FINITE;
-    } else if (reason == NORMA_REASON_CANCELLED && decide_own(w, t, room, slot, vertex, own) == NORMA_REASON_NONE) {
-        reason = NORMA_REASON_NONE;
-        normal = own;
-    }
-    norma_core_write_element(output, t->vertices[vertex], reason, normal, tally);
+    return (tile_result){slots.numbers ? slots.numbers[i] : i, room->reasons[i], {room->results[0][i], room->results[1][i], room->results[2][i]}};
+}
+
+static void write_vertex(const tiles_work *w, const tile_view *t, const tile_room *room, const tile_result *result, uint32_t vertex, core_tally *tally)
+{
+    tile_result own = *result;
+    if (!is_finite(room, vertex)) own.reason = NORMA_REASON_NON_FINITE;
+    else if (own.reason == NORMA_REASON_CANCELLED && decide_own(w, t, room, own.slot, vertex, own.normal) == NORMA_REASON_NONE) own.reason = NORMA_REASON_NONE;
+    norma_core_write_element(w->work->output, t->vertices[vertex], own.reason, own.normal, tally);
 }
 
 static void write_vertices(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
 {
     for (uint32_t i = 0; i < slots.count; i++) {
-        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        const uint32_t begin = t->vertex_starts ? t->vertex_starts[slot] : slot, end = t->vertex_starts ? t->vertex_starts[slot + 1] : slot + 1;
-        for (uint32_t v = begin; v < end; v++) write_vertex(w, t, room, slot, v, tally);
+        const tile_result result = result_at(room, slots, i);
+        const uint32_t begin = t->vertex_starts ? t->vertex_starts[result.slot] : result.slot, end = t->vertex_starts ? t->vertex_starts[result.slot + 1] : begin + 1;
+        for (uint32_t v = begin; v < end; v++) write_vertex(w, t, room, &result, v, tally);
     }
 }
 
@@ -147,26 +191,24 @@ static void write_vertices(const tiles_work *w, const tile_view *t, const tile_r
 static void write_plain(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots)
 {
     for (uint32_t i = 0; i < slots.count; i++) {
-        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        norma_core_write_normal(w->work->output, t->vertices[slot], room->results[slot]);
+        const float normal[3] = {room->results[0][i], room->results[1][i], room->results[2][i]};
+        norma_core_write_normal(w->work->output, t->vertices[slots.numbers ? slots.numbers[i] : i], normal);
     }
 }
 
-static int is_plain(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots)
+static int is_plain(const tiles_work *w, const tile_view *t, const tile_room *room)
 {
-    unsigned any = !room->all_finite || w->work->output->reasons || t->slot_of;
-    for (uint32_t i = 0; i < slots.count && !any; i++) any |= room->reasons[slots.numbers ? slots.numbers[i] : i];
-    return !any;
+    return room->all_finite && room->all_normal && !t->slot_of && !w->work->output->reasons;
 }
 
 static void write_corners(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
 {
     for (uint32_t i = 0; i < slots.count; i++) {
-        const uint32_t slot = slots.numbers ? slots.numbers[i] : i;
-        for (uint32_t m = norma_core_tile_start(t, slot); m < norma_core_tile_start(t, slot + 1); m++) {
+        const tile_result result = result_at(room, slots, i);
+        for (uint32_t m = norma_core_tile_start(t, result.slot); m < norma_core_tile_start(t, result.slot + 1); m++) {
             const uint32_t member = t->members[m], vertex = t->corners[norma_core_tile_corner_of(t, member)];
-            const int reason = is_finite(room, vertex) ? room->reasons[slot] : NORMA_REASON_NON_FINITE;
-            norma_core_write_element(w->work->output, norma_core_tile_mesh_corner(t, member), reason, room->results[slot], tally);
+            norma_core_write_element(w->work->output, norma_core_tile_mesh_corner(t, member), is_finite(room, vertex) ? result.reason : NORMA_REASON_NON_FINITE, result.normal,
+                                     tally);
         }
     }
 }
@@ -191,11 +233,10 @@ static void update_tile(const tiles_work *w, const tile_view *t, const tile_touc
     const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
     load_positions(w->work, t, &room);
     measure_faces(w, t, faces, &room);
-    w->kernels.sum(t, slots, &room);
+    room.all_normal = w->kernels.sum(t, slots, &room);
     if (w->work->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cones(t, slots, &room);
-    else w->kernels.decide(slots, &room);
     if (w->work->plan->of == NORMA_PER_CORNER) write_corners(w, t, &room, slots, tally);
-    else if (is_plain(w, t, &room, slots)) write_plain(w, t, &room, slots);
+    else if (is_plain(w, t, &room)) write_plain(w, t, &room, slots);
     else write_vertices(w, t, &room, slots, tally);
     if (room.degenerate_count) count_degenerate(w, t, &room, touch ? touch->slot_is_touched : NULL, tally);
 }
@@ -207,7 +248,11 @@ static void update_some(void *context, size_t task)
     for (size_t i = w->first + range.begin; i < w->first + range.end; i++) {
         const tile_view t = norma_core_tile(w->work->plan, i);
         tile_touch touch;
-        if (!w->work->moved) update_tile(w, &t, NULL, &w->tallies[task]);
+        if (!w->work->moved) {
+            const tile_view next = norma_core_tile(w->work->plan, i + 1 < w->first + w->count ? i + 1 : i);
+            look_ahead(w->work, &t, &next);
+            update_tile(w, &t, NULL, &w->tallies[task]);
+        }
         else if (norma_core_tile_touch(&w->marks, &t, w->work->plan->of, &touch)) update_tile(w, &t, &touch, &w->tallies[task]);
     }
 }

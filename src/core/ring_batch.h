@@ -12,10 +12,12 @@ typedef struct listed_ring {
     uint8_t  first_fan, fan_count;       /* once settled; no fan: it is not ordinary */
     uint8_t  open;                       /* its first and last face share no edge */
     uint8_t  higher;                     /* of a closed one: neighbours of higher number */
+    uint8_t  scattered;                  /* its faces lie far apart: what memory they need is asked for ahead */
 } listed_ring;
 
 typedef struct ring_list {
     size_t      corner_count, ring_count;
+    const ring_visit *visit;
     uint32_t    corners[BATCH_CORNERS];                            /* of each ring ascending, as its sums run */
     uint32_t    next[BATCH_CORNERS + ORDINARY_CORNERS], previous[BATCH_CORNERS + ORDINARY_CORNERS];   /* the face's other corners, as the mesh names them */
     double      turn[BATCH_CORNERS];                               /* which of its face's corners it is */
@@ -37,9 +39,12 @@ typedef struct ring_batch {
 } ring_batch;
 
 int  norma_core_can_batch(const core_surface *surface);
-void norma_core_clear_list(ring_list *list);
-/* Adds a ring, and asks for the memory that it will need. 0: the list is full. */
-int  norma_core_list_ring(const core_surface *surface, const ring_visit *visit, uint32_t position, uint32_t count, ring_list *list);
+void norma_core_clear_list(ring_list *list, const ring_visit *visit);
+/* Adds a ring, and asks for its positions. 0: the list is full. */
+int  norma_core_list_ring(const core_surface *surface, uint32_t position, uint32_t count, ring_list *list);
+/* Asks for the places where its normals will go; for the mesh's corners of the rings that come two lists later. */
+void norma_core_ask_for_targets(const ring_list *list, const listed_ring *ring);
+void norma_core_ask_for_corners(const core_surface *surface, const listed_ring *ring);
 /* ring_lanes.c: joins and sums the fans of all rings in the list; 0: some are not ordinary. edges may be NULL. */
 typedef int ring_lanes(const core_surface *surface, ring_list *list, ring_batch *batch, norma_edges *edges);
 ring_lanes *norma_core_choose_ring_lanes(norma_isa isa);

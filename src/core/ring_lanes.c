@@ -338,12 +338,17 @@ INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, norma_e
 {
     uint32_t fans = 0;
     int all = 1;
-    for (size_t i = 0; i < list->ring_count; i++) list->rings[i].fan_count = (uint8_t)order_ring(&s->mesh, list, &list->rings[i], t);
+    for (size_t i = 0; i < list->ring_count; i++) {
+        listed_ring *ring = &list->rings[i];
+        if (ring->scattered) norma_core_ask_for_targets(list, ring);
+        ring->fan_count = (uint8_t)order_ring(&s->mesh, list, ring, t);
+    }
     fill_up(t, list->corner_count);
     measure_all(t, list->corner_count, s->call->options.weight);
     compare_normals(t, list->corner_count);
     for (size_t i = 0; i < list->ring_count; i++) {
         listed_ring *ring = &list->rings[i];
+        if (ring->scattered) norma_core_ask_for_corners(s, ring);
         if (ring->fan_count && !settle_ring(s, list, t, ring, fans, edges)) ring->fan_count = 0;
         fans += ring->fan_count;
         all &= ring->fan_count != 0;

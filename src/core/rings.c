@@ -83,12 +83,12 @@ static void see_ordinary(const visit_all *v, const ring_list *list, ring_batch *
 /* Lists ordinary rings from position on, as many as fit; what cannot be ordinary is visited at once. Returns where the next list begins. */
 static size_t list_rings(const visit_all *v, size_t position, size_t end, ring_list *list, rings_part *part)
 {
-    norma_core_clear_list(list);
+    norma_core_clear_list(list, v->visit);
     for (; position < end; position++) {
         const size_t size = ring_size(v, position);
         if (size > ORDINARY_CORNERS && size <= RING_ROOM) visit_chunk_singly(v, position, position + 1, part);
         if (size == 0 || size > ORDINARY_CORNERS) continue;
-        if (!norma_core_list_ring(v->surface, v->visit, (uint32_t)position, (uint32_t)size, list)) break;
+        if (!norma_core_list_ring(v->surface, (uint32_t)position, (uint32_t)size, list)) break;
     }
     return position;
 }

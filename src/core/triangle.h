@@ -39,35 +39,87 @@ static inline double norma_core_angle(double y, double x)
     return large > 0 ? angle : 0;
 }
 
-/* Squares of areas between these lost nothing to underflow or overflow. */
-#define NORMA_TINIEST 0x1p-900
-#define NORMA_HUGEST  0x1p900
+/* atan(t) for |t| <= tan(pi/8), for weights: the minimax polynomial of degree 6, within 3e-12 of its value. What a weight errs by, the direction of a sum feels by that times
+ * sum of weights / |sum|, at most. */
+static inline double norma_core_weight_atan(double t)
+{
+    const double z = t * t;
+    double p = -0x1.4b3891ff382b2p-5;
+    p = p * z + 0x1.24434e877a5ddp-4;
+    p = p * z - 0x1.71d3c10805470p-4;
+    p = p * z + 0x1.c6f68737bd590p-4;
+    p = p * z - 0x1.2491c08b2dc95p-3;
+    p = p * z + 0x1.99999825954bep-3;
+    p = p * z - 0x1.5555555502188p-2;
+    return t + t * (z * p);
+}
+
+/* atan2(y, x) for y >= 0 and x >= 0 (or below by a rounding) is turn + or - atan(above / below). */
+typedef struct core_slope { double above, below, turn; int falls; } core_slope;
+
+static inline core_slope norma_core_slope(double y, double x)
+{
+    const double small = y < x ? y : x, large = y < x ? x : y;
+    const int steep = small > 0.41421356237309503 * large, falls = y > x;
+    return (core_slope){steep ? small - large : small, steep ? small + large : large, steep ? 0.25 * NORMA_PI : falls ? 0.5 * NORMA_PI : 0, falls};
+}
+
+static inline double norma_core_slope_angle(core_slope s, double quotient)
+{
+    const double angle = norma_core_weight_atan(quotient);
+    return s.falls ? s.turn - angle : s.turn + angle;
+}
+
+/* A corner's angle as a weight: atan2(cross, dot), for cross >= 0. */
+static inline double norma_core_weight_angle(double cross, double dot)
+{
+    const core_slope s = norma_core_slope(cross, dot < 0 ? -dot : dot);
+    const double angle = norma_core_slope_angle(s, s.above / s.below);
+    return s.below > 0 ? (dot < 0 ? NORMA_PI - angle : angle) : 0;
+}
+
+/* Squares of areas between these lost nothing to underflow or overflow, nor do products of three such areas. */
+#define NORMA_TINIEST 0x1p-640
+#define NORMA_HUGEST  0x1p640
+
+/* Whether doubles are enough, from the square of the cross product of two edges and their dot product, whose squares are |u|^2 |v|^2 together (Lagrange): each
+ * component errs by at most some 6 * 2^-53 |u| |v|, below 2^-30 of a length of 2^-20 |u| |v|. Not for NaN, infinity or no area. */
+static inline int norma_core_triangle_is_sure(double square, double dot)
+{
+    return (square >= 0x1p-40 * (square + dot * dot)) & (square > NORMA_TINIEST) & (square < NORMA_HUGEST);
+}
 
 /* The unit normal of the triangle with edges u and v from its first corner, and the length of their cross product, twice its area. Returns whether doubles
- * are enough: each component errs by at most some 6 * 2^-53 |u| |v|, below 2^-30 of a length of 2^-20 |u| |v|. Not for NaN, infinity or no area. */
+ * are enough. */
 static inline int norma_core_triangle(double ux, double uy, double uz, double vx, double vy, double vz, double *nx, double *ny, double *nz, double *twice_area)
 {
     const double x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-    const double square = x * x + y * y + z * z, bound = 0x1p-40 * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz);
+    const double square = x * x + y * y + z * z, dot = ux * vx + uy * vy + uz * vz;
     const double length = sqrt(square), inverse = 1 / length;
     *nx = x * inverse;
     *ny = y * inverse;
     *nz = z * inverse;
     *twice_area = length;
-    return (square >= bound) & (square > NORMA_TINIEST) & (square < NORMA_HUGEST);
+    return norma_core_triangle_is_sure(square, dot);
 }
 
-/* What a corner with edges a and b weighs, from the squares of their lengths and their dot product; cross: the length of their cross product; the face's
- * twice_area. Interior angles are above pi where reflex. NORMA_WEIGHT_VISIBLE weighs no corner: 1. */
-static inline double norma_core_weigh(norma_weight weight, double aa, double bb, double ab, double cross, double twice_area, int reflex)
+/* What a corner with edges a and b and the angle between them weighs, from the squares of their lengths; cross: the length of their cross product; the face's
+ * twice_area. NORMA_WEIGHT_VISIBLE weighs no corner: 1. */
+static inline double norma_core_weight_of(norma_weight weight, double aa, double bb, double angle, double cross, double twice_area)
 {
-    if (weight == NORMA_WEIGHT_UNIFORM || weight == NORMA_WEIGHT_VISIBLE) return 1;
     if (weight == NORMA_WEIGHT_AREA) return twice_area;
     if (weight == NORMA_WEIGHT_MAX) return aa * bb > 0 ? cross / (aa * bb) : 0;
-    double angle = norma_core_angle(cross, ab);
-    angle = reflex ? 2 * NORMA_PI - angle : angle;
+    if (weight == NORMA_WEIGHT_ANGLE) return angle;
     if (weight == NORMA_WEIGHT_ANGLE_AREA) return angle * twice_area;
     if (weight == NORMA_WEIGHT_ANGLE_LENGTHS) return angle * (sqrt(aa) * sqrt(bb));
-    return angle;
+    return 1;
+}
+
+/* The same from the dot product of the edges instead of the angle; interior angles are above pi where reflex. */
+static inline double norma_core_weigh(norma_weight weight, double aa, double bb, double ab, double cross, double twice_area, int reflex)
+{
+    double angle = 0;
+    if (weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA || weight == NORMA_WEIGHT_ANGLE_LENGTHS) angle = norma_core_weight_angle(cross, ab);
+    return norma_core_weight_of(weight, aa, bb, reflex ? 2 * NORMA_PI - angle : angle, cross, twice_area);
 }
 #endif

@@ -1,12 +1,13 @@
 /* vertex.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became of its position, or of itself, and is written. */
 #include "nearest.h"
-#include "vertices.h"
+#include "vertex_add.h"
 
 enum { VERTICES_IN_CHUNK = 16384 };
 
 typedef struct vertex_work {
     core_vertices      vertices;
     const core_output *output;
+    core_finish_sums  *finish;
     core_tally        *tallies;
 } vertex_work;
 
@@ -26,15 +27,37 @@ void norma_core_release_vertices(core_vertices *vertices)
     *vertices = (core_vertices){.surface = vertices->surface};
 }
 
+static void write_some(const vertex_work *work, size_t begin, size_t end, core_tally *tally)
+{
+    for (size_t v = begin; v < end; v++) {
+        float normal[3];
+        const int reason = resolve(&work->vertices, v, normal);
+        norma_core_write_element(work->output, v, reason, normal, tally);
+    }
+}
+
+/* Some vertices at once, where each has a normal of its own: else 0, and nothing written. */
+static int write_batch(const vertex_work *work, size_t begin)
+{
+    const core_vertices *vertices = &work->vertices;
+    const uint32_t *weld = vertices->surface->mesh.weld;
+    vertex_sum welded[CORE_LANES];
+    float normals[CORE_LANES][3];
+    for (size_t i = 0; weld && i < CORE_LANES; i++) welded[i] = vertices->sums[weld[begin + i]];
+    if (!work->finish(weld ? welded : vertices->sums + begin, normals)) return 0;
+    norma_core_write_normals(work->output, begin, CORE_LANES, (const float(*)[3])normals);
+    return 1;
+}
+
 static void write_chunk(void *context, size_t chunk)
 {
     const vertex_work *work = context;
     const size_t begin = chunk * VERTICES_IN_CHUNK, count = work->vertices.count;
     const size_t end = count - begin < VERTICES_IN_CHUNK ? count : begin + VERTICES_IN_CHUNK;
-    for (size_t v = begin; v < end; v++) {
-        float normal[3];
-        const int reason = resolve(&work->vertices, v, normal);
-        norma_core_write_element(work->output, v, reason, normal, &work->tallies[chunk]);
+    for (size_t v = begin; v < end; v += CORE_LANES) {
+        const size_t batch = end - v < CORE_LANES ? end : v + CORE_LANES;
+        if (work->vertices.sums && batch - v == CORE_LANES && write_batch(work, v)) continue;
+        write_some(work, v, batch, &work->tallies[chunk]);
     }
 }
 
@@ -78,13 +101,18 @@ static norma_result fill_from_nearest(const vertex_work *work, size_t queries)
     return result;
 }
 
-static norma_result compute(core_surface *surface, const core_output *output, norma_report *report)
+static norma_result compute(core_surface *surface, const core_range *ranges, const core_output *output, norma_report *report)
 {
     core_call *call = surface->call;
-    vertex_work work = {.output = output};
+    vertex_work work = {.output = output, .finish = norma_core_choose_finish(call->options.isa)};
     core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
+    int done = 0;
     norma_core_stage(call, 0.5, 0.9);
-    norma_result result = call->options.weight == NORMA_WEIGHT_VISIBLE ? norma_core_cone_vertices(surface, &work.vertices, &tally)
+    norma_result result = norma_core_bin_vertices(surface, ranges, output, &tally, &done);
+    if (result == NORMA_OK && done) norma_core_write_report(report, &tally, NULL, NULL);
+    if (result != NORMA_OK || done) return result;
+    tally = (core_tally){{0, 0}, {0, 0}, {0, 0}, {0, 0}};
+    result = call->options.weight == NORMA_WEIGHT_VISIBLE ? norma_core_cone_vertices(surface, &work.vertices, &tally)
                                                                        : norma_core_sum_vertices(surface, &work.vertices, &tally);
     if (result != NORMA_OK) return result;
     norma_core_stage(call, 0.9, 0.97);
@@ -96,22 +124,33 @@ static norma_result compute(core_surface *surface, const core_output *output, no
     return result;
 }
 
+static norma_result open_and_compute(core_call *call, core_mesh *checked, core_range *ranges, const core_output *output, norma_report *report)
+{
+    core_surface surface;
+    norma_core_stage(call, 0, 0.05);
+    norma_result result = norma_core_mesh_ranges(call, checked, ranges);
+    if (result == NORMA_OK) result = norma_core_surface_open(call, checked, call->options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_RINGS : CORE_FOR_SUMS, 0, &surface);
+    if (result != NORMA_OK) return result;
+    result = compute(&surface, ranges, output, report);
+    norma_core_stage(call, 1, 1);
+    if (result == NORMA_OK && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
+    norma_core_surface_close(&surface);
+    return result;
+}
+
 norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *options, float *normals, size_t capacity, norma_report *report)
 {
     core_call call;
     core_mesh checked;
     core_output output;
-    core_surface surface;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
     if (result == NORMA_OK) result = norma_core_output_open(&call, normals, checked.positions.count, capacity, &output);
-    norma_core_stage(&call, 0, 0.05);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, call.options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_RINGS : CORE_FOR_SUMS, 0, &surface);
     if (result != NORMA_OK) return result;
-    result = compute(&surface, &output, report);
-    norma_core_stage(&call, 1, 1);
-    if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
-    norma_core_surface_close(&surface);
+    const size_t chunks = checked.corner_count / (3 * CORE_FACES_IN_CHUNK) + 1;
+    core_range *ranges = norma_core_allocate(&call, chunks, sizeof *ranges);
+    if (!ranges) return NORMA_ERROR_MEMORY;
+    result = open_and_compute(&call, &checked, ranges, &output, report);
+    norma_core_release(&call, ranges, chunks, sizeof *ranges);
     return result;
 }

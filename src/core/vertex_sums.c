@@ -1,22 +1,21 @@
-/* vertex_sums.c: the weighted sum at each position. Faces are gone through in ascending order, eight triangles at a time, and each adds to the sums of its corners;
- * when several work, each owns a range of positions and passes over the chunks of faces that do not touch it. So every sum is taken in the same order
- * whoever takes it. */
-#include "vertices.h"
+/* vertex_sums.c: the weighted sum at each position. Faces are gone through in ascending order, and each adds to the sums of its corners; when several work, each owns a range
+ * of positions and passes over the chunks of faces that do not touch it. So every sum is taken in the same order whoever takes it. */
+#include "vertex_add.h"
 #include <math.h>
 
-enum { FACES_IN_CHUNK = 1024, FEWEST_FACES_TO_SHARE = 1 << 15, RANGES_FOR_JOBS = 8, MOST_RANGES = 64 };
-enum { AHEAD = 96 };                       /* corners between asking for memory and using it */
+enum { FACES_IN_CHUNK = CORE_FACES_IN_CHUNK, FEWEST_FACES_TO_SHARE = 1 << 15, RANGES_FOR_JOBS = 8, MOST_RANGES = 64 };
 
 typedef struct position_range { uint32_t begin, end; } position_range;   /* from begin to before end; of a chunk of faces: what they touch */
 
 typedef struct sum_work {
-    core_vertices  *vertices;
-    size_t          ranges, chunks;
-    position_range *touched;               /* by each chunk; NULL for one range */
-    norma_count     degenerate[MOST_RANGES];
+    core_vertices      *vertices;
+    core_add_triangles *add;
+    size_t              ranges, chunks;
+    position_range     *touched;           /* by each chunk; NULL for one range */
+    norma_count         degenerate[MOST_RANGES];
 } sum_work;
 
-static int owns(position_range range, uint32_t position) { return position >= range.begin && position < range.end; }
+/* ---- one face by itself: a polygon, or a triangle that doubles do not decide */
 
 static void add(vertex_sum *sum, double weight, const double normal[3])
 {
@@ -26,84 +25,29 @@ static void add(vertex_sum *sum, double weight, const double normal[3])
     sum->weight += weight;
 }
 
-/* ---- one face by itself: a polygon, or a triangle that doubles do not decide */
-
-static void add_face(const core_vertices *vertices, position_range range, size_t f, norma_count *degenerate)
+void norma_core_add_face(void *context, size_t f)
 {
-    const core_surface *surface = vertices->surface;
+    const core_face_adder *adder = context;
+    const core_surface *surface = adder->surface;
     const core_mesh *mesh = &surface->mesh;
     const size_t begin = norma_core_face_begin(mesh, f), end = norma_core_face_end(mesh, f);
     core_face face;
     norma_core_surface_face(surface, f, &face);
     if (!(face.flags & CORE_FACE_DIRECTED)) {
-        if (!surface->faces && (face.flags & CORE_FACE_FINITE) && owns(range, norma_core_welded_corner(mesh, begin))) norma_core_count_one(degenerate, f);
+        if (!surface->faces && (face.flags & CORE_FACE_FINITE) && norma_core_welded_corner(mesh, begin) - adder->first < adder->count)
+            norma_core_count_one(adder->degenerate, f);
         return;
     }
     for (size_t c = begin; c < end; c++) {
-        const uint32_t position = norma_core_welded_corner(mesh, c);
-        if (!owns(range, position) || !norma_core_is_kept(mesh, f, c)) continue;
-        add(&vertices->sums[position], norma_core_corner_weight(mesh, surface->call->options.weight, f, &face, c), face.normal);
+        const uint32_t sum = norma_core_welded_corner(mesh, c) - adder->first;
+        if (sum >= adder->count || !norma_core_is_kept(mesh, f, c)) continue;
+        add(&adder->sums[sum], norma_core_corner_weight(mesh, surface->call->options.weight, f, &face, c), face.normal);
     }
 }
 
-/* ---- triangles, some at a time */
-
-typedef struct triangle_lanes {
-    core_batch batch;
-    uint32_t   welded[3][CORE_LANES];
-} triangle_lanes;
-
-static int load_lane(const core_mesh *mesh, size_t f, triangle_lanes *t, int lane)
+void norma_core_clear_sums(vertex_sum *sums, size_t count)
 {
-    double p[3][3];
-    for (size_t i = 0; i < 3; i++) {
-        const uint32_t at = norma_core_corner(mesh, 3 * f + i);
-        t->welded[i][lane] = norma_core_welded(mesh, at);
-        norma_core_position(mesh, at, p[i]);
-    }
-    for (int i = 0; i < 3; i++) {
-        t->batch.u[i][lane] = p[1][i] - p[0][i];
-        t->batch.v[i][lane] = p[2][i] - p[0][i];
-        t->batch.a[i][lane] = p[2][i] - p[1][i];
-    }
-    const uint32_t a = t->welded[0][lane], b = t->welded[1][lane], c = t->welded[2][lane];
-    return a != b && b != c && c != a;
-}
-
-static void add_lane(const core_vertices *vertices, position_range range, const triangle_lanes *t, int lane)
-{
-    const double normal[3] = {t->batch.normal[0][lane], t->batch.normal[1][lane], t->batch.normal[2][lane]};
-    for (int i = 0; i < 3; i++)
-        if (owns(range, t->welded[i][lane])) add(&vertices->sums[t->welded[i][lane]], t->batch.weight[i][lane], normal);
-}
-
-/* Asks for the memory of corners to come: their positions, and their sums where that takes no further look. */
-static void look_ahead(const core_vertices *vertices, size_t f)
-{
-    const core_mesh *mesh = &vertices->surface->mesh;
-    for (size_t c = 3 * f + AHEAD; c < 3 * (f + CORE_LANES) + AHEAD && c < mesh->corner_count; c++) {
-        const uint32_t at = norma_core_corner(mesh, c);
-        __builtin_prefetch((const unsigned char *)mesh->positions.data + at * mesh->positions.stride);
-        if (mesh->weld) __builtin_prefetch(&mesh->weld[at]);
-        else __builtin_prefetch(&vertices->sums[at], 1);
-    }
-}
-
-static void add_triangles(const core_vertices *vertices, position_range range, size_t begin, size_t end, norma_count *degenerate)
-{
-    const core_call *call = vertices->surface->call;
-    triangle_lanes t;
-    int edged[CORE_LANES];
-    for (size_t f = begin; f < end; f += CORE_LANES) {
-        const int lanes = end - f < CORE_LANES ? (int)(end - f) : CORE_LANES;
-        look_ahead(vertices, f);
-        for (int i = 0; i < CORE_LANES; i++) edged[i] = load_lane(&vertices->surface->mesh, i < lanes ? f + (size_t)i : f, &t, i);
-        call->measure(&t.batch, call->options.weight, CORE_ALL_CORNERS);
-        for (int i = 0; i < lanes; i++) {
-            if (edged[i] && t.batch.sure[i] != 0) add_lane(vertices, range, &t, i);
-            else add_face(vertices, range, f + (size_t)i, degenerate);
-        }
-    }
+    for (size_t i = 0; i < count; i++) sums[i] = (vertex_sum){0, 0, 0, -0.0};
 }
 
 /* ---- chunks and ranges */
@@ -133,12 +77,17 @@ static void touch_chunk(void *context, size_t chunk)
 static void add_chunk(sum_work *work, size_t range_number, position_range range, size_t chunk)
 {
     const core_surface *surface = work->vertices->surface;
+    vertex_sum *sums = work->vertices->sums + range.begin;
+    const uint32_t count = range.end - range.begin;
     size_t begin, end;
     if (work->touched && (work->touched[chunk].begin >= range.end || work->touched[chunk].end <= range.begin)) return;
     chunk_faces(work, chunk, &begin, &end);
-    if (!surface->faces) add_triangles(work->vertices, range, begin, end, &work->degenerate[range_number]);
+    core_face_adder face_adder = {surface, sums, range.begin, count, &work->degenerate[range_number]};
+    const core_adder adder = {&surface->mesh, surface->call->options.weight, sums, range.begin, count, 1, surface->call->options.weld == NORMA_WELD_DISTANCE,
+                              norma_core_add_face, &face_adder};
+    if (!surface->faces) work->add(&adder, begin, end);
     else
-        for (size_t f = begin; f < end; f++) add_face(work->vertices, range, f, &work->degenerate[range_number]);
+        for (size_t f = begin; f < end; f++) norma_core_add_face(&face_adder, f);
 }
 
 static position_range range_of(const sum_work *work, size_t number)
@@ -151,7 +100,7 @@ static void sum_range(void *context, size_t number)
 {
     sum_work *work = context;
     const position_range range = range_of(work, number);
-    for (size_t v = range.begin; v < range.end; v++) work->vertices->sums[v] = (vertex_sum){0, 0, 0, -0.0};
+    norma_core_clear_sums(work->vertices->sums + range.begin, range.end - range.begin);
     for (size_t chunk = 0; chunk < work->chunks; chunk++) add_chunk(work, number, range, chunk);
 }
 
@@ -241,7 +190,7 @@ static norma_result sum_own(core_vertices *vertices)
     if (!vertices->own || !vertices->own_sums) return NORMA_ERROR_MEMORY;
     uint32_t number = 0;
     for (size_t v = 0; v < vertices->count; v++) vertices->own[v] = cancels(&vertices->sums[mesh->weld[v]]) ? number++ : UINT32_MAX;
-    for (size_t i = 0; i < cancelled; i++) vertices->own_sums[i] = (vertex_sum){0, 0, 0, -0.0};
+    norma_core_clear_sums(vertices->own_sums, cancelled);
     for (size_t f = 0; f < mesh->face_count; f++)
         if (touches_own(vertices, f)) add_own(vertices, f);
     return NORMA_OK;
@@ -250,11 +199,17 @@ static norma_result sum_own(core_vertices *vertices)
 int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3])
 {
     const core_mesh *mesh = &vertices->surface->mesh;
-    const int by_vertex = vertices->own && vertices->own[vertex] != UINT32_MAX;
-    const vertex_sum *s = by_vertex ? &vertices->own_sums[vertices->own[vertex]] : &vertices->sums[norma_core_welded(mesh, (uint32_t)vertex)];
+    if (vertices->own && vertices->own[vertex] != UINT32_MAX) {
+        const vertex_sum *own = &vertices->own_sums[vertices->own[vertex]];
+        return has_votes(own) ? norma_core_resolve_record(mesh, own, vertex, normal) : NORMA_REASON_CANCELLED;
+    }
+    return norma_core_resolve_record(mesh, &vertices->sums[norma_core_welded(mesh, (uint32_t)vertex)], vertex, normal);
+}
+
+int norma_core_resolve_record(const core_mesh *mesh, const vertex_sum *s, size_t vertex, float normal[3])
+{
     double sum[3];
     if (!has_votes(s)) {
-        if (by_vertex) return NORMA_REASON_CANCELLED;
         norma_core_position(mesh, (uint32_t)vertex, sum);
         return norma_core_finite(sum) ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE;
     }
@@ -270,7 +225,7 @@ norma_result norma_core_sum_vertices(core_surface *surface, core_vertices *verti
     *vertices = (core_vertices){.surface = surface, .count = count};
     vertices->sums = norma_core_allocate(surface->call, count, sizeof *vertices->sums);
     if (!vertices->sums) return NORMA_ERROR_MEMORY;
-    sum_work work = {.vertices = vertices, .ranges = ranges_for(surface), .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
+    sum_work work = {.vertices = vertices, .add = norma_core_choose_add(surface->call->options.isa), .ranges = ranges_for(surface), .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
     norma_result result = work.ranges > 1 ? sum_shared(&work) : sum_alone(&work);
     if (result == NORMA_OK) result = sum_own(vertices);
     norma_core_count_add(&tally->degenerate, &surface->degenerate_faces);

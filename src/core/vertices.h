@@ -21,7 +21,22 @@ norma_result norma_core_sum_vertices(core_surface *surface, core_vertices *verti
 norma_result norma_core_cone_vertices(core_surface *surface, core_vertices *vertices, core_tally *tally);
 void         norma_core_release_vertices(core_vertices *vertices);
 
+/* vertex_sums.c: one face added by itself, corners elsewhere than at the count positions from first on passed over. The first corner's owner counts the degenerate. */
+typedef struct core_face_adder {
+    const core_surface *surface;
+    vertex_sum         *sums;
+    uint32_t            first, count;
+    norma_count        *degenerate;
+} core_face_adder;
+void norma_core_add_face(void *face_adder, size_t face);
+void norma_core_clear_sums(vertex_sum *sums, size_t count);
+
+/* vertex_bins.c: where faces in a row touch positions near each other, and none is welded, range by range of positions, from the corners to the output. *done: whether it
+ * could; ranges: of the chunks of faces. */
+norma_result norma_core_bin_vertices(core_surface *surface, const core_range *ranges, const core_output *output, core_tally *tally, int *done);
+
 /* NORMA_REASON_NONE and its normal, or why there is none. */
+int norma_core_resolve_record(const core_mesh *mesh, const vertex_sum *sum, size_t vertex, float normal[3]);
 int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]);
 int norma_core_resolve_cone(const core_vertices *vertices, size_t vertex, float normal[3]);
 #endif

@@ -39,7 +39,7 @@ typedef struct render_compiled {
 
 /* ---- surfaces as they were uploaded */
 
-enum { RENDER_BUFFERS = 5, RENDER_LINE_KINDS = 4 };
+enum { RENDER_BUFFERS = 5, RENDER_LINE_KINDS = 5 };
 
 typedef struct render_upload {
     const render_surface *surface;
@@ -53,7 +53,7 @@ typedef struct render_line_upload {
     unsigned kind;
     render_line_set set;
     render_box box;
-    GLuint array, buffer;
+    GLuint array, buffers[2];
 } render_line_upload;
 
 struct render_device {

@@ -130,11 +130,6 @@ static enum render_result draw_surfaces(const painter *p, render_error *error) {
 
 /* ---- lines */
 
-static float linear(uint32_t level) {
-    const double c = level / 255.0;
-    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
-}
-
 static uint32_t colour_of(const render_panel *panel, unsigned kind) {
     switch (kind) {
     case RENDER_VERTEX_LINES:
@@ -151,10 +146,12 @@ static uint32_t colour_of(const render_panel *panel, unsigned kind) {
 /* An arrow's head tells which end is which, while there is room for it. */
 static const size_t most_arrows = 600;
 
+static const float dot_widths = 4; /* of a line */
+
 static enum render_result draw_lines(const painter *p, unsigned kind, const render_placed *placed, const render_line_upload *lines, render_error *error) {
     const render_stage *stage = p->stage;
-    const int hedgehog = kind != RENDER_WIREFRAME;
-    const float samples = (float)stage->look->samples, width = (float)stage->look->line_pixels * samples * (hedgehog ? 1.0F : 0.7F);
+    const int hedgehog = kind != RENDER_WIREFRAME && kind != RENDER_DOTS;
+    const float samples = (float)stage->look->samples, width = (float)stage->look->line_pixels * samples * (hedgehog ? 1.0F : kind == RENDER_DOTS ? dot_widths : 0.7F);
     const uint32_t colour = colour_of(stage->panel, kind);
     const render_compiled *program;
     double sum = 0;
@@ -172,14 +169,14 @@ static enum render_result draw_lines(const painter *p, unsigned kind, const rend
     p->gl->Uniform1f(program->at.head, hedgehog && lines->set.count <= most_arrows ? 5.5F * width : 0);
     p->gl->Uniform1f(program->at.lift, 0.0015F);
     p->gl->Uniform2f(program->at.viewport, samples * (float)stage->look->width, samples * (float)stage->look->height);
-    p->gl->VertexAttrib4f(2, linear(colour >> 16), linear(colour >> 8 & 0xFF), linear(colour & 0xFF), hedgehog ? 1 : 0.75F);
+    p->gl->VertexAttrib4f(2, render_linear(colour >> 16), render_linear(colour >> 8 & 0xFF), render_linear(colour & 0xFF), hedgehog ? 1 : 0.75F);
     p->gl->BindVertexArray(lines->array);
     p->gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)lines->set.count);
     return RENDER_OK;
 }
 
 static enum render_result draw_all_lines(const painter *p, render_error *error) {
-    static const unsigned order[RENDER_LINE_KINDS] = {3, 1, 2, 0}; /* the wireframe below the rest */
+    static const unsigned order[RENDER_LINE_KINDS] = {3, 1, 2, 0, 4}; /* the wireframe below the rest, dots above */
     enum render_result result = RENDER_OK;
     p->gl->Enable(GL_BLEND);
     p->gl->BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

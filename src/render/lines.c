@@ -215,6 +215,34 @@ static int wireframe(liner *l) {
     return ready;
 }
 
+/* ---- dots: lines from a point to itself, which are as wide as they are long */
+
+static int dots(liner *l) {
+    const render_surface *surface = l->surface;
+    l->set->colours = malloc((4 * surface->dot_count + 1) * sizeof(float));
+    if (!l->set->colours || !reserve(l, surface->dot_count, 0))
+        return 0;
+    for (size_t i = 0; i < surface->dot_count; ++i) {
+        const render_dot *dot = &surface->dots[i];
+        float at[3], *colour = l->set->colours + 4 * i;
+        double from[3];
+        render_into_box(&l->box, dot->position, at);
+        for (int k = 0; k < 3; ++k) {
+            from[k] = (double)at[k];
+            colour[k] = render_linear(dot->colour >> (16 - 8 * k) & 0xFF);
+        }
+        colour[3] = 1;
+        add(l, from, at, 0);
+    }
+    return 1;
+}
+
+void render_lines_free(render_line_set *set) {
+    free(set->floats);
+    free(set->colours);
+    *set = (render_line_set){0};
+}
+
 enum render_result render_lines_make(const render_surface *surface, unsigned kind, double reach, size_t most, render_line_set *set, render_error *error) {
     liner l = {.surface = surface, .mesh = &surface->mesh, .box = render_box_of(&surface->mesh), .reach = reach, .step = 1, .set = set};
     render_split split = {0};
@@ -228,12 +256,13 @@ enum render_result render_lines_make(const render_surface *surface, unsigned kin
         good = face_lines(&l, most);
     else if (kind == RENDER_EDGE_LINES)
         good = edge_lines(&l, &split, most);
+    else if (kind == RENDER_DOTS)
+        good = dots(&l);
     else
         good = wireframe(&l);
     render_split_free(&split);
     if (good)
         return RENDER_OK;
-    free(set->floats);
-    *set = (render_line_set){0};
+    render_lines_free(set);
     return render_fail_memory(error);
 }

@@ -16,6 +16,11 @@ enum render_result render_fail(render_error *error, enum render_result result, c
 
 enum render_result render_fail_memory(render_error *error) { return render_fail(error, RENDER_ERROR_MEMORY, "out of memory"); }
 
+float render_linear(uint32_t level) {
+    const double c = level / 255.0;
+    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+}
+
 uint32_t render_corner(const norma_mesh *mesh, size_t corner) {
     if (!mesh->corners)
         return (uint32_t)corner;

@@ -18,6 +18,11 @@ typedef struct render_error {
 
 enum render_normals { RENDER_NORMALS_NONE = 0, RENDER_NORMALS_PER_VERTEX, RENDER_NORMALS_PER_CORNER, RENDER_NORMALS_PER_FACET };
 
+typedef struct render_dot {
+    double position[3]; /* in the mesh's space */
+    uint32_t colour;    /* 0xRRGGBB */
+} render_dot;
+
 typedef struct render_surface { /* one mesh; the arrays stay the caller's, and stay as they are until the sheet is drawn */
     norma_mesh mesh;
     enum render_normals stored;
@@ -30,6 +35,8 @@ typedef struct render_surface { /* one mesh; the arrays stay the caller's, and s
     const float *colours;           /* four for each position, linear; NULL: none */
     const uint32_t *face_marks;     /* of each face, and of each corner: 0 none, else 0xRRGGBB; NULL: none */
     const uint32_t *corner_marks;
+    const struct render_dot *dots;  /* drawn with the marks, as large on the picture wherever they are */
+    size_t dot_count;
     float base_colour[3];           /* linear */
     int two_sided;                  /* 0: faces seen from behind are not drawn */
     int unlit;
@@ -56,7 +63,7 @@ enum render_result render_expect(const render_surface *surfaces, size_t count, f
 enum render_shading { RENDER_FLAT = 0, RENDER_GOURAUD, RENDER_PHONG };
 enum render_show { RENDER_SHOW_LIT = 0, RENDER_SHOW_NORMALS, RENDER_SHOW_WINDING, RENDER_SHOW_ERROR, RENDER_SHOW_MARKS };
 enum render_space { RENDER_SPACE_WORLD = 0, RENDER_SPACE_VIEW };
-enum render_lines { RENDER_VERTEX_LINES = 1, RENDER_FACE_LINES = 2, RENDER_EDGE_LINES = 4, RENDER_WIREFRAME = 8 }; /* edge lines: normals interpolated along edges */
+enum render_lines { RENDER_VERTEX_LINES = 1, RENDER_FACE_LINES = 2, RENDER_EDGE_LINES = 4, RENDER_WIREFRAME = 8, RENDER_DOTS = 16 }; /* edge lines: normals interpolated along edges */
 
 enum { RENDER_MOST_LIGHTS = 4, RENDER_MOST_PANELS = 64, RENDER_MOST_SAMPLES = 4 };
 

@@ -144,7 +144,7 @@ static double reach_scale(const double m[16]) {
 
 static size_t hedgehog_lines(const render_placed *placed) {
     size_t count = 0;
-    for (unsigned k = 0; k < RENDER_LINE_KINDS; ++k) count += placed->lines[k] && 1U << k != RENDER_WIREFRAME ? placed->lines[k]->set.count : 0;
+    for (unsigned k = 0; k < RENDER_LINE_KINDS; ++k) count += placed->lines[k] && 1U << k < RENDER_WIREFRAME ? placed->lines[k]->set.count : 0;
     return count;
 }
 
@@ -176,7 +176,7 @@ static enum render_result find_tips(render_stage *stage, render_error *error) {
         int mirrored;
         render_normal_matrices(placed->to_world, right, plain, &mirrored);
         for (unsigned k = 0; k < RENDER_LINE_KINDS; ++k)
-            for (size_t line = 0; placed->lines[k] && 1U << k != RENDER_WIREFRAME && line < placed->lines[k]->set.count; ++line)
+            for (size_t line = 0; placed->lines[k] && 1U << k < RENDER_WIREFRAME && line < placed->lines[k]->set.count; ++line)
                 add_tip(stage, placed, stage->panel->plain ? plain : right, placed->lines[k]->set.floats + RENDER_LINE_FLOATS * line);
     }
     return RENDER_OK;

@@ -72,8 +72,13 @@ static void send_lines(const render_gl *gl, render_line_upload *u) {
     const size_t stride = RENDER_LINE_FLOATS * sizeof(float);
     gl->GenVertexArrays(1, &u->array);
     gl->BindVertexArray(u->array);
-    gl->GenBuffers(1, &u->buffer);
-    send(gl, GL_ARRAY_BUFFER, u->buffer, u->set.floats, u->set.count * stride);
+    gl->GenBuffers(2, u->buffers);
+    if (u->set.colours) {
+        send(gl, GL_ARRAY_BUFFER, u->buffers[1], u->set.colours, 4 * u->set.count * sizeof(float));
+        attribute(gl, 2, 4, 0, 0);
+        gl->VertexAttribDivisor(2, 1);
+    }
+    send(gl, GL_ARRAY_BUFFER, u->buffers[0], u->set.floats, u->set.count * stride);
     attribute(gl, 0, 3, stride, 0);
     attribute(gl, 1, 3, stride, 3 * sizeof(float));
     attribute(gl, 3, 1, stride, 6 * sizeof(float));
@@ -119,8 +124,8 @@ void render_device_forget(render_device *device) {
     }
     for (size_t i = 0; i < device->line_count; ++i) {
         gl->DeleteVertexArrays(1, &device->lines[i]->array);
-        gl->DeleteBuffers(1, &device->lines[i]->buffer);
-        free(device->lines[i]->set.floats);
+        gl->DeleteBuffers(2, device->lines[i]->buffers);
+        render_lines_free(&device->lines[i]->set);
         free(device->lines[i]);
     }
     free(device->uploads);

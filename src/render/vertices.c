@@ -149,18 +149,13 @@ static enum render_result make_faceted(maker *m, render_error *error) {
 
 /* ---- three vertices for each triangle. Marks are colours as they are, what is not marked has the surface's: such vertices are drawn with a base colour of 1 */
 
-static float linear(uint32_t level) {
-    const double c = level / 255.0;
-    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
-}
-
 static void mark(const maker *m, size_t face, uint32_t corner, size_t vertex) {
     uint32_t colour = m->surface->corner_marks ? m->surface->corner_marks[corner] : 0;
     if (!colour && m->surface->face_marks)
         colour = m->surface->face_marks[face];
     for (int k = 0; k < 3; ++k) {
         float *level = &m->out->colours[4 * vertex + (size_t)k];
-        *level = colour ? linear(colour >> (16 - 8 * k) & 0xFF) : *level * m->surface->base_colour[k];
+        *level = colour ? render_linear(colour >> (16 - 8 * k) & 0xFF) : *level * m->surface->base_colour[k];
     }
 }
 

@@ -1,0 +1,142 @@
+/* mend_faces.c: faces put right: windings made to agree and closed bodies made to face outward (norma_orient), faces left out that are there twice or have no area. */
+#include "mend_internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- parts of a surface: faces that edges join, by exactly equal positions */
+
+typedef struct mend_edge {
+    double a[3], b[3]; /* its ends, the lesser first */
+    uint32_t face;
+} mend_edge;
+
+static int compare_points(const double a[3], const double b[3]) {
+    for (int axis = 0; axis < 3; axis++)
+        if (a[axis] != b[axis])
+            return a[axis] < b[axis] ? -1 : 1;
+    return 0;
+}
+
+static int compare_edges(const void *a, const void *b) {
+    const mend_edge *one = a, *other = b;
+    int order = compare_points(one->a, other->a);
+    return order ? order : compare_points(one->b, other->b);
+}
+
+static uint32_t root_of(uint32_t *parents, uint32_t face) {
+    while (parents[face] != face) face = parents[face] = parents[parents[face]];
+    return face;
+}
+
+static size_t gather_edges(const core_mesh *mesh, mend_edge *edges) {
+    size_t count = 0;
+    for (size_t face = 0; face < mesh->face_count; face++) {
+        size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+        for (size_t c = begin; c < end; c++) {
+            mend_edge *edge = &edges[count];
+            norma_core_position(mesh, norma_core_corner(mesh, c), edge->a);
+            norma_core_position(mesh, norma_core_corner(mesh, c + 1 < end ? c + 1 : begin), edge->b);
+            int order = compare_points(edge->a, edge->b);
+            if (order == 0 || !norma_core_finite(edge->a) || !norma_core_finite(edge->b))
+                continue;
+            if (order > 0) {
+                double swapped[3];
+                memcpy(swapped, edge->a, sizeof swapped);
+                memcpy(edge->a, edge->b, sizeof swapped);
+                memcpy(edge->b, swapped, sizeof swapped);
+            }
+            edge->face = (uint32_t)face;
+            count++;
+        }
+    }
+    return count;
+}
+
+/* For each face the least face of its part. NULL: out of memory. */
+static uint32_t *find_parts(const core_mesh *mesh) {
+    uint32_t *parents = malloc((mesh->face_count + 1) * sizeof *parents);
+    mend_edge *edges = malloc((mesh->corner_count + 1) * sizeof *edges);
+    if (!parents || !edges) {
+        free(parents);
+        free(edges);
+        return NULL;
+    }
+    for (size_t face = 0; face < mesh->face_count; face++) parents[face] = (uint32_t)face;
+    size_t count = gather_edges(mesh, edges);
+    qsort(edges, count, sizeof *edges, compare_edges);
+    for (size_t i = 1; i < count; i++) {
+        if (compare_edges(&edges[i - 1], &edges[i]) != 0)
+            continue;
+        uint32_t a = root_of(parents, edges[i - 1].face), b = root_of(parents, edges[i].face);
+        parents[a > b ? a : b] = a < b ? a : b;
+    }
+    for (size_t face = 0; face < mesh->face_count; face++) parents[face] = root_of(parents, (uint32_t)face);
+    free(edges);
+    return parents;
+}
+
+/* ---- windings */
+
+typedef struct part_count {
+    uint32_t faces, reversed;
+} part_count;
+
+/* Turning a whole part is what N302 asks for, turning some of its faces N301: what was not asked for is not done. Of two ways to make faces agree, without N302 the one that
+ * turns fewer is taken. */
+static void keep_what_is_asked(const core_mesh *mesh, const uint32_t *parts, const part_count *counts, int agree, int outward, uint8_t *reverse) {
+    for (size_t face = 0; face < mesh->face_count; face++) {
+        const part_count *part = &counts[parts[face]];
+        int whole = part->reversed == part->faces;
+        if (whole ? !outward : !agree)
+            reverse[face] = 0;
+        else if (!whole && !outward && part->reversed > part->faces - part->reversed)
+            reverse[face] = !reverse[face];
+    }
+}
+
+static norma_result ask_orientation(const mend_mesh *m, uint8_t *reverse) {
+    const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
+    return norma_orient(&m->data.mesh, NORMA_ORIENT_OPEN_KEPT, &options, reverse, m->mesh.face_count, NULL);
+}
+
+static norma_result reorient(mend_mesh *m) {
+    int agree = norma_mend_has(m, RULE_N301), outward = norma_mend_has(m, RULE_N302), any = 0;
+    if (!agree && !outward)
+        return NORMA_OK;
+    uint8_t *reverse = calloc(m->mesh.face_count + 1, 1);
+    uint32_t *parts = find_parts(&m->mesh);
+    part_count *counts = calloc(m->mesh.face_count + 1, sizeof *counts);
+    norma_result result = reverse && parts && counts ? ask_orientation(m, reverse) : NORMA_ERROR_MEMORY;
+    for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
+        counts[parts[face]].faces++;
+        counts[parts[face]].reversed += reverse[face];
+    }
+    if (!result)
+        keep_what_is_asked(&m->mesh, parts, counts, agree, outward, reverse);
+    for (size_t face = 0; face < m->mesh.face_count && !result; face++) any |= reverse[face];
+    if (any)
+        m->edit->reverse_faces = reverse;
+    else
+        free(reverse);
+    free(parts);
+    free(counts);
+    return result;
+}
+
+/* ---- left out */
+
+static norma_result drop_named(mend_mesh *m) {
+    uint8_t *marks = NULL;
+    int twice = norma_mend_mark(m, RULE_N305, MEND_FACE, m->mesh.face_count, &marks);
+    int flat = twice < 0 ? twice : norma_mend_mark(m, RULE_N401, MEND_FACE, m->mesh.face_count, &marks);
+    if (twice > 0 || flat > 0)
+        m->edit->drop_faces = marks;
+    else
+        free(marks);
+    return twice < 0 || flat < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
+}
+
+norma_result norma_mend_faces(mend_mesh *m) {
+    norma_result result = reorient(m);
+    return result ? result : drop_named(m);
+}

@@ -1,0 +1,19 @@
+/* check_fix.h: norma check --fix: a document mended, judged again, and written where it was asked for. */
+#ifndef NORMA_CLI_CHECK_FIX_H
+#define NORMA_CLI_CHECK_FIX_H
+#include "check_verb.h"
+
+typedef struct check_mended {
+    norma_document *document; /* as it is now; judged by findings */
+    norma_findings *findings;
+    int changed, worse, written;
+    struct mend_step { norma_document *document; unsigned char *bytes; } steps[8]; /* all that must stay open until the end */
+    size_t step_count;
+    char *table;              /* counts before and after, lines of text; NULL: nothing changed */
+} check_mended;
+
+/* before: findings of document with options, which rules the report has. 0: error says why. */
+norma_document_result check_mend(const check_settings *settings, norma_document *document, const norma_findings *before, const norma_check_options *options, const char *path,
+                                 check_mended *mended, norma_document_error *error);
+void check_mended_free(check_mended *mended);
+#endif
