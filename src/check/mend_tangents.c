@@ -1,5 +1,6 @@
 /* mend_tangents.c: tangents put right one by one, or made where a normal map has none: along the direction in which u grows (Lengyel 2001), weighted by the corner's angle, made perpendicular to
- * the normal; the sign from the winding of the UVs as they are stored, v downwards. Vertices are not split. */
+ * the normal; the sign from the winding of the UVs as they are stored, v downwards. Where signs of a
+ * primitive disagree, those of the smaller side turn round and nothing else does. Vertices are not split. */
 #include "mend_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -70,17 +71,23 @@ static tangent_sum *sum_tangents(const mend_mesh *m) {
 
 /* ---- which */
 
-/* 1: any; 0: none; -1: out of memory. whole: all tangents are to be made. */
-static int mark_vertices(const mend_mesh *m, uint8_t **again, uint8_t **lean, int *whole) {
-    static const check_rule rules[] = {RULE_N801, RULE_N802, RULE_N804};
+typedef struct tangent_marks {
+    uint8_t *again, *lean, *turned;       /* of each vertex: to be made; to be made perpendicular; its sign turns round. NULL: none */
+    int whole;                            /* all are to be made */
+} tangent_marks;
+
+/* 1: any; 0: none; -1: out of memory. */
+static int mark_vertices(const mend_mesh *m, tangent_marks *marks) {
+    static const check_rule rules[] = {RULE_N801, RULE_N802};
     int any = 0;
-    *whole = !m->attributes.tangents && norma_mend_has(m, RULE_N805);
+    marks->whole = !m->attributes.tangents && norma_mend_has(m, RULE_N805);
     for (size_t i = 0; i < sizeof rules / sizeof *rules && any >= 0; i++) {
-        int found = norma_mend_mark(m, rules[i], MEND_VERTEX, m->info.vertices, again);
+        int found = norma_mend_mark(m, rules[i], MEND_VERTEX, m->info.vertices, &marks->again);
         any = found < 0 ? found : any | found;
     }
-    int leaning = any < 0 ? any : norma_mend_mark(m, RULE_N803, MEND_VERTEX, m->info.vertices, lean);
-    return any < 0 || leaning < 0 ? -1 : any | leaning | *whole;
+    int leaning = any < 0 ? any : norma_mend_mark(m, RULE_N803, MEND_VERTEX, m->info.vertices, &marks->lean);
+    int turning = leaning < 0 ? leaning : norma_mend_mark(m, RULE_N804, MEND_VERTEX, m->info.vertices, &marks->turned);
+    return any < 0 || leaning < 0 || turning < 0 ? -1 : any | leaning | turning | marks->whole;
 }
 
 /* ---- making */
@@ -90,7 +97,20 @@ static void make_tangent(const tangent_sum *sum, float tangent[4]) {
     tangent[3] = sum->positive > sum->negative ? -1.0f : 1.0f;
 }
 
-static norma_result make_tangents(mend_mesh *m, const uint8_t *again, const uint8_t *lean, int whole) {
+static int is_marked(const uint8_t *marks, size_t i) { return marks && marks[i]; }
+
+/* A sign that is wrong by itself keeps its vector, to the bit. */
+static void turn_signs(const mend_mesh *m, const tangent_marks *marks, float *tangents) {
+    for (size_t i = 0; marks->turned && i < m->attributes.tangent_count; i++) {
+        if (!marks->turned[i] || is_marked(marks->again, i))
+            continue;
+        if (!is_marked(marks->lean, i))
+            memcpy(tangents + 4 * i, m->attributes.tangents + 4 * i, 3 * sizeof *tangents);
+        tangents[4 * i + 3] = -m->attributes.tangents[4 * i + 3];
+    }
+}
+
+static norma_result make_tangents(mend_mesh *m, const tangent_marks *marks) {
     size_t count = m->info.vertices;
     tangent_sum *sums = sum_tangents(m);
     float *tangents = calloc(4 * count + 1, sizeof *tangents), *normals = calloc(3 * count + 1, sizeof *normals);
@@ -100,8 +120,8 @@ static norma_result make_tangents(mend_mesh *m, const uint8_t *again, const uint
     norma_result result = sums && tangents && normals && set ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < count && !result; i++) {
         double normal[3] = {0, 0, 0};
-        int made = whole || (again && again[i]);
-        set[i] = (uint8_t)(made || (lean && lean[i]));
+        int made = marks->whole || is_marked(marks->again, i);
+        set[i] = (uint8_t)(made || is_marked(marks->lean, i) || is_marked(marks->turned, i));
         if (i < norma_mend_normal_count(m))
             norma_mend_normal(m, i, normal);
         for (size_t k = 0; k < 3; k++) normals[3 * i + k] = (float)normal[k];
@@ -113,16 +133,19 @@ static norma_result make_tangents(mend_mesh *m, const uint8_t *again, const uint
     const norma_vec3_view view = {.data = normals, .count = count, .format = NORMA_FORMAT_FLOAT};
     if (!result)
         result = norma_orthogonalise_tangents(tangents, 0, view, count, tangents, 0, count);
+    if (!result)
+        turn_signs(m, marks, tangents);
     free(sums);
     free(normals);
     return result;
 }
 
 norma_result norma_mend_tangents(mend_mesh *m) {
-    uint8_t *again = NULL, *lean = NULL;
-    int whole, any = mark_vertices(m, &again, &lean, &whole);
-    norma_result result = any < 0 ? NORMA_ERROR_MEMORY : any ? make_tangents(m, again, lean, whole) : NORMA_OK;
-    free(again);
-    free(lean);
+    tangent_marks marks = {0};
+    int any = mark_vertices(m, &marks);
+    norma_result result = any < 0 ? NORMA_ERROR_MEMORY : any ? make_tangents(m, &marks) : NORMA_OK;
+    free(marks.again);
+    free(marks.lean);
+    free(marks.turned);
     return result;
 }

@@ -71,7 +71,7 @@ static norma_result add(check_mesh *m, const uint8_t *verdicts, size_t with, siz
     else
         norma_check_message(message, "%z tangents have the sign with the winding of their UVs, but %z others against theirs; bumps become dents on one side", with, against);
     return norma_check_add(m->run, &m->place, m,
-                           &(check_report){.rule = RULE_N804, .severity = mixed ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits, .message = message});
+                           &(check_report){.rule = RULE_N804, .severity = mixed ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, .no_value = 1, .no_fix = !mixed, .hits = &hits, .message = message});
 }
 
 norma_result norma_check_tangent_signs(check_mesh *m) {

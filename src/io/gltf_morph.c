@@ -150,6 +150,8 @@ static int wants(const gltf_job *job, uint32_t primitive, uint32_t target)
     if (set == GLTF_NONE || !job->sets[set].wanted || target >= p->target_count)
         return 0;
     const gltf_attributes *attributes = &job->g->targets[p->first_target + target];
+    if (job->options->only == NORMA_ONLY_MISSING && p->base.normal != GLTF_NONE && attributes->normal != GLTF_NONE)
+        return 0;
     return attributes->normal != GLTF_NONE || (job->options->morphs && attributes->position != GLTF_NONE);
 }
 

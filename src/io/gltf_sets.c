@@ -79,16 +79,43 @@ static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t 
     return NORMA_DOCUMENT_OK;
 }
 
+/* Of normals that are fewer than positions (read leniently) the rest is missing; too many become as many as there are positions. */
+static int counts_differ(const gltf_job *job, const gltf_primitive *p)
+{
+    return job->g->accessors[p->base.normal].count != p->vertices;
+}
+
+static int lacks_deltas(const gltf_job *job, const gltf_primitive *p)
+{
+    for (uint32_t t = 0; job->options->morphs && t < p->target_count; ++t) {
+        const gltf_attributes *target = &job->g->targets[p->first_target + t];
+        if (target->normal == GLTF_NONE && target->position != GLTF_NONE)
+            return 1;
+    }
+    return 0;
+}
+
+static norma_document_result find_missing(const gltf_job *job, gltf_set *set, uint32_t normal)
+{
+    set->broken = norma_io_allocate(set->vertices, 1);
+    if (!set->broken)
+        return out_of_memory(job);
+    for (size_t i = job->g->accessors[normal].count; i < set->vertices; ++i)
+        set->broken[i] = 1;
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t primitive)
 {
     const gltf_primitive *p = &job->g->primitives[primitive];
     *set = (gltf_set){.lead = primitive, .last = primitive, .mesh = p->mesh, .vertices = p->vertices, .wanted = 1, .has_morphs = has_morphs(job, p)};
     if (job->options->only == NORMA_ONLY_ALL || p->base.normal == GLTF_NONE)
         return NORMA_DOCUMENT_OK;
-    if (job->options->only == NORMA_ONLY_BROKEN)
-        return find_broken(job, set, p->base.normal);
-    set->wanted = 0;
-    return NORMA_DOCUMENT_OK;
+    norma_document_result result = job->options->only == NORMA_ONLY_BROKEN ? find_broken(job, set, p->base.normal) : find_missing(job, set, p->base.normal);
+    if (job->options->only == NORMA_ONLY_MISSING)
+        set->wanted = lacks_deltas(job, p);
+    set->wanted |= counts_differ(job, p);
+    return result;
 }
 
 /* Puts a primitive into its set, which is made where there is none yet. sets_at: for each accessor the last set made over its positions. */

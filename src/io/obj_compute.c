@@ -53,7 +53,7 @@ static int is_wanted(const computation *c, size_t corner)
     if (normal == OBJ_BAD_NORMAL)
         return 1;
     if (c->only == NORMA_ONLY_MISSING)
-        return 0;
+        return normal == OBJ_NO_NORMAL && c->document->lenient; /* of a face that names normals at other corners: told of by norma check */
     return normal == OBJ_NO_NORMAL || is_broken(c->state->normals + 3 * (size_t)normal);
 }
 

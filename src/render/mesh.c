@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum render_result render_fail(render_error *error, enum render_result result, const char *format, ...) {
@@ -81,12 +82,20 @@ void render_face(const norma_mesh *mesh, size_t face, size_t *first, size_t *cou
     *count = mesh->face_starts ? mesh->face_starts[face + 1] - mesh->face_starts[face] : 3;
 }
 
+/* Positions that no face uses may lie anywhere, and are left out: they would take the others' precision. */
+static uint8_t *used_positions(const norma_mesh *mesh) {
+    uint8_t *used = calloc(mesh->positions.count + 1, 1);
+    for (size_t i = 0; used && i < mesh->corner_count; ++i) used[render_corner(mesh, i)] = 1;
+    return used;
+}
+
 render_box render_box_of(const norma_mesh *mesh) {
+    uint8_t *used = used_positions(mesh);
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0;
     render_box box = {.scale = 1};
     for (size_t i = 0; i < mesh->positions.count; ++i) {
         double p[3];
-        if (!render_position(mesh, (uint32_t)i, p))
+        if ((used && !used[i]) || !render_position(mesh, (uint32_t)i, p))
             continue;
         for (int k = 0; k < 3; ++k) {
             low[k] = p[k] < low[k] ? p[k] : low[k];
@@ -99,6 +108,7 @@ render_box render_box_of(const norma_mesh *mesh) {
     }
     if (half > 0 && isfinite(1 / half))
         box.scale = 1 / half;
+    free(used);
     return box;
 }
 

@@ -65,6 +65,8 @@ enum render_show { RENDER_SHOW_LIT = 0, RENDER_SHOW_NORMALS, RENDER_SHOW_WINDING
 enum render_space { RENDER_SPACE_WORLD = 0, RENDER_SPACE_VIEW };
 enum render_lines { RENDER_VERTEX_LINES = 1, RENDER_FACE_LINES = 2, RENDER_EDGE_LINES = 4, RENDER_WIREFRAME = 8, RENDER_DOTS = 16 }; /* edge lines: normals interpolated along edges */
 
+#define RENDER_MARGIN 0.06 /* of a panel's width and height, left free on each side of what is drawn, or less on two of them */
+
 enum { RENDER_MOST_LIGHTS = 4, RENDER_MOST_PANELS = 64, RENDER_MOST_SAMPLES = 4 };
 
 typedef struct render_light {

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #define DEGREE 0.017453292519943295
-static const double margin = 0.06; /* of the picture, left free on each side */
 
 static enum render_kind kind_of(const render_panel *panel) {
     if (panel->show == RENDER_SHOW_ERROR)
@@ -210,13 +209,13 @@ render_frame render_stage_frame(const render_stage *stage) {
     const int orthographic = !(stage->look->field_of_view_deg > 0);
     set_lens(&lens);
     if (stage->look->steady) {
-        const double room = (1 - 2 * margin) * fmin(lens.camera.aspect, 1), ball = 1 + stage->grown;
+        const double room = (1 - 2 * RENDER_MARGIN) * fmin(lens.camera.aspect, 1), ball = 1 + stage->grown;
         frame.distance = orthographic ? ball / room : ball / sin(atan(lens.camera.tangent * room));
         return frame;
     }
     render_cloud *clouds = calloc(stage->placed_count + 2, sizeof *clouds);
     if (clouds)
-        frame = render_closest_frame(&lens.camera, orthographic, margin, clouds, clouds_of(stage, clouds));
+        frame = render_closest_frame(&lens.camera, orthographic, RENDER_MARGIN, clouds, clouds_of(stage, clouds));
     free(clouds);
     return frame;
 }
