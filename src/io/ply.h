@@ -24,6 +24,7 @@ typedef struct ply_element {
     size_t   fixed_size;                /* bytes of a binary row without the items of its lists */
     size_t   list_count;
     size_t   begin, end;                /* of its rows in the file; known once located */
+    size_t   triangle_row;              /* bytes of each row where all are one list of three items, and nothing else; else 0 */
 } ply_element;
 
 enum { PLY_NONE = -1 };

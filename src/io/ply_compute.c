@@ -1,6 +1,8 @@
 /* ply_compute.c: normals of a PLY. One for each vertex; where a crease asks for several, the vertex gets copies at the end, so that all old ones keep their
  * numbers. */
 #include "ply.h"
+#include "memory.h"
+#include "tasks.h"
 #include <math.h>
 #include <stdlib.h>
 
@@ -104,7 +106,7 @@ static norma_document_result find_broken(ply_job *job, size_t *broken)
 static norma_document_result compute_smooth(ply_job *job)
 {
     const size_t count = job->state->vertices;
-    job->normals = malloc(count ? count * 3 * sizeof *job->normals : 1);
+    job->normals = norma_io_block(count, 3 * sizeof *job->normals);
     job->reasons = norma_io_allocate(count, 1);
     if (!job->normals || !job->reasons)
         return fail_memory(job);
@@ -185,9 +187,9 @@ static norma_document_result run_split(ply_job *job, split_mesh *split, double c
 {
     const size_t most = split->mesh.corner_count;
     norma_edges edges = {0};
-    split->corners = malloc(most * sizeof *split->corners);
-    split->sources = malloc(most * sizeof *split->sources);
-    split->normals = malloc(most * 3 * sizeof *split->normals);
+    split->corners = norma_io_block(most, sizeof *split->corners);
+    split->sources = norma_io_block(most, sizeof *split->sources);
+    split->normals = norma_io_block(most, 3 * sizeof *split->normals); /* what is not used is never touched */
     split->reasons = norma_io_allocate(most, 1);
     if (!split->corners || !split->sources || !split->normals || !split->reasons)
         return fail_memory(job);

@@ -1,5 +1,7 @@
 /* ply_read.c: positions, corners and normals of a PLY for the core: views of the file's own bytes where their layout allows, decoded copies elsewhere. */
 #include "ply.h"
+#include "memory.h"
+#include "tasks.h"
 #include <stdlib.h>
 
 /* ---- three properties of each row */
@@ -211,35 +213,47 @@ static norma_document_result fail_too_many(const norma_document *document, norma
     return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "more than 4294967295 vertices or corners");
 }
 
-/* The commonest layout, triangles of a byte and three 32-bit numbers in this machine's order, in one pass. 0: another layout. */
+/* The commonest layout: triangles of a byte and three 32-bit numbers in this machine's order. */
 static int is_plain_triangles(const ply_state *state, const ply_element *face)
 {
     const ply_property *list = norma_ply_property(&state->header, face, state->header.face_list);
-    if (!norma_ply_is_native(state->header.encoding) || face->property_count != 1 || list->count_type != PLY_UINT8)
-        return 0;
-    if ((list->type != PLY_INT32 && list->type != PLY_UINT32) || face->end - face->begin != 13 * face->count)
-        return 0;
-    unsigned differ = 0;
-    const unsigned char *at = state->bytes + face->begin;
-    for (size_t i = 0; i < face->count; ++i)
-        differ |= at[13 * i] ^ 3u;
-    return differ == 0;
+    return face->triangle_row == 13 && norma_ply_is_native(state->header.encoding) && (list->type == PLY_INT32 || list->type == PLY_UINT32);
+}
+
+enum { LEAST_SLICE = 1 << 15 };
+
+typedef struct triangle_copy {
+    const unsigned char *rows;
+    uint32_t            *corners;
+    size_t               count, slices;
+    uint32_t             greatest[256];  /* of each slice */
+} triangle_copy;
+
+static void copy_slice(void *context, size_t slice)
+{
+    triangle_copy *copy = context;
+    const size_t end = norma_io_slice(copy->count, copy->slices, slice + 1);
+    uint32_t greatest = 0;
+    for (size_t i = norma_io_slice(copy->count, copy->slices, slice); i < end; ++i) {
+        uint32_t *corners = copy->corners + 3 * i;
+        memcpy(corners, copy->rows + 13 * i + 1, 12);
+        for (size_t k = 0; k < 3; ++k)
+            greatest = corners[k] > greatest ? corners[k] : greatest;
+    }
+    copy->greatest[slice] = greatest;
 }
 
 static norma_document_result read_plain_triangles(norma_document *document, const ply_element *face, norma_document_error *error)
 {
     ply_state *state = document->state;
     const size_t count = (size_t)face->count;
-    const unsigned char *at = state->bytes + face->begin;
-    uint32_t *corners = malloc(count ? 12 * count : 1), greatest = 0;
+    triangle_copy copy = {.rows = state->bytes + face->begin, .corners = norma_io_block(count, 12), .count = count, .slices = norma_io_slices(count, LEAST_SLICE)};
+    uint32_t *corners = state->mesh.corners = copy.corners, greatest = 0;
     if (!corners)
         return norma_document_fail_memory(document, error);
-    state->mesh.corners = corners;
-    for (size_t i = 0; i < count; ++i) {
-        memcpy(corners + 3 * i, at + 13 * i + 1, 12);
-        for (size_t k = 3 * i; k < 3 * i + 3; ++k)
-            greatest = corners[k] > greatest ? corners[k] : greatest;
-    }
+    norma_io_tasks(document->threads, copy.slices, copy_slice, &copy);
+    for (size_t i = 0; i < copy.slices; ++i)
+        greatest = copy.greatest[i] > greatest ? copy.greatest[i] : greatest;
     for (size_t i = 0; greatest >= state->vertices && i < 3 * count; ++i)
         if (corners[i] >= state->vertices)
             return fail_index(document, error, "face", i / 3, norma_ply_property(&state->header, face, 0)->type == PLY_INT32 ? (int32_t)corners[i] : (int64_t)corners[i]);
@@ -381,6 +395,10 @@ static norma_document_result count_faces(norma_document *document, norma_documen
     if (header->face_list == PLY_NONE)
         return NORMA_DOCUMENT_OK;
     state->mesh.face_count = (size_t)face->count;
+    if (face->triangle_row) {
+        state->mesh.triangle_count += (size_t)face->count;
+        return NORMA_DOCUMENT_OK;
+    }
     if (header->encoding == PLY_ASCII) {
         ply_lists lists = {0};
         norma_document_result result = norma_ply_read_lists(document, face, header->face_list, &lists, error);

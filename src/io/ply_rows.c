@@ -1,6 +1,7 @@
 /* ply_rows.c: binary rows with some properties replaced or put in. A plan becomes a short program of steps that runs once for each row; neighbouring
  * properties that are only copied are one step. */
 #include "ply.h"
+#include "ordered.h"
 #include <stdlib.h>
 
 typedef enum step_kind {
@@ -196,18 +197,72 @@ static norma_document_result write_added(norma_document *document, row_writer *w
     return result;
 }
 
+/* ---- rows that do not hang on the ones before them, in slices made side by side */
+
+enum { SLICE = 1 << 13 };                /* rows */
+
+typedef struct row_slices {
+    const row_writer *writer;
+    size_t            row_size, slices;  /* slices of old rows; those of added ones follow */
+} row_slices;
+
+/* The bytes of each row, where all have as many. */
+static size_t even_row(const ply_plan *plan)
+{
+    if (plan->lists || plan->dropped_rows)
+        return 0;
+    return plan->element->list_count == 0 ? plan->element->fixed_size : plan->element->triangle_row;
+}
+
+static void make_slice(void *context, size_t index, norma_piece *piece)
+{
+    const row_slices *slices = context;
+    const ply_plan *plan = slices->writer->plan;
+    const int added = index >= slices->slices;
+    const size_t first = (added ? index - slices->slices : index) * SLICE, count = added ? plan->added_count : (size_t)plan->element->count;
+    const unsigned char *rows = slices->writer->state->bytes + plan->element->begin;
+    row_writer writer = *slices->writer;
+    writer.sink = &piece->sink;
+    if (writer.next_index)
+        writer.next_index += 3 * first;
+    for (size_t i = first; i < count && i < first + SLICE; ++i) {
+        const size_t row = added ? plan->added[i] : i;
+        write_row(&writer, rows + row * slices->row_size, row, added ? (size_t)plan->element->count + i : i);
+    }
+}
+
+static norma_document_result write_slices(norma_document *document, const row_writer *writer, size_t row_size, norma_document_error *error)
+{
+    const ply_plan *plan = writer->plan;
+    norma_sink *sink = writer->sink;
+    row_slices slices = {.writer = writer, .row_size = row_size, .slices = ((size_t)plan->element->count + SLICE - 1) / SLICE};
+    norma_sink_flush(sink);
+    if (sink->failed)
+        return NORMA_DOCUMENT_OK;
+    norma_ordered_result result =
+        norma_write_ordered(document->threads, slices.slices + (plan->added_count + SLICE - 1) / SLICE, make_slice, &slices, sink->write, sink->user);
+    sink->failed = result == NORMA_ORDERED_REFUSED;
+    return result == NORMA_ORDERED_MEMORY ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result write_in_turn(norma_document *document, row_writer *writer, norma_document_error *error)
+{
+    const ply_plan *plan = writer->plan;
+    const unsigned char *at = writer->state->bytes + plan->element->begin;
+    for (size_t row = 0; row < plan->element->count && !writer->sink->failed; ++row)
+        at = plan->dropped_rows && plan->dropped_rows[row] ? drop_row(writer, at, row) : write_row(writer, at, row, row);
+    return write_added(document, writer, error);
+}
+
 norma_document_result norma_ply_write_rows(norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error)
 {
-    const ply_state *state = document->state;
-    row_writer writer = {.state = state, .plan = plan, .sink = sink, .next_index = plan->indices, .next_item = plan->lists ? plan->lists->items : NULL};
+    row_writer writer = {.state = document->state, .plan = plan, .sink = sink, .next_index = plan->indices, .next_item = plan->lists ? plan->lists->items : NULL};
+    const size_t row_size = even_row(plan);
     writer.steps = norma_io_allocate(2 * plan->item_count + 1, sizeof *writer.steps);
     if (!writer.steps)
         return norma_document_fail_memory(document, error);
     compile(&writer);
-    const unsigned char *at = state->bytes + plan->element->begin;
-    for (size_t row = 0; row < plan->element->count && !sink->failed; ++row)
-        at = plan->dropped_rows && plan->dropped_rows[row] ? drop_row(&writer, at, row) : write_row(&writer, at, row, row);
-    norma_document_result result = write_added(document, &writer, error);
+    norma_document_result result = row_size && sink->write ? write_slices(document, &writer, row_size, error) : write_in_turn(document, &writer, error);
     free(writer.steps);
     return result;
 }

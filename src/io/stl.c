@@ -99,10 +99,7 @@ static norma_document_result give_mesh(norma_document *document, size_t index, n
 static norma_document_result write_changed(norma_document *document, norma_sink *sink, norma_document_error *error)
 {
     const stl_state *state = document->state;
-    if (!state->binary)
-        return norma_stl_write_text(document, sink, error);
-    norma_stl_write_binary(state, sink);
-    return NORMA_DOCUMENT_OK;
+    return state->binary ? norma_stl_write_binary(document, sink, error) : norma_stl_write_text(document, sink, error);
 }
 
 static norma_document_result write_body(norma_document *document, norma_sink *sink, norma_document_error *error)

@@ -34,7 +34,7 @@ int                   norma_stl_is_binary(const stl_state *state);
 norma_document_result norma_stl_read_binary(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_decode_binary(norma_document *document, norma_document_error *error);
 void                  norma_stl_load(const stl_state *state, size_t facet, float normal[3], float vertices[9]); /* each may be NULL */
-void                  norma_stl_write_binary(const stl_state *state, norma_sink *sink);
+norma_document_result norma_stl_write_binary(norma_document *document, norma_sink *sink, norma_document_error *error);
 
 /* stl_change.c */
 norma_document_result norma_stl_compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error);

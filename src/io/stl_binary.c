@@ -1,5 +1,7 @@
 /* stl_binary.c: binary STL: 80 bytes of anything, the number of facets, then 50 bytes for each, little-endian: normal, three vertices, two bytes of attributes. */
 #include "stl.h"
+#include "memory.h"
+#include "ordered.h"
 #include <stdlib.h>
 
 static uint32_t load_32(const unsigned char *at) { return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24; }
@@ -98,7 +100,7 @@ norma_document_result norma_stl_decode_binary(norma_document *document, norma_do
     const size_t bytes_a_facet = STL_VERTICES, count = state->facets;
     if (count > SIZE_MAX / STL_FACET)
         return norma_document_fail_memory(document, error);
-    float *positions = malloc(count ? count * bytes_a_facet : 1), *normals = malloc(count ? count * STL_NORMAL : 1);
+    float *positions = norma_io_block(count, bytes_a_facet), *normals = norma_io_block(count, STL_NORMAL);
     state->positions = positions;
     state->stored = normals;
     if (!positions || !normals)
@@ -116,17 +118,35 @@ static void put_vertices(const stl_state *state, unsigned char *out, size_t face
     store_floats(out, vertices, 9);
 }
 
-void norma_stl_write_binary(const stl_state *state, norma_sink *sink)
+enum { SLICE = 1 << 12 };                /* facets */
+
+static void make_facets(void *context, size_t slice, norma_piece *piece)
 {
-    norma_sink_put(sink, state->bytes, STL_HEADER);
-    const unsigned char *at = state->bytes + STL_HEADER;
-    for (size_t i = 0; i < state->facets && !sink->failed; ++i, at += STL_FACET) {
-        unsigned char *out = norma_sink_room(sink, STL_FACET);
+    const stl_state *state = context;
+    const size_t first = slice * SLICE, left = state->facets - first, end = first + (left < SLICE ? left : SLICE);
+    const unsigned char *at = state->bytes + STL_HEADER + first * STL_FACET;
+    for (size_t i = first; i < end; ++i, at += STL_FACET) {
+        unsigned char *out = norma_sink_room(&piece->sink, STL_FACET);
         memcpy(out, at, STL_FACET);
         if (state->normals)
             store_floats(out, state->normals + 3 * i, 3);
         if (state->vertices)
             put_vertices(state, out + STL_NORMAL, i);
     }
-    norma_sink_put(sink, at, state->size - (size_t)(at - state->bytes));
+}
+
+norma_document_result norma_stl_write_binary(norma_document *document, norma_sink *sink, norma_document_error *error)
+{
+    stl_state *state = document->state;
+    norma_sink_put(sink, state->bytes, STL_HEADER);
+    norma_sink_flush(sink);
+    if (sink->failed)
+        return NORMA_DOCUMENT_OK;
+    norma_ordered_result result = norma_write_ordered(document->threads, (state->facets + SLICE - 1) / SLICE, make_facets, state, sink->write, sink->user);
+    if (result == NORMA_ORDERED_MEMORY)
+        return norma_document_fail_memory(document, error);
+    sink->failed = result != NORMA_ORDERED_OK;
+    const size_t end = STL_HEADER + state->facets * STL_FACET;
+    norma_sink_put(sink, state->bytes + end, state->size - end);
+    return NORMA_DOCUMENT_OK;
 }

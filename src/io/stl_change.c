@@ -4,6 +4,8 @@
  * what is not finite (of N101 to N103, N101 alone is for facets). */
 #include "stl.h"
 #include "carry.h"
+#include "memory.h"
+#include "tasks.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,9 +33,9 @@ static void stored_normal(const stl_state *state, size_t facet, float normal[3])
 }
 
 /* Puts the stored normals back where they are not to change, and the sign of zeros, which says nothing. */
-static void keep_stored(stl_state *state, norma_only only)
+static void keep_stored(stl_state *state, norma_only only, size_t first, size_t end)
 {
-    for (size_t i = 0; i < state->facets; ++i) {
+    for (size_t i = first; i < end; ++i) {
         float stored[3];
         stored_normal(state, i, stored);
         const int stays = only != NORMA_ONLY_ALL && !is_wanted(stored, only);
@@ -80,33 +82,44 @@ static norma_document_result compute_whole(norma_document *document, const norma
     return result;
 }
 
-enum { BLOCK_FACETS = 1 << 16 };
+enum { BLOCK_FACETS = 1 << 10 };
 
-/* A block of facets at a time, whose positions stay in the cache. *complete: 0 where some facet has no direction. */
+typedef struct block_work {
+    stl_state    *state;
+    norma_options core;
+    unsigned char *failed;               /* of each block: it could not be computed, or some facet has no direction */
+} block_work;
+
+/* A block of facets at a time, whose positions stay in the cache. */
+static void compute_block(void *context, size_t block)
+{
+    const block_work *work = context;
+    stl_state *state = work->state;
+    float positions[9 * BLOCK_FACETS];
+    const size_t first = block * BLOCK_FACETS, left = state->facets - first, count = left < BLOCK_FACETS ? left : BLOCK_FACETS;
+    for (size_t i = 0; i < count; ++i)
+        norma_stl_load(state, first + i, NULL, positions + 9 * i);
+    const norma_mesh mesh = {.positions = {.data = positions, .count = 3 * count}, .corner_count = 3 * count};
+    norma_report report;
+    work->failed[block] = norma_face_normals(&mesh, &work->core, state->normals + 3 * first, count, &report) != NORMA_OK || report.degenerate_faces.count > 0 ||
+                          report.non_finite.count > 0;
+    keep_stored(state, NORMA_ONLY_ALL, first, first + count);
+}
+
+/* *complete: 0 where some facet has no direction. */
 static norma_document_result compute_by_blocks(norma_document *document, const norma_options *options, int *complete, norma_document_error *error)
 {
     stl_state *state = document->state;
-    float *positions = malloc((state->facets < BLOCK_FACETS ? state->facets : BLOCK_FACETS) * 9 * sizeof *positions);
-    norma_options core = *options;
-    norma_document_result result = positions ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
-    core.progress = NULL;
-    *complete = 1;
-    for (size_t first = 0; first < state->facets && *complete && !result; first += BLOCK_FACETS) {
-        const size_t left = state->facets - first, count = left < BLOCK_FACETS ? left : BLOCK_FACETS;
-        for (size_t i = 0; i < count; ++i)
-            norma_stl_load(state, first + i, NULL, positions + 9 * i);
-        const norma_mesh mesh = {.positions = {.data = positions, .count = 3 * count}, .corner_count = 3 * count};
-        norma_report report;
-        norma_result failed = norma_face_normals(&mesh, &core, state->normals + 3 * first, count, &report);
-        if (failed)
-            result = norma_document_fail_core(document, error, failed);
-        else if (options->progress && options->progress(options->progress_user, (double)(first + count) / (double)state->facets))
-            result = norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
-        else
-            *complete = report.degenerate_faces.count == 0 && report.non_finite.count == 0;
-    }
-    free(positions);
-    return result;
+    const size_t blocks = (state->facets + BLOCK_FACETS - 1) / BLOCK_FACETS;
+    block_work work = {.state = state, .core = *options, .failed = norma_io_allocate(blocks, 1)};
+    if (!work.failed)
+        return norma_document_fail_memory(document, error);
+    work.core.progress = NULL;
+    work.core.threads = 0;
+    norma_result failed = norma_io_tasks_told(options, blocks, compute_block, &work);
+    *complete = !failed && memchr(work.failed, 1, blocks) == NULL;
+    free(work.failed);
+    return norma_document_fail_core(document, error, failed);
 }
 
 static norma_document_result compute_normals(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error)
@@ -114,7 +127,7 @@ static norma_document_result compute_normals(norma_document *document, const nor
     stl_state *state = document->state;
     norma_options core;
     norma_options_of_compute(options, &core);
-    state->normals = malloc(state->facets * 3 * sizeof *state->normals);
+    state->normals = norma_io_block(state->facets, 3 * sizeof *state->normals);
     if (!state->normals)
         return norma_document_fail_memory(document, error);
     int complete = 0;
@@ -125,8 +138,8 @@ static norma_document_result compute_normals(norma_document *document, const nor
     }
     if (!result && !complete)
         result = compute_whole(document, &core, options->only, summary, error);
-    if (!result)
-        keep_stored(state, options->only);
+    if (!result && !(complete && state->binary))
+        keep_stored(state, options->only, 0, state->facets);
     return result;
 }
 

@@ -16,6 +16,13 @@ void norma_io_tasks(uint32_t threads, size_t count, norma_task *task, void *cont
         norma_core_parallel(&call, count, task, context);
 }
 
+norma_result norma_io_tasks_told(const norma_options *options, size_t count, norma_task *task, void *context)
+{
+    core_call call;
+    norma_result result = norma_core_begin(&call, options);
+    return result || count == 0 ? result : norma_core_parallel(&call, count, task, context);
+}
+
 size_t norma_io_threads(uint32_t threads)
 {
     core_call call;

@@ -5,6 +5,8 @@
 
 /* Runs task for each index below count, by as many threads as norma_options means with this number. Tasks share nothing but what they only read. */
 void   norma_io_tasks(uint32_t threads, size_t count, norma_task *task, void *context);
+/* The same with the threads and the progress of the core's options, which may cancel. */
+norma_result norma_io_tasks_told(const norma_options *options, size_t count, norma_task *task, void *context);
 /* How many threads that number means: at least 1. */
 size_t norma_io_threads(uint32_t threads);
 
