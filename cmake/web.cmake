@@ -53,7 +53,7 @@ set(web_page_sources ${io_sources})
 list(FILTER web_page_sources EXCLUDE REGEX "/(file|gltf_meshopt)\\.c$")
 list(TRANSFORM web_page_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
 file(GLOB web_model_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/model/*.c)
-set(web_flags_here -include ${CMAKE_SOURCE_DIR}/web/model/missing.h)
+set(web_flags_here -isystem ${CMAKE_SOURCE_DIR}/web/model/posix -include ${CMAKE_SOURCE_DIR}/web/model/missing.h)
 web_objects(web_page_objects ${web_page_sources} ${web_model_sources} ${CMAKE_SOURCE_DIR}/src/cli/view_pack.c)
 web_module(page.wasm ${web_core_objects} ${web_page_objects})
 
@@ -61,4 +61,8 @@ file(GLOB web_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/package/* ${CMAKE
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
   COMMAND ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs package ${web_dir}
   DEPENDS ${web_inputs} ${web_dir}/norma.wasm COMMENT "npm package" VERBATIM)
-add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/page.wasm)
+file(GLOB web_page_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/page/* ${CMAKE_SOURCE_DIR}/src/render/shaders/*)
+add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
+  COMMAND ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs page ${web_dir}
+  DEPENDS ${web_page_inputs} ${web_inputs} ${web_dir}/page.wasm COMMENT "The page" VERBATIM)
+add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/norma.html)

@@ -6,18 +6,21 @@ _norma() {
     local values="" options=""
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(compgen -W "compute transform matrix info help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "compute transform matrix check explain info help --help --version" -- "$word")
         return
     fi
     case $before in
-    help) values="compute transform matrix info" ;;
+    help) values="compute transform matrix check explain info" ;;
+    --format) values="text json sarif html" ;;
+    --profile) values="render print" ;;
+    --fail-on) values="error warning info never" ;;
     --weight) values="angle area uniform max angle-area visible angle-lengths" ;;
     --weld) values="exact none" ;;
     --groups) values="auto ignore" ;;
     --non-manifold) values="hard smooth" ;;
     --only) values="all missing broken" ;;
     --input-format) values="obj ply stl gltf glb" ;;
-    --crease | --threads | --scale | --rotate | --translate | --matrix) return ;;
+    --select | --ignore | --max-samples | --crease | --threads | --scale | --rotate | --translate | --matrix) return ;;
     --out-dir)
         mapfile -t COMPREPLY < <(compgen -d -- "$word")
         return
@@ -31,11 +34,13 @@ _norma() {
     compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
+    check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --fail-on --max-samples --fix --fix-unsafe --dry-run --files-from $files" ;;
+    explain) options="--json --help" ;;
     info) options="--deep --input-format --threads --json --quiet --help" ;;
     esac
     if [[ $word == -* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
-    elif [ "$verb" != matrix ] && [ "$verb" != help ]; then
+    elif [ "$verb" != matrix ] && [ "$verb" != explain ] && [ "$verb" != help ]; then
         mapfile -t COMPREPLY < <(compgen -d -S / -- "$word"; compgen -f -X '!*.@(obj|ply|stl|gltf|glb|OBJ|PLY|STL|GLTF|GLB)' -- "$word")
         [[ ${COMPREPLY[0]:-} != */ ]] || compopt -o nospace 2>/dev/null
     fi

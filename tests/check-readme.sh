@@ -1,5 +1,5 @@
 #!/bin/bash
-# The README is true: its console blocks are run and their output compared, its C programs built and run, its make targets and links exist.
+# The README, and what docs/checking.md shows, is true: its console blocks are run and their output compared, its C programs built and run, its make targets and links exist.
 # In a console block a line "$ COMMAND" is run in a folder that has assets/, and the lines below it are its output (standard error too); a block of
 # C is compiled to ./program just before the console block that follows it.
 # shellcheck source=tests/tap.sh
@@ -18,7 +18,7 @@ LD_LIBRARY_PATH=$(dirname "$library")
 export PKG_CONFIG_PATH LD_LIBRARY_PATH
 
 # Each fenced block to a file of its own, NUMBER.LANGUAGE, and its first line's number in the README beside it.
-awk -v out="$scratch" '/^```/ { if (inside) { inside = 0; close(file) } else { inside = 1; file = sprintf("%s/block-%03d.%s", out, ++n, substr($0, 4)); printf "" > file }; next } inside { print > file }' README.md
+awk -v out="$scratch" '/^```/ { if (inside) { inside = 0; close(file) } else { inside = 1; file = sprintf("%s/block-%03d.%s", out, ++n, substr($0, 4)); printf "" > file }; next } inside { print > file }' README.md docs/checking.md
 
 commands=0 programs=0
 run_console() { # FILE: runs each command and compares

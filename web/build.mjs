@@ -1,4 +1,6 @@
-/* Puts together what `make web` leaves.  node build.mjs package FOLDER: FOLDER/npm, from FOLDER/norma.wasm. */
+/* Puts together what `make web` leaves.
+ *   node build.mjs package FOLDER    FOLDER/npm, from FOLDER/norma.wasm
+ *   node build.mjs page FOLDER       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm */
 import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -15,8 +17,58 @@ function buildPackage(folder) {
   copyFileSync(join(folder, "norma.wasm"), join(out, "norma.wasm"));
 }
 
+/* ---- modules as one text: each becomes a function that returns what it exports, in the order in which they need each other */
+
+function readModules(start) {
+  const modules = [], seen = new Set();
+  const visit = (path) => {
+    if (seen.has(path)) return;
+    seen.add(path);
+    const imports = [];
+    const text = readFileSync(path, "utf8").replace(/^import \{([^}]*)\} from "(\.[^"]*)";\n/gm, (_, names, from) => {
+      const source = join(dirname(path), from);
+      visit(source);
+      imports.push({ names: names.trim(), source });
+      return "";
+    });
+    modules.push({ path, text, imports });
+  };
+  visit(start);
+  return modules;
+}
+
+function joinModules(start) {
+  const modules = readModules(start), number = new Map(modules.map(({ path }, i) => [path, i]));
+  return modules.map(({ text, imports }, i) => {
+    const exported = [...text.matchAll(/^export (?:async )?(?:function|const|class) (\w+)/gm)].map((match) => match[1]);
+    const body = text.replace(/^export \{[^}]*\};\n/gm, "").replace(/^export /gm, "");
+    const taken = imports.map(({ names, source }) => `const {${names}} = module${number.get(source)};`).join("\n");
+    return `const module${i} = (() => {\n${taken}\n${body}\nreturn {${exported.join(", ")}};\n})();`;
+  }).join("\n");
+}
+
+function readShaders() {
+  const shaders = join(here, "..", "src", "render", "shaders");
+  const names = ["colour.glsl", "light.glsl", "surface.vert", "surface.frag", "line.vert", "line.frag"];
+  return `const SHADERS = ${JSON.stringify(Object.fromEntries(names.map((name) => [name, readFileSync(join(shaders, name), "utf8")])))};`;
+}
+
+function buildPage(folder) {
+  const page = join(here, "page");
+  /* No closing tag may stand in what lies within one. */
+  const guard = (text) => text.replaceAll("</", "<\\/");
+  const parts = {
+    STYLE: readFileSync(join(page, "style.css"), "utf8"),
+    WASM: readFileSync(join(folder, "page.wasm")).toString("base64"),
+    SCRIPT: guard(`${readShaders()}\n${joinModules(join(page, "main.js"))}`),
+  };
+  const text = readFileSync(join(page, "index.html"), "utf8").replace(/\/\*(STYLE|WASM|SCRIPT)\*\//g, (_, name) => parts[name]);
+  writeFileSync(join(folder, "page.html"), text);
+  writeFileSync(join(folder, "norma.html"), text.replace("/*NAME*/", "").replace("/*MODEL*/", ""));
+}
+
 const [what, folder] = process.argv.slice(2);
-const works = { package: buildPackage };
+const works = { package: buildPackage, page: buildPage };
 if (!works[what] || !folder) {
   console.error(`usage: node build.mjs ${Object.keys(works).join("|")} FOLDER`);
   process.exit(2);

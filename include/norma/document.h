@@ -234,7 +234,8 @@ norma_document_result norma_document_transform(norma_document *document, const n
  *
  * All that is not named keeps its bytes wherever its encoding stays. NULL: that stays as it is. Marks are bytes, nonzero for what is meant. */
 
-enum { NORMA_STRIP_NOTHING = 0, NORMA_STRIP_ALL, NORMA_STRIP_MORPHS }; /* normals of the mesh and its morph targets; of the targets alone */
+enum { NORMA_STRIP_NOTHING = 0, NORMA_STRIP_ALL, NORMA_STRIP_MORPHS }; /* normals, and tangents with them, of the mesh and its morph targets; of
+                                                                                           the targets alone, where the mesh has none */
 
 typedef struct norma_mesh_edit {
     const uint8_t *reverse_faces;          /* a mark for each face: its corners run the other way round, the first stays the first */

@@ -1,19 +1,19 @@
 /* coincident.c: N503: positions that are almost, and not quite, equal: found in a grid of cells some steps wide, so that most positions are far from the sides of their
- * cell and one look suffices. Cells that are full of near positions end at the first of them. */
+ * cell and one look suffices. A slot knows the cell it is for, so that a position is read only where another one shares its cell. */
 #include "check_internal.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
-enum { POSITIONS_IN_BLOCK = 1 << 13, CELL_STEPS = 8 };
+enum { POSITIONS_IN_BLOCK = 1 << 13, CELL_STEPS = 32, AT_ONCE = 32 };
 static const double NEAR = 1e-6; /* of the diagonal */
 
 typedef struct grid {
     const check_mesh *m;
     double low[3], step, cell;
     size_t mask;
-    _Atomic uint32_t *heads;   /* of each slot the position added last; UINT32_MAX: none */
-    uint32_t *next;            /* of each position the one added before it */
+    _Atomic uint64_t *slots;   /* a tag of the cell above the position added last; all bits: none */
+    uint32_t *next;            /* of each position the one added to its cell before it; UINT32_MAX: none */
     uint8_t *used;             /* by a face */
     check_hits *parts;
 } grid;
@@ -24,19 +24,42 @@ static uint64_t mix(uint64_t h) {
     return h ^ (h >> 32);
 }
 
-static size_t slot_of(const grid *g, const int64_t cell[3]) {
-    uint64_t h = mix((uint64_t)cell[0]);
-    h = mix(h + (uint64_t)cell[1] * UINT64_C(0x9e3779b97f4a7c15));
-    return (size_t)mix(h + (uint64_t)cell[2] * UINT64_C(0xc2b2ae3d27d4eb4f)) & g->mask;
+static uint64_t hash_of(const int64_t cell[3]) {
+    uint64_t h = (uint64_t)cell[0] * UINT64_C(0x9e3779b97f4a7c15) + (uint64_t)cell[1] * UINT64_C(0xc2b2ae3d27d4eb4f) + (uint64_t)cell[2] * UINT64_C(0x165667b19e3779f9);
+    return mix(h);
 }
 
+/* Coordinates in a cell are not negative, so cutting off is rounding down; a cell before the first one is asked for by its number. */
 static void cell_of(const grid *g, const double p[3], int64_t cell[3]) {
-    for (int k = 0; k < 3; k++) cell[k] = (int64_t)floor((p[k] - g->low[k]) / g->cell);
+    for (int k = 0; k < 3; k++) cell[k] = (int64_t)((p[k] - g->low[k]) / g->cell);
 }
 
-static void add_positions(void *context, size_t block, size_t begin, size_t end) {
-    grid *g = context;
-    (void)block;
+#define EMPTY UINT64_MAX
+static uint32_t tag_of(uint64_t entry) { return (uint32_t)(entry >> 32); }
+
+/* The slot of a hash's tag, or the empty one where it belongs. Never full: there are twice as many slots as positions. */
+static size_t find_slot(const grid *g, uint64_t hash, uint64_t *entry) {
+    uint32_t tag = (uint32_t)(hash >> 32) & 0x7fffffff;
+    for (size_t slot = (size_t)hash & g->mask;; slot = (slot + 1) & g->mask) {
+        *entry = atomic_load_explicit(&g->slots[slot], memory_order_relaxed);
+        if (*entry == EMPTY || tag_of(*entry) == tag)
+            return slot;
+    }
+}
+
+static void add_position(grid *g, uint32_t position, uint64_t hash) {
+    uint64_t entry, tag = (hash >> 32) & 0x7fffffff;
+    for (;;) {
+        size_t slot = find_slot(g, hash, &entry);
+        g->next[position] = entry == EMPTY ? UINT32_MAX : (uint32_t)entry;
+        if (atomic_compare_exchange_strong_explicit(&g->slots[slot], &entry, tag << 32 | position, memory_order_relaxed, memory_order_relaxed))
+            return;
+    }
+}
+
+/* Hashes of some positions in a row, their slots on the way. Returns how many are used; which says which. */
+static size_t look_ahead(const grid *g, size_t begin, size_t end, uint32_t *which, uint64_t *hashes) {
+    size_t count = 0;
     for (size_t i = begin; i < end; i++) {
         double p[3];
         int64_t cell[3];
@@ -44,13 +67,30 @@ static void add_positions(void *context, size_t block, size_t begin, size_t end)
             continue;
         norma_core_position(&g->m->mesh, (uint32_t)i, p);
         cell_of(g, p, cell);
-        g->next[i] = atomic_exchange_explicit(&g->heads[slot_of(g, cell)], (uint32_t)i, memory_order_relaxed);
+        which[count] = (uint32_t)i;
+        hashes[count] = hash_of(cell);
+        __builtin_prefetch((const void *)&g->slots[(size_t)hashes[count] & g->mask]);
+        count++;
+    }
+    return count;
+}
+
+static void add_positions(void *context, size_t block, size_t begin, size_t end) {
+    grid *g = context;
+    uint32_t which[AT_ONCE];
+    uint64_t hashes[AT_ONCE];
+    (void)block;
+    for (size_t first = begin; first < end; first += AT_ONCE) {
+        size_t count = look_ahead(g, first, end - first < AT_ONCE ? end : first + AT_ONCE, which, hashes);
+        for (size_t i = 0; i < count; i++) add_position(g, which[i], hashes[i]);
     }
 }
 
-/* Whether a position of the slot lies within the step and is not equal. The order in a slot is that of chance, so the first one found must do. */
+/* Whether a position of the cell lies within the step and is not equal. The order in a cell is that of chance, so the first one found must do. */
 static int is_near_in(const grid *g, const int64_t cell[3], size_t self, const double p[3]) {
-    for (uint32_t i = atomic_load_explicit(&g->heads[slot_of(g, cell)], memory_order_relaxed); i != UINT32_MAX; i = g->next[i]) {
+    uint64_t entry;
+    (void)find_slot(g, hash_of(cell), &entry);
+    for (uint32_t i = entry == EMPTY ? UINT32_MAX : (uint32_t)entry; i != UINT32_MAX; i = g->next[i]) {
         double q[3], d[3];
         if (i == self)
             continue;
@@ -91,9 +131,14 @@ static int is_near(const grid *g, size_t self) {
 
 static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
     grid *g = context;
-    for (size_t i = begin; i < end; i++)
-        if (g->used[i] && is_near(g, i))
-            norma_check_hit(g->m->run, &g->parts[block], 0, norma_check_vertex(i));
+    uint32_t which[AT_ONCE];
+    uint64_t hashes[AT_ONCE];
+    for (size_t first = begin; first < end; first += AT_ONCE) {
+        size_t count = look_ahead(g, first, end - first < AT_ONCE ? end : first + AT_ONCE, which, hashes);
+        for (size_t i = 0; i < count; i++)
+            if (is_near(g, which[i]))
+                norma_check_hit(g->m->run, &g->parts[block], 0, norma_check_vertex(which[i]));
+    }
 }
 
 /* ---- the grid */
@@ -114,8 +159,8 @@ static void find_used(grid *g, double high[3]) {
         norma_core_position(mesh, (uint32_t)i, p);
         g->used[i] = (uint8_t)norma_core_finite(p);
         for (int k = 0; k < 3 && g->used[i]; k++) {
-            g->low[k] = fmin(g->low[k], p[k]);
-            high[k] = fmax(high[k], p[k]);
+            g->low[k] = p[k] < g->low[k] ? p[k] : g->low[k];
+            high[k] = p[k] > high[k] ? p[k] : high[k];
         }
     }
 }
@@ -147,16 +192,16 @@ norma_result norma_check_coincident(check_mesh *m) {
     if (result)
         return result;
     const core_call *call = &m->run->call;
-    while (slots < count) slots *= 2;
+    while (slots < 2 * count) slots *= 2;
     grid g = {.m = m, .mask = slots - 1};
-    g.heads = norma_core_allocate(call, slots, sizeof *g.heads);
+    g.slots = norma_core_allocate(call, slots, sizeof *g.slots);
     g.next = norma_core_allocate(call, count, sizeof *g.next);
     g.used = norma_core_allocate(call, count, 1);
     g.parts = norma_core_allocate(call, blocks, sizeof *g.parts);
-    result = g.heads && g.next && g.used && g.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
+    result = g.slots && g.next && g.used && g.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         double high[3], square = 0;
-        memset((void *)g.heads, 0xff, slots * sizeof *g.heads);
+        memset((void *)g.slots, 0xff, slots * sizeof *g.slots);
         memset(g.parts, 0, blocks * sizeof *g.parts);
         find_used(&g, high);
         for (int k = 0; k < 3; k++) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
@@ -165,7 +210,7 @@ norma_result norma_check_coincident(check_mesh *m) {
         if (g.step > 0 && g.step < INFINITY)
             result = search(m, &g, blocks);
     }
-    norma_core_release(call, (void *)g.heads, slots, sizeof *g.heads);
+    norma_core_release(call, (void *)g.slots, slots, sizeof *g.slots);
     norma_core_release(call, g.next, count, sizeof *g.next);
     norma_core_release(call, g.used, count, 1);
     norma_core_release(call, g.parts, blocks, sizeof *g.parts);

@@ -37,18 +37,29 @@ norma_result norma_check_around(check_mesh *m) {
     return result || m->topology.around.starts ? result : norma_core_around_build(&m->run->call, &m->topology.mesh, &m->topology.around);
 }
 
-/* The square of a face's longest edge; of a polygon also the distance of any corner from the first, so that one with many short edges is not taken for thick. */
-static double longest_square(const core_mesh *mesh, size_t face) {
+static double larger(double a, double b) { return a > b ? a : b; }
+
+static double square_of(const double a[3], const double b[3]) {
+    double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return x * x + y * y + z * z;
+}
+
+static double longest_of_triangle(const core_mesh *mesh, size_t face) {
+    double p[3][3];
+    for (size_t k = 0; k < 3; k++) norma_core_position(mesh, norma_core_corner(mesh, 3 * face + k), p[k]);
+    return larger(larger(square_of(p[0], p[1]), square_of(p[1], p[2])), square_of(p[2], p[0]));
+}
+
+/* The square of a polygon's longest edge, or of the distance of any corner from the first, so that one with many short edges is not taken for thick. */
+static double longest_of_polygon(const core_mesh *mesh, size_t face) {
     size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double first[3], before[3], longest = 0;
     norma_core_position(mesh, norma_core_corner(mesh, begin), first);
     norma_core_position(mesh, norma_core_corner(mesh, end - 1), before);
     for (size_t c = begin; c < end; c++) {
-        double p[3], edge[3], across[3];
+        double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
-        norma_core_subtract(p, before, edge);
-        norma_core_subtract(p, first, across);
-        longest = fmax(longest, fmax(norma_core_dot(edge, edge), norma_core_dot(across, across)));
+        longest = larger(longest, larger(square_of(p, before), square_of(p, first)));
         memcpy(before, p, sizeof before);
     }
     return longest;
@@ -63,10 +74,10 @@ static check_face judge_face(const core_mesh *mesh, size_t f, const core_face *f
     judged.height = 0;
     if (!(face->flags & CORE_FACE_DIRECTED))
         return judged;
-    double longest = longest_square(mesh, f), height = face->twice_area / longest;
+    double longest = mesh->face_starts ? longest_of_polygon(mesh, f) : longest_of_triangle(mesh, f), height = face->twice_area / longest;
     if (!(longest > 0x1p-900 && longest < 0x1p900)) /* squares of doubles at the end of their range: judged by the area alone */
         height = 1;
-    judged.height = (float)fmin(height, 1);
+    judged.height = height < 1 ? (float)height : 1;
     for (int k = 0; k < 3 && height >= DEGENERATE; k++) judged.normal[k] = (float)face->normal[k];
     return judged;
 }

@@ -199,13 +199,15 @@ static void add_totals_of_file(const check_report *report, const check_totals *b
     totals->not_checked += strcmp(report->status, "checked") != 0;
 }
 
-/* "PATH: " and "PATH:" say again what the report says first. */
-static const char *without_path(const char *message, const char *path) {
+/* "PATH: " and "PATH:" say again what the report says first; "PATH:12: " becomes "line 12: ". */
+static void drop_path(char message[1000], const char *path) {
+    char rest[1000];
     size_t length = strlen(path);
     if (strncmp(message, path, length) || message[length] != ':')
-        return message;
-    message += length + 1;
-    return message + strspn(message, " ");
+        return;
+    strcpy(rest, message + length + 1);
+    size_t digits = strspn(rest, "0123456789");
+    snprintf(message, 1000, "%s%.990s", digits && rest[digits] == ':' ? "line " : "", rest + strspn(rest, " "));
 }
 
 /* The library's finding about a file that it could not open; without memory even for that, the message alone. */
@@ -216,7 +218,7 @@ static void report_unreadable(file_check *check, const check_format *format, FIL
     cli_name_error(&check->error, check->path);
     totals->status = cli_worse(totals->status, CLI_FILE);
     norma_file_format named = norma_file_format_of_path(check->path);
-    memmove(check->error.message, without_path(check->error.message, path), strlen(without_path(check->error.message, path)) + 1);
+    drop_path(check->error.message, path);
     norma_findings_free(check->findings);
     check->findings = norma_check_unreadable(&check->error, check->settings->input_format ? check->settings->input_format : named, &options);
     if (!check->findings) {

@@ -168,7 +168,7 @@ void norma_core_release_components(const core_call *call, core_components *c)
     *c = (core_components){0};
 }
 
-/* ---- boxes and volumes */
+/* ---- boxes and volumes: of parts in blocks of faces, whose sums are added in order */
 
 static void widen(core_component *component, const double p[3])
 {
@@ -178,68 +178,113 @@ static void widen(core_component *component, const double p[3])
     }
 }
 
-static void measure_box(const core_topology *t, const core_components *c, core_component *component, size_t begin, size_t end)
+typedef struct extent_sum { core_component box; double volume, terms; } extent_sum;
+
+typedef struct measuring {
+    const core_topology   *topology;
+    const core_components *components;
+    extent_sum            *sums;             /* of each block */
+    size_t                 part;
+    uint8_t                not_closed;
+} measuring;
+
+static void read_corner(const core_topology *t, size_t corner, const double origin[3], core_component *box, double from[3])
 {
-    for (int k = 0; k < 3; k++) {
-        component->low[k] = INFINITY;
-        component->high[k] = -INFINITY;
-    }
-    for (size_t i = begin; i < end; i++)
-        for (size_t corner = norma_core_face_begin(&t->mesh, c->faces[i]); corner < norma_core_face_end(&t->mesh, c->faces[i]); corner++) {
-            double p[3];
-            norma_core_position(&t->mesh, t->corners[corner], p);
-            widen(component, p);
-        }
+    double p[3];
+    norma_core_position(&t->mesh, t->corners[corner], p);
+    widen(box, p);
+    norma_core_subtract(p, origin, from);
 }
 
-/* Six times the volume between a face, cut into a fan, and the origin. terms: its parts without their signs. */
-static double face_volume(const core_mesh *mesh, size_t face, const double origin[3], double *terms)
+/* Six times the volume between a face, cut into a fan, and the origin. */
+static void add_face(const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum)
 {
-    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
-    double p[3], a[3], b[3], first[3], cross[3], sum = 0;
-    norma_core_position(mesh, norma_core_corner(mesh, begin), p);
-    norma_core_subtract(p, origin, first);
-    norma_core_position(mesh, norma_core_corner(mesh, begin + 1), p);
-    norma_core_subtract(p, origin, a);
+    const size_t begin = norma_core_face_begin(&t->mesh, face), end = norma_core_face_end(&t->mesh, face);
+    double first[3], a[3], b[3], cross[3];
+    read_corner(t, begin, origin, &sum->box, first);
+    read_corner(t, begin + 1, origin, &sum->box, a);
     for (size_t corner = begin + 2; corner < end; corner++) {
-        norma_core_position(mesh, norma_core_corner(mesh, corner), p);
-        norma_core_subtract(p, origin, b);
+        read_corner(t, corner, origin, &sum->box, b);
         norma_core_cross(a, b, cross);
         const double term = norma_core_dot(first, cross);
-        sum += term;
-        *terms += fabs(term);
+        sum->volume += reversed ? -term : term;
+        sum->terms += term < 0 ? -term : term;
         memcpy(a, b, sizeof a);
     }
-    return sum;
+}
+
+enum { FACES_IN_BLOCK = 1 << 13 };
+
+static void measure_block(const measuring *m, size_t part, size_t block, extent_sum *sum)
+{
+    const core_components *c = m->components;
+    const size_t first = c->starts[part], count = c->starts[part + 1] - first, begin = block * FACES_IN_BLOCK;
+    const size_t end = count - begin < FACES_IN_BLOCK ? count : begin + FACES_IN_BLOCK;
+    double origin[3];
+    *sum = (extent_sum){.box = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}}};
+    norma_core_position(&m->topology->mesh, m->topology->corners[norma_core_face_begin(&m->topology->mesh, c->faces[first])], origin);
+    for (size_t i = first + begin; i < first + end; i++) add_face(m->topology, c->faces[i], origin, c->reverse && c->reverse[c->faces[i]], sum);
 }
 
 static const double ROUNDING = 1e-12;        /* of the terms: as little is no volume */
 
-static void measure_volume(const core_topology *t, const core_components *c, core_component *component, size_t begin, size_t end)
+static void finish_part(core_component *component, const extent_sum *sum, uint8_t not_closed)
 {
-    double origin[3], sum = 0, terms = 0;
-    norma_core_position(&t->mesh, t->corners[norma_core_face_begin(&t->mesh, c->faces[begin])], origin);
-    for (size_t i = begin; i < end; i++) {
-        const double volume = face_volume(&t->mesh, c->faces[i], origin, &terms);
-        sum += c->reverse && c->reverse[c->faces[i]] ? -volume : volume;
+    for (int k = 0; k < 3; k++) {
+        component->low[k] = sum->box.low[k];
+        component->high[k] = sum->box.high[k];
     }
-    component->volume = fabs(sum) > ROUNDING * terms && terms < INFINITY ? sum : 0;
+    component->volume = !(component->flags & not_closed) && fabs(sum->volume) > ROUNDING * sum->terms && sum->terms < INFINITY ? sum->volume : 0;
 }
 
-typedef struct measuring { const core_topology *topology; core_components *components; uint8_t not_closed; } measuring;
+static void add_sum(extent_sum *sum, const extent_sum *block)
+{
+    widen(&sum->box, block->box.low);
+    widen(&sum->box, block->box.high);
+    sum->volume += block->volume;
+    sum->terms += block->terms;
+}
 
-static void measure_one(void *context, size_t index)
+static size_t blocks_of_part(const core_components *c, size_t part)
+{
+    const size_t count = c->starts[part + 1] - c->starts[part];
+    return count / FACES_IN_BLOCK + (count % FACES_IN_BLOCK != 0);
+}
+
+static void measure_small(void *context, size_t part)
 {
     const measuring *m = context;
-    const core_components *c = m->components;
-    core_component *component = &c->each[index];
-    measure_box(m->topology, c, component, c->starts[index], c->starts[index + 1]);
-    component->volume = 0;
-    if (!(component->flags & m->not_closed)) measure_volume(m->topology, c, component, c->starts[index], c->starts[index + 1]);
+    extent_sum sum;
+    if (blocks_of_part(m->components, part) > 1) return;
+    measure_block(m, part, 0, &sum);
+    finish_part(&m->components->each[part], &sum, m->not_closed);
+}
+
+static void measure_block_of_large(void *context, size_t block)
+{
+    const measuring *m = context;
+    measure_block(m, m->part, block, &m->sums[block]);
+}
+
+static norma_result measure_large(measuring *m, size_t part)
+{
+    core_call *call = m->topology->call;
+    const size_t blocks = blocks_of_part(m->components, part);
+    m->part = part;
+    m->sums = norma_core_allocate(call, blocks, sizeof *m->sums);
+    if (!m->sums) return NORMA_ERROR_MEMORY;
+    const norma_result result = norma_core_parallel(call, blocks, measure_block_of_large, m);
+    for (size_t i = 1; i < blocks && result == NORMA_OK; i++) add_sum(&m->sums[0], &m->sums[i]);
+    if (result == NORMA_OK) finish_part(&m->components->each[part], &m->sums[0], m->not_closed);
+    norma_core_release(call, m->sums, blocks, sizeof *m->sums);
+    return result;
 }
 
 norma_result norma_core_measure_components(const core_topology *topology, core_components *components, uint8_t not_closed)
 {
-    measuring m = {topology, components, not_closed};
-    return norma_core_parallel(topology->call, components->count, measure_one, &m);
+    measuring m = {.topology = topology, .components = components, .not_closed = not_closed};
+    norma_result result = norma_core_parallel(topology->call, components->count, measure_small, &m);
+    for (size_t i = 0; i < components->count && result == NORMA_OK; i++)
+        if (blocks_of_part(components, i) > 1) result = measure_large(&m, i);
+    return result;
 }

@@ -16,13 +16,6 @@ CORE_INLINE void core_lanes_normals(core_batch *t)
 
 CORE_INLINE double core_lanes_dot(core_lane *a, core_lane *b, int i) { return a[0][i] * b[0][i] + a[1][i] * b[1][i] + a[2][i] * b[2][i]; }
 
-CORE_INLINE void core_lanes_weigh_one(core_batch *t, norma_weight weight)
-{
-    for (int i = 0; i < CORE_LANES; i++)
-        t->weight[0][i] = norma_core_weigh(weight, core_lanes_dot(t->a, t->a, i), core_lanes_dot(t->b, t->b, i), core_lanes_dot(t->a, t->b, i), t->twice_area[i],
-                                           t->twice_area[i], 0);
-}
-
 /* Normals and all angles. The two smaller angles by arc tangents, the largest as what they leave of pi, which loses nothing since it is at least pi/3; its corner is that of the
  * least dot product. One division serves the two quotients: dividing is the slowest of all that is done here. */
 CORE_INLINE void core_lanes_angles(core_batch *t)
@@ -67,7 +60,6 @@ CORE_INLINE void core_lanes_measure(core_batch *t, norma_weight weight, core_cor
     const int by_angle = weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA || weight == NORMA_WEIGHT_ANGLE_LENGTHS;
     if (wanted == CORE_ALL_CORNERS && by_angle) core_lanes_angles(t);
     else core_lanes_normals(t);
-    if (wanted == CORE_ONE_CORNER) core_lanes_weigh_one(t, weight);
     if (wanted == CORE_ALL_CORNERS && weight != NORMA_WEIGHT_ANGLE) core_lanes_weigh_all(t, weight);
 }
 #endif

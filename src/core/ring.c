@@ -90,8 +90,7 @@ static int load_lane(const core_mesh *mesh, ring_corner *c, core_batch *batch, i
     for (int i = 0; i < 3; i++) {
         batch->u[i][lane] = p[1][i] - p[0][i];
         batch->v[i][lane] = p[2][i] - p[0][i];
-        batch->a[i][lane] = p[next][i] - p[k][i];
-        batch->b[i][lane] = p[previous][i] - p[k][i];
+        batch->a[i][lane] = p[2][i] - p[1][i];
     }
     c->next = welded[next];
     c->previous = welded[previous];
@@ -129,7 +128,7 @@ static void load_triangle_corners(const core_surface *surface, int with_weights,
     core_batch batch;
     int edged[CORE_LANES];
     for (int i = 0; i < CORE_LANES; i++) edged[i] = load_lane(&surface->mesh, &corners[(size_t)i < count ? (size_t)i : 0], &batch, i);
-    surface->call->measure(&batch, surface->call->options.weight, with_weights ? CORE_ONE_CORNER : CORE_NO_CORNER);
+    surface->call->measure(&batch, surface->call->options.weight, with_weights ? CORE_ALL_CORNERS : CORE_NO_CORNER);
     for (int i = 0; (size_t)i < count; i++) {
         ring_corner *c = &corners[i];
         if (!edged[i] || batch.sure[i] == 0) {
@@ -137,7 +136,7 @@ static void load_triangle_corners(const core_surface *surface, int with_weights,
             continue;
         }
         for (int k = 0; k < 3; k++) c->normal[k] = batch.normal[k][i];
-        c->weight = with_weights ? batch.weight[0][i] : 0;
+        c->weight = with_weights ? batch.weight[c->corner % 3][i] : 0;
         c->flags = RING_KEPT | RING_HAS_NORMAL | RING_VOTES;
     }
 }

@@ -3,42 +3,55 @@
 #include "isa.h"
 #include "triangle.h"
 
-#if defined(__GNUC__)
-#define INLINE static inline __attribute__((always_inline))
-#else
-#define INLINE static inline
-#endif
-
 /* ---- directions and votes */
 
-INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+CORE_INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* The angle where the edges have the dot product own, as core_lanes_angles gives it: of the two greater dot products by an arc tangent, of the least as what those leave of pi. */
+CORE_INLINE double angle_at(double own, double next, double previous, double length)
+{
+    const double lesser = next < previous ? next : previous, greater = next < previous ? previous : next, kept = own < lesser ? lesser : own;
+    const core_slope a = norma_core_slope(length, kept), b = norma_core_slope(length, greater);
+    const double belows = 1 / (a.below * b.below);
+    const double angle_a = norma_core_slope_angle(a, a.above * (belows * b.below)), angle_b = norma_core_slope_angle(b, b.above * (belows * a.below));
+    return own < lesser ? NORMA_PI - (angle_a + angle_b) : angle_a;
+}
 
 /* A triangle's direction is measured from its first corner, whichever corner is looked at: with a and b the edges to the next and the previous corner, and
  * c the edge between those, u x v is a x b at the first corner, c x b at the second, c x a at the third. */
-INLINE void measure_corner(ring_batch *t, size_t i, norma_weight weight)
+CORE_INLINE void measure_corner(ring_batch *t, size_t i, norma_weight weight)
 {
-    double a[3], b[3], u[3], v[3], area;
+    const int by_angle = weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA || weight == NORMA_WEIGHT_ANGLE_LENGTHS;
+    const int is_first = t->turn[i] == 0, is_third = t->turn[i] == 2;
+    double a[3], b[3], c[3], u[3], v[3];
     for (int k = 0; k < 3; k++) {
         const double p = t->at[k][i], next = t->next_at[k][i], previous = t->previous_at[k][i];
         a[k] = next - p;
         b[k] = previous - p;
-        u[k] = t->turn[i] == 0 ? a[k] : next - previous;
-        v[k] = t->turn[i] == 2 ? a[k] : b[k];
+        c[k] = next - previous;
+        u[k] = is_first ? a[k] : c[k];
+        v[k] = is_third ? a[k] : b[k];
     }
-    const int sure = norma_core_triangle(u[0], u[1], u[2], v[0], v[1], v[2], &t->normal[0][i], &t->normal[1][i], &t->normal[2][i], &area);
-    t->sure[i] = sure ? 1 : 0;
-    t->weight[i] = norma_core_weigh(weight, dot(a, a), dot(b, b), dot(a, b), area, area, 0);
+    const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+    const double square = x * x + y * y + z * z, length = sqrt(square), inverse = 1 / length;
+    const double own = dot(a, b), at_next = dot(a, c), at_previous = -dot(b, c);
+    const double angle = by_angle ? angle_at(own, at_next, at_previous, length) : 0;
+    t->normal[0][i] = x * inverse;
+    t->normal[1][i] = y * inverse;
+    t->normal[2][i] = z * inverse;
+    t->sure[i] = norma_core_triangle_is_sure(square, is_first ? own : is_third ? at_next : at_previous) ? 1 : 0;
+    t->weight[i] = norma_core_weight_of(weight, dot(a, a), dot(b, b), angle, length, length);
     for (int k = 0; k < 3; k++) t->vote[k][i] = t->weight[i] * t->normal[k][i];
 }
 
-INLINE void measure(ring_batch *t, size_t count, norma_weight weight)
+CORE_INLINE void measure(ring_batch *t, size_t count, norma_weight weight)
 {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t i = from; i < from + CORE_LANES; i++) measure_corner(t, i, weight);
 }
 
 /* One loop for each weight, so that none asks inside. */
-INLINE void measure_all(ring_batch *t, size_t count, norma_weight weight)
+CORE_INLINE void measure_all(ring_batch *t, size_t count, norma_weight weight)
 {
     switch (weight) {
     case NORMA_WEIGHT_ANGLE:         measure(t, count, NORMA_WEIGHT_ANGLE); break;
@@ -57,7 +70,7 @@ typedef uint8_t  byte_lanes __attribute__((vector_size(CORE_LANES)));
 
 /* Closed rings of few corners, most of them, walked in a register: byte j tells where lane j leads, eight times its number, with LEADS. Were two nexts the same,
  * some corner could not be reached. Vectors by name: left to themselves, compilers unroll the lanes and compare one by one, which takes four times as long. */
-INLINE int walk_closed(const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order)
+CORE_INLINE int walk_closed(const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order)
 {
     enum { LEADS = 0x80, BYTE = 0xff, SHIFT = 56 };
     index_lanes codes = {0}, here, code = (index_lanes){0} + LEADS;
@@ -100,14 +113,14 @@ static int walk(const uint32_t *next, const uint32_t *previous, uint32_t count, 
     return !*open && at == 0 && seen == all && count > 2;
 }
 
-INLINE void load_at(const core_mesh *mesh, uint32_t index, batch_lane to[3], size_t lane)
+CORE_INLINE void load_at(const core_mesh *mesh, uint32_t index, batch_lane to[3], size_t lane)
 {
     double p[3];
     norma_core_position(mesh, index, p);
     for (int k = 0; k < 3; k++) to[k][lane] = p[k];
 }
 
-INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const listed_ring *ring, const uint8_t *order, ring_batch *t)
+CORE_INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const listed_ring *ring, const uint8_t *order, ring_batch *t)
 {
     const size_t begin = ring->begin, lanes = ring->count <= CORE_LANES ? CORE_LANES : ORDINARY_CORNERS;
     double own[3];
@@ -126,7 +139,7 @@ INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const liste
 }
 
 /* 0: the ring is not ordinary. */
-INLINE int order_ring(const core_mesh *mesh, const ring_list *list, listed_ring *ring, ring_batch *t)
+CORE_INLINE int order_ring(const core_mesh *mesh, const ring_list *list, listed_ring *ring, ring_batch *t)
 {
     uint32_t welded[2][ORDINARY_CORNERS], higher = 0;
     const uint32_t *next = list->next + ring->begin, *previous = list->previous + ring->begin;
@@ -151,7 +164,7 @@ INLINE int order_ring(const core_mesh *mesh, const ring_list *list, listed_ring 
 #define UNSURE (-4.0)
 
 /* Also across the ends of rings, where they mean nothing. */
-INLINE void compare_normals(ring_batch *t, size_t count)
+CORE_INLINE void compare_normals(ring_batch *t, size_t count)
 {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t i = from; i < from + CORE_LANES; i++) {
@@ -161,7 +174,7 @@ INLINE void compare_normals(ring_batch *t, size_t count)
 }
 
 /* From the last lane to the first; across the gap of an open ring everything passes. */
-INLINE void close_ring(ring_batch *t, const listed_ring *ring)
+CORE_INLINE void close_ring(ring_batch *t, const listed_ring *ring)
 {
     const size_t first = ring->begin, last = first + ring->count - 1U;
     double cosine = 2;
@@ -223,7 +236,7 @@ static void count_edges(const core_surface *s, const ring_list *list, const ring
 
 /* ---- fans: a ring that is cut nowhere or once is one, any other as many as there are cuts */
 
-INLINE void sum_one_fan(ring_batch *t, const listed_ring *ring)
+CORE_INLINE void sum_one_fan(ring_batch *t, const listed_ring *ring)
 {
     double x = 0, y = 0, z = 0, weight = 0;
     for (uint32_t i = ring->begin; i < (uint32_t)ring->begin + ring->count; i++) {
@@ -272,7 +285,7 @@ static void sum_fans(ring_batch *t, listed_ring *ring, uint32_t cuts)
 }
 
 /* Every edge far from the crease and smooth, no marks: what most rings are. -1: not ordinary. */
-INLINE int is_smooth(const core_surface *s, ring_batch *t, const listed_ring *ring)
+CORE_INLINE int is_smooth(const core_surface *s, ring_batch *t, const listed_ring *ring)
 {
     double least = 2;
     close_ring(t, ring);
@@ -281,7 +294,7 @@ INLINE int is_smooth(const core_surface *s, ring_batch *t, const listed_ring *ri
     return least > s->crease_cosine + DOUBT && !s->mesh.hard_edges && !s->mesh.smoothing_groups;
 }
 
-INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_batch *t, listed_ring *ring, uint32_t first_fan, norma_edges *edges)
+CORE_INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_batch *t, listed_ring *ring, uint32_t first_fan, norma_edges *edges)
 {
     uint32_t cuts = 0;
     const int smooth = is_smooth(s, t, ring);
@@ -303,7 +316,7 @@ INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_batch 
 /* ---- normals */
 
 /* What norma_core_decide_sum does, where neither overflow nor cancelling is near; decided: 0 where they are. */
-INLINE void decide(ring_batch *t, size_t count)
+CORE_INLINE void decide(ring_batch *t, size_t count)
 {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t f = from; f < from + CORE_LANES; f++) {
@@ -334,7 +347,7 @@ static void fill_up(ring_batch *t, size_t count)
     }
 }
 
-INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges)
+CORE_INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges)
 {
     uint32_t fans = 0;
     int all = 1;
@@ -363,31 +376,18 @@ INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, norma_e
 
 static int settle_portable(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) { return settle(s, list, t, edges); }
 
-#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
-__attribute__((target("avx2"))) static int settle_avx2(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges)
-{
-    return settle(s, list, t, edges);
-}
-#if defined(__clang__)
-#define AVX512 "avx512f,avx512dq,avx512vl"
-#else
-#define AVX512 "avx512f,avx512dq,avx512vl,prefer-vector-width=512"
+#if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static int settle_avx2(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) { return settle(s, list, t, edges); }
+CORE_FOR_AVX512 static int settle_avx512(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) { return settle(s, list, t, edges); }
 #endif
-__attribute__((target(AVX512))) static int settle_avx512(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges)
-{
-    return settle(s, list, t, edges);
-}
 
 ring_lanes *norma_core_choose_ring_lanes(norma_isa isa)
 {
-    if (isa == NORMA_ISA_PORTABLE || isa == NORMA_ISA_SSE2) return settle_portable;
-    if (isa != NORMA_ISA_AVX2 && norma_core_has_isa(NORMA_ISA_AVX512)) return settle_avx512;
-    return norma_core_has_isa(NORMA_ISA_AVX2) ? settle_avx2 : settle_portable;
-}
+#if defined(CORE_HAS_X86)
+    static ring_lanes *const settles[] = {settle_portable, settle_avx2, settle_avx512};
+    return settles[norma_core_level(isa)];
 #else
-ring_lanes *norma_core_choose_ring_lanes(norma_isa isa)
-{
     (void)isa;
     return settle_portable;
-}
 #endif
+}

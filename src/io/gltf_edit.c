@@ -150,14 +150,22 @@ static void strip(gltf *g, const gltf_attributes *attributes, const char *name)
     norma_json_unset(g->edits, attributes->token, name);
 }
 
+/* Tangents mean nothing without normals, and go with them; those of targets also where the mesh has none to add them to. */
 static void strip_normals(gltf *g, uint32_t primitive, int of_targets_alone)
 {
     const gltf_primitive *p = &g->primitives[primitive];
+    int all_tangents = !of_targets_alone || p->base.tangent == GLTF_NONE;
     if (!of_targets_alone && p->base.normal != GLTF_NONE)
         strip(g, &p->base, "NORMAL");
-    for (uint32_t t = 0; t < p->target_count; ++t)
-        if (g->targets[p->first_target + t].normal != GLTF_NONE)
-            strip(g, &g->targets[p->first_target + t], "NORMAL");
+    if (!of_targets_alone && p->base.tangent != GLTF_NONE)
+        strip(g, &p->base, "TANGENT");
+    for (uint32_t t = 0; t < p->target_count; ++t) {
+        const gltf_attributes *target = &g->targets[p->first_target + t];
+        if (target->normal != GLTF_NONE && (!of_targets_alone || p->base.normal == GLTF_NONE))
+            strip(g, target, "NORMAL");
+        if (target->tangent != GLTF_NONE && all_tangents)
+            strip(g, target, "TANGENT");
+    }
 }
 
 static norma_document_result edit_primitive(gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error)

@@ -106,22 +106,27 @@ static int make_triangles(model_mesh *mesh) {
 
 /* ---- arrays for the graphics card */
 
+static int is_finite3(const double p[3]) { return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]); }
+
+/* Round the middle of the box of all positions that are finite. */
 static void find_ball(model_mesh *mesh) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, square = 0;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, p[3];
+    mesh->radius = 0;
     for (size_t i = 0; i < mesh->mesh.positions.count; ++i) {
-        double p[3];
         model_position(mesh, i, p);
-        for (int axis = 0; axis < 3; ++axis) {
-            if (isfinite(p[axis]) && p[axis] < low[axis]) low[axis] = p[axis];
-            if (isfinite(p[axis]) && p[axis] > high[axis]) high[axis] = p[axis];
+        for (int axis = 0; axis < 3 && is_finite3(p); ++axis) {
+            low[axis] = fmin(low[axis], p[axis]);
+            high[axis] = fmax(high[axis], p[axis]);
         }
     }
-    for (int axis = 0; axis < 3; ++axis) {
-        const double half = low[axis] <= high[axis] ? 0.5 * high[axis] - 0.5 * low[axis] : 0;
-        mesh->centre[axis] = low[axis] <= high[axis] ? low[axis] + half : 0;
-        square = fmax(square, half);
+    for (int axis = 0; axis < 3; ++axis) mesh->centre[axis] = low[axis] <= high[axis] ? low[axis] + (0.5 * high[axis] - 0.5 * low[axis]) : 0;
+    for (size_t i = 0; i < mesh->mesh.positions.count; ++i) {
+        model_position(mesh, i, p);
+        if (is_finite3(p))
+            mesh->radius = fmax(mesh->radius, hypot(hypot(p[0] - mesh->centre[0], p[1] - mesh->centre[1]), p[2] - mesh->centre[2]));
     }
-    mesh->radius = square > 0 ? sqrt(3) * square : 1;
+    if (!(mesh->radius > 0 && isfinite(mesh->radius)))
+        mesh->radius = 1;
 }
 
 static size_t triangle_corner(const model_mesh *mesh, size_t i) { return mesh->triangle_corners ? mesh->triangle_corners[i] : i; }

@@ -1,0 +1,95 @@
+/* Headless Chromium over its debugging pipe: no dependency. Everything that a page says or asks for is kept. */
+import { spawn } from "node:child_process";
+import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const PLACES = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome", "/usr/bin/google-chrome-stable"];
+
+export function findChrome() { return process.env.NORMA_CHROME ?? PLACES.find((path) => existsSync(path)); }
+
+const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+
+export async function launch(path, { width = 1280, height = 800, flags = [] } = {}) {
+  const profile = mkdtempSync(join(tmpdir(), "norma-chrome-"));
+  const child = spawn(path, ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--remote-debugging-pipe", `--user-data-dir=${profile}`,
+    "--no-first-run", "--no-default-browser-check", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage",
+    `--window-size=${width},${height}`, ...flags, "about:blank"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+  const ended = new Promise((done) => child.once("exit", done));
+  const waiting = new Map(), listeners = [];
+  let next = 1, rest = Buffer.alloc(0);
+
+  child.stdio[4].on("data", (data) => {
+    rest = Buffer.concat([rest, data]);
+    for (let end = rest.indexOf(0); end >= 0; end = rest.indexOf(0)) {
+      const message = JSON.parse(rest.subarray(0, end).toString());
+      rest = rest.subarray(end + 1);
+      const wait = waiting.get(message.id);
+      waiting.delete(message.id);
+      if (wait) message.error ? wait.fail(new Error(`${wait.method}: ${message.error.message}`)) : wait.done(message.result);
+      else for (const listener of listeners) listener(message);
+    }
+  });
+  child.once("exit", () => { for (const wait of waiting.values()) wait.fail(new Error("Chromium ended")); });
+  const send = (method, params = {}, sessionId = undefined) => new Promise((done, fail) => {
+    const id = next++;
+    waiting.set(id, { method, done, fail });
+    child.stdio[3].write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
+  });
+
+  const open = async (url, { dark = false, before = "", mobile = false, size = [width, height] } = {}) => {
+    const { targetId } = await send("Target.createTarget", { url: "about:blank" });
+    const { sessionId } = await send("Target.attachToTarget", { targetId, flatten: true });
+    const ask = (method, params) => send(method, params, sessionId);
+    const said = [], requests = [];
+    listeners.push((message) => {
+      if (message.sessionId !== sessionId) return;
+      const { method, params } = message;
+      if (method === "Runtime.exceptionThrown") said.push(`exception: ${params.exceptionDetails.exception?.description ?? params.exceptionDetails.text}`);
+      if (method === "Runtime.consoleAPICalled") said.push(`console.${params.type}: ${params.args.map((arg) => arg.value ?? arg.description).join(" ")}`);
+      if (method === "Log.entryAdded") said.push(`${params.entry.level}: ${params.entry.text}`);
+      if (method === "Network.requestWillBeSent") requests.push(params.request.url);
+    });
+    for (const domain of ["Page", "Runtime", "Log", "Network", "DOM"]) await ask(`${domain}.enable`);
+    await ask("Emulation.setDeviceMetricsOverride", { width: size[0], height: size[1], deviceScaleFactor: 1, mobile });
+    await ask("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }] });
+    if (before) await ask("Page.addScriptToEvaluateOnNewDocument", { source: before });
+    await ask("Page.navigate", { url });
+
+    const evaluate = async (expression) => {
+      const { result, exceptionDetails } = await ask("Runtime.evaluate", { expression, awaitPromise: true, returnByValue: true });
+      if (exceptionDetails) throw new Error(`${expression}: ${exceptionDetails.exception?.description ?? exceptionDetails.text}`);
+      return result.value;
+    };
+    /* Until an expression holds; what it gave. */
+    const until = async (expression, seconds = 20) => {
+      for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(30)) {
+        const value = await evaluate(expression).catch(() => undefined);
+        if (value) return value;
+      }
+      throw new Error(`waited ${seconds} s in vain for ${expression}`);
+    };
+    const screenshot = async (file) => {
+      const { data } = await ask("Page.captureScreenshot", { format: "png" });
+      const bytes = Buffer.from(data, "base64");
+      if (file) writeFileSync(file, bytes);
+      return bytes;
+    };
+    const mouse = (type, x, y, more = {}) => ask("Input.dispatchMouseEvent", { type, x, y, button: "none", ...more });
+    const press = async (key, modifiers = 0) => {
+      const text = key.length === 1 ? key : undefined;
+      await ask("Input.dispatchKeyEvent", { type: text ? "keyDown" : "rawKeyDown", key, text, modifiers, code: key === " " ? "Space" : key, windowsVirtualKeyCode: { Tab: 9, ArrowLeft: 37, ArrowUp: 38, ArrowRight: 39, ArrowDown: 40, " ": 32 }[key] ?? 0 });
+      await ask("Input.dispatchKeyEvent", { type: "keyUp", key, modifiers });
+    };
+    const close = () => send("Target.closeTarget", { targetId });
+    return { ask, evaluate, until, screenshot, mouse, press, close, said, requests };
+  };
+
+  const close = async () => {
+    await Promise.race([send("Browser.close").catch(() => undefined), pause(2000)]);
+    await Promise.race([ended, pause(3000)]);
+    if (child.exitCode === null) child.kill("SIGKILL");
+    rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+  };
+  return { open, close };
+}

@@ -1,0 +1,113 @@
+/* The page's module: the package's calls, and models: files or packs read by the library's own readers. */
+import { bindCalls } from "../package/calls.js";
+
+const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
+const WELDS = ["exact", "none"];
+const WANTED = { computed: 0, flat: 1, stored: 2 };
+const FORMATS = ["", "OBJ", "PLY", "STL", "glTF", "GLB"];
+const STORAGE = [null, "per vertex", "per corner", "per facet"];
+
+export async function startEngine(bytes) {
+  const { instance } = await WebAssembly.instantiate(bytes);
+  const wasm = instance.exports;
+  const norma = bindCalls(wasm);
+  const memory = () => wasm.memory.buffer;
+  const floats = (at, count) => new Float32Array(memory(), at >>> 0, count);
+  const doubles = (at, count) => new Float64Array(memory(), at >>> 0, count);
+
+  const allocate = (size) => {
+    const at = wasm.web_allocate(size) >>> 0;
+    if (!at) throw new Error(`There is no room for ${size} bytes.`);
+    return at;
+  };
+  const copyIn = (data) => {
+    const at = allocate(data.byteLength);
+    new Uint8Array(memory(), at, data.byteLength).set(new Uint8Array(data.buffer, data.byteOffset, data.byteLength));
+    return at;
+  };
+  const textAt = (at) => {
+    const all = new Uint8Array(memory(), at >>> 0, 1000);
+    return new TextDecoder().decode(all.slice(0, all.indexOf(0)));
+  };
+  /* Room that a call borrows. */
+  const lend = (sizes, work) => {
+    const places = sizes.map(allocate);
+    try { return work(...places); } finally { places.forEach((at) => wasm.web_release(at)); }
+  };
+
+  /* A model over the pack at that address, which it takes over. */
+  const openPack = (pack, size, name) => {
+    const address = wasm.model_of_pack(pack, size) >>> 0;
+    if (!address) throw new Error(`${name}: its meshes cannot be drawn: out of memory, or not what the page expects.`);
+    const meshes = Array.from({ length: wasm.model_mesh_count(address) }, (_, i) => {
+      const triangles = wasm.model_triangles(address, i);
+      return {
+        triangles, corners: 3 * triangles, faces: wasm.model_faces(address, i), vertices: wasm.model_vertices(address, i), stored: STORAGE[wasm.model_storage(address, i)],
+        colour: Array.from(floats(wasm.model_colour(address, i), 4)), ball: lend([32], (at) => (wasm.model_ball(address, i, at), Array.from(doubles(at, 4)))),
+        positions: () => floats(wasm.model_draw_positions(address, i), 9 * triangles), normals: () => floats(wasm.model_draw_normals(address, i), 9 * triangles),
+        reach: () => floats(wasm.model_draw_reach(address, i), 3 * triangles), values: () => floats(wasm.model_draw_values(address, i), 3 * triangles),
+      };
+    });
+    const draws = Array.from({ length: wasm.model_draw_count(address) }, (_, i) => ({ mesh: wasm.model_draw_mesh(address, i), world: Array.from(doubles(wasm.model_draw_world(address, i), 16)) }));
+    const compute = (mesh, { wanted, weight, weld, crease }) => {
+      const result = wasm.model_compute(address, mesh, WANTED[wanted], WEIGHTS.indexOf(weight), WELDS.indexOf(weld), crease);
+      if (result !== 0) throw new Error(textAt(wasm.web_result_text(result)));
+    };
+    return {
+      name, meshes, draws, compute, format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address),
+      triangles: meshes.reduce((sum, mesh) => sum + mesh.triangles, 0), faces: meshes.reduce((sum, mesh) => sum + mesh.faces, 0),
+      /* Degrees between stored and computed, per corner in values(); the largest is returned, null where nothing is stored. */
+      errors: (mesh) => { const worst = wasm.model_errors(address, mesh); return worst < 0 ? null : worst; },
+      /* The largest angle between a normal through one 3x3 and through another, in degrees. */
+      worst: (mesh, plain, right) => lend([72, 72], (a, b) => {
+        doubles(a, 9).set(plain);
+        doubles(b, 9).set(right);
+        const measure = wasm.model_worst(address, mesh, a, b), far = measure > 1, m = far ? 2 - measure : measure;
+        const acute = (Math.atan2(m, 1 - m) * 180) / Math.PI;
+        return far ? 180 - acute : acute;
+      }),
+      pick: (mesh, from, along) => lend([48, 40], (a, b) => {
+        doubles(a, 6).set([...from, ...along]);
+        if (!wasm.model_pick(address, mesh, a, b)) return null;
+        const [at, triangle, ...weights] = doubles(b, 5);
+        return { at, triangle, weights };
+      }),
+      free: () => wasm.model_free(address),
+    };
+  };
+
+  const openBytes = (pack, name) => openPack(copyIn(pack), pack.byteLength, name);
+
+  const openFile = (bytes, name) => {
+    const file = copyIn(bytes), title = copyIn(new TextEncoder().encode(`${name}\0`));
+    try {
+      return lend([8, wasm.model_error_size()], (size, error) => {
+        const pack = wasm.model_pack_file(file, bytes.byteLength, title, size, error) >>> 0;
+        if (!pack) throw new Error(textAt(wasm.model_error_text(error)) || `${name}: out of memory`);
+        return openPack(pack, new Uint32Array(memory(), size, 1)[0], name);
+      });
+    } finally {
+      wasm.web_release(file);
+      wasm.web_release(title);
+    }
+  };
+
+  return { norma, openBytes, openFile };
+}
+
+/* Triangles as a pack: src/cli/view_pack.h. */
+export function packTriangles(positions, indices, colour = [0.8, 0.8, 0.8]) {
+  const HEAD = 32, MESH = 72, DRAW = 136, NONE = 0xffffffff;
+  const eight = (size) => Math.ceil(size / 8) * 8;
+  const positionsAt = HEAD, indicesAt = positionsAt + eight(positions.byteLength), meshAt = indicesAt + eight(indices.byteLength), drawAt = meshAt + eight(MESH);
+  const pack = new Uint8Array(drawAt + DRAW), view = new DataView(pack.buffer);
+  const words = (at, list) => list.forEach((word, i) => view.setUint32(at + 4 * i, word, true));
+  words(0, [0x314d524e, pack.length, 1, meshAt, 1, drawAt, 0, 0]);
+  pack.set(new Uint8Array(positions.buffer), positionsAt);
+  pack.set(new Uint8Array(indices.buffer), indicesAt);
+  words(meshAt, [positions.length / 3, positionsAt, 0, indices.length, indicesAt, indices.length / 3, NONE, NONE, 0, 0, 0, NONE]);
+  [...colour, 1].forEach((x, i) => view.setFloat32(meshAt + 48 + 4 * i, x, true));
+  words(meshAt + 64, [1, 0]);
+  for (let i = 0; i < 16; i += 5) view.setFloat64(drawAt + 8 * i, 1, true);
+  return pack;
+}

@@ -1,0 +1,188 @@
+/* WebGL 2. Programs are made of the texts of src/render/shaders, the same as natively; light is computed in view space, so that it stays with the camera. */
+import { apply3, multiply3, upper } from "./matrix.js";
+
+const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR" };
+const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3;
+const LIGHTS = [{ from: [-0.45, 0.6, 0.66], strength: 0.95 }, { from: [0.8, 0.1, 0.6], strength: 0.28 }];
+/* WebGL's longest stride, in floats. */
+const MOST_STRIDE = 63;
+
+function compile(gl, kind, text) {
+  const shader = gl.createShader(kind);
+  gl.shaderSource(shader, text);
+  gl.compileShader(shader);
+  if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(`A shader does not compile: ${gl.getShaderInfoLog(shader)}`);
+  return shader;
+}
+
+function link(gl, texts, stage, defines) {
+  const head = ["#version 300 es", "precision highp float; precision highp int;", ...defines.map((name) => `#define ${name}`), texts["colour.glsl"], texts["light.glsl"]].join("\n");
+  const program = gl.createProgram();
+  gl.attachShader(program, compile(gl, gl.VERTEX_SHADER, `${head}\n${texts[`${stage}.vert`]}`));
+  gl.attachShader(program, compile(gl, gl.FRAGMENT_SHADER, `${head}\n${texts[`${stage}.frag`]}`));
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(`Shaders do not link: ${gl.getProgramInfoLog(program)}`);
+  const uniforms = new Map();
+  const place = (name) => {
+    if (!uniforms.has(name)) uniforms.set(name, gl.getUniformLocation(program, name));
+    return uniforms.get(name);
+  };
+  return { program, place };
+}
+
+export function makeGraphics(canvas, texts) {
+  const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: true });
+  if (!gl) return null;
+  const programs = new Map();
+  const programOf = (stage, ...defines) => {
+    const key = [stage, ...defines].join(" ");
+    if (!programs.has(key)) programs.set(key, link(gl, texts, stage, defines));
+    const made = programs.get(key);
+    gl.useProgram(made.program);
+    return made.place;
+  };
+
+  /* ---- buffers */
+  const makeBuffer = (data, usage = gl.STATIC_DRAW, target = gl.ARRAY_BUFFER) => {
+    const buffer = gl.createBuffer();
+    gl.bindVertexArray(null);
+    gl.bindBuffer(target, buffer);
+    gl.bufferData(target, data, usage);
+    return buffer;
+  };
+  const fillBuffer = (buffer, data) => {
+    gl.bindVertexArray(null);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, data);
+  };
+  const attribute = (index, buffer, size, stride = 0, offset = 0, divisor = 0) => {
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.enableVertexAttribArray(index);
+    gl.vertexAttribPointer(index, size, gl.FLOAT, false, stride, offset);
+    gl.vertexAttribDivisor(index, divisor);
+  };
+
+  /* A surface on the card: { positions, normals, reach?, values?, indices? } as arrays, count of what is drawn. */
+  const makeSurface = ({ positions, normals, reach, indices }) => {
+    const surface = {
+      positions: makeBuffer(positions, indices ? gl.DYNAMIC_DRAW : gl.STATIC_DRAW), normals: makeBuffer(normals, gl.DYNAMIC_DRAW), reach: reach && makeBuffer(reach),
+      values: null, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
+    };
+    const arrays = new Map();
+    surface.use = (normalsBuffer) => {
+      if (!arrays.has(normalsBuffer)) {
+        const array = gl.createVertexArray();
+        arrays.set(normalsBuffer, array);
+        gl.bindVertexArray(array);
+        attribute(POSITION, surface.positions, 3);
+        attribute(NORMAL, normalsBuffer, 3);
+        if (surface.indices) gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, surface.indices);
+      }
+      gl.bindVertexArray(arrays.get(normalsBuffer));
+      if (surface.values) attribute(VALUE, surface.values, 1);
+    };
+    surface.free = () => {
+      for (const name of ["positions", "normals", "reach", "values", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      arrays.forEach((array) => gl.deleteVertexArray(array));
+    };
+    return surface;
+  };
+
+  const lines = gl.createVertexArray();
+
+  /* ---- drawing */
+  const setCamera = (place, camera) => {
+    gl.uniformMatrix4fv(place("world_to_view"), false, camera.worldToView);
+    gl.uniformMatrix4fv(place("view_to_clip"), false, camera.viewToClip);
+  };
+
+  const setLight = (place) => {
+    gl.uniform4f(place("eye"), 0, 0, 0, 1);
+    gl.uniform1i(place("light_count"), LIGHTS.length);
+    gl.uniform3fv(place("light_direction"), LIGHTS.flatMap(({ from }) => from.map((x) => x / Math.hypot(...from))));
+    gl.uniform3fv(place("light_colour"), LIGHTS.flatMap(({ strength }) => [strength, strength, strength]));
+    gl.uniform4f(place("phong"), 0.11, 0.85, 0.16, 42);
+  };
+
+  /* item: { surface, normals (a buffer), localToWorld, normalMatrix (to world space), mirrored, colour }; look: { colours, shading, errorTop } */
+  const drawSurface = (item, camera, look) => {
+    const place = programOf("surface", "LIGHT_IN_VIEW", SURFACES[look.colours === "lit" ? look.shading : look.colours]);
+    setCamera(place, camera);
+    setLight(place);
+    gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
+    gl.uniformMatrix3fv(place("normal_matrix"), false, multiply3(upper(camera.worldToView), item.normalMatrix));
+    gl.uniform3fv(place("base_colour"), item.colour);
+    gl.uniform1f(place("two_sided"), look.colours === "normals" ? 0 : 1);
+    gl.uniform1f(place("scale_top"), look.errorTop);
+    gl.frontFace(item.mirrored ? gl.CW : gl.CCW);
+    item.surface.use(item.normals);
+    gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
+    if (item.surface.indices) gl.drawElements(gl.TRIANGLES, item.surface.count, gl.UNSIGNED_INT, 0);
+    else gl.drawArrays(gl.TRIANGLES, 0, item.surface.count);
+  };
+
+  const startLines = (place, camera, width, head, lift = 0.002) => {
+    setCamera(place, camera);
+    gl.uniform2f(place("viewport"), canvas.width, canvas.height);
+    gl.uniform1f(place("width"), width);
+    gl.uniform1f(place("head"), head);
+    gl.uniform1f(place("lift"), lift);
+    gl.bindVertexArray(lines);
+    gl.enable(gl.BLEND);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  };
+
+  /* One line from each point along its normal; where there are more than most, evenly chosen ones. */
+  const drawHedgehog = (item, camera, { from, to, reach, reachConstant, points, colour, scale, pixels, most }) => {
+    const place = programOf("line", "HEDGEHOG");
+    startLines(place, camera, 1.3 * pixels, 0);
+    gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
+    gl.uniformMatrix3fv(place("normal_matrix"), false, item.normalMatrix);
+    gl.uniform1f(place("reach_scale"), scale);
+    const step = Math.min(Math.floor(MOST_STRIDE / 3), Math.max(1, Math.ceil(points / most)));
+    attribute(0, from, 3, 12 * step, 0, 1);
+    attribute(1, to, 3, 12 * step, 0, 1);
+    gl.disableVertexAttribArray(2);
+    gl.vertexAttrib4f(2, ...colour);
+    if (reach) attribute(3, reach, 1, 4 * step, 0, 1);
+    else { gl.disableVertexAttribArray(3); gl.vertexAttrib1f(3, reachConstant); }
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, Math.ceil(points / step));
+    gl.disable(gl.BLEND);
+  };
+
+  const arrowBuffer = makeBuffer(new Float32Array(10), gl.DYNAMIC_DRAW);
+  /* Arrows in world space: [{ from, to, colour }]. */
+  const drawArrows = (arrows, camera, pixels) => {
+    const place = programOf("line");
+    startLines(place, camera, 3 * pixels, 13 * pixels, 0.01);
+    gl.uniformMatrix4fv(place("local_to_world"), false, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    for (const { from, to, colour } of arrows) {
+      fillBuffer(arrowBuffer, Float32Array.of(...from, ...to, ...colour));
+      gl.bindVertexArray(lines);
+      attribute(0, arrowBuffer, 3, 40, 0, 1);
+      attribute(1, arrowBuffer, 3, 40, 12, 1);
+      attribute(2, arrowBuffer, 4, 40, 24, 1);
+      gl.disableVertexAttribArray(3);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, 1);
+    }
+    gl.disable(gl.BLEND);
+  };
+
+  const clear = () => {
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.enable(gl.DEPTH_TEST);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  };
+  /* Draws between two columns of pixels only. */
+  const within = (left, right, draw) => {
+    if (right <= left) return;
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(left, 0, right - left, canvas.height);
+    draw();
+    gl.disable(gl.SCISSOR_TEST);
+  };
+
+  return { gl, makeBuffer, fillBuffer, makeSurface, drawSurface, drawHedgehog, drawArrows, clear, within, toWorld: apply3 };
+}
