@@ -4,6 +4,7 @@
 #ifndef NORMA_CORE_PLAN_TILE_H
 #define NORMA_CORE_PLAN_TILE_H
 #include "plan.h"
+#include "vertex_add.h"
 
 enum {
     TILE_FACES = 1 << 10, TILE_CORNERS = 3 * TILE_FACES, TILE_VERTICES = 768, TILE_SLOTS = 384, TILE_MEMBERS = (1 << 15) - 1 - TILE_CORNERS,
@@ -66,9 +67,12 @@ static inline uint32_t norma_core_tile_slot_of(const tile_view *t, uint32_t own)
 typedef struct tile_room {
     double   normals[TILE_FACES][4];   /* of each face; the fourth: 1; zero where there is no direction */
     double   weights[TILE_CORNERS];    /* of each member's corner; -0: no vote */
-    double   positions[TILE_VERTICES][4]; /* of each vertex; the fourth: 0 */
-    double   sums[4][TILE_SLOTS];      /* of each slot asked for, in the order asked; the fourth: of weights */
-    float    results[3][TILE_SLOTS];
+    union {                            /* of each vertex; the fourth: 0 */
+        float  floats[TILE_VERTICES][4];
+        double doubles[TILE_VERTICES][4];
+    } positions;
+    norma_format format;               /* of those: float or double */
+    float    results[TILE_SLOTS][3];   /* of each slot asked for, in the order asked */
     uint8_t  reasons[TILE_SLOTS];
     uint16_t doubted[TILE_FACES];      /* triangles that doubles do not decide */
     uint16_t degenerate[TILE_FACES];   /* faces, finite and without a direction */
@@ -80,9 +84,10 @@ typedef struct tile_some { const uint16_t *numbers; uint32_t count; } tile_some;
 
 typedef struct tile_kernels {
     /* Triangles: normals and weights of some faces; the doubted ones are listed. */
-    void (*measure)(const tile_view *t, tile_some faces, core_measure *measure, norma_weight weight, tile_room *room);
+    void (*measure)(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room);
     /* Results and reasons of some slots; whether all have a normal. */
-    int (*sum)(const tile_view *t, tile_some slots, tile_room *room);
+    int (*sum)(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room);
+    core_finish_sums *finish;
 } tile_kernels;
 
 /* plan_tile_sums.c: the same bits from each. */
