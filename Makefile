@@ -3,7 +3,7 @@ BUILD ?= build
 PREFIX ?= /usr/local
 CMAKE_FLAGS ?=
 
-.PHONY: all help deps demo web test bench asan tsan format lint install single clean
+.PHONY: all help deps demo figures web test bench asan tsan format lint install single clean
 .DEFAULT_GOAL := all
 
 # Where packages cannot be installed (another system, neither root nor sudo) the script says which, and CMake tells whether they are there all the same.
@@ -23,6 +23,7 @@ help:
 	@echo "make tsan     the tests that use threads under the thread sanitizer only (clang)"
 	@echo "make bench    measures ns per triangle (not there yet: says so)"
 	@echo "make web      the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
+	@echo "make figures  draws the figures of the guide and of the README into docs/figures again"
 	@echo "make single   $(BUILD)/single/norma.c and norma.h: the core as two files to copy"
 	@echo "make format   clang-format over src, tests and examples"
 	@echo "make lint     clang-tidy, shellcheck and mandoc -T lint, whichever are installed"
@@ -54,6 +55,9 @@ web:
 	@scripts/install-deps.sh web
 	@$(MAKE) --no-print-directory all CMAKE_FLAGS="$(CMAKE_FLAGS) -DNORMA_WEB=ON"
 	@echo "$(BUILD)/web/norma.html, $(BUILD)/web/npm"
+
+figures: all
+	@NORMA_BIN=$(BUILD)/bin/norma scripts/figures.sh
 
 single:
 	@scripts/single.sh $(BUILD)/single
