@@ -17,6 +17,7 @@ enum {
 typedef struct tile_view {
     uint32_t        vertex_count, own_count, slot_count, face_count, corner_count, member_count;
     uint32_t        first_occurrence;
+    int             plain;             /* per vertex, each slot has its position, and each position its vertex, to itself */
     const uint32_t *vertices;          /* of the mesh; own ones first, per vertex in the order of their slots */
     const uint32_t *faces;             /* of the mesh */
     const uint32_t *mesh_corners;      /* polygons: of each face its first corner in the mesh */
@@ -34,7 +35,7 @@ struct plan_tile {
     size_t   at;                       /* first word */
     uint32_t first_occurrence;         /* occurrences are numbered tile by tile, in each as its vertices are */
     uint16_t vertex_count, own_count, slot_count, face_count, corner_count, member_count;
-    uint8_t  polygons, welded, one_each;
+    uint8_t  polygons, welded, one_each, plain;
 };
 
 tile_view norma_core_tile(const norma_plan *plan, size_t tile);

@@ -233,7 +233,8 @@ static void count_degenerate(const tiles_work *w, const tile_view *t, const tile
 static void update_tile(const tiles_work *w, const tile_view *t, const tile_touch *touch, core_tally *tally)
 {
     tile_room room;
-    const tile_some faces = {touch ? touch->faces : NULL, touch ? touch->face_count : t->face_count};
+    const int by_number = touch && 4 * touch->face_count < 3 * t->face_count;       /* in a row they go faster */
+    const tile_some faces = {by_number ? touch->faces : NULL, by_number ? touch->face_count : t->face_count};
     const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
     load_positions(w->work, t, &room);
     measure_faces(w, t, faces, &room);
@@ -245,19 +246,30 @@ static void update_tile(const tiles_work *w, const tile_view *t, const tile_touc
     if (room.degenerate_count) count_degenerate(w, t, &room, touch ? touch->slot_is_touched : NULL, tally);
 }
 
+static void update_one(const tiles_work *w, size_t i, size_t end, core_tally *tally)
+{
+    const tile_view t = norma_core_tile(w->work->plan, i), next = norma_core_tile(w->work->plan, i + 1 < end ? i + 1 : i);
+    look_ahead(w->work, &t, &next);
+    update_tile(w, &t, NULL, tally);
+}
+
+static void update_part(const tiles_work *w, size_t i, core_tally *tally)
+{
+    const tile_view t = norma_core_tile(w->work->plan, i);
+    tile_touch touch;
+    norma_core_tile_touch(&w->marks, &t, w->work->plan->of, &touch);
+    if (touch.slot_count) update_tile(w, &t, &touch, tally);
+}
+
 static void update_some(void *context, size_t task)
 {
     tiles_work *w = context;
     const plan_range range = norma_core_plan_range(w->count, w->tasks, task);
-    for (size_t i = w->first + range.begin; i < w->first + range.end; i++) {
-        const tile_view t = norma_core_tile(w->work->plan, i);
-        tile_touch touch;
-        if (!w->work->moved) {
-            const tile_view next = norma_core_tile(w->work->plan, i + 1 < w->first + w->count ? i + 1 : i);
-            look_ahead(w->work, &t, &next);
-            update_tile(w, &t, NULL, &w->tallies[task]);
-        }
-        else if (norma_core_tile_touch(&w->marks, &t, w->work->plan->of, &touch)) update_tile(w, &t, &touch, &w->tallies[task]);
+    const size_t end = w->first + range.end;
+    for (size_t i = w->first + range.begin; i < end; i++) {
+        const tile_moved moved = w->work->moved ? norma_core_tile_moved(&w->marks, &w->work->plan->tiles[i]) : TILE_ALL_MOVED;
+        if (moved == TILE_ALL_MOVED) update_one(w, i, end, &w->tallies[task]);
+        else if (moved == TILE_PARTLY_MOVED) update_part(w, i, &w->tallies[task]);
     }
 }
 
