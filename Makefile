@@ -3,15 +3,16 @@ BUILD ?= build
 PREFIX ?= /usr/local
 CMAKE_FLAGS ?=
 
-.PHONY: all help deps demo test bench asan tsan format lint install single clean
+.PHONY: all help deps demo figures web test bench asan tsan format lint install single clean
 .DEFAULT_GOAL := all
 
 # Where packages cannot be installed (another system, neither root nor sudo) the script says which, and CMake tells whether they are there all the same.
 all:
 	@scripts/install-deps.sh build || true
+	@scripts/install-deps.sh web || true
 	@command -v cmake >/dev/null && command -v ninja >/dev/null || { echo "cmake and ninja are needed"; exit 1; }
 	@mkdir -p $(BUILD)
-	@cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_TESTS=OFF $(CMAKE_FLAGS) >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
+	@cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_TESTS=OFF -DNORMA_WEB=AUTO $(CMAKE_FLAGS) >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
 	@cmake --build $(BUILD)
 
 help:
@@ -21,6 +22,8 @@ help:
 	@echo "make asan     the tests under the address and undefined-behaviour sanitizers only (clang)"
 	@echo "make tsan     the tests that use threads under the thread sanitizer only (clang)"
 	@echo "make bench    measures ns per triangle (not there yet: says so)"
+	@echo "make web      the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
+	@echo "make figures  draws the figures of the guide and of the README into docs/figures again"
 	@echo "make single   $(BUILD)/single/norma.c and norma.h: the core as two files to copy"
 	@echo "make format   clang-format over src, tests and examples"
 	@echo "make lint     clang-tidy, shellcheck and mandoc -T lint, whichever are installed"
@@ -46,6 +49,15 @@ tsan: deps
 
 bench:
 	@if [ -x scripts/bench.sh ]; then scripts/bench.sh; else echo "There is no benchmark yet; it comes with the work on speed."; exit 1; fi
+
+# The page and the npm package are part of a plain make, wherever what they need is there; this says so where it is not.
+web:
+	@scripts/install-deps.sh web
+	@$(MAKE) --no-print-directory all CMAKE_FLAGS="$(CMAKE_FLAGS) -DNORMA_WEB=ON"
+	@echo "$(BUILD)/web/norma.html, $(BUILD)/web/npm"
+
+figures: all
+	@NORMA_BIN=$(BUILD)/bin/norma scripts/figures.sh
 
 single:
 	@scripts/single.sh $(BUILD)/single

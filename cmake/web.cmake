@@ -5,7 +5,10 @@ find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
 find_path(NORMA_WASI_INCLUDE NAMES wasm32-wasi/stdlib.h)
 foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_NODE NORMA_WASI_INCLUDE)
-  if(NOT ${tool})
+  if(NOT ${tool} AND NORMA_WEB STREQUAL "AUTO")
+    message(STATUS "Without the page and the npm package: ${tool} was not found; scripts/install-deps.sh web installs what is missing")
+    return()
+  elseif(NOT ${tool})
     message(FATAL_ERROR "The page needs clang, lld, wasi-libc, libclang-rt-dev-wasm32 and nodejs (${tool}); scripts/install-deps.sh web installs what is missing, "
                         "-DNORMA_WEB=OFF builds without")
   endif()
@@ -66,3 +69,7 @@ add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
   COMMAND ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs page ${web_dir}
   DEPENDS ${web_page_inputs} ${web_inputs} ${web_dir}/page.wasm COMMENT "The page" VERBATIM)
 add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/norma.html)
+
+# norma view: the page lies in the tool.
+set_source_files_properties(src/cli/view_page.c PROPERTIES COMPILE_DEFINITIONS "NORMA_PAGE_FILE=\"${web_dir}/page.html\"" OBJECT_DEPENDS ${web_dir}/page.html)
+add_dependencies(norma-cli web)

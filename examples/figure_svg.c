@@ -1,4 +1,4 @@
-/* figure_svg.c: draws the figure of the README: a round tube scaled by (2, 0.5), with the normals that M itself gives and those of the normal matrix.
+/* figure_svg.c: draws a figure of the guide: a round tube scaled by (2, 0.5), with the normals that M itself gives and those of the normal matrix.
  *
  *     figure_svg > normal-matrix.svg
  *

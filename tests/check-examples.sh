@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs every example and compares what it prints with tests/examples/NAME.txt; the figure of the README is what figure_svg draws.
+# Runs every example and compares what it prints with tests/examples/NAME.txt; the guide's normal-matrix.svg is what figure_svg draws.
 #   tests/check-examples.sh --refresh     writes the expected output anew
 # shellcheck source=tests/tap.sh
 source "$(dirname "$0")/tap.sh"

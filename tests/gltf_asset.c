@@ -34,14 +34,16 @@ static int add(gltf_asset *a, const void *bytes, size_t size, int component, int
         a->views = append(a->views, text);
     }
     a->views = append(a->views, "}");
-    snprintf(text, sizeof text, "%s{\"bufferView\":%d,\"componentType\":%d,\"normalized\":%s,\"count\":%zu,\"type\":\"%s\"%s}", a->accessors ? "," : "", a->accessor_count,
-             component, normalized ? "true" : "false", count, types[width], bounds);
+    snprintf(text, sizeof text, "%s{\"bufferView\":%d,\"componentType\":%d,\"normalized\":%s,\"count\":%zu,\"type\":\"%s\"%s}", a->accessors ? "," : "",
+             a->accessor_count, component, normalized ? "true" : "false", count, types[width], bounds);
     a->accessors = append(a->accessors, text);
     a->bin_size = room;
     return a->accessor_count++;
 }
 
-int asset_floats(gltf_asset *a, const float *values, size_t count, int width) { return add(a, values, count * (size_t)width * 4, 5126, 0, 0, count, width, ""); }
+int asset_floats(gltf_asset *a, const float *values, size_t count, int width) {
+    return add(a, values, count * (size_t)width * 4, 5126, 0, 0, count, width, "");
+}
 
 int asset_uint16(gltf_asset *a, const uint16_t *values, size_t count) { return add(a, values, count * 2, 5123, 0, 0, count, 1, ""); }
 

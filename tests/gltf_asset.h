@@ -8,7 +8,7 @@ typedef struct gltf_asset {
     size_t bin_size;
     char *views, *accessors; /* JSON, comma-separated */
     int accessor_count;
-} gltf_asset;                /* zero-initialised */
+} gltf_asset; /* zero-initialised */
 
 /* Numbers of accessors. */
 int asset_floats(gltf_asset *a, const float *values, size_t count, int width);

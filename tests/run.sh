@@ -67,7 +67,7 @@ units() {
 
 run_gcc() {
     say "gcc: building with warnings as errors"
-    build gcc -DCMAKE_C_COMPILER=gcc -DNORMA_WERROR=ON -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2
+    build gcc -DCMAKE_C_COMPILER=gcc -DNORMA_WERROR=ON -DNORMA_WEB=ON -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2
     say "gcc: unit tests"
     units gcc unit
 }

@@ -1,5 +1,5 @@
-/* Planted faults for the rules about files, materials, transforms, tangents and morph targets: each in a known place and amount, the numbers by hand; and beside each what comes
- * nearest to it and is right, of which nothing may be said. */
+/* Planted faults for the rules about files, materials, transforms, tangents and morph targets: each in a known place and amount, the numbers by hand; and
+ * beside each what comes nearest to it and is right, of which nothing may be said. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -35,7 +35,7 @@ typedef struct expected {
     const char *rule, *where;
     norma_severity severity;
     size_t count;
-    double worst;     /* NaN: there is none */
+    double worst;       /* NaN: there is none */
     const char *places; /* "v5 v9", "f0 f1"; "": none */
 } expected;
 
@@ -63,9 +63,10 @@ static void assert_found(norma_findings *findings, const expected *wanted, size_
         const norma_finding *f = norma_findings_get(findings, i);
         char places[400];
         places_of(f, places);
-        right = !strcmp(f->rule->id, wanted[i].rule) && !strcmp(f->where, wanted[i].where) && f->severity == wanted[i].severity && f->count == wanted[i].count &&
-                !strcmp(places, wanted[i].places) && f->message[0];
-        right = right && (isnan(wanted[i].worst) ? isnan(f->worst_value) : wanted[i].worst == f->worst_value || fabs(f->worst_value - wanted[i].worst) <= 1e-5 * fabs(wanted[i].worst));
+        right = !strcmp(f->rule->id, wanted[i].rule) && !strcmp(f->where, wanted[i].where) && f->severity == wanted[i].severity &&
+                f->count == wanted[i].count && !strcmp(places, wanted[i].places) && f->message[0];
+        right = right && (isnan(wanted[i].worst) ? isnan(f->worst_value)
+                                                 : wanted[i].worst == f->worst_value || fabs(f->worst_value - wanted[i].worst) <= 1e-5 * fabs(wanted[i].worst));
     }
     if (!right)
         show(findings);
@@ -73,10 +74,10 @@ static void assert_found(norma_findings *findings, const expected *wanted, size_
     assert_true(right);
 }
 
-#define FOUND(findings, ...)                                                       \
-    do {                                                                           \
-        const expected wanted_[] = {__VA_ARGS__};                                  \
-        assert_found(findings, wanted_, sizeof wanted_ / sizeof *wanted_);         \
+#define FOUND(findings, ...)                                                                                                                                   \
+    do {                                                                                                                                                       \
+        const expected wanted_[] = {__VA_ARGS__};                                                                                                              \
+        assert_found(findings, wanted_, sizeof wanted_ / sizeof *wanted_);                                                                                     \
     } while (0)
 static void assert_clean(norma_findings *findings) { assert_found(findings, NULL, 0); }
 
@@ -96,8 +97,8 @@ static void add_square(gltf_asset *a) {
     asset_uint16(a, corners, 6);
 }
 
-#define SURFACE  "\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2"
-#define ONE_SIDE "\"meshes\":[{\"primitives\":[{" SURFACE "}]}]"
+#define SURFACE   "\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2"
+#define ONE_SIDE  "\"meshes\":[{\"primitives\":[{" SURFACE "}]}]"
 #define TWO_SIDES "\"materials\":[{},{\"doubleSided\":true}],\"meshes\":[{\"primitives\":[{" SURFACE ",\"material\":0},{" SURFACE ",\"material\":1}]}]"
 
 static norma_findings *check_nodes(const char *meshes, const char *nodes) {
@@ -138,7 +139,8 @@ static void test_sheared(void **state) {
 
 static void test_uneven(void **state) {
     (void)state;
-    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[1,1.0501,1]},{\"mesh\":0,\"scale\":[1,1.0499,1]},{\"mesh\":0,\"scale\":[1e-7,1e-7,4e-7]},{\"mesh\":0,\"scale\":[1e-9,1e-9,1e-9]}]"),
+    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[1,1.0501,1]},{\"mesh\":0,\"scale\":[1,1.0499,1]},{\"mesh\":0,\"scale\":[1e-7,1e-7,4e-7]},{"
+                                "\"mesh\":0,\"scale\":[1e-9,1e-9,1e-9]}]"),
           {"N601", "/nodes/0", I, 1, 1.0501, ""}, {"N601", "/nodes/2", I, 1, 4, ""});
     norma_findings *findings = check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[2,1,1]}]");
     assert_non_null(strstr(norma_findings_get(findings, 0)->message, "36.9 degrees")); /* asin(3 / 5) */
@@ -148,8 +150,9 @@ static void test_uneven(void **state) {
 
 static void test_singular(void **state) {
     (void)state;
-    FOUND(check_nodes(TWO_SIDES, "\"nodes\":[{\"mesh\":0,\"scale\":[1,0,1]},{\"mesh\":0,\"scale\":[0,0,0]},{\"mesh\":0,\"scale\":[1,1,-0.0000001]},{\"mesh\":0}]"), {"N603", "/nodes/0", W, 1, 2, ""},
-          {"N603", "/nodes/1", W, 1, 0, ""}, {"N603", "/nodes/2", W, 1, 2, ""});
+    FOUND(check_nodes(TWO_SIDES,
+                      "\"nodes\":[{\"mesh\":0,\"scale\":[1,0,1]},{\"mesh\":0,\"scale\":[0,0,0]},{\"mesh\":0,\"scale\":[1,1,-0.0000001]},{\"mesh\":0}]"),
+          {"N603", "/nodes/0", W, 1, 2, ""}, {"N603", "/nodes/1", W, 1, 0, ""}, {"N603", "/nodes/2", W, 1, 2, ""});
 }
 
 static norma_findings *check_instances(const float *scales, size_t count, const char *node_scale) {
@@ -157,7 +160,8 @@ static norma_findings *check_instances(const float *scales, size_t count, const 
     char rest[1000];
     add_square(&a);
     asset_floats(&a, scales, count, 3);
-    snprintf(rest, sizeof rest, "\"nodes\":[{\"mesh\":0,\"scale\":%s,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"SCALE\":3}}}}]," ONE_SIDE, node_scale);
+    snprintf(rest, sizeof rest, "\"nodes\":[{\"mesh\":0,\"scale\":%s,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"SCALE\":3}}}}]," ONE_SIDE,
+             node_scale);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     asset_free(&a);
     return findings;
@@ -165,7 +169,8 @@ static norma_findings *check_instances(const float *scales, size_t count, const 
 
 static void test_instances(void **state) {
     (void)state;
-    static const float mixed[5][3] = {{1, 1, 1}, {-1, 1, 1}, {2, 2, 2}, {-3, -3, -3}, {1, 1, 1}}, all[3][3] = {{-1, 1, 1}, {1, -1, 1}, {-1, -1, -1}}, right[3][3] = {{1, 1, 1}, {-1, -1, 1}, {5, 5, 5}};
+    static const float mixed[5][3] = {{1, 1, 1}, {-1, 1, 1}, {2, 2, 2}, {-3, -3, -3}, {1, 1, 1}}, all[3][3] = {{-1, 1, 1}, {1, -1, 1}, {-1, -1, -1}},
+                       right[3][3] = {{1, 1, 1}, {-1, -1, 1}, {5, 5, 5}};
     static const float uneven[4][3] = {{1, 1, 1}, {2, 1, 1}, {1, 1, 3}, {1, 0, 1}};
     FOUND(check_instances(&mixed[0][0], 5, "[1,1,1]"), {"N602", "/nodes/0", W, 2, -27, ""});
     FOUND(check_instances(&all[0][0], 3, "[1,1,1]"), {"N602", "/nodes/0", I, 3, -1, ""});
@@ -180,21 +185,25 @@ static void test_ignored_nodes(void **state) {
     assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1],\"extras\":{\"norma\":{\"ignore\":[\"N602\"]}}}]"));
     assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"children\":[1],\"extras\":{\"norma\":{\"ignore\":[\"N60\"]}}},{\"mesh\":0,\"scale\":[-1,2,0]}]"));
     assert_clean(check_nodes(ONE_SIDE, "\"extras\":{\"norma\":{\"ignore\":[\"mirrored\",\"non-uniform-scale\"]}},\"nodes\":[{\"mesh\":0,\"scale\":[-1,2,1]}]"));
-    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-1,2,1],\"extras\":{\"norma\":{\"ignore\":[\"N601\",\"nonsense\"]}}}]"), {"N602", "/nodes/0", I, 1, -2, ""});
+    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-1,2,1],\"extras\":{\"norma\":{\"ignore\":[\"N601\",\"nonsense\"]}}}]"),
+          {"N602", "/nodes/0", I, 1, -2, ""});
 }
 
 /* ---- skins */
 
 static void test_joints(void **state) {
     (void)state;
-    FOUND(check_nodes(ONE_SIDE, "\"skins\":[{\"joints\":[0]},{\"joints\":[0,1],\"name\":\"arm\"}],\"nodes\":[{\"scale\":[1,1.04,1],\"children\":[1]},{\"scale\":[1,1.02,1]}]"),
+    FOUND(check_nodes(
+              ONE_SIDE,
+              "\"skins\":[{\"joints\":[0]},{\"joints\":[0,1],\"name\":\"arm\"}],\"nodes\":[{\"scale\":[1,1.04,1],\"children\":[1]},{\"scale\":[1,1.02,1]}]"),
           {"N605", "/skins/1", I, 1, 1.0608, ""});
     static const float times[2] = {0, 1}, scales[2][3] = {{1, 1, 1}, {1, 1, 1.5F}};
     gltf_asset a = {0};
     asset_floats(&a, times, 2, 1);
     asset_floats(&a, &scales[0][0], 2, 3);
     FOUND(check(asset_open(&a,
-                           "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1]},{}],\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":[{\"sampler\":0,"
+                           "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1]},{}],\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1}],"
+                           "\"channels\":[{\"sampler\":0,"
                            "\"target\":{\"node\":0,\"path\":\"scale\"}}]}]",
                            1),
                 MINE),
@@ -317,7 +326,8 @@ static void test_tangent_windings(void **state) {
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, W, 4, NAN, "v12 v13 v14 v15"});
     for (int v = 12; v < 16; v++) s.uvs[v][1] = 0.5F; /* no area: no winding */
     assert_clean(check_islands(&s, 0));
-    static const float last_digits[4][2] = {{0.3F, 0.7F}, {0.30000001192F + 0x1p-25F, 0.7F}, {0.3F, 0.7F + 0x1p-24F}, {0.3F - 0x1p-25F, 0.7F - 0x1p-24F}}; /* one point, but for rounding */
+    static const float last_digits[4][2] = {
+        {0.3F, 0.7F}, {0.30000001192F + 0x1p-25F, 0.7F}, {0.3F, 0.7F + 0x1p-24F}, {0.3F - 0x1p-25F, 0.7F - 0x1p-24F}}; /* one point, but for rounding */
     memcpy(s.uvs[12], last_digits, sizeof last_digits);
     assert_clean(check_islands(&s, 0));
 
@@ -364,7 +374,8 @@ static void test_parts_of_tangents(void **state) {
     assert_clean(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4", MAPPED));
     FOUND(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":4", MAPPED), {"N805", PRIMITIVE, I, 1, NAN, ""});
     assert_clean(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":4", "{}"));
-    FOUND(check_surface("\"POSITION\":0,\"TANGENT\":3,\"TEXCOORD_0\":4", "{}"), {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"}, {"N806", PRIMITIVE, W, 1, NAN, ""});
+    FOUND(check_surface("\"POSITION\":0,\"TANGENT\":3,\"TEXCOORD_0\":4", "{}"), {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"},
+          {"N806", PRIMITIVE, W, 1, NAN, ""});
 }
 
 /* ---- normals there or not */
@@ -414,7 +425,9 @@ static void test_obj_faces(void **state) {
     (void)state;
     static const char head[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n";
     char text[1000];
-    snprintf(text, sizeof text, "%sf 1//1 2//1 3//1\nf 1 2 3\nf 1//1 2 3//1\nf 1//0 2//0 3//0\nf 1//1 2//1 3//7\nf 1/1/ 2// 3 4\nf 1//1 3//1 4//1\nf -4//-1 -2//-1 -1//-2\n", head);
+    snprintf(text, sizeof text,
+             "%sf 1//1 2//1 3//1\nf 1 2 3\nf 1//1 2 3//1\nf 1//0 2//0 3//0\nf 1//1 2//1 3//7\nf 1/1/ 2// 3 4\nf 1//1 3//1 4//1\nf -4//-1 -2//-1 -1//-2\n",
+             head);
     FOUND(check(open_text(text, "a.obj"), MINE), {"N104", "", I, 2, NAN, "f1 f5"}, {"N106", "", E, 4, NAN, "f2 f3 f4 f7"});
     snprintf(text, sizeof text, "%sf 1//1 2//1 3//1 4//1\n", head);
     assert_clean(check(open_text(text, "a.obj"), MINE));
@@ -475,7 +488,8 @@ static norma_findings *check_deltas(const float *deltas, const char *base) {
 
 static void test_cancelling_morphs(void **state) {
     (void)state;
-    static const float cancels[4][3] = {{0, 0, -2}, {0, 0, -0.89F}, {0, 0, -0.95F}, {0.5F, 0, -1}}, fine[4][3] = {{0, 0, -2}, {1, 0, -1}, {0, 0, 0}, {0, 0.1F, -1}};
+    static const float cancels[4][3] = {{0, 0, -2}, {0, 0, -0.89F}, {0, 0, -0.95F}, {0.5F, 0, -1}},
+                       fine[4][3] = {{0, 0, -2}, {1, 0, -1}, {0, 0, 0}, {0, 0.1F, -1}};
     FOUND(check_deltas(&cancels[0][0], "\"POSITION\":0,\"NORMAL\":1"), {"N902", PRIMITIVE, W, 2, 0.05, "v2 v2"}); /* two targets */
     assert_clean(check_deltas(&fine[0][0], "\"POSITION\":0,\"NORMAL\":1"));
     FOUND(check_deltas(&fine[0][0], "\"POSITION\":0"), {"N104", PRIMITIVE, I, 2, NAN, "f0 f1"}, {"N903", PRIMITIVE, E, 1, NAN, ""});
@@ -492,7 +506,8 @@ static void test_not_checked(void **state) {
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     assert_true(norma_findings_partly(findings));
     assert_string_equal(norma_findings_get(findings, 1)->label, "mesh 0 primitive 1");
-    FOUND(findings, {"N002", "/extensionsRequired/0", W, 1, NAN, ""}, {"N002", "/meshes/0/primitives/1", W, 1, NAN, ""}, {"N002", "/meshes/0/primitives/2", W, 1, NAN, ""});
+    FOUND(findings, {"N002", "/extensionsRequired/0", W, 1, NAN, ""}, {"N002", "/meshes/0/primitives/1", W, 1, NAN, ""},
+          {"N002", "/meshes/0/primitives/2", W, 1, NAN, ""});
     findings = check(asset_open(&a, rest, 1), "N104"); /* a skip is one, whether asked for or not */
     assert_true(norma_findings_partly(findings));
     assert_clean(findings);
@@ -523,20 +538,44 @@ static void test_unreadable(void **state) {
 static void test_arrays(void **state) {
     (void)state;
     static const float tangents[4][4] = {{1, 0, 0, 1}, {1, 0, 0, 2}, {1, 0, 0, 1}, {1, 0, 0, 1}};
-    const norma_check_mesh mesh = {.info = {.name = "", .where = "/meshes/3/primitives/0", .mesh = 3, .vertices = 4, .faces = 2, .triangles = 2, .normals = NORMA_NORMALS_PER_VERTEX, .encoding = "float", .has_tangents = 1},
-                                   .data = {.mesh = {.positions = {square, 4, 0, NORMA_FORMAT_FLOAT}, .corners = corners, .corner_count = 6, .corner_size = 2}, .normals = {up, 4, 0, NORMA_FORMAT_FLOAT}},
+    const norma_check_mesh mesh = {.info = {.name = "",
+                                            .where = "/meshes/3/primitives/0",
+                                            .mesh = 3,
+                                            .vertices = 4,
+                                            .faces = 2,
+                                            .triangles = 2,
+                                            .normals = NORMA_NORMALS_PER_VERTEX,
+                                            .encoding = "float",
+                                            .has_tangents = 1},
+                                   .data = {.mesh = {.positions = {square, 4, 0, NORMA_FORMAT_FLOAT}, .corners = corners, .corner_count = 6, .corner_size = 2},
+                                            .normals = {up, 4, 0, NORMA_FORMAT_FLOAT}},
                                    .attributes = {.material = SIZE_MAX, .tangents = &tangents[0][0], .tangent_count = 4, .tangent_encoding = "float"},
                                    .material = {.double_sided = 1}};
-    const norma_node_info nodes[2] = {{.name = "one", .where = "/nodes/7", .node = 7, .mesh = 3, .instances = 1, .skin = SIZE_MAX, .world = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
-                                      {.name = "set", .where = "/nodes/8", .node = 8, .mesh = 4, .instances = 5, .mirrored_instances = 2, .skin = SIZE_MAX, .world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
+    const norma_node_info nodes[2] = {{.name = "one",
+                                       .where = "/nodes/7",
+                                       .node = 7,
+                                       .mesh = 3,
+                                       .instances = 1,
+                                       .skin = SIZE_MAX,
+                                       .world = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
+                                      {.name = "set",
+                                       .where = "/nodes/8",
+                                       .node = 8,
+                                       .mesh = 4,
+                                       .instances = 5,
+                                       .mirrored_instances = 2,
+                                       .skin = SIZE_MAX,
+                                       .world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
     const norma_skin_info skin = {.name = "", .where = "/skins/0", .joint_count = 1, .anisotropy = 1.2, .joint = 9};
-    const norma_check_scene scene = {.meshes = &mesh, .mesh_count = 1, .nodes = nodes, .node_count = 2, .skins = &skin, .skin_count = 1, .format = NORMA_FILE_GLTF};
+    const norma_check_scene scene = {
+        .meshes = &mesh, .mesh_count = 1, .nodes = nodes, .node_count = 2, .skins = &skin, .skin_count = 1, .format = NORMA_FILE_GLTF};
     uint8_t mask[128] = {0};
     assert_int_equal(norma_rules_select(MINE, mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
     norma_findings *findings;
     assert_int_equal(norma_check_scene_run(&scene, &options, &findings), NORMA_OK);
-    FOUND(findings, {"N802", "/meshes/3/primitives/0", E, 1, NAN, "v1"}, {"N602", "/nodes/7", W, 1, -1, ""}, {"N602", "/nodes/8", W, 2, NAN, ""}, {"N605", "/skins/0", I, 1, 1.2, ""});
+    FOUND(findings, {"N802", "/meshes/3/primitives/0", E, 1, NAN, "v1"}, {"N602", "/nodes/7", W, 1, -1, ""}, {"N602", "/nodes/8", W, 2, NAN, ""},
+          {"N605", "/skins/0", I, 1, 1.2, ""});
 }
 
 int main(void) {

@@ -1,5 +1,5 @@
-/* What norma check --fix-unsafe makes of planted faults in tangents, morph targets, counts of normals and materials: the fault is gone, what it was about is right by hand, all else
- * keeps its bits, and a second time changes nothing. */
+/* What norma check --fix-unsafe makes of planted faults in tangents, morph targets, counts of normals and materials: the fault is gone, what it was about is
+ * right by hand, all else keeps its bits, and a second time changes nothing. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -53,7 +53,7 @@ static norma_document *open_islands(gltf_asset *a, const islands *s, const char 
     return asset_open(a, rest, 1);
 }
 
-#define ALL  "\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":3"
+#define ALL                    "\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":3"
 #define MESH(attributes, more) "\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "},\"indices\":4" more "}]}]"
 
 /* ---- mending until nothing is left to mend */
@@ -264,7 +264,8 @@ static void test_unlit(void **state) {
     islands s;
     outcome o;
     make_islands(&s);
-    run(&o, &s, "\"materials\":[{\"extensions\":{\"KHR_materials_unlit\":{}}}]," MESH(ALL, ",\"material\":0,\"targets\":[{\"POSITION\":5,\"NORMAL\":6}]"), "N105", 1, COUNT);
+    run(&o, &s, "\"materials\":[{\"extensions\":{\"KHR_materials_unlit\":{}}}]," MESH(ALL, ",\"material\":0,\"targets\":[{\"POSITION\":5,\"NORMAL\":6}]"),
+        "N105", 1, COUNT);
     norma_mesh_info info;
     norma_morph_data morph;
     assert_int_equal(norma_document_mesh_info(o.document, 0, &info), NORMA_DOCUMENT_OK);
@@ -349,7 +350,8 @@ static void test_baked(void **state) {
     islands s;
     outcome o;
     drawn_scene before = {0}, after = {0};
-    static const char nodes[] = ",\"nodes\":[{\"scale\":[-2,1,1],\"children\":[1]},{\"mesh\":0,\"translation\":[1,2,3],\"rotation\":[0.2705980500730985,0,0.2705980500730985,0.9238795325112867]}]";
+    static const char nodes[] = ",\"nodes\":[{\"scale\":[-2,1,1],\"children\":[1]},{\"mesh\":0,\"translation\":[1,2,3],\"rotation\":[0.2705980500730985,0,0."
+                                "2705980500730985,0.9238795325112867]}]";
     make_islands(&s);
     char rest[1000];
     snprintf(rest, sizeof rest, "%s%s", MESH(ALL, ""), nodes);
@@ -382,9 +384,17 @@ static void test_baked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bad_tangents), cmocka_unit_test(test_leaning_tangents), cmocka_unit_test(test_signs), cmocka_unit_test(test_missing_tangents),
-        cmocka_unit_test(test_tangents_without_normals), cmocka_unit_test(test_counts), cmocka_unit_test(test_unlit), cmocka_unit_test(test_obj),
-        cmocka_unit_test(test_bending_morph), cmocka_unit_test(test_morph_without_base), cmocka_unit_test(test_baked),
+        cmocka_unit_test(test_bad_tangents),
+        cmocka_unit_test(test_leaning_tangents),
+        cmocka_unit_test(test_signs),
+        cmocka_unit_test(test_missing_tangents),
+        cmocka_unit_test(test_tangents_without_normals),
+        cmocka_unit_test(test_counts),
+        cmocka_unit_test(test_unlit),
+        cmocka_unit_test(test_obj),
+        cmocka_unit_test(test_bending_morph),
+        cmocka_unit_test(test_morph_without_base),
+        cmocka_unit_test(test_baked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

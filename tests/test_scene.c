@@ -1,5 +1,5 @@
-/* What a document tells beside meshes and normals: materials, UVs, colours, tangents, morph targets, nodes, instances, skins, rules that extras silence, what was not
- * read; and what lenient reading lets through. Assets are written here, each expected number by hand. */
+/* What a document tells beside meshes and normals: materials, UVs, colours, tangents, morph targets, nodes, instances, skins, rules that extras silence, what
+ * was not read; and what lenient reading lets through. Assets are written here, each expected number by hand. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -50,20 +50,22 @@ static norma_material_info material_of(norma_document *document, size_t index) {
 static void test_materials(void **state) {
     (void)state;
     gltf_asset a = {0};
-    norma_document *document = asset_open(&a,
-                                          "\"materials\":[{},"
-                                          "{\"name\":\"two \\u0041\",\"doubleSided\":true,\"alphaMode\":\"MASK\",\"extensions\":{\"KHR_materials_unlit\":{}}},"
-                                          "{\"alphaMode\":\"OPAQUE\",\"normalTexture\":{\"index\":0,\"texCoord\":2},\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,0,1],"
-                                          "\"metallicFactor\":0.125,\"roughnessFactor\":0.75}},"
-                                          "{\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":0.5}}},"
-                                          "{\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":0}}},"
-                                          "{\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatNormalTexture\":{\"index\":0,\"texCoord\":1,"
-                                          "\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":3}}}}},"
-                                          "\"extras\":{\"norma\":{\"ignore\":[\"N201\",7,\"N3\",\"placeholder-normals\"]}}},"
-                                          "{\"doubleSided\":\"yes\",\"alphaMode\":4,\"normalTexture\":5,\"pbrMetallicRoughness\":[]}]",
-                                          0);
+    norma_document *document =
+        asset_open(&a,
+                   "\"materials\":[{},"
+                   "{\"name\":\"two \\u0041\",\"doubleSided\":true,\"alphaMode\":\"MASK\",\"extensions\":{\"KHR_materials_unlit\":{}}},"
+                   "{\"alphaMode\":\"OPAQUE\",\"normalTexture\":{\"index\":0,\"texCoord\":2},\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,0,1],"
+                   "\"metallicFactor\":0.125,\"roughnessFactor\":0.75}},"
+                   "{\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":0.5}}},"
+                   "{\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":0}}},"
+                   "{\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatNormalTexture\":{\"index\":0,\"texCoord\":1,"
+                   "\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":3}}}}},"
+                   "\"extras\":{\"norma\":{\"ignore\":[\"N201\",7,\"N3\",\"placeholder-normals\"]}}},"
+                   "{\"doubleSided\":\"yes\",\"alphaMode\":4,\"normalTexture\":5,\"pbrMetallicRoughness\":[]}]",
+                   0);
     assert_int_equal(norma_document_material_count(document), 7);
-    const norma_material_info plain = material_of(document, 0), two = material_of(document, 1), mapped = material_of(document, 2), odd = material_of(document, 6);
+    const norma_material_info plain = material_of(document, 0), two = material_of(document, 1), mapped = material_of(document, 2),
+                              odd = material_of(document, 6);
     assert_string_equal(plain.name, "");
     assert_string_equal(plain.where, "/materials/0");
     assert_string_equal(plain.ignore, "");
@@ -97,11 +99,12 @@ static void test_attributes(void **state) {
     asset_floats(&a, &other_uvs[0][0], 4, 2);
     asset_floats(&a, &colors[0][0], 4, 3);
     asset_snorm8(&a, &tangents[0][0], 4, 4);
-    norma_document *document = asset_open(&a,
-                                          "\"extras\":{\"norma\":{\"ignore\":[\"N702\"]}},\"materials\":[{},{\"normalTexture\":{\"index\":0,\"texCoord\":1}}],"
-                                          "\"meshes\":[{\"extras\":{\"norma\":{\"ignore\":\"N4\"}},\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":3,"
-                                          "\"TEXCOORD_1\":4,\"COLOR_0\":5,\"TANGENT\":6},\"indices\":2,\"material\":1,\"extras\":{\"norma\":{\"ignore\":[\"N201\"]}}},{" PRIMITIVE "}]}]",
-                                          0);
+    norma_document *document = asset_open(
+        &a,
+        "\"extras\":{\"norma\":{\"ignore\":[\"N702\"]}},\"materials\":[{},{\"normalTexture\":{\"index\":0,\"texCoord\":1}}],"
+        "\"meshes\":[{\"extras\":{\"norma\":{\"ignore\":\"N4\"}},\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":3,"
+        "\"TEXCOORD_1\":4,\"COLOR_0\":5,\"TANGENT\":6},\"indices\":2,\"material\":1,\"extras\":{\"norma\":{\"ignore\":[\"N201\"]}}},{" PRIMITIVE "}]}]",
+        0);
     const norma_mesh_attributes full = attributes_of(document, 0), bare = attributes_of(document, 1);
     assert_int_equal(full.material, 1);
     assert_int_equal(full.texcoord_count, 4);
@@ -152,11 +155,12 @@ static void test_nodes(void **state) {
     (void)state;
     gltf_asset a = {0};
     add_square(&a);
-    norma_document *document = asset_open(&a,
-                                          "\"nodes\":[{\"name\":\"a\",\"children\":[1],\"scale\":[-1,1,1],\"extras\":{\"norma\":{\"ignore\":[\"N601\"]}}},"
-                                          "{\"children\":[2]},{\"name\":\"leg\",\"mesh\":0,\"skin\":0,\"extras\":{\"norma\":{\"ignore\":[\"N602\"]}}},{\"name\":\"alone\",\"mesh\":0}],"
-                                          "\"skins\":[{\"joints\":[0]}]," MESH,
-                                          0);
+    norma_document *document = asset_open(
+        &a,
+        "\"nodes\":[{\"name\":\"a\",\"children\":[1],\"scale\":[-1,1,1],\"extras\":{\"norma\":{\"ignore\":[\"N601\"]}}},"
+        "{\"children\":[2]},{\"name\":\"leg\",\"mesh\":0,\"skin\":0,\"extras\":{\"norma\":{\"ignore\":[\"N602\"]}}},{\"name\":\"alone\",\"mesh\":0}],"
+        "\"skins\":[{\"joints\":[0]}]," MESH,
+        0);
     assert_int_equal(norma_document_node_count(document), 2);
     const norma_node_info leg = node_info(document, 0), alone = node_info(document, 1);
     assert_true(leg.node == 2 && leg.parent == 1 && leg.skin == 0 && leg.instances == 1 && leg.mirrored_instances == 1);
@@ -238,8 +242,9 @@ static norma_skin_info skin_of(const char *rest, const float *times, size_t time
     return info;
 }
 
-#define ANIMATION(node, path, kind)                                                                                                                                    \
-    ",\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1,\"interpolation\":\"" kind "\"}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":" node ",\"path\":\"" path "\"}}]}]"
+#define ANIMATION(node, path, kind)                                                                                                                            \
+    ",\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1,\"interpolation\":\"" kind "\"}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":" node       \
+    ",\"path\":\"" path "\"}}]}]"
 #define JOINTS "\"skins\":[{\"joints\":[1,2]}],\"nodes\":[{\"children\":[1]},{\"children\":[2]},{}]"
 
 static void test_skins(void **state) {
@@ -264,8 +269,8 @@ static void test_skins(void **state) {
     assert_true(skin_of("\"skins\":[{\"joints\":[]}]", NULL, 0, NULL, 0, 0).joint == SIZE_MAX);
 }
 
-/* Turned by a quarter between two moments, with one key of an uneven scale half-way, under an uneven scale above: M = diag(4,1) R(45) diag(1,4) in the plane, the sum of whose
- * squares is (16 + 256 + 1 + 16) / 2 and whose determinant is 16. */
+/* Turned by a quarter between two moments, with one key of an uneven scale half-way, under an uneven scale above: M = diag(4,1) R(45) diag(1,4) in the plane,
+ * the sum of whose squares is (16 + 256 + 1 + 16) / 2 and whose determinant is 16. */
 static void test_skin_between_keys(void **state) {
     (void)state;
     static const float turns[2][4] = {{0, 0, 0, 1}, {0, 0, 0.70710678F, 0.70710678F}}, scales[1][3] = {{1, 4, 2}}, moments[2] = {0, 2}, moment[1] = {1};
@@ -275,11 +280,12 @@ static void test_skin_between_keys(void **state) {
     asset_floats(&a, &turns[0][0], 2, 4);
     asset_floats(&a, moment, 1, 1);
     asset_floats(&a, &scales[0][0], 1, 3);
-    norma_document *document = asset_open(&a,
-                                          "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1],\"scale\":[4,1,2]},{}],"
-                                          "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1},{\"input\":2,\"output\":3}],\"channels\":[{\"sampler\":0,\"target\":"
-                                          "{\"node\":1,\"path\":\"rotation\"}},{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"scale\"}}]}]",
-                                          0);
+    norma_document *document =
+        asset_open(&a,
+                   "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1],\"scale\":[4,1,2]},{}],"
+                   "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1},{\"input\":2,\"output\":3}],\"channels\":[{\"sampler\":0,\"target\":"
+                   "{\"node\":1,\"path\":\"rotation\"}},{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"scale\"}}]}]",
+                   0);
     assert_int_equal(norma_document_skin_info(document, 0, &info, NULL), NORMA_DOCUMENT_OK);
     const double squares = (16 + 256 + 1 + 16) / 2.0, product = 16; /* of the two in the plane; the third is 4 */
     const double sum = sqrt(squares + 2 * product), difference = sqrt(squares - 2 * product);
@@ -344,8 +350,9 @@ static void test_unread(void **state) {
     (void)state;
     gltf_asset a = {0};
     add_square(&a);
-    static const char rest[] = "\"extensionsUsed\":[\"ACME_gizmo\",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\",\"ACME_gizmo\"],"
-                               "\"meshes\":[{\"primitives\":[{" PRIMITIVE "},{\"attributes\":{\"NORMAL\":1}},{\"attributes\":{\"POSITION\":0},\"mode\":0}]}]";
+    static const char rest[] =
+        "\"extensionsUsed\":[\"ACME_gizmo\",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\",\"ACME_gizmo\"],"
+        "\"meshes\":[{\"primitives\":[{" PRIMITIVE "},{\"attributes\":{\"NORMAL\":1}},{\"attributes\":{\"POSITION\":0},\"mode\":0}]}]";
     assert_non_null(strstr(asset_refused(&a, rest, 0), "ACME_gizmo"));
     norma_document *document = asset_open(&a, rest, 1);
     norma_unread unread;
@@ -395,9 +402,10 @@ static norma_document *open_text(const char *text, const char *name) {
 
 static void test_obj(void **state) {
     (void)state;
-    norma_document *document = open_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1 2 3\nvt 0 0\nvt 1 0 0\n  vt .5 .25\nusemtl  red  \nf 1/1/1 2/2/1 3/3/1\n"
-                                         "usemtl blue#1\nf 1/-3/  2/3 4/4\nusemtl red\nf 1//1 2 3//1\nf 1//0 2//1 3//1\nf 1//1 2//2 3\n",
-                                         "a.obj");
+    norma_document *document =
+        open_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1 2 3\nvt 0 0\nvt 1 0 0\n  vt .5 .25\nusemtl  red  \nf 1/1/1 2/2/1 3/3/1\n"
+                  "usemtl blue#1\nf 1/-3/  2/3 4/4\nusemtl red\nf 1//1 2 3//1\nf 1//0 2//1 3//1\nf 1//1 2//2 3\n",
+                  "a.obj");
     const norma_mesh_attributes attributes = attributes_of(document, 0);
     assert_int_equal(norma_document_material_count(document), 2);
     assert_string_equal(material_of(document, 0).name, "red");
@@ -439,10 +447,11 @@ static void test_many_materials(void **state) {
 
 static void test_ply(void **state) {
     (void)state;
-    norma_document *document = open_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\n"
-                                         "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                                         "0 0 0 .25 .5 255 0 51\n1 0 0 1 0 0 0 0\n0 1 0 0 1 255 255 255\n3 0 1 2\n",
-                                         "a.ply");
+    norma_document *document =
+        open_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\n"
+                  "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                  "0 0 0 .25 .5 255 0 51\n1 0 0 1 0 0 0 0\n0 1 0 0 1 255 255 255\n3 0 1 2\n",
+                  "a.ply");
     const norma_mesh_attributes attributes = attributes_of(document, 0);
     static const float uvs[3][2] = {{.25F, .5F}, {1, 0}, {0, 1}}, colors[3][4] = {{1, 0, .2F, 1}, {0, 0, 0, 1}, {1, 1, 1, 1}};
     assert_int_equal(attributes.texcoord_count, 3);
@@ -458,7 +467,8 @@ static void test_nothing(void **state) {
     assert_int_equal(norma_document_material_count(NULL), 0);
     assert_int_equal(norma_document_skin_count(NULL), 0);
     assert_int_equal(norma_document_unread_count(NULL), 0);
-    norma_document *document = open_text("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n", "a.stl");
+    norma_document *document =
+        open_text("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n", "a.stl");
     const norma_mesh_attributes attributes = attributes_of(document, 0);
     assert_true(attributes.material == SIZE_MAX && !attributes.texcoords && !attributes.colors);
     assert_int_equal(norma_document_material_count(document), 0);
@@ -467,10 +477,10 @@ static void test_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_materials),  cmocka_unit_test(test_attributes), cmocka_unit_test(test_morphs),    cmocka_unit_test(test_nodes),
-        cmocka_unit_test(test_deep_path),  cmocka_unit_test(test_instances),  cmocka_unit_test(test_skins),     cmocka_unit_test(test_skin_between_keys),
-        cmocka_unit_test(test_counts),     cmocka_unit_test(test_compute_lenient), cmocka_unit_test(test_unread), cmocka_unit_test(test_option_size),
-        cmocka_unit_test(test_obj),        cmocka_unit_test(test_many_materials), cmocka_unit_test(test_ply),   cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_materials), cmocka_unit_test(test_attributes),      cmocka_unit_test(test_morphs), cmocka_unit_test(test_nodes),
+        cmocka_unit_test(test_deep_path), cmocka_unit_test(test_instances),       cmocka_unit_test(test_skins),  cmocka_unit_test(test_skin_between_keys),
+        cmocka_unit_test(test_counts),    cmocka_unit_test(test_compute_lenient), cmocka_unit_test(test_unread), cmocka_unit_test(test_option_size),
+        cmocka_unit_test(test_obj),       cmocka_unit_test(test_many_materials),  cmocka_unit_test(test_ply),    cmocka_unit_test(test_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -240,6 +240,9 @@ enum { NORMA_STRIP_NOTHING = 0, NORMA_STRIP_ALL, NORMA_STRIP_MORPHS }; /* normal
 typedef struct norma_mesh_edit {
     const uint8_t *reverse_faces;          /* a mark for each face: its corners run the other way round, the first stays the first */
     const uint8_t *drop_faces;             /* a mark for each face: it is left out (a glTF primitive keeps one: without any it would not be valid) */
+    const uint8_t *cut_faces;              /* OBJ: a mark for each face: it becomes triangles, with the corners' UVs and normals, ... */
+    const uint32_t *cut_corners;           /* ...three numbers of its corners (from 0, within the face) each: of a face whose corners begin at corner c from 3 c on, two
+                                              triangles fewer than it has corners. Not together with reverse_faces */
     const float   *normals;                /* three numbers for each stored normal: of a vertex (glTF, PLY), a vn (OBJ), a facet (STL); unit vectors */
     const uint8_t *set_normals;            /* a mark for each: those that replace the stored ones */
     const double  *positions;              /* three numbers for each position (STL: three positions a facet) */

@@ -1,6 +1,7 @@
 /* mend.c: what the rules found and a program may put right, put right: every element that a finding names, by an edit of its mesh; missing normals by computing them;
  * transforms by baking them. All changes to single elements come first; where a glTF takes no second change, the summary says that there is more to do. */
 #include "mend_internal.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -191,6 +192,10 @@ static norma_result mend_arrays(mend_mesh *mesh) {
     if (!result)
         result = norma_mend_faces(mesh);
     if (!result)
+        result = norma_mend_polygons(mesh);
+    if (!result)
+        result = norma_mend_positions(mesh);
+    if (!result)
         result = norma_mend_normals(mesh);
     if (!result)
         result = norma_mend_tangents(mesh);
@@ -225,7 +230,8 @@ static norma_document_result mend_mesh_of(mender *m, size_t index) {
 static void free_edits(mender *m) {
     for (size_t i = 0; m->edits && i < m->mesh_count; i++) {
         const norma_mesh_edit *edit = &m->edits[i];
-        const void *const blocks[] = {edit->reverse_faces, edit->drop_faces, edit->normals, edit->set_normals, edit->positions, edit->set_positions, edit->tangents, edit->set_tangents};
+        const void *const blocks[] = {edit->reverse_faces, edit->drop_faces, edit->normals, edit->set_normals, edit->positions, edit->set_positions, edit->tangents, edit->set_tangents,
+                                      edit->cut_faces, edit->cut_corners};
         for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) free((void *)(uintptr_t)blocks[k]);
     }
     free(m->edits);
@@ -234,7 +240,7 @@ static void free_edits(mender *m) {
 static int has_edit(const mender *m) {
     for (size_t i = 0; i < m->mesh_count; i++) {
         const norma_mesh_edit *edit = &m->edits[i];
-        if (edit->reverse_faces || edit->drop_faces || edit->set_normals || edit->set_positions || edit->set_tangents || edit->strip_normals)
+        if (edit->reverse_faces || edit->drop_faces || edit->cut_faces || edit->set_normals || edit->set_positions || edit->set_tangents || edit->strip_normals)
             return 1;
     }
     return 0;
@@ -266,13 +272,33 @@ static norma_document_result bake(mender *m) {
     return result;
 }
 
+/* To where the middle of all positions is 0, by a step that floats hold exactly. A glTF would have to move its nodes the other way, which is not done yet. */
+static norma_document_result recentre(mender *m) {
+    norma_transform_options options = {.struct_size = sizeof options, .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .threads = m->options.threads};
+    norma_transform_summary summary;
+    norma_mesh_data data;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, p[3];
+    norma_document_result result = norma_document_mesh_data(m->document, 0, &data, m->error);
+    for (size_t i = 0; !result && i < data.mesh.positions.count; i++) {
+        norma_view_read(&data.mesh.positions, i, p);
+        for (int k = 0; k < 3 && norma_core_finite(p); k++) low[k] = fmin(low[k], p[k]), high[k] = fmax(high[k], p[k]);
+    }
+    for (int k = 0; k < 3; k++) options.matrix[12 + k] = isfinite(low[k]) ? -(double)(float)round((low[k] + high[k]) / 2) : 0;
+    if (!result)
+        result = norma_document_transform(m->document, &options, &summary, m->error);
+    m->summary->changed |= !result && summary.changed;
+    return result;
+}
+
 /* Changes to a whole document. A glTF that was changed already takes none: they wait for a further call on what it becomes. */
 static norma_document_result mend_whole(mender *m) {
     const norma_file_format format = norma_document_format(m->document);
     const int one_change = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
     const int wants_compute = is_asked(m, RULE_N104) || is_asked(m, RULE_N106) || is_asked(m, RULE_N806) || is_asked(m, RULE_N901);
     const int wants_bake = is_asked(m, RULE_N601) || is_asked(m, RULE_N602) || is_asked(m, RULE_N604);
-    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_document_result result = is_asked(m, RULE_N701) && !one_change ? recentre(m) : NORMA_DOCUMENT_OK;
+    if (result)
+        return result;
     if (wants_compute && !(one_change && m->summary->changed))
         result = compute_missing(m, is_asked(m, RULE_N901));
     else

@@ -40,6 +40,8 @@ void         norma_mend_normal(const mend_mesh *m, size_t number, double normal[
 int          norma_mend_set_normal(mend_mesh *m, size_t number, const double normal[3]); /* made unit; 0: out of memory. What is no direction is left as it is */
 
 norma_result norma_mend_faces(mend_mesh *m);                              /* mend_faces.c: N301, N302, N305, N401 */
+norma_result norma_mend_polygons(mend_mesh *m);                           /* mend_polygons.c: N404, N405 */
+norma_result norma_mend_positions(mend_mesh *m);                          /* mend_positions.c: N503 */
 norma_result norma_mend_normals(mend_mesh *m);                            /* mend_normals.c: N101 to N103, N201 to N203, N205, N501 */
 norma_result norma_mend_tangents(mend_mesh *m);                           /* mend_tangents.c: N801 to N805 */
 #endif

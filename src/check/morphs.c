@@ -72,7 +72,7 @@ enum { FACES_IN_BLOCK = 1 << 13 };
 typedef struct bend_pass {
     const check_mesh *m;
     const norma_vec3_view *deltas;
-    check_hits *parts;                    /* of each block */
+    check_hits *parts; /* of each block */
 } bend_pass;
 
 static void judge_block(void *context, size_t block, size_t begin, size_t end) {
@@ -117,9 +117,10 @@ static norma_result judge_bends(check_mesh *m) {
     }
     if (!hits.count)
         return NORMA_OK;
-    norma_check_message(message, "%z of %z morph targets turn faces by up to %g degrees and have no normals; the moved surface is shaded as if it had not moved", targets,
-                        m->given->morph_count, hits.worst);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N901, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &hits, .message = message});
+    norma_check_message(message, "%z of %z morph targets turning faces by up to %g degrees without normals; the moved surface is shaded as if it had not moved",
+                        targets, m->given->morph_count, hits.worst);
+    return norma_check_add(m->run, &m->place, m,
+                           &(check_report){.rule = RULE_N901, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &hits, .message = message});
 }
 
 /* ---- N902 */
@@ -143,8 +144,10 @@ static norma_result judge_sums(check_mesh *m) {
     }
     if (!hits.count)
         return NORMA_OK;
-    norma_check_message(message, "%z normals of which a morph target at weight 1 leaves less than a tenth (%g); their direction is noise", hits.count, hits.worst);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N902, .severity = NORMA_SEVERITY_WARNING, .unit = "length", .hits = &hits, .message = message});
+    norma_check_message(message, "%z normal%s of which a morph target at weight 1 leaves less than a tenth (%g); the direction is noise", hits.count,
+                        norma_check_plural(hits.count), hits.worst);
+    return norma_check_add(m->run, &m->place, m,
+                           &(check_report){.rule = RULE_N902, .severity = NORMA_SEVERITY_WARNING, .unit = "length", .hits = &hits, .message = message});
 }
 
 /* ---- N903 */
@@ -158,7 +161,8 @@ static norma_result judge_bases(check_mesh *m) {
     }
     if (!normals && !tangents)
         return NORMA_OK;
-    norma_check_message(message, "%z morph targets have %s and the mesh has none; there is nothing to add them to", normals ? normals : tangents, normals ? "normals" : "tangents");
+    norma_check_message(message, "%z morph target%s with %s though the mesh has none; there is nothing to add them to", normals ? normals : tangents,
+                        norma_check_plural(normals ? normals : tangents), normals ? "normals" : "tangents");
     return norma_check_add_one(m->run, &m->place, m, RULE_N903, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, message);
 }
 

@@ -5,7 +5,7 @@
 
 static const double UNEVEN = 1.05, SHEARED = 1e-3, DEGREES = 180 / 3.141592653589793;
 
-typedef struct node_sums {                /* instances, and the worst of each kind */
+typedef struct node_sums { /* instances, and the worst of each kind */
     size_t uneven, mirrored, upright, singular, sheared;
     double anisotropy, determinant, cosine, error_rad;
     int rank;
@@ -72,7 +72,7 @@ typedef struct node_judgement {
     uint8_t rules[CHECK_RULE_COUNT];
     check_place place;
     const norma_node_info *node;
-    int double_sided;                     /* some material of its mesh */
+    int double_sided; /* some material of its mesh */
 } node_judgement;
 
 static norma_result add(const node_judgement *j, check_rule rule, norma_severity severity, size_t count, double worst, const char *unit, const char *message) {
@@ -94,18 +94,20 @@ static norma_result add_mirrored(const node_judgement *j, const node_sums *sums)
     int mixed = sums->mirrored && sums->upright;
     begin_message(j, sums->mirrored, begin);
     norma_check_message(determinant, isnan(sums->determinant) ? "below 0" : "%g", sums->determinant);
-    norma_check_message(message, "%sworld determinant %s%s%s%s", begin, determinant, mixed ? ", and the others do not mirror" : "", j->double_sided ? " and the material is double-sided" : "",
-                        mixed            ? "; one draw call can turn its culling one way only"
+    norma_check_message(message, "%sworld determinant %s%s%s%s", begin, determinant, mixed ? ", and the others do not mirror" : "",
+                        j->double_sided ? " and the material is double-sided" : "",
+                        mixed             ? "; one draw call can turn its culling one way only"
                         : j->double_sided ? "; renderers disagree on how to light it"
                                           : "; renderers must turn their culling round");
-    return add(j, RULE_N602, mixed || j->double_sided ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, sums->mirrored, sums->determinant, "determinant", message);
+    return add(j, RULE_N602, mixed || j->double_sided ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, sums->mirrored, sums->determinant, "determinant",
+               message);
 }
 
 static norma_result add_findings(const node_judgement *j, const node_sums *sums) {
     char begin[CHECK_MESSAGE], message[CHECK_MESSAGE];
     begin_message(j, sums->uneven, begin);
-    norma_check_message(message, "%sstretches one direction by %g times another; a renderer without the normal matrix errs by up to %g degrees", begin, sums->anisotropy,
-                        sums->error_rad * DEGREES);
+    norma_check_message(message, "%sstretches one direction by %g times another; a renderer without the normal matrix errs by up to %g degrees", begin,
+                        sums->anisotropy, sums->error_rad * DEGREES);
     norma_result result = add(j, RULE_N601, NORMA_SEVERITY_INFO, sums->uneven, sums->anisotropy, "ratio", message);
     if (!result)
         result = add_mirrored(j, sums);
@@ -114,7 +116,8 @@ static norma_result add_findings(const node_judgement *j, const node_sums *sums)
     if (!result)
         result = add(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular, (double)sums->rank, "rank", message);
     begin_message(j, sums->sheared, begin);
-    norma_check_message(message, "%scolumns of the world matrix are %g degrees off perpendicular; no translation, rotation and scale can say that", begin, asin(fmin(sums->cosine, 1)) * DEGREES);
+    norma_check_message(message, "%scolumns of the world matrix are %g degrees off perpendicular; no translation, rotation and scale can say that", begin,
+                        asin(fmin(sums->cosine, 1)) * DEGREES);
     return result ? result : add(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared, sums->cosine, "cosine", message);
 }
 
@@ -154,7 +157,9 @@ static norma_result judge_skin(check_run *run, const norma_skin_info *skin, size
     norma_check_silence(j.rules, skin->ignore);
     j.place = (check_place){.order = run->next_order++, .where = skin->where ? skin->where : "", .label = label};
     label_of("skin", number, skin->name, label);
-    norma_check_message(message, "joint node %z stretches one direction by %g times another, at rest or in an animation; most skinning shaders err while it does", skin->joint, skin->anisotropy);
+    norma_check_message(message,
+                        "joint node %z stretches one direction by %g times another, at rest or in an animation; most skinning shaders err while it does",
+                        skin->joint, skin->anisotropy);
     return add(&j, RULE_N605, NORMA_SEVERITY_INFO, skin->joint_count && skin->anisotropy > UNEVEN, skin->anisotropy, "ratio", message);
 }
 

@@ -1,26 +1,26 @@
-/* of_document.c: the rules over an open document: each mesh that it could read, then its nodes and skins; what it could not read is told of (N002), and so is a file that
- * could not be opened (N001). */
+/* of_document.c: the rules over an open document: each mesh that it could read, then its nodes and skins; what it could not read is told of (N002), and so is
+ * a file that could not be opened (N001). */
 #include "findings.h"
 #include "scene_rules.h"
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct document_check {
-    check_run             run;
-    norma_document       *document;
+    check_run run;
+    norma_document *document;
     norma_document_error *error;
-    norma_check_mesh     *meshes;         /* those that were read; for the nodes that draw them */
-    norma_morph_data    **morphs;         /* of each */
-    norma_node_info      *nodes;
-    norma_skin_info      *skins;
-    size_t                mesh_count, skin_count, next_unread;
+    norma_check_mesh *meshes;  /* those that were read; for the nodes that draw them */
+    norma_morph_data **morphs; /* of each */
+    norma_node_info *nodes;
+    norma_skin_info *skins;
+    size_t mesh_count, skin_count, next_unread;
 } document_check;
 
 static norma_document_result fail(norma_document_error *error, norma_result result) {
-    norma_document_result as = result == NORMA_CANCELLED         ? NORMA_DOCUMENT_CANCELLED
-                               : result == NORMA_ERROR_MEMORY    ? NORMA_DOCUMENT_ERROR_MEMORY
-                               : result == NORMA_ERROR_ARGUMENT  ? NORMA_DOCUMENT_ERROR_ARGUMENT
-                                                                 : NORMA_DOCUMENT_ERROR_MALFORMED;
+    norma_document_result as = result == NORMA_CANCELLED        ? NORMA_DOCUMENT_CANCELLED
+                               : result == NORMA_ERROR_MEMORY   ? NORMA_DOCUMENT_ERROR_MEMORY
+                               : result == NORMA_ERROR_ARGUMENT ? NORMA_DOCUMENT_ERROR_ARGUMENT
+                                                                : NORMA_DOCUMENT_ERROR_MALFORMED;
     if (error) {
         error->result = as;
         norma_check_message(error->message, "cannot be checked: %s", norma_result_text(result));
@@ -54,7 +54,8 @@ static norma_document_result tell_up_to(document_check *d, const norma_mesh_info
         if (of_mesh && strcmp(unread.where, info->where) != 0)
             break;
         if (of_mesh)
-            norma_check_message(label, info->name && *info->name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z", info->mesh, info->primitive, info->name);
+            norma_check_message(label, info->name && *info->name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z", info->mesh, info->primitive,
+                                info->name);
         if (!result)
             result = tell_unread(d, unread.where, label, unread.why);
     }
@@ -167,12 +168,14 @@ static norma_document_result check_nodes(document_check *d) {
     }
     if (!result)
         result = read_skins(d);
-    const norma_check_scene scene = {.meshes = d->meshes, .mesh_count = d->mesh_count, .nodes = d->nodes, .node_count = count, .skins = d->skins, .skin_count = d->skin_count};
+    const norma_check_scene scene = {
+        .meshes = d->meshes, .mesh_count = d->mesh_count, .nodes = d->nodes, .node_count = count, .skins = d->skins, .skin_count = d->skin_count};
     norma_result checked = result ? NORMA_OK : norma_check_nodes(&d->run, &scene, instance_world, d);
     return checked == NORMA_ERROR_INDEX ? NORMA_DOCUMENT_ERROR_MALFORMED : checked ? fail(d->error, checked) : result;
 }
 
-norma_document_result norma_check_document(norma_document *document, const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
+norma_document_result norma_check_document(norma_document *document, const norma_check_options *options, norma_findings **findings,
+                                           norma_document_error *error) {
     document_check d = {.document = document, .error = error};
     if (!document || !findings)
         return fail(error, NORMA_ERROR_ARGUMENT);

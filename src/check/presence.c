@@ -24,8 +24,10 @@ static norma_result add_missing(check_mesh *m) {
         if (!some || lacks_normals(m, f))
             norma_check_hit(m->run, &hits, 0, norma_check_face(f));
     int gltf = m->run->format != NORMA_FILE_OBJ && m->run->format != NORMA_FILE_PLY;
-    norma_check_message(message, "%z faces without normals; %s", hits.count, gltf ? "readers make them flat" : "readers make them flat or smooth, as they like");
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N104, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits, .message = message});
+    norma_check_message(message, "%z face%s without normals; %s", hits.count, norma_check_plural(hits.count),
+                        gltf ? "readers make them flat" : "readers make them flat or smooth, as they like");
+    return norma_check_add(m->run, &m->place, m,
+                           &(check_report){.rule = RULE_N104, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits, .message = message});
 }
 
 /* ---- N105 */
@@ -35,9 +37,10 @@ static norma_result add_unused(check_mesh *m) {
     check_hits hits = {.count = norma_check_normal_count(m)};
     if (!m->given->material.unlit || !hits.count)
         return NORMA_OK;
-    norma_check_message(message, "%z normals on an unlit material; nothing reads them", hits.count);
+    norma_check_message(message, "%z normal%s on an unlit material; nothing reads them", hits.count, norma_check_plural(hits.count));
     hits.worst_spot = CHECK_NOWHERE;
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N105, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits, .message = message});
+    return norma_check_add(m->run, &m->place, m,
+                           &(check_report){.rule = RULE_N105, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits, .message = message});
 }
 
 /* ---- N106 */
@@ -64,13 +67,16 @@ static norma_result add_mismatch(check_mesh *m) {
     if (!hits.count)
         return NORMA_OK;
     if (a->face_faults)
-        norma_check_message(message, "%z faces with a vn that is not there, %z with normals at some corners only; readers differ on what to do with them", a->normals_out_of_range,
-                            a->normals_missing);
+        norma_check_message(message, "%z face%s with a vn that is not there, %z with normals at some corners only; readers differ on what to do with them",
+                            a->normals_out_of_range, norma_check_plural(a->normals_out_of_range), a->normals_missing);
     else if (a->normals_missing)
-        norma_check_message(message, "%z normals fewer than positions; readers refuse the file, or read what is not there", a->normals_missing);
+        norma_check_message(message, "%z normal%s fewer than positions; readers refuse the file, or read what is not there", a->normals_missing,
+                            norma_check_plural(a->normals_missing));
     else
-        norma_check_message(message, "%z normals more than positions; readers refuse the file, or take the wrong ones", a->normals_surplus);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N106, .severity = NORMA_SEVERITY_ERROR, .no_value = 1, .hits = &hits, .message = message});
+        norma_check_message(message, "%z normal%s more than positions; readers refuse the file, or take the wrong ones", a->normals_surplus,
+                            norma_check_plural(a->normals_surplus));
+    return norma_check_add(m->run, &m->place, m,
+                           &(check_report){.rule = RULE_N106, .severity = NORMA_SEVERITY_ERROR, .no_value = 1, .hits = &hits, .message = message});
 }
 
 norma_result norma_check_presence(check_mesh *m) {

@@ -1,6 +1,7 @@
-/* tangent_signs.c: N804: the sign of tangents against the winding of the UVs as they are stored, v downwards: +1 where a triangle's signed area in UV is negative, -1 where it is
- * positive (so in public sample files, but for some that err wholly or in their mirrored islands). A vertex is against its UVs where every face there whose UVs have an area says
- * so. Some against and some with, in one primitive: one side is wrong, most likely the smaller. All against: the normal map may be made for it. */
+/* tangent_signs.c: N804: the sign of tangents against the winding of the UVs as they are stored, v downwards: +1 where a triangle's signed area in UV is
+ * negative, -1 where it is positive (so in public sample files, but for some that err wholly or in their mirrored islands). A vertex is against its UVs where
+ * every face there whose UVs have an area says so. Some against and some with, in one primitive: one side is wrong, most likely the smaller. All against: the
+ * normal map may be made for it. */
 #include "scene_rules.h"
 #include <math.h>
 #include <string.h>
@@ -10,8 +11,8 @@ enum { WITH = 1, AGAINST = 2 };
 static inline double greater(double a, double b) { return a > b ? a : b; }
 static inline double largest_of(double a, double b, double c) { return greater(fabs(a), greater(fabs(b), fabs(c))); }
 
-/* Of a triangle in UV: twice its signed area; 0 where that is no more than what rounding the numbers to floats can make, or a sliver's. Relative to the triangle, so that the
- * smallest island counts. */
+/* Of a triangle in UV: twice its signed area; 0 where that is no more than what rounding the numbers to floats can make, or a sliver's. Relative to the
+ * triangle, so that the smallest island counts. */
 static double uv_area(const float *a, const float *b, const float *c) {
     const double ab[2] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1]}, ac[2] = {(double)c[0] - (double)a[0], (double)c[1] - (double)a[1]};
     double area = ab[0] * ac[1] - ab[1] * ac[0];
@@ -65,13 +66,23 @@ static norma_result add(check_mesh *m, const uint8_t *verdicts, size_t with, siz
         if (verdicts[v] == side)
             norma_check_hit(m->run, &hits, 0, norma_check_vertex(v));
     if (!mixed)
-        norma_check_message(message, "all %z tangents whose UVs tell have the sign against the winding of their UVs; right if the normal map is made for it", against);
+        norma_check_message(message,
+                            "%z tangent%s, all whose UVs have an area, with the sign against the winding of the UVs; right if the normal map is made for it",
+                            against, norma_check_plural(against));
     else if (side == AGAINST)
-        norma_check_message(message, "%z tangents have the sign against the winding of their UVs, %z others have it with theirs; bumps become dents on one side", against, with);
+        norma_check_message(message,
+                            "%z tangent%s with the sign against the winding of the UVs, %z with the sign that they give; bumps become dents on one side",
+                            against, norma_check_plural(against), with);
     else
-        norma_check_message(message, "%z tangents have the sign with the winding of their UVs, but %z others against theirs; bumps become dents on one side", with, against);
+        norma_check_message(message, "%z tangent%s with the sign that the UVs give, but %z with the sign against their winding; bumps become dents on one side",
+                            with, norma_check_plural(with), against);
     return norma_check_add(m->run, &m->place, m,
-                           &(check_report){.rule = RULE_N804, .severity = mixed ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, .no_value = 1, .no_fix = !mixed, .hits = &hits, .message = message});
+                           &(check_report){.rule = RULE_N804,
+                                           .severity = mixed ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
+                                           .no_value = 1,
+                                           .no_fix = !mixed,
+                                           .hits = &hits,
+                                           .message = message});
 }
 
 norma_result norma_check_tangent_signs(check_mesh *m) {

@@ -1,4 +1,5 @@
-/* tangents.c: N801 to N803, N805, N806: tangents that are no unit vectors, signs that are none, tangents that lean on their normals, tangents without a part that they need. */
+/* tangents.c: N801 to N803, N805, N806: tangents that are no unit vectors, signs that are none, tangents that lean on their normals, tangents without a part
+ * that they need. */
 #include "scene_rules.h"
 #include <math.h>
 #include <string.h>
@@ -13,7 +14,7 @@ typedef struct tangent_part {
 typedef struct tangent_pass {
     const check_mesh *m;
     double tolerance;
-    size_t normals;                       /* of vertices; 0: none to compare with */
+    size_t normals; /* of vertices; 0: none to compare with */
     tangent_part *parts;
 } tangent_pass;
 
@@ -63,19 +64,23 @@ static norma_result add_findings(check_mesh *m, tangent_part *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N801) && sum->bad.count) {
-        norma_check_message(message, "%z tangents that are not finite or not of length 1; a normal map is read through them", sum->bad.count);
+        norma_check_message(message, "%z tangent%s not finite or not of length 1; a normal map is read through them", sum->bad.count,
+                            norma_check_plural(sum->bad.count));
         result = norma_check_add(m->run, &m->place, m,
                                  &(check_report){.rule = RULE_N801, .severity = NORMA_SEVERITY_ERROR, .unit = "length", .hits = &sum->bad, .message = message});
     }
     if (!result && norma_check_wants(m, RULE_N802) && sum->sign.count) {
-        norma_check_message(message, "%z tangents whose sign is neither 1 nor -1; bumps become dents or have the wrong height", sum->sign.count);
+        norma_check_message(message, "%z tangent%s with a sign that is neither 1 nor -1; bumps become dents or have the wrong height", sum->sign.count,
+                            norma_check_plural(sum->sign.count));
         result = norma_check_add(m->run, &m->place, m,
                                  &(check_report){.rule = RULE_N802, .severity = NORMA_SEVERITY_ERROR, .no_value = 1, .hits = &sum->sign, .message = message});
     }
     if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count) {
-        norma_check_message(message, "%z tangents up to %g degrees off perpendicular to their normals; a normal map bends light the wrong way", sum->leaning.count, sum->leaning.worst);
-        result = norma_check_add(m->run, &m->place, m,
-                                 &(check_report){.rule = RULE_N803, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .hits = &sum->leaning, .message = message});
+        norma_check_message(message, "%z tangent%s up to %g degrees off perpendicular to the normal; a normal map bends light the wrong way",
+                            sum->leaning.count, norma_check_plural(sum->leaning.count), sum->leaning.worst);
+        result =
+            norma_check_add(m->run, &m->place, m,
+                            &(check_report){.rule = RULE_N803, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .hits = &sum->leaning, .message = message});
     }
     return result;
 }
@@ -114,8 +119,10 @@ norma_result norma_check_tangents(check_mesh *m) {
         result = norma_check_tangent_signs(m);
     int usable = tangents && normals; /* without normals readers must ignore them */
     if (!result && !usable && given->material.normal_map && !given->material.unlit && m->mesh.face_count && norma_check_wants(m, RULE_N805))
-        result = norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_INFO, CHECK_NOWHERE, "a normal map and no tangents; renderers make their own, and not all alike");
+        result = norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_INFO, CHECK_NOWHERE,
+                                     "a normal map and no tangents; renderers make their own, and not all alike");
     if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
-        result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, "tangents and no normals; readers must ignore them");
+        result =
+            norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, "tangents and no normals; readers must ignore them");
     return result;
 }

@@ -18,7 +18,7 @@ typedef struct cli_verb {
     int (*run)(const struct cli_verb *verb, int count, char **arguments);
 } cli_verb;
 
-extern const cli_verb cli_verb_render;
+extern const cli_verb cli_verb_render, cli_verb_view;
 extern const cli_verb cli_verb_compute, cli_verb_transform, cli_verb_matrix, cli_verb_info, cli_verb_check, cli_verb_explain;
 
 /* ---- messages on stderr: "norma compute: ..." (verb may be NULL). Always CLI_USAGE, so that a caller can return it. */

@@ -2,7 +2,7 @@
 #include "cli.h"
 #include <string.h>
 
-static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix, &cli_verb_check, &cli_verb_explain, &cli_verb_info, &cli_verb_render};
+static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix, &cli_verb_check, &cli_verb_explain, &cli_verb_info, &cli_verb_render, &cli_verb_view};
 
 static const char introduction[] = "Norma keeps surface normals right: computes them, carries them through transforms and checks them, in OBJ,\n"
                                    "PLY, STL and glTF files, leaving everything else in the file as it was.\n"
@@ -34,11 +34,7 @@ static const cli_verb *find_verb(const char *name) {
 }
 
 static int unknown_verb(const char *name) {
-    static const char *const planned[] = {"view"};
     const char *names[CLI_COUNT(verbs)], *meant;
-    for (size_t i = 0; i < CLI_COUNT(planned); ++i)
-        if (strcmp(name, planned[i]) == 0)
-            return cli_usage(NULL, "'%s' is not part of this version (%s)", name, norma_version());
     for (size_t i = 0; i < CLI_COUNT(verbs); ++i) names[i] = verbs[i]->name;
     meant = cli_suggest(name, names, CLI_COUNT(names), sizeof *names);
     if (meant)

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const float clay[3] = {0.50F, 0.47F, 0.42F}; /* linear: what has no material of its own */
+static const float clay[3] = {0.58F, 0.55F, 0.49F}; /* linear: what has no material of its own */
 
 static norma_document_result fail(norma_document_error *error, norma_document_result result, const char *input, const char *what) {
     error->result = result;

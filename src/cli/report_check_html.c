@@ -19,6 +19,7 @@ static const char head[] =
     ".place{color:GrayText;font-size:.9em;overflow-wrap:anywhere}code{font-size:.92em;background:var(--soft);padding:0 .25em;border-radius:3px}\n"
     "svg{width:180px;height:180px;background:var(--soft);border-radius:6px;overflow:hidden}\n"
     "svg path{stroke:#0006;stroke-width:.5;stroke-linejoin:round}svg .m{stroke:#800}svg .n{stroke:#0b57d0;stroke-width:2;fill:none}svg circle{fill:#0b57d0}\n"
+    ".bins td{padding:0 .4rem;border:0;font-size:.85em;white-space:nowrap}.bins i{display:inline-block;height:.7em;background:var(--info)}\n"
     "tr[hidden]{display:none}\n"
     "</style></head><body>\n<h1>norma check</h1>\n<p id=\"verdict\"></p>\n"
     "<form><label>Show <select id=\"least\"><option value=\"1\">everything</option><option value=\"2\">warnings and errors</option>"
@@ -30,18 +31,19 @@ static const char head[] =
 
 static const char script[] =
     "<script>\n"
-    "const body=document.querySelector('tbody'),heads=[...document.querySelectorAll('thead th')];\n"
+    "const body=document.querySelector('table>tbody'),heads=[...document.querySelectorAll('thead th')];\n"
     "const key=(row,i)=>{const cell=row.cells[i];return cell.dataset.key!==undefined?+cell.dataset.key:cell.textContent};\n"
     "heads.forEach((th,i)=>th.querySelector('button')?.addEventListener('click',()=>{\n"
     "  const down=th.getAttribute('aria-sort')==='ascending';\n"
     "  heads.forEach(other=>other.removeAttribute('aria-sort'));th.setAttribute('aria-sort',down?'descending':'ascending');\n"
-    "  const rows=[...body.rows].sort((a,b)=>{const x=key(a,i),y=key(b,i);return (x<y?-1:x>y?1:0)*(down?-1:1)});\n"
+    "  const rows=[...body.children].sort((a,b)=>{const x=key(a,i),y=key(b,i);return (x<y?-1:x>y?1:0)*(down?-1:1)});\n"
     "  body.append(...rows)}));\n"
     "const show=()=>{const least=+document.getElementById('least').value,words=document.getElementById('words').value.toLowerCase();let n=0;\n"
-    "  for(const row of body.rows){row.hidden=+row.cells[0].dataset.key<least||!row.textContent.toLowerCase().includes(words);n+=!row.hidden}\n"
-    "  document.getElementById('shown').textContent=n+' of '+body.rows.length};\n"
+    "  for(const row of body.children){row.hidden=+row.cells[0].dataset.key<least||!row.textContent.toLowerCase().includes(words);n+=!row.hidden}\n"
+    "  document.getElementById('shown').textContent=n+' of '+body.children.length};\n"
     "document.querySelector('form').addEventListener('input',show);document.querySelector('form').addEventListener('submit',e=>e.preventDefault());\n"
     "document.getElementById('verdict').textContent=document.getElementById('last').textContent;show();\n"
+    "const gravest=heads[0].querySelector('button');gravest.click();gravest.click();\n"
     "</script>\n</body></html>\n";
 
 static void write_escaped(FILE *out, const char *text) {
@@ -87,6 +89,20 @@ static void write_place(FILE *out, const norma_finding *finding) {
     fputs("</p>", out);
 }
 
+/* Bars of how many corners are how far off; empty bins at the end are left out. */
+static void write_histogram(FILE *out, const norma_deviation *deviation) {
+    size_t most = 1, last = 0;
+    for (size_t bin = 0; bin < NORMA_DEVIATION_BINS; ++bin) {
+        most = deviation->histogram[bin] > most ? deviation->histogram[bin] : most;
+        last = deviation->histogram[bin] ? bin : last;
+    }
+    fputs("<table class=\"bins\">", out);
+    for (size_t bin = 0; bin <= last; ++bin)
+        fprintf(out, "<tr><td>below %g\302\260</td><td><i style=\"width:%.1fem\"></i> %zu</td></tr>", cli_given_degrees(norma_deviation_bound_rad(bin)),
+                8.0 * (double)deviation->histogram[bin] / (double)most, deviation->histogram[bin]);
+    fputs("</table>", out);
+}
+
 static void write_item(FILE *out, const check_report *report, const check_item *item) {
     const norma_finding *finding = item->finding;
     const char *severity = check_severity_name(item->severity);
@@ -109,6 +125,8 @@ static void write_item(FILE *out, const check_report *report, const check_item *
     if (finding->fix)
         fprintf(out, "<p>Fix: <code>norma check %s --select %s</code></p>", finding->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", finding->rule->id);
     fputs("</td><td>", out);
+    if (finding->deviation)
+        write_histogram(out, finding->deviation);
     check_draw_finding(out, report->document, finding);
     write_place(out, finding);
     fputs("</td></tr>\n", out);

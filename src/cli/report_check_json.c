@@ -1,6 +1,5 @@
 /* report_check_json.c: findings for programs: the schema norma-check/1. Keys are fixed; more may be added. */
 #include "check_verb.h"
-#include <math.h>
 
 static const char *fix_name(norma_fix fix) { return fix == NORMA_FIX_SAFE ? "safe" : fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL; }
 
@@ -43,6 +42,28 @@ static void write_sample(cli_json *json, const norma_sample *sample) {
     cli_json_close(json, '}');
 }
 
+/* How the stored normals were probably made, and how many corners are how far off. */
+static void write_deviation(cli_json *json, const norma_deviation *deviation) {
+    static const char *const shadings[] = {"default", "crease", "smooth", "flat"};
+    cli_json_open(json, "deviation", '{');
+    cli_json_string(json, "shading", shadings[deviation->shading]);
+    cli_json_string(json, "weight", deviation->shading == NORMA_SHADING_FLAT ? NULL : cli_weight_name(deviation->weight));
+    cli_json_number(json, "crease_deg", cli_given_degrees(deviation->crease_angle_rad));
+    cli_json_number(json, "mean_deg", cli_to_degrees(deviation->mean_rad));
+    cli_json_number(json, "p50_deg", cli_to_degrees(deviation->p50_rad));
+    cli_json_number(json, "p99_deg", cli_to_degrees(deviation->p99_rad));
+    cli_json_number(json, "max_deg", cli_to_degrees(deviation->max_rad));
+    cli_json_open(json, "histogram", '[');
+    for (size_t bin = 0; bin < NORMA_DEVIATION_BINS; ++bin) {
+        cli_json_open(json, NULL, '{');
+        cli_json_number(json, "below_deg", cli_given_degrees(norma_deviation_bound_rad(bin)));
+        cli_json_size(json, "corners", deviation->histogram[bin]);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+    cli_json_close(json, '}');
+}
+
 static void write_item(cli_json *json, const check_item *item) {
     const norma_finding *finding = item->finding;
     cli_json_open(json, NULL, '{');
@@ -57,6 +78,8 @@ static void write_item(cli_json *json, const check_item *item) {
     cli_json_close(json, ']');
     cli_json_string(json, "fix", fix_name(finding->fix));
     cli_json_string(json, "message", finding->message);
+    if (finding->deviation)
+        write_deviation(json, finding->deviation);
     cli_json_close(json, '}');
 }
 

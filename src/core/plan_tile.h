@@ -4,6 +4,7 @@
 #ifndef NORMA_CORE_PLAN_TILE_H
 #define NORMA_CORE_PLAN_TILE_H
 #include "plan.h"
+#include "vertex_add.h"
 
 enum {
     TILE_FACES = 1 << 10, TILE_CORNERS = 3 * TILE_FACES, TILE_VERTICES = 768, TILE_SLOTS = 384, TILE_MEMBERS = (1 << 15) - 1 - TILE_CORNERS,
@@ -16,6 +17,7 @@ enum {
 typedef struct tile_view {
     uint32_t        vertex_count, own_count, slot_count, face_count, corner_count, member_count;
     uint32_t        first_occurrence;
+    int             plain;             /* per vertex, each slot has its position, and each position its vertex, to itself */
     const uint32_t *vertices;          /* of the mesh; own ones first, per vertex in the order of their slots */
     const uint32_t *faces;             /* of the mesh */
     const uint32_t *mesh_corners;      /* polygons: of each face its first corner in the mesh */
@@ -33,7 +35,7 @@ struct plan_tile {
     size_t   at;                       /* first word */
     uint32_t first_occurrence;         /* occurrences are numbered tile by tile, in each as its vertices are */
     uint16_t vertex_count, own_count, slot_count, face_count, corner_count, member_count;
-    uint8_t  polygons, welded, one_each;
+    uint8_t  polygons, welded, one_each, plain;
 };
 
 tile_view norma_core_tile(const norma_plan *plan, size_t tile);
@@ -66,9 +68,12 @@ static inline uint32_t norma_core_tile_slot_of(const tile_view *t, uint32_t own)
 typedef struct tile_room {
     double   normals[TILE_FACES][4];   /* of each face; the fourth: 1; zero where there is no direction */
     double   weights[TILE_CORNERS];    /* of each member's corner; -0: no vote */
-    double   positions[TILE_VERTICES][4]; /* of each vertex; the fourth: 0 */
-    double   sums[4][TILE_SLOTS];      /* of each slot asked for, in the order asked; the fourth: of weights */
-    float    results[3][TILE_SLOTS];
+    union {                            /* of each vertex; the fourth: 0 */
+        float  floats[TILE_VERTICES][4];
+        double doubles[TILE_VERTICES][4];
+    } positions;
+    norma_format format;               /* of those: float or double */
+    float    results[TILE_SLOTS][3];   /* of each slot asked for, in the order asked */
     uint8_t  reasons[TILE_SLOTS];
     uint16_t doubted[TILE_FACES];      /* triangles that doubles do not decide */
     uint16_t degenerate[TILE_FACES];   /* faces, finite and without a direction */
@@ -80,9 +85,10 @@ typedef struct tile_some { const uint16_t *numbers; uint32_t count; } tile_some;
 
 typedef struct tile_kernels {
     /* Triangles: normals and weights of some faces; the doubted ones are listed. */
-    void (*measure)(const tile_view *t, tile_some faces, core_measure *measure, norma_weight weight, tile_room *room);
+    void (*measure)(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room);
     /* Results and reasons of some slots; whether all have a normal. */
-    int (*sum)(const tile_view *t, tile_some slots, tile_room *room);
+    int (*sum)(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room);
+    core_finish_sums *finish;
 } tile_kernels;
 
 /* plan_tile_sums.c: the same bits from each. */

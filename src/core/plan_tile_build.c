@@ -219,6 +219,9 @@ static void number_own(tile_builder *b, tile_draft *d)
     d->tile.own_count = (uint16_t)b->own.count;
     d->vertex_starts[s->slot_count] = (uint16_t)b->own.count;
     if (b->own.count != s->slot_count) d->tile.one_each = 0;
+    d->tile.plain = d->tile.one_each;
+    for (uint32_t i = 0; i < s->slot_count; i++)
+        if (s->slots[i].joined) d->tile.plain = 0;
 }
 
 static void number_corners(tile_builder *b, tile_draft *d)
@@ -312,7 +315,7 @@ tile_view norma_core_tile(const norma_plan *plan, size_t tile)
 {
     const plan_tile *t = &plan->tiles[tile];
     const uint32_t *words = plan->words + t->at;
-    tile_view v = {t->vertex_count, t->own_count, t->slot_count, t->face_count, t->corner_count, t->member_count, t->first_occurrence, .vertices = words};
+    tile_view v = {t->vertex_count, t->own_count, t->slot_count, t->face_count, t->corner_count, t->member_count, t->first_occurrence, t->plain, .vertices = words};
     v.faces = words += t->vertex_count;
     words += t->face_count;
     if (t->polygons) {

@@ -6,32 +6,61 @@ static int marked(const uint64_t *bits, size_t i) { return (int)(bits[i / 64] >>
 
 /* ---- which vertices of which tiles moved */
 
-static void mark_block(const plan_work *work, tile_marks *marks, uint32_t count)
+typedef struct mark_span { uint32_t first, last; } mark_span;
+
+static mark_span mark_block(const plan_work *work, tile_marks *marks, uint32_t count)
 {
     const norma_plan *plan = work->plan;
-    memset(marks->bits, 0, (count + 63) / 64 * sizeof *marks->bits);
-    for (size_t i = 0; i < work->moved_count; i++)
-        for (uint32_t at = plan->occurrence_starts[work->moved[i]]; at < plan->occurrence_starts[work->moved[i] + 1]; at++) {
+    mark_span span = {UINT32_MAX, 0};
+    memset(marks->bits, 0, ((size_t)count + 63) / 64 * sizeof *marks->bits);
+    for (size_t i = 0; i < work->moved_count; i++) {
+        const uint32_t end = plan->occurrence_starts[work->moved[i] + 1];
+        for (uint32_t at = plan->occurrence_starts[work->moved[i]]; at < end; at++) {
             const uint32_t number = plan->occurrences[at] - marks->first_occurrence;
-            if (plan->occurrences[at] >= marks->first_occurrence && number < count) mark(marks->bits, number);
+            if (number >= count) continue;               /* also those before the block: the difference wraps round */
+            mark(marks->bits, number);
+            span.first = number < span.first ? number : span.first;
+            span.last = number > span.last ? number : span.last;
         }
+    }
+    return span;
 }
 
-static int any_marked(const tile_marks *marks, size_t begin, size_t end)
+static size_t count_marked(const uint64_t *bits, size_t begin, size_t end)
+{
+    size_t count = 0;
+    for (size_t i = begin; i < end; i += 64 - i % 64) {
+        const size_t left = end - i < 64 - i % 64 ? end - i : 64 - i % 64;
+        uint64_t word = bits[i / 64] >> (i % 64) << (64 - left);
+        for (; word; word &= word - 1) count++;
+    }
+    return count;
+}
+
+static int any_marked(const uint64_t *bits, size_t begin, size_t end)
 {
     for (size_t i = begin; i < end; i += 64 - i % 64) {
-        const uint64_t bits = marks->bits[i / 64] >> (i % 64);
         const size_t left = end - i < 64 - i % 64 ? end - i : 64 - i % 64;
-        if (bits << (64 - left)) return 1;
+        if (bits[i / 64] >> (i % 64) << (64 - left)) return 1;
     }
     return 0;
 }
 
 static uint32_t occurrences_before(const norma_plan *plan, size_t tile) { return tile < plan->tile_count ? plan->tiles[tile].first_occurrence : (uint32_t)plan->occurrence_count; }
 
+static size_t tile_of(const norma_plan *plan, size_t low, size_t high, uint32_t occurrence)
+{
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (plan->tiles[middle].first_occurrence <= occurrence) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
 void norma_core_marks_open(const plan_work *work, tile_marks *marks)
 {
-    marks->first_tile = marks->tile_count = 0;
+    marks->next_tile = 0;
     marks->bits = marks->own;
     marks->borrowed = work->plan->occurrence_count > MARKS_IN_BLOCK && norma_core_plan_borrow(work->plan);
     if (marks->borrowed) marks->bits = work->plan->shared->bits;
@@ -40,17 +69,19 @@ void norma_core_marks_open(const plan_work *work, tile_marks *marks)
 int norma_core_marks_next(const plan_work *work, tile_marks *marks)
 {
     const norma_plan *plan = work->plan;
-    marks->first_tile += marks->tile_count;
+    const size_t first = marks->next_tile, room = marks->borrowed ? plan->occurrence_count : MARKS_IN_BLOCK;
     marks->tile_count = marks->busy = 0;
-    if (marks->first_tile == plan->tile_count) return 0;
-    marks->first_occurrence = occurrences_before(plan, marks->first_tile);
-    const size_t room = marks->borrowed ? plan->occurrence_count : MARKS_IN_BLOCK;
-    size_t end = marks->first_tile + 1;
+    if (first == plan->tile_count) return 0;
+    marks->first_occurrence = occurrences_before(plan, first);
+    size_t end = marks->borrowed ? plan->tile_count : first + 1;
     while (end < plan->tile_count && occurrences_before(plan, end + 1) - marks->first_occurrence <= room) end++;
-    marks->tile_count = end - marks->first_tile;
-    mark_block(work, marks, occurrences_before(plan, end) - marks->first_occurrence);
-    for (size_t t = marks->first_tile; t < end; t++)
-        marks->busy += (size_t)any_marked(marks, occurrences_before(plan, t) - marks->first_occurrence, occurrences_before(plan, t + 1) - marks->first_occurrence);
+    marks->next_tile = end;
+    const mark_span span = mark_block(work, marks, occurrences_before(plan, end) - marks->first_occurrence);
+    if (span.first > span.last) return 1;
+    marks->first_tile = tile_of(plan, first, end, marks->first_occurrence + span.first);
+    marks->tile_count = tile_of(plan, first, end, marks->first_occurrence + span.last) + 1 - marks->first_tile;
+    for (size_t t = marks->first_tile; t < marks->first_tile + marks->tile_count; t++)
+        marks->busy += (size_t)any_marked(marks->bits, occurrences_before(plan, t) - marks->first_occurrence, occurrences_before(plan, t + 1) - marks->first_occurrence);
     return 1;
 }
 
@@ -109,36 +140,58 @@ static void touch_faces_of_vertex(const tile_view *t, uint32_t vertex, uint8_t *
     } while (joined(t, ++slot));
 }
 
-static void list_touched(const tile_view *t, tile_touch *touch)
+/* The same of all moved vertices, where each slot has a position, and each position a vertex, to itself. */
+static void touch_plain(const uint64_t *bits, size_t begin, const tile_view *t, uint8_t *face_is_moved, tile_touch *touch)
 {
-    uint8_t face_is_listed[TILE_FACES];
-    memset(face_is_listed, 0, t->face_count);
-    for (uint32_t s = 0; s < t->slot_count; s++) {
-        if (!touch->slot_is_touched[s]) continue;
-        touch->slots[touch->slot_count++] = (uint16_t)s;
-        for (uint32_t i = norma_core_tile_start(t, s); i < norma_core_tile_start(t, s + 1); i++) {
-            const uint32_t face = norma_core_tile_face_of(t, t->members[i]);
-            if (!face_is_listed[face]) touch->faces[touch->face_count++] = (uint16_t)face;
-            face_is_listed[face] = 1;
-        }
+    for (uint32_t v = 0; v < t->vertex_count; v++) {
+        if (!marked(bits, begin + v)) continue;
+        const uint32_t slot = v < t->own_count ? v : t->slot_count + v - t->own_count;
+        if (v < t->own_count) touch->slot_is_touched[v] = 1;
+        for (uint32_t i = norma_core_tile_start(t, slot); i < norma_core_tile_start(t, slot + 1); i++) face_is_moved[norma_core_tile_face_of(t, t->members[i])] = 1;
+    }
+    for (uint32_t f = 0; f < t->face_count; f++) {
+        const uint32_t first = t->face_starts ? t->face_starts[f] : 3 * f, end = t->face_starts ? t->face_starts[f + 1] : first + 3;
+        for (uint32_t c = first; face_is_moved[f] && c < end; c++)
+            if (t->corners[c] < t->own_count) touch->slot_is_touched[t->corners[c]] = 1;
     }
 }
 
-int norma_core_tile_touch(const tile_marks *marks, const tile_view *t, norma_element of, tile_touch *touch)
+static void list_touched(const tile_view *t, tile_touch *touch)
+{
+    uint8_t face_is_needed[TILE_FACES];
+    memset(face_is_needed, 0, t->face_count);
+    touch->face_count = touch->slot_count = 0;
+    for (uint32_t s = 0; s < t->slot_count; s++) {
+        if (!touch->slot_is_touched[s]) continue;
+        touch->slots[touch->slot_count++] = (uint16_t)s;
+        for (uint32_t i = norma_core_tile_start(t, s); i < norma_core_tile_start(t, s + 1); i++) face_is_needed[norma_core_tile_face_of(t, t->members[i])] = 1;
+    }
+    for (uint32_t f = 0; f < t->face_count; f++) {
+        touch->faces[touch->face_count] = (uint16_t)f;
+        touch->face_count += face_is_needed[f];
+    }
+}
+
+tile_moved norma_core_tile_moved(const tile_marks *marks, const plan_tile *tile)
+{
+    const size_t begin = tile->first_occurrence - marks->first_occurrence;
+    if (!any_marked(marks->bits, begin, begin + tile->vertex_count)) return TILE_NOT_MOVED;
+    return count_marked(marks->bits, begin, begin + tile->vertex_count) == tile->vertex_count ? TILE_ALL_MOVED : TILE_PARTLY_MOVED;
+}
+
+void norma_core_tile_touch(const tile_marks *marks, const tile_view *t, norma_element of, tile_touch *touch)
 {
     const size_t begin = t->first_occurrence - marks->first_occurrence;
     uint8_t face_is_moved[TILE_FACES];
-    if (!any_marked(marks, begin, begin + t->vertex_count)) return 0;
-    touch->face_count = touch->slot_count = 0;
     memset(touch->slot_is_touched, 0, t->slot_count);
     memset(face_is_moved, 0, t->face_count);
-    for (uint32_t v = 0; v < t->vertex_count; v++) {
+    if (t->plain) touch_plain(marks->bits, begin, t, face_is_moved, touch);
+    for (uint32_t v = 0; v < t->vertex_count && !t->plain; v++) {
         if (!marked(marks->bits, begin + v)) continue;
         if (v < t->own_count && of == NORMA_PER_VERTEX) touch->slot_is_touched[norma_core_tile_slot_of(t, v)] = 1;
         touch_faces_of_vertex(t, v, face_is_moved, touch);
     }
     list_touched(t, touch);
-    return touch->slot_count != 0;
 }
 
 int norma_core_tile_writes(const tile_view *t, norma_element of, uint32_t member, const uint8_t *slot_is_written)

@@ -1,218 +1,205 @@
-/* plan_tile_sums.c: the loops in which an update spends its time, compiled for each instruction set as measure.c is. Records of four doubles (a position, a normal and 1, a
- * sum) are what sums and tables want, lanes of eight what roots and quotients want; between the two, four records at a time are turned round in registers. */
+/* plan_tile_sums.c: the loops in which an update spends its time: eight triangles at a time are read, measured and kept as rows; slots sum rows in the order of their members.
+ * Compiled for each instruction set; what is computed is what norma_vertex_normals computes, by the same steps. */
+#include "lanes.h"
+#include "measure_lanes.h"
 #include "plan_tile.h"
-#include "isa.h"
-#include "triangle.h"
 
-#if defined(__GNUC__)
-#define INLINE static inline __attribute__((always_inline))
-typedef double quad __attribute__((vector_size(32), aligned(8), may_alias));
-#define QUAD(address) (*(quad *)(void *)(address))
-#define QUAD_IN(address) (*(const quad *)(const void *)(address))
+CORE_INLINE uint32_t number_at(tile_some some, uint32_t i) { return some.numbers ? some.numbers[i] : i; }
 
-/* Four records r to three lanes at x, y, z. */
-#define TURN(r, x, y, z)                                                                                                                                            \
-    do {                                                                                                                                                            \
-        const quad xz_ = __builtin_shufflevector((r)[0], (r)[1], 0, 4, 2, 6), yw_ = __builtin_shufflevector((r)[0], (r)[1], 1, 5, 3, 7);                            \
-        const quad xz2_ = __builtin_shufflevector((r)[2], (r)[3], 0, 4, 2, 6), yw2_ = __builtin_shufflevector((r)[2], (r)[3], 1, 5, 3, 7);                          \
-        QUAD(x) = __builtin_shufflevector(xz_, xz2_, 0, 1, 4, 5);                                                                                                   \
-        QUAD(y) = __builtin_shufflevector(yw_, yw2_, 0, 1, 4, 5);                                                                                                   \
-        QUAD(z) = __builtin_shufflevector(xz_, xz2_, 2, 3, 6, 7);                                                                                                   \
-    } while (0)
-#else
-#define INLINE static inline
-#endif
-
-INLINE uint32_t number_at(tile_some some, uint32_t i) { return some.numbers ? some.numbers[i] : i; }
-
-/* ---- triangles: edges into lanes, results out of them */
-
-INLINE void load_faces(const tile_view *t, const tile_room *room, const uint32_t *faces, core_batch *batch)
+/* Some in a row, or by number; the last one again where there are no more. */
+CORE_INLINE void name_some(tile_some some, uint32_t begin, uint32_t count, uint32_t *out)
 {
-#if defined(__GNUC__)
-    for (int half = 0; half < CORE_LANES; half += 4) {
-        quad u[4], v[4], a[4];
-        for (int i = 0; i < 4; i++) {
-            const uint16_t *at = t->corners + 3 * (size_t)faces[half + i];
-            const quad p = QUAD_IN(room->positions[at[0]]), q = QUAD_IN(room->positions[at[1]]), r = QUAD_IN(room->positions[at[2]]);
-            u[i] = q - p;
-            v[i] = r - p;
-            a[i] = r - q;
-        }
-        TURN(u, &batch->u[0][half], &batch->u[1][half], &batch->u[2][half]);
-        TURN(v, &batch->v[0][half], &batch->v[1][half], &batch->v[2][half]);
-        TURN(a, &batch->a[0][half], &batch->a[1][half], &batch->a[2][half]);
-    }
-#else
-    for (int i = 0; i < CORE_LANES; i++) {
-        const uint16_t *at = t->corners + 3 * (size_t)faces[i];
-        for (int k = 0; k < 3; k++) {
-            batch->u[k][i] = room->positions[at[1]][k] - room->positions[at[0]][k];
-            batch->v[k][i] = room->positions[at[2]][k] - room->positions[at[0]][k];
-            batch->a[k][i] = room->positions[at[2]][k] - room->positions[at[1]][k];
-        }
-    }
-#endif
+    for (uint32_t i = 0; i < count; i++) out[i] = number_at(some, begin + i < some.count ? begin + i : some.count - 1);
 }
 
-INLINE void store_normals(const core_batch *batch, const uint32_t *faces, tile_room *room)
+/* ---- triangles */
+
+/* at: the vertices of eight triangles, three by three. Rows of four floats are read whole. */
+#if defined(CORE_HAS_SHUFFLES)
+CORE_INLINE core_f8 two_rows(const float *one, const float *other)
 {
-#if defined(__GNUC__)
-    const quad one = {1, 1, 1, 1};
-    for (int half = 0; half < CORE_LANES; half += 4) {
-        const quad x = QUAD_IN(&batch->normal[0][half]), y = QUAD_IN(&batch->normal[1][half]), z = QUAD_IN(&batch->normal[2][half]);
-        const quad xy = __builtin_shufflevector(x, y, 0, 4, 2, 6), xy2 = __builtin_shufflevector(x, y, 1, 5, 3, 7);
-        const quad z1 = __builtin_shufflevector(z, one, 0, 4, 2, 6), z12 = __builtin_shufflevector(z, one, 1, 5, 3, 7);
-        QUAD(room->normals[faces[half]]) = __builtin_shufflevector(xy, z1, 0, 1, 4, 5);
-        QUAD(room->normals[faces[half + 1]]) = __builtin_shufflevector(xy2, z12, 0, 1, 4, 5);
-        QUAD(room->normals[faces[half + 2]]) = __builtin_shufflevector(xy, z1, 2, 3, 6, 7);
-        QUAD(room->normals[faces[half + 3]]) = __builtin_shufflevector(xy2, z12, 2, 3, 6, 7);
-    }
-#else
-    for (int i = 0; i < CORE_LANES; i++) {
-        for (int k = 0; k < 3; k++) room->normals[faces[i]][k] = batch->normal[k][i];
-        room->normals[faces[i]][3] = 1;
-    }
-#endif
+    core_f4 a, b;
+    memcpy(&a, one, sizeof a);
+    memcpy(&b, other, sizeof b);
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-INLINE void store_weights(const core_batch *batch, const uint32_t *faces, int in_a_row, tile_room *room)
+CORE_INLINE void read_floats(const float (*rows)[4], const uint16_t *at, double out[3][CORE_LANES])
 {
-    double least = 1;
-    for (uint32_t k = 0; k < 3; k++) {
-        if (in_a_row) memcpy(&room->weights[k << TILE_FACE_BITS | faces[0]], batch->weight[k], sizeof batch->weight[k]);
-        else
-            for (int i = 0; i < CORE_LANES; i++) room->weights[k << TILE_FACE_BITS | faces[i]] = batch->weight[k][i];
+    const core_f8 r0 = two_rows(rows[at[0]], rows[at[12]]), r1 = two_rows(rows[at[3]], rows[at[15]]);
+    const core_f8 r2 = two_rows(rows[at[6]], rows[at[18]]), r3 = two_rows(rows[at[9]], rows[at[21]]);
+    const core_f8 xy01 = __builtin_shufflevector(r0, r1, 0, 8, 1, 9, 4, 12, 5, 13), xy23 = __builtin_shufflevector(r2, r3, 0, 8, 1, 9, 4, 12, 5, 13);
+    const core_f8 z01 = __builtin_shufflevector(r0, r1, 2, 10, 3, 11, 6, 14, 7, 15), z23 = __builtin_shufflevector(r2, r3, 2, 10, 3, 11, 6, 14, 7, 15);
+    const core_f8 axes[3] = {__builtin_shufflevector(xy01, xy23, 0, 1, 8, 9, 4, 5, 12, 13), __builtin_shufflevector(xy01, xy23, 2, 3, 10, 11, 6, 7, 14, 15),
+                             __builtin_shufflevector(z01, z23, 0, 1, 8, 9, 4, 5, 12, 13)};
+    for (int axis = 0; axis < 3; axis++) {
+        float lanes[CORE_LANES];
+        memcpy(lanes, &axes[axis], sizeof lanes);
+        for (int i = 0; i < CORE_LANES; i++) out[axis][i] = (double)lanes[i];
     }
-    for (int i = 0; i < CORE_LANES; i++) least = batch->sure[i] < least ? batch->sure[i] : least;
-    if (least > 0) return;
+}
+#else
+CORE_INLINE void read_floats(const float (*rows)[4], const uint16_t *at, double out[3][CORE_LANES])
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < CORE_LANES; i++) out[axis][i] = (double)rows[at[3 * i]][axis];
+}
+#endif
+
+CORE_INLINE void read_doubles(const double (*rows)[4], const uint16_t *at, double out[3][CORE_LANES])
+{
+    core_rows eight;
+    double nothing[CORE_LANES];
+    for (int i = 0; i < CORE_LANES; i++) memcpy(eight.row[i], rows[at[3 * i]], sizeof eight.row[i]);
+    core_rows_to_lanes((const double(*)[4])eight.row, out[0], out[1], out[2], nothing);
+}
+
+CORE_INLINE void read_edges(const tile_room *room, const uint16_t *at, core_batch *batch)
+{
+    double p[3][3][CORE_LANES];
+    for (int k = 0; k < 3; k++) {
+        if (room->format == NORMA_FORMAT_FLOAT) read_floats((const float(*)[4])room->positions.floats, at + k, p[k]);
+        else read_doubles((const double(*)[4])room->positions.doubles, at + k, p[k]);
+    }
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < CORE_LANES; i++) {
+            batch->u[axis][i] = p[1][axis][i] - p[0][axis][i];
+            batch->v[axis][i] = p[2][axis][i] - p[0][axis][i];
+            batch->a[axis][i] = p[2][axis][i] - p[1][axis][i];
+        }
+}
+
+CORE_INLINE void turn_normals(const core_batch *batch, core_rows *rows)
+{
+    static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
+    core_lanes_to_rows(batch->normal[0], batch->normal[1], batch->normal[2], ones, rows);
+}
+
+CORE_INLINE int all_sure(const core_batch *batch)
+{
+    double sure = 0;
+    for (int i = 0; i < CORE_LANES; i++) sure += batch->sure[i];
+    return sure == CORE_LANES;
+}
+
+static void list_doubted(const core_batch *batch, const uint32_t *faces, tile_room *room)
+{
     for (int i = 0; i < CORE_LANES; i++)
         if (batch->sure[i] == 0 && (i == 0 || faces[i] != faces[i - 1])) room->doubted[room->doubted_count++] = (uint16_t)faces[i];
 }
 
-/* Some in a row, or by number; the last ones again where there are no more. */
-INLINE void name_some(tile_some faces, uint32_t begin, uint32_t *out)
+/* Eight by number. */
+CORE_INLINE void measure_some(const tile_view *t, tile_some faces, uint32_t begin, norma_weight weight, tile_room *room)
 {
-    for (uint32_t i = 0; i < CORE_LANES; i++) out[i] = number_at(faces, begin + i < faces.count ? begin + i : faces.count - 1);
+    core_batch batch;
+    core_rows rows;
+    uint32_t names[CORE_LANES];
+    uint16_t at[3 * CORE_LANES];
+    name_some(faces, begin, CORE_LANES, names);
+    for (int i = 0; i < CORE_LANES; i++) memcpy(at + 3 * i, t->corners + 3 * (size_t)names[i], 3 * sizeof *at);
+    read_edges(room, at, &batch);
+    core_lanes_measure(&batch, weight, CORE_ALL_CORNERS);
+    turn_normals(&batch, &rows);
+    for (int i = 0; i < CORE_LANES; i++) {
+        memcpy(room->normals[names[i]], rows.row[i], sizeof rows.row[i]);
+        for (uint32_t k = 0; k < 3; k++) room->weights[k << TILE_FACE_BITS | names[i]] = batch.weight[k][i];
+    }
+    if (!all_sure(&batch)) list_doubted(&batch, names, room);
 }
 
-/* A batch is filled while the one before waits: what was just written in parts cannot be read at once as a whole. */
-INLINE void measure_triangles(const tile_view *t, tile_some faces, core_measure *measure, norma_weight weight, tile_room *room)
+/* Eight in a row. */
+CORE_INLINE void measure_row(const tile_view *t, uint32_t begin, norma_weight weight, tile_room *room)
 {
-    core_batch batches[2];
-    uint32_t names[2][CORE_LANES];
-    if (!faces.count) return;
-    name_some(faces, 0, names[0]);
-    load_faces(t, room, names[0], &batches[0]);
-    for (uint32_t begin = 0, turn = 0; begin < faces.count; begin += CORE_LANES, turn = 1 - turn) {
-        name_some(faces, begin + CORE_LANES, names[1 - turn]);
-        load_faces(t, room, names[1 - turn], &batches[1 - turn]);
-        measure(&batches[turn], weight, CORE_ALL_CORNERS);
-        store_normals(&batches[turn], names[turn], room);
-        store_weights(&batches[turn], names[turn], !faces.numbers && begin + CORE_LANES <= faces.count, room);
+    core_batch batch;
+    read_edges(room, t->corners + 3 * (size_t)begin, &batch);
+    core_lanes_measure(&batch, weight, CORE_ALL_CORNERS);
+    turn_normals(&batch, (core_rows *)(void *)room->normals[begin]);
+    for (uint32_t k = 0; k < 3; k++) memcpy(&room->weights[k << TILE_FACE_BITS | begin], batch.weight[k], sizeof batch.weight[k]);
+    if (all_sure(&batch)) return;
+    uint32_t names[CORE_LANES];
+    for (uint32_t i = 0; i < CORE_LANES; i++) names[i] = begin + i;
+    list_doubted(&batch, names, room);
+}
+
+CORE_INLINE void measure_weighted(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room)
+{
+    uint32_t begin = 0;
+    for (; !faces.numbers && begin + CORE_LANES <= faces.count; begin += CORE_LANES) measure_row(t, begin, weight, room);
+    for (; begin < faces.count; begin += CORE_LANES) measure_some(t, faces, begin, weight, room);
+}
+
+/* One loop for each weight, so that none asks inside. */
+CORE_INLINE void measure_triangles(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room)
+{
+    switch (weight) {
+    case NORMA_WEIGHT_ANGLE:         measure_weighted(t, faces, NORMA_WEIGHT_ANGLE, room); break;
+    case NORMA_WEIGHT_AREA:          measure_weighted(t, faces, NORMA_WEIGHT_AREA, room); break;
+    case NORMA_WEIGHT_MAX:           measure_weighted(t, faces, NORMA_WEIGHT_MAX, room); break;
+    case NORMA_WEIGHT_ANGLE_AREA:    measure_weighted(t, faces, NORMA_WEIGHT_ANGLE_AREA, room); break;
+    case NORMA_WEIGHT_ANGLE_LENGTHS: measure_weighted(t, faces, NORMA_WEIGHT_ANGLE_LENGTHS, room); break;
+    default:                         measure_weighted(t, faces, NORMA_WEIGHT_UNIFORM, room); break;
     }
 }
 
-/* ---- sums: each in the order of its members */
+/* ---- slots */
 
-INLINE void sum_slot(const tile_view *t, uint32_t slot, const tile_room *room, int polygons, double *out)
+CORE_INLINE vertex_sum sum_slot(const tile_view *t, uint32_t slot, const tile_room *room, int polygons)
 {
     const uint32_t end = norma_core_tile_start(t, slot + 1);
-#if defined(__GNUC__)
-    quad sum = {0, 0, 0, -0.0};
-#else
-    double sum[4] = {0, 0, 0, -0.0};
-#endif
+    vertex_sum sum = {0, 0, 0, -0.0};
     for (uint32_t i = norma_core_tile_start(t, slot); i < end; i++) {
         const uint32_t member = t->members[i];
-        const double *normal = room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)], weight = room->weights[member];
-#if defined(__GNUC__)
-        sum += (quad){weight, weight, weight, weight} * QUAD_IN(normal);
-#else
-        for (int k = 0; k < 4; k++) sum[k] += weight * normal[k];
-#endif
+        core_add_row(&sum.x, room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)], room->weights[member]);
     }
-    memcpy(out, &sum, sizeof sum);
+    return sum;
 }
 
-/* Four sums to lanes. */
-INLINE void store_sums(const double (*sums)[4], uint32_t at, tile_room *room)
+static int decide_each(const vertex_sum *sums, uint32_t begin, uint32_t count, tile_room *room)
 {
-#if defined(__GNUC__)
-    const quad r[4] = {QUAD_IN(sums[0]), QUAD_IN(sums[1]), QUAD_IN(sums[2]), QUAD_IN(sums[3])};
-    TURN(r, &room->sums[0][at], &room->sums[1][at], &room->sums[2][at]);
-    for (uint32_t i = 0; i < 4; i++) room->sums[3][at + i] = sums[i][3];
-#else
-    for (uint32_t i = 0; i < 4; i++)
-        for (int k = 0; k < 4; k++) room->sums[k][at + i] = sums[i][k];
-#endif
-}
-
-INLINE void sum_some(const tile_view *t, tile_some slots, tile_room *room, int polygons)
-{
-    for (uint32_t begin = 0; begin < slots.count; begin += 4) {
-        double sums[4][4];
-        for (uint32_t i = 0; i < 4; i++) sum_slot(t, number_at(slots, begin + i < slots.count ? begin + i : slots.count - 1), room, polygons, sums[i]);
-        store_sums((const double(*)[4])sums, begin, room);
-    }
-}
-
-/* Directions of all sums at once, by the very steps of norma_core_plan_decide, which decides by itself where they do not do. Returns whether all have one. */
-INLINE int decide_all(uint32_t count, tile_room *room)
-{
-    const double *x = room->sums[0], *y = room->sums[1], *z = room->sums[2], *weight = room->sums[3];
-    float *nx = room->results[0], *ny = room->results[1], *nz = room->results[2];
-    uint32_t plain = 0, all = 0;
+    int all = 1;
     for (uint32_t i = 0; i < count; i++) {
-        const double square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i], length = sqrt(square);
-        nx[i] = (float)(x[i] / length) + 0.0F;
-        ny[i] = (float)(y[i] / length) + 0.0F;
-        nz[i] = (float)(z[i] / length) + 0.0F;
-        plain += (square > NORMA_TINIEST) & (square < NORMA_HUGEST) & (length > 0x1p-20 * weight[i]);
+        const double sum[4] = {sums[i].x, sums[i].y, sums[i].z, sums[i].weight};
+        room->reasons[begin + i] = (uint8_t)norma_core_plan_decide(sum, room->results[begin + i]);
+        all &= room->reasons[begin + i] == NORMA_REASON_NONE;
     }
-    memset(room->reasons, NORMA_REASON_NONE, count);
-    if (plain == count) return 1;
-    for (uint32_t i = 0; i < count; i++) {
-        const double sum[4] = {x[i], y[i], z[i], weight[i]};
-        float normal[3] = {0, 0, 0};
-        room->reasons[i] = (uint8_t)norma_core_plan_decide(sum, normal);
-        for (int k = 0; k < 3; k++) room->results[k][i] = normal[k];
-        all += room->reasons[i] == NORMA_REASON_NONE;
-    }
-    return all == count;
+    return all;
 }
 
-INLINE int sum_slots(const tile_view *t, tile_some slots, tile_room *room, int polygons)
+CORE_INLINE int sum_weighted(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room, int polygons)
 {
-    sum_some(t, slots, room, polygons);
-    return decide_all(slots.count, room);
+    int all = 1;
+    memset(room->reasons, NORMA_REASON_NONE, slots.count);
+    for (uint32_t begin = 0; begin < slots.count; begin += CORE_LANES) {
+        vertex_sum sums[CORE_LANES];
+        for (uint32_t i = 0; i < CORE_LANES; i++) sums[i] = sum_slot(t, number_at(slots, begin + i < slots.count ? begin + i : slots.count - 1), room, polygons);
+        if (finish(sums, room->results + begin)) continue;
+        all &= decide_each(sums, begin, slots.count - begin < CORE_LANES ? slots.count - begin : CORE_LANES, room);
+    }
+    return all;
+}
+
+CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room)
+{
+    return t->corner_faces ? sum_weighted(t, slots, finish, room, 1) : sum_weighted(t, slots, finish, room, 0);
 }
 
 /* ---- for each instruction set */
 
-#define KERNELS(name, target)                                                                                                                                       \
-    target static void measure_##name(const tile_view *t, tile_some faces, core_measure *measure, norma_weight weight, tile_room *room)                             \
-    {                                                                                                                                                               \
-        measure_triangles(t, faces, measure, weight, room);                                                                                                         \
-    }                                                                                                                                                               \
-    target static int sum_##name(const tile_view *t, tile_some slots, tile_room *room)                                                                              \
-    {                                                                                                                                                               \
-        return t->corner_faces ? sum_slots(t, slots, room, 1) : sum_slots(t, slots, room, 0);                                                                       \
-    }
+static void measure_portable(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
+static int sum_portable(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room) { return sum_slots(t, slots, finish, room); }
 
-KERNELS(portable, )
-#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
-KERNELS(avx2, __attribute__((target("avx2"))))
+#if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static void measure_avx2(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
+CORE_FOR_AVX2 static int sum_avx2(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room) { return sum_slots(t, slots, finish, room); }
+CORE_FOR_AVX512 static void measure_avx512(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
 
+/* Rows are of four: wider registers do not help to sum them. */
 tile_kernels norma_core_tile_kernels(norma_isa isa)
 {
-    if (isa != NORMA_ISA_PORTABLE && isa != NORMA_ISA_SSE2 && norma_core_has_isa(NORMA_ISA_AVX2)) return (tile_kernels){measure_avx2, sum_avx2};
-    return (tile_kernels){measure_portable, sum_portable};
+    static void (*const measures[])(const tile_view *, tile_some, norma_weight, tile_room *) = {measure_portable, measure_avx2, measure_avx512};
+    const core_level level = norma_core_level(isa);
+    return (tile_kernels){measures[level], level == CORE_PORTABLE ? sum_portable : sum_avx2, norma_core_choose_finish(isa)};
 }
 #else
-tile_kernels norma_core_tile_kernels(norma_isa isa)
-{
-    (void)isa;
-    return (tile_kernels){measure_portable, sum_portable};
-}
+tile_kernels norma_core_tile_kernels(norma_isa isa) { return (tile_kernels){measure_portable, sum_portable, norma_core_choose_finish(isa)}; }
 #endif

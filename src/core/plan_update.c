@@ -152,13 +152,25 @@ static norma_result fill_from_nearest(const plan_work *work)
 
 /* ---- the call */
 
+/* All of them in order is all. */
+static norma_result check_moved(const norma_plan *plan, const uint32_t **moved, size_t count)
+{
+    uint32_t largest = 0, out_of_order = 0;
+    for (size_t i = 0; i < count; i++) {
+        largest = (*moved)[i] > largest ? (*moved)[i] : largest;
+        out_of_order |= (*moved)[i] ^ (uint32_t)i;
+    }
+    if (count && largest >= plan->vertex_count) return NORMA_ERROR_INDEX;
+    if (count == plan->vertex_count && !out_of_order) *moved = NULL;
+    return NORMA_OK;
+}
+
 static norma_result open_work(const norma_plan *plan, norma_vec3_view positions, const uint32_t *moved, size_t moved_count, core_call *call, plan_work *work)
 {
     const norma_mesh points = {.positions = positions};
     norma_result result = norma_core_mesh_shape(&points, &work->mesh);
     if (result == NORMA_OK && positions.count != plan->vertex_count) result = NORMA_ERROR_ARGUMENT;
-    for (size_t i = 0; i < moved_count && moved && result == NORMA_OK; i++)
-        if (moved[i] >= plan->vertex_count) result = NORMA_ERROR_INDEX;
+    if (result == NORMA_OK && moved) result = check_moved(plan, &moved, moved_count);
     if (result == NORMA_OK) result = norma_core_mesh_content(call, &work->mesh);
     work->plan = plan;
     work->call = call;
@@ -180,7 +192,7 @@ norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions
     if (result == NORMA_OK) result = open_work(plan, positions, moved, moved_count, &call, &work);
     if (result == NORMA_OK) result = update(&work);
     const size_t without = tally.non_finite.count + tally.unreferenced.count + tally.cancelled.count;
-    if (result == NORMA_OK && output.nearest && (moved ? moved_count : without)) result = fill_from_nearest(&work);
+    if (result == NORMA_OK && output.nearest && (work.moved ? moved_count : without)) result = fill_from_nearest(&work);
     if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
     if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
     return result;

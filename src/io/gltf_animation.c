@@ -3,12 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-static norma_document_result read_sampler(gltf *g, uint32_t sampler, gltf_channel *channel, norma_document_error *error)
-{
+static norma_document_result read_sampler(gltf *g, uint32_t sampler, gltf_channel *channel, norma_document_error *error) {
     const json *j = &g->json;
     uint32_t input = GLTF_NONE, output = GLTF_NONE, kind = norma_json_member(j, sampler, "interpolation");
-    if (!norma_gltf_index_member(g, sampler, "input", g->accessor_count, &input) || !norma_gltf_index_member(g, sampler, "output", g->accessor_count, &output) ||
-        input == GLTF_NONE || output == GLTF_NONE)
+    if (!norma_gltf_index_member(g, sampler, "input", g->accessor_count, &input) ||
+        !norma_gltf_index_member(g, sampler, "output", g->accessor_count, &output) || input == GLTF_NONE || output == GLTF_NONE)
         return norma_gltf_malformed(g, error, sampler, "the numbers of accessors in \"input\" and \"output\"");
     channel->interpolation = norma_json_equals(j, kind, "STEP") ? GLTF_STEP : norma_json_equals(j, kind, "CUBICSPLINE") ? GLTF_CUBIC : GLTF_LINEAR;
     channel->count = g->accessors[input].count;
@@ -19,8 +18,7 @@ static norma_document_result read_sampler(gltf *g, uint32_t sampler, gltf_channe
 }
 
 /* 0: a channel of no matter here. */
-static int is_wanted(const gltf *g, uint32_t target, gltf_channel *channel)
-{
+static int is_wanted(const gltf *g, uint32_t target, gltf_channel *channel) {
     const json *j = &g->json;
     uint32_t path = norma_json_member(j, target, "path");
     channel->node = GLTF_NONE;
@@ -29,8 +27,7 @@ static int is_wanted(const gltf *g, uint32_t target, gltf_channel *channel)
            channel->node != GLTF_NONE;
 }
 
-norma_document_result norma_gltf_read_animation(gltf *g, uint32_t token, gltf_animation *animation, norma_document_error *error)
-{
+norma_document_result norma_gltf_read_animation(gltf *g, uint32_t token, gltf_animation *animation, norma_document_error *error) {
     const json *j = &g->json;
     uint32_t channels = norma_json_member(j, token, "channels"), samplers = norma_json_member(j, token, "samplers");
     uint32_t count = norma_json_is(j, channels, JSON_ARRAY) ? norma_json_size(j, channels) : 0, sampler_count = norma_json_size(j, samplers), at = 0;
@@ -38,8 +35,7 @@ norma_document_result norma_gltf_read_animation(gltf *g, uint32_t token, gltf_an
     uint32_t *tokens = norma_scene_allocate(g->document->scene, sampler_count, sizeof *tokens);
     if (!animation->channels || !tokens)
         return norma_document_fail_memory(g->document, error);
-    for (uint32_t sampler = norma_json_first(j, samplers); sampler != JSON_NONE; sampler = norma_json_next(j, samplers, sampler))
-        tokens[at++] = sampler;
+    for (uint32_t sampler = norma_json_first(j, samplers); sampler != JSON_NONE; sampler = norma_json_next(j, samplers, sampler)) tokens[at++] = sampler;
     for (uint32_t item = count ? norma_json_first(j, channels) : JSON_NONE; item != JSON_NONE; item = norma_json_next(j, channels, item)) {
         gltf_channel *channel = &animation->channels[animation->count];
         uint32_t sampler = GLTF_NONE;
@@ -57,26 +53,20 @@ norma_document_result norma_gltf_read_animation(gltf *g, uint32_t token, gltf_an
 
 /* ---- between keys */
 
-static void normalise(double q[4])
-{
+static void normalise(double q[4]) {
     double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int k = 0; k < 4 && length > 0; ++k)
-        q[k] /= length;
+    for (int k = 0; k < 4 && length > 0; ++k) q[k] /= length;
 }
 
-static void slerp(const float *a, const float *b, double t, double out[4])
-{
+static void slerp(const float *a, const float *b, double t, double out[4]) {
     double dot = 0;
-    for (int k = 0; k < 4; ++k)
-        dot += (double)a[k] * (double)b[k];
+    for (int k = 0; k < 4; ++k) dot += (double)a[k] * (double)b[k];
     double sign = dot < 0 ? -1 : 1, angle = acos(fmin(fabs(dot), 1)), s = sin(angle);
     double u = s > 1e-6 ? sin((1 - t) * angle) / s : 1 - t, v = s > 1e-6 ? sin(t * angle) / s : t;
-    for (int k = 0; k < 4; ++k)
-        out[k] = u * (double)a[k] + sign * v * (double)b[k];
+    for (int k = 0; k < 4; ++k) out[k] = u * (double)a[k] + sign * v * (double)b[k];
 }
 
-static void cubic(const float *keys, size_t width, double step, double t, double *out)
-{
+static void cubic(const float *keys, size_t width, double step, double t, double *out) {
     const float *value = keys + width, *leaving = keys + 2 * width, *arriving = keys + 3 * width, *next = keys + 4 * width;
     double t2 = t * t, t3 = t2 * t;
     for (size_t k = 0; k < width; ++k)
@@ -85,8 +75,7 @@ static void cubic(const float *keys, size_t width, double step, double t, double
 }
 
 /* The last key at or before time; the first where there is none. */
-static size_t key_before(const gltf_channel *c, double time)
-{
+static size_t key_before(const gltf_channel *c, double time) {
     size_t low = 0, high = c->count;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
@@ -98,19 +87,16 @@ static size_t key_before(const gltf_channel *c, double time)
     return low;
 }
 
-void norma_gltf_channel_at(const gltf_channel *c, double time, double out[4])
-{
+void norma_gltf_channel_at(const gltf_channel *c, double time, double out[4]) {
     size_t width = c->scales ? 3 : 4, stride = c->interpolation == GLTF_CUBIC ? 3 * width : width, key = key_before(c, time);
     const float *at = c->values + key * stride, *value = at + (c->interpolation == GLTF_CUBIC ? width : 0);
     double from = (double)c->times[key], step = key + 1 < c->count ? (double)c->times[key + 1] - from : 0;
     double t = step > 0 ? fmin(fmax((time - from) / step, 0), 1) : 0;
-    for (size_t k = 0; k < width; ++k)
-        out[k] = (double)value[k];
+    for (size_t k = 0; k < width; ++k) out[k] = (double)value[k];
     if (t > 0 && c->interpolation == GLTF_CUBIC)
         cubic(at, width, step, t, out);
     else if (t > 0 && c->interpolation == GLTF_LINEAR && c->scales)
-        for (size_t k = 0; k < width; ++k)
-            out[k] += t * ((double)at[width + k] - out[k]);
+        for (size_t k = 0; k < width; ++k) out[k] += t * ((double)at[width + k] - out[k]);
     else if (t > 0 && c->interpolation == GLTF_LINEAR)
         slerp(at, at + width, t, out);
     if (!c->scales)

@@ -4,16 +4,16 @@
 #include "gltf_scene.h"
 
 typedef struct gltf_channel {
-    uint32_t     node;
-    int          scales;                 /* 1: scale, three numbers; 0: rotation, a quaternion */
+    uint32_t node;
+    int scales; /* 1: scale, three numbers; 0: rotation, a quaternion */
     enum { GLTF_LINEAR, GLTF_STEP, GLTF_CUBIC } interpolation;
-    const float *times, *values;         /* cubic: in-tangent, value, out-tangent for each time */
-    size_t       count;                  /* of times; at least one */
+    const float *times, *values; /* cubic: in-tangent, value, out-tangent for each time */
+    size_t count;                /* of times; at least one */
 } gltf_channel;
 
 typedef struct gltf_animation {
     gltf_channel *channels;
-    size_t        count;
+    size_t count;
 } gltf_animation;
 
 /* Channels live as long as the document. Fails for what glTF does not allow. */

@@ -1,10 +1,9 @@
-/* gltf_materials.c: materials as far as they bear on normals: both sides or one, lit or not, opaque or not, a normal map or none; and the colour for who draws them.
- * A member of a wrong type is as one that is not there: what a material says is never a reason to refuse a mesh. */
+/* gltf_materials.c: materials as far as they bear on normals: both sides or one, lit or not, opaque or not, a normal map or none; and the colour for who
+ * draws them. A member of a wrong type is as one that is not there: what a material says is never a reason to refuse a mesh. */
 #include "gltf_scene.h"
 #include <string.h>
 
-static void read_floats(const gltf *g, uint32_t list, size_t count, float *out)
-{
+static void read_floats(const gltf *g, uint32_t list, size_t count, float *out) {
     const json *j = &g->json;
     size_t i = 0;
     double number;
@@ -15,15 +14,13 @@ static void read_floats(const gltf *g, uint32_t list, size_t count, float *out)
             out[i] = (float)number;
 }
 
-static void read_float(const gltf *g, uint32_t token, float *out)
-{
+static void read_float(const gltf *g, uint32_t token, float *out) {
     double number;
     if (token != JSON_NONE && norma_json_number(&g->json, token, &number))
         *out = (float)number;
 }
 
-static void read_color(const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info)
-{
+static void read_color(const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t metallic = norma_json_member(j, material, "pbrMetallicRoughness");
     uint32_t glossy = norma_json_member(j, extensions, "KHR_materials_pbrSpecularGlossiness");
@@ -39,8 +36,7 @@ static void read_color(const gltf *g, uint32_t material, uint32_t extensions, no
     info->roughness = 1 - glossiness;
 }
 
-static int lets_light_through(const gltf *g, uint32_t material, uint32_t extensions)
-{
+static int lets_light_through(const gltf *g, uint32_t material, uint32_t extensions) {
     const json *j = &g->json;
     uint32_t mode = norma_json_member(j, material, "alphaMode");
     float transmission = 0, diffuse = 0;
@@ -50,8 +46,7 @@ static int lets_light_through(const gltf *g, uint32_t material, uint32_t extensi
 }
 
 /* Of a texture's info; KHR_texture_transform may name another set. */
-static size_t texcoord_of(const gltf *g, uint32_t texture)
-{
+static size_t texcoord_of(const gltf *g, uint32_t texture) {
     const json *j = &g->json;
     uint32_t transform = norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
     uint32_t set = norma_json_member(j, transform, "texCoord");
@@ -61,8 +56,7 @@ static size_t texcoord_of(const gltf *g, uint32_t texture)
     return set != JSON_NONE && norma_json_uint(j, set, &number) && number <= UINT32_MAX ? (size_t)number : 0;
 }
 
-static void read_normal_map(const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info)
-{
+static void read_normal_map(const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t texture = norma_json_member(j, material, "normalTexture");
     if (texture == JSON_NONE)
@@ -71,9 +65,9 @@ static void read_normal_map(const gltf *g, uint32_t material, uint32_t extension
     info->normal_texcoord = info->normal_map ? texcoord_of(g, texture) : 0;
 }
 
-/* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit for those of VRM avatars (their MToon shader), is lit: it needs its normals. */
-static int is_unlit(const gltf *g, uint32_t extensions, size_t number)
-{
+/* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit for those of VRM avatars (their MToon shader), is lit: it
+ * needs its normals. */
+static int is_unlit(const gltf *g, uint32_t extensions, size_t number) {
     const json *j = &g->json;
     uint32_t vrm = norma_json_member(j, norma_json_member(j, 0, "extensions"), "VRM"), list = norma_json_member(j, vrm, "materialProperties");
     uint32_t shader = norma_json_member(j, norma_json_is(j, list, JSON_ARRAY) ? norma_json_element(j, list, (uint32_t)number) : JSON_NONE, "shader");
@@ -81,8 +75,7 @@ static int is_unlit(const gltf *g, uint32_t extensions, size_t number)
     return norma_json_member(j, extensions, "KHR_materials_unlit") != JSON_NONE && !toon;
 }
 
-static int read_material(gltf *g, uint32_t token, size_t number, norma_material_info *info)
-{
+static int read_material(gltf *g, uint32_t token, size_t number, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t extensions = norma_json_member(j, token, "extensions");
     *info = (norma_material_info){.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
@@ -97,8 +90,7 @@ static int read_material(gltf *g, uint32_t token, size_t number, norma_material_
     return info->name && info->where && info->ignore;
 }
 
-norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error)
-{
+norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "materials");

@@ -1,5 +1,5 @@
-/* gltf_scene.c: what a glTF's surfaces have beside positions, corners and normals: UVs, colours, tangents, morph targets, the rules that extras silence, where a
- * node stands, and what of the file was not read. */
+/* gltf_scene.c: what a glTF's surfaces have beside positions, corners and normals: UVs, colours, tangents, morph targets, the rules that extras silence,
+ * where a node stands, and what of the file was not read. */
 #include "gltf_scene.h"
 #include "gltf_matrix.h"
 #include <stdio.h>
@@ -8,8 +8,7 @@
 
 /* ---- texts */
 
-const char *norma_gltf_name(gltf *g, uint32_t token)
-{
+const char *norma_gltf_name(gltf *g, uint32_t token) {
     uint32_t name = norma_json_member(&g->json, token, "name");
     if (!norma_json_is(&g->json, name, JSON_STRING))
         return "";
@@ -19,23 +18,20 @@ const char *norma_gltf_name(gltf *g, uint32_t token)
     return kept;
 }
 
-const char *norma_gltf_where(gltf *g, const char *list, size_t number)
-{
+const char *norma_gltf_where(gltf *g, const char *list, size_t number) {
     char text[64];
     snprintf(text, sizeof text, "/%s/%zu", list, number);
     return norma_scene_text(g->document->scene, text);
 }
 
-static const char *add_rule(gltf *g, const char *list, uint32_t token)
-{
+static const char *add_rule(gltf *g, const char *list, uint32_t token) {
     char *rule = norma_json_string(&g->json, token);
     const char *longer = rule ? norma_scene_join(g->document->scene, list, rule) : NULL;
     free(rule);
     return longer;
 }
 
-const char *norma_gltf_ignore(gltf *g, uint32_t token)
-{
+const char *norma_gltf_ignore(gltf *g, uint32_t token) {
     const json *j = &g->json;
     uint32_t ignore = norma_json_member(j, norma_json_member(j, norma_json_member(j, token, "extras"), "norma"), "ignore");
     const char *list = "";
@@ -51,20 +47,21 @@ const char *norma_gltf_ignore(gltf *g, uint32_t token)
 
 /* ---- arrays */
 
-static int is_plain(const gltf_array *array, uint32_t width)
-{
+static int is_plain(const gltf_array *array, uint32_t width) {
     return array->component == GLTF_FLOAT && array->stride == width * sizeof(float) && (uintptr_t)array->data % sizeof(float) == 0;
 }
 
-norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error)
-{
+norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error) {
     gltf_array array;
     *floats = NULL;
     norma_document_result result = norma_gltf_array(g, accessor, &array, error);
     if (result)
         return result;
     if (array.width != width)
-        return norma_gltf_malformed(g, error, g->accessors[accessor].token, width == 2 ? "pairs of numbers" : width == 3 ? "vectors of three numbers" : "vectors of four numbers");
+        return norma_gltf_malformed(g, error, g->accessors[accessor].token,
+                                    width == 2   ? "pairs of numbers"
+                                    : width == 3 ? "vectors of three numbers"
+                                                 : "vectors of four numbers");
     if (is_plain(&array, width)) {
         *floats = (const float *)(const void *)array.data;
         return NORMA_DOCUMENT_OK;
@@ -72,28 +69,30 @@ norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t wid
     float *copy = norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
     if (!copy)
         return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < array.count; ++i)
-        norma_gltf_floats(&array, i, copy + width * i);
+    for (size_t i = 0; i < array.count; ++i) norma_gltf_floats(&array, i, copy + width * i);
     *floats = copy;
     return NORMA_DOCUMENT_OK;
 }
 
 /* ---- attributes */
 
-static const char *encoding_name(const gltf *g, uint32_t accessor)
-{
+static const char *encoding_name(const gltf *g, uint32_t accessor) {
     switch (g->accessors[accessor].component) {
-    case GLTF_BYTE: return "snorm8";
-    case GLTF_SHORT: return "snorm16";
-    case GLTF_UBYTE: return "unorm8";
-    case GLTF_USHORT: return "unorm16";
-    default: return "float";
+    case GLTF_BYTE:
+        return "snorm8";
+    case GLTF_SHORT:
+        return "snorm16";
+    case GLTF_UBYTE:
+        return "unorm8";
+    case GLTF_USHORT:
+        return "unorm16";
+    default:
+        return "float";
     }
 }
 
 /* A set of UVs that is there and is one; what is not, this library has no use for, and others will say. */
-static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, size_t set, norma_mesh_attributes *attributes, norma_document_error *error)
-{
+static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, size_t set, norma_mesh_attributes *attributes, norma_document_error *error) {
     char name[40];
     snprintf(name, sizeof name, "TEXCOORD_%zu", set);
     uint32_t found = norma_gltf_find(g, &p->base, name);
@@ -104,8 +103,7 @@ static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, si
     return norma_gltf_decode(g, accessor, 2, &attributes->texcoords, error);
 }
 
-static norma_document_result read_colors(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error)
-{
+static norma_document_result read_colors(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error) {
     gltf_array array;
     uint32_t found = norma_gltf_find(g, &p->base, "COLOR_0"), accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
     if (accessor == GLTF_NONE || g->accessors[accessor].count != p->vertices)
@@ -126,8 +124,7 @@ static norma_document_result read_colors(gltf *g, const gltf_primitive *p, norma
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_tangents(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error)
-{
+static norma_document_result read_tangents(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error) {
     if (p->base.tangent == GLTF_NONE || norma_gltf_is_placeholder(g, p->base.tangent))
         return NORMA_DOCUMENT_OK;
     attributes->tangent_count = g->accessors[p->base.tangent].count;
@@ -135,23 +132,20 @@ static norma_document_result read_tangents(gltf *g, const gltf_primitive *p, nor
     return norma_gltf_decode(g, p->base.tangent, 4, &attributes->tangents, error);
 }
 
-static void count_normals(const gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes)
-{
+static void count_normals(const gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes) {
     size_t count = p->base.normal == GLTF_NONE ? p->vertices : g->accessors[p->base.normal].count;
     attributes->normals_missing = count < p->vertices ? p->vertices - count : 0;
     attributes->normals_surplus = count > p->vertices ? count - p->vertices : 0;
 }
 
-static const char *ignored_by_primitive(gltf *g, const gltf_primitive *p)
-{
+static const char *ignored_by_primitive(gltf *g, const gltf_primitive *p) {
     norma_scene *scene = g->document->scene;
     const char *root = norma_gltf_ignore(g, 0), *mesh = norma_gltf_ignore(g, g->meshes[p->mesh].token), *own = norma_gltf_ignore(g, p->token);
     const char *above = root && mesh ? norma_scene_join(scene, root, mesh) : NULL;
     return above && own ? norma_scene_join(scene, above, own) : NULL;
 }
 
-static norma_document_result read_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error)
-{
+static norma_document_result read_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     const gltf_primitive *p = &g->primitives[index];
     size_t set = 0;
@@ -172,8 +166,7 @@ static norma_document_result read_attributes(norma_document *document, size_t in
 
 /* ---- morph targets */
 
-static norma_document_result read_deltas(gltf *g, uint32_t accessor, norma_vec3_view *view, norma_document_error *error)
-{
+static norma_document_result read_deltas(gltf *g, uint32_t accessor, norma_vec3_view *view, norma_document_error *error) {
     const float *floats;
     if (accessor == GLTF_NONE)
         return NORMA_DOCUMENT_OK;
@@ -184,23 +177,24 @@ static norma_document_result read_deltas(gltf *g, uint32_t accessor, norma_vec3_
 }
 
 /* Positions that are normalised integers are given as the integers that they are; what moves them is brought to their unit. */
-static norma_document_result scale_moves(gltf *g, uint32_t base, norma_vec3_view *moves, norma_document_error *error)
-{
+static norma_document_result scale_moves(gltf *g, uint32_t base, norma_vec3_view *moves, norma_document_error *error) {
     const gltf_accessor *a = &g->accessors[base];
-    float unit = a->component == GLTF_BYTE ? 127 : a->component == GLTF_UBYTE ? 255 : a->component == GLTF_SHORT ? 32767 : a->component == GLTF_USHORT ? 65535 : 1;
+    float unit = a->component == GLTF_BYTE     ? 127
+                 : a->component == GLTF_UBYTE  ? 255
+                 : a->component == GLTF_SHORT  ? 32767
+                 : a->component == GLTF_USHORT ? 65535
+                                               : 1;
     if (!a->normalized || unit == 1 || !moves->count)
         return NORMA_DOCUMENT_OK;
     float *scaled = norma_scene_allocate(g->document->scene, moves->count, 3 * sizeof *scaled);
     if (!scaled)
         return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < 3 * moves->count; ++i)
-        scaled[i] = unit * ((const float *)moves->data)[i];
+    for (size_t i = 0; i < 3 * moves->count; ++i) scaled[i] = unit * ((const float *)moves->data)[i];
     moves->data = scaled;
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_morph(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error)
-{
+static norma_document_result read_morph(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     size_t number = g->primitives[mesh].first_target + target;
@@ -228,9 +222,9 @@ static norma_document_result read_morph(norma_document *document, size_t mesh, s
 
 /* ---- nodes */
 
-/* Names from the root; the number of a node that has none. What would be longer than PATH_ROOM is cut in front, so that a deep tree costs no more than a shallow one. */
-static const char *path_of(gltf *g, uint32_t number)
-{
+/* Names from the root; the number of a node that has none. What would be longer than PATH_ROOM is cut in front, so that a deep tree costs no more than a
+ * shallow one. */
+static const char *path_of(gltf *g, uint32_t number) {
     enum { PATH_ROOM = 400 };
     char path[PATH_ROOM + 1], unnamed[16];
     size_t at = PATH_ROOM;
@@ -243,7 +237,7 @@ static const char *path_of(gltf *g, uint32_t number)
         }
         size_t length = strlen(name), slash = node != number;
         if (length + slash + 4 > at) {
-            if (at == PATH_ROOM)                               /* one name that fills it */
+            if (at == PATH_ROOM) /* one name that fills it */
                 return norma_scene_text(g->document->scene, name);
             at -= 4;
             memcpy(path + at, ".../", 4);
@@ -258,8 +252,7 @@ static const char *path_of(gltf *g, uint32_t number)
     return norma_scene_text(g->document->scene, path + at);
 }
 
-static const char *ignored_by_node(gltf *g, uint32_t node)
-{
+static const char *ignored_by_node(gltf *g, uint32_t node) {
     const char *list = norma_gltf_ignore(g, 0);
     for (; list && node != GLTF_NONE; node = g->nodes[node].parent) {
         const char *own = norma_gltf_ignore(g, g->nodes[node].token);
@@ -269,15 +262,13 @@ static const char *ignored_by_node(gltf *g, uint32_t node)
 }
 
 /* Exactly: the sign of the determinant of the 3x3. */
-static int mirrors(const double world[16])
-{
+static int mirrors(const double world[16]) {
     double normal_matrix[9];
     norma_matrix_info info;
     return norma_normal_matrix_double(world, NORMA_WINDING_KEPT, normal_matrix, &info) == NORMA_OK && info.mirrored;
 }
 
-static norma_document_result count_mirrored(gltf *g, uint32_t node, size_t *mirrored)
-{
+static norma_document_result count_mirrored(gltf *g, uint32_t node, size_t *mirrored) {
     const gltf_node *n = &g->nodes[node];
     gltf_instances instances;
     *mirrored = 0;
@@ -295,8 +286,7 @@ static norma_document_result count_mirrored(gltf *g, uint32_t node, size_t *mirr
     return result;
 }
 
-static norma_document_result make_node(gltf *g, uint32_t node, norma_node_info *info)
-{
+static norma_document_result make_node(gltf *g, uint32_t node, norma_node_info *info) {
     info->parent = g->nodes[node].parent == GLTF_NONE ? SIZE_MAX : g->nodes[node].parent;
     info->skin = g->nodes[node].skin == GLTF_NONE ? SIZE_MAX : g->nodes[node].skin;
     info->where = norma_gltf_where(g, "nodes", node);
@@ -307,8 +297,7 @@ static norma_document_result make_node(gltf *g, uint32_t node, norma_node_info *
     return count_mirrored(g, node, &info->mirrored_instances);
 }
 
-norma_document_result norma_gltf_describe_node(const norma_document *document, size_t index, norma_node_info *info)
-{
+norma_document_result norma_gltf_describe_node(const norma_document *document, size_t index, norma_node_info *info) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     if (!scene->nodes && !(scene->nodes = norma_scene_allocate(scene, g->drawing_count, sizeof *scene->nodes)))
@@ -322,8 +311,7 @@ norma_document_result norma_gltf_describe_node(const norma_document *document, s
     return result;
 }
 
-static norma_document_result instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error)
-{
+static norma_document_result instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     uint32_t node = g->drawing[index];
     gltf_instances instances;
@@ -341,11 +329,10 @@ static norma_document_result instance_world(norma_document *document, size_t ind
 
 /* ---- what was not read */
 
-static const char *unknown_extension(gltf *g, uint32_t token)
-{
+static const char *unknown_extension(gltf *g, uint32_t token) {
     char *name = norma_json_string(&g->json, token), *why = NULL;
     size_t size = name ? strlen(name) + 64 : 0;
-    if (name && (norma_gltf_is_known(name) || strcmp(name, "KHR_draco_mesh_compression") == 0))     /* its primitives are named instead */
+    if (name && (norma_gltf_is_known(name) || strcmp(name, "KHR_draco_mesh_compression") == 0)) /* its primitives are named instead */
         why = norma_scene_text(g->document->scene, "");
     else if (name && (why = norma_scene_allocate(g->document->scene, size, 1)) != NULL)
         snprintf(why, size, "requires %s, which is not known here", name);
@@ -353,13 +340,9 @@ static const char *unknown_extension(gltf *g, uint32_t token)
     return why;
 }
 
-int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor)
-{
-    return g->accessors[accessor].view == GLTF_NONE && g->accessors[accessor].sparse.count == 0;
-}
+int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor) { return g->accessors[accessor].view == GLTF_NONE && g->accessors[accessor].sparse.count == 0; }
 
-static const char *why_in_part(const gltf *g, const gltf_primitive *p)
-{
+static const char *why_in_part(const gltf *g, const gltf_primitive *p) {
     if (p->not_read)
         return p->mode >= GLTF_TRIANGLES ? p->not_read : NULL;
     if (p->base.normal != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.normal))
@@ -369,8 +352,7 @@ static const char *why_in_part(const gltf *g, const gltf_primitive *p)
     return NULL;
 }
 
-static norma_document_result read_unread(norma_document *document, norma_document_error *error)
-{
+static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;

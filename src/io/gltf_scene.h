@@ -17,21 +17,22 @@ norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t wid
 norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error);
 
 /* gltf_skins.c */
-size_t                norma_gltf_skin_count(const norma_document *document);
+size_t norma_gltf_skin_count(const norma_document *document);
 norma_document_result norma_gltf_skin(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
 
 /* gltf_instances.c: where a node draws its mesh, again and again (EXT_mesh_gpu_instancing) */
 typedef struct gltf_instances {
     gltf_array translation, rotation, scale;
-    int        has_translation, has_rotation, has_scale;
-    uint32_t   attributes;               /* the JSON object that names them; JSON_NONE */
+    int has_translation, has_rotation, has_scale;
+    uint32_t attributes; /* the JSON object that names them; JSON_NONE */
 } gltf_instances;
 norma_document_result norma_gltf_read_instances(gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error);
-void                  norma_gltf_instance_matrix(const gltf_instances *instances, size_t index, double matrix[16]); /* within the node */
+void norma_gltf_instance_matrix(const gltf_instances *instances, size_t index, double matrix[16]); /* within the node */
 
 /* gltf.c: whether a file may require the extension without a word in it changing what its meshes' numbers mean. */
 int norma_gltf_is_known(const char *name);
-/* Its elements have no bytes at all: zeros by the specification, that an extension or the program that loads the file is to fill. What norma check judges they are not. */
+/* Its elements have no bytes at all: zeros by the specification, that an extension or the program that loads the file is to fill. What norma check judges
+ * they are not. */
 int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor);
 /* gltf.c: it asks for a version later than the one that is read here. */
 int norma_gltf_needs_later(const gltf *g);

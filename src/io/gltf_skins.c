@@ -1,5 +1,6 @@
-/* gltf_skins.c: skins: how far from a uniform scale the world matrix of a joint ever is, at rest and in every key of an animation that scales it or a node above it.
- * Uniform scales and rotations keep a uniform matrix uniform: an animation without a key that scales differently along the axes changes nothing, and is not played. */
+/* gltf_skins.c: skins: how far from a uniform scale the world matrix of a joint ever is, at rest and in every key of an animation that scales it or a node
+ * above it. Uniform scales and rotations keep a uniform matrix uniform: an animation without a key that scales differently along the axes changes nothing,
+ * and is not played. */
 #include "gltf_animation.h"
 #include "gltf_matrix.h"
 #include "../core/matrix_internal.h"
@@ -8,32 +9,26 @@
 #include <string.h>
 
 typedef struct pose {
-    gltf       *g;
-    uint32_t   *joints;
-    size_t      joint_count;
+    gltf *g;
+    uint32_t *joints;
+    size_t joint_count;
     norma_skin_info *info;
     const gltf_channel **rotation, **scale; /* of each node in the animation that is played; NULL: at rest */
-    double     *world;                      /* nine for each node */
-    size_t     *stamp;                      /* of each node: the time that its world is of, from 1 */
-    uint32_t   *chain;
-    double     *times;
+    double *world;                          /* nine for each node */
+    size_t *stamp;                          /* of each node: the time that its world is of, from 1 */
+    uint32_t *chain;
+    double *times;
 } pose;
 
-static norma_document_result out_of_memory(const pose *p, norma_document_error *error)
-{
-    return norma_document_fail_memory(p->g->document, error);
-}
+static norma_document_result out_of_memory(const pose *p, norma_document_error *error) { return norma_document_fail_memory(p->g->document, error); }
 
 /* ---- anisotropy */
 
-static void judge(pose *p, const double upper[9], uint32_t joint)
-{
+static void judge(pose *p, const double upper[9], uint32_t joint) {
     double scaled[9], values[3], vectors[9], largest = 0, anisotropy = INFINITY;
-    for (int i = 0; i < 9; ++i)
-        largest = fmax(largest, fabs(upper[i]));
+    for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(upper[i]));
     if (largest > 0 && isfinite(largest)) {
-        for (int i = 0; i < 9; ++i)
-            scaled[i] = upper[i] / largest;
+        for (int i = 0; i < 9; ++i) scaled[i] = upper[i] / largest;
         norma_singular_values(scaled, values, vectors);
         double most = fmax(values[0], fmax(values[1], values[2])), least = fmin(values[0], fmin(values[1], values[2]));
         anisotropy = least > 1e-6 * most ? most / least : INFINITY;
@@ -44,8 +39,7 @@ static void judge(pose *p, const double upper[9], uint32_t joint)
     }
 }
 
-static void judge_rest(pose *p)
-{
+static void judge_rest(pose *p) {
     for (size_t i = 0; i < p->joint_count; ++i) {
         const double *world = p->g->nodes[p->joints[i]].world;
         const double upper[9] = {world[0], world[1], world[2], world[4], world[5], world[6], world[8], world[9], world[10]};
@@ -55,8 +49,7 @@ static void judge_rest(pose *p)
 
 /* ---- a moment of an animation */
 
-static void read_rest(const gltf *g, uint32_t node, const char *key, size_t count, double *out)
-{
+static void read_rest(const gltf *g, uint32_t node, const char *key, size_t count, double *out) {
     const json *j = &g->json;
     uint32_t list = norma_json_member(j, g->nodes[node].token, key);
     size_t i = 0;
@@ -64,8 +57,7 @@ static void read_rest(const gltf *g, uint32_t node, const char *key, size_t coun
         norma_json_number(j, item, &out[i++]);
 }
 
-static void local_at(const pose *p, uint32_t node, double time, double upper[9])
-{
+static void local_at(const pose *p, uint32_t node, double time, double upper[9]) {
     double m[16];
     if (!p->rotation[node] && !p->scale[node]) {
         memcpy(m, p->g->nodes[node].local, sizeof m);
@@ -82,23 +74,18 @@ static void local_at(const pose *p, uint32_t node, double time, double upper[9])
         }
         norma_gltf_matrix_compose(&trs, m);
     }
-    for (int i = 0; i < 9; ++i)
-        upper[i] = m[4 * (i / 3) + i % 3];
+    for (int i = 0; i < 9; ++i) upper[i] = m[4 * (i / 3) + i % 3];
 }
 
-static void multiply(const double a[9], const double b[9], double out[9])
-{
+static void multiply(const double a[9], const double b[9], double out[9]) {
     for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            out[3 * column + row] = a[row] * b[3 * column] + a[3 + row] * b[3 * column + 1] + a[6 + row] * b[3 * column + 2];
+        for (int row = 0; row < 3; ++row) out[3 * column + row] = a[row] * b[3 * column] + a[3 + row] * b[3 * column + 1] + a[6 + row] * b[3 * column + 2];
 }
 
-static void play(pose *p, double time, size_t stamp)
-{
+static void play(pose *p, double time, size_t stamp) {
     for (size_t i = 0; i < p->joint_count; ++i) {
         size_t depth = 0;
-        for (uint32_t at = p->joints[i]; at != GLTF_NONE && p->stamp[at] != stamp; at = p->g->nodes[at].parent)
-            p->chain[depth++] = at;
+        for (uint32_t at = p->joints[i]; at != GLTF_NONE && p->stamp[at] != stamp; at = p->g->nodes[at].parent) p->chain[depth++] = at;
         while (depth-- > 0) {
             uint32_t node = p->chain[depth], parent = p->g->nodes[node].parent;
             double local[9];
@@ -115,8 +102,7 @@ static void play(pose *p, double time, size_t stamp)
 
 /* ---- an animation */
 
-static int is_uneven(const gltf_channel *channel)
-{
+static int is_uneven(const gltf_channel *channel) {
     size_t width = channel->interpolation == GLTF_CUBIC ? 9 : 3, value = channel->interpolation == GLTF_CUBIC ? 3 : 0;
     for (size_t i = 0; i < channel->count; ++i) {
         const float *s = channel->values + i * width + value;
@@ -127,15 +113,13 @@ static int is_uneven(const gltf_channel *channel)
     return 0;
 }
 
-static int compare_times(const void *a, const void *b)
-{
+static int compare_times(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
 /* Every moment of a channel that scales a node at or above a joint, once. */
-static size_t collect_times(pose *p, const gltf_animation *animation)
-{
+static size_t collect_times(pose *p, const gltf_animation *animation) {
     size_t count = 0, kept = 0;
     for (size_t i = 0; i < animation->count; ++i)
         for (size_t k = 0; animation->channels[i].scales && p->stamp[animation->channels[i].node] && k < animation->channels[i].count; ++k)
@@ -147,8 +131,7 @@ static size_t collect_times(pose *p, const gltf_animation *animation)
     return kept;
 }
 
-static norma_document_result judge_animation(pose *p, const gltf_animation *animation, norma_document_error *error)
-{
+static norma_document_result judge_animation(pose *p, const gltf_animation *animation, norma_document_error *error) {
     gltf *g = p->g;
     int uneven = 0;
     size_t times = 0;
@@ -167,23 +150,19 @@ static norma_document_result judge_animation(pose *p, const gltf_animation *anim
         return out_of_memory(p, error);
     times = collect_times(p, animation);
     memset(p->stamp, 0, g->node_count * sizeof *p->stamp);
-    for (size_t i = 0; i < times; ++i)
-        play(p, p->times[i], i + 1);
+    for (size_t i = 0; i < times; ++i) play(p, p->times[i], i + 1);
     free(p->times);
     return NORMA_DOCUMENT_OK;
 }
 
 /* Marks each joint and all nodes above it. */
-static void mark_chains(pose *p)
-{
+static void mark_chains(pose *p) {
     memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
     for (size_t i = 0; i < p->joint_count; ++i)
-        for (uint32_t at = p->joints[i]; at != GLTF_NONE && !p->stamp[at]; at = p->g->nodes[at].parent)
-            p->stamp[at] = 1;
+        for (uint32_t at = p->joints[i]; at != GLTF_NONE && !p->stamp[at]; at = p->g->nodes[at].parent) p->stamp[at] = 1;
 }
 
-static norma_document_result judge_animations(pose *p, norma_document_error *error)
-{
+static norma_document_result judge_animations(pose *p, norma_document_error *error) {
     gltf *g = p->g;
     uint32_t list = norma_json_member(&g->json, 0, "animations");
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -199,8 +178,7 @@ static norma_document_result judge_animations(pose *p, norma_document_error *err
 
 /* ---- a skin */
 
-static norma_document_result read_joints(pose *p, uint32_t token, norma_document_error *error)
-{
+static norma_document_result read_joints(pose *p, uint32_t token, norma_document_error *error) {
     const json *j = &p->g->json;
     uint32_t list = norma_json_member(j, token, "joints");
     if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
@@ -218,8 +196,7 @@ static norma_document_result read_joints(pose *p, uint32_t token, norma_document
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result allocate(pose *p, norma_document_error *error)
-{
+static norma_document_result allocate(pose *p, norma_document_error *error) {
     size_t count = p->g->node_count;
     p->rotation = norma_io_allocate(count, sizeof *p->rotation);
     p->scale = norma_io_allocate(count, sizeof *p->scale);
@@ -229,8 +206,7 @@ static norma_document_result allocate(pose *p, norma_document_error *error)
     return p->rotation && p->scale && p->world && p->stamp && p->chain ? NORMA_DOCUMENT_OK : out_of_memory(p, error);
 }
 
-static norma_document_result make_skin(gltf *g, uint32_t token, size_t index, norma_skin_info *info, norma_document_error *error)
-{
+static norma_document_result make_skin(gltf *g, uint32_t token, size_t index, norma_skin_info *info, norma_document_error *error) {
     pose p = {.g = g, .info = info};
     *info = (norma_skin_info){.joint = SIZE_MAX};
     info->name = norma_gltf_name(g, token);
@@ -244,20 +220,17 @@ static norma_document_result make_skin(gltf *g, uint32_t token, size_t index, no
         result = judge_animations(&p, error);
     }
     void *const blocks[] = {p.joints, (void *)p.rotation, (void *)p.scale, p.world, p.stamp, p.chain};
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i)
-        free(blocks[i]);
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
     return result;
 }
 
-size_t norma_gltf_skin_count(const norma_document *document)
-{
+size_t norma_gltf_skin_count(const norma_document *document) {
     const gltf *g = norma_gltf_of(document);
     uint32_t list = norma_json_member(&g->json, 0, "skins");
     return norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0;
 }
 
-norma_document_result norma_gltf_skin(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error)
-{
+norma_document_result norma_gltf_skin(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     if (!scene->skins && !(scene->skins = norma_scene_allocate(scene, norma_gltf_skin_count(document), sizeof *scene->skins)))
@@ -265,7 +238,8 @@ norma_document_result norma_gltf_skin(norma_document *document, size_t index, no
     if (!scene->skins[index]) {
         norma_skin_info *made = norma_scene_allocate(scene, 1, sizeof *made);
         uint32_t list = norma_json_member(&g->json, 0, "skins");
-        norma_document_result result = made ? make_skin(g, norma_json_element(&g->json, list, (uint32_t)index), index, made, error) : norma_document_fail_memory(document, error);
+        norma_document_result result =
+            made ? make_skin(g, norma_json_element(&g->json, list, (uint32_t)index), index, made, error) : norma_document_fail_memory(document, error);
         if (result)
             return result;
         scene->skins[index] = made;

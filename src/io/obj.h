@@ -51,7 +51,8 @@ typedef struct obj_state {
     int       positions_moved;
     int       floats_suffice;                /* for the moved positions: nine digits tell all there is */
     int       faces_reversed;
-    const uint8_t *reverse_faces, *drop_faces; /* marks of an edit under way, its caller's; or NULL */
+    const uint8_t *reverse_faces, *drop_faces, *cut_faces; /* marks of an edit under way, its caller's; or NULL */
+    const uint32_t *cut_corners;
 
     /* For norma_document_mesh_data. */
     uint32_t *shown_normals;                 /* corner_normals without OBJ_BAD_NORMAL */

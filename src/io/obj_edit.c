@@ -26,9 +26,11 @@ norma_document_result norma_obj_edit(norma_document *document, const norma_mesh_
     take_numbers(state, edit);
     state->reverse_faces = edit->reverse_faces;
     state->drop_faces = edit->drop_faces;
+    state->cut_faces = edit->cut_faces;
+    state->cut_corners = edit->cut_corners;
     result = norma_obj_settle(document, error);
     state = document->state;
     if (result && state)
-        state->reverse_faces = state->drop_faces = NULL; /* the caller's */
+        state->reverse_faces = state->drop_faces = state->cut_faces = NULL; /* the caller's */
     return result;
 }

@@ -1,4 +1,5 @@
-/* obj_scene.c: what an OBJ's faces have beside positions and normals: texture vertices and materials. A second walk over the same statements, for those who ask. */
+/* obj_scene.c: what an OBJ's faces have beside positions and normals: texture vertices and materials. A second walk over the same statements, for those who
+ * ask. */
 #include "obj.h"
 #include "obj_text.h"
 #include "number.h"
@@ -10,31 +11,28 @@ typedef struct walk {
     norma_document *document;
     const obj_state *state;
     const char *end;
-    float    *texcoords;
-    size_t    texcoord_count, texcoord_room;
-    uint32_t *corner_texcoords;               /* of each corner */
-    size_t    corner, face;
-    const char **names;                       /* of materials, in the order of their first use */
-    size_t    name_count, name_room;
-    uint32_t *table;                          /* hash table of names: number + 1 */
-    size_t    table_size;
+    float *texcoords;
+    size_t texcoord_count, texcoord_room;
+    uint32_t *corner_texcoords; /* of each corner */
+    size_t corner, face;
+    const char **names; /* of materials, in the order of their first use */
+    size_t name_count, name_room;
+    uint32_t *table; /* hash table of names: number + 1 */
+    size_t table_size;
     uint32_t *face_materials;
-    uint32_t  material;                       /* in force; UINT32_MAX: none */
-    int       failed;                         /* out of memory */
+    uint32_t material; /* in force; UINT32_MAX: none */
+    int failed;        /* out of memory */
 } walk;
 
 /* ---- names */
 
-static size_t hash_of(const char *text, size_t length)
-{
+static size_t hash_of(const char *text, size_t length) {
     uint64_t hash = UINT64_C(14695981039346656037);
-    for (size_t i = 0; i < length; ++i)
-        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(1099511628211);
+    for (size_t i = 0; i < length; ++i) hash = (hash ^ (unsigned char)text[i]) * UINT64_C(1099511628211);
     return (size_t)(hash ^ hash >> 29);
 }
 
-static uint32_t *slot_of(const walk *w, const char *text, size_t length)
-{
+static uint32_t *slot_of(const walk *w, const char *text, size_t length) {
     size_t at = hash_of(text, length) & (w->table_size - 1);
     for (; w->table[at]; at = (at + 1) & (w->table_size - 1)) {
         const char *name = w->names[w->table[at] - 1];
@@ -44,8 +42,7 @@ static uint32_t *slot_of(const walk *w, const char *text, size_t length)
     return &w->table[at];
 }
 
-static int grow_table(walk *w)
-{
+static int grow_table(walk *w) {
     size_t larger = w->table_size ? 2 * w->table_size : 64;
     uint32_t *table = norma_io_allocate(larger, sizeof *table);
     if (!table)
@@ -53,14 +50,12 @@ static int grow_table(walk *w)
     free(w->table);
     w->table = table;
     w->table_size = larger;
-    for (size_t i = 0; i < w->name_count; ++i)
-        *slot_of(w, w->names[i], strlen(w->names[i])) = (uint32_t)i + 1;
+    for (size_t i = 0; i < w->name_count; ++i) *slot_of(w, w->names[i], strlen(w->names[i])) = (uint32_t)i + 1;
     return 1;
 }
 
 /* Texts with a zero byte in them end there. */
-static void use_material(walk *w, const char *text, size_t length)
-{
+static void use_material(walk *w, const char *text, size_t length) {
     const char *zero = memchr(text, 0, length);
     length = zero ? (size_t)(zero - text) : length;
     if (2 * w->name_count >= w->table_size && !grow_table(w)) {
@@ -84,17 +79,14 @@ static void use_material(walk *w, const char *text, size_t length)
 
 /* ---- statements */
 
-static void read_material(walk *w, const char *p)
-{
+static void read_material(walk *w, const char *p) {
     p = norma_obj_skip_blanks(p, w->end);
     const char *end = norma_obj_statement_end(p, w->end);
-    while (end > p && norma_obj_is_blank(end[-1]))
-        --end;
+    while (end > p && norma_obj_is_blank(end[-1])) --end;
     use_material(w, p, (size_t)(end - p));
 }
 
-static void read_texcoord(walk *w, const char *p)
-{
+static void read_texcoord(walk *w, const char *p) {
     float *grown = norma_io_grow(w->texcoords, &w->texcoord_room, w->texcoord_count + 1, 2 * sizeof *grown);
     if (!grown) {
         w->failed = 1;
@@ -111,8 +103,7 @@ static void read_texcoord(walk *w, const char *p)
     ++w->texcoord_count;
 }
 
-static uint32_t texture_of(const walk *w, const obj_corner *corner)
-{
+static uint32_t texture_of(const walk *w, const obj_corner *corner) {
     int64_t index;
     const char *slash = memchr(corner->begin, '/', (size_t)(corner->end - corner->begin));
     if (!corner->has_texture || !slash || !norma_number_parse_integer(slash + 1, corner->end, &index))
@@ -121,24 +112,22 @@ static uint32_t texture_of(const walk *w, const obj_corner *corner)
     return number == UINT32_MAX - 2 ? UINT32_MAX : number;
 }
 
-static void read_face(walk *w, const char *p)
-{
+static void read_face(walk *w, const char *p) {
     obj_corner corner;
     size_t first = w->corner;
-    for (p = norma_obj_skip_blanks(p, w->end); w->corner < w->state->corner_count && norma_obj_corner(p, w->end, &corner); p = norma_obj_skip_blanks(corner.end, w->end))
+    for (p = norma_obj_skip_blanks(p, w->end); w->corner < w->state->corner_count && norma_obj_corner(p, w->end, &corner);
+         p = norma_obj_skip_blanks(corner.end, w->end))
         w->corner_texcoords[w->corner++] = texture_of(w, &corner);
     if (w->corner > first && w->face < w->state->face_count)
         w->face_materials[w->face++] = w->material;
 }
 
-static int is_word(const char *p, const char *end, const char *word)
-{
+static int is_word(const char *p, const char *end, const char *word) {
     size_t length = strlen(word);
     return (size_t)(end - p) > length && memcmp(p, word, length) == 0 && norma_obj_is_blank(p[length]);
 }
 
-static void read_all(walk *w)
-{
+static void read_all(walk *w) {
     const char *text = (const char *)w->document->source.data, *rest;
     if (w->document->source.size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
         text += 3;
@@ -155,8 +144,7 @@ static void read_all(walk *w)
 
 /* ---- the document's */
 
-static int keep_materials(walk *w)
-{
+static int keep_materials(walk *w) {
     norma_scene *scene = w->document->scene;
     norma_material_info *materials = norma_scene_allocate(scene, w->name_count, sizeof *materials);
     if (!materials)
@@ -168,8 +156,7 @@ static int keep_materials(walk *w)
     return 1;
 }
 
-static int several(const walk *w)
-{
+static int several(const walk *w) {
     for (size_t i = 1; i < w->face; ++i)
         if (w->face_materials[i] != w->face_materials[0])
             return 1;
@@ -177,8 +164,7 @@ static int several(const walk *w)
 }
 
 /* vt numbers past the last one name none. */
-static void keep_texcoords(walk *w, norma_mesh_attributes *made)
-{
+static void keep_texcoords(walk *w, norma_mesh_attributes *made) {
     int any = 0;
     for (size_t i = 0; i < w->corner; ++i) {
         if (w->corner_texcoords[i] >= w->texcoord_count)
@@ -196,8 +182,7 @@ static void keep_texcoords(walk *w, norma_mesh_attributes *made)
 }
 
 /* 1: some corners name a normal and others none; 2: one names a normal that is not there. */
-static uint8_t fault_of(const obj_state *state, size_t face)
-{
+static uint8_t fault_of(const obj_state *state, size_t face) {
     int bad = 0, without = 0, with = 0;
     for (size_t i = norma_obj_face_start(state, face); i < norma_obj_face_start(state, face + 1); ++i) {
         bad |= state->corner_normals[i] == OBJ_BAD_NORMAL;
@@ -207,8 +192,7 @@ static uint8_t fault_of(const obj_state *state, size_t face)
     return bad ? 2 : with && without;
 }
 
-static void judge_normals(walk *w, norma_mesh_attributes *made)
-{
+static void judge_normals(walk *w, norma_mesh_attributes *made) {
     const obj_state *state = w->state;
     uint8_t *faults = NULL;
     for (size_t face = 0; state->corner_normals && face < state->face_count; ++face) {
@@ -227,8 +211,7 @@ static void judge_normals(walk *w, norma_mesh_attributes *made)
 }
 
 /* Both, materials and attributes, come of one walk. */
-static norma_document_result walk_all(norma_document *document, norma_document_error *error)
-{
+static norma_document_result walk_all(norma_document *document, norma_document_error *error) {
     norma_scene *scene = document->scene;
     const obj_state *state = document->state;
     walk w = {.document = document, .state = state, .end = (const char *)document->source.data + document->source.size, .material = UINT32_MAX};
@@ -258,8 +241,7 @@ static norma_document_result walk_all(norma_document *document, norma_document_e
     return w.failed ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_unread(norma_document *document, norma_document_error *error)
-{
+static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
     const obj_state *state = document->state;
     norma_unread *unread = norma_scene_allocate(document->scene, 1, sizeof *unread);
     if (!unread)

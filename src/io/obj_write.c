@@ -196,19 +196,59 @@ static const char *rewrite_face(writer *w, const char *p)
     return p;
 }
 
-/* The first token stays where it is, the others change places; what lies between them does not. */
-static void reverse_face(writer *w, const char *p)
+/* The places of a face's tokens; how many. 0: out of memory. */
+static size_t gather_tokens(writer *w, const char *p)
 {
-    size_t begin = norma_obj_face_start(w->state, w->face), count = 0;
-    obj_corner slot, corner;
-    for (const char *q = p; at_token(w, &q) && norma_obj_corner(q, w->end, &corner); q = corner.end) {
+    size_t count = 0;
+    obj_corner corner;
+    for (; at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end) {
         void *grown = norma_io_grow(w->tokens, &w->token_room, count + 1, sizeof *w->tokens);
         w->out_of_memory |= !grown;
         if (!grown)
-            return;
+            return 0;
         w->tokens = grown;
-        w->tokens[count++] = q;
+        w->tokens[count++] = p;
     }
+    return count;
+}
+
+static void put_token(writer *w, const char *p)
+{
+    obj_corner corner;
+    norma_obj_corner(p, w->end, &corner);
+    put(w, corner.begin, corner.end);
+}
+
+/* Its triangles, each a statement that begins as the face's does, on a line of its own; what follows the face on its line follows the last. */
+static void cut_face(writer *w, const char *begin, const char *p)
+{
+    const uint32_t *triangles = w->state->cut_corners + 3 * norma_obj_face_start(w->state, w->face);
+    const size_t count = gather_tokens(w, p);
+    obj_corner last;
+    if (count < 3)
+        return;
+    const char *first = w->tokens[0];
+    const line_ending ending = ending_like(w, first);
+    norma_obj_corner(w->tokens[count - 1], w->end, &last);
+    copy_then_skip(w, first, last.end);
+    for (size_t t = 0; t + 2 < count; ++t, triangles += 3) {
+        if (t > 0) {
+            put(w, ending.begin, ending.end);
+            put(w, begin, first);
+        }
+        for (int k = 0; k < 3; ++k) {
+            if (k > 0)
+                norma_sink_put(w->sink, " ", 1);
+            put_token(w, w->tokens[triangles[k] < count ? triangles[k] : 0]);
+        }
+    }
+}
+
+/* The first token stays where it is, the others change places; what lies between them does not. */
+static void reverse_face(writer *w, const char *p)
+{
+    const size_t begin = norma_obj_face_start(w->state, w->face), count = gather_tokens(w, p);
+    obj_corner slot, corner;
     for (size_t i = 0; i < count; ++i) {
         uint32_t normal = norma_obj_normal(w->state, begin + i);
         norma_obj_corner(w->tokens[i], w->end, &slot);
@@ -253,7 +293,9 @@ static const char *write_face(writer *w, const char *begin, const char *p)
         return statement_end(w, first);            /* a face without a corner is none */
     const size_t face = w->face;
     const int drops = state->drop_faces && state->drop_faces[face];
-    if (!drops && (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])))
+    if (!drops && state->cut_faces && state->cut_faces[face])
+        cut_face(w, begin, first);
+    else if (!drops && (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])))
         reverse_face(w, first);
     else if (!drops && state->normals_replaced)
         first = rewrite_face(w, p);
@@ -329,7 +371,7 @@ static int changes(const obj_state *s, const obj_stretch *a, const obj_stretch *
         return 1;
     if ((s->normals_replaced || s->normals_turned) && a->normal < b->normal)
         return 1;
-    if ((s->normals_replaced || s->faces_reversed || s->reverse_faces || s->drop_faces) && a->face < b->face)
+    if ((s->normals_replaced || s->faces_reversed || s->reverse_faces || s->drop_faces || s->cut_faces) && a->face < b->face)
         return 1;
     return s->normals_replaced && a->other < b->other;
 }
@@ -398,7 +440,7 @@ static void find_split(pieces *p, size_t *count)
 
 int norma_obj_has_change(const obj_state *state)
 {
-    return state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed || state->reverse_faces || state->drop_faces;
+    return state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed || state->reverse_faces || state->drop_faces || state->cut_faces;
 }
 
 norma_document_result norma_obj_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)

@@ -7,11 +7,10 @@
 
 struct scene_block {
     scene_block *next;
-    max_align_t  bytes[];
+    max_align_t bytes[];
 };
 
-void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size)
-{
+void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size) {
     if (size && count > (SIZE_MAX - sizeof(scene_block)) / size)
         return NULL;
     scene_block *block = norma_io_allocate(sizeof *block + count * size, 1);
@@ -22,8 +21,7 @@ void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size)
     return block->bytes;
 }
 
-char *norma_scene_text(norma_scene *scene, const char *text)
-{
+char *norma_scene_text(norma_scene *scene, const char *text) {
     size_t length = strlen(text);
     char *copy = norma_scene_allocate(scene, length + 1, 1);
     if (copy)
@@ -31,8 +29,7 @@ char *norma_scene_text(norma_scene *scene, const char *text)
     return copy;
 }
 
-char *norma_scene_join(norma_scene *scene, const char *first, const char *second)
-{
+char *norma_scene_join(norma_scene *scene, const char *first, const char *second) {
     size_t a = strlen(first), b = strlen(second), comma = a && b;
     char *both = norma_scene_allocate(scene, a + comma + b + 1, 1);
     if (!both)
@@ -44,13 +41,9 @@ char *norma_scene_join(norma_scene *scene, const char *first, const char *second
     return both;
 }
 
-norma_scene *norma_scene_create(void)
-{
-    return norma_io_allocate(1, sizeof(norma_scene));
-}
+norma_scene *norma_scene_create(void) { return norma_io_allocate(1, sizeof(norma_scene)); }
 
-void norma_scene_destroy(norma_scene *scene)
-{
+void norma_scene_destroy(norma_scene *scene) {
     if (!scene)
         return;
     for (scene_block *block = scene->blocks, *next; block; block = next) {
@@ -62,21 +55,18 @@ void norma_scene_destroy(norma_scene *scene)
 
 /* ---- asking */
 
-static const scene_functions *functions_of(const norma_document *document)
-{
+static const scene_functions *functions_of(const norma_document *document) {
     static const scene_functions nothing = {0};
     return document->functions->scene ? document->functions->scene : &nothing;
 }
 
-static void clear_error(norma_document_error *error)
-{
+static void clear_error(norma_document_error *error) {
     if (error)
         *error = (norma_document_error){0};
 }
 
 /* Arrays need the whole document, and one that no change has touched half-way. */
-static norma_document_result check_whole(const norma_document *document, norma_document_error *error)
-{
+static norma_document_result check_whole(const norma_document *document, norma_document_error *error) {
     clear_error(error);
     if (!document)
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no document was given");
@@ -87,8 +77,7 @@ static norma_document_result check_whole(const norma_document *document, norma_d
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result check_mesh(norma_document *document, size_t index, norma_document_error *error)
-{
+static norma_document_result check_mesh(norma_document *document, size_t index, norma_document_error *error) {
     norma_mesh_info info;
     size_t count = norma_document_mesh_count(document);
     if (index >= count || norma_document_mesh_info(document, index, &info))
@@ -98,20 +87,15 @@ static norma_document_result check_mesh(norma_document *document, size_t index, 
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result need_materials(norma_document *document)
-{
+static norma_document_result need_materials(norma_document *document) {
     if (document->scene->materials || !functions_of(document)->materials)
         return NORMA_DOCUMENT_OK;
     return functions_of(document)->materials(document, NULL);
 }
 
-size_t norma_document_material_count(norma_document *document)
-{
-    return document && !need_materials(document) ? document->scene->material_count : 0;
-}
+size_t norma_document_material_count(norma_document *document) { return document && !need_materials(document) ? document->scene->material_count : 0; }
 
-norma_document_result norma_document_material_info(norma_document *document, size_t index, norma_material_info *info)
-{
+norma_document_result norma_document_material_info(norma_document *document, size_t index, norma_material_info *info) {
     if (!info)
         return NORMA_DOCUMENT_ERROR_ARGUMENT;
     *info = (norma_material_info){.name = "", .where = "", .base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1, .ignore = ""};
@@ -124,8 +108,7 @@ norma_document_result norma_document_material_info(norma_document *document, siz
 
 static const norma_mesh_attributes no_attributes = {.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""};
 
-static norma_document_result make_attributes(norma_document *document, size_t index, norma_document_error *error)
-{
+static norma_document_result make_attributes(norma_document *document, size_t index, norma_document_error *error) {
     norma_scene *scene = document->scene;
     if (need_materials(document)) /* of an OBJ, its attributes as well */
         return norma_document_fail_memory(document, error);
@@ -143,8 +126,7 @@ static norma_document_result make_attributes(norma_document *document, size_t in
     return result;
 }
 
-norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error)
-{
+norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error) {
     norma_document_result result = check_whole(document, error);
     if (!result && !attributes)
         result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the attributes was given");
@@ -159,8 +141,7 @@ norma_document_result norma_document_mesh_attributes(norma_document *document, s
     return result;
 }
 
-norma_document_result norma_document_morph_data(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error)
-{
+norma_document_result norma_document_morph_data(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error) {
     norma_mesh_info info;
     norma_document_result result = check_whole(document, error);
     if (!result && !data)
@@ -177,13 +158,11 @@ norma_document_result norma_document_morph_data(norma_document *document, size_t
     return functions_of(document)->morph(document, mesh, target, data, error);
 }
 
-size_t norma_document_skin_count(norma_document *document)
-{
+size_t norma_document_skin_count(norma_document *document) {
     return document && functions_of(document)->skin_count ? functions_of(document)->skin_count(document) : 0;
 }
 
-norma_document_result norma_document_skin_info(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error)
-{
+norma_document_result norma_document_skin_info(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
     norma_document_result result = check_whole(document, error);
     if (result)
         return result;
@@ -194,20 +173,15 @@ norma_document_result norma_document_skin_info(norma_document *document, size_t 
     return functions_of(document)->skin(document, index, info, error);
 }
 
-static norma_document_result need_unread(norma_document *document)
-{
+static norma_document_result need_unread(norma_document *document) {
     if (document->scene->unread || !functions_of(document)->unread)
         return NORMA_DOCUMENT_OK;
     return functions_of(document)->unread(document, NULL);
 }
 
-size_t norma_document_unread_count(norma_document *document)
-{
-    return document && !need_unread(document) ? document->scene->unread_count : 0;
-}
+size_t norma_document_unread_count(norma_document *document) { return document && !need_unread(document) ? document->scene->unread_count : 0; }
 
-norma_document_result norma_document_unread(norma_document *document, size_t index, norma_unread *unread)
-{
+norma_document_result norma_document_unread(norma_document *document, size_t index, norma_unread *unread) {
     if (!unread)
         return NORMA_DOCUMENT_ERROR_ARGUMENT;
     *unread = (norma_unread){.where = "", .why = ""};
@@ -218,12 +192,12 @@ norma_document_result norma_document_unread(norma_document *document, size_t ind
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_document_instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error)
-{
+norma_document_result norma_document_instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error) {
     norma_node_info info;
     clear_error(error);
     if (!document || !world || norma_document_node_info(document, index, &info))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "node %zu of %zu was asked for", index, norma_document_node_count(document));
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "node %zu of %zu was asked for", index,
+                                   norma_document_node_count(document));
     if (instance >= info.instances || !functions_of(document)->instance_world)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, info.where, "instance %zu of %zu was asked for", instance, info.instances);
     return functions_of(document)->instance_world(document, index, instance, world, error);

@@ -135,6 +135,8 @@ static void add_interpolated(void *user, size_t corner, size_t next, const doubl
     const render_split *split = along->split;
     if (along->edge++ % along->l->step)
         return;
+    if (memcmp(split->normals + (size_t)3 * split->corners[corner], split->normals + (size_t)3 * split->corners[next], 12) == 0)
+        return; /* nothing changes on the way */
     for (int i = 1; i < EDGE_STEPS; ++i) {
         const float t = (float)i / EDGE_STEPS, weights[3] = {1 - t, t, 0};
         const float *from = split->normals + (size_t)3 * split->corners[corner], *to = split->normals + (size_t)3 * split->corners[next];

@@ -1,0 +1,132 @@
+/* mend_polygons.c: polygons that readers would cut wrong or differently (N404, N405), cut into triangles that do not fold: ears are clipped (Meisters 1975) in the plane of the
+ * polygon's vector area, each time the one with the shortest cut. What crosses itself has no such triangles and stays. */
+#include "mend_internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct polygon {
+    size_t count;
+    double (*points)[3];  /* relative to the first corner */
+    double (*flat)[2];    /* in its plane, counter-clockwise */
+    uint32_t *ring;       /* corners that are left */
+    size_t left;
+} polygon;
+
+static double cross2(const double a[2], const double b[2], const double c[2]) { return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]); }
+
+/* Drops the axis along which the vector area is greatest. 0: it has none. */
+static int flatten(polygon *p) {
+    double area[3] = {0, 0, 0};
+    for (size_t i = 1; i + 1 < p->count; i++)
+        for (int k = 0; k < 3; k++) {
+            const double *a = p->points[i], *b = p->points[i + 1];
+            area[k] += a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+        }
+    int axis = 0;
+    for (int k = 1; k < 3; k++)
+        if (fabs(area[k]) > fabs(area[axis]))
+            axis = k;
+    if (!(fabs(area[axis]) > 0) || !isfinite(area[axis]))
+        return 0;
+    for (size_t i = 0; i < p->count; i++) {
+        p->flat[i][0] = p->points[i][(axis + 1) % 3];
+        p->flat[i][1] = p->points[i][(axis + 2) % 3] * (area[axis] > 0 ? 1 : -1);
+    }
+    return 1;
+}
+
+static int is_inside(const double a[2], const double b[2], const double c[2], const double p[2]) {
+    return cross2(a, b, p) >= 0 && cross2(b, c, p) >= 0 && cross2(c, a, p) >= 0;
+}
+
+static int same_point(const double a[2], const double b[2]) { return a[0] == b[0] && a[1] == b[1]; }
+
+/* Whether the corner at place i of the ring can be cut off: convex, and no other corner in the triangle. */
+static int is_ear(const polygon *p, size_t i) {
+    uint32_t before = p->ring[(i + p->left - 1) % p->left], at = p->ring[i], after = p->ring[(i + 1) % p->left];
+    const double *a = p->flat[before], *b = p->flat[at], *c = p->flat[after];
+    if (!(cross2(a, b, c) > 0))
+        return 0;
+    for (size_t k = 0; k < p->left; k++) {
+        const double *q = p->flat[p->ring[k]];
+        if (p->ring[k] != before && p->ring[k] != at && p->ring[k] != after && !same_point(q, a) && !same_point(q, b) && !same_point(q, c) && is_inside(a, b, c, q))
+            return 0;
+    }
+    return 1;
+}
+
+static double cut_length(const polygon *p, size_t i) {
+    const double *a = p->points[p->ring[(i + p->left - 1) % p->left]], *c = p->points[p->ring[(i + 1) % p->left]];
+    return (a[0] - c[0]) * (a[0] - c[0]) + (a[1] - c[1]) * (a[1] - c[1]) + (a[2] - c[2]) * (a[2] - c[2]);
+}
+
+/* Corners of count - 2 triangles; 0: it cannot be cut so. */
+static int clip_ears(polygon *p, uint32_t *triangles) {
+    for (p->left = 0; p->left < p->count; p->left++) p->ring[p->left] = (uint32_t)p->left;
+    for (size_t done = 0; p->left >= 3; done++) {
+        size_t best = p->left;
+        for (size_t i = 0; i < p->left; i++)
+            if (is_ear(p, i) && (best == p->left || cut_length(p, i) < cut_length(p, best)))
+                best = i;
+        if (best == p->left)
+            return 0;
+        triangles[3 * done] = p->ring[(best + p->left - 1) % p->left];
+        triangles[3 * done + 1] = p->ring[best];
+        triangles[3 * done + 2] = p->ring[(best + 1) % p->left];
+        memmove(p->ring + best, p->ring + best + 1, (p->left - best - 1) * sizeof *p->ring);
+        p->left--;
+    }
+    return 1;
+}
+
+static int cut_face(const mend_mesh *m, size_t face, polygon *p, uint32_t *triangles) {
+    size_t begin = norma_core_face_begin(&m->mesh, face);
+    double first[3];
+    p->count = norma_core_face_end(&m->mesh, face) - begin;
+    norma_core_position(&m->mesh, norma_core_corner(&m->mesh, begin), first);
+    for (size_t i = 0; i < p->count; i++) {
+        norma_core_position(&m->mesh, norma_core_corner(&m->mesh, begin + i), p->points[i]);
+        if (!norma_core_finite(p->points[i]))
+            return 0;
+        for (int k = 0; k < 3; k++) p->points[i][k] -= first[k];
+    }
+    return p->count > 3 && flatten(p) && clip_ears(p, triangles);
+}
+
+static norma_result cut_named(mend_mesh *m, const uint8_t *marks) {
+    size_t largest = 0;
+    for (size_t face = 0; face < m->mesh.face_count; face++) {
+        size_t corners = norma_core_face_end(&m->mesh, face) - norma_core_face_begin(&m->mesh, face);
+        largest = corners > largest ? corners : largest;
+    }
+    polygon p = {.points = malloc((largest + 1) * sizeof *p.points), .flat = malloc((largest + 1) * sizeof *p.flat), .ring = malloc((largest + 1) * sizeof *p.ring)};
+    uint8_t *cut = calloc(m->mesh.face_count + 1, 1);
+    uint32_t *triangles = calloc(3 * m->mesh.corner_count + 1, sizeof *triangles);
+    int any = 0, fine = p.points && p.flat && p.ring && cut && triangles;
+    for (size_t face = 0; face < m->mesh.face_count && fine; face++)
+        if (marks[face] && !(m->edit->drop_faces && m->edit->drop_faces[face]))
+            any |= cut[face] = (uint8_t)cut_face(m, face, &p, triangles + 3 * norma_core_face_begin(&m->mesh, face));
+    if (any) {
+        m->edit->cut_faces = cut;
+        m->edit->cut_corners = triangles;
+    } else {
+        free(cut);
+        free(triangles);
+    }
+    free(p.points);
+    free(p.flat);
+    free(p.ring);
+    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+/* Where faces are reversed as well, that comes first: the cut waits for the next time. */
+norma_result norma_mend_polygons(mend_mesh *m) {
+    uint8_t *marks = NULL;
+    if (m->edit->reverse_faces || norma_document_format(m->document) != NORMA_FILE_OBJ)
+        return NORMA_OK;
+    int folded = norma_mend_mark(m, RULE_N404, MEND_FACE, m->mesh.face_count, &marks);
+    int bent = folded < 0 ? folded : norma_mend_mark(m, RULE_N405, MEND_FACE, m->mesh.face_count, &marks);
+    norma_result result = folded < 0 || bent < 0 ? NORMA_ERROR_MEMORY : folded || bent ? cut_named(m, marks) : NORMA_OK;
+    free(marks);
+    return result;
+}

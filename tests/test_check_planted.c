@@ -1,0 +1,582 @@
+/* test_check_planted.c: faults planted in clean surfaces, one at a time: each rule must find them all, at the right place, in the right count and severity; the clean
+ * surfaces stay without errors and warnings. */
+#include "check.h"
+#include "surfaces.h"
+
+enum { AROUND = 320 / SLOWER, ACROSS = 160 };
+
+static const double origin[3] = {0, 0, 0};
+
+static norma_findings *found;
+
+/* Runs the rules, and gives the finding of one. */
+static const norma_finding *look(surface *s, const char *id, norma_severity severity, const norma_check_options *options, norma_file_format format) {
+    norma_findings_free(found);
+    found = surface_findings(s, options, format);
+    return finding_of(found, id, severity);
+}
+static const norma_finding *in_render(surface *s, const char *id, norma_severity severity) { return look(s, id, severity, NULL, NORMA_FILE_GLB); }
+static const norma_finding *in_print(surface *s, const char *id, norma_severity severity) {
+    return look(s, id, severity, &(norma_check_options){.profile = NORMA_CHECK_PROFILE_PRINT}, NORMA_FILE_GLB);
+}
+
+#define assert_found(finding, n)                                \
+    do {                                                        \
+        const norma_finding *finding_ = (finding);              \
+        assert_non_null(finding_);                              \
+        assert_int_equal(finding_->count, n);                   \
+    } while (0)
+
+static int tear_down(void **state) {
+    (void)state;
+    norma_findings_free(found);
+    found = NULL;
+    return 0;
+}
+
+/* ---- clean */
+
+static void clean_surfaces_stay_clean(void **state) {
+    (void)state;
+    surface all[] = {surface_torus(AROUND, ACROSS), surface_torus(16, 12), surface_box(origin, 1, 0), surface_join(surface_box(origin, 3, 0), surface_box(origin, 1, 1)),
+                     surface_soup(surface_torus(32, 16))};
+    for (size_t i = 0; i < COUNT_OF(all); i++) {
+        (void)in_render(&all[i], "N001", NORMA_SEVERITY_NONE);
+        assert_false(findings_trouble(found));
+        (void)in_print(&all[i], "N001", NORMA_SEVERITY_NONE);
+        assert_false(findings_trouble(found));
+        assert_null(finding_of(found, "N304", NORMA_SEVERITY_NONE));
+        surface_free(&all[i]);
+    }
+}
+
+/* ---- lengths */
+
+static void set_normal(surface *s, size_t vertex, double x, double y, double z) {
+    s->normals[3 * vertex] = (float)x;
+    s->normals[3 * vertex + 1] = (float)y;
+    s->normals[3 * vertex + 2] = (float)z;
+}
+
+static void scale_normal(surface *s, size_t vertex, double by) {
+    for (size_t k = 0; k < 3; k++) s->normals[3 * vertex + k] = (float)((double)s->normals[3 * vertex + k] * by);
+}
+
+static void lengths(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    set_normal(&s, 1234, NAN, 0, 1);
+    set_normal(&s, 1235, 0, INFINITY, 1);
+    set_normal(&s, 4321, 0, 0, 0);
+    set_normal(&s, 4322, 5e-7, 0, 0);
+    scale_normal(&s, 77, 1.0006);
+    scale_normal(&s, 78, 0.5);
+    scale_normal(&s, 79, 1.0004);
+    const norma_finding *f = in_render(&s, "N101", NORMA_SEVERITY_ERROR);
+    assert_found(f, 2);
+    assert_int_equal(f->samples[0].vertex, 1234);
+    assert_int_equal(f->samples[1].vertex, 1235);
+    assert_true(f->samples[0].has_position && f->samples[0].position[0] == (double)s.positions[3 * 1234]);
+    assert_int_equal(f->fix, NORMA_FIX_SAFE);
+    f = finding_of(found, "N102", NORMA_SEVERITY_ERROR);
+    assert_found(f, 2);
+    assert_int_equal(f->worst.vertex, 4321);
+    f = finding_of(found, "N103", NORMA_SEVERITY_ERROR);
+    assert_found(f, 2);
+    assert_int_equal(f->worst.vertex, 78);
+    assert_true(fabs(f->worst_value - .5) < 1e-6);
+    assert_found(look(&s, "N103", NORMA_SEVERITY_ERROR, &(norma_check_options){.strict = 1}, NORMA_FILE_GLB), 3);
+    s.mesh.info.encoding = "snorm8";
+    assert_found(in_render(&s, "N103", NORMA_SEVERITY_ERROR), 1);
+    scale_normal(&s, 80, 1.0069);
+    scale_normal(&s, 81, 1.0067);
+    assert_found(in_render(&s, "N103", NORMA_SEVERITY_ERROR), 2);
+    surface_free(&s);
+}
+
+/* ---- normals against faces */
+
+static void opposing_normals(void **state) {
+    (void)state;
+    surface s = surface_soup(surface_torus(AROUND, ACROSS));
+    for (size_t k = 0; k < 3; k++) scale_normal(&s, 3 * 500 + k, -1);
+    const norma_finding *f = in_render(&s, "N201", NORMA_SEVERITY_WARNING);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].face, 500);
+    assert_true(f->worst_value > 175);
+    assert_found(finding_of(found, "N202", NORMA_SEVERITY_WARNING), 3);
+    for (size_t face = 1000; face < 1000 + s.faces / 50; face++)
+        for (size_t k = 0; k < 3; k++) scale_normal(&s, 3 * face + k, -1);
+    assert_found(in_render(&s, "N201", NORMA_SEVERITY_ERROR), 1 + s.faces / 50);
+    s.mesh.material.double_sided = 1;
+    assert_found(in_render(&s, "N201", NORMA_SEVERITY_INFO), 1 + s.faces / 50);
+    assert_null(finding_of(found, "N202", NORMA_SEVERITY_WARNING));
+    assert_non_null(finding_of(found, "N202", NORMA_SEVERITY_INFO));
+    surface_free(&s);
+    s = surface_soup(surface_torus(AROUND, ACROSS)); /* two corners of three are not all */
+    for (size_t k = 0; k < 2; k++) scale_normal(&s, 3 * 500 + k, -1);
+    assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+static void one_normal_far_off(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    const size_t vertex = 40 * (ACROSS + 1) + 7;
+    const double a = 2 * 3.141592653589793 * 40 / AROUND, b = 2 * 3.141592653589793 * 7 / ACROSS, off = 80 / DEGREES, near_off = 70 / DEGREES;
+    const double n[3] = {cos(a) * cos(b), sin(a) * cos(b), sin(b)}, t[3] = {-sin(a), cos(a), 0};
+    set_normal(&s, vertex, cos(off) * n[0] + sin(off) * t[0], cos(off) * n[1] + sin(off) * t[1], cos(off) * n[2] + sin(off) * t[2]);
+    const norma_finding *f = in_render(&s, "N202", NORMA_SEVERITY_WARNING);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].vertex, vertex);
+    assert_true(fabs(f->worst_value - 80) < 5);
+    set_normal(&s, vertex, cos(near_off) * n[0] + sin(near_off) * t[0], cos(near_off) * n[1] + sin(near_off) * t[1], cos(near_off) * n[2] + sin(near_off) * t[2]);
+    assert_null(in_render(&s, "N202", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+static void placeholders(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    for (size_t v = 0; v < s.vertices; v++)
+        if (v % 25)
+            set_normal(&s, v, 0, 0, 1);
+    assert_found(in_render(&s, "N203", NORMA_SEVERITY_WARNING), 1);
+    s.mesh.material.not_opaque = 1;
+    assert_found(in_render(&s, "N203", NORMA_SEVERITY_INFO), 1);
+    for (size_t v = 0; v < s.vertices; v++)
+        if (v % 15 == 0)
+            set_normal(&s, v, 1, 0, 0);
+    assert_null(in_render(&s, "N203", NORMA_SEVERITY_NONE)); /* nine in a hundred differ */
+    surface_free(&s);
+    s = surface_torus(64, 32); /* flattened: a plate has one normal */
+    for (size_t v = 0; v < s.vertices; v++) {
+        s.positions[3 * v + 2] = 0;
+        set_normal(&s, v, 0, 0, 1);
+    }
+    assert_null(in_render(&s, "N203", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+/* Normals that the library is asked for by other ways than the ones that are tried first are told by their makings. */
+static void explained(void **state) {
+    (void)state;
+    static const struct {
+        norma_weight weight;
+        float crease_deg;
+    } ways[] = {{NORMA_WEIGHT_ANGLE, 180}, {NORMA_WEIGHT_AREA, 180}, {NORMA_WEIGHT_UNIFORM, 180}, {NORMA_WEIGHT_AREA, 40}, {NORMA_WEIGHT_MAX, 20}};
+    for (size_t i = 0; i < COUNT_OF(ways); i++) {
+        for (size_t large = 0; large < 2; large++) {
+            surface s = surface_soup(large ? surface_torus(AROUND, 44) : surface_torus(60, 20)); /* edges bend by some 8 or 18 degrees across */
+            s.mesh.info.normals = NORMA_NORMALS_PER_CORNER;
+            for (size_t v = 0; v < s.vertices; v++)
+                if (s.positions[3 * v + 2] > 0.9f)
+                    s.positions[3 * v + 2] *= 3;
+            const norma_mesh mesh = {.positions = {s.positions, s.vertices, 0, NORMA_FORMAT_FLOAT}, .corners = s.corners, .corner_count = 3 * s.faces};
+            assert_ok(norma_corner_normals(&mesh, ways[i].crease_deg / (float)DEGREES, &(norma_options){.weight = ways[i].weight}, s.normals, s.vertices, NULL));
+            s.mesh.info.normals = NORMA_NORMALS_PER_VERTEX;
+            const norma_finding *f = in_render(&s, "N204", NORMA_SEVERITY_INFO);
+            assert_found(f, s.vertices);
+            assert_non_null(f->deviation);
+            assert_true(f->deviation->max_rad < 1e-5);
+            assert_int_equal(f->deviation->weight, ways[i].weight);
+            assert_int_equal(f->deviation->corners, s.vertices);
+            assert_int_equal(f->deviation->histogram[0], s.vertices);
+            surface_free(&s);
+        }
+    }
+}
+
+static void facets(void **state) {
+    (void)state;
+    surface s = surface_soup(surface_torus(AROUND, ACROSS));
+    const norma_mesh mesh = {.positions = {s.positions, s.vertices, 0, NORMA_FORMAT_FLOAT}, .corner_count = 3 * s.faces};
+    assert_ok(norma_face_normals(&mesh, NULL, s.normals, s.faces, NULL));
+    s.mesh.info.normals = NORMA_NORMALS_PER_FACET;
+    assert_null(look(&s, "N205", NORMA_SEVERITY_NONE, NULL, NORMA_FILE_STL));
+    assert_false(findings_trouble(found));
+    assert_int_equal(norma_findings_profile(found), NORMA_CHECK_PROFILE_PRINT);
+    set_normal(&s, 10, 0, 0, 0);
+    scale_normal(&s, 20, -1);
+    scale_normal(&s, 30, 17); /* a length means nothing here */
+    const norma_finding *f = look(&s, "N205", NORMA_SEVERITY_WARNING, NULL, NORMA_FILE_STL);
+    assert_found(f, 2);
+    assert_int_equal(f->samples[0].face, 10);
+    assert_int_equal(f->samples[1].face, 20);
+    assert_null(finding_of(found, "N102", NORMA_SEVERITY_NONE));
+    assert_null(finding_of(found, "N103", NORMA_SEVERITY_NONE));
+    assert_null(finding_of(found, "N204", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+/* ---- winding */
+
+static void one_face_turned_in_a_hundred_thousand(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    const size_t face = 2 * (50 * ACROSS + 20); /* far from the seams */
+    surface_turn_face(&s, face);
+    const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_ERROR);
+    assert_found(f, 3);
+    for (size_t i = 0; i < 3; i++) assert_int_equal(f->samples[i].face, face);
+    assert_found(finding_of(found, "N201", NORMA_SEVERITY_WARNING), 1);
+    assert_null(finding_of(found, "N302", NORMA_SEVERITY_NONE));
+    assert_null(finding_of(found, "N304", NORMA_SEVERITY_NONE));
+    s.mesh.material.double_sided = 1;
+    assert_found(in_render(&s, "N301", NORMA_SEVERITY_INFO), 3);
+    assert_found(in_print(&s, "N301", NORMA_SEVERITY_ERROR), 3);
+    surface_free(&s);
+}
+
+/* Without a vertex in common the pieces only touch. */
+static void pieces_that_touch(void **state) {
+    (void)state;
+    surface s = surface_soup(surface_torus(AROUND, ACROSS));
+    surface_turn_face(&s, 777);
+    assert_found(in_render(&s, "N301", NORMA_SEVERITY_WARNING), 3);
+    assert_null(finding_of(found, "N301", NORMA_SEVERITY_ERROR));
+    assert_found(in_print(&s, "N301", NORMA_SEVERITY_ERROR), 3);
+    surface_free(&s);
+}
+
+static void turned_inside_out(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    for (size_t f = 0; f < s.faces; f++) surface_turn_face(&s, f);
+    const norma_finding *f = in_render(&s, "N302", NORMA_SEVERITY_WARNING);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].face, 0);
+    assert_true(fabs(f->worst_value + 2 * 3.141592653589793 * 3.141592653589793 * 3) < .1); /* the volume of a torus */
+    assert_int_equal(f->fix, NORMA_FIX_UNSAFE);
+    assert_found(in_print(&s, "N302", NORMA_SEVERITY_ERROR), 1);
+    surface_free(&s);
+}
+
+static void shells_in_shells(void **state) {
+    (void)state;
+    /* From outside in: inside out; its cavity, right once that is put right; a body in it, inside out; a body in that body. */
+    surface s = surface_join(surface_join(surface_box(origin, 4, 1), surface_box(origin, 3, 1)), surface_join(surface_box(origin, 2, 1), surface_box(origin, 1, 0)));
+    const norma_finding *f = in_print(&s, "N302", NORMA_SEVERITY_ERROR);
+    assert_found(f, 2);
+    assert_int_equal(f->samples[0].face, 0);
+    assert_int_equal(f->samples[1].face, 24);
+    f = finding_of(found, "N302", NORMA_SEVERITY_WARNING);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].face, 36);
+    assert_int_equal(f->fix, NORMA_FIX_NONE);
+    assert_found(in_render(&s, "N302", NORMA_SEVERITY_INFO), 1);
+    surface_free(&s);
+    s = surface_join(surface_torus(AROUND, ACROSS), surface_box((const double[3]){3, 0, 0}, .2, 0)); /* a turned cavity in a wall of many faces */
+    assert_found(in_render(&s, "N302", NORMA_SEVERITY_INFO), 1);
+    surface_free(&s);
+    s = surface_join(surface_torus(AROUND, ACROSS), surface_box(origin, .2, 1)); /* in its hole: nothing encloses it */
+    assert_found(in_render(&s, "N302", NORMA_SEVERITY_WARNING), 1);
+    surface_free(&s);
+}
+
+static void open_surfaces(void **state) {
+    (void)state;
+    surface s = surface_join(surface_torus(64, 32), surface_box((const double[3]){9, 0, 0}, 1, 1));
+    s.faces--;
+    const norma_finding *f = in_render(&s, "N304", NORMA_SEVERITY_INFO);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].face, 2 * 64 * 32);
+    assert_null(finding_of(found, "N302", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+/* ---- what is there twice, or too often */
+
+static void fins_and_bow_ties(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    const uint32_t *inner = s.corners + 3 * 2 * (50 * ACROSS + 20);
+    const uint32_t edge[2] = {inner[0], inner[1]};
+    const float away[3] = {9, 9, 9}, up[3] = {0, 0, 1}, tip[2][3] = {{20, 1, 0}, {20, 0, 1}};
+    surface_add_face(&s, (uint32_t[]){edge[0], edge[1], surface_add_vertex(&s, away, up)});
+    const norma_finding *f = in_render(&s, "N303", NORMA_SEVERITY_INFO);
+    assert_found(f, 1);
+    assert_true(f->samples[0].vertex == edge[0] || f->samples[0].vertex == edge[1]);
+    assert_true(f->worst_value == 3);
+    const uint32_t lone = inner[2];
+    surface_add_face(&s, (uint32_t[]){s.corners[3 * 2 * (70 * ACROSS + 20)], surface_add_vertex(&s, tip[0], up), surface_add_vertex(&s, tip[1], up)});
+    (void)lone;
+    assert_found(in_print(&s, "N303", NORMA_SEVERITY_WARNING), 2);
+    surface_free(&s);
+}
+
+static void twice(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    uint32_t copy[3];
+    memcpy(copy, s.corners + 3 * 4000, sizeof copy);
+    const size_t same = surface_add_face(&s, (uint32_t[]){copy[1], copy[2], copy[0]});
+    const norma_finding *f = in_render(&s, "N305", NORMA_SEVERITY_WARNING);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].face, same);
+    assert_null(finding_of(found, "N306", NORMA_SEVERITY_NONE));
+    assert_found(finding_of(found, "N303", NORMA_SEVERITY_INFO), 3);
+    surface_turn_face(&s, same);
+    f = in_render(&s, "N306", NORMA_SEVERITY_INFO);
+    assert_found(f, 1);
+    assert_null(finding_of(found, "N305", NORMA_SEVERITY_NONE));
+    assert_null(finding_of(found, "N303", NORMA_SEVERITY_NONE)); /* the pair explains its edges */
+    assert_found(in_print(&s, "N306", NORMA_SEVERITY_ERROR), 1);
+    surface_free(&s);
+    /* A sheet of two sides: each face with its reversed twin, on vertices of their own. */
+    s = surface_torus(40, 20);
+    surface back = surface_torus(40, 20);
+    for (size_t k = 0; k < back.faces; k++) surface_turn_face(&back, k);
+    for (size_t v = 0; v < back.vertices; v++) scale_normal(&back, v, -1);
+    s = surface_join(s, back);
+    assert_found(in_render(&s, "N306", NORMA_SEVERITY_INFO), 2 * 40 * 20);
+    assert_null(finding_of(found, "N303", NORMA_SEVERITY_NONE));
+    assert_false(findings_trouble(found));
+    surface_free(&s);
+}
+
+/* ---- shapes */
+
+static void flat_faces(void **state) {
+    (void)state;
+    surface s = surface_torus(64, 32);
+    const float up[3] = {0, 0, 1};
+    const uint32_t a = surface_add_vertex(&s, (const float[3]){10, 0, 0}, up), b = surface_add_vertex(&s, (const float[3]){12, 0, 0}, up);
+    const uint32_t collinear = surface_add_vertex(&s, (const float[3]){11, 0, 0}, up), thin = surface_add_vertex(&s, (const float[3]){11, 1e-6f, 0}, up);
+    const uint32_t sliver = surface_add_vertex(&s, (const float[3]){11, 1e-3f, 0}, up), fine = surface_add_vertex(&s, (const float[3]){11, 4e-3f, 0}, up);
+    const size_t first = surface_add_face(&s, (uint32_t[]){a, b, collinear});
+    surface_add_face(&s, (uint32_t[]){a, b, thin});
+    surface_add_face(&s, (uint32_t[]){a, a, b});
+    const size_t narrow = surface_add_face(&s, (uint32_t[]){a, b, sliver});
+    surface_add_face(&s, (uint32_t[]){a, b, fine});
+    const norma_finding *f = in_render(&s, "N401", NORMA_SEVERITY_INFO);
+    assert_found(f, 3);
+    assert_int_equal(f->samples[0].face, first);
+    f = finding_of(found, "N402", NORMA_SEVERITY_INFO);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].face, narrow);
+    assert_true(fabs(f->worst_value - .0573) < .001);
+    assert_found(in_print(&s, "N401", NORMA_SEVERITY_WARNING), 3);
+    surface_free(&s);
+}
+
+/* Two tips that meet in one vertex, from above and from below. */
+static void cancelled(void **state) {
+    (void)state;
+    surface s = surface_torus(64, 32);
+    const float up[3] = {0, 0, 1};
+    const uint32_t middle = surface_add_vertex(&s, (const float[3]){10, 0, 0}, up);
+    uint32_t ring[2][4];
+    for (int side = 0; side < 2; side++)
+        for (int k = 0; k < 4; k++) {
+            const float p[3] = {(float)(10 + (k == 0) - (k == 2)), (float)((k == 1) - (k == 3)), side ? 1 : -1};
+            ring[side][k] = surface_add_vertex(&s, p, up);
+        }
+    for (size_t k = 0; k < 4; k++) {
+        surface_add_face(&s, (uint32_t[]){middle, ring[0][k], ring[0][(k + 1) % 4]});
+        surface_add_face(&s, (uint32_t[]){middle, ring[1][(k + 1) % 4], ring[1][k]});
+    }
+    const norma_finding *f = in_render(&s, "N403", NORMA_SEVERITY_INFO);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].vertex, middle);
+    free(s.normals);
+    s.normals = NULL;
+    s.mesh.info.normals = NORMA_NORMALS_NONE;
+    assert_found(in_render(&s, "N403", NORMA_SEVERITY_WARNING), 1);
+    surface_free(&s);
+}
+
+/* A row of polygons of one kind each. */
+static void polygons(void **state) {
+    (void)state;
+    static const float shapes[][5][3] = {
+        {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {-.5f, .5f, 0}},            /* convex */
+        {{10, 0, 0}, {12, 0, 0}, {10.5f, .5f, 0}, {10, 2, 0}, {9.5f, 1, 0}},     /* concave, but not as seen from its first corner */
+        {{22, 0, 0}, {20.5f, .5f, 0}, {20, 2, 0}, {19.5f, 1, 0}, {20, 0, 0}},    /* the same from another corner: the fan folds */
+        {{30, 0, 0}, {32, 0, 0}, {30.2f, 1.5f, 0}, {31.8f, 1.4f, 0}, {31, 3, 0}}, /* its edges cross */
+        {{40, 0, 0}, {41, 0, 0}, {41, 1, .05f}, {40, 1, 0}, {39.5f, .5f, 0}},    /* bent by more than a degree */
+        {{50, 0, 0}, {51, 0, 0}, {51, 1, .005f}, {50, 1, 0}, {49.5f, .5f, 0}},   /* by less */
+    };
+    surface s = {.faces = COUNT_OF(shapes), .vertices = 5 * COUNT_OF(shapes)};
+    s.positions = malloc(sizeof shapes);
+    s.corners = malloc(5 * COUNT_OF(shapes) * sizeof *s.corners);
+    s.starts = malloc((COUNT_OF(shapes) + 1) * sizeof *s.starts);
+    memcpy(s.positions, shapes, sizeof shapes);
+    for (uint32_t c = 0; c < 5 * COUNT_OF(shapes); c++) s.corners[c] = c;
+    for (uint32_t f = 0; f <= COUNT_OF(shapes); f++) s.starts[f] = 5 * f;
+    const norma_finding *f = look(&s, "N404", NORMA_SEVERITY_WARNING, NULL, NORMA_FILE_OBJ);
+    assert_found(f, 2);
+    assert_int_equal(f->samples[0].face, 2);
+    assert_int_equal(f->samples[1].face, 3);
+    assert_int_equal(f->fix, NORMA_FIX_UNSAFE);
+    f = finding_of(found, "N405", NORMA_SEVERITY_INFO);
+    assert_found(f, 1);
+    assert_int_equal(f->samples[0].face, 4);
+    surface_free(&s);
+}
+
+/* ---- seams, soups, cracks */
+
+static void turn_normal(surface *s, size_t vertex, double degrees) {
+    const double x = (double)s->normals[3 * vertex], y = (double)s->normals[3 * vertex + 1], a = degrees / DEGREES;
+    set_normal(s, vertex, cos(a) * x - sin(a) * y, sin(a) * x + cos(a) * y, (double)s->normals[3 * vertex + 2]);
+}
+
+static void a_seam_two_degrees_apart(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    for (size_t k = 3; k < 8; k++) turn_normal(&s, k, 2); /* the first of both sides of the seam across */
+    const norma_finding *f = in_render(&s, "N501", NORMA_SEVERITY_WARNING);
+    assert_found(f, 5);
+    for (size_t i = 0; i < 5; i++) assert_int_equal(f->samples[i].vertex, 3 + i);
+    assert_true(f->worst_value > 1.9 && f->worst_value < 2.01);
+    for (size_t k = 3; k < 8; k++) turn_normal(&s, k, -1.5);
+    assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE)); /* half a degree */
+    for (size_t k = 3; k < 8; k++) turn_normal(&s, k, 1.2);
+    assert_non_null(in_render(&s, "N501", NORMA_SEVERITY_WARNING));
+    s.mesh.info.encoding = "oct8"; /* twice .957 */
+    assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+    s = surface_torus(AROUND, ACROSS); /* no UVs: what parts the vertices is their normals alone */
+    for (size_t k = 3; k < 8; k++) turn_normal(&s, k, 2);
+    memset(s.texcoords, 0, 8 * s.vertices);
+    assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+    s = surface_box(origin, 1, 0); /* edges of ninety degrees */
+    for (size_t v = 0; v < s.vertices; v++) s.texcoords[2 * v] = (float)v;
+    assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+static void soups_and_cracks(void **state) {
+    (void)state;
+    surface s = surface_soup(surface_torus(64, 32));
+    assert_found(in_render(&s, "N502", NORMA_SEVERITY_INFO), 1);
+    surface_free(&s);
+    s = surface_torus(AROUND, ACROSS);
+    assert_null(in_render(&s, "N502", NORMA_SEVERITY_NONE));
+    assert_null(finding_of(found, "N503", NORMA_SEVERITY_NONE));
+    for (size_t k = 10; k < 14; k++) s.positions[3 * k] += 2e-6f; /* diagonal about 12, spacing of floats at 4 about 5e-7 */
+    const norma_finding *f = in_render(&s, "N503", NORMA_SEVERITY_INFO);
+    assert_found(f, 8);
+    assert_int_equal(f->samples[0].vertex, 10);
+    for (size_t k = 10; k < 14; k++) s.positions[3 * k] += 1e-3f;
+    assert_null(in_render(&s, "N503", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+/* ---- precision */
+
+static void far_away(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    for (size_t v = 0; v < s.vertices; v++) s.positions[3 * v + 1] += 100000;
+    const norma_finding *f = in_render(&s, "N701", NORMA_SEVERITY_WARNING);
+    assert_found(f, 1);
+    assert_true(f->worst_value > .1 && f->worst_value < 1); /* spacing .0078, edges about .03 */
+    surface_free(&s);
+    s = surface_torus(AROUND, ACROSS);
+    for (size_t v = 0; v < s.vertices; v++) s.positions[3 * v + 1] += 1000;
+    assert_null(in_render(&s, "N701", NORMA_SEVERITY_NONE));
+    s.mesh.info.encoding = "snorm8";
+    assert_found(in_render(&s, "N702", NORMA_SEVERITY_INFO), 1);
+    s.mesh.info.encoding = "snorm16";
+    assert_null(in_render(&s, "N702", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+/* ---- how it is told */
+
+static void samples_rules_and_silence(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    for (size_t v = 100; v < 200; v++) set_normal(&s, v, 0, 0, 0);
+    const norma_finding *f = in_render(&s, "N102", NORMA_SEVERITY_ERROR);
+    assert_found(f, 100);
+    assert_int_equal(f->sample_count, 10);
+    f = look(&s, "N102", NORMA_SEVERITY_ERROR, &(norma_check_options){.max_samples = 37}, NORMA_FILE_GLB);
+    assert_int_equal(f->sample_count, 37);
+    assert_int_equal(f->samples[36].vertex, 136);
+    uint8_t mask[128] = {0};
+    assert_ok(norma_rules_select("n3, zero-normal", mask, NULL));
+    (void)look(&s, "N102", NORMA_SEVERITY_ERROR, &(norma_check_options){.rules = mask}, NORMA_FILE_GLB);
+    assert_int_equal(norma_findings_count(found), 1);
+    s.mesh.material.ignore = "N204,zero-normal,no-such-rule";
+    assert_null(in_render(&s, "N102", NORMA_SEVERITY_NONE));
+    assert_null(finding_of(found, "N204", NORMA_SEVERITY_NONE));
+    s.mesh.material.ignore = NULL;
+    s.mesh.attributes.ignore = "N1";
+    assert_null(in_render(&s, "N102", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+}
+
+static void lists_of_rules(void **state) {
+    (void)state;
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    uint8_t mask[128] = {0};
+    char unknown[64] = "";
+    assert_int_equal(count, 43);
+    for (size_t i = 0; i < count; i++) {
+        assert_true(i == 0 || strcmp(rules[i - 1].id, rules[i].id) < 0);
+        assert_true(*rules[i].what && *rules[i].why && *rules[i].how);
+        assert_int_equal(rules[i].fix != NORMA_FIX_NONE, *rules[i].fix_verb != 0);
+    }
+    assert_int_equal(norma_rules_select("N301,nonsense", mask, unknown), NORMA_ERROR_ARGUMENT);
+    assert_string_equal(unknown, "nonsense");
+    for (size_t i = 0; i < count; i++) assert_int_equal(mask[i], 0);
+    assert_ok(norma_rules_select(" N30 ,triangle-soup,", mask, unknown));
+    for (size_t i = 0; i < count; i++) assert_int_equal(mask[i], !strncmp(rules[i].id, "N30", 3) || !strcmp(rules[i].id, "N502"));
+}
+
+static void threads_change_nothing(void **state) {
+    (void)state;
+    surface s = surface_soup(surface_torus(AROUND, ACROSS));
+    for (size_t f = 0; f < s.faces; f += 97) surface_turn_face(&s, f);
+    for (size_t v = 0; v < s.vertices; v += 331) set_normal(&s, v, 0, 0, v % 2 ? 0 : 3);
+    for (size_t v = 0; v < s.vertices; v += 501) s.positions[3 * v] += 3e-6f;
+    norma_findings *one = surface_findings(&s, NULL, NORMA_FILE_GLB), *many = surface_findings(&s, &(norma_check_options){.threads = 8}, NORMA_FILE_GLB);
+    assert_int_equal(norma_findings_count(one), norma_findings_count(many));
+    for (size_t i = 0; i < norma_findings_count(one); i++) {
+        const norma_finding *a = norma_findings_get(one, i), *b = norma_findings_get(many, i);
+        assert_ptr_equal(a->rule, b->rule);
+        assert_string_equal(a->message, b->message);
+        assert_int_equal(a->count, b->count);
+        assert_int_equal(a->sample_count, b->sample_count);
+        assert_memory_equal(a->samples, b->samples, a->sample_count * sizeof *a->samples);
+        assert_memory_equal(&a->worst, &b->worst, sizeof a->worst);
+        assert_memory_equal(&a->worst_value, &b->worst_value, sizeof a->worst_value);
+    }
+    norma_findings_free(one);
+    norma_findings_free(many);
+    surface_free(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(clean_surfaces_stay_clean),
+        cmocka_unit_test(lengths),
+        cmocka_unit_test(opposing_normals),
+        cmocka_unit_test(one_normal_far_off),
+        cmocka_unit_test(placeholders),
+        cmocka_unit_test(explained),
+        cmocka_unit_test(facets),
+        cmocka_unit_test(one_face_turned_in_a_hundred_thousand),
+        cmocka_unit_test(pieces_that_touch),
+        cmocka_unit_test(turned_inside_out),
+        cmocka_unit_test(shells_in_shells),
+        cmocka_unit_test(open_surfaces),
+        cmocka_unit_test(fins_and_bow_ties),
+        cmocka_unit_test(twice),
+        cmocka_unit_test(flat_faces),
+        cmocka_unit_test(cancelled),
+        cmocka_unit_test(polygons),
+        cmocka_unit_test(a_seam_two_degrees_apart),
+        cmocka_unit_test(soups_and_cracks),
+        cmocka_unit_test(far_away),
+        cmocka_unit_test(samples_rules_and_silence),
+        cmocka_unit_test(lists_of_rules),
+        cmocka_unit_test(threads_change_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, tear_down);
+}
