@@ -254,13 +254,14 @@ static void check_surface(document_bytes bytes, const char *name)
     norma_document *document = open_with(&t, name, 1);
     assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
     const norma_vec3_view *view = &data.mesh.positions;
+    const uint32_t *numbers = data.mesh.corners;
     const size_t size = view->format == NORMA_FORMAT_DOUBLE ? sizeof(double) : sizeof(float), stride = view->stride ? view->stride : 3 * size;
     for (size_t i = 0; i < FACES; ++i) {
         uint32_t c[3];
         corners(i, c);
         for (size_t k = 0; k < 3; ++k) {
             const size_t corner = (data.mesh.face_starts ? data.mesh.face_starts[i] : 3 * i) + k;
-            const unsigned char *at = (const unsigned char *)view->data + stride * (data.mesh.corners ? data.mesh.corners[corner] : corner);
+            const unsigned char *at = (const unsigned char *)view->data + stride * (numbers ? numbers[corner] : corner);
             double p[3];
             position(c[k], p);
             for (size_t axis = 0; axis < 3; ++axis) {
