@@ -6,11 +6,11 @@ _norma() {
     local values="" options=""
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(compgen -W "compute transform matrix check explain info help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "compute transform matrix check explain info render help --help --version" -- "$word")
         return
     fi
     case $before in
-    help) values="compute transform matrix check explain info" ;;
+    help) values="compute transform matrix check explain info render" ;;
     --format) values="text json sarif html" ;;
     --profile) values="render print" ;;
     --fail-on) values="error warning info never" ;;
@@ -19,6 +19,15 @@ _norma() {
     --groups) values="auto ignore" ;;
     --non-manifold) values="hard smooth" ;;
     --only) values="all missing broken" ;;
+    --shading) values="flat gouraud phong" ;;
+    --show) values="normals winding error findings hedgehog wireframe" ;;
+    --space) values="world view" ;;
+    --normals) values="stored computed" ;;
+    --lines) values="vertices faces edges" ;;
+    --up) values="y z" ;;
+    --views) values="front right back left top bottom three-quarter" ;;
+    --background) values="paper white black grey transparent" ;;
+    --renderer) values="auto software" ;;
     --input-format) values="obj ply stl gltf glb" ;;
     --select | --ignore | --max-samples | --crease | --threads | --scale | --rotate | --translate | --matrix) return ;;
     --out-dir)
@@ -34,6 +43,7 @@ _norma() {
     compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
+    render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --json --quiet --help" ;;
     check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --fail-on --max-samples --fix --fix-unsafe --dry-run --files-from $files" ;;
     explain) options="--json --help" ;;
     info) options="--deep --input-format --threads --json --quiet --help" ;;

@@ -1,12 +1,8 @@
 /* render.c: norma render: pictures of meshes, drawn without a display. */
-#define _POSIX_C_SOURCE 200809L
 #include "render_cli.h"
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const char help[] =
     "norma render IN -o OUT.png: a picture of a mesh, drawn without a display\n"
@@ -68,107 +64,6 @@ static const char help[] =
     "  --json  --quiet  --threads N\n"
     "\n"
     "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, or nothing can be drawn here.\n";
-
-/* ---- where pictures go */
-
-static const char *base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
-static int ends_in_png(const char *path) {
-    const char *name = base_name(path), *dot = strrchr(name, '.');
-    return dot && dot > name && strlen(dot) == 4 && (dot[1] | 32) == 'p' && (dot[2] | 32) == 'n' && (dot[3] | 32) == 'g';
-}
-
-static int is_standard(const char *name) { return strcmp(name, "-") == 0; }
-
-static int is_stream(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
-}
-
-/* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the caller; NULL: out of memory. */
-static char *output_of(const render_settings *settings, const char *input, int turn) {
-    const cli_files *files = &settings->files;
-    const char *folder = files->folder ? files->folder : "", *name = files->output ? files->output : base_name(input);
-    const char *dot = strrchr(base_name(name), '.');
-    const size_t length = strlen(folder), size = length + strlen(name) + 24;
-    const int stem = dot && dot > base_name(name) ? (int)(dot - name) : (int)strlen(name);
-    char *path = malloc(size), number[16] = "";
-    if (turn >= 0)
-        snprintf(number, sizeof number, "-%03d", turn);
-    if (path && files->output && turn < 0)
-        snprintf(path, size, "%s", name);
-    else if (path)
-        snprintf(path, size, "%s%s%.*s%s.png", folder, length && folder[length - 1] != '/' ? "/" : "", stem, name, number);
-    return path;
-}
-
-/* Two inputs whose names differ in their extension alone would become one picture. */
-static int check_folder(const cli_verb *verb, const render_settings *settings) {
-    const cli_words *inputs = &settings->files.inputs;
-    int status = CLI_OK;
-    for (size_t i = 1; i < inputs->count && !status; ++i) {
-        char *mine = output_of(settings, inputs->words[i], -1);
-        for (size_t k = 0; k < i && mine && !status; ++k) {
-            char *other = output_of(settings, inputs->words[k], -1);
-            if (other && strcmp(mine, other) == 0)
-                status = cli_usage(verb, "%s and %s would both be drawn to %s", inputs->words[k], inputs->words[i], mine);
-            free(other);
-        }
-        free(mine);
-    }
-    if (!status && mkdir(settings->files.folder, 0777) && errno != EEXIST) {
-        fprintf(stderr, "norma: %s: cannot be made: %s\n", settings->files.folder, strerror(errno));
-        return CLI_FILE;
-    }
-    return status;
-}
-
-static int check_outputs(const cli_verb *verb, const render_settings *settings) {
-    const cli_files *files = &settings->files;
-    int standard = 0;
-    for (size_t i = 0; i < files->inputs.count; ++i) standard |= is_standard(files->inputs.words[i]);
-    if (!files->output && !files->folder)
-        return cli_usage(verb, "nowhere to write to; expected -o OUT.png or --out-dir FOLDER");
-    if (files->output && files->folder)
-        return cli_usage(verb, "-o and --out-dir exclude each other");
-    if (files->output && files->inputs.count > 1 && !settings->sheet)
-        return cli_usage(verb, "one -o for %zu inputs; expected --out-dir FOLDER, or --sheet for one picture of all", files->inputs.count);
-    if (settings->sheet && !files->output)
-        return cli_usage(verb, "--sheet makes one picture; expected -o OUT.png");
-    if (files->folder && standard)
-        return cli_usage(verb, "standard input has no name to write to; expected -o OUT.png");
-    if (files->folder)
-        return check_folder(verb, settings);
-    if (is_standard(files->output) && settings->common.json)
-        return cli_usage(verb, "-o - and --json both want standard output");
-    if (is_standard(files->output) && settings->turns)
-        return cli_usage(verb, "--turntable makes several files; expected -o OUT.png");
-    if (is_standard(files->output) && isatty(STDOUT_FILENO))
-        return cli_usage(verb, "standard output is a terminal, which shows no picture; expected -o OUT.png, or a pipe");
-    if (!is_standard(files->output) && !ends_in_png(files->output) && !is_stream(files->output))
-        return cli_usage(verb, "-o %s: pictures are PNG; expected a name that ends in .png", files->output);
-    return CLI_OK;
-}
-
-int render_settings_check(const cli_verb *verb, render_settings *settings) {
-    const double *m = settings->matrix.matrix;
-    if (settings->lines & RENDER_VERTEX_LINES && settings->hedgehog)
-        settings->lines = (settings->lines & RENDER_WIREFRAME) | settings->hedgehog;
-    else if (settings->hedgehog)
-        return cli_usage(verb, "--lines says which lines a hedgehog has; expected --show hedgehog with it");
-    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-        return cli_usage(verb, "the last row of the matrix must be 0 0 0 1; the camera makes the perspective");
-    if (settings->compare && settings->views)
-        return cli_usage(verb, "--compare and --views exclude each other");
-    if (settings->turns && (settings->views || settings->sheet))
-        return cli_usage(verb, "--turntable excludes --views and --sheet");
-    settings->look.steady = settings->turns > 0;
-    int status = render_plan_check(verb, settings);
-    return status ? status : check_outputs(verb, settings);
-}
 
 /* ---- one picture */
 
@@ -268,10 +163,10 @@ static void report_json(const picture_job *job, const render_scene_file *file, i
 }
 
 static void report_text(const picture_job *job, const render_scene_file *file, int pictures) {
-    FILE *out = is_standard(job->output) ? stderr : stdout;
+    FILE *out = render_is_standard(job->output) ? stderr : stdout;
     const double worst = worst_error(job);
     char number[32];
-    fprintf(out, "%s -> %s: ", cli_input_name(job->input), is_standard(job->output) ? "standard output" : job->output);
+    fprintf(out, "%s -> %s: ", cli_input_name(job->input), render_is_standard(job->output) ? "standard output" : job->output);
     cli_counted(out, job->plan.panels[0].triangles, "triangle", "triangles");
     if (pictures > 1)
         fprintf(out, ", %d pictures of %zux%zu", pictures, job->width, job->height);
@@ -329,7 +224,7 @@ static int draw_pictures(picture_job *job, const render_scene_file *file) {
         if (cli_interrupted())
             return cli_interrupted();
         free(job->output);
-        job->output = output_of(settings, job->input, settings->turns ? turn : -1);
+        job->output = render_output_of(settings, job->input, settings->turns ? turn : -1);
         for (size_t i = 0; i < job->plan.count; ++i) job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
         status = job->output ? draw_picture(job) : CLI_FILE;
     }
@@ -362,7 +257,7 @@ static int draw_file(picture_job *job) {
 
 /* The name of an input as a title: without folder and extension. */
 static void title_of(const char *input, char *title, size_t room) {
-    const char *name = base_name(input), *dot = strrchr(name, '.');
+    const char *name = render_base_name(input), *dot = strrchr(name, '.');
     snprintf(title, room, "%.*s", dot && dot > name ? (int)(dot - name) : (int)strlen(name), name);
 }
 

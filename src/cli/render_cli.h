@@ -38,6 +38,10 @@ extern const size_t render_option_count;
 void render_settings_default(render_settings *settings);
 /* What contradicts itself: CLI_USAGE, said already. */
 int render_settings_check(const cli_verb *verb, render_settings *settings);
+const char *render_base_name(const char *path);
+int render_is_standard(const char *name); /* "-" */
+/* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the caller; NULL: out of memory. */
+char *render_output_of(const render_settings *settings, const char *input, int turn);
 
 /* ---- a document as a scene */
 

@@ -77,8 +77,8 @@ enum { LEGEND_STEPS = 4 };
 
 static enum render_result draw_legend(render_device *device, const render_look *look, const layout *l, double top_deg, render_picture *picture, render_error *error) {
     const float clear[4] = {0, 0, 0, 1};
-    const double size = text_size(look);
-    const size_t height = (size_t)lround(size), width = picture->width * 3 / 4, x = (picture->width - width) / 2, y = picture->height - l->footer - l->legend + height / 2;
+    const double wide = (double)picture->width, size = fmin(text_size(look), wide / 30); /* so that no two numbers touch */
+    const size_t height = (size_t)lround(text_size(look)), width = picture->width * 3 / 4, x = (picture->width - width) / 2, y = picture->height - l->footer - l->legend + height / 2;
     const render_compiled *program;
     enum render_result result = render_target_begin(device, width, height, clear, error);
     if (!result)
