@@ -55,20 +55,31 @@ static norma_document_result compute_meshes(gltf_job *job)
     return result;
 }
 
+/* Between one step and the next, once the core has told that it is done. */
+static norma_document_result look_up(const gltf_job *job)
+{
+    const norma_compute_options *options = job->options;
+    if (options->progress && options->progress(options->progress_user, 1))
+        return norma_document_fail_core(job->g->document, job->error, NORMA_CANCELLED);
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result put_all(gltf_job *job)
 {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t s = 0; !result && s < job->set_count; ++s) {
         if (!job->sets[s].wanted)
             continue;
-        result = norma_gltf_fill_unreferenced(job, &job->sets[s]);
+        result = look_up(job);
+        if (!result)
+            result = norma_gltf_fill_unreferenced(job, &job->sets[s]);
         if (!result)
             result = norma_gltf_put_set(job, s);
     }
     for (uint32_t i = 0; !result && i < job->g->primitive_count; ++i)
         if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted)
             result = norma_gltf_put_indices(job, i);
-    return result;
+    return result ? result : look_up(job);
 }
 
 static void count_vertices(const gltf_job *job)

@@ -298,24 +298,28 @@ static int replace_normals(obj_state *state, obj_numbering *numbering, const uin
     return 1;
 }
 
-/* Numbers for all corners; 0: out of memory, or of numbers. */
-static int number_corners(computation *c, obj_numbering *numbering, renumbering *r)
+/* Numbers for all corners. */
+static obj_numbered number_corners(computation *c, obj_numbering *numbering, renumbering *r)
 {
     const obj_state *state = c->state;
     r->slices = norma_io_slices(c->element_count, LEAST_SLICE);
-    norma_io_tasks(c->core.threads, r->slices, finish_normals, r);
+    if (norma_io_tasks_watched(&c->core, r->slices, finish_normals, r))
+        return OBJ_NUMBERED_CANCELLED;
     if (!c->points && !order_elements(c, numbering))
-        return 0;
-    if (!norma_obj_number(numbering) || numbering->unique_count > OBJ_MOST - r->kept)
-        return 0;
+        return OBJ_NUMBERED_MEMORY;
+    obj_numbered result = norma_obj_number(numbering);
+    if (!result && numbering->unique_count > OBJ_MOST - r->kept)
+        result = OBJ_NUMBERED_MEMORY;
+    if (result)
+        return result;
     r->numbers = numbering->numbers;
     r->corner_normals = c->points ? c->points : norma_io_block(state->corner_count, sizeof *r->corner_normals);
     if (!r->corner_normals)
-        return 0;
+        return OBJ_NUMBERED_MEMORY;
     r->slices = norma_io_slices(state->face_count, LEAST_SLICE);
-    norma_io_tasks(c->core.threads, r->slices, renumber_slice, r);
+    const int cancelled = norma_io_tasks_watched(&c->core, r->slices, renumber_slice, r);
     c->points = NULL;
-    return 1;
+    return cancelled ? OBJ_NUMBERED_CANCELLED : OBJ_NUMBERED;
 }
 
 static void take_corner_normals(obj_state *state, uint32_t *corner_normals)
@@ -332,21 +336,23 @@ static norma_document_result store(computation *c)
     obj_state *state = c->state;
     uint32_t *old_numbers = norma_io_allocate(state->normal_count, sizeof *old_numbers);
     renumbering r = { .c = c, .old_numbers = old_numbers, .kept = old_numbers ? number_old(c, old_numbers) : 0 };
-    obj_numbering numbering = { .normals = c->computed, .element_count = c->element_count, .count = c->points ? c->element_count : 0, .threads = c->core.threads };
-    int stored = old_numbers && number_corners(c, &numbering, &r);
-    int idle = stored && says_so_already(c, numbering.unique, r.kept, r.corner_normals);
-    if (stored && !idle)
-        stored = replace_normals(state, &numbering, old_numbers, r.kept);
+    obj_numbering numbering = { .normals = c->computed, .element_count = c->element_count, .count = c->points ? c->element_count : 0, .options = &c->core };
+    obj_numbered numbered = old_numbers ? number_corners(c, &numbering, &r) : OBJ_NUMBERED_MEMORY;
+    const int idle = !numbered && says_so_already(c, numbering.unique, r.kept, r.corner_normals);
+    if (!numbered && !idle && !replace_normals(state, &numbering, old_numbers, r.kept))
+        numbered = OBJ_NUMBERED_MEMORY;
     free(old_numbers);
     free(numbering.order);
     free(numbering.numbers);
     free(numbering.unique);
-    if (stored && !idle)
+    if (!numbered && !idle)
         take_corner_normals(state, r.corner_normals);
     else if (r.corner_normals != c->points)
         free(r.corner_normals);
-    c->summary->changed = stored && !idle;
-    return stored ? NORMA_DOCUMENT_OK : norma_document_fail_memory(c->document, c->error);
+    c->summary->changed = !numbered && !idle;
+    if (numbered == OBJ_NUMBERED_CANCELLED)
+        return norma_document_fail_core(c->document, c->error, NORMA_CANCELLED);
+    return numbered ? norma_document_fail_memory(c->document, c->error) : NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result run(computation *c, const norma_compute_options *options)

@@ -128,33 +128,43 @@ static void number_all(void *context, size_t slice)
         w->n->numbers[w->n->order ? w->n->order[i] : i] = w->dealt[w->first[i]];
 }
 
-static int number(numberer *w)
+static int run(const numberer *w, size_t count, norma_task *task)
 {
-    obj_numbering *n = w->n;
-    norma_io_tasks(n->threads, w->slices, count_shares, w);
-    place_shares(w);
-    norma_io_tasks(n->threads, w->slices, deal, w);
-    norma_io_tasks(n->threads, SHARES, find_firsts, w);
-    for (size_t share = 0; share < SHARES; ++share)
-        if (w->failed[share])
-            return 0;
-    norma_io_tasks(n->threads, w->slices, count_firsts, w);
-    n->unique_count = 0;
+    return !norma_io_tasks_watched(w->n->options, count, task, (void *)(uintptr_t)w);
+}
+
+static void sum_firsts(numberer *w)
+{
+    w->n->unique_count = 0;
     for (size_t slice = 0; slice < w->slices; ++slice) {
         const size_t count = w->firsts[slice];
-        w->firsts[slice] = n->unique_count;
-        n->unique_count += count;
+        w->firsts[slice] = w->n->unique_count;
+        w->n->unique_count += count;
     }
+}
+
+static obj_numbered number(numberer *w)
+{
+    obj_numbering *n = w->n;
+    if (!run(w, w->slices, count_shares))
+        return OBJ_NUMBERED_CANCELLED;
+    place_shares(w);
+    if (!run(w, w->slices, deal) || !run(w, SHARES, find_firsts))
+        return OBJ_NUMBERED_CANCELLED;
+    for (size_t share = 0; share < SHARES; ++share)
+        if (w->failed[share])
+            return OBJ_NUMBERED_MEMORY;
+    if (!run(w, w->slices, count_firsts))
+        return OBJ_NUMBERED_CANCELLED;
+    sum_firsts(w);
     n->unique = norma_io_block(n->unique_count, 3 * sizeof *n->unique);
     n->numbers = norma_io_block(n->element_count, sizeof *n->numbers);
     if (!n->unique || !n->numbers)
-        return 0;
-    norma_io_tasks(n->threads, w->slices, number_firsts, w);
-    norma_io_tasks(n->threads, w->slices, number_all, w);
-    return 1;
+        return OBJ_NUMBERED_MEMORY;
+    return run(w, w->slices, number_firsts) && run(w, w->slices, number_all) ? OBJ_NUMBERED : OBJ_NUMBERED_CANCELLED;
 }
 
-int norma_obj_number(obj_numbering *n)
+obj_numbered norma_obj_number(obj_numbering *n)
 {
     numberer w = { .n = n, .slices = norma_io_slices(n->count, LEAST_SLICE) };
     w.counts = norma_io_allocate(w.slices * SHARES, sizeof *w.counts);
@@ -162,11 +172,11 @@ int norma_obj_number(obj_numbering *n)
     w.failed = norma_io_allocate(SHARES, sizeof *w.failed);
     w.dealt = norma_io_block(n->count, sizeof *w.dealt);
     w.first = norma_io_block(n->count, sizeof *w.first);
-    const int done = w.counts && w.firsts && w.failed && w.dealt && w.first && number(&w);
+    obj_numbered result = w.counts && w.firsts && w.failed && w.dealt && w.first ? number(&w) : OBJ_NUMBERED_MEMORY;
     free(w.counts);
     free(w.firsts);
     free(w.failed);
     free(w.dealt);
     free(w.first);
-    return done;
+    return result;
 }

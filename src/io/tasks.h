@@ -7,6 +7,9 @@
 void   norma_io_tasks(uint32_t threads, size_t count, norma_task *task, void *context);
 /* The same with the threads and the progress of the core's options, which may cancel. */
 norma_result norma_io_tasks_told(const norma_options *options, size_t count, norma_task *task, void *context);
+/* The same after the core has told that it is done: nothing more is told but that. Nonzero: cancelled, then some tasks did not run. */
+int          norma_io_tasks_watched(const norma_options *options, size_t count, norma_task *task, void *context);
+int          norma_io_cancelled(const norma_options *options);
 /* How many threads that number means: at least 1. */
 size_t norma_io_threads(uint32_t threads);
 
