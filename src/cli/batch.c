@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* ---- where outputs go */
 
@@ -135,9 +136,19 @@ typedef struct file_job {
     const char *input, *output;
 } file_job;
 
-static int write_to_stdout(void *user, const void *bytes, size_t size) {
-    (void)user;
-    return cli_interrupted() || fwrite(bytes, 1, size, stdout) != size;
+/* Past stdio's buffer: what stood there after an interruption would be waited for once more at the end. *failed: what the system said. */
+static int write_to_stdout(void *failed, const void *bytes, size_t size) {
+    const unsigned char *at = bytes;
+    while (size > 0 && !cli_interrupted()) {
+        ssize_t written = write(STDOUT_FILENO, at, size);
+        if (written < 0 && errno != EINTR) {
+            *(int *)failed = errno;
+            return 1;
+        }
+        at += written > 0 ? written : 0;
+        size -= written > 0 ? (size_t)written : 0;
+    }
+    return size > 0;
 }
 
 static norma_document_result fail_cancelled(norma_document_error *error) {
@@ -154,11 +165,12 @@ static norma_document_result write_output(const file_job *job, norma_document *d
             .struct_size = sizeof options, .in_place = job->files->in_place, .progress = cli_progress_report, .progress_user = progress};
         return norma_document_save(document, job->output, &options, error);
     }
-    norma_document_result result = norma_document_write(document, write_to_stdout, NULL, error);
+    int failed = 0;
+    norma_document_result result = norma_document_write(document, write_to_stdout, &failed, error);
     if (cli_interrupted())
         return fail_cancelled(error);
-    if (result && ferror(stdout))
-        error->message[0] = '\0'; /* cli_finish says it, and why */
+    if (result && failed)
+        snprintf(error->message, sizeof error->message, "standard output: cannot be written: %s", strerror(failed));
     return result;
 }
 

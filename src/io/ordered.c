@@ -1,7 +1,9 @@
 /* ordered.c: a file made piece by piece, by threads, and handed on in order. The calling thread hands on what is ready, and makes pieces itself while nothing is: so that
  * what the system needs for writing goes on beside the making. */
+#define _POSIX_C_SOURCE 200809L
 #include "ordered.h"
 #include <pthread.h>
+#include <signal.h>
 #include <stdlib.h>
 #include "document_internal.h"
 #include "tasks.h"
@@ -99,13 +101,24 @@ static norma_ordered_result lead(line *l, norma_write *write, void *user)
     return result;
 }
 
-/* A thread that cannot be had is done without. */
+/* A thread that cannot be had is done without. Signals are for the calling thread: one that hangs in a write must be the one that is interrupted. */
+static size_t start_helpers(line *l, size_t threads, pthread_t helpers[MOST_HELPERS])
+{
+    sigset_t all, before;
+    size_t started = 0;
+    sigfillset(&all);
+    const int masked = pthread_sigmask(SIG_BLOCK, &all, &before) == 0;
+    while (started + 1 < threads && started < MOST_HELPERS && started + 1 < l->count && pthread_create(&helpers[started], NULL, help, l) == 0)
+        ++started;
+    if (masked)
+        pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return started;
+}
+
 static norma_ordered_result run(line *l, size_t threads, norma_write *write, void *user)
 {
     pthread_t helpers[MOST_HELPERS];
-    size_t started = 0;
-    while (started + 1 < threads && started < MOST_HELPERS && started + 1 < l->count && pthread_create(&helpers[started], NULL, help, l) == 0)
-        ++started;
+    const size_t started = start_helpers(l, threads, helpers);
     norma_ordered_result result = lead(l, write, user);
     for (size_t i = 0; i < started; ++i)
         pthread_join(helpers[i], NULL);
