@@ -117,12 +117,12 @@ CORE_INLINE void core_rows_to_lanes(const double (*rows)[4], double *x, double *
 }
 
 /* sum += factor row */
-CORE_INLINE void core_add_scaled(double *sum, const double *row, double factor)
+CORE_INLINE void core_add_row(double *sum, const double *row, double factor)
 {
     core_store_row(sum, core_load_row(sum) + core_load_row(row) * (core_d4){factor, factor, factor, factor});
 }
 
-CORE_INLINE void core_add_row(double *sum, const double *row) { core_store_row(sum, core_load_row(sum) + core_load_row(row)); }
+CORE_INLINE void core_add_whole(double *sum, const double *row) { core_store_row(sum, core_load_row(sum) + core_load_row(row)); }
 #else
 CORE_INLINE void core_gather_edges(core_points points, core_batch *out)
 {
@@ -157,12 +157,12 @@ CORE_INLINE void core_rows_to_lanes(const double (*rows)[4], double *x, double *
     }
 }
 
-CORE_INLINE void core_add_scaled(double *sum, const double *row, double factor)
+CORE_INLINE void core_add_row(double *sum, const double *row, double factor)
 {
     for (int k = 0; k < 4; k++) sum[k] += row[k] * factor;
 }
 
-CORE_INLINE void core_add_row(double *sum, const double *row)
+CORE_INLINE void core_add_whole(double *sum, const double *row)
 {
     for (int k = 0; k < 4; k++) sum[k] += row[k];
 }

@@ -14,20 +14,6 @@ CORE_INLINE void core_lanes_normals(core_batch *t)
     }
 }
 
-/* normal: the cross product itself, as long as twice_area. */
-CORE_INLINE void core_lanes_areas(core_batch *t)
-{
-    for (int i = 0; i < CORE_LANES; i++) {
-        const double ux = t->u[0][i], uy = t->u[1][i], uz = t->u[2][i], vx = t->v[0][i], vy = t->v[1][i], vz = t->v[2][i];
-        const double x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx, square = x * x + y * y + z * z;
-        t->normal[0][i] = x;
-        t->normal[1][i] = y;
-        t->normal[2][i] = z;
-        t->twice_area[i] = sqrt(square);
-        t->sure[i] = norma_core_triangle_is_sure(square, ux * vx + uy * vy + uz * vz) ? 1 : 0;
-    }
-}
-
 CORE_INLINE double core_lanes_dot(core_lane *a, core_lane *b, int i) { return a[0][i] * b[0][i] + a[1][i] * b[1][i] + a[2][i] * b[2][i]; }
 
 /* Normals and all angles. The two smaller angles by arc tangents, the largest as what they leave of pi, which loses nothing since it is at least pi/3; its corner is that of the

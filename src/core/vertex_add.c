@@ -74,14 +74,15 @@ CORE_INLINE int weighs_evenly(norma_weight weight) { return weight == NORMA_WEIG
 
 CORE_INLINE void measure_batch(core_batch *m, norma_weight weight)
 {
-    if (weight == NORMA_WEIGHT_AREA) core_lanes_areas(m);
-    else core_lanes_measure(m, weight, weighs_evenly(weight) ? CORE_NO_CORNER : CORE_ALL_CORNERS);
+    core_lanes_measure(m, weight, weighs_evenly(weight) ? CORE_NO_CORNER : CORE_ALL_CORNERS);
+    for (int i = 0; i < CORE_LANES && weight == NORMA_WEIGHT_AREA; i++)
+        for (int x = 0; x < 3; x++) m->normal[x][i] *= m->twice_area[i];
 }
 
 CORE_INLINE void add_corner(vertex_sum *sum, const triangle_batch *t, const core_rows *rows, int lane, int corner, norma_weight weight)
 {
-    if (weighs_evenly(weight)) core_add_row(&sum->x, rows->row[lane]);
-    else core_add_scaled(&sum->x, rows->row[lane], t->measured.weight[corner][lane]);
+    if (weighs_evenly(weight)) core_add_whole(&sum->x, rows->row[lane]);
+    else core_add_row(&sum->x, rows->row[lane], t->measured.weight[corner][lane]);
 }
 
 /* Corners of a range that is another's are passed over. */
