@@ -6,11 +6,11 @@ _norma() {
     local values="" options=""
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(compgen -W "compute transform matrix check explain info render help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "compute transform matrix check explain info render view help --help --version" -- "$word")
         return
     fi
     case $before in
-    help) values="compute transform matrix check explain info render" ;;
+    help) values="compute transform matrix check explain info render view" ;;
     --format) values="text json sarif html" ;;
     --profile) values="render print" ;;
     --fail-on) values="error warning info never" ;;
@@ -46,6 +46,7 @@ _norma() {
     render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --json --quiet --help" ;;
     check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --fail-on --max-samples --fix --fix-unsafe --dry-run --files-from $files" ;;
     explain) options="--json --help" ;;
+    view) options="-o --output --input-format --threads --json --quiet --help" ;;
     info) options="--deep --input-format --threads --json --quiet --help" ;;
     esac
     if [[ $word == -* ]]; then

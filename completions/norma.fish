@@ -5,11 +5,12 @@ complete -c norma -n __fish_use_subcommand -a transform -d 'Moves, turns, scales
 complete -c norma -n __fish_use_subcommand -a matrix -d 'What a matrix does to normals'
 complete -c norma -n __fish_use_subcommand -a check -d 'Compares normals with the surface, the winding, the seams and the transforms'
 complete -c norma -n __fish_use_subcommand -a render -d 'Draws a picture: shaded, wrong beside right, errors, findings'
+complete -c norma -n __fish_use_subcommand -a view -d 'One page that shows a model: shadings, creases, wrong against right'
 complete -c norma -n __fish_use_subcommand -a explain -d 'What a rule of norma check means'
 complete -c norma -n __fish_use_subcommand -a info -d 'What is in a file'
 complete -c norma -n __fish_use_subcommand -a help -d 'Shows what a verb takes'
 complete -c norma -n __fish_use_subcommand -l version -d 'The version'
-complete -c norma -n '__fish_seen_subcommand_from help' -a 'compute transform matrix check explain info render'
+complete -c norma -n '__fish_seen_subcommand_from help' -a 'compute transform matrix check explain info render view'
 complete -c norma -l help -d 'What it takes, with examples'
 
 set -l files '__fish_seen_subcommand_from compute transform check'
@@ -18,12 +19,13 @@ complete -c norma -n "$files" -s o -l output -r -F -d 'The output, in the format
 complete -c norma -n "$files" -l out-dir -x -a '(__fish_complete_directories)' -d 'A folder for the outputs'
 complete -c norma -n "$files" -l in-place -d 'Replace each input'
 
-set -l reads '__fish_seen_subcommand_from compute transform check info render'
-complete -c norma -n '__fish_seen_subcommand_from info' -F
+set -l reads '__fish_seen_subcommand_from compute transform check info render view'
+complete -c norma -n '__fish_seen_subcommand_from info view' -F
+complete -c norma -n '__fish_seen_subcommand_from view' -s o -l output -r -F -d 'The page'
 complete -c norma -n "$reads" -l input-format -x -a 'obj ply stl gltf glb' -d 'Format of the inputs'
 complete -c norma -n "$reads" -l threads -x -d 'How many may work'
 complete -c norma -n "$reads" -l quiet -d 'Nothing but errors'
-complete -c norma -n '__fish_seen_subcommand_from compute transform matrix check explain info render' -l json -d 'For programs'
+complete -c norma -n '__fish_seen_subcommand_from compute transform matrix check explain info render view' -l json -d 'For programs'
 complete -c norma -n '__fish_seen_subcommand_from info' -l deep -d 'Which weight and crease explain the stored normals'
 
 set -l matrix '__fish_seen_subcommand_from transform matrix render'

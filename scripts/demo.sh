@@ -25,8 +25,16 @@ show norma matrix --scale 2,0.5,1
 
 "$build/examples/figure_svg" >"$demo/normal-matrix.svg"
 
+if [ -f "$build/web/norma.html" ]; then
+    echo
+    echo "The same mesh as a page of its own:"
+    show norma view "$demo/goathead.obj" -o "$demo/goathead.html"
+fi
+
 echo
 echo "Look at:"
+[ ! -f "$build/web/norma.html" ] || echo "  $root/$build/web/norma.html        the playground: wrong against right, creases, weights, a surface that moves; drop a file on it"
+[ ! -f "$demo/goathead.html" ] || echo "  $root/$demo/goathead.html        the mesh in a page"
 echo "  $root/$demo/normal-matrix.svg    the picture of it: wrong and right normals side by side (open it in a browser)"
 echo "  $root/$demo/goathead.obj         the mesh with its normals"
 echo "  $root/$build/bin/norma                 the tool; norma --help, norma compute --help"

@@ -534,6 +534,27 @@ static void png_round_trip(void **state) {
     }
 }
 
+/* A white square on black whose borders run through the middle of pixels: half of the light, which is level 188, not half of the levels. */
+static void means_in_linear_light(void **state) {
+    needs_device(state);
+    render_surface surface = square();
+    for (int k = 0; k < 3; ++k) surface.base_colour[k] = 1;
+    render_draw draw;
+    render_scene scene = scene_of(&surface, &draw, NULL);
+    render_look look = plain_look(25, 25); /* the margin is 1.5 pixels */
+    look.ambient = 1;
+    look.diffuse = look.specular = 0;
+    look.samples = 2;
+    look.background[0] = look.background[1] = look.background[2] = 0;
+    render_panel panel = panel_of(&scene);
+    render_picture picture = draw_panel(&look, &panel);
+    static const int expected[25] = {0, 188, 255, [22] = 255, 188, 0};
+    for (size_t x = 0; x < 25; ++x)
+        if (x < 3 || x > 21)
+            assert_int_equal(picture.pixels[4 * (12 * 25 + x)], expected[x]);
+    render_picture_free(&picture);
+}
+
 /* A transparent background leaves only the model, and the model's colours. */
 static void transparent_background(void **state) {
     needs_device(state);
@@ -561,6 +582,7 @@ int main(void) {
         cmocka_unit_test(windings),            cmocka_unit_test(normals_as_colours), cmocka_unit_test(two_sides),          cmocka_unit_test(stored_errors),
         cmocka_unit_test(concave_polygon),     cmocka_unit_test(far_away),           cmocka_unit_test(any_size),           cmocka_unit_test(broken_positions),
         cmocka_unit_test(same_again),          cmocka_unit_test(png_round_trip),     cmocka_unit_test(transparent_background),
+        cmocka_unit_test(means_in_linear_light),
     };
     const int failed = cmocka_run_group_tests_name("render", tests, NULL, NULL);
     close_test_device();

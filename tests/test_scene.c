@@ -426,6 +426,54 @@ static void test_obj(void **state) {
     norma_document_close(document);
 }
 
+/* Plain lines are read a short way and all others a long one: the same text with other line ends tells the same. */
+static void test_obj_line_ends(void **state) {
+    (void)state;
+    static const char text[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\n#c \\\nf 1/1 2/2 3/1\nf 1/1 2/2 3/1 # x\nf 1/1 \\\n 2/2 3/0\nf\t1/1\t2/2\t3\nusemtl \\\n b\n"
+        "f 1/1 2/2 3/7777777777777\nf 0000000001/2 2/1 3/2   \n f 1/2 2 3\nf 1/+2 2 3\nf 1//  2 3\nfo 1/2 2 3\nf 3/-1 2/-2/ 1/2/\nf 1/2 2/1/ 3";
+    static const char *const ends[] = {"\r\n", "\r"};
+    static const uint32_t first[6] = {0, 1, 0, 0, 1, 0};
+    norma_document *plain = open_text(text, "a.obj");
+    const norma_mesh_attributes a = attributes_of(plain, 0);
+    norma_mesh_info info;
+    assert_int_equal(norma_document_mesh_info(plain, 0, &info), NORMA_DOCUMENT_OK);
+    assert_memory_equal(a.corner_texcoords, first, sizeof first);
+    for (size_t k = 0; k < 2; k++) {
+        char other[2 * sizeof text];
+        size_t length = 0;
+        for (size_t i = 0; i < sizeof text; i++)
+            if (text[i] == '\n')
+                length += (size_t)sprintf(other + length, "%s", ends[k]);
+            else
+                other[length++] = text[i];
+        norma_document *document = open_text(other, "a.obj");
+        const norma_mesh_attributes b = attributes_of(document, 0);
+        assert_int_equal(a.texcoord_count, b.texcoord_count);
+        assert_memory_equal(a.corner_texcoords, b.corner_texcoords, 3 * info.faces * sizeof *a.corner_texcoords);
+        assert_memory_equal(a.face_materials, b.face_materials, info.faces * sizeof *a.face_materials);
+        norma_document_close(document);
+    }
+    norma_document_close(plain);
+}
+
+/* What is told follows the changes of an OBJ. */
+static void test_after_a_change(void **state) {
+    (void)state;
+    norma_document *document = open_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvn 0 0 1\nusemtl a\nf 1/1/1 2/1 3/1/1\nf 1//1 2//1 3//1\n", "a.obj");
+    assert_int_equal(attributes_of(document, 0).normals_missing, 1);
+    const norma_compute_options options = {.struct_size = sizeof options};
+    assert_int_equal(norma_document_compute(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
+    assert_true(attributes_of(document, 0).normals_missing == 0 && !attributes_of(document, 0).face_faults);
+    static const uint8_t drop[2] = {1, 0};
+    const norma_mesh_edit edit = {.drop_faces = drop};
+    assert_int_equal(norma_document_edit(document, &edit, NULL), NORMA_DOCUMENT_OK);
+    const norma_mesh_attributes attributes = attributes_of(document, 0);
+    assert_true(attributes.material == 0 && !attributes.texcoords); /* the face with UVs is gone */
+    assert_string_equal(material_of(document, 0).name, "a");
+    norma_document_close(document);
+}
+
 static void test_many_materials(void **state) {
     (void)state;
     enum { COUNT = 1000 };
@@ -477,10 +525,15 @@ static void test_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_materials), cmocka_unit_test(test_attributes),      cmocka_unit_test(test_morphs), cmocka_unit_test(test_nodes),
-        cmocka_unit_test(test_deep_path), cmocka_unit_test(test_instances),       cmocka_unit_test(test_skins),  cmocka_unit_test(test_skin_between_keys),
-        cmocka_unit_test(test_counts),    cmocka_unit_test(test_compute_lenient), cmocka_unit_test(test_unread), cmocka_unit_test(test_option_size),
-        cmocka_unit_test(test_obj),       cmocka_unit_test(test_many_materials),  cmocka_unit_test(test_ply),    cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_materials),     cmocka_unit_test(test_attributes),
+        cmocka_unit_test(test_morphs),        cmocka_unit_test(test_nodes),
+        cmocka_unit_test(test_deep_path),     cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_skins),         cmocka_unit_test(test_skin_between_keys),
+        cmocka_unit_test(test_counts),        cmocka_unit_test(test_compute_lenient),
+        cmocka_unit_test(test_unread),        cmocka_unit_test(test_option_size),
+        cmocka_unit_test(test_obj),           cmocka_unit_test(test_after_a_change),
+        cmocka_unit_test(test_obj_line_ends), cmocka_unit_test(test_many_materials),
+        cmocka_unit_test(test_ply),           cmocka_unit_test(test_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,7 +117,7 @@ norma_document_result norma_document_instance_world(norma_document *document, si
 
 /* ---- what else belongs to a surface: for whoever judges it or draws it
  *
- * Infos and arrays are the file's as it was read, made on first use, owned by the document. What a format does not have is empty. Rules that a file silences are
+ * Infos and arrays are made on first use, owned by the document, and valid until it is changed or closed. What a format does not have is empty. Rules that a file silences are
  * named in extras: {"norma": {"ignore": ["N201", "N3", "placeholder-normals"]}}, of the document's root, a mesh, a primitive, a material, a node. */
 
 typedef struct norma_material_info {

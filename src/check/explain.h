@@ -31,7 +31,7 @@ typedef struct explain_sample {
     uint8_t         *whole;      /* of each corner: all faces at its position are there */
     size_t           position_count, corner_count, face_count;
 } explain_sample;
-enum { EXPLAIN_FACES = 8192 };   /* a mesh of no more is its own sample */
+enum { EXPLAIN_FACES = 4096 };   /* a mesh of no more is its own sample */
 norma_result norma_explain_take_sample(core_call *call, const core_topology *topology, explain_sample *sample);
 void         norma_explain_free_sample(const core_call *call, explain_sample *sample);
 

@@ -94,7 +94,7 @@ static norma_result check_far(check_mesh *m) {
             norma_check_hit(m->run, &hits, acos(fmax((double)greatest[i], -1)) * (180 / 3.141592653589793), norma_check_normal_spot(m, i));
     norma_core_release(&m->run->call, greatest, count, sizeof *greatest);
     if (hits.count)
-        norma_check_message(message, "%z normals more than 75 degrees from every face that uses them, up to %g; no average of the faces gives such a normal", hits.count, hits.worst);
+        norma_check_message(message, "%z normals more than 75 degrees from every face that uses them, up to %g; but at a knife's edge, no average of the faces gives such a normal", hits.count, hits.worst);
     return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N202, .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, .unit = "deg", .hits = &hits, .message = message});
 }
 

@@ -215,6 +215,25 @@ static void add_face(const core_topology *t, size_t face, const double origin[3]
 
 enum { FACES_IN_BLOCK = 1 << 13 };
 
+static double least(double a, double b) { return a < b ? a : b; }
+static double greatest(double a, double b) { return a > b ? a : b; }
+
+/* The same of a triangle, straight. */
+static void add_triangle(const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum)
+{
+    double p[3][3], cross[3];
+    for (size_t k = 0; k < 3; k++) norma_core_position(&t->mesh, t->corners[3 * face + k], p[k]);
+    for (int k = 0; k < 3; k++) {
+        sum->box.low[k] = least(least(p[0][k], p[1][k]), least(p[2][k], sum->box.low[k]));
+        sum->box.high[k] = greatest(greatest(p[0][k], p[1][k]), greatest(p[2][k], sum->box.high[k]));
+        for (int i = 0; i < 3; i++) p[i][k] -= origin[k];
+    }
+    norma_core_cross(p[1], p[2], cross);
+    const double term = norma_core_dot(p[0], cross);
+    sum->volume += reversed ? -term : term;
+    sum->terms += fabs(term);
+}
+
 static void measure_block(const measuring *m, size_t part, size_t block, extent_sum *sum)
 {
     const core_components *c = m->components;
@@ -223,7 +242,11 @@ static void measure_block(const measuring *m, size_t part, size_t block, extent_
     double origin[3];
     *sum = (extent_sum){.box = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}}};
     norma_core_position(&m->topology->mesh, m->topology->corners[norma_core_face_begin(&m->topology->mesh, c->faces[first])], origin);
-    for (size_t i = first + begin; i < first + end; i++) add_face(m->topology, c->faces[i], origin, c->reverse && c->reverse[c->faces[i]], sum);
+    for (size_t i = first + begin; i < first + end; i++) {
+        const int reversed = c->reverse && c->reverse[c->faces[i]];
+        if (m->topology->polygons) add_face(m->topology, c->faces[i], origin, reversed, sum);
+        else add_triangle(m->topology, c->faces[i], origin, reversed, sum);
+    }
 }
 
 static const double ROUNDING = 1e-12;        /* of the terms: as little is no volume */

@@ -6,7 +6,15 @@
 #include "measure.h"
 #include <string.h>
 
-typedef struct core_floats { float axis[3][CORE_LANES]; } core_floats;
+/* Where the corners of triangles lie: corner k of triangle i at position at[3 i + k]. */
+typedef struct core_points {
+    const unsigned char *data;
+    size_t               stride;
+    const uint32_t      *at;
+} core_points;
+
+CORE_INLINE const unsigned char *core_point_at(core_points p, int i, int k) { return p.data + p.at[3 * i + k] * p.stride; }
+
 typedef struct core_rows { double row[CORE_LANES][4]; } core_rows;
 
 #if defined(__has_builtin)
@@ -21,6 +29,7 @@ typedef struct core_rows { double row[CORE_LANES][4]; } core_rows;
 #endif
 typedef double core_d2 __attribute__((vector_size(16)));
 typedef double core_d4 __attribute__((vector_size(32)));
+typedef double core_d8 __attribute__((vector_size(64)));
 typedef float  core_f4 __attribute__((vector_size(16)));
 typedef float  core_f8 __attribute__((vector_size(32)));
 
@@ -36,21 +45,34 @@ CORE_INLINE core_f4 core_load_three(const unsigned char *at)
     return v;
 }
 
-CORE_INLINE core_f8 core_two_rows(const unsigned char *one, const unsigned char *other)
+/* Corners k of triangles i and i + 4. */
+CORE_INLINE core_f8 core_two_corners(core_points p, int i, int k)
 {
-    return __builtin_shufflevector(core_load_three(one), core_load_three(other), 0, 1, 2, 3, 4, 5, 6, 7);
+    return __builtin_shufflevector(core_load_three(core_point_at(p, i, k)), core_load_three(core_point_at(p, i + 4, k)), 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-CORE_INLINE void core_gather_floats(const unsigned char *const at[CORE_LANES], core_floats *out)
+/* axis[x]: coordinate x of corner k of each triangle. */
+CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3])
 {
-    const core_f8 r0 = core_two_rows(at[0], at[4]), r1 = core_two_rows(at[1], at[5]), r2 = core_two_rows(at[2], at[6]), r3 = core_two_rows(at[3], at[7]);
+    const core_f8 r0 = core_two_corners(p, 0, k), r1 = core_two_corners(p, 1, k), r2 = core_two_corners(p, 2, k), r3 = core_two_corners(p, 3, k);
     const core_f8 xy01 = __builtin_shufflevector(r0, r1, 0, 8, 1, 9, 4, 12, 5, 13), xy23 = __builtin_shufflevector(r2, r3, 0, 8, 1, 9, 4, 12, 5, 13);
     const core_f8 z01 = __builtin_shufflevector(r0, r1, 2, 10, 3, 11, 6, 14, 7, 15), z23 = __builtin_shufflevector(r2, r3, 2, 10, 3, 11, 6, 14, 7, 15);
-    const core_f8 x = __builtin_shufflevector(xy01, xy23, 0, 1, 8, 9, 4, 5, 12, 13), y = __builtin_shufflevector(xy01, xy23, 2, 3, 10, 11, 6, 7, 14, 15);
-    const core_f8 z = __builtin_shufflevector(z01, z23, 0, 1, 8, 9, 4, 5, 12, 13);
-    memcpy(out->axis[0], &x, sizeof x);
-    memcpy(out->axis[1], &y, sizeof y);
-    memcpy(out->axis[2], &z, sizeof z);
+    axis[0] = __builtin_convertvector(__builtin_shufflevector(xy01, xy23, 0, 1, 8, 9, 4, 5, 12, 13), core_d8);
+    axis[1] = __builtin_convertvector(__builtin_shufflevector(xy01, xy23, 2, 3, 10, 11, 6, 7, 14, 15), core_d8);
+    axis[2] = __builtin_convertvector(__builtin_shufflevector(z01, z23, 0, 1, 8, 9, 4, 5, 12, 13), core_d8);
+}
+
+/* The edges of triangles whose corners are three floats each. */
+CORE_INLINE void core_gather_edges(core_points p, core_batch *out)
+{
+    core_d8 corner[3][3];
+    for (int k = 0; k < 3; k++) core_gather_corners(p, k, corner[k]);
+    for (int x = 0; x < 3; x++) {
+        const core_d8 u = corner[1][x] - corner[0][x], v = corner[2][x] - corner[0][x], a = corner[2][x] - corner[1][x];
+        memcpy(out->u[x], &u, sizeof u);
+        memcpy(out->v[x], &v, sizeof v);
+        memcpy(out->a[x], &a, sizeof a);
+    }
 }
 
 CORE_INLINE core_d4 core_load_row(const double *row)
@@ -99,13 +121,19 @@ CORE_INLINE void core_add_row(double *sum, const double *row, double factor)
 {
     core_store_row(sum, core_load_row(sum) + core_load_row(row) * (core_d4){factor, factor, factor, factor});
 }
+
+CORE_INLINE void core_add_whole(double *sum, const double *row) { core_store_row(sum, core_load_row(sum) + core_load_row(row)); }
 #else
-CORE_INLINE void core_gather_floats(const unsigned char *const at[CORE_LANES], core_floats *out)
+CORE_INLINE void core_gather_edges(core_points points, core_batch *out)
 {
     for (int i = 0; i < CORE_LANES; i++) {
-        float v[3];
-        memcpy(v, at[i], sizeof v);
-        for (int k = 0; k < 3; k++) out->axis[k][i] = v[k];
+        float p[3][3];
+        for (int k = 0; k < 3; k++) memcpy(p[k], core_point_at(points, i, k), sizeof p[k]);
+        for (int x = 0; x < 3; x++) {
+            out->u[x][i] = (double)p[1][x] - (double)p[0][x];
+            out->v[x][i] = (double)p[2][x] - (double)p[0][x];
+            out->a[x][i] = (double)p[2][x] - (double)p[1][x];
+        }
     }
 }
 
@@ -132,6 +160,11 @@ CORE_INLINE void core_rows_to_lanes(const double (*rows)[4], double *x, double *
 CORE_INLINE void core_add_row(double *sum, const double *row, double factor)
 {
     for (int k = 0; k < 4; k++) sum[k] += row[k] * factor;
+}
+
+CORE_INLINE void core_add_whole(double *sum, const double *row)
+{
+    for (int k = 0; k < 4; k++) sum[k] += row[k];
 }
 #endif
 #endif

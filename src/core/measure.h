@@ -8,7 +8,8 @@ enum { CORE_LANES = 8 };                     /* the one vector width: a register
 typedef double core_lane[CORE_LANES];
 
 typedef struct core_batch {
-    core_lane u[3], v[3];                    /* in: the edges from each triangle's first corner to its second and third */
+    _Alignas(64) core_lane u[3];
+    core_lane v[3];                          /* in: the edges from each triangle's first corner to its second and third */
     core_lane a[3];                          /* in, for weights: the edge from the second corner to the third */
     core_lane normal[3], twice_area;         /* out */
     core_lane weight[3];                     /* out: of the three corners */

@@ -140,36 +140,53 @@ static void touch_faces_of_vertex(const tile_view *t, uint32_t vertex, uint8_t *
     } while (joined(t, ++slot));
 }
 
+/* The next nonzero flag from i on; flags are looked at eight at a time, and are zero up to a multiple of eight. */
+static uint32_t next_flag(const uint8_t *flags, uint32_t i, uint32_t count)
+{
+    while (i < count && !flags[i]) {
+        uint64_t eight = 0;
+        if (i % 8 == 0) memcpy(&eight, flags + i, sizeof eight);
+        i += i % 8 == 0 && !eight ? 8 : 1;
+    }
+    return i;
+}
+
+static size_t next_marked(const uint64_t *bits, size_t i, size_t end)
+{
+    while (i < end) {
+        const uint64_t word = bits[i / 64] >> (i % 64);
+        if (word & 1) return i;
+        i += word ? 1 : 64 - i % 64;
+    }
+    return end;
+}
+
 /* The same of all moved vertices, where each slot has a position, and each position a vertex, to itself. */
 static void touch_plain(const uint64_t *bits, size_t begin, const tile_view *t, uint8_t *face_is_moved, tile_touch *touch)
 {
-    for (uint32_t v = 0; v < t->vertex_count; v++) {
-        if (!marked(bits, begin + v)) continue;
-        const uint32_t slot = v < t->own_count ? v : t->slot_count + v - t->own_count;
+    const size_t end = begin + t->vertex_count;
+    for (size_t i = next_marked(bits, begin, end); i < end; i = next_marked(bits, i + 1, end)) {
+        const uint32_t v = (uint32_t)(i - begin), slot = v < t->own_count ? v : t->slot_count + v - t->own_count;
         if (v < t->own_count) touch->slot_is_touched[v] = 1;
-        for (uint32_t i = norma_core_tile_start(t, slot); i < norma_core_tile_start(t, slot + 1); i++) face_is_moved[norma_core_tile_face_of(t, t->members[i])] = 1;
+        for (uint32_t m = norma_core_tile_start(t, slot); m < norma_core_tile_start(t, slot + 1); m++) face_is_moved[norma_core_tile_face_of(t, t->members[m])] = 1;
     }
-    for (uint32_t f = 0; f < t->face_count; f++) {
-        const uint32_t first = t->face_starts ? t->face_starts[f] : 3 * f, end = t->face_starts ? t->face_starts[f + 1] : first + 3;
-        for (uint32_t c = first; face_is_moved[f] && c < end; c++)
+    for (uint32_t f = next_flag(face_is_moved, 0, t->face_count); f < t->face_count; f = next_flag(face_is_moved, f + 1, t->face_count)) {
+        const uint32_t first = t->face_starts ? t->face_starts[f] : 3 * f, last = t->face_starts ? t->face_starts[f + 1] : first + 3;
+        for (uint32_t c = first; c < last; c++)
             if (t->corners[c] < t->own_count) touch->slot_is_touched[t->corners[c]] = 1;
     }
 }
 
 static void list_touched(const tile_view *t, tile_touch *touch)
 {
-    uint8_t face_is_needed[TILE_FACES];
-    memset(face_is_needed, 0, t->face_count);
+    uint8_t needed[TILE_FACES];
+    memset(needed, 0, sizeof needed);
     touch->face_count = touch->slot_count = 0;
-    for (uint32_t s = 0; s < t->slot_count; s++) {
-        if (!touch->slot_is_touched[s]) continue;
+    for (uint32_t s = next_flag(touch->slot_is_touched, 0, t->slot_count); s < t->slot_count; s = next_flag(touch->slot_is_touched, s + 1, t->slot_count)) {
         touch->slots[touch->slot_count++] = (uint16_t)s;
-        for (uint32_t i = norma_core_tile_start(t, s); i < norma_core_tile_start(t, s + 1); i++) face_is_needed[norma_core_tile_face_of(t, t->members[i])] = 1;
+        for (uint32_t m = norma_core_tile_start(t, s); m < norma_core_tile_start(t, s + 1); m++) needed[norma_core_tile_face_of(t, t->members[m])] = 1;
     }
-    for (uint32_t f = 0; f < t->face_count; f++) {
-        touch->faces[touch->face_count] = (uint16_t)f;
-        touch->face_count += face_is_needed[f];
-    }
+    for (uint32_t f = next_flag(needed, 0, t->face_count); f < t->face_count; f = next_flag(needed, f + 1, t->face_count)) touch->faces[touch->face_count++] = (uint16_t)f;
 }
 
 tile_moved norma_core_tile_moved(const tile_marks *marks, const plan_tile *tile)
@@ -183,8 +200,8 @@ void norma_core_tile_touch(const tile_marks *marks, const tile_view *t, norma_el
 {
     const size_t begin = t->first_occurrence - marks->first_occurrence;
     uint8_t face_is_moved[TILE_FACES];
-    memset(touch->slot_is_touched, 0, t->slot_count);
-    memset(face_is_moved, 0, t->face_count);
+    memset(touch->slot_is_touched, 0, sizeof touch->slot_is_touched);
+    memset(face_is_moved, 0, sizeof face_is_moved);
     if (t->plain) touch_plain(marks->bits, begin, t, face_is_moved, touch);
     for (uint32_t v = 0; v < t->vertex_count && !t->plain; v++) {
         if (!marked(marks->bits, begin + v)) continue;

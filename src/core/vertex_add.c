@@ -1,58 +1,53 @@
 /* vertex_add.c: eight triangles at a time are read, measured and added; eight sums at a time become normals. Compiled for each instruction set. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-tree-slp-vectorize")    /* this compiler gathers neighbouring addresses into vectors, only to take them out again one by one */
+#endif
 #include "vertex_add.h"
 #include "lanes.h"
 #include "measure_lanes.h"
 
-enum { AHEAD = 32 };                      /* triangles between asking for memory and using it */
+enum { AHEAD = 32, BATCHES_AT_ONCE = 8 };  /* triangles between asking for memory and using it */
 
 typedef struct triangle_batch {
     core_batch measured;
-    uint32_t   at[3][CORE_LANES];         /* the corners' positions */
+    uint32_t   at[3 * CORE_LANES];        /* the corners' positions, welded where they are */
 } triangle_batch;
+
+static int lanes_left(size_t f, size_t end) { return end - f < CORE_LANES ? (int)(end - f) : CORE_LANES; }
 
 /* ---- reading */
 
-CORE_INLINE void read_corners(const core_mesh *mesh, size_t f, int lanes, triangle_batch *t)
+/* Lanes beyond the end repeat the first. */
+static void read_few_corners(const core_mesh *mesh, size_t f, int lanes, uint32_t at[3 * CORE_LANES])
 {
-    for (int i = 0; i < CORE_LANES; i++) {
-        const size_t c = 3 * (i < lanes ? f + (size_t)i : f);             /* lanes beyond the end repeat the first */
-        for (size_t k = 0; k < 3; k++) t->at[k][i] = norma_core_corner(mesh, c + k);
-    }
+    for (int i = 0; i < CORE_LANES; i++)
+        for (int k = 0; k < 3; k++) at[3 * i + k] = norma_core_corner(mesh, 3 * (i < lanes ? f + (size_t)i : f) + (size_t)k);
 }
 
-CORE_INLINE void read_floats(const core_mesh *mesh, const uint32_t at[CORE_LANES], core_floats *out)
-{
-    const unsigned char *from[CORE_LANES];
-    for (int i = 0; i < CORE_LANES; i++) from[i] = (const unsigned char *)mesh->positions.data + at[i] * mesh->positions.stride;
-    core_gather_floats(from, out);
-}
-
-CORE_INLINE void read_edges(const core_mesh *mesh, triangle_batch *t)
-{
-    core_floats p[3];
-    core_batch *m = &t->measured;
-    for (int k = 0; k < 3; k++) read_floats(mesh, t->at[k], &p[k]);
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < CORE_LANES; i++) {
-            const double p0 = (double)p[0].axis[k][i], p1 = (double)p[1].axis[k][i], p2 = (double)p[2].axis[k][i];
-            m->u[k][i] = p1 - p0;
-            m->v[k][i] = p2 - p0;
-            m->a[k][i] = p2 - p1;
-        }
-}
-
-static void read_other_edges(const core_mesh *mesh, triangle_batch *t)
+static void read_other_formats(const core_mesh *mesh, triangle_batch *t)
 {
     core_batch *m = &t->measured;
     for (int i = 0; i < CORE_LANES; i++) {
         double p[3][3];
-        for (int k = 0; k < 3; k++) norma_core_position(mesh, t->at[k][i], p[k]);
+        for (int k = 0; k < 3; k++) norma_core_position(mesh, t->at[3 * i + k], p[k]);
         for (int k = 0; k < 3; k++) {
             m->u[k][i] = p[1][k] - p[0][k];
             m->v[k][i] = p[2][k] - p[0][k];
             m->a[k][i] = p[2][k] - p[1][k];
         }
     }
+}
+
+CORE_INLINE void read_batch(const core_mesh *mesh, size_t f, int lanes, triangle_batch *t)
+{
+    const size_t tight = 3 * sizeof(float);
+    if (mesh->corner_size == 4 && lanes == CORE_LANES) memcpy(t->at, (const unsigned char *)mesh->corners + 12 * f, sizeof t->at);
+    else read_few_corners(mesh, f, lanes, t->at);
+    if (mesh->positions.format != NORMA_FORMAT_FLOAT) read_other_formats(mesh, t);
+    else if (mesh->positions.stride == tight) core_gather_edges((core_points){mesh->positions.data, tight, t->at}, &t->measured);   /* a product that costs nothing */
+    else core_gather_edges((core_points){mesh->positions.data, mesh->positions.stride, t->at}, &t->measured);
+    if (mesh->weld)
+        for (int i = 0; i < 3 * CORE_LANES; i++) t->at[i] = mesh->weld[t->at[i]];
 }
 
 /* Asks for the memory of triangles to come, into the second cache, to which twice as many requests are under way at once as to the first: positions, which may lie
@@ -74,13 +69,37 @@ CORE_INLINE void look_ahead(const core_adder *adder, size_t f)
 
 /* ---- adding */
 
-/* Corners of a range that is another's are added where nobody looks: to take no branch costs less than to guess it. */
-CORE_INLINE void add_lane(const core_adder *adder, const triangle_batch *t, const core_rows *rows, int lane, vertex_sum nobodys[3])
+/* What a triangle adds to the sums of its corners: its normal and 1 times the weight of each; where all corners weigh the same, the product itself. */
+CORE_INLINE int weighs_evenly(norma_weight weight) { return weight == NORMA_WEIGHT_AREA || weight == NORMA_WEIGHT_UNIFORM; }
+
+CORE_INLINE void measure_batch(core_batch *m, norma_weight weight)
+{
+    core_lanes_measure(m, weight, weighs_evenly(weight) ? CORE_NO_CORNER : CORE_ALL_CORNERS);
+    for (int i = 0; i < CORE_LANES && weight == NORMA_WEIGHT_AREA; i++)
+        for (int x = 0; x < 3; x++) m->normal[x][i] *= m->twice_area[i];
+}
+
+CORE_INLINE void add_corner(vertex_sum *sum, const triangle_batch *t, const core_rows *rows, int lane, int corner, norma_weight weight)
+{
+    if (weighs_evenly(weight)) core_add_whole(&sum->x, rows->row[lane]);
+    else core_add_row(&sum->x, rows->row[lane], t->measured.weight[corner][lane]);
+}
+
+/* Corners of a range that is another's are passed over. */
+CORE_INLINE void add_lane(const core_adder *adder, const triangle_batch *t, const core_rows *rows, int lane, norma_weight weight)
 {
     for (int k = 0; k < 3; k++) {
-        const uint32_t sum = t->at[k][lane] - adder->first;
-        core_add_row(sum < adder->count ? &adder->sums[sum].x : &nobodys[k].x, rows->row[lane], t->measured.weight[k][lane]);
+        const uint32_t sum = t->at[3 * lane + k] - adder->first;
+        if (sum < adder->count) add_corner(&adder->sums[sum], t, rows, lane, k, weight);
     }
+}
+
+/* The same of all lanes, for those who own all their corners. */
+CORE_INLINE void add_all_lanes(const core_adder *adder, const triangle_batch *t, const core_rows *rows, norma_weight weight)
+{
+    const uintptr_t origin = (uintptr_t)adder->sums - adder->first * sizeof *adder->sums;
+    for (int i = 0; i < CORE_LANES; i++)
+        for (int k = 0; k < 3; k++) add_corner((vertex_sum *)(origin + t->at[3 * i + k] * sizeof *adder->sums), t, rows, i, k, weight);
 }
 
 CORE_INLINE int all_sure(const core_batch *m)
@@ -90,44 +109,37 @@ CORE_INLINE int all_sure(const core_batch *m)
     return sure == CORE_LANES;
 }
 
-static int has_three_places(const triangle_batch *t, int lane) { return t->at[0][lane] != t->at[1][lane] && t->at[1][lane] != t->at[2][lane] && t->at[2][lane] != t->at[0][lane]; }
+static int has_three_places(const uint32_t *at) { return at[0] != at[1] && at[1] != at[2] && at[2] != at[0]; }
 
-CORE_INLINE void add_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes, vertex_sum nobodys[3])
+CORE_INLINE void add_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes, norma_weight weight)
 {
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
     const core_batch *m = &t->measured;
     core_rows rows;
-    core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2], ones, &rows);
-    if (all_sure(m) && lanes == CORE_LANES && !adder->by_distance) {
-        for (int i = 0; i < CORE_LANES; i++) add_lane(adder, t, &rows, i, nobodys);
+    core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2], weight == NORMA_WEIGHT_AREA ? m->twice_area : ones, &rows);
+    if (adder->owns_all && lanes == CORE_LANES && !adder->by_distance && all_sure(m)) {
+        add_all_lanes(adder, t, &rows, weight);
         return;
     }
     for (int i = 0; i < lanes; i++) {
-        if (m->sure[i] != 0 && has_three_places(t, i)) add_lane(adder, t, &rows, i, nobodys);
+        if (m->sure[i] != 0 && has_three_places(t->at + 3 * i)) add_lane(adder, t, &rows, i, weight);
         else adder->add_face(adder->context, f + (size_t)i);
     }
 }
 
-CORE_INLINE void weld_batch(const core_mesh *mesh, triangle_batch *t)
-{
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < CORE_LANES; i++) t->at[k][i] = mesh->weld[t->at[k][i]];
-}
-
+/* One batch after the other from end to end is a chain of some 200 steps that each wait for the one before, too long for the processor to see the next one's beginning. So
+ * each step is taken for some batches at a time: they wait for nothing of each other. */
 CORE_INLINE void add_weighted(const core_adder *adder, size_t begin, size_t end, norma_weight weight)
 {
-    const core_mesh *mesh = adder->mesh;
-    vertex_sum nobodys[3] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
-    triangle_batch t;
-    for (size_t f = begin; f < end; f += CORE_LANES) {
-        const int lanes = end - f < CORE_LANES ? (int)(end - f) : CORE_LANES;
-        if (adder->scattered) look_ahead(adder, f);
-        read_corners(mesh, f, lanes, &t);
-        if (mesh->positions.format == NORMA_FORMAT_FLOAT) read_edges(mesh, &t);
-        else read_other_edges(mesh, &t);
-        if (mesh->weld) weld_batch(mesh, &t);
-        core_lanes_measure(&t.measured, weight, CORE_ALL_CORNERS);
-        add_batch(adder, &t, f, lanes, nobodys);
+    triangle_batch t[BATCHES_AT_ONCE];
+    for (size_t f = begin; f < end; f += BATCHES_AT_ONCE * CORE_LANES) {
+        const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES ? (left + CORE_LANES - 1) / CORE_LANES : BATCHES_AT_ONCE;
+        for (size_t i = 0; i < batches; i++) {
+            if (adder->scattered) look_ahead(adder, f + i * CORE_LANES);
+            read_batch(adder->mesh, f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), &t[i]);
+        }
+        for (size_t i = 0; i < batches; i++) measure_batch(&t[i].measured, weight);
+        for (size_t i = 0; i < batches; i++) add_batch(adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), weight);
     }
 }
 
@@ -152,7 +164,7 @@ CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3])
     float out[3][CORE_LANES];
     for (int i = 0; i < CORE_LANES; i++) {
         const double square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i], length = sqrt(square), inverse = 1 / length;
-        fine[i] = (square > NORMA_TINIEST) & (square < NORMA_HUGEST) & (length > 0x1p-20 * weight[i]) & (weight[i] > 0) ? 1 : 0;
+        fine[i] = (square > NORMA_TINIEST) & (square < NORMA_HUGEST) & (length > 0x1p-20 * weight[i]) & (weight[i] > 0);
         out[0][i] = (float)(x[i] * inverse) + 0.0F;
         out[1][i] = (float)(y[i] * inverse) + 0.0F;
         out[2][i] = (float)(z[i] * inverse) + 0.0F;

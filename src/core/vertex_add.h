@@ -8,6 +8,7 @@ typedef struct core_adder {
     norma_weight     weight;
     vertex_sum      *sums;            /* of count positions from first on; corners elsewhere are passed over */
     uint32_t         first, count;
+    int              owns_all;        /* no corner of the faces that are to be added is elsewhere */
     int              scattered;       /* corners in a row lie far apart: memory is asked for ahead */
     int              by_distance;     /* positions that differ may be welded into one */
     void           (*add_face)(void *context, size_t face);   /* a triangle that doubles do not decide */

@@ -83,11 +83,12 @@ static void compute_bin(const bin_work *work, size_t bin, vertex_sum *sums)
     const core_surface *surface = work->surface;
     const size_t first = bin * work->bin_size, positions = surface->mesh.positions.count, count = positions - first < work->bin_size ? positions - first : work->bin_size;
     core_face_adder face_adder = {surface, sums, (uint32_t)first, (uint32_t)count, &work->tallies[bin].degenerate};
-    const core_adder adder = {&surface->mesh, surface->call->options.weight, sums, (uint32_t)first, (uint32_t)count, 0, 0, norma_core_add_face, &face_adder};
+    core_adder adder = {&surface->mesh, surface->call->options.weight, sums, (uint32_t)first, (uint32_t)count, 0, 0, 0, norma_core_add_face, &face_adder};
     norma_core_clear_sums(sums, count);
     for (size_t chunk = 0; chunk < work->chunks; chunk++) {
         if (work->ranges[chunk].least >= first + count || work->ranges[chunk].most < first) continue;
         const size_t begin = chunk * CORE_FACES_IN_CHUNK, faces = surface->mesh.face_count;
+        adder.owns_all = work->ranges[chunk].least >= first && work->ranges[chunk].most < first + count;
         work->add(&adder, begin, faces - begin < CORE_FACES_IN_CHUNK ? faces : begin + CORE_FACES_IN_CHUNK);
     }
     write_bin(work, sums, first, count, &work->tallies[bin]);

@@ -83,7 +83,7 @@ static void add_chunk(sum_work *work, size_t range_number, position_range range,
     if (work->touched && (work->touched[chunk].begin >= range.end || work->touched[chunk].end <= range.begin)) return;
     chunk_faces(work, chunk, &begin, &end);
     core_face_adder face_adder = {surface, sums, range.begin, count, &work->degenerate[range_number]};
-    const core_adder adder = {&surface->mesh, surface->call->options.weight, sums, range.begin, count, 1, surface->call->options.weld == NORMA_WELD_DISTANCE,
+    const core_adder adder = {&surface->mesh, surface->call->options.weight, sums, range.begin, count, work->ranges == 1, 1, surface->call->options.weld == NORMA_WELD_DISTANCE,
                               norma_core_add_face, &face_adder};
     if (!surface->faces) work->add(&adder, begin, end);
     else

@@ -239,6 +239,8 @@ norma_document_result norma_document_compute(norma_document *document, const nor
     summary = summary ? summary : &unwanted;
     *summary = (norma_compute_summary){0};
     result = document->functions->compute(document, &options, summary, error);
+    if (document->functions != &norma_gltf_functions) /* whose data stay as they were read */
+        norma_scene_forget(document->scene);
     document->failed = result != NORMA_DOCUMENT_OK;
     return result;
 }

@@ -122,23 +122,87 @@ static void read_face(walk *w, const char *p) {
         w->face_materials[w->face++] = w->material;
 }
 
-static int is_word(const char *p, const char *end, const char *word) {
-    size_t length = strlen(word);
+/* ---- plain lines, nearly all of a file: no sign, no blank but spaces, no joined lines, no comment behind them. What is not plain is read the long way. */
+
+static inline int is_digit(char c) { return (unsigned char)(c - '0') < 10; }
+
+/* Nine digits at most, so that no number overflows; NULL: something else stands there. */
+static inline const char *read_plain(const char *p, const char *end, uint32_t *value) {
+    const char *first = p;
+    *value = 0;
+    for (; p < end && is_digit(*p); ++p) *value = 10 * *value + (uint32_t)(*p - '0');
+    return p > first && p - first < 10 ? p : NULL;
+}
+
+/* v, v/vt, v//vn or v/vt/vn; texture: 0 where there is none. */
+static inline const char *read_plain_corner(const char *p, const char *end, uint32_t *texture) {
+    uint32_t skipped;
+    *texture = 0;
+    p = read_plain(p, end, &skipped);
+    if (!p || p >= end || *p != '/')
+        return p;
+    if (++p < end && *p != '/' && !(p = read_plain(p, end, texture)))
+        return NULL;
+    if (!p || p >= end || *p != '/')
+        return p;
+    return read_plain(p + 1, end, &skipped);
+}
+
+/* Where the line ends; NULL: not plain, nothing has been read. */
+static const char *read_plain_face(walk *w, const char *p) {
+    size_t corner = w->corner;
+    while (corner < w->state->corner_count) {
+        uint32_t texture;
+        while (p < w->end && *p == ' ') ++p;
+        if (p < w->end && *p == '\n')
+            break;
+        p = read_plain_corner(p, w->end, &texture);
+        if (!p || p >= w->end || (*p != ' ' && *p != '\n'))
+            return NULL;
+        w->corner_texcoords[corner++] = texture - 1;
+    }
+    while (p < w->end && *p == ' ') ++p;
+    if (p >= w->end || *p != '\n' || corner == w->corner || w->face >= w->state->face_count)
+        return NULL;
+    w->corner = corner;
+    w->face_materials[w->face++] = w->material;
+    return p;
+}
+
+static const char *skip_line(const char *p, const char *end) {
+    for (const char *at = p; at < end && *at != '\r' && *at != '\\'; ++at)
+        if (*at == '\n')
+            return at;
+    return norma_obj_statement_end(p, end);
+}
+
+static int is_word(const char *p, const char *end, const char *word, size_t length) {
     return (size_t)(end - p) > length && memcmp(p, word, length) == 0 && norma_obj_is_blank(p[length]);
 }
 
+/* Where its line ends. */
+static const char *read_statement(walk *w, const char *p) {
+    const char *rest = p, *plain = NULL;
+    if (*p == 'f' && is_word(p, w->end, "f", 1))
+        plain = read_plain_face(w, p + 1);
+    if (plain)
+        return plain;
+    if (*p == 'f' && norma_obj_keyword(p, w->end, &rest) == OBJ_FACE)
+        read_face(w, rest);
+    else if (*p == 'v' && is_word(p, w->end, "vt", 2))
+        read_texcoord(w, p + 2);
+    else if (*p == 'u' && is_word(p, w->end, "usemtl", 6))
+        read_material(w, p + 6);
+    return skip_line(p, w->end);
+}
+
 static void read_all(walk *w) {
-    const char *text = (const char *)w->document->source.data, *rest;
+    const char *text = (const char *)w->document->source.data;
     if (w->document->source.size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
         text += 3;
-    for (const char *p = text; p < w->end && !w->failed; p = norma_obj_skip_end(norma_obj_statement_end(p, w->end), w->end)) {
+    for (const char *p = text; p < w->end && !w->failed;) {
         p = norma_obj_skip_blanks(p, w->end);
-        if (is_word(p, w->end, "vt"))
-            read_texcoord(w, p + 2);
-        else if (is_word(p, w->end, "usemtl"))
-            read_material(w, p + 6);
-        else if (p < w->end && *p == 'f' && norma_obj_keyword(p, w->end, &rest) == OBJ_FACE)
-            read_face(w, rest);
+        p = p < w->end ? norma_obj_skip_end(read_statement(w, p), w->end) : p;
     }
 }
 

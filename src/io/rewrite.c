@@ -1,5 +1,6 @@
 /* rewrite.c: files whose changes wait beside the bytes that were read: written, compared, and settled into bytes of the document's own. */
 #include "rewrite.h"
+#include "scene.h"
 #include <stdlib.h>
 
 norma_document_result norma_rewrite(norma_document *document, norma_rewrite_body *body, norma_write *write, void *user, norma_document_error *error)
@@ -39,6 +40,7 @@ norma_document_result norma_rewrite_read(norma_document *document, norma_documen
 {
     const size_t notes = document->note_count;
     norma_document_result result = read(document, error);
+    norma_scene_forget(document->scene);
     while (document->note_count > notes)
         free(document->notes[--document->note_count]);
     return result;

@@ -38,4 +38,5 @@ char *norma_scene_join(norma_scene *scene, const char *first, const char *second
 
 norma_scene *norma_scene_create(void);
 void norma_scene_destroy(norma_scene *scene); /* NULL is fine */
+void norma_scene_forget(norma_scene *scene);  /* what was told is no longer so: the file's bytes are others now */
 #endif

@@ -8,7 +8,7 @@ const [folder, native] = process.argv.slice(2);
 const { load } = await import(pathToFileURL(`${folder}/index.js`));
 const norma = await load();
 
-const FACES = 0, VERTICES = 1, CORNERS = 2, SPLIT = 3, MATRICES = 4, INFO = 5, TRANSFORM = 6;
+const FACES = 0, VERTICES = 1, CORNERS = 2, SPLIT = 3, MATRICES = 4, INFO = 5, TRANSFORM = 6, PLAN_VERTICES = 7, PLAN_CORNERS = 8;
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
 const FORMATS = { Float32Array: 0, Float64Array: 1, Int8Array: 2, Uint8Array: 3, Int16Array: 4, Uint16Array: 5 };
 const bytesOf = (array) => Buffer.from(array.buffer, array.byteOffset, array.byteLength);
@@ -46,6 +46,29 @@ for (const shape of shapes()) {
   for (const crease of [30, 180]) askMesh(shape, SPLIT, { crease });
   for (const operation of [FACES, VERTICES, CORNERS, SPLIT]) askMesh(shape, operation, { crease: 90, nonManifold: "smooth", fallback: "nearest" });
 }
+
+/* A plan: updated whole at other positions, and once more where the second half of the vertices are said to have moved. */
+function askPlan(shape, per, options) {
+  const { positions, indices } = shape, random = randomNumbers(17), later = positions.map((x) => x * (0.9 + 0.2 * random()));
+  const both = new positions.constructor(2 * positions.length);
+  both.set(positions);
+  both.set(later, positions.length);
+  const vertices = positions.length / 3, weld = options.weld ?? "exact";
+  const head = { operation: per === "vertex" ? PLAN_VERTICES : PLAN_CORNERS, weight: WEIGHTS.indexOf(options.weight ?? "angle"), weld: ["exact", "none"].indexOf(weld), crease: options.crease,
+                 format: FORMATS[positions.constructor.name], count: 2 * vertices, corners: indices.length, size: indices.BYTES_PER_ELEMENT };
+  ask(`${shape.name}: plan per ${per} ${JSON.stringify(options)}`, head, [both, indices], () => {
+    const plan = norma.plan(positions, indices, { ...options, per });
+    const whole = plan.update(later), part = plan.update(positions), moved = Uint32Array.from({ length: vertices - (vertices >> 1) }, (_, i) => i + (vertices >> 1));
+    plan.positions.set(positions);
+    if (plan.update(later, { moved, out: part }) !== part) throw new Error("another array");
+    const inHeap = positions instanceof Float32Array && (plan.positions.set(later), plan.update(plan.positions, { out: plan.normals }));
+    if (inHeap && Buffer.compare(bytesOf(inHeap), bytesOf(whole))) throw new Error("in the heap it differs");
+    plan.free();
+    return Buffer.concat([bytesOf(whole), bytesOf(part)]);
+  });
+}
+for (const shape of shapes().filter((shape) => shape.indices))
+  for (const [per, crease] of [["vertex", 180], ["vertex", 40], ["corner", 60]]) for (const weight of ["angle", "area", "max", "visible"]) askPlan(shape, per, { crease, weight });
 
 const random = randomNumbers(11);
 const models = Float32Array.from({ length: 16 * 300 }, (_, i) => {

@@ -78,6 +78,18 @@ await attempt("of many models those that are finite are done", () => {
   throw new Error([...kept].join(" "));
 });
 
+/* ---- plans */
+const plan = norma.plan(positions, indices), freed = norma.plan(positions, indices);
+freed.free();
+freed.free();
+check("a plan counts what it gives", plan.count === 8 && norma.plan(positions, indices, { per: "corner" }).count === 36 && plan.bytes > 100);
+check("at the positions it was made from it gives the normals of the mesh", plan.update(positions).every((x, i) => x === norma.vertexNormals(positions, indices)[i]));
+const room = plan.normals;
+check("its room in the heap can be its output", plan.update(positions, { out: room }) === room && room.every((x, i) => x === plan.update(positions)[i]));
+const touched = new Float32Array(24).fill(9);
+plan.update(positions, { moved: [], out: touched });
+check("where nothing moved nothing is written", touched.every((x) => x === 9));
+
 /* ---- errors: what, by which result, and with which words behind the library's sentence */
 const ARGUMENT = "An argument is missing, not a number, out of its range, or contradicts another.";
 const CAPACITY = "An output buffer is too small for what would be written.";
@@ -109,6 +121,14 @@ const faults = [
   ["a model with text in it", ARGUMENT, "argument", () => norma.matrixInfo(Array(16).fill("1"))],
   ["models that are not whole", ARGUMENT, "argument", () => norma.normalMatrices(new Float32Array(17)), /multiple of 16/],
   ["an unknown winding", ARGUMENT, "argument", () => norma.normalMatrix(mirror, { winding: "left" }), /"left"/],
+  ["an unknown element of a plan", ARGUMENT, "argument", () => norma.plan(positions, indices, { per: "face" }), /"face"/],
+  ["a plan over an index out of range", INDEX, "index", () => norma.plan(positions, Uint32Array.of(0, 1, 8))],
+  ["a plan's update with other positions", ARGUMENT, "argument", () => plan.update(positions.slice(3)), /7 vectors where the plan has 8/],
+  ["a moved vertex that is none", INDEX, "index", () => plan.update(positions, { moved: [8], out: new Float32Array(24) })],
+  ["the same as a Uint32Array", INDEX, "index", () => plan.update(positions, { moved: Uint32Array.of(8), out: new Float32Array(24) })],
+  ["moved without the normals of before", ARGUMENT, "argument", () => plan.update(positions, { moved: [1] }), /needs out/],
+  ["a plan that has been freed", ARGUMENT, "argument", () => freed.update(positions), /freed/],
+  ["its room", ARGUMENT, "argument", () => freed.normals, /freed/],
   ["a normal matrix of 16 numbers", ARGUMENT, "argument", () => norma.transformNormals(mirror, new Float32Array(3)), /16 numbers, not 9/],
 ];
 for (const [name, text, result, call, detail] of faults) {

@@ -51,6 +51,32 @@ static void answer_split(const norma_mesh *mesh, double crease_deg, const norma_
     free(normals);
 }
 
+/* Made at the first half of the positions, updated at the second; of the second half of the vertices as moved, on top of a full update at the first half. */
+static void answer_plan(const head *h, const norma_mesh *mesh, const norma_options *options) {
+    const size_t half = (size_t)h->position_count / 2, size = h->position_bytes / 2;
+    const norma_element of = h->operation == PLAN_VERTICES ? NORMA_PER_VERTEX : NORMA_PER_CORNER;
+    const size_t count = of == NORMA_PER_VERTEX ? half : mesh->corner_count;
+    norma_mesh made = *mesh;
+    made.positions.count = half;
+    norma_vec3_view later = made.positions;
+    later.data = (const unsigned char *)made.positions.data + size;
+    norma_plan *plan = NULL;
+    norma_result result = norma_plan_create(&made, of, radians(h->crease_deg), options, &plan);
+    float *normals = room(24 * count);
+    uint32_t *moved = room(4 * half);
+    for (size_t i = half / 2; i < half; ++i) moved[i - half / 2] = (uint32_t)i;
+    if (result == NORMA_OK)
+        result = norma_plan_update(plan, later, NULL, 0, options, normals, count, NULL);
+    if (result == NORMA_OK)
+        result = norma_plan_update(plan, made.positions, NULL, 0, options, normals + 3 * count, count, NULL);
+    if (result == NORMA_OK)
+        result = norma_plan_update(plan, later, moved, half - half / 2, options, normals + 3 * count, count, NULL);
+    answer(result, normals, 24 * count);
+    norma_plan_destroy(plan);
+    free(normals);
+    free(moved);
+}
+
 static void answer_mesh(const head *h, const void *positions) {
     void *corners = h->corner_size ? read_bytes((size_t)h->corner_count * h->corner_size) : NULL;
     const norma_mesh mesh = {.positions = {positions, h->position_count, 0, (norma_format)h->format},
@@ -67,8 +93,10 @@ static void answer_mesh(const head *h, const void *positions) {
         answer(norma_vertex_normals(&mesh, &options, normals, most, NULL), normals, 12 * (size_t)h->position_count);
     else if (h->operation == CORNERS)
         answer(norma_corner_normals(&mesh, radians(h->crease_deg), &options, normals, most, NULL), normals, 12 * (size_t)h->corner_count);
-    else
+    else if (h->operation == SPLIT)
         answer_split(&mesh, h->crease_deg, &options);
+    else
+        answer_plan(h, &mesh, &options);
     free(normals);
     free(corners);
 }

@@ -123,7 +123,9 @@ function wanted() {
 function compute() {
   const options = { wanted: wanted(), weight: value("weight"), weld: value("weld"), crease: numberOf("crease") };
   const { model } = scene, begin = performance.now();
-  model.meshes.forEach((_, i) => model.compute(i, options));
+  /* What is stored per facet is held against the facet's own direction. */
+  const wantedOf = (mesh) => (value("colours") === "error" && mesh.stored === "per facet" ? "flat" : options.wanted);
+  model.meshes.forEach((mesh, i) => model.compute(i, { ...options, wanted: wantedOf(mesh) }));
   const took = performance.now() - begin;
   model.meshes.forEach((mesh, i) => graphics.fillBuffer(scene.surfaces[i].normals, mesh.normals()));
   if (value("colours") === "error") uploadErrors();
@@ -138,8 +140,17 @@ function uploadErrors() {
     if (surface.values) graphics.fillBuffer(surface.values, mesh.values());
     else surface.values = graphics.makeBuffer(mesh.values(), graphics.gl.DYNAMIC_DRAW);
   });
-  errorTop = Math.max(worst, 0.01);
-  byId("legend-top").textContent = degrees(errorTop);
+  errorTop = topOfScale(scene.model.meshes.map((mesh) => mesh.values()), worst);
+  byId("legend-top").textContent = `${errorTop < worst ? "≥ " : ""}${degrees(errorTop)}`;
+  byId("legend-worst").textContent = `worst ${degrees(worst)}`;
+}
+
+/* The scale ends where 99 of 100 corners lie below, so that a single bad one does not make all others look right. */
+function topOfScale(lists, worst) {
+  const sample = [], total = lists.reduce((sum, list) => sum + list.length, 0), step = Math.max(1, Math.floor(total / 20000));
+  for (const list of lists) for (let i = 0; i < list.length; i += step) sample.push(list[i]);
+  sample.sort((a, b) => a - b);
+  return Math.max(0.01, Math.min(worst, 1.05 * (sample[Math.floor(0.99 * sample.length)] ?? 0)));
 }
 
 /* Points and normals of faces, for their hedgehog. */
@@ -208,7 +219,8 @@ function draw() {
   graphics.within(middle, canvas.width, () => paint(right, lineColours.right));
   if (found) {
     const tip = (direction) => found.point.map((x, i) => x + 0.3 * direction[i]);
-    graphics.drawArrows([{ from: found.point, to: tip(found.wrong), colour: lineColours.wrong }, { from: found.point, to: tip(found.right), colour: lineColours.right }], view, pixels);
+    const arrows = [{ from: found.point, to: tip(found.wrong), colour: lineColours.wrong }, { from: found.point, to: tip(found.right), colour: lineColours.right }];
+    graphics.drawArrows(degreesBetween(found.wrong, found.right) < 0.05 ? arrows.slice(1) : arrows, view, pixels);
   }
   showReadouts(user, right, found);
 }
@@ -332,7 +344,7 @@ function pickModel() {
   else if (key === "embedded") showModel(engine.openBytes(embedded.bytes, embedded.name));
   else if (SHAPES[key]) showShape(key);
   if (key !== "file") byId("model").querySelector('[value="file"]')?.remove();
-  camera.reset(key === "moving" ? { azimuth: 20, elevation: 34, distance: 3.1 } : {});
+  camera.reset(key === "moving" ? { azimuth: 20, elevation: 34, distance: 3.3 } : {});
 }
 
 /* ---- wiring */
@@ -411,7 +423,7 @@ function wireControls() {
     byId("mirror").value = "";
     dirty.draw = true;
   });
-  byId("reset-view").addEventListener("click", () => { camera.reset(moving ? { azimuth: 0, elevation: 34, distance: 3.1 } : { azimuth: 0, elevation: 0 }); dirty.draw = true; });
+  byId("reset-view").addEventListener("click", () => { camera.reset(moving ? { azimuth: 0, elevation: 34, distance: 3.3 } : { azimuth: 0, elevation: 0 }); dirty.draw = true; });
   byId("flatten").addEventListener("click", () => { if (moving) { moving.flatten(); uploadMoving(); dirty.draw = true; } });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { dirty.draw = true; });
 }

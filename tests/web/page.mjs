@@ -1,0 +1,347 @@
+/* node page.mjs FOLDER-OF-THE-PAGE TOOL SCREENSHOTS: the playground and the pages of `norma view`, in headless Chromium. */
+import { execFileSync } from "node:child_process";
+import { copyFileSync, mkdirSync, readFileSync } from "node:fs";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { findChrome, launch } from "./chrome.mjs";
+import { countPixels, readPng } from "./png.mjs";
+import { attempt, check, finish } from "./tap.mjs";
+
+const [pageFolder, tool, shots] = process.argv.slice(2).map((path) => resolve(path));
+const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
+mkdirSync(shots, { recursive: true });
+const SIZE = [840, 520], STAGE = [0, 60, 480, 440];
+const home = pathToFileURL(join(pageFolder, "norma.html")).href;
+const browser = await launch(findChrome(), { width: SIZE[0], height: SIZE[1] });
+
+const expect = (holds, detail) => { if (!holds) throw new Error(detail); };
+const near = (a, b, tolerance = 0.0051) => Math.abs(a - b) <= tolerance;
+
+/* A page with what the checks do to it. */
+async function visit(url, options = {}) {
+  const page = await browser.open(url, { size: SIZE, ...options });
+  await page.until("document.body?.dataset.drawn > 0 || document.getElementById('fallback')?.hidden === false", 40);
+  const drawn = () => page.evaluate("Number(document.body.dataset.drawn)");
+  /* Does something, and waits until the picture has followed. */
+  const after = async (act) => {
+    const before = await drawn();
+    await act();
+    await page.until(`Number(document.body.dataset.drawn) > ${before}`);
+  };
+  const set = (id, value) => after(() => page.evaluate(`(() => { const e = document.getElementById("${id}"); e.value = ${JSON.stringify(String(value))}; e.dispatchEvent(new Event("input", { bubbles: true })); })()`));
+  const pick = (id, value) => after(() => page.evaluate(`(() => { const e = document.getElementById("${id}"); e.value = ${JSON.stringify(value)}; e.dispatchEvent(new Event("change", { bubbles: true })); })()`));
+  const click = (id) => after(() => page.evaluate(`document.getElementById("${id}").click()`));
+  const text = (id) => page.evaluate(`document.getElementById("${id}").textContent`);
+  const angle = async (id) => Number((await text(id)).replace("°", ""));
+  const picture = async (name) => readPng(await page.screenshot(name && join(shots, `${name}.png`)));
+  return { ...page, drawn, after, set, pick, click, text, angle, picture };
+}
+
+/* The surface has a hue or is far from the paper; words and lines are few. */
+const isModel = ([r, g, b]) => Math.max(r, g, b) - Math.min(r, g, b) > 22 && !(g > 150 && r < 90);
+const differences = (a, b, box = STAGE) => countPixels(a, box, (colour, x, y) => b.at(x, y).some((part, i) => Math.abs(part - colour[i]) > 12));
+const worst = (a) => (Math.asin((a * a - 1) / (a * a + 1)) * 180) / Math.PI;
+
+const page = await visit(home);
+
+await attempt("the playground draws a model", async () => {
+  const png = await page.picture("playground");
+  const pixels = countPixels(png, STAGE, isModel);
+  expect(pixels > 8000, `${pixels} pixels of a model`);
+});
+
+await attempt("the two sides of the split differ, and do not when M is the identity", async () => {
+  await page.pick("model", "sphere");
+  await page.click("reset-view");
+  await page.pick("sides", "wrong");
+  const left = await page.picture();
+  await page.pick("sides", "right");
+  const right = await page.picture();
+  expect(differences(left, right) > 1500, "wrong and right look the same");
+  await page.click("reset-matrix");
+  const same = await page.picture();
+  await page.pick("sides", "wrong");
+  expect(differences(same, await page.picture()) < 200, "they differ where M is the identity");
+  await page.pick("sides", "split");
+});
+
+for (const s of [1.5, 2, 4, 10])
+  await attempt(`scale x = ${s}: the worst angle is asin((s²−1)/(s²+1)) = ${worst(s).toFixed(2)}°`, async () => {
+    await page.set("scale-x", s);
+    const shown = await page.angle("worst");
+    expect(near(shown, worst(s)), `it says ${shown}`);
+  });
+
+await attempt("axes y and z, a shear, a mirror and a flattened model read as they should", async () => {
+  await page.set("scale-x", 1);
+  await page.set("scale-y", 4);
+  expect(near(await page.angle("worst"), worst(4)), `scale y 4: ${await page.text("worst")}`);
+  await page.set("scale-z", 8);
+  expect(near(await page.angle("worst"), worst(8)), `scale (1, 4, 8): ${await page.text("worst")}`);
+  await page.click("reset-matrix");
+  expect((await page.text("worst")) === "0.00°", `identity: ${await page.text("worst")}`);
+  await page.set("shear", 1);
+  expect(near(await page.angle("worst"), worst(((1 + Math.sqrt(5)) / 2) ** 2)), `shear 1: ${await page.text("worst")}`);
+  expect(/is a shear/.test(await page.text("matrix-facts")), await page.text("matrix-facts"));
+  await page.click("reset-matrix");
+  await page.pick("mirror", "x");
+  expect((await page.text("worst")) === "0.00°" && /mirrored/.test(await page.text("matrix-facts")), `mirror: ${await page.text("worst")}, ${await page.text("matrix-facts")}`);
+  await page.click("reset-matrix");
+  await page.set("scale-z", 0);
+  expect((await page.text("worst")) === "90.00°" && /singular/.test(await page.text("matrix-facts")), `flat: ${await page.text("worst")}, ${await page.text("matrix-facts")}`);
+  await page.click("reset-matrix");
+});
+
+await attempt("both matrices are shown, with the kind of M", async () => {
+  await page.set("scale-x", 2);
+  await page.set("scale-y", 0.5);
+  const cells = (id) => page.evaluate(`[...document.querySelectorAll("#${id} td")].map((cell) => cell.textContent).join(" ")`);
+  expect((await cells("matrix-plain")) === "2 0 0 0 0.5 0 0 0 1", await cells("matrix-plain"));
+  const normal = (await cells("matrix-normal")).split(" ").map(Number);
+  expect(near(normal[4] / normal[0], 4) && near(normal[8] / normal[0], 2), normal.join(" "));
+  expect(/non-uniform scale/.test(await page.text("matrix-facts")), await page.text("matrix-facts"));
+});
+
+await attempt("the angle at the cursor is that of the point under it", async () => {
+  await page.click("reset-matrix");
+  await page.click("reset-view");
+  await page.pick("sides", "right");
+  await page.set("scale-x", 2);
+  const [x, y] = await page.evaluate("[canvas.clientWidth / 2, canvas.clientHeight / 2]");
+  await page.after(() => page.mouse("mouseMoved", x + 1, y));
+  await page.after(() => page.mouse("mouseMoved", x, y));
+  const middle = await page.angle("under");
+  expect(middle < 1, `in the middle of the sphere n is along z, and M n = n: ${middle}`);
+  /* Of the sphere's normals with y = 0, at an angle a from z, the error is atan(2 tan a) − atan(tan a / 2), at most 36.87. */
+  let largest = 0;
+  for (let step = 15; step < 200; step += 20) {
+    await page.after(() => page.mouse("mouseMoved", x + step, y));
+    const shown = await page.text("under");
+    if (shown !== "–") largest = Math.max(largest, parseFloat(shown));
+  }
+  expect(largest > 34 && largest <= 36.88, `along the equator at most ${largest}`);
+  await page.after(() => page.mouse("mouseMoved", 4, 300));
+  expect((await page.text("under")) === "–", "an angle beside the model");
+  await page.pick("sides", "split");
+});
+
+await attempt("the split is dragged by its grip and by the keyboard", async () => {
+  const [x, y] = await page.evaluate("[canvas.clientWidth / 2, canvas.clientHeight / 2]");
+  await page.mouse("mouseMoved", x, y);
+  await page.mouse("mousePressed", x, y, { button: "left", buttons: 1, clickCount: 1 });
+  await page.after(() => page.mouse("mouseMoved", x / 2, y, { button: "left", buttons: 1 }));
+  await page.mouse("mouseReleased", x / 2, y, { button: "left" });
+  expect(near(await page.evaluate("Number(document.getElementById('split').value)"), 25, 1), `split at ${await page.evaluate("document.getElementById('split').value")}`);
+  await page.evaluate("document.getElementById('split').focus()");
+  await page.after(() => page.press("ArrowRight"));
+  expect(near(await page.evaluate("Number(document.getElementById('split').value)"), 25.5, 1), "the arrow key did nothing");
+});
+
+await attempt("mouse, wheel and keys move the camera", async () => {
+  await page.pick("model", "box");
+  let before = await page.picture();
+  const moved = async (name, act) => {
+    await page.after(act);
+    const now = await page.picture();
+    expect(differences(before, now) > 800, `${name} changed nothing`);
+    before = now;
+  };
+  await moved("dragging", async () => {
+    await page.mouse("mousePressed", 400, 130, { button: "left", buttons: 1, clickCount: 1 });
+    await page.mouse("mouseMoved", 320, 100, { button: "left", buttons: 1 });
+    await page.mouse("mouseReleased", 320, 100, { button: "left" });
+  });
+  await moved("the wheel", () => page.mouse("mouseWheel", 300, 300, { deltaX: 0, deltaY: -300 }));
+  await page.evaluate("document.getElementById('canvas').focus()");
+  await moved("an arrow key", async () => { for (let i = 0; i < 4; i++) await page.press("ArrowLeft"); });
+  await moved("plus", async () => { await page.press("+"); await page.press("+"); });
+  await moved("0", () => page.press("0"));
+});
+
+await attempt("creases, weights and shadings change the picture", async () => {
+  await page.click("reset-matrix");
+  await page.pick("sides", "right");
+  let before = await page.picture("box-smooth");
+  const changes = async (id, value, least = 800) => {
+    await page.pick(id, value);
+    const now = await page.picture(`box-${id}-${value}`);
+    expect(differences(before, now) > least, `${id} ${value} changed nothing`);
+    before = now;
+  };
+  await changes("crease", "20");
+  await changes("crease", "180");
+  await changes("weight", "area");
+  await changes("shading", "gouraud", 150);
+  await changes("shading", "flat");
+  await changes("colours", "normals");
+  await changes("colours", "winding");
+  await page.pick("shading", "phong");
+  before = await page.picture();
+  await changes("hedgehog", "vertex", 100);
+  await changes("hedgehog", "face", 100);
+  expect(countPixels(before, STAGE, ([r, g, b]) => g > r + 60 && g > b + 20) > 2500, "no green fronts");
+  await page.pick("hedgehog", "");
+  await page.pick("colours", "lit");
+  await page.pick("weight", "angle");
+});
+
+await attempt("200,000 triangles are computed anew as the slider moves", async () => {
+  await page.pick("model", "fine");
+  let least = Infinity;
+  for (const crease of [30, 45, 60, 75, 90, 60, 45]) {
+    await page.set("crease", crease);
+    const words = await page.text("compute-facts");
+    least = Math.min(least, Number(/in ([0-9.]+) ms/.exec(words)[1]));
+  }
+  console.log(`# 200,000 triangles: ${least} ms`);
+  expect(least < 200, `${least} ms`);
+});
+
+/* ---- files */
+
+const FILES = [["assets/goathead.obj", 5522, /OBJ, no normals/], ["assets/spider.stl", 1368, /STL, normals per facet/], ["tests/golden/files/roof.ply", 0, /PLY/], ["tests/golden/files/roof.glb", 4, /GLB/]];
+for (const [index, [file, triangles, words]] of FILES.entries())
+  await attempt(`a file that is ${index % 2 ? "chosen" : "dropped"} appears: ${file}`, async () => {
+    const bytes = readFileSync(join(root, file)), name = file.split("/").pop();
+    if (index % 2) {
+      const { root: node } = await page.ask("DOM.getDocument", {});
+      const { nodeId } = await page.ask("DOM.querySelector", { nodeId: node.nodeId, selector: "#file" });
+      await page.after(() => page.ask("DOM.setFileInputFiles", { nodeId, files: [join(root, file)] }));
+    } else {
+      await page.after(() => page.evaluate(`(() => {
+        const bytes = Uint8Array.from(atob(${JSON.stringify(bytes.toString("base64"))}), (c) => c.charCodeAt(0)), data = new DataTransfer();
+        data.items.add(new File([bytes], ${JSON.stringify(name)}));
+        for (const kind of ["dragover", "drop"]) document.body.dispatchEvent(new DragEvent(kind, { bubbles: true, cancelable: true, dataTransfer: data }));
+      })()`));
+    }
+    await page.until(`document.getElementById("model").selectedOptions[0].textContent === ${JSON.stringify(name)}`);
+    const facts = await page.text("model-facts");
+    expect(words.test(facts) && (!triangles || facts.startsWith(`${triangles.toLocaleString("en-US")} triangles`)), facts);
+    await page.after(() => page.evaluate(`document.getElementById("reset-matrix").click()`));
+    await page.pick("colours", "winding");
+    const png = await page.picture(`dropped-${name}`);
+    const pixels = countPixels(png, STAGE, ([r, g, b]) => (g > r + 50 && g > b + 25) || (r > g + 60 && r > b + 60));
+    await page.pick("colours", "lit");
+    expect(pixels > 700, `${pixels} pixels of it`);
+    expect((await page.text("notice")) === "", await page.text("notice"));
+  });
+
+await attempt("a file that is broken is told of, and the page goes on", async () => {
+  await page.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File(["v 0 0 0\\nf 1 2 3\\n"], "broken.obj")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
+  const words = await page.until("document.getElementById('notice').textContent");
+  expect(/broken\.obj/.test(words), words);
+  await page.pick("model", "knot");
+  expect((await page.text("notice")) === "", "the notice stays");
+});
+
+/* ---- what moves */
+
+await attempt("the surface that moves: normals kept right beside normals left as they were", async () => {
+  await page.pick("model", "moving");
+  const first = await page.drawn();
+  await page.until(`Number(document.body.dataset.drawn) > ${first} + 4`);
+  const shown = await page.angle("worst");
+  expect(shown > 5 && shown < 80, `left as they were they err by ${shown}`);
+  const moving = await page.picture("moving");
+  await page.until(`Number(document.body.dataset.drawn) > ${await page.drawn()} + 2`);
+  expect(differences(moving, await page.picture()) > 250, "it does not move");
+  expect(/100,651 normals in/.test(await page.text("moving-facts")), await page.text("moving-facts"));
+  await page.evaluate("document.getElementById('waves').click()");
+  await page.click("flatten");
+  expect((await page.angle("worst")) < 0.1, `flattened: ${await page.text("worst")}`);
+  const [x, y] = await page.evaluate("[canvas.clientWidth * 0.6, canvas.clientHeight * 0.52]");
+  await page.mouse("mouseMoved", x, y);
+  await page.mouse("mousePressed", x, y, { button: "left", buttons: 1, clickCount: 1 });
+  for (let step = 1; step <= 5; step++) await page.after(() => page.mouse("mouseMoved", x + 6 * step, y, { button: "left", buttons: 1 }));
+  await page.mouse("mouseReleased", x + 30, y, { button: "left" });
+  const touched = Number(/^([0-9,]+) normals/.exec(await page.text("moving-facts"))?.[1].replace(",", ""));
+  expect(touched > 100 && touched < 20000, `the brush moved ${touched} vertices`);
+  expect((await page.angle("worst")) > 1, "the brush pushed nothing");
+  await page.evaluate("document.getElementById('canvas').focus()");
+  const before = await page.angle("worst");
+  for (let i = 0; i < 3; i++) await page.after(() => page.press(" "));
+  expect((await page.angle("worst")) >= before, "Space pushed nothing");
+  await page.picture("brush");
+});
+
+/* ---- for everybody */
+
+await attempt("every control has a label, and the Tab key reaches each", async () => {
+  await page.pick("model", "vase");
+  const unlabelled = await page.evaluate(`[...document.querySelectorAll("input, select, button")].filter((e) => e.tagName !== "BUTTON" ? !e.labels.length : !e.textContent).map((e) => e.id).join(" ")`);
+  expect(unlabelled === "", unlabelled);
+  const wanted = await page.evaluate(`[...document.querySelectorAll("canvas, input, select, button")].filter((e) => !e.disabled && e.offsetParent).map((e) => e.id).join(" ")`);
+  await page.evaluate("document.body.tabIndex = -1; document.body.focus(); document.body.removeAttribute('tabindex')");
+  const reached = new Set();
+  for (let i = 0; i < 60 && reached.size < wanted.split(" ").length; i++) {
+    await page.press("Tab");
+    reached.add(await page.evaluate("document.activeElement.id"));
+  }
+  const missed = wanted.split(" ").filter((id) => !reached.has(id));
+  expect(missed.length === 0, `not reached: ${missed.join(" ")}`);
+});
+
+check("no error and no warning on the console", page.said.length === 0, page.said.join("\n"));
+const beyond = page.requests.filter((url) => url !== home && !url.startsWith("data:"));
+check("nothing is asked of any network, nor of the disk", beyond.length === 0, beyond.join("\n"));
+await page.close();
+
+await attempt("dark where the system is dark", async () => {
+  const dark = await visit(home, { dark: true });
+  const png = await dark.picture("playground-dark"), [r, g, b] = png.at(2, 430);
+  expect(r + g + b < 150, `the paper is ${r} ${g} ${b}`);
+  expect(countPixels(png, STAGE, isModel) > 5000, "no model");
+  expect(dark.said.length === 0, dark.said.join("\n"));
+  await dark.close();
+});
+
+await attempt("on a small screen the panel lies below the picture", async () => {
+  const small = await visit(home, { size: [390, 780], mobile: true });
+  expect(await small.evaluate("document.getElementById('panel').getBoundingClientRect().top >= document.getElementById('stage').getBoundingClientRect().bottom - 1 && document.documentElement.scrollWidth <= 390"), "it does not");
+  await small.picture("playground-small");
+  await small.close();
+});
+
+await attempt("without WebGL 2 the page says so", async () => {
+  const without = await visit(home, { before: "HTMLCanvasElement.prototype.getContext = () => null" });
+  expect(await without.evaluate("document.getElementById('fallback').offsetHeight > 100 && /WebGL 2/.test(document.getElementById('fallback').innerText)"), "no message");
+  expect(without.said.length === 0, without.said.join("\n"));
+  await without.picture("without-webgl2");
+  await without.close();
+});
+
+/* ---- norma view */
+
+await attempt("norma view: the page of a model, its name spelled as it is", async () => {
+  const odd = join(shots, `a "b" <i>&.stl`), out = join(shots, "view.html");
+  copyFileSync(join(root, "assets/spider.stl"), odd);
+  execFileSync(tool, ["view", odd, "-o", out, "--quiet"]);
+  const view = await visit(pathToFileURL(out).href);
+  expect((await view.evaluate("document.title")) === `a "b" <i>&.stl · Norma`, await view.evaluate("document.title"));
+  expect((await view.text("model-facts")).startsWith("1,368 triangles"), await view.text("model-facts"));
+  expect((await view.text("worst")) === "0.00°", await view.text("worst"));
+  await view.pick("colours", "error");
+  expect(await view.evaluate("!document.getElementById('legend').hidden"), "no legend");
+  await view.picture("view-error");
+  await view.set("scale-x", 3);
+  expect(near(await view.angle("worst"), worst(3)), await view.text("worst"));
+  expect(view.said.length === 0, view.said.join("\n"));
+  expect(view.requests.every((url) => url.startsWith("file:") && url.endsWith("view.html") || url.startsWith("data:")), view.requests.join("\n"));
+  await view.close();
+});
+
+await attempt("norma view: glTF nodes stand where they stand, polygons are whole", async () => {
+  const out = join(shots, "view-roof.html");
+  execFileSync(tool, ["view", join(root, "tests/golden/files/roof.gltf"), "-o", out, "--quiet"]);
+  const view = await visit(pathToFileURL(out).href);
+  expect(/drawn 2 times/.test(await view.text("model-facts")), await view.text("model-facts"));
+  await view.close();
+  execFileSync(tool, ["view", join(root, "assets/concave-66gon.obj"), "-o", out, "--quiet"]);
+  const polygon = await visit(pathToFileURL(out).href);
+  expect((await polygon.text("model-facts")).startsWith("64 triangles"), await polygon.text("model-facts"));
+  await polygon.picture("view-polygon");
+  await polygon.close();
+});
+
+await browser.close();
+finish();
