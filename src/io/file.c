@@ -2,6 +2,7 @@
  *
  * Writing goes to a temporary file beside the target, which is flushed and renamed over it (rename is atomic in POSIX), and then the folder is flushed: whatever
  * happens, a crash or a full disk, the old file or the new one is whole. */
+#define _DEFAULT_SOURCE               /* madvise */
 #define _POSIX_C_SOURCE 200809L
 #include "file.h"
 #include <errno.h>
@@ -82,6 +83,16 @@ void norma_file_close(file_bytes *bytes) {
     else if (bytes->owned)
         free((void *)(uintptr_t)bytes->data);
     *bytes = (file_bytes){0};
+}
+
+void norma_file_forget(const file_bytes *bytes) {
+#if defined(MADV_DONTNEED)
+    const size_t large = (size_t)1 << 24;
+    if (bytes->mapped && bytes->size >= large)
+        (void)madvise((void *)(uintptr_t)bytes->data, bytes->size, MADV_DONTNEED);
+#else
+    (void)bytes;
+#endif
 }
 
 int norma_file_same(const char *a, const char *b) {

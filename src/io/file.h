@@ -14,6 +14,8 @@ typedef struct file_bytes {
 /* Regular files are mapped; pipes and devices are read to their end. Returns 0, or errno. */
 int norma_file_open(const char *path, file_bytes *bytes);
 void norma_file_close(file_bytes *bytes);
+/* What has been read of a large mapped file need not stay in this process's memory; it is mapped again where it is needed. */
+void norma_file_forget(const file_bytes *bytes);
 
 /* Whether two paths name one existing file. */
 int norma_file_same(const char *a, const char *b);

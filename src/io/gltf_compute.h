@@ -15,7 +15,7 @@ typedef struct gltf_surface {
     size_t    *corner_start;              /* for each primitive of the mesh: its first corner; SIZE_MAX: it draws no triangles that are read */
     size_t    *position_start;
     /* what the core found */
-    uint32_t  *points;                    /* the point of each corner */
+    uint32_t  *points;                    /* the point of each corner; NULL: its position */
     uint32_t  *sources;                   /* for each point its position */
     float     *normals;
     uint8_t   *reasons;
@@ -55,6 +55,9 @@ typedef struct gltf_job {
     size_t                       meshes_done;
     double                       progress_base, progress_scale;
 } gltf_job;
+
+/* The point of each corner: smooth, each position is one. */
+static inline const uint32_t *norma_gltf_points(const gltf_surface *s) { return s->points ? s->points : (const uint32_t *)s->core.corners; }
 
 norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surface *surface);       /* gltf_surface.c */
 norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *surface);

@@ -129,7 +129,7 @@ static norma_document_result begin(morph *m)
     if (!find_groups(m))
         return out_of_memory(m);
     for (size_t c = 0; c < s->core.corner_count; ++c)
-        m->corners[c] = m->group_of[s->points[c]];
+        m->corners[c] = m->group_of[norma_gltf_points(s)[c]];
     m->base = norma_io_allocate(m->groups, 3 * sizeof *m->base);
     m->normals = norma_io_allocate(m->groups, 3 * sizeof *m->normals);
     m->moved = norma_io_allocate(m->groups, 3 * sizeof *m->moved);

@@ -309,7 +309,7 @@ static int take_all_points(gltf_set *set, const gltf_surface *s, uint32_t *place
 /* The points of a primitive's corners, for which stamps do not say already that they have their place. */
 static int take_points_of(gltf_set *set, uint32_t set_number, const gltf_surface *s, uint32_t local, size_t corner_count, uint32_t *places, uint32_t *stamps)
 {
-    const uint32_t *points = s->points + s->corner_start[local];
+    const uint32_t *points = norma_gltf_points(s) + s->corner_start[local];
     for (size_t c = 0; c < corner_count; ++c) {
         const uint32_t point = points[c];
         if (stamps[point] == set_number + 1)
@@ -354,7 +354,7 @@ static int take_primitive(gltf_job *job, gltf_surface *s, uint32_t number, uint3
         return 0;
     if (!(alone ? take_all_points(set, s, places) : take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps)))
         return 0;
-    placing placed = {.points = s->points + s->corner_start[local], .places = places, .count = 3 * p->faces};
+    placing placed = {.points = norma_gltf_points(s) + s->corner_start[local], .places = places, .count = 3 * p->faces};
     placed.corners = alone ? s->points : norma_io_block(placed.count, sizeof *placed.corners);
     if (!placed.corners)
         return 0;

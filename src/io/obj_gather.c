@@ -441,7 +441,10 @@ static norma_document_result gather(gathering *g, const char *start, norma_docum
         return norma_document_fail_memory(document, error);
     if (result == NORMA_DOCUMENT_ERROR_MALFORMED || result == NORMA_DOCUMENT_ERROR_UNSUPPORTED)
         return tell(g, start, error);
-    return result ? result : check_whole(g, start, document, error);
+    if (!result)
+        result = check_whole(g, start, document, error);
+    norma_file_forget(&document->source);
+    return result;
 }
 
 norma_document_result norma_obj_read(norma_document *document, obj_state *state, norma_document_error *error)

@@ -44,6 +44,8 @@ char *norma_scene_join(norma_scene *scene, const char *first, const char *second
 norma_scene *norma_scene_create(void) { return norma_io_allocate(1, sizeof(norma_scene)); }
 
 void norma_scene_forget(norma_scene *scene) {
+    if (!scene)
+        return;
     for (scene_block *block = scene->blocks, *next; block; block = next) {
         next = block->next;
         free(block);
