@@ -4,7 +4,8 @@
 # Where nothing is missing it only looks.
 #   scripts/install-deps.sh build   what `make` needs
 #   scripts/install-deps.sh web     what the page, the npm package and so `norma view` need to be built
-#   scripts/install-deps.sh         that, and what `make test` needs
+#   scripts/install-deps.sh bench   that, and the libraries that `make bench` compares with (more than a gigabyte)
+#   scripts/install-deps.sh         what building and `make test` need
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
@@ -12,6 +13,9 @@ what=${1:-all}
 packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libjansson-dev libpng-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32"
 [ "$what" != web ] || packages=$web_packages
+if [ "$what" = bench ]; then
+    packages="$packages $web_packages g++ libvtk9-dev libopen3d-dev libopenmesh-dev libcgal-dev libassimp-dev libglm-dev libcglm-dev libeigen3-dev"
+fi
 if [ "$what" = all ]; then
     # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers; gmp: the oracle; mandoc: the manual's lint.
     packages="$packages g++ clang libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc"

@@ -107,4 +107,16 @@ reference normals assets/goathead.obj --views front,right,top,three-quarter --sh
 reference error assets/spider.stl --show error --size 128x128
 reference concave assets/concave-66gon.obj --shading flat --camera 60,20 --size 128x128
 reference clear assets/goathead.obj --background transparent --size 96x96
+
+# The guide's figures are what scripts/figures.sh draws, and the guide shows them all.
+if NORMA_BIN=$norma scripts/figures.sh "$scratch/figures" >"$scratch/message" 2>&1; then
+    for file in "$scratch"/figures/*.png; do
+        name=$(basename "$file")
+        if said=$("$compare" "$file" "docs/figures/$name"); then pass "docs/figures/$name is what is drawn now: $said"; else fail "docs/figures/$name is what is drawn now" "$said"; fi
+    done
+else
+    fail "scripts/figures.sh" "$(cat "$scratch/message")"
+fi
+unseen=$(for file in docs/figures/*; do grep -q "figures/$(basename "$file")" docs/*.md README.md || echo "$file"; done)
+if [ -z "$unseen" ]; then pass "every figure is shown somewhere"; else fail "every figure is shown somewhere" "$unseen"; fi
 finish

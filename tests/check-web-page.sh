@@ -1,5 +1,6 @@
 #!/bin/bash
 # The playground and `norma view` in headless Chromium: what tests/web/page.mjs does there. Screenshots are left in the tree under test, in web/screenshots.
+# shellcheck disable=SC2016  # single quotes hold what inner shells expand
 # shellcheck source=tests/tap.sh
 source "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1

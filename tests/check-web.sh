@@ -1,6 +1,7 @@
 #!/bin/bash
 # The npm package: the same bits as the native library, arguments and errors, types, examples in node and three.js.
 #   tests/check-web.sh --refresh     writes the examples' expected output anew
+# shellcheck disable=SC2016  # single quotes hold what inner shells expand
 # shellcheck source=tests/tap.sh
 source "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1
@@ -36,6 +37,11 @@ fi
 check "the native program compiles" gcc -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -O1 -Iinclude tests/web/native.c -o "$scratch/native" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
 tap bits node tests/web/bits.mjs "$package" "$scratch/native"
 tap calls node tests/web/calls.mjs "$package"
+
+# What the page makes of a file, with the sanitizers of a native compiler.
+check "the model's files compile under the sanitizers" gcc -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-attributes -Iinclude tests/web/model.c \
+    web/model/model.c web/model/compute.c web/model/pick.c web/model/triangulate.c web/src/calls.c src/cli/view_pack.c -o "$scratch/model" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
+check "packs of the assets are drawn, and damaged ones drawn or refused" "$scratch/model" assets/*.obj assets/*.stl tests/golden/files/*.obj tests/golden/files/roof.*
 
 version=$(sed -nE 's/^project\(norma VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)
 check "package.json tells the library's version" test "$(node -p 'require(process.argv[1]).version' "$package/package.json")" = "$version"

@@ -3,7 +3,7 @@
 #include "check.h"
 #include "surfaces.h"
 
-enum { AROUND = 320 / SLOWER, ACROSS = 160 };
+enum { AROUND = SLOWER > 1 ? 80 : 320, ACROSS = 160 };
 
 static const double origin[3] = {0, 0, 0};
 
@@ -473,7 +473,7 @@ static void far_away(void **state) {
     for (size_t v = 0; v < s.vertices; v++) s.positions[3 * v + 1] += 100000;
     const norma_finding *f = in_render(&s, "N701", NORMA_SEVERITY_WARNING);
     assert_found(f, 1);
-    assert_true(f->worst_value > .1 && f->worst_value < 1); /* spacing .0078, edges about .03 */
+    assert_true(f->worst_value > .02 && f->worst_value < .3); /* spacing .0078, edges from .03 to .3 */
     surface_free(&s);
     s = surface_torus(AROUND, ACROSS);
     for (size_t v = 0; v < s.vertices; v++) s.positions[3 * v + 1] += 1000;
@@ -529,6 +529,14 @@ static void lists_of_rules(void **state) {
     for (size_t i = 0; i < count; i++) assert_int_equal(mask[i], !strncmp(rules[i].id, "N30", 3) || !strcmp(rules[i].id, "N502"));
 }
 
+static void assert_same_sample(const norma_sample *a, const norma_sample *b) {
+    assert_int_equal(a->vertex, b->vertex);
+    assert_int_equal(a->face, b->face);
+    assert_int_equal(a->normal, b->normal);
+    assert_int_equal(a->has_position, b->has_position);
+    assert_memory_equal(a->position, b->position, sizeof a->position);
+}
+
 static void threads_change_nothing(void **state) {
     (void)state;
     surface s = surface_soup(surface_torus(AROUND, ACROSS));
@@ -543,8 +551,8 @@ static void threads_change_nothing(void **state) {
         assert_string_equal(a->message, b->message);
         assert_int_equal(a->count, b->count);
         assert_int_equal(a->sample_count, b->sample_count);
-        assert_memory_equal(a->samples, b->samples, a->sample_count * sizeof *a->samples);
-        assert_memory_equal(&a->worst, &b->worst, sizeof a->worst);
+        for (size_t k = 0; k < a->sample_count; k++) assert_same_sample(&a->samples[k], &b->samples[k]);
+        assert_same_sample(&a->worst, &b->worst);
         assert_memory_equal(&a->worst_value, &b->worst_value, sizeof a->worst_value);
     }
     norma_findings_free(one);

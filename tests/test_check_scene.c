@@ -524,6 +524,42 @@ static void test_malformed_skin(void **state) {
     FOUND(findings, {"N001", "/skins/1", E, 1, NAN, ""}, {"N601", "/nodes/0", I, 1, 2, ""}, {"N605", "/skins/0", I, 1, 2, ""});
 }
 
+/* A small file that asks for a million million matrices is told of, soon. */
+static void test_endless_skins(void **state) {
+    (void)state;
+    enum { SKINS = 300, ANIMATIONS = 300, KEYS = 3000, NODES = 300 };
+    static float times[KEYS], scales[KEYS][3];
+    gltf_asset a = {0};
+    char *rest = malloc(400000 + NODES * 40 + SKINS * (NODES * 6 + 40)), *at = rest;
+    assert_non_null(rest);
+    for (int k = 0; k < KEYS; k++) {
+        times[k] = (float)k;
+        scales[k][0] = scales[k][1] = 1;
+        scales[k][2] = k == KEYS - 1 ? 2 : 1;
+    }
+    asset_floats(&a, times, KEYS, 1);
+    asset_floats(&a, &scales[0][0], KEYS, 3);
+    at += sprintf(at, "\"nodes\":[{}");
+    for (int i = 1; i < NODES; i++) at += sprintf(at, ",{\"children\":[%d]}", i - 1);
+    at += sprintf(at, "],\"skins\":[");
+    for (int i = 0; i < SKINS; i++) {
+        at += sprintf(at, "%s{\"joints\":[0", i ? "," : "");
+        for (int k = 1; k < NODES; k++) at += sprintf(at, ",%d", k);
+        at += sprintf(at, "]}");
+    }
+    at += sprintf(at, "],\"animations\":[");
+    for (int i = 0; i < ANIMATIONS; i++)
+        at += sprintf(at, "%s{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":%d,\"path\":\"scale\"}}]}",
+                      i ? "," : "", i % NODES);
+    sprintf(at, "]");
+    norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
+    assert_true(norma_findings_partly(findings) && norma_findings_count(findings) == SKINS);
+    assert_string_equal(norma_findings_get(findings, SKINS - 1)->rule->id, "N002");
+    norma_findings_free(findings);
+    asset_free(&a);
+    free(rest);
+}
+
 static void test_unreadable(void **state) {
     (void)state;
     const norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_MALFORMED, .message = "a.glb:byte 0: expected more"};
@@ -600,6 +636,7 @@ int main(void) {
         cmocka_unit_test(test_cancelling_morphs),
         cmocka_unit_test(test_not_checked),
         cmocka_unit_test(test_malformed_skin),
+        cmocka_unit_test(test_endless_skins),
         cmocka_unit_test(test_unreadable),
         cmocka_unit_test(test_arrays),
     };

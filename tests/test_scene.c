@@ -166,7 +166,7 @@ static void test_nodes(void **state) {
     assert_true(leg.node == 2 && leg.parent == 1 && leg.skin == 0 && leg.instances == 1 && leg.mirrored_instances == 1);
     assert_string_equal(leg.where, "/nodes/2");
     assert_string_equal(leg.path, "a/1/leg");
-    assert_string_equal(leg.ignore, "N602,N601");
+    assert_string_equal(leg.ignore, "N601,N602");
     assert_true(alone.node == 3 && alone.parent == SIZE_MAX && alone.skin == SIZE_MAX && alone.mirrored_instances == 0);
     assert_string_equal(alone.path, "alone");
     assert_string_equal(alone.ignore, "");

@@ -181,7 +181,7 @@ norma_result norma_interpolate_normal(const float a[3], const float b[3], const 
  * no edge flickers between hard and soft as it bends; a face that had no direction then votes as soon as it has one, in the fan that it lay in.
  * - Threads: an update writes nothing of the plan. Any number of updates of one plan may run at once, each with its own output.
  * - Memory: an update allocates nothing, but where NORMA_FALLBACK_NEAREST is asked for and some normal is missing: then scratch from its options' allocator.
- *   With threads above 1, threads of the system are started and joined. An update's tasks need some 64 KiB of stack. */
+ *   With threads above 1, threads of the system are started and joined. An update's tasks need some 128 KiB of stack. */
 
 typedef enum norma_element { NORMA_PER_VERTEX = 0, NORMA_PER_CORNER } norma_element; /* per vertex: the fans that its corners lie in, summed */
 typedef struct norma_plan norma_plan;
@@ -208,6 +208,21 @@ norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions
 size_t       norma_plan_bytes(const norma_plan *plan);
 /* Gives all of it back to the allocator it came from. NULL is fine. No update of it may be running. */
 void         norma_plan_destroy(norma_plan *plan);
+
+/* ---- morph targets
+ *
+ * Normal deltas of morph targets, sparse: of each target, the vertices whose normals differ from the base's, and by how much.
+ * base: the mesh with the positions of the base. base_normals: NULL, or the base's own normals, one for each position, which are kept: vertices at one (welded) position with
+ * one normal then share a sum, those with different ones lie across a crease and do not. With NULL all vertices at one position share. targets: target_count views of
+ * positions (places, not displacements), each as many as the base's. A delta is the normal of the target less that of the base, both summed by options->weight over the
+ * shared vertices; the target's positions are those of each group's first vertex. So equal positions get equal deltas, no seam opens, and where nothing moves there
+ * is none. Deltas of a length of at most smallest (0 or more) are left out, and those where base or target have no normal.
+ * target_starts: room for target_count + 1; target t has the deltas from target_starts[t] to before target_starts[t + 1]. For each of them vertices receives the vertex,
+ * ascending within a target, and deltas three floats; either or both may be NULL, to count. capacity counts deltas. Errors as for norma_vertex_normals, and
+ * NORMA_ERROR_ARGUMENT for a NaN or negative bound, counts that differ, target_starts NULL; NORMA_ERROR_CAPACITY is found before anything is written; where capacity
+ * is target_count times the positions it need not be looked for, which halves the cost. Of the options, fallback, normal_stride, reasons and edges are of no use. */
+norma_result norma_morph_normals(const norma_mesh *base, const norma_vec3_view *base_normals, const norma_vec3_view *targets, size_t target_count, float smallest,
+                                 const norma_options *options, size_t *target_starts, uint32_t *vertices, float *deltas, size_t capacity);
 
 /* ---- matrices
  *

@@ -100,7 +100,7 @@ static inline int norma_check_wants(const check_mesh *m, check_rule rule) { retu
 /* Whether any rule from first to last is wanted. */
 static inline int norma_check_wants_any(const check_mesh *m, check_rule first, check_rule last) {
     int wanted = 0;
-    for (int rule = first; rule <= (int)last; rule++) wanted |= m->rules[rule];
+    for (size_t rule = (size_t)first; rule <= (size_t)last; rule++) wanted |= m->rules[rule];
     return wanted;
 }
 

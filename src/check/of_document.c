@@ -121,11 +121,13 @@ static norma_result instance_world(void *context, size_t index, size_t instance,
     return !result ? NORMA_OK : result == NORMA_DOCUMENT_ERROR_MEMORY ? NORMA_ERROR_MEMORY : NORMA_ERROR_INDEX;
 }
 
-/* A skin whose joints or animations are malformed is not read; the meshes are all the same. */
-static norma_document_result tell_malformed(document_check *d, size_t skin, const char *why) {
+/* A skin whose joints or animations are malformed is not read, one with more of them than this version plays is not checked; the meshes are all the same. */
+static norma_document_result tell_malformed(document_check *d, size_t skin, norma_document_result how, const char *why) {
     char where[CHECK_MESSAGE], label[CHECK_MESSAGE];
     norma_check_message(where, "/skins/%z", skin);
     norma_check_message(label, "skin %z", skin);
+    if (how == NORMA_DOCUMENT_ERROR_UNSUPPORTED)
+        return tell_unread(d, where, label, why);
     const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
     norma_check_partly(&d->run);
     if (!d->run.rules[RULE_N001])
@@ -149,7 +151,7 @@ static norma_document_result read_skins(document_check *d) {
         if (!read)
             continue;
         *skin = (norma_skin_info){.name = "", .where = "", .ignore = "", .joint = SIZE_MAX};
-        result = tell_malformed(d, d->skin_count, error.message);
+        result = tell_malformed(d, d->skin_count, read, error.message);
     }
     return result;
 }

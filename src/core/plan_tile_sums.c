@@ -196,9 +196,12 @@ CORE_FOR_AVX512 static void measure_avx512(const tile_view *t, tile_some faces, 
 /* Rows are of four: wider registers do not help to sum them. */
 tile_kernels norma_core_tile_kernels(norma_isa isa)
 {
-    static void (*const measures[])(const tile_view *, tile_some, norma_weight, tile_room *) = {measure_portable, measure_avx2, measure_avx512};
-    const core_level level = norma_core_level(isa);
-    return (tile_kernels){measures[level], level == CORE_PORTABLE ? sum_portable : sum_avx2, norma_core_choose_finish(isa)};
+    core_finish_sums *const finish = norma_core_choose_finish(isa);
+    switch (norma_core_level(isa)) {
+    case CORE_AVX512: return (tile_kernels){measure_avx512, sum_avx2, finish};
+    case CORE_AVX2:   return (tile_kernels){measure_avx2, sum_avx2, finish};
+    default:          return (tile_kernels){measure_portable, sum_portable, finish};
+    }
 }
 #else
 tile_kernels norma_core_tile_kernels(norma_isa isa) { return (tile_kernels){measure_portable, sum_portable, norma_core_choose_finish(isa)}; }

@@ -324,7 +324,7 @@ CORE_INLINE void decide(ring_batch *t, size_t count)
             t->direction[0][f] = (float)(x / length) + 0.0F;
             t->direction[1][f] = (float)(y / length) + 0.0F;
             t->direction[2][f] = (float)(z / length) + 0.0F;
-            t->decided[f] = (square > NORMA_TINIEST) & (square < NORMA_HUGEST) & (length > 0x1p-20 * t->total[f]) ? 1 : 0;
+            t->decided[f] = ((square > NORMA_TINIEST) & (square < NORMA_HUGEST) & (length > 0x1p-20 * t->total[f])) ? 1 : 0;
         }
 }
 

@@ -27,7 +27,7 @@ static int is_wanted(const gltf *g, uint32_t target, gltf_channel *channel) {
            channel->node != GLTF_NONE;
 }
 
-norma_document_result norma_gltf_read_animation(gltf *g, uint32_t token, gltf_animation *animation, norma_document_error *error) {
+static norma_document_result read_animation(gltf *g, uint32_t token, gltf_animation *animation, norma_document_error *error) {
     const json *j = &g->json;
     uint32_t channels = norma_json_member(j, token, "channels"), samplers = norma_json_member(j, token, "samplers");
     uint32_t count = norma_json_is(j, channels, JSON_ARRAY) ? norma_json_size(j, channels) : 0, sampler_count = norma_json_size(j, samplers), at = 0;
@@ -49,6 +49,36 @@ norma_document_result norma_gltf_read_animation(gltf *g, uint32_t token, gltf_an
         ++animation->count;
     }
     return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result read_animations(gltf *g, gltf_scene *scene, norma_document_error *error) {
+    uint32_t list = norma_json_member(&g->json, 0, "animations"), count = norma_json_size(&g->json, list), number = 0;
+    gltf_animation *made = norma_scene_allocate(g->document->scene, count, sizeof *made);
+    norma_document_result result = made ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
+    for (uint32_t item = norma_json_first(&g->json, list); !result && item != JSON_NONE; item = norma_json_next(&g->json, list, item))
+        result = read_animation(g, item, &made[number++], error);
+    if (!result) {
+        scene->animations = made;
+        scene->animation_count = count;
+    }
+    return result;
+}
+
+norma_document_result norma_gltf_animations(gltf *g, gltf_scene *scene, norma_document_error *error) {
+    norma_document_error *first = NULL;
+    if (scene->animations)
+        return NORMA_DOCUMENT_OK;
+    if (!scene->animation_error) {
+        first = norma_scene_allocate(g->document->scene, 1, sizeof *first);
+        if (!first)
+            return norma_document_fail_memory(g->document, error);
+        if (!read_animations(g, scene, first))
+            return NORMA_DOCUMENT_OK;
+        scene->animation_error = first;
+    }
+    if (error)
+        *error = *scene->animation_error;
+    return scene->animation_error->result;
 }
 
 /* ---- between keys */

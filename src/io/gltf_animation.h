@@ -16,7 +16,7 @@ typedef struct gltf_animation {
     size_t count;
 } gltf_animation;
 
-/* Channels live as long as the document. Fails for what glTF does not allow. */
-norma_document_result norma_gltf_read_animation(gltf *g, uint32_t token, gltf_animation *animation, norma_document_error *error);
+/* All of the file, in scene->animations, read once. Fails for what glTF does not allow, each time in the same words. */
+norma_document_result norma_gltf_animations(gltf *g, gltf_scene *scene, norma_document_error *error);
 void norma_gltf_channel_at(const gltf_channel *channel, double time, double out[4]); /* quaternions made unit */
 #endif

@@ -1,21 +1,21 @@
-/* gltf_morph.c: normal deltas of morph targets: the morphed shape's normals less the base's, over the positions and fans that the base shares, so that no seam opens.
- * What shares a sum in the base, the points at one position with one normal, is one vertex of a mesh that is then morphed; both normals come from that mesh, so that
- * where nothing moves the delta is exactly zero. */
+/* gltf_morph.c: normal deltas of morph targets, by norma_morph_normals over the points of a surface: those at one position with one normal share in the base, and so in every
+ * target, so that no seam opens. Targets are looked at some at a time. */
 #include "gltf_compute.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { TARGETS_AT_A_TIME = 8 };
 
 typedef struct morph {
     gltf_job           *job;
     const gltf_surface *s;
-    float    *positions;                  /* of the surface's positions, decoded */
-    uint32_t *group_of;                   /* for each point */
-    uint32_t *first_of;                   /* for each group the position that it takes */
-    uint32_t *corners;                    /* of groups */
-    size_t    groups;
-    float    *base, *normals, *moved;     /* of groups: normals of the base and of the target, positions in the target */
-    uint8_t  *base_reasons, *reasons;
+    float    *positions, *displaced;      /* of the surface: decoded, and in one target */
+    float    *base, *moved;               /* of points: in the base, and in each of some targets */
+    uint32_t *vertices;                   /* norma_morph_normals' */
+    float    *sparse;
+    float    *deltas;                     /* of points, in one target */
+    uint32_t  targets[TARGETS_AT_A_TIME];
+    size_t    target_count;
 } morph;
 
 static norma_document_result out_of_memory(const morph *m)
@@ -25,59 +25,9 @@ static norma_document_result out_of_memory(const morph *m)
 
 static void free_morph(morph *m)
 {
-    void *const blocks[] = {m->positions, m->group_of, m->first_of, m->corners, m->base, m->normals, m->moved, m->base_reasons, m->reasons};
+    void *const blocks[] = {m->positions, m->displaced, m->base, m->moved, m->vertices, m->sparse, m->deltas};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i)
         free(blocks[i]);
-}
-
-/* ---- groups */
-
-static void key_of(const morph *m, size_t point, uint32_t key[6])
-{
-    const float *position = m->positions + 3 * (size_t)m->s->sources[point];
-    for (int k = 0; k < 3; ++k) {
-        float number = position[k] + 0.0F; /* -0 becomes 0 */
-        memcpy(&key[k], &number, sizeof number);
-    }
-    memcpy(key + 3, m->s->normals + 3 * point, 3 * sizeof(float));
-}
-
-static size_t hash_key(const uint32_t key[6])
-{
-    uint64_t hash = 0;
-    for (int k = 0; k < 6; ++k) {
-        hash = (hash ^ key[k]) * 0x9E3779B97F4A7C15u;
-        hash ^= hash >> 29;
-    }
-    return (size_t)hash;
-}
-
-static int find_groups(morph *m)
-{
-    size_t size = 16, count = m->s->point_count;
-    while (size / 2 < count)
-        size *= 2;
-    uint32_t *table = norma_io_allocate(size, sizeof *table), *lead = norma_io_allocate(count, sizeof *lead);
-    for (size_t p = 0; table && lead && p < count; ++p) {
-        uint32_t key[6], other[6];
-        key_of(m, p, key);
-        size_t at = hash_key(key) & (size - 1);
-        for (; table[at]; at = (at + 1) & (size - 1)) {
-            key_of(m, lead[table[at] - 1], other);
-            if (memcmp(key, other, sizeof key) == 0 && m->job->options->weld != NORMA_WELD_NONE)
-                break;
-        }
-        if (!table[at]) {
-            lead[m->groups] = (uint32_t)p;
-            m->first_of[m->groups] = m->s->sources[p];
-            table[at] = (uint32_t)++m->groups;
-        }
-        m->group_of[p] = table[at] - 1;
-    }
-    int ok = table && lead;
-    free(table);
-    free(lead);
-    return ok;
 }
 
 static norma_document_result decode_positions(morph *m)
@@ -97,48 +47,28 @@ static norma_document_result decode_positions(morph *m)
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result find_normals(morph *m, const float *positions, float *normals, uint8_t *reasons)
+static void take_points(const morph *m, const float *of_surface, float *points)
 {
-    norma_options options = m->job->core;
-    options.weld = NORMA_WELD_NONE;
-    options.reasons = reasons;
-    options.edges = NULL;
-    const norma_mesh mesh = {.positions = {.data = positions, .count = m->groups, .format = NORMA_FORMAT_FLOAT}, .corners = m->corners, .corner_count = m->s->core.corner_count};
-    norma_result result = norma_vertex_normals(&mesh, &options, normals, m->groups, NULL);
-    return result ? norma_document_fail_core(m->job->g->document, m->job->error, result) : NORMA_DOCUMENT_OK;
-}
-
-static void take_positions(const morph *m, const float *of_surface)
-{
-    for (size_t i = 0; i < m->groups; ++i)
-        memcpy(m->moved + 3 * i, of_surface + 3 * (size_t)m->first_of[i], 3 * sizeof(float));
+    for (size_t p = 0; p < m->s->point_count; ++p)
+        memcpy(points + 3 * p, of_surface + 3 * (size_t)m->s->sources[p], 3 * sizeof(float));
 }
 
 static norma_document_result begin(morph *m)
 {
-    const gltf_surface *s = m->s;
-    m->positions = norma_io_allocate(s->core.positions.count, 3 * sizeof *m->positions);
-    m->group_of = norma_io_allocate(s->point_count, sizeof *m->group_of);
-    m->first_of = norma_io_allocate(s->point_count, sizeof *m->first_of);
-    m->corners = norma_io_allocate(s->core.corner_count, sizeof *m->corners);
-    if (!m->positions || !m->group_of || !m->first_of || !m->corners)
+    const size_t positions = m->s->core.positions.count, points = m->s->point_count;
+    m->positions = norma_io_allocate(positions, 3 * sizeof *m->positions);
+    m->displaced = norma_io_allocate(positions, 3 * sizeof *m->displaced);
+    m->base = norma_io_allocate(points, 3 * sizeof *m->base);
+    m->moved = norma_io_allocate(points, 3 * TARGETS_AT_A_TIME * sizeof *m->moved);
+    m->vertices = norma_io_allocate(points, TARGETS_AT_A_TIME * sizeof *m->vertices);
+    m->sparse = norma_io_allocate(points, 3 * TARGETS_AT_A_TIME * sizeof *m->sparse);
+    m->deltas = norma_io_allocate(points, 3 * sizeof *m->deltas);
+    if (!m->positions || !m->displaced || !m->base || !m->moved || !m->vertices || !m->sparse || !m->deltas)
         return out_of_memory(m);
     norma_document_result result = decode_positions(m);
-    if (result)
-        return result;
-    if (!find_groups(m))
-        return out_of_memory(m);
-    for (size_t c = 0; c < s->core.corner_count; ++c)
-        m->corners[c] = m->group_of[norma_gltf_points(s)[c]];
-    m->base = norma_io_allocate(m->groups, 3 * sizeof *m->base);
-    m->normals = norma_io_allocate(m->groups, 3 * sizeof *m->normals);
-    m->moved = norma_io_allocate(m->groups, 3 * sizeof *m->moved);
-    m->base_reasons = norma_io_allocate(m->groups, 1);
-    m->reasons = norma_io_allocate(m->groups, 1);
-    if (!m->base || !m->normals || !m->moved || !m->base_reasons || !m->reasons)
-        return out_of_memory(m);
-    take_positions(m, m->positions);
-    return find_normals(m, m->moved, m->base, m->base_reasons);
+    if (!result)
+        take_points(m, m->positions, m->base);
+    return result;
 }
 
 /* ---- one target */
@@ -192,17 +122,47 @@ static norma_document_result store(const morph *m, gltf_set *set, uint32_t targe
     float *deltas = set->deltas[target] = norma_io_allocate(count, 3 * sizeof *deltas);
     if (!deltas)
         return out_of_memory(m);
-    for (size_t v = 0; v < count; ++v) {
-        if (set->point_of[v] == GLTF_NONE)
-            continue;
-        size_t group = m->group_of[set->point_of[v]];
-        for (size_t k = 0; k < 3 && !m->reasons[group] && !m->base_reasons[group]; ++k)
-            deltas[3 * v + k] = m->normals[3 * group + k] - m->base[3 * group + k];
-    }
+    for (size_t v = 0; v < count; ++v)
+        if (set->point_of[v] != GLTF_NONE)
+            memcpy(deltas + 3 * v, m->deltas + 3 * (size_t)set->point_of[v], 3 * sizeof *deltas);
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result morph_target(morph *m, uint32_t target, float *positions)
+static norma_document_result store_target(const morph *m, size_t number, const size_t *starts)
+{
+    const gltf_mesh *mesh = &m->job->g->meshes[m->s->mesh];
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    memset(m->deltas, 0, m->s->point_count * 3 * sizeof *m->deltas);
+    for (size_t i = starts[number]; i < starts[number + 1]; ++i)
+        memcpy(m->deltas + 3 * (size_t)m->vertices[i], m->sparse + 3 * i, 3 * sizeof *m->deltas);
+    for (uint32_t i = 0; !result && i < mesh->primitive_count; ++i)
+        if (wants(m->job, mesh->first_primitive + i, m->targets[number]))
+            result = store(m, &m->job->sets[m->job->set_of[mesh->first_primitive + i]], m->targets[number]);
+    return result;
+}
+
+/* The targets gathered so far. */
+static norma_document_result finish_targets(morph *m)
+{
+    const gltf_surface *s = m->s;
+    const size_t points = s->point_count;
+    const norma_mesh base = {.positions = {.data = m->base, .count = points, .format = NORMA_FORMAT_FLOAT}, .corners = norma_gltf_points(s), .corner_count = s->core.corner_count};
+    const norma_vec3_view normals = {.data = s->normals, .count = points, .format = NORMA_FORMAT_FLOAT};
+    norma_vec3_view targets[TARGETS_AT_A_TIME];
+    size_t starts[TARGETS_AT_A_TIME + 1];
+    norma_options options = m->job->core;
+    options.weld = m->job->options->weld == NORMA_WELD_NONE ? NORMA_WELD_NONE : NORMA_WELD_EXACT;
+    for (size_t t = 0; t < m->target_count; ++t)
+        targets[t] = (norma_vec3_view){.data = m->moved + 3 * points * t, .count = points, .format = NORMA_FORMAT_FLOAT};
+    norma_result found = norma_morph_normals(&base, &normals, targets, m->target_count, 0, &options, starts, m->vertices, m->sparse, points * m->target_count);
+    norma_document_result result = found ? norma_document_fail_core(m->job->g->document, m->job->error, found) : NORMA_DOCUMENT_OK;
+    for (size_t t = 0; !result && t < m->target_count; ++t)
+        result = store_target(m, t, starts);
+    m->target_count = 0;
+    return result;
+}
+
+static norma_document_result gather_target(morph *m, uint32_t target)
 {
     const gltf_mesh *mesh = &m->job->g->meshes[m->s->mesh];
     int wanted = 0;
@@ -210,17 +170,14 @@ static norma_document_result morph_target(morph *m, uint32_t target, float *posi
         wanted |= wants(m->job, mesh->first_primitive + i, target);
     if (!wanted)
         return NORMA_DOCUMENT_OK;
-    norma_document_result result = m->groups ? NORMA_DOCUMENT_OK : begin(m);
+    norma_document_result result = m->positions ? NORMA_DOCUMENT_OK : begin(m);
     if (!result)
-        result = add_displacements(m, target, positions);
-    if (!result) {
-        take_positions(m, positions);
-        result = find_normals(m, m->moved, m->normals, m->reasons);
-    }
-    for (uint32_t i = 0; !result && i < mesh->primitive_count; ++i)
-        if (wants(m->job, mesh->first_primitive + i, target))
-            result = store(m, &m->job->sets[m->job->set_of[mesh->first_primitive + i]], target);
-    return result;
+        result = add_displacements(m, target, m->displaced);
+    if (result)
+        return result;
+    take_points(m, m->displaced, m->moved + 3 * m->s->point_count * m->target_count);
+    m->targets[m->target_count++] = target;
+    return m->target_count == TARGETS_AT_A_TIME ? finish_targets(m) : NORMA_DOCUMENT_OK;
 }
 
 norma_document_result norma_gltf_morph(gltf_job *job, const gltf_surface *surface)
@@ -231,13 +188,11 @@ norma_document_result norma_gltf_morph(gltf_job *job, const gltf_surface *surfac
     for (uint32_t i = 0; i < mesh->primitive_count; ++i)
         if (job->g->primitives[mesh->first_primitive + i].target_count > targets)
             targets = job->g->primitives[mesh->first_primitive + i].target_count;
-    if (targets == 0)
-        return NORMA_DOCUMENT_OK;
-    float *positions = norma_io_allocate(surface->core.positions.count, 3 * sizeof *positions);
-    norma_document_result result = positions ? NORMA_DOCUMENT_OK : out_of_memory(&m);
+    norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t t = 0; !result && t < targets; ++t)
-        result = morph_target(&m, t, positions);
-    free(positions);
+        result = gather_target(&m, t);
+    if (!result && m.target_count)
+        result = finish_targets(&m);
     free_morph(&m);
     return result;
 }

@@ -24,25 +24,69 @@ const char *norma_gltf_where(gltf *g, const char *list, size_t number) {
     return norma_scene_text(g->document->scene, text);
 }
 
-static const char *add_rule(gltf *g, const char *list, uint32_t token) {
+gltf_scene *norma_gltf_scene_of(gltf *g) {
+    norma_scene *scene = g->document->scene;
+    if (scene->gltf)
+        return scene->gltf;
+    gltf_scene *made = norma_scene_allocate(scene, 1, sizeof *made);
+    if (!made)
+        return NULL;
+    made->decoded = norma_scene_allocate(scene, g->accessor_count, sizeof *made->decoded);
+    made->colors = norma_scene_allocate(scene, g->accessor_count, sizeof *made->colors);
+    made->mesh_ignore = norma_scene_allocate(scene, g->mesh_count, sizeof *made->mesh_ignore);
+    made->node_ignore = norma_scene_allocate(scene, g->node_count, sizeof *made->node_ignore);
+    if (made->decoded && made->colors && made->mesh_ignore && made->node_ignore)
+        scene->gltf = made;
+    return scene->gltf;
+}
+
+enum { MOST_IGNORED = 600 }; /* bytes of a list: some hundred ids; a file that wants more means all */
+
+/* 0: the list is full, or memory is out. */
+static int add_rule(const gltf *g, uint32_t token, json_text *list) {
     char *rule = norma_json_string(&g->json, token);
-    const char *longer = rule ? norma_scene_join(g->document->scene, list, rule) : NULL;
+    size_t length = rule ? strlen(rule) : 0;
+    int fits = rule && length < MOST_IGNORED && list->size + length + 1 < MOST_IGNORED;
+    if (fits && list->size)
+        norma_json_add(list, ",", 1);
+    if (fits)
+        norma_json_add(list, rule, length);
+    list->failed |= !rule;
     free(rule);
-    return longer;
+    return fits;
 }
 
 const char *norma_gltf_ignore(gltf *g, uint32_t token) {
     const json *j = &g->json;
     uint32_t ignore = norma_json_member(j, norma_json_member(j, norma_json_member(j, token, "extras"), "norma"), "ignore");
-    const char *list = "";
+    json_text list = {0};
     if (norma_json_is(j, ignore, JSON_STRING))
-        return add_rule(g, list, ignore);
-    if (!norma_json_is(j, ignore, JSON_ARRAY))
-        return list;
-    for (uint32_t item = norma_json_first(j, ignore); list && item != JSON_NONE; item = norma_json_next(j, ignore, item))
-        if (norma_json_is(j, item, JSON_STRING))
-            list = add_rule(g, list, item);
-    return list;
+        add_rule(g, ignore, &list);
+    else if (norma_json_is(j, ignore, JSON_ARRAY))
+        for (uint32_t item = norma_json_first(j, ignore); item != JSON_NONE; item = norma_json_next(j, ignore, item))
+            if (norma_json_is(j, item, JSON_STRING) && !add_rule(g, item, &list))
+                break;
+    if (!list.size && !list.failed)
+        return "";
+    norma_json_add(&list, "", 1);
+    const char *kept = list.failed ? NULL : norma_scene_text(g->document->scene, list.data);
+    free(list.data);
+    return kept;
+}
+
+const char *norma_gltf_root_ignore(gltf *g) {
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    if (scene && !scene->root_ignore)
+        scene->root_ignore = norma_gltf_ignore(g, 0);
+    return scene ? scene->root_ignore : NULL;
+}
+
+/* above, and behind it what an object's own extras say. */
+static const char *ignored_with(gltf *g, const char *above, uint32_t token) {
+    const char *own = above ? norma_gltf_ignore(g, token) : NULL;
+    if (!own || !own[0])
+        return own ? above : NULL;
+    return !above[0] || strlen(above) + strlen(own) >= MOST_IGNORED ? own : norma_scene_join(g->document->scene, above, own);
 }
 
 /* ---- arrays */
@@ -53,7 +97,10 @@ static int is_plain(const gltf_array *array, uint32_t width) {
 
 norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error) {
     gltf_array array;
+    gltf_scene *scene = norma_gltf_scene_of(g);
     *floats = NULL;
+    if (!scene)
+        return norma_document_fail_memory(g->document, error);
     norma_document_result result = norma_gltf_array(g, accessor, &array, error);
     if (result)
         return result;
@@ -66,11 +113,14 @@ norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t wid
         *floats = (const float *)(const void *)array.data;
         return NORMA_DOCUMENT_OK;
     }
-    float *copy = norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
-    if (!copy)
-        return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < array.count; ++i) norma_gltf_floats(&array, i, copy + width * i);
-    *floats = copy;
+    if (!scene->decoded[accessor]) {
+        float *copy = norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
+        if (!copy)
+            return norma_document_fail_memory(g->document, error);
+        for (size_t i = 0; i < array.count; ++i) norma_gltf_floats(&array, i, copy + width * i);
+        scene->decoded[accessor] = copy;
+    }
+    *floats = scene->decoded[accessor];
     return NORMA_DOCUMENT_OK;
 }
 
@@ -103,25 +153,33 @@ static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, si
     return norma_gltf_decode(g, accessor, 2, &attributes->texcoords, error);
 }
 
-static norma_document_result read_colors(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error) {
+static norma_document_result widen_colors(gltf *g, uint32_t accessor, const float **colors, norma_document_error *error) {
     gltf_array array;
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    norma_document_result result = scene ? norma_gltf_array(g, accessor, &array, error) : norma_document_fail_memory(g->document, error);
+    if (result)
+        return result;
+    if (!scene->colors[accessor]) {
+        float *made = norma_scene_allocate(g->document->scene, array.count, 4 * sizeof *made);
+        if (!made)
+            return norma_document_fail_memory(g->document, error);
+        for (size_t i = 0; i < array.count; ++i) {
+            norma_gltf_floats(&array, i, made + 4 * i);
+            made[4 * i + 3] = 1;
+        }
+        scene->colors[accessor] = made;
+    }
+    *colors = scene->colors[accessor];
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result read_colors(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error) {
     uint32_t found = norma_gltf_find(g, &p->base, "COLOR_0"), accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
     if (accessor == GLTF_NONE || g->accessors[accessor].count != p->vertices)
         return NORMA_DOCUMENT_OK;
     if (g->accessors[accessor].width == 4)
         return norma_gltf_decode(g, accessor, 4, &attributes->colors, error);
-    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
-    if (result || array.width != 3)
-        return result;
-    float *colors = norma_scene_allocate(g->document->scene, array.count, 4 * sizeof *colors);
-    if (!colors)
-        return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < array.count; ++i) {
-        norma_gltf_floats(&array, i, colors + 4 * i);
-        colors[4 * i + 3] = 1;
-    }
-    attributes->colors = colors;
-    return NORMA_DOCUMENT_OK;
+    return g->accessors[accessor].width == 3 ? widen_colors(g, accessor, &attributes->colors, error) : NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result read_tangents(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error) {
@@ -139,10 +197,12 @@ static void count_normals(const gltf *g, const gltf_primitive *p, norma_mesh_att
 }
 
 static const char *ignored_by_primitive(gltf *g, const gltf_primitive *p) {
-    norma_scene *scene = g->document->scene;
-    const char *root = norma_gltf_ignore(g, 0), *mesh = norma_gltf_ignore(g, g->meshes[p->mesh].token), *own = norma_gltf_ignore(g, p->token);
-    const char *above = root && mesh ? norma_scene_join(scene, root, mesh) : NULL;
-    return above && own ? norma_scene_join(scene, above, own) : NULL;
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    if (!scene)
+        return NULL;
+    if (!scene->mesh_ignore[p->mesh])
+        scene->mesh_ignore[p->mesh] = ignored_with(g, norma_gltf_root_ignore(g), g->meshes[p->mesh].token);
+    return ignored_with(g, scene->mesh_ignore[p->mesh], p->token);
 }
 
 static norma_document_result read_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error) {
@@ -252,12 +312,21 @@ static const char *path_of(gltf *g, uint32_t number) {
     return norma_scene_text(g->document->scene, path + at);
 }
 
+/* From the nearest node above that is known, or a root, down to this one: each node's extras are read once. */
 static const char *ignored_by_node(gltf *g, uint32_t node) {
-    const char *list = norma_gltf_ignore(g, 0);
-    for (; list && node != GLTF_NONE; node = g->nodes[node].parent) {
-        const char *own = norma_gltf_ignore(g, g->nodes[node].token);
-        list = own && own[0] ? norma_scene_join(g->document->scene, list, own) : own ? list : NULL;
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    uint32_t *path = scene ? norma_io_allocate(g->node_count, sizeof *path) : NULL;
+    const char *list = path ? norma_gltf_root_ignore(g) : NULL;
+    size_t depth = 0;
+    uint32_t at = node;
+    for (; list && at != GLTF_NONE && !scene->node_ignore[at]; at = g->nodes[at].parent) path[depth++] = at;
+    if (list && at != GLTF_NONE)
+        list = scene->node_ignore[at];
+    while (list && depth-- > 0) {
+        list = ignored_with(g, list, g->nodes[path[depth]].token);
+        scene->node_ignore[path[depth]] = list;
     }
+    free(path);
     return list;
 }
 

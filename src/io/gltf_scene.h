@@ -4,8 +4,24 @@
 #include "gltf.h"
 #include "scene.h"
 
-/* Rules that the extras of an object silence, "N201,N3"; "" for none, NULL: out of memory. */
+/* What several elements share is found out once, so that a small file that names one thing a thousand times costs no more than its size. */
+typedef struct gltf_scene {
+    const float **decoded;             /* of each accessor; NULL: not yet */
+    const float **colors;              /* of each accessor of three numbers, with an alpha of 1 */
+    const char *root_ignore;           /* NULL: not yet */
+    const char **mesh_ignore;          /* of each mesh, that of the root in front */
+    const char **node_ignore;          /* of each node, those of the nodes above and of the root included */
+    struct gltf_animation *animations; /* NULL: not yet */
+    uint32_t animation_count;
+    const norma_document_error *animation_error; /* NULL: none */
+    size_t effort;                               /* steps that skins and animations took */
+} gltf_scene;
+/* Made on first use; NULL: out of memory. */
+gltf_scene *norma_gltf_scene_of(gltf *g);
+
+/* Rules that the extras of an object silence, "N201,N3"; "" for none, NULL: out of memory. Of a list beyond all measure the rest is not taken. */
 const char *norma_gltf_ignore(gltf *g, uint32_t token);
+const char *norma_gltf_root_ignore(gltf *g);
 /* The "name" of an object, "" for none; NULL: out of memory. */
 const char *norma_gltf_name(gltf *g, uint32_t token);
 /* "/LIST/NUMBER"; NULL: out of memory. */

@@ -10,6 +10,7 @@
 
 typedef struct pose {
     gltf *g;
+    gltf_scene *scene;
     uint32_t *joints;
     size_t joint_count;
     norma_skin_info *info;
@@ -82,10 +83,13 @@ static void multiply(const double a[9], const double b[9], double out[9]) {
         for (int row = 0; row < 3; ++row) out[3 * column + row] = a[row] * b[3 * column] + a[3 + row] * b[3 * column + 1] + a[6 + row] * b[3 * column + 2];
 }
 
-static void play(pose *p, double time, size_t stamp) {
+/* How many nodes were visited. */
+static size_t play(pose *p, double time, size_t stamp) {
+    size_t visited = p->joint_count;
     for (size_t i = 0; i < p->joint_count; ++i) {
         size_t depth = 0;
         for (uint32_t at = p->joints[i]; at != GLTF_NONE && p->stamp[at] != stamp; at = p->g->nodes[at].parent) p->chain[depth++] = at;
+        visited += depth;
         while (depth-- > 0) {
             uint32_t node = p->chain[depth], parent = p->g->nodes[node].parent;
             double local[9];
@@ -98,6 +102,7 @@ static void play(pose *p, double time, size_t stamp) {
         }
         judge(p, p->world + 9 * (size_t)p->joints[i], p->joints[i]);
     }
+    return visited;
 }
 
 /* ---- an animation */
@@ -131,28 +136,54 @@ static size_t collect_times(pose *p, const gltf_animation *animation) {
     return kept;
 }
 
-static norma_document_result judge_animation(pose *p, const gltf_animation *animation, norma_document_error *error) {
+/* A small file can ask for any number of skins under any number of animations of any number of keys that share their bytes. */
+static norma_document_result spend(const pose *p, size_t steps, norma_document_error *error) {
+    const size_t most = (size_t)1 << 28;
+    p->scene->effort = steps < most - p->scene->effort ? p->scene->effort + steps : most;
+    if (p->scene->effort < most)
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail(p->g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->info->where,
+                               "its joints under all keys of all animations are more than this version looks at");
+}
+
+static norma_document_result take_channels(pose *p, const gltf_animation *animation, int *uneven, size_t *times, norma_document_error *error) {
     gltf *g = p->g;
-    int uneven = 0;
-    size_t times = 0;
+    norma_document_result result = spend(p, g->node_count + animation->count, error);
+    *uneven = 0;
+    *times = 0;
+    if (result)
+        return result;
     memset(p->rotation, 0, g->node_count * sizeof *p->rotation);
     memset(p->scale, 0, g->node_count * sizeof *p->scale);
-    for (size_t i = 0; i < animation->count; ++i) {
+    for (size_t i = 0; !result && i < animation->count; ++i) {
         const gltf_channel *channel = &animation->channels[i];
         *(channel->scales ? &p->scale[channel->node] : &p->rotation[channel->node]) = channel;
-        uneven |= channel->scales && p->stamp[channel->node] && is_uneven(channel);
-        times += channel->scales ? channel->count : 0;
+        if (!channel->scales || !p->stamp[channel->node])
+            continue;
+        result = spend(p, channel->count, error);
+        *uneven |= !result && is_uneven(channel);
+        *times += channel->count;
     }
-    if (!uneven)
-        return NORMA_DOCUMENT_OK;
+    return result;
+}
+
+static norma_document_result judge_animation(pose *p, const gltf_animation *animation, norma_document_error *error) {
+    int uneven;
+    size_t times;
+    norma_document_result result = take_channels(p, animation, &uneven, &times, error);
+    if (result || !uneven)
+        return result;
     p->times = norma_io_allocate(times, sizeof *p->times);
     if (!p->times)
         return out_of_memory(p, error);
     times = collect_times(p, animation);
-    memset(p->stamp, 0, g->node_count * sizeof *p->stamp);
-    for (size_t i = 0; i < times; ++i) play(p, p->times[i], i + 1);
+    memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
+    for (size_t i = 0; !result && i < times; ++i) {
+        size_t visited = play(p, p->times[i], i + 1);
+        result = spend(p, 8 * visited, error);
+    }
     free(p->times);
-    return NORMA_DOCUMENT_OK;
+    return result;
 }
 
 /* Marks each joint and all nodes above it. */
@@ -163,15 +194,13 @@ static void mark_chains(pose *p) {
 }
 
 static norma_document_result judge_animations(pose *p, norma_document_error *error) {
-    gltf *g = p->g;
-    uint32_t list = norma_json_member(&g->json, 0, "animations");
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (uint32_t item = norma_json_first(&g->json, list); !result && item != JSON_NONE; item = norma_json_next(&g->json, list, item)) {
-        gltf_animation animation;
-        result = norma_gltf_read_animation(g, item, &animation, error);
-        mark_chains(p);
-        if (!result)
-            result = judge_animation(p, &animation, error);
+    norma_document_result result = norma_gltf_animations(p->g, p->scene, error);
+    for (uint32_t i = 0; !result && i < p->scene->animation_count; ++i) {
+        result = spend(p, p->g->node_count + p->joint_count, error);
+        if (!result) {
+            mark_chains(p);
+            result = judge_animation(p, &p->scene->animations[i], error);
+        }
     }
     return result;
 }
@@ -207,12 +236,12 @@ static norma_document_result allocate(pose *p, norma_document_error *error) {
 }
 
 static norma_document_result make_skin(gltf *g, uint32_t token, size_t index, norma_skin_info *info, norma_document_error *error) {
-    pose p = {.g = g, .info = info};
+    pose p = {.g = g, .scene = norma_gltf_scene_of(g), .info = info};
     *info = (norma_skin_info){.joint = SIZE_MAX};
     info->name = norma_gltf_name(g, token);
     info->where = norma_gltf_where(g, "skins", index);
-    info->ignore = norma_gltf_ignore(g, 0);
-    norma_document_result result = info->name && info->where && info->ignore ? read_joints(&p, token, error) : out_of_memory(&p, error);
+    info->ignore = norma_gltf_root_ignore(g);
+    norma_document_result result = p.scene && info->name && info->where && info->ignore ? read_joints(&p, token, error) : out_of_memory(&p, error);
     if (!result)
         result = allocate(&p, error);
     if (!result) {

@@ -16,6 +16,7 @@ typedef struct norma_scene {
     norma_skin_info **skins;
     norma_unread *unread;
     size_t unread_count;
+    struct gltf_scene *gltf; /* what glTF's own files keep */
 } norma_scene;
 
 typedef struct scene_functions {

@@ -1,7 +1,7 @@
 /* The camera: it orbits a point. Angles in degrees, as in `norma render --camera AZIMUTH,ELEVATION`. */
 import { dot } from "./matrix.js";
 
-const FRONT = { azimuth: 30, elevation: 20, distance: 3.4, centre: [0, 0, 0] };
+const FRONT = { azimuth: 38, elevation: 18, distance: 3.4, centre: [0, 0, 0] };
 const FIELD_OF_VIEW = (38 * Math.PI) / 180;
 
 export function makeCamera() {

@@ -3,7 +3,7 @@ import { apply3, multiply3, upper } from "./matrix.js";
 
 const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR" };
 const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3;
-const LIGHTS = [{ from: [-0.45, 0.6, 0.66], strength: 0.95 }, { from: [0.8, 0.1, 0.6], strength: 0.28 }];
+const LIGHTS = [{ from: [-0.62, 0.5, 0.6], strength: 1 }, { from: [0.85, -0.1, 0.5], strength: 0.16 }];
 /* WebGL's longest stride, in floats. */
 const MOST_STRIDE = 63;
 
@@ -101,7 +101,7 @@ export function makeGraphics(canvas, texts) {
     gl.uniform1i(place("light_count"), LIGHTS.length);
     gl.uniform3fv(place("light_direction"), LIGHTS.flatMap(({ from }) => from.map((x) => x / Math.hypot(...from))));
     gl.uniform3fv(place("light_colour"), LIGHTS.flatMap(({ strength }) => [strength, strength, strength]));
-    gl.uniform4f(place("phong"), 0.11, 0.85, 0.16, 42);
+    gl.uniform4f(place("phong"), 0.07, 0.93, 0.3, 36);
   };
 
   /* item: { surface, normals (a buffer), localToWorld, normalMatrix (to world space), mirrored, colour }; look: { colours, shading, errorTop } */

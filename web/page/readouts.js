@@ -25,7 +25,7 @@ const SHORTCUTS = { none: "", rotation: "M itself serves for normals.", "uniform
 
 export function showMatrixFacts(info, worstHere) {
   const words = [`<i>M</i> is ${info.kind === "identity" ? "the identity" : `a ${KINDS[info.kind] ?? info.kind}`}${info.mirrored ? ", mirrored" : ""}`,
-                 `determinant ${number(info.determinant)}`, info.rank === 3 ? `scales differ by ${number(info.anisotropy)}` : `rank ${info.rank}`];
+                 `determinant ${number(info.determinant)}`, info.rank === 3 ? `anisotropy ${number(info.anisotropy)}` : `rank ${info.rank}`];
   byId("matrix-facts").innerHTML = `${words.join(", ")}. On this model up to <b>${degrees(worstHere)}</b>. ${SHORTCUTS[info.shortcut]}`;
 }
 

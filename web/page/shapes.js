@@ -103,10 +103,10 @@ function bevelledBox() {
 }
 
 export const SHAPES = {
-  vase: { title: "Vase", colour: [0.27, 0.52, 0.47], crease: 40, make: vase },
-  knot: { title: "Knot", colour: [0.72, 0.42, 0.22], make: () => knot(320, 40) },
-  box: { title: "Bevelled box", colour: [0.35, 0.5, 0.62], crease: 60, make: bevelledBox },
-  gear: { title: "Gear", colour: [0.55, 0.55, 0.58], crease: 30, make: gear },
-  sphere: { title: "Sphere", colour: [0.6, 0.6, 0.62], make: sphere },
-  fine: { title: "Fine knot, 200,000 triangles", colour: [0.72, 0.42, 0.22], make: () => knot(1000, 100) },
+  vase: { title: "Vase", colour: [0.1, 0.36, 0.31], crease: 40, make: vase },
+  knot: { title: "Knot", colour: [0.56, 0.2, 0.06], make: () => knot(320, 40) },
+  box: { title: "Bevelled box", colour: [0.14, 0.27, 0.42], crease: 60, make: bevelledBox },
+  gear: { title: "Gear", colour: [0.36, 0.37, 0.4], crease: 30, make: gear },
+  sphere: { title: "Sphere", colour: [0.42, 0.42, 0.45], make: sphere },
+  fine: { title: "Fine knot, 200,000 triangles", colour: [0.56, 0.2, 0.06], make: () => knot(1000, 100) },
 };
