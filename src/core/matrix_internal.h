@@ -28,4 +28,7 @@ void norma_matrix_describe(const double upper[9], int translated, scaled_number 
 
 /* Singular values of a finite 3x3 in no order, and its right singular vectors (columns of v), v orthonormal. The largest entry must be near 1. */
 void norma_singular_values(const double matrix[9], double values[3], double v[9]);
+
+/* The normal matrix of one model; the error is that some entry is not finite, and zeros were written. */
+norma_result norma_core_normal_matrix_of(const float model[16], norma_winding winding, float out[9]);
 #endif

@@ -1,4 +1,4 @@
-/* normal_matrix.c: normal matrices of float models, one, many and concatenated.
+/* normal_matrix.c: normal matrices of float models, one and concatenated.
  *
  * A normal is what is left of two tangents: M a x M b = cof(M)(a x b) for every M, so the cofactor matrix carries normals, without a
  * division, at rank 2 too. The columns of cof(M) are the cross products of M's columns. In double precision the products of two floats
@@ -66,7 +66,7 @@ static norma_result normal_matrix_rarely(const float model[16], const cofactors 
     return NORMA_OK;
 }
 
-static inline norma_result normal_matrix_of(const float model[16], norma_winding winding, float out[9])
+norma_result norma_core_normal_matrix_of(const float model[16], norma_winding winding, float out[9])
 {
     const cofactors c = cofactors_of(model);
     const int certain = winding == NORMA_WINDING_KEPT || fabs(c.determinant) > 0x1p-50 * c.magnitude;
@@ -86,54 +86,9 @@ norma_result norma_normal_matrix(const float model[16], norma_winding winding, f
     if (!model || !normal_matrix || !is_winding(winding)) return NORMA_ERROR_ARGUMENT;
     double upper[9];
     const int finite = norma_matrix_upper_float(model, upper), translated = model[12] != 0.0f || model[13] != 0.0f || model[14] != 0.0f;
-    const norma_result result = normal_matrix_of(model, winding, normal_matrix);
+    const norma_result result = norma_core_normal_matrix_of(model, winding, normal_matrix);
     if (!finite) memset(upper, 0, sizeof upper);
     if (info) norma_matrix_describe(upper, translated, norma_exact_determinant(upper), info);
-    return result;
-}
-
-/* ---- many */
-
-norma_result norma_normal_matrices(const float *models, size_t count, norma_winding winding, float *normal_matrices, size_t capacity)
-{
-    return norma_normal_matrices_strided(models, 0, count, winding, normal_matrices, 0, 0, capacity);
-}
-
-/* Whether a column of one matrix would be written over a column of another. */
-static int columns_collide(size_t count, size_t matrix_stride, size_t column_stride)
-{
-    const size_t column = 3 * sizeof(float);
-    if (column_stride < column || (count > 1 && matrix_stride < column)) return 1;
-    for (size_t c = 1; c <= 2 && count > 1; c++) {
-        const size_t before = c * column_stride / matrix_stride, apart = c * column_stride % matrix_stride;
-        if ((before > 0 && before < count && apart < column) || (before + 1 < count && matrix_stride - apart < column)) return 1;
-    }
-    return 0;
-}
-
-norma_result norma_normal_matrices_strided(const float *models, size_t model_stride, size_t count, norma_winding winding, float *normal_matrices, size_t matrix_stride,
-                                           size_t column_stride, size_t capacity)
-{
-    if (!is_winding(winding)) return NORMA_ERROR_ARGUMENT;
-    if (!count) return NORMA_OK;
-    if (!models || !normal_matrices) return NORMA_ERROR_ARGUMENT;
-    if (!column_stride) column_stride = 3 * sizeof(float);
-    if (column_stride > SIZE_MAX / 4) return NORMA_ERROR_OVERFLOW;
-    if (!matrix_stride) matrix_stride = 3 * column_stride;
-    if (!model_stride) model_stride = 16 * sizeof(float);
-    if (count > SIZE_MAX / model_stride || count > (SIZE_MAX - 3 * column_stride) / matrix_stride) return NORMA_ERROR_OVERFLOW;
-    if (columns_collide(count, matrix_stride, column_stride)) return NORMA_ERROR_ARGUMENT;
-    if (capacity < count) return NORMA_ERROR_CAPACITY;
-
-    norma_result result = NORMA_OK;
-    const unsigned char *from = (const unsigned char *)models;
-    unsigned char *to = (unsigned char *)normal_matrices;
-    for (size_t i = 0; i < count; i++, from += model_stride, to += matrix_stride) {
-        float model[16], matrix[9];
-        memcpy(model, from, 11 * sizeof *model);       /* the rest is translation and padding */
-        if (normal_matrix_of(model, winding, matrix)) result = NORMA_ERROR_ARGUMENT;
-        for (int c = 0; c < 3; c++) memcpy(to + (size_t)c * column_stride, matrix + 3 * c, 3 * sizeof *matrix);
-    }
     return result;
 }
 

@@ -1,7 +1,7 @@
 /* plan_tile_build.c: rings are taken along the curve until a tile is full; then its faces and vertices are numbered and its lists written behind those of the tile before. */
 #include "plan_tile_moved.h"
 
-enum { TABLE = 1 << 12, FIRST_WORDS = 1 << 14 };
+enum { TABLE = 1 << 12, FIRST_TILES = 16 };
 
 /* Numbers of the mesh, each with a number of the tile's. */
 typedef struct tile_table {
@@ -157,10 +157,10 @@ static void begin_tile(tile_builder *b)
 
 /* ---- writing a tile */
 
-static int grow(const core_call *call, void **memory, size_t *room, size_t count, size_t wanted, size_t size)
+static int grow(const core_call *call, void **memory, size_t *room, size_t count, size_t wanted, size_t size, size_t first)
 {
-    size_t larger = *room ? *room : FIRST_WORDS;
-    while (larger < wanted) larger *= 2;
+    size_t larger = *room ? *room : first;
+    while (larger < wanted) larger += larger / 4 + 64;
     if (*memory && larger == *room) return 1;
     void *block = norma_core_allocate(call, larger, size);
     if (!block) return 0;
@@ -357,13 +357,16 @@ static void draft_tile(tile_builder *b, tile_draft *d)
     find_shared(b, d);
 }
 
+/* What a mesh of triangles, two for each vertex, takes, and a little more. */
+static size_t about_words(const tile_builder *b) { return 11 * (b->mesh->corner_count / 6) + 256; }
+
 static void end_tile(tile_builder *b, tile_draft *d)
 {
     const core_call *call = b->slots->surface->call;
     if (!b->stage.slot_count || b->result != NORMA_OK) return;
     draft_tile(b, d);
-    if (!grow(call, (void **)&b->words, &b->word_room, b->word_count, b->word_count + words_of(&d->tile), sizeof *b->words) ||
-        !grow(call, (void **)&b->tiles, &b->tile_room, b->tile_count, b->tile_count + 1, sizeof *b->tiles) || b->occurrences > UINT32_MAX - TILE_VERTICES) {
+    if (!grow(call, (void **)&b->words, &b->word_room, b->word_count, b->word_count + words_of(&d->tile), sizeof *b->words, about_words(b)) ||
+        !grow(call, (void **)&b->tiles, &b->tile_room, b->tile_count, b->tile_count + 1, sizeof *b->tiles, FIRST_TILES) || b->occurrences > UINT32_MAX - TILE_VERTICES) {
         b->result = NORMA_ERROR_MEMORY;
         return;
     }
@@ -390,14 +393,28 @@ static void take_ring(tile_builder *b, tile_draft *d, uint32_t position)
     b->wide[position] = 1;
 }
 
+/* A block that is nearly full becomes the plan's as it is: to copy it would cost fresh memory. */
+static void *keep_grown(norma_plan *plan, void **memory, size_t *room, size_t count, size_t size)
+{
+    if (*memory && *room - count <= count / 8 && plan->block_count < PLAN_MOST_BLOCKS) {
+        void *kept = *memory;
+        plan->blocks[plan->block_count++] = (plan_block){kept, *room, size};
+        plan->bytes += *room * size;
+        *memory = NULL;
+        *room = 0;
+        return kept;
+    }
+    void *copy = norma_core_plan_keep(plan, count, size);
+    if (copy && count) memcpy(copy, *memory, count * size);
+    return copy;
+}
+
 static norma_result keep_tiles(tile_builder *b)
 {
     norma_plan *plan = b->plan;
-    plan->tiles = norma_core_plan_keep(plan, b->tile_count, sizeof *plan->tiles);
-    plan->words = norma_core_plan_keep(plan, b->word_count, sizeof *plan->words);
+    plan->tiles = keep_grown(plan, (void **)&b->tiles, &b->tile_room, b->tile_count, sizeof *plan->tiles);
+    plan->words = keep_grown(plan, (void **)&b->words, &b->word_room, b->word_count, sizeof *plan->words);
     if (!plan->tiles || !plan->words) return NORMA_ERROR_MEMORY;
-    if (b->tile_count) memcpy(plan->tiles, b->tiles, b->tile_count * sizeof *plan->tiles);
-    if (b->word_count) memcpy(plan->words, b->words, b->word_count * sizeof *plan->words);
     plan->tile_count = b->tile_count;
     plan->occurrence_count = b->occurrences;
     return NORMA_OK;

@@ -152,6 +152,7 @@ norma_result norma_core_plan_widen(norma_plan *plan, plan_slots *slots, const ui
     const core_call *call = slots->surface->call;
     widening w = {.plan = plan, .slots = slots, .mesh = &slots->surface->mesh, .chosen = chosen};
     plan_wide *wide = &plan->wide;
+    if (!memchr(chosen, 1, plan->vertex_count)) return NORMA_OK;
     count_faces(&w, wide);
     if (!wide->face_count) return NORMA_OK;
     w.new_corner = norma_core_allocate(call, w.mesh->corner_count, sizeof *w.new_corner);

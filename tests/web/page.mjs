@@ -65,6 +65,30 @@ await attempt("the two sides of the split differ, and do not when M is the ident
   await page.pick("sides", "split");
 });
 
+await attempt("half way to the rim of an ellipsoid the normal is that of the ellipsoid on the right, and is not on the wrong side", async () => {
+  /* There the sphere's normal is (1/2, 0, sqrt(3)/2): with x doubled the right one is along (1/4, 0, 0.866), M n along (1, 0, 0.866): red 0.5 + 0.5 x of 0.64 or 0.88,
+     perspective aside. */
+  await page.pick("model", "sphere");
+  await page.set("scale-x", 2);
+  await page.click("reset-view");
+  await page.pick("colours", "normals");
+  await page.evaluate("document.getElementById('canvas').focus()");
+  for (let i = 0; i < 3; i++) await page.after(() => page.press("-"));
+  const [middle, row] = await page.evaluate("[canvas.clientWidth / 2, canvas.clientHeight / 2]");
+  const redHalfWay = async (side) => {
+    await page.pick("sides", side);
+    const png = await page.picture(`ellipsoid-${side}`), y = Math.round(row) + 3, paper = png.at(3, y);
+    let rim = Math.round(middle);
+    while (rim < STAGE[2] && png.at(rim, y).some((part, i) => Math.abs(part - paper[i]) > 40)) rim++;
+    return png.at(Math.round((middle + rim) / 2), y)[0];
+  };
+  const right = await redHalfWay("right"), wrong = await redHalfWay("wrong");
+  expect(Math.abs(right - 255 * 0.64) < 16 && Math.abs(wrong - 255 * 0.88) < 16, `red is ${right} and ${wrong}`);
+  await page.pick("colours", "lit");
+  await page.pick("sides", "split");
+  await page.click("reset-view");
+});
+
 for (const s of [1.5, 2, 4, 10])
   await attempt(`scale x = ${s}: the worst angle is asin((s²−1)/(s²+1)) = ${worst(s).toFixed(2)}°`, async () => {
     await page.set("scale-x", s);

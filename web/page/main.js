@@ -184,10 +184,10 @@ function itemsOf(user, fit, side) {
 }
 const determinant = (m) => m[0] * (m[4] * m[8] - m[5] * m[7]) + m[3] * (m[7] * m[2] - m[8] * m[1]) + m[6] * (m[1] * m[5] - m[2] * m[4]);
 
-/* A large scale is shown smaller as a whole, so that the model stays in the picture: that turns no normal. By the mean of how far the matrix takes a ball and a cube. */
+/* A large scale is shown smaller as a whole, so that the model stays in the picture: that turns no normal. By how far the matrix takes a ball, and a little by how far a cube: most models are neither. */
 function fitOf(user) {
   const signs = [[1, 1, 1], [1, 1, -1], [1, -1, 1], [-1, 1, 1]], cube = Math.max(...signs.map((corner) => length(apply3(upper(user), corner)))) / Math.sqrt(3);
-  const scale = 1 / Math.max(1, (cube + largestColumn(user)) / 2);
+  const scale = 1 / Math.max(1, (cube + 3 * largestColumn(user)) / 4);
   return scaling(scale, scale, scale);
 }
 
