@@ -24,7 +24,7 @@ typedef struct core_rows { double row[CORE_LANES][4]; } core_rows;
 #endif
 
 #if defined(CORE_HAS_SHUFFLES)
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wpsabi"    /* how a vector would be passed to a function: all here are inlined */
 #endif
 typedef double core_d2 __attribute__((vector_size(16)));
