@@ -117,6 +117,12 @@ static void opposing_normals(void **state) {
     for (size_t k = 0; k < 2; k++) scale_normal(&s, 3 * 500 + k, -1);
     assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
     surface_free(&s);
+    s = surface_box(origin, 1, 0); /* all corners of a side 80 degrees off it are still before it; at 100 they are not */
+    for (size_t k = 20; k < 24; k++) set_normal(&s, k, sin(80 / DEGREES), 0, cos(80 / DEGREES));
+    assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
+    for (size_t k = 20; k < 24; k++) set_normal(&s, k, sin(100 / DEGREES), 0, cos(100 / DEGREES));
+    assert_found(in_render(&s, "N201", NORMA_SEVERITY_ERROR), 2);
+    surface_free(&s);
 }
 
 static void one_normal_far_off(void **state) {
@@ -437,6 +443,13 @@ static void a_seam_two_degrees_apart(void **state) {
     s.mesh.info.encoding = "oct8"; /* twice .957 */
     assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
     surface_free(&s);
+    s = surface_torus(AROUND, ACROSS); /* a vertex of one face alone, with UVs of its own */
+    const size_t lone = 2 * (50 * ACROSS + 20), old = s.corners[3 * lone];
+    s.corners[3 * lone] = surface_add_vertex(&s, (const float[3]){s.positions[3 * old], s.positions[3 * old + 1], s.positions[3 * old + 2]},
+                                             (const float[3]){s.normals[3 * old], s.normals[3 * old + 1], s.normals[3 * old + 2]});
+    turn_normal(&s, s.corners[3 * lone], 5);
+    assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
+    surface_free(&s);
     s = surface_torus(AROUND, ACROSS); /* no UVs: what parts the vertices is their normals alone */
     for (size_t k = 3; k < 8; k++) turn_normal(&s, k, 2);
     memset(s.texcoords, 0, 8 * s.vertices);
@@ -462,6 +475,21 @@ static void soups_and_cracks(void **state) {
     assert_int_equal(f->samples[0].vertex, 10);
     for (size_t k = 10; k < 14; k++) s.positions[3 * k] += 1e-3f;
     assert_null(in_render(&s, "N503", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+    /* Every 50th face a little aside, in whatever cell it lies: its positions and those of its neighbours, each once. */
+    s = surface_torus(AROUND, ACROSS);
+    uint8_t aside[AROUND * ACROSS] = {0};
+    size_t places = 0;
+    for (size_t c = 0; c < 3 * s.faces; c++) {
+        const size_t place = s.corners[c] / (ACROSS + 1) % AROUND * ACROSS + s.corners[c] % (ACROSS + 1) % ACROSS;
+        places += c / 3 % 50 == 0 && !aside[place];
+        aside[place] |= c / 3 % 50 == 0;
+    }
+    s = surface_soup(s);
+    for (size_t v = 0; v < s.vertices; v++)
+        if (v / 3 % 50 == 0)
+            s.positions[3 * v] += s.positions[3 * v] > 0 ? -6e-6f : 6e-6f;
+    assert_found(in_render(&s, "N503", NORMA_SEVERITY_INFO), 2 * places);
     surface_free(&s);
 }
 
