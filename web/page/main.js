@@ -40,15 +40,16 @@ function modelMatrix() {
 
 /* ---- scenes */
 
+const largestOf = (list, measure) => list.reduce((most, element) => Math.max(most, measure(element)), -Infinity);
 const largestColumn = (m) => Math.max(length(m.slice(0, 3)), length(m.slice(4, 7)), length(m.slice(8, 11)));
 const meanColumn = (m) => (length(m.slice(0, 3)) + length(m.slice(4, 7)) + length(m.slice(8, 11))) / 3;
 
 /* The whole of a model in the unit ball: the middle of the box round the balls of what is drawn, and how far from it they reach. */
 function frameOf(model) {
   const balls = model.draws.map(({ mesh, world }) => ({ centre: point(world, model.meshes[mesh].ball), radius: model.meshes[mesh].ball[3] * largestColumn(world) }));
-  const most = (sign) => [0, 1, 2].map((i) => Math.max(...balls.map(({ centre, radius }) => sign * centre[i] + radius)));
+  const most = (sign) => [0, 1, 2].map((i) => largestOf(balls, ({ centre, radius }) => sign * centre[i] + radius));
   const high = most(1), low = most(-1).map((x) => -x), middle = high.map((x, i) => (x + low[i]) / 2);
-  const radius = Math.max(...balls.map((ball) => length(ball.centre.map((x, i) => x - middle[i])) + ball.radius));
+  const radius = largestOf(balls, (ball) => length(ball.centre.map((x, i) => x - middle[i])) + ball.radius);
   if (!isFinite(radius)) return IDENTITY;
   const scale = 1 / (radius || 1);
   return multiply(scaling(scale, scale, scale), translation(...middle.map((x) => -x)));
@@ -265,7 +266,7 @@ function showReadouts(user, items, found) {
   const key = [...user, items.length, scene.computed].join();
   if (scene.worstKey !== key) {
     scene.worstKey = key;
-    scene.worst = Math.max(0, ...items.map((item) => scene.model.worst(item.mesh, item.plain, item.right)));
+    scene.worst = largestOf(items, (item) => scene.model.worst(item.mesh, item.plain, item.right));
   }
   showMatrixFacts(info, scene.worst);
 }
