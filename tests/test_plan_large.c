@@ -139,6 +139,9 @@ static void wide_fans(void **state) {
     shape_cone(&m.mesh, 600, 0.5);
     for (uint32_t i = 1; i + 2 < 600; i += 3) mesh_file_add_face(&m.mesh, (uint32_t[]){i, i + 1, i + 2}, 3);
     check_all_ways(&m, "cone with a hem");
+    shape_cone(&m.mesh, 600, 0.5);
+    for (uint32_t i = 2; i < 600; i += 5) mesh_file_add_face(&m.mesh, (uint32_t[]){0, 0, i + 1, i, i}, 5); /* corners that the next one repeats have no vote */
+    check_all_ways(&m, "cone with repeated corners");
 }
 
 /* A prism whose ends are single polygons, larger than a tile; its sides are quads. */
