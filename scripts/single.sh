@@ -21,8 +21,10 @@ done | tsort)
 # Names at file scope: FILE NAME, one a line.
 names() {
     awk '
-        function emit(name) { if (name != "") print FILENAME, name }
+        function emit(name) { if (name != "" && name != "__attribute__") print FILENAME, name }
         /^#[ \t]*define[ \t]+[A-Za-z_]/ { s = $0; sub(/^#[ \t]*define[ \t]+/, "", s); match(s, /^[A-Za-z0-9_]+/); emit(substr(s, 1, RLENGTH)); next }
+        { sub(/^CORE_(INLINE|FOR_[A-Z0-9]+( static)?) /, "static ") }
+        { sub(/ __attribute__\(\(vector_size\([^;]*\)\)\);/, ";") }
         /^static [^=;]*\(/ && !/^static [^(]*=/ { s = $0; sub(/\(.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }
         /^static / { s = $0; sub(/[=;].*/, "", s); sub(/\[.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }
         /^typedef (struct|union|enum) [a-z_0-9]+/ || /^(struct|union|enum) [a-z_0-9]+ *\{/ { s = $0; sub(/^typedef /, "", s); split(s, w, /[ \t{;]+/); emit(w[2]) }
@@ -65,6 +67,9 @@ HEAD
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
 #pragma GCC optimize("fp-contract=off")
+#endif
+#if defined(__GNUC__)
+#pragma GCC diagnostic ignored "-Wshadow" /* what were files may use each other's names for locals */
 #endif
 #include "norma.h"
 HEAD

@@ -16,7 +16,7 @@ static void see_fan_by_fan(const corner_work *work, const core_fans *fans, core_
     }
 }
 
-static void see(void *context, const core_fans *fans, core_tally *tally)
+static void see_fans(void *context, const core_fans *fans, core_tally *tally)
 {
     const corner_work *work = context;
     const core_fan *fan = &fans->fans[0];
@@ -57,7 +57,7 @@ static norma_result compute(core_surface *surface, const core_output *output, no
     const size_t count = surface->mesh.corner_count;
     corner_work work = {.output = output};
     rings_part sum = {0};
-    const ring_visit visit = {.join = CORE_JOIN_FANS, .counting = report || call->options.edges, .see = see, .context = &work,
+    const ring_visit visit = {.join = CORE_JOIN_FANS, .counting = report || call->options.edges, .see = see_fans, .context = &work,
                               .target = output->normals, .target_size = output->stride};
     if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1))) return NORMA_ERROR_MEMORY;
     norma_core_stage(call, 0.5, 0.97);

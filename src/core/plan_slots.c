@@ -133,7 +133,7 @@ static size_t drop_repeated(uint64_t *pairs, size_t count)
 
 /* ---- per corner: a slot of each fan */
 
-static uint32_t fan_of(const plan_slots *slots, uint32_t corner, uint32_t first) { return slots->lead ? slots->lead[corner] : first; }
+static uint32_t fan_lead(const plan_slots *slots, uint32_t corner, uint32_t first) { return slots->lead ? slots->lead[corner] : first; }
 
 static int one_fan(const plan_slots *slots, const uint32_t *corners, size_t count)
 {
@@ -144,7 +144,7 @@ static int one_fan(const plan_slots *slots, const uint32_t *corners, size_t coun
 
 static void sort_by_fan(plan_slots *slots, const uint32_t *corners, size_t count)
 {
-    for (size_t i = 0; i < count; i++) slots->by_fan[i] = pair(fan_of(slots, corners[i], corners[0]), corners[i]);
+    for (size_t i = 0; i < count; i++) slots->by_fan[i] = pair(fan_lead(slots, corners[i], corners[0]), corners[i]);
     sort_pairs(slots->by_fan, count);
 }
 
@@ -184,7 +184,7 @@ static int same_set(const plan_slots *slots, const slot_vertex *a, const slot_ve
 static size_t find_sets(plan_slots *slots, const uint32_t *corners, size_t count)
 {
     size_t sets = 0;
-    for (size_t i = 0; i < count; i++) slots->by_vertex[i] = pair(norma_core_corner(&slots->surface->mesh, corners[i]), fan_of(slots, corners[i], corners[0]));
+    for (size_t i = 0; i < count; i++) slots->by_vertex[i] = pair(norma_core_corner(&slots->surface->mesh, corners[i]), fan_lead(slots, corners[i], corners[0]));
     sort_pairs(slots->by_vertex, count);
     const size_t pairs = drop_repeated(slots->by_vertex, count);
     for (size_t begin = 0, end; begin < pairs; begin = end) {

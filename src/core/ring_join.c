@@ -145,12 +145,12 @@ static void join_repeated(const core_surface *surface, core_ring *ring)
 
 /* ---- ordinary rings, nearly all there are: along each edge runs one face out and one back, or one alone; paired without sorting, to the same fans and counts */
 
-enum { ORDINARY_CORNERS = 16, NO_PARTNER = -1 };
+enum { FEW_CORNERS = 16, NO_PARTNER = -1 };
 
 typedef struct ordinary_ring {
-    uint32_t next[ORDINARY_CORNERS], previous[ORDINARY_CORNERS];
-    int      back[ORDINARY_CORNERS];          /* of each corner: the one whose face runs back along its edge to next */
-    int      met[ORDINARY_CORNERS];           /* of each corner: whether its edge from previous is another's edge to next */
+    uint32_t next[FEW_CORNERS], previous[FEW_CORNERS];
+    int      back[FEW_CORNERS];          /* of each corner: the one whose face runs back along its edge to next */
+    int      met[FEW_CORNERS];           /* of each corner: whether its edge from previous is another's edge to next */
 } ordinary_ring;
 
 static int pair_up(const core_ring *ring, ordinary_ring *o)
@@ -184,7 +184,7 @@ static int join_ordinary(const core_surface *surface, core_ring *ring, ring_coun
 {
     ordinary_ring o;
     norma_edges edges = {0, 0, 0, 0};
-    if (ring->count > ORDINARY_CORNERS || !pair_up(ring, &o)) return 0;
+    if (ring->count > FEW_CORNERS || !pair_up(ring, &o)) return 0;
     for (uint32_t i = 0; i < ring->count; i++) {
         const size_t counted = ring->position < o.next[i];
         edges.count += counted;

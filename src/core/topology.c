@@ -97,15 +97,15 @@ void norma_core_topology_close(core_topology *t)
 
 /* ---- the corners at one position */
 
-typedef struct slot {
+typedef struct ring_slot {
     uint32_t next, previous;                 /* positions of the kept neighbours */
     uint32_t corner, previous_corner;        /* where the edges to next and from previous begin */
     uint32_t face;
     uint32_t anchor;                         /* nonzero: the face is judged as a twin at this corner */
-} slot;
+} ring_slot;
 
 typedef struct ring {
-    slot          *slots;
+    ring_slot     *slots;
     core_edge_run *runs;                     /* two for each slot */
     core_twin     *twins;
     uint32_t      *fans;                     /* of each slot a lower one of the same fan, or itself */
@@ -115,7 +115,7 @@ typedef struct ring {
 
 enum { RING_SLOTS = 64, FEW_SLOTS = 12 };
 typedef struct ring_space {
-    slot          slots[RING_SLOTS];
+    ring_slot     slots[RING_SLOTS];
     core_edge_run runs[2 * RING_SLOTS];
     core_twin     twins[RING_SLOTS];
     uint32_t      fans[RING_SLOTS];
@@ -127,20 +127,20 @@ typedef struct pairing {
     size_t                       blocks;
 } pairing;
 
-static int load_triangle(const core_topology *t, uint32_t position, size_t corner, slot *s)
+static int load_triangle(const core_topology *t, uint32_t position, size_t corner, ring_slot *s)
 {
     const size_t face = corner / 3, begin = 3 * face, next = corner + 1 < begin + 3 ? corner + 1 : begin, previous = corner > begin ? corner - 1 : begin + 2;
-    *s = (slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous, (uint32_t)face, 0};
+    *s = (ring_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous, (uint32_t)face, 0};
     s->anchor = position < s->next && position < s->previous;
     return s->next != position && s->previous != position && s->next != s->previous;
 }
 
-static int load_polygon(const core_topology *t, size_t corner, slot *s)
+static int load_polygon(const core_topology *t, size_t corner, ring_slot *s)
 {
     const size_t face = t->around.faces[corner];
     if (t->polygons[face].anchor == UINT32_MAX || !norma_core_is_kept(&t->mesh, face, corner)) return 0;
     const size_t next = norma_core_next_kept(&t->mesh, face, corner), previous = norma_core_previous_kept(&t->mesh, face, corner);
-    *s = (slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous, (uint32_t)face, t->polygons[face].anchor == corner};
+    *s = (ring_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous, (uint32_t)face, t->polygons[face].anchor == corner};
     return 1;
 }
 
@@ -150,7 +150,7 @@ static void load_ring(const core_topology *t, uint32_t position, ring *r)
     r->position = position;
     for (uint32_t i = t->around.starts[position]; i < t->around.starts[position + 1]; i++) {
         const size_t corner = t->around.corners[i];
-        slot *s = &r->slots[r->count];
+        ring_slot *s = &r->slots[r->count];
         const int has_edges = t->polygons ? load_polygon(t, corner, s) : load_triangle(t, position, corner, s);
         r->count += has_edges != 0;
         if (!has_edges) t->partners[corner] = CORE_EDGE_NONE;
@@ -234,7 +234,7 @@ static size_t list_runs(const core_topology *t, const ring *r)
 {
     size_t count = 0;
     for (size_t i = 0; i < r->count; i++) {
-        const slot *s = &r->slots[i];
+        const ring_slot *s = &r->slots[i];
         const uint64_t key = t->polygons ? t->polygons[s->face].key : 0;
         r->runs[count++] = (core_edge_run){t->polygons ? key : s->previous, s->next, s->corner, (uint32_t)i, 1};
         r->runs[count++] = (core_edge_run){t->polygons ? key : s->next, s->previous, s->previous_corner, (uint32_t)i, 0};
@@ -279,7 +279,7 @@ static void find_twins(const pairing *p, size_t block, const ring *r)
     size_t count = 0;
     if (!p->visitor || !p->visitor->twins) return;
     for (size_t i = 0; i < r->count; i++) {
-        const slot *s = &r->slots[i];
+        const ring_slot *s = &r->slots[i];
         if (s->anchor) r->twins[count++] = (core_twin){t->polygons ? t->polygons[s->face].key : pair_of(s->next, s->previous), s->face, s->next < s->previous};
     }
     if (count < 2) return;

@@ -26,7 +26,7 @@ static void see_each_vertex(const core_vertices *vertices, core_ring *ring)
     }
 }
 
-static void see(void *context, const core_fans *fans, core_tally *tally)
+static void see_fans(void *context, const core_fans *fans, core_tally *tally)
 {
     const core_vertices *vertices = context;
     core_ring *ring = fans->ring;
@@ -38,7 +38,7 @@ static void see(void *context, const core_fans *fans, core_tally *tally)
 norma_result norma_core_cone_vertices(core_surface *surface, core_vertices *vertices, core_tally *tally)
 {
     rings_part sum = {0};
-    const ring_visit visit = {.join = CORE_JOIN_ALL, .see = see, .context = vertices};
+    const ring_visit visit = {.join = CORE_JOIN_ALL, .see = see_fans, .context = vertices};
     const size_t count = surface->mesh.positions.count;
     *vertices = (core_vertices){.surface = surface, .count = count};
     vertices->normals = norma_core_allocate(surface->call, count, sizeof *vertices->normals);
