@@ -24,6 +24,7 @@ about() {
 run_core() {
     about | tee "$out/core.txt"
     "$bin/bench_core" --triangles "${NORMA_BENCH_TRIANGLES:-10000000}" | tee -a "$out/core.txt"
+    "$bin/bench_plan" | tee -a "$out/core.txt"
 }
 
 run_rivals() {
@@ -42,7 +43,7 @@ run_rivals() {
 }
 
 run_files() {
-    if [ -x bench/bench_files.sh ]; then NORMA="$bin/norma" NORMA_BENCH_BIN=$bin bench/bench_files.sh | tee "$out/files.txt"; fi
+    NORMA_BIN=$bin/norma bench/bench_files.sh | tee "$out/files.txt"
 }
 
 run_web() {
