@@ -3,9 +3,11 @@
 #define NORMA_IO_OBJ_PART_H
 #include "obj.h"
 
+typedef enum obj_list { OBJ_OF_CORNER, OBJ_OF_CORNER_NORMAL, OBJ_OF_OTHER_NORMAL } obj_list;
+
 /* A number that counts back from what stands before it, here in the text of the part: value is counted from the part's beginning, and may lie before that. */
 typedef struct obj_relative {
-    enum { OBJ_OF_CORNER, OBJ_OF_CORNER_NORMAL, OBJ_OF_OTHER_NORMAL } list;
+    obj_list list;
     size_t  slot;
     int64_t value;
 } obj_relative;

@@ -118,7 +118,7 @@ static norma_document_result read_normal(reader *r, const char **p)
 
 /* The number that an index means, of an element in slot of a list, where count of what it names stand before it in the part; UINT32_MAX: none. What counts back is
  * remembered, and nothing yet. */
-static norma_document_result resolve(reader *r, int64_t index, size_t count, int list, size_t slot, uint32_t *number)
+static norma_document_result resolve(reader *r, int64_t index, size_t count, obj_list list, size_t slot, uint32_t *number)
 {
     obj_part *part = r->part;
     if (index >= 0 || part->whole) {
