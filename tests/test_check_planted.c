@@ -139,6 +139,12 @@ static void one_normal_far_off(void **state) {
     set_normal(&s, vertex, cos(near_off) * n[0] + sin(near_off) * t[0], cos(near_off) * n[1] + sin(near_off) * t[1], cos(near_off) * n[2] + sin(near_off) * t[2]);
     assert_null(in_render(&s, "N202", NORMA_SEVERITY_NONE));
     surface_free(&s);
+    s = surface_box(origin, 1, 0); /* vertices of one side each: along the side next to it a normal is near to a face at its position; away from it, to none */
+    for (size_t k = 20; k < 24; k++) set_normal(&s, k, s.positions[3 * k] > 0 ? 1 : -1, 0, 0);
+    assert_null(in_render(&s, "N202", NORMA_SEVERITY_NONE));
+    set_normal(&s, 21, s.positions[3 * 21] > 0 ? -1 : 1, 0, 0);
+    assert_found(in_render(&s, "N202", NORMA_SEVERITY_WARNING), 1);
+    surface_free(&s);
 }
 
 static void placeholders(void **state) {

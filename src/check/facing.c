@@ -3,7 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { FACES_IN_BLOCK = 1 << 13 };
+enum { FACES_IN_BLOCK = 1 << 13,
+       LARGEST_RING = 1 << 10 }; /* corners at one position: where more meet, each is held against its own faces only, or the work would grow with their square */
 static const double ACROSS = 1e-6;                   /* a normal along its face, up to rounding, opposes nothing */
 static const double FAR_COSINE = 0.25881904510252074; /* of 75 degrees */
 
@@ -19,9 +20,8 @@ typedef struct facing_pass {
     int wants_opposed;
 } facing_pass;
 
-/* Cosine between a face and the stored normal of one of its corners; NaN: there is none that has a direction. */
-static double corner_cosine(const check_mesh *m, size_t face, size_t corner) {
-    size_t number = norma_check_normal_of(m, face, corner);
+/* Cosine between a face and a stored normal; NaN: there is none that has a direction. */
+static double cosine_to(const check_mesh *m, size_t face, size_t number) {
     double n[3];
     if (number == SIZE_MAX)
         return NAN;
@@ -41,7 +41,7 @@ static void judge_face(const facing_pass *pass, facing_part *part, size_t face) 
     if (!norma_check_directed(&m->faces[face]))
         return;
     for (size_t c = begin; c < end; c++) {
-        double cosine = corner_cosine(m, face, c);
+        double cosine = cosine_to(m, face, norma_check_normal_of(m, face, c));
         part->far_corners += cosine < FAR_COSINE;
         all &= cosine < -pass->across;
         greatest = fmax(greatest, cosine);
@@ -74,11 +74,30 @@ static void find_nearest(const check_mesh *m, float *greatest) {
             continue;
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f); c++) {
             size_t number = norma_check_normal_of(m, f, c);
-            double cosine = corner_cosine(m, f, c);
+            double cosine = cosine_to(m, f, number);
             if (!isnan(cosine) && (greatest[number] > 1.5f || cosine > (double)greatest[number]))
                 greatest[number] = (float)cosine;
         }
     }
+}
+
+/* Those that are far from all faces of their own vertices are held against the other faces at their positions, too: where vertices are split, as in a
+ * triangle soup, a smooth normal is the average of faces that use other vertices. */
+static norma_result find_nearest_around(check_mesh *m, float *greatest) {
+    norma_result result = norma_check_around(m);
+    const core_topology *t = &m->topology;
+    for (size_t f = 0; !result && f < m->mesh.face_count; f++)
+        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f); c++) {
+            size_t number = norma_check_normal_of(m, f, c), place = norma_core_corner(&t->mesh, c);
+            if (number == SIZE_MAX || (double)greatest[number] >= FAR_COSINE || t->around.starts[place + 1] - t->around.starts[place] > LARGEST_RING)
+                continue;
+            for (size_t i = t->around.starts[place]; i < t->around.starts[place + 1]; i++) {
+                size_t face = norma_check_face_of(m, t->around.corners[i]);
+                double cosine = norma_check_directed(&m->faces[face]) ? cosine_to(m, face, number) : -2;
+                greatest[number] = cosine > (double)greatest[number] ? (float)cosine : greatest[number];
+            }
+        }
+    return result;
 }
 
 static norma_result check_far(check_mesh *m) {
@@ -89,12 +108,15 @@ static norma_result check_far(check_mesh *m) {
     if (!greatest)
         return NORMA_ERROR_MEMORY;
     find_nearest(m, greatest);
-    for (size_t i = 0; i < count; i++)
+    norma_result result = find_nearest_around(m, greatest);
+    for (size_t i = 0; !result && i < count; i++)
         if ((double)greatest[i] < FAR_COSINE)
             norma_check_hit(m->run, &hits, acos(fmax((double)greatest[i], -1)) * (180 / 3.141592653589793), norma_check_normal_spot(m, i));
     norma_core_release(&m->run->call, greatest, count, sizeof *greatest);
+    if (result)
+        return result;
     if (hits.count)
-        norma_check_message(message, "%z normals more than 75 degrees from every face that uses them, up to %g; but at a knife's edge, no average of the faces gives such a normal", hits.count, hits.worst);
+        norma_check_message(message, "%z normals more than 75 degrees from every face at their vertices, up to %g; but at a knife's edge, no average of the faces gives such a normal", hits.count, hits.worst);
     return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N202, .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, .unit = "deg", .hits = &hits, .message = message});
 }
 

@@ -200,6 +200,8 @@ static norma_result mend_arrays(mend_mesh *mesh) {
     if (!result)
         result = norma_mend_tangents(mesh);
     strip_normals(mesh);
+    if (!result)
+        result = norma_mend_vertices(mesh);
     return result;
 }
 
@@ -218,6 +220,7 @@ static norma_document_result mend_mesh_of(mender *m, size_t index) {
         if (!result)
             mended = mend_arrays(&mesh);
     }
+    m->summary->again |= mesh.waits;
     free(mesh.findings);
     free(mesh.corners);
     free(mesh.surface);
@@ -231,18 +234,20 @@ static void free_edits(mender *m) {
     for (size_t i = 0; m->edits && i < m->mesh_count; i++) {
         const norma_mesh_edit *edit = &m->edits[i];
         const void *const blocks[] = {edit->reverse_faces, edit->drop_faces, edit->normals, edit->set_normals, edit->positions, edit->set_positions, edit->tangents, edit->set_tangents,
-                                      edit->cut_faces, edit->cut_corners};
+                                      edit->cut_faces, edit->cut_corners, edit->source_vertices, edit->new_corners};
         for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) free((void *)(uintptr_t)blocks[k]);
     }
     free(m->edits);
 }
 
+int norma_mend_has_edit(const norma_mesh_edit *edit) {
+    return edit->reverse_faces || edit->drop_faces || edit->cut_faces || edit->set_normals || edit->set_positions || edit->set_tangents || edit->strip_normals || edit->source_vertices;
+}
+
 static int has_edit(const mender *m) {
-    for (size_t i = 0; i < m->mesh_count; i++) {
-        const norma_mesh_edit *edit = &m->edits[i];
-        if (edit->reverse_faces || edit->drop_faces || edit->cut_faces || edit->set_normals || edit->set_positions || edit->set_tangents || edit->strip_normals)
+    for (size_t i = 0; i < m->mesh_count; i++)
+        if (norma_mend_has_edit(&m->edits[i]))
             return 1;
-    }
     return 0;
 }
 
@@ -259,6 +264,15 @@ static int is_asked(const mender *m, check_rule rule) {
 static norma_document_result compute_missing(mender *m, int morphs) {
     norma_compute_summary summary;
     const norma_compute_options options = {.struct_size = sizeof options, .only = NORMA_ONLY_MISSING, .morphs = morphs, .threads = m->options.threads};
+    norma_document_result result = norma_document_compute(m->document, &options, &summary, m->error);
+    m->summary->changed |= !result && summary.changed;
+    return result;
+}
+
+/* Placeholders of an OBJ: corners with quite different normals name one vn, so that all are made anew. */
+static norma_document_result replace_placeholders(mender *m) {
+    norma_compute_summary summary;
+    const norma_compute_options options = {.struct_size = sizeof options, .threads = m->options.threads};
     norma_document_result result = norma_document_compute(m->document, &options, &summary, m->error);
     m->summary->changed |= !result && summary.changed;
     return result;
@@ -297,6 +311,8 @@ static norma_document_result mend_whole(mender *m) {
     const int wants_compute = is_asked(m, RULE_N104) || is_asked(m, RULE_N106) || is_asked(m, RULE_N806) || is_asked(m, RULE_N901);
     const int wants_bake = is_asked(m, RULE_N601) || is_asked(m, RULE_N602) || is_asked(m, RULE_N604);
     norma_document_result result = is_asked(m, RULE_N701) && !one_change ? recentre(m) : NORMA_DOCUMENT_OK;
+    if (!result && is_asked(m, RULE_N203) && format == NORMA_FILE_OBJ)
+        result = replace_placeholders(m);
     if (result)
         return result;
     if (wants_compute && !(one_change && m->summary->changed))

@@ -58,7 +58,7 @@ static norma_result recompute_named(mend_mesh *m) {
     int bad = norma_mend_mark(m, RULE_N101, element_of(m), count, &marks);
     int zero = norma_mend_mark(m, RULE_N102, element_of(m), count, &marks);
     int far = norma_mend_mark(m, RULE_N202, element_of(m), count, &wrong);
-    int all = norma_mend_has(m, RULE_N203), any = bad > 0 || zero > 0 || far > 0 || all;
+    int all = norma_mend_has(m, RULE_N203) && !m->data.corner_normals, any = bad > 0 || zero > 0 || far > 0 || all;
     if (any && !marks)
         marks = calloc(count + 1, 1);
     int failed = bad < 0 || zero < 0 || far < 0 || (any && !marks);

@@ -64,7 +64,7 @@ norma_result norma_check_placeholder(check_mesh *m) {
         return result;
     find_majority(m, normal);
     size_t alike = count_alike(m, normal, &used);
-    if (used < 2 || (double)alike <= MOST_ALIKE * (double)used || !norma_core_finite(normal) || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
+    if (!used || (double)alike <= MOST_ALIKE * (double)used || !norma_core_finite(normal) || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
         return NORMA_OK;
     result = norma_check_faces(m);
     if (result || !is_curved(m))
