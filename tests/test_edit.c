@@ -1,4 +1,4 @@
-/* test_edit.c: norma_document_edit on every mesh of the data set and of assets: faces reversed, left out, normals and positions replaced, each read back from the bytes written.
+/* test_edit.c: norma_document_edit on every mesh of the data set and of assets: faces reversed, left out, normals and positions replaced, vertices copied, each read back from the bytes written.
  * Reversed twice, a text or a list of rows is byte for byte what it was. */
 #include "check.h"
 #include "document_bytes.h"
@@ -218,6 +218,104 @@ static void try_normals(const char *path) {
     close_bytes(&file);
 }
 
+/* ---- vertices: some copied, each corner's at the old one or at its copy; those that no face uses go */
+
+static void random_vertices(const norma_mesh *mesh, norma_mesh_edit *edit, uint32_t *seed) {
+    size_t count = mesh->positions.count, next = 0;
+    uint32_t *sources = calloc(2 * count + 1, sizeof *sources), *corners = calloc(mesh->corner_count + 1, sizeof *corners);
+    uint32_t *kept = calloc(count + 1, sizeof *kept), *copies = calloc(count + 1, sizeof *copies);
+    uint8_t *used = calloc(count + 1, 1);
+    for (size_t c = 0; c < mesh->corner_count; ++c) used[corner_at(mesh, c)] = 1;
+    for (size_t v = 0; v < count; ++v)
+        if (used[v] || next_random(seed) % 2)
+            kept[v] = (uint32_t)next, sources[next++] = (uint32_t)v;
+    for (size_t v = count; v-- > 0;) {
+        copies[v] = kept[v];
+        if (used[v] && next_random(seed) % 5 == 0)
+            copies[v] = (uint32_t)next, sources[next++] = (uint32_t)v;
+    }
+    for (size_t c = 0; c < mesh->corner_count; ++c) corners[c] = (next_random(seed) % 2 ? kept : copies)[corner_at(mesh, c)];
+    edit->source_vertices = sources;
+    edit->vertex_count = next;
+    edit->new_corners = corners;
+    free(kept);
+    free(copies);
+    free(used);
+}
+
+static void same_floats(const float *was, const float *is, size_t width, const norma_mesh_edit *edit) {
+    assert_int_equal(!was, !is);
+    for (size_t v = 0; was && v < edit->vertex_count; ++v) assert_memory_equal(was + width * edit->source_vertices[v], is + width * v, width * sizeof *was);
+}
+
+/* Of what was decoded to floats. */
+static void same_vectors(const norma_vec3_view *was, const norma_vec3_view *is, const norma_mesh_edit *edit) {
+    assert_int_equal(is->count, was->count ? edit->vertex_count : 0);
+    if (was->count)
+        same_floats(was->data, is->data, 3, edit);
+}
+
+static void compare_vertices(norma_document *was, norma_document *is, size_t mesh, const norma_mesh_edit *edit) {
+    norma_mesh_data before = data_of(was, mesh), after = data_of(is, mesh);
+    norma_mesh_attributes old, now;
+    norma_mesh_info info;
+    assert_int_equal(after.mesh.positions.count, edit->vertex_count);
+    assert_int_equal(after.mesh.corner_count, before.mesh.corner_count);
+    for (size_t c = 0; c < before.mesh.corner_count; ++c) {
+        double a[3], b[3];
+        position_at(&before.mesh, c, a);
+        position_at(&after.mesh, c, b);
+        assert_int_equal(corner_at(&after.mesh, c), edit->new_corners[c]);
+        assert_memory_equal(a, b, sizeof a);
+    }
+    same_vectors(&before.normals, &after.normals, edit);
+    assert_int_equal(norma_document_mesh_attributes(was, mesh, &old, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_document_mesh_attributes(is, mesh, &now, NULL), NORMA_DOCUMENT_OK);
+    if (!old.corner_texcoords)
+        same_floats(old.texcoords, now.texcoords, 2, edit);
+    same_floats(old.colors, now.colors, 4, edit);
+    same_floats(old.tangents, now.tangents, 4, edit);
+    norma_document_mesh_info(was, mesh, &info);
+    for (size_t t = 0; t < info.morph_targets; ++t) {
+        norma_morph_data a, b;
+        assert_int_equal(norma_document_morph_data(was, mesh, t, &a, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(norma_document_morph_data(is, mesh, t, &b, NULL), NORMA_DOCUMENT_OK);
+        same_vectors(&a.positions, &b.positions, edit);
+        same_vectors(&a.normals, &b.normals, edit);
+        same_vectors(&a.tangents, &b.tangents, edit);
+    }
+}
+
+static void try_vertices(const char *path) {
+    uint32_t seed = 23;
+    opened file = open_bytes(bytes_load(path), path);
+    norma_mesh_edit *edits = calloc(file.meshes + 1, sizeof *edits);
+    for (size_t m = 0; m < file.meshes; ++m)
+        if (is_read(file.document, m)) {
+            norma_mesh_data data = data_of(file.document, m);
+            random_vertices(&data.mesh, &edits[m], &seed);
+            if (!edits[m].vertex_count || data.mesh.corner_count < 3) {
+                free((void *)edits[m].source_vertices);
+                free((void *)edits[m].new_corners);
+                edits[m] = (norma_mesh_edit){0};
+            }
+        }
+    document_bytes out = edited(file.bytes, path, edits);
+    if (out.size) {
+        opened now = open_bytes(out, path);
+        for (size_t m = 0; m < file.meshes; ++m)
+            if (edits[m].source_vertices)
+                compare_vertices(file.document, now.document, m, &edits[m]);
+        close_bytes(&now);
+    }
+    for (size_t m = 0; m < file.meshes; ++m) {
+        free((void *)edits[m].source_vertices);
+        free((void *)edits[m].new_corners);
+    }
+    free(edits);
+    close_bytes(&file);
+}
+
 /* ---- positions: moved by one place of its own */
 
 static void one_position_is_moved(const char *path) {
@@ -261,6 +359,11 @@ static void assets_keep_all_else(void **state) {
 
 static size_t tried;
 
+static int has_vertices(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".glb") == 0);
+}
+
 static void visit(const char *path, const char *name, const char *expect) {
     (void)name;
     if (strcmp(expect, "ok") != 0)
@@ -274,6 +377,8 @@ static void visit(const char *path, const char *name, const char *expect) {
     try_faces(path, 0);
     try_faces(path, 1);
     try_normals(path);
+    if (has_vertices(path))
+        try_vertices(path);
     ++tried;
 }
 

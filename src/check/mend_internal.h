@@ -15,6 +15,7 @@ typedef struct mend_mesh {
     const norma_finding  **findings;       /* those that may be mended here */
     size_t                 finding_count;
     norma_mesh_edit       *edit;           /* its arrays are the mender's */
+    int                    waits;          /* there is more to do once this edit is made */
     /* Made when first needed. */
     uint32_t              *corners;        /* positions of the corners as they will be run along: reversed where the edit says so */
     int                    knows_deviation;
@@ -28,6 +29,7 @@ typedef struct mend_mesh {
 typedef enum mend_element { MEND_VERTEX, MEND_FACE, MEND_NORMAL } mend_element;
 int norma_mend_mark(const mend_mesh *m, check_rule rule, mend_element element, size_t count, uint8_t **marks);
 int norma_mend_has(const mend_mesh *m, check_rule rule);
+int norma_mend_has_edit(const norma_mesh_edit *edit);
 
 norma_result norma_mend_corners(mend_mesh *m);                            /* corners */
 norma_result norma_mend_surface(mend_mesh *m);                            /* deviation, surface */
@@ -43,5 +45,6 @@ norma_result norma_mend_faces(mend_mesh *m);                              /* men
 norma_result norma_mend_polygons(mend_mesh *m);                           /* mend_polygons.c: N404, N405 */
 norma_result norma_mend_positions(mend_mesh *m);                          /* mend_positions.c: N503 */
 norma_result norma_mend_normals(mend_mesh *m);                            /* mend_normals.c: N101 to N103, N201 to N203, N205, N501 */
+norma_result norma_mend_vertices(mend_mesh *m);                           /* mend_vertices.c: N502; last, and only where nothing else is edited */
 norma_result norma_mend_tangents(mend_mesh *m);                           /* mend_tangents.c: N801 to N805 */
 #endif

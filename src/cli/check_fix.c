@@ -111,12 +111,13 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
 /* ---- what this version does not mend yet, though its rule names a fix */
 
 static int is_not_done(const norma_finding *finding, norma_file_format format) {
-    static const char *const everywhere[] = {"N403", "N502"}, *const but_in_obj[] = {"N404", "N405"};
+    static const char *const but_in_obj[] = {"N404", "N405"};
+    const int is_gltf = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
     const char *id = finding->rule->id;
-    for (size_t i = 0; i < CLI_COUNT(everywhere); ++i)
-        if (strcmp(id, everywhere[i]) == 0 || (format != NORMA_FILE_OBJ && strcmp(id, but_in_obj[i]) == 0))
+    for (size_t i = 0; i < CLI_COUNT(but_in_obj); ++i)
+        if (format != NORMA_FILE_OBJ && strcmp(id, but_in_obj[i]) == 0)
             return 1;
-    return strcmp(id, "N701") == 0 && (format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB);
+    return strcmp(id, "N403") == 0 || (strcmp(id, "N502") == 0 && !is_gltf) || (strcmp(id, "N701") == 0 && is_gltf);
 }
 
 static void tell_what_is_not_done(const check_settings *settings, const norma_findings *left, norma_document *document, const char *path) {

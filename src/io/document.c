@@ -277,6 +277,20 @@ norma_document_result norma_document_transform(norma_document *document, const n
     return result;
 }
 
+/* Every number in it, before anything is changed. */
+static norma_document_result check_vertices(norma_document *document, size_t mesh, const norma_mesh_edit *edit, norma_document_error *error) {
+    norma_mesh_data data;
+    norma_document_result result = norma_document_mesh_data(document, mesh, &data, error);
+    int fits = document->functions->equal_vertices && edit->new_corners && edit->vertex_count > 0 && edit->vertex_count < UINT32_MAX && !edit->strip_normals;
+    if (result)
+        return result;
+    for (size_t v = 0; fits && v < edit->vertex_count; ++v)
+        fits = edit->source_vertices[v] < data.mesh.positions.count;
+    for (size_t c = 0; fits && c < data.mesh.corner_count; ++c)
+        fits = edit->new_corners[c] < edit->vertex_count;
+    return fits ? NORMA_DOCUMENT_OK : norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "mesh %zu cannot have the vertices that were given for it", mesh);
+}
+
 norma_document_result norma_document_edit(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
     norma_document_result result = check_usable(document, error);
     if (result)
@@ -286,9 +300,23 @@ norma_document_result norma_document_edit(norma_document *document, const norma_
     for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
         if ((edits[i].set_normals && !edits[i].normals) || (edits[i].set_positions && !edits[i].positions) || (edits[i].set_tangents && !edits[i].tangents))
             return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "marks without numbers were given for mesh %zu", i);
+    for (size_t i = 0; !result && i < norma_document_mesh_count(document); ++i)
+        result = edits[i].source_vertices ? check_vertices(document, i, &edits[i], error) : NORMA_DOCUMENT_OK;
+    if (result)
+        return result;
     result = document->functions->edit(document, edits, error);
     document->failed = result != NORMA_DOCUMENT_OK;
     return result;
+}
+
+norma_document_result norma_document_equal_vertices(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
+    norma_mesh_info info;
+    norma_document_result result = check_usable(document, error);
+    if (result)
+        return result;
+    if (!first || norma_document_mesh_info(document, mesh, &info) || info.not_read || !document->functions->equal_vertices)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "mesh %zu has no vertices that could be compared", mesh);
+    return document->functions->equal_vertices(document, mesh, first, error);
 }
 
 /* ---- writing */

@@ -325,6 +325,7 @@ const format_functions norma_gltf_functions = {
     .compute = norma_gltf_compute,
     .transform = norma_gltf_transform,
     .edit = norma_gltf_edit,
+    .equal_vertices = norma_gltf_equal_vertices,
     .write = norma_gltf_write,
     .write_companions = norma_gltf_write_companions,
     .reads_from = norma_gltf_reads_from,

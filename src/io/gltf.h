@@ -219,5 +219,9 @@ int                   norma_gltf_reads_from(const norma_document *document, cons
 /* ---- verbs */
 norma_document_result norma_gltf_compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error);
 norma_document_result norma_gltf_transform(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
+/* gltf_vertices.c: the elements of an accessor as the edit's new vertices have them (*owned: to be freed; NULL: as stored); all attributes that the edit does not set, put. */
+norma_document_result norma_gltf_copy_array(gltf *g, uint32_t accessor, const norma_mesh_edit *edit, gltf_array *array, unsigned char **owned, norma_document_error *error);
+norma_document_result norma_gltf_put_vertices(gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error);
+norma_document_result norma_gltf_equal_vertices(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
 norma_document_result norma_gltf_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
 #endif

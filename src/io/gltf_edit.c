@@ -46,35 +46,38 @@ static void keep_others(const vector_edit *edit, const gltf_array *array, gltf_d
             memcpy(data->bytes + i * size, array->data + i * array->stride, used);
 }
 
-static norma_document_result edit_vectors(gltf *g, uint32_t primitive, uint32_t accessor, const vector_edit *edit, norma_document_error *error)
+static norma_document_result edit_vectors(gltf *g, uint32_t primitive, uint32_t accessor, const norma_mesh_edit *whole, const vector_edit *edit, norma_document_error *error)
 {
     gltf_array array;
     gltf_data data;
+    unsigned char *copied;
     if (accessor == GLTF_NONE)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, g->primitives[primitive].where, "has no %s that could be replaced", edit->attribute);
-    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
+    if (g->accessors[accessor].width != edit->width || g->accessors[accessor].count > g->primitives[primitive].vertices)
+        return norma_gltf_malformed(g, error, g->accessors[accessor].token, "as many vectors as vertices");
+    norma_document_result result = norma_gltf_copy_array(g, accessor, whole, &array, &copied, error);
     if (result)
         return result;
-    if (array.width != edit->width || array.count > g->primitives[primitive].vertices)
-        return norma_gltf_malformed(g, error, g->accessors[accessor].token, "as many vectors as vertices");
     double *values = norma_io_allocate(array.count + 1, edit->width * sizeof *values);
-    if (!values)
-        return norma_document_fail_memory(g->document, error);
-    take_values(edit, &array, values);
-    bake_encoded encoded = norma_gltf_encode(edit->role, &array, values, &data);
+    bake_encoded encoded = BAKE_NO_MEMORY;
+    if (values) {
+        take_values(edit, &array, values);
+        encoded = norma_gltf_encode(edit->role, &array, values, &data);
+    }
     free(values);
+    if (!encoded)
+        keep_others(edit, &array, &data);
+    free(copied);
     if (encoded == BAKE_TOO_LARGE)
         return norma_gltf_malformed(g, error, g->accessors[accessor].token, "numbers that floats can hold");
-    if (encoded)
-        return norma_document_fail_memory(g->document, error);
-    keep_others(edit, &array, &data);
-    return put(g, primitive, GLTF_SLOT_BASE, edit->attribute, &data, error);
+    return encoded ? norma_document_fail_memory(g->document, error) : put(g, primitive, GLTF_SLOT_BASE, edit->attribute, &data, error);
 }
 
 /* Tangents where there were none: of every vertex. */
-static norma_document_result add_tangents(gltf *g, uint32_t primitive, const float *tangents, norma_document_error *error)
+static norma_document_result add_tangents(gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error)
 {
-    gltf_data data = {.component = GLTF_FLOAT, .width = 4, .count = g->primitives[primitive].vertices};
+    const float *tangents = edit->tangents;
+    gltf_data data = {.component = GLTF_FLOAT, .width = 4, .count = edit->source_vertices ? edit->vertex_count : g->primitives[primitive].vertices};
     data.bytes = norma_io_allocate(data.count, 16);
     if (!data.bytes)
         return norma_document_fail_memory(g->document, error);
@@ -92,11 +95,11 @@ static void write_index(unsigned char *at, int component, uint32_t value)
 }
 
 /* The largest value of a width is no index (glTF 2.0, 3.7.2.1). */
-static int component_for(const gltf *g, const gltf_primitive *p)
+static int component_for(const gltf *g, const gltf_primitive *p, size_t vertices)
 {
-    if (p->indices != GLTF_NONE)
-        return g->accessors[p->indices].component;
-    return p->vertices < 255 ? GLTF_UBYTE : p->vertices < 65535 ? GLTF_USHORT : GLTF_UINT;
+    const int least = vertices <= UINT8_MAX ? GLTF_UBYTE : vertices <= UINT16_MAX ? GLTF_USHORT : GLTF_UINT;
+    const int old = p->indices == GLTF_NONE ? least : g->accessors[p->indices].component;
+    return norma_gltf_component_size(old) < norma_gltf_component_size(least) ? least : old;
 }
 
 static size_t edit_corners(const norma_mesh_edit *edit, const uint32_t *corners, size_t faces, uint32_t *out)
@@ -124,12 +127,14 @@ static norma_document_result edit_faces(gltf *g, uint32_t primitive, const norma
     uint32_t *kept = norma_io_allocate(p->faces, 3 * sizeof *kept);
     if (!kept)
         return norma_document_fail_memory(g->document, error);
+    if (edit->new_corners && edit->source_vertices)
+        corners = edit->new_corners;
     size_t count = edit_corners(edit, corners, p->faces, kept);
     if (count == 0 && p->faces > 0) {
         memcpy(kept, corners + 3 * (p->faces - 1), 3 * sizeof *kept);
         count = 3;
     }
-    gltf_data data = {.component = component_for(g, p), .width = 1, .count = count, .is_indices = 1};
+    gltf_data data = {.component = component_for(g, p, edit->source_vertices ? edit->vertex_count : p->vertices), .width = 1, .count = count, .is_indices = 1};
     size_t size = norma_gltf_data_size(&data);
     data.bytes = norma_io_allocate(count, size);
     for (size_t i = 0; data.bytes && i < count; ++i)
@@ -175,12 +180,14 @@ static norma_document_result edit_primitive(gltf *g, uint32_t primitive, const n
     const vector_edit tangents = {"TANGENT", BAKE_TANGENTS, 4, edit->tangents, NULL, edit->set_tangents};
     const vector_edit positions = {"POSITION", BAKE_POSITIONS, 3, NULL, edit->positions, edit->set_positions};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (edit->set_normals)
-        result = edit_vectors(g, primitive, base->normal, &normals, error);
+    if (edit->source_vertices)
+        result = norma_gltf_put_vertices(g, primitive, edit, error);
+    if (!result && edit->set_normals)
+        result = edit_vectors(g, primitive, base->normal, edit, &normals, error);
     if (!result && edit->set_tangents)
-        result = base->tangent == GLTF_NONE ? add_tangents(g, primitive, edit->tangents, error) : edit_vectors(g, primitive, base->tangent, &tangents, error);
+        result = base->tangent == GLTF_NONE ? add_tangents(g, primitive, edit, error) : edit_vectors(g, primitive, base->tangent, edit, &tangents, error);
     if (!result && edit->set_positions)
-        result = edit_vectors(g, primitive, base->position, &positions, error);
+        result = edit_vectors(g, primitive, base->position, edit, &positions, error);
     if (!result && norma_edit_has_faces(edit))
         result = edit_faces(g, primitive, edit, error);
     if (!result && edit->strip_normals)

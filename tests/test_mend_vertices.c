@@ -1,0 +1,167 @@
+/* What norma check --fix-unsafe makes of vertices: a soup's become one where they are equal in everything, and only there. Known by hand. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include <norma/check.h>
+#include "gltf_asset.h"
+#include "gltf_scene.h"
+
+/* ---- mending until nothing is left to mend */
+
+static size_t mend(norma_document *document, const char *rules) {
+    uint8_t mask[128] = {0};
+    norma_mend_summary summary;
+    norma_document_error error;
+    assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
+    const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
+    if (norma_mend_document(document, &options, 1, &summary, &error))
+        fail_msg("%s", error.message);
+    return (size_t)summary.changed;
+}
+
+/* The document is closed; what it became lives in *bytes. A second time changes nothing. */
+static norma_document *mended(norma_document *document, const char *rules, unsigned char **bytes, int changes) {
+    size_t size;
+    assert_int_equal(mend(document, rules), changes);
+    *bytes = scene_output(document, &size);
+    norma_document_close(document);
+    document = scene_reopen(*bytes, size, "mended.glb");
+    assert_int_equal(mend(document, rules), 0);
+    return document;
+}
+
+static size_t count_of(norma_document *document, const char *rules) {
+    uint8_t mask[128] = {0};
+    norma_findings *findings;
+    size_t count = 0;
+    assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
+    const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
+    assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
+    for (size_t i = 0; i < norma_findings_count(findings); i++) count += norma_findings_get(findings, i)->count;
+    norma_findings_free(findings);
+    return count;
+}
+
+static norma_mesh_data data_of(norma_document *document, size_t mesh) {
+    norma_mesh_data data;
+    assert_int_equal(norma_document_mesh_data(document, mesh, &data, NULL), NORMA_DOCUMENT_OK);
+    return data;
+}
+
+static uint32_t corner_of(const norma_mesh_data *data, size_t corner) {
+    return data->mesh.corners ? ((const uint32_t *)data->mesh.corners)[corner] : (uint32_t)corner;
+}
+
+/* ---- weld: a square of two triangles, six vertices */
+
+enum { SOUP = 6 };
+static const float soup[SOUP][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+static const float folded[SOUP][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {1, 0, 0}}; /* the second lies on the back of the first */
+
+typedef struct soup_case {
+    const char *mesh;       /* its attributes and targets */
+    uint32_t corners[SOUP]; /* as they are to be */
+    size_t vertices;
+} soup_case;
+
+/* Accessors: 0 POSITION, 1 something that differs at vertex 4, 2 normals, 3 the folded POSITION. */
+static norma_document *open_soup(gltf_asset *a, const char *rest) {
+    static const float moved[SOUP][3] = {[4] = {0.25F, 0, 0}};
+    float normals[SOUP][3] = {{0}};
+    for (int v = 0; v < SOUP; v++) normals[v][2] = 1;
+    asset_floats(a, &soup[0][0], SOUP, 3);
+    asset_floats(a, &moved[0][0], SOUP, 3);
+    asset_floats(a, &normals[0][0], SOUP, 3);
+    asset_floats(a, &folded[0][0], SOUP, 3);
+    return asset_open(a, rest, 1);
+}
+
+static void weld(const soup_case *c) {
+    gltf_asset a = {0};
+    unsigned char *bytes;
+    char rest[500];
+    snprintf(rest, sizeof rest, "\"meshes\":[{\"primitives\":[{%s}]}]", c->mesh);
+    norma_document *document = open_soup(&a, rest);
+    assert_int_equal(count_of(document, "N502"), 1);
+    document = mended(document, "N502", &bytes, c->vertices < SOUP);
+    norma_mesh_data data = data_of(document, 0);
+    assert_int_equal(data.mesh.positions.count, c->vertices);
+    assert_int_equal(data.mesh.corner_count, SOUP);
+    for (size_t i = 0; i < SOUP; i++) {
+        assert_int_equal(corner_of(&data, i), c->corners[i]);
+        if (!strstr(c->mesh, "\"POSITION\":3"))
+            assert_memory_equal((const float *)data.mesh.positions.data + 3 * c->corners[i], soup[i], sizeof soup[i]);
+    }
+    norma_document_close(document);
+    free(bytes);
+    asset_free(&a);
+}
+
+static void test_weld(void **state) {
+    (void)state;
+    static const soup_case cases[] = {
+        {"\"attributes\":{\"POSITION\":0,\"NORMAL\":2}", {0, 1, 2, 0, 2, 3}, 4},
+        {"\"attributes\":{\"POSITION\":0}", {0, 1, 2, 0, 2, 3}, 4},
+        {"\"attributes\":{\"POSITION\":0,\"_OTHER\":1}", {0, 1, 2, 0, 3, 4}, 5},
+        {"\"attributes\":{\"POSITION\":0,\"NORMAL\":2},\"targets\":[{\"POSITION\":1}]", {0, 1, 2, 0, 3, 4}, 5},
+        /* an extension that may name vertices */
+        {"\"attributes\":{\"POSITION\":0,\"NORMAL\":2},\"extensions\":{\"X_outline\":{\"indices\":1}}", {0, 1, 2, 3, 4, 5}, 6},
+        /* where both sides would share vertices there would be no direction left (N403) */
+        {"\"attributes\":{\"POSITION\":3}", {0, 1, 2, 3, 4, 5}, 6},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) weld(&cases[i]);
+}
+
+/* Two primitives of one accessor of positions: each has its own vertices then, and the one that is no soup keeps what it had. */
+static void test_shared(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    unsigned char *bytes;
+    const uint16_t corners[3] = {5, 4, 1};
+    static const uint32_t welded[SOUP] = {0, 1, 2, 0, 2, 3};
+    norma_document_close(open_soup(&a, "\"meshes\":[]"));
+    asset_uint16(&a, corners, 3);
+    norma_document *document = asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},\"indices\":4}]}]", 1);
+    document = mended(document, "N502", &bytes, 1);
+    norma_mesh_data first = data_of(document, 0), second = data_of(document, 1);
+    assert_int_equal(first.mesh.positions.count, 4);
+    for (size_t i = 0; i < SOUP; i++) assert_int_equal(corner_of(&first, i), welded[i]);
+    assert_int_equal(second.mesh.positions.count, SOUP);
+    assert_memory_equal(second.mesh.positions.data, soup, sizeof soup);
+    for (size_t i = 0; i < 3; i++) assert_int_equal(corner_of(&second, i), corners[i]);
+    norma_document_close(document);
+    free(bytes);
+    asset_free(&a);
+}
+
+/* ---- what makes no sense is refused before anything is changed */
+
+static void test_refused(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    norma_document *document = open_soup(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+    const uint32_t sources[3] = {0, 1, SOUP}, corners[SOUP] = {0, 1, 2, 0, 1, 3};
+    const norma_mesh_edit bad[] = {{.source_vertices = sources, .vertex_count = 3, .new_corners = corners}, {.source_vertices = sources, .vertex_count = 2},
+                                   {.source_vertices = sources, .new_corners = corners}, {.source_vertices = sources, .vertex_count = 2, .new_corners = corners}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_int_equal(norma_document_edit(document, &bad[i], NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    const uint32_t wide[SOUP] = {0, 1, 2, 3, 4, 5};
+    const norma_mesh_edit good = {.source_vertices = wide, .vertex_count = SOUP, .new_corners = corners};
+    assert_int_equal(norma_document_edit(document, &good, NULL), NORMA_DOCUMENT_OK);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_weld),
+        cmocka_unit_test(test_shared),
+        cmocka_unit_test(test_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
