@@ -1,4 +1,5 @@
-/* What norma check --fix-unsafe makes of vertices: a soup's become one where they are equal in everything, and only there. Known by hand. */
+/* What norma check --fix-unsafe makes of vertices: a soup's become one where they are equal in everything, and only there; one whose faces cancel is split by its fans.
+ * Known by hand. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -140,6 +141,93 @@ static void test_shared(void **state) {
     asset_free(&a);
 }
 
+/* ---- split: two tents, one upside down, that meet at their tips, and a square beside them */
+
+enum { TENTS = 13 };
+static const float tents[TENTS][3] = {{0, 0, 0}, {1, 0, 0.5F}, {0, 1, 0.5F}, {-1, 0, 0.5F}, {0, -1, 0.5F}, {1, 0, -0.5F}, {0, 1, -0.5F}, {-1, 0, -0.5F}, {0, -1, -0.5F}, {5, 0, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0}};
+static const uint16_t tent_corners[30] = {0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1, 0, 6, 5, 0, 7, 6, 0, 8, 7, 0, 5, 8, 9, 10, 11, 9, 11, 12};
+
+/* The first normal is of neither fan, and its tangent lies along both; the first morphs. */
+static void split(const char *attributes, int tangents) {
+    gltf_asset a = {0};
+    unsigned char *bytes;
+    float normals[TENTS][3] = {{1, 0, 0}}, directions[TENTS][4] = {{0, 0, 1, -1}}, moves[TENTS][3] = {{0.5F, 0, 0}};
+    char rest[500];
+    for (int v = 1; v < TENTS; v++) {
+        float side = v < 5 ? 1.0F : v < 9 ? -1.0F : 0; /* inwards and up above, inwards and down below */
+        double x = v < 9 ? -0.5 * (double)tents[v][0] : 0, y = v < 9 ? -0.5 * (double)tents[v][1] : 0, z = v < 9 ? (double)side : 1, length = sqrt(x * x + y * y + z * z);
+        normals[v][0] = (float)(x / length), normals[v][1] = (float)(y / length), normals[v][2] = (float)(z / length);
+        directions[v][fabs(x) > 0 ? 1 : 0] = directions[v][3] = 1;
+    }
+    asset_floats(&a, &tents[0][0], TENTS, 3);
+    asset_floats(&a, &normals[0][0], TENTS, 3);
+    asset_floats(&a, &directions[0][0], TENTS, 4);
+    asset_floats(&a, &moves[0][0], TENTS, 3);
+    asset_uint16(&a, tent_corners, 30);
+    snprintf(rest, sizeof rest, "\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":4,\"targets\":[{\"POSITION\":3}]}]}]", attributes);
+    norma_document *document = asset_open(&a, rest, 1);
+    assert_int_equal(count_of(document, "N403"), 1);
+    document = mended(document, "N403", &bytes, 1);
+    assert_int_equal(count_of(document, "N403"), 0);
+    norma_mesh_data data = data_of(document, 0);
+    norma_morph_data morph;
+    norma_mesh_attributes extra;
+    assert_int_equal(data.mesh.positions.count, TENTS + 1);
+    assert_memory_equal(data.mesh.positions.data, tents, sizeof tents);
+    assert_memory_equal((const float *)data.mesh.positions.data + 3 * TENTS, tents[0], sizeof tents[0]);
+    uint32_t above = corner_of(&data, 0), below = corner_of(&data, 12);
+    assert_true(above + below == TENTS && (above == 0 || below == 0));
+    for (size_t c = 0; c < 30; c++) assert_int_equal(corner_of(&data, c), tent_corners[c] != 0 ? tent_corners[c] : c < 12 ? above : below);
+    assert_int_equal(norma_document_morph_data(document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
+    assert_memory_equal(morph.positions.data, moves, sizeof moves);
+    assert_memory_equal((const float *)morph.positions.data + 3 * TENTS, moves[0], sizeof moves[0]);
+    assert_int_equal(data.normals.count, strstr(attributes, "NORMAL") ? TENTS + 1 : 0);
+    for (size_t v = 0; v < data.normals.count; v++) {
+        const float *n = (const float *)data.normals.data + 3 * v;
+        if (v == 0 || v == TENTS)
+            assert_true(fabs((double)n[0]) < 1e-6 && fabs((double)n[1]) < 1e-6 && n[2] == (v == above ? 1.0F : -1.0F));
+        else
+            assert_memory_equal(n, normals[v], sizeof normals[v]);
+    }
+    assert_int_equal(norma_document_mesh_attributes(document, 0, &extra, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(extra.tangent_count, tangents ? TENTS + 1 : 0);
+    for (size_t v = 0; v < extra.tangent_count; v++) {
+        const float *t = extra.tangents + 4 * v;
+        if (v == 0 || v == TENTS) /* its old one lay along the new normals: any across them, the sign as it was */
+            assert_true(fabs((double)t[2]) < 1e-6 && fabs(hypot((double)t[0], (double)t[1]) - 1) < 1e-6 && t[3] == -1);
+        else
+            assert_memory_equal(t, directions[v], sizeof directions[v]);
+    }
+    norma_document_close(document);
+    free(bytes);
+    asset_free(&a);
+}
+
+static void test_split(void **state) {
+    (void)state;
+    split("\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2", 1);
+    split("\"POSITION\":0,\"NORMAL\":1", 0);
+    split("\"POSITION\":0", 0);
+}
+
+/* Both at once until nothing changes, without going back and forth: a triangle and its back. */
+static void test_both(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    unsigned char *bytes;
+    const uint16_t corners[SOUP] = {0, 1, 2, 0, 2, 1};
+    asset_floats(&a, &soup[0][0], 3, 3);
+    asset_uint16(&a, corners, SOUP);
+    norma_document *document = asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]", 1);
+    assert_int_equal(count_of(document, "N403"), 3);
+    document = mended(document, "N403,N502", &bytes, 1);
+    assert_int_equal(count_of(document, "N403"), 0);
+    assert_int_equal(data_of(document, 0).mesh.positions.count, SOUP);
+    norma_document_close(document);
+    free(bytes);
+    asset_free(&a);
+}
+
 /* ---- what makes no sense is refused before anything is changed */
 
 static void test_refused(void **state) {
@@ -161,6 +249,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_weld),
         cmocka_unit_test(test_shared),
+        cmocka_unit_test(test_split),
+        cmocka_unit_test(test_both),
         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -45,6 +45,6 @@ norma_result norma_mend_faces(mend_mesh *m);                              /* men
 norma_result norma_mend_polygons(mend_mesh *m);                           /* mend_polygons.c: N404, N405 */
 norma_result norma_mend_positions(mend_mesh *m);                          /* mend_positions.c: N503 */
 norma_result norma_mend_normals(mend_mesh *m);                            /* mend_normals.c: N101 to N103, N201 to N203, N205, N501 */
-norma_result norma_mend_vertices(mend_mesh *m);                           /* mend_vertices.c: N502; last, and only where nothing else is edited */
+norma_result norma_mend_vertices(mend_mesh *m);                           /* mend_vertices.c: N403, N502; last, and only where nothing else is edited */
 norma_result norma_mend_tangents(mend_mesh *m);                           /* mend_tangents.c: N801 to N805 */
 #endif
