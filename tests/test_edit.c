@@ -361,7 +361,7 @@ static size_t tried;
 
 static int has_vertices(const char *path) {
     const char *dot = strrchr(path, '.');
-    return dot && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".glb") == 0);
+    return dot && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".glb") == 0 || strcmp(dot, ".ply") == 0);
 }
 
 static void visit(const char *path, const char *name, const char *expect) {

@@ -228,6 +228,65 @@ static void test_both(void **state) {
     asset_free(&a);
 }
 
+/* ---- PLY */
+
+static norma_document *open_ply(const void *bytes, size_t size) { return scene_reopen(bytes, size, "mended.ply"); }
+
+static norma_document *mended_ply(const char *text, const char *rules, unsigned char **bytes, size_t *size) {
+    norma_document *document = open_ply(text, strlen(text));
+    assert_true(mend(document, rules));
+    *bytes = scene_output(document, size);
+    norma_document_close(document);
+    document = open_ply(*bytes, *size);
+    assert_int_equal(mend(document, rules), 0);
+    return document;
+}
+
+static void test_ply_weld(void **state) {
+    (void)state;
+    static const char head[] = "ply\nformat ascii 1.0\ncomment kept\nelement vertex ", kind[] = "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n",
+                      rows[] = "end_header\n0 0 0 7\n1 0 0 7\n1 1 0 7\n", faces[] = "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n";
+    char text[1000], wanted[1000];
+    unsigned char *bytes;
+    size_t size;
+    snprintf(text, sizeof text, "%s6%s%s%s0 0 0 7\n1 1 0 8\n0 1 0 7\n3 0 1 2 6 0 0 1 0 1 1\n3 3 4 5 6 0 0 1 1 .5 1\n", head, kind, faces, rows);
+    snprintf(wanted, sizeof wanted, "%s5%s%s%s1 1 0 8\n0 1 0 7\n3 0 1 2 6 0 0 1 0 1 1\n3 0 3 4 6 0 0 1 1 .5 1\n", head, kind, faces, rows);
+    norma_document_close(mended_ply(text, "N502", &bytes, &size));
+    assert_int_equal(size, strlen(wanted));
+    assert_memory_equal(bytes, wanted, size);
+    free(bytes);
+    /* edges name vertices by their numbers */
+    snprintf(text, sizeof text, "%s6%s%selement edge 1\nproperty int vertex1\nproperty int vertex2\n%s0 0 0 7\n1 1 0 7\n0 1 0 7\n3 0 1 2 0\n3 3 4 5 0\n0 5\n", head, kind, faces, rows);
+    norma_document *document = open_ply(text, strlen(text));
+    assert_int_equal(mend(document, "N502"), 0);
+    norma_document_close(document);
+}
+
+static void test_ply_split(void **state) {
+    (void)state;
+    char text[2000];
+    unsigned char *bytes;
+    size_t size, at = (size_t)snprintf(text, sizeof text, "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+                                                          "property float ny\nproperty float nz\nproperty uchar red\nelement face 8\nproperty list uchar int vertex_indices\nend_header\n");
+    for (int v = 0; v < 9; v++) /* of the others the normals stay, whatever they are */
+        at += (size_t)snprintf(text + at, sizeof text - at, "%g %g %g %s %d\n", (double)tents[v][0], (double)tents[v][1], (double)tents[v][2], v == 0 ? "1 0 0" : v < 5 ? "0 0 1" : "0 0 -1", v);
+    for (int f = 0; f < 8; f++) at += (size_t)snprintf(text + at, sizeof text - at, "3 %d %d %d\n", tent_corners[3 * f], tent_corners[3 * f + 1], tent_corners[3 * f + 2]);
+    norma_document *document = mended_ply(text, "N403", &bytes, &size);
+    norma_mesh_data data = data_of(document, 0);
+    norma_mesh_attributes extra;
+    assert_int_equal(norma_document_mesh_attributes(document, 0, &extra, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(data.mesh.positions.count, 10);
+    uint32_t above = corner_of(&data, 0), below = corner_of(&data, 12);
+    assert_true(above + below == 9 && (above == 0 || below == 0));
+    for (size_t c = 0; c < 24; c++) assert_int_equal(corner_of(&data, c), tent_corners[c] != 0 ? tent_corners[c] : c < 12 ? above : below);
+    for (size_t v = 0; v < 10; v++) {
+        const float *n = (const float *)data.normals.data + 3 * v;
+        assert_true(fabs((double)n[0]) < 1e-6 && fabs((double)n[1]) < 1e-6 && n[2] == (v == above || (v > 0 && v < 5) ? 1.0F : -1.0F));
+    }
+    norma_document_close(document);
+    free(bytes);
+}
+
 /* ---- what makes no sense is refused before anything is changed */
 
 static void test_refused(void **state) {
@@ -251,6 +310,8 @@ int main(void) {
         cmocka_unit_test(test_shared),
         cmocka_unit_test(test_split),
         cmocka_unit_test(test_both),
+        cmocka_unit_test(test_ply_weld),
+        cmocka_unit_test(test_ply_split),
         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

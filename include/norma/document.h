@@ -251,7 +251,7 @@ typedef struct norma_mesh_edit {
     const uint8_t *set_tangents;           /* where the primitive has none yet, all are taken, whatever the marks */
     int            strip_normals;          /* glTF: normals that are taken away; their accessor stays, since numbers never shift */
     const uint32_t *source_vertices;       /* glTF, PLY: these are the vertices now, each a copy of all that the old one of this number has (attributes, morph targets); the
-                                              marks and numbers above then count the new ones. PLY: first old ones that stay, in their order, then further copies */
+                                              marks and numbers above then count the new ones */
     size_t         vertex_count;           /* of source_vertices, at least 1 */
     const uint32_t *new_corners;           /* with it: the new vertex of each corner, in the order of norma_mesh_data (before reverse_faces) */
 } norma_mesh_edit;

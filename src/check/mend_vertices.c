@@ -244,7 +244,7 @@ static norma_result split(mend_mesh *m) {
 
 static int has_vertices(const mend_mesh *m) {
     const norma_file_format format = norma_document_format(m->document);
-    return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
+    return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB || format == NORMA_FILE_PLY;
 }
 
 /* Vertices without normals, or normals without vertices, are another rule's (N106), which comes first. */

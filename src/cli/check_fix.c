@@ -117,7 +117,7 @@ static int is_not_done(const norma_finding *finding, norma_file_format format) {
     for (size_t i = 0; i < CLI_COUNT(but_in_obj); ++i)
         if (format != NORMA_FILE_OBJ && strcmp(id, but_in_obj[i]) == 0)
             return 1;
-    return ((strcmp(id, "N403") == 0 || strcmp(id, "N502") == 0) && !is_gltf) || (strcmp(id, "N701") == 0 && is_gltf);
+    return ((strcmp(id, "N403") == 0 || strcmp(id, "N502") == 0) && format == NORMA_FILE_OBJ) || (strcmp(id, "N701") == 0 && is_gltf);
 }
 
 static void tell_what_is_not_done(const check_settings *settings, const norma_findings *left, norma_document *document, const char *path) {

@@ -143,6 +143,7 @@ const format_functions norma_ply_functions = {
     .compute = norma_ply_compute,
     .transform = norma_ply_transform,
     .edit = norma_ply_edit,
+    .equal_vertices = norma_ply_equal_vertices,
     .write = norma_ply_write,
     .scene = &norma_ply_scene,
 };

@@ -85,6 +85,7 @@ typedef struct ply_edit {
     int       reversed;                 /* the winding changed: other data of corners turns with it */
     uint8_t  *reversed_rows;            /* with it: only in the faces where this is nonzero; or NULL: in all */
     uint8_t  *dropped_rows;             /* faces that are left out, or NULL */
+    uint8_t  *dropped_vertices;         /* vertices that are left out, or NULL: values above keep a place for them, corners count without them */
 } ply_edit;
 
 typedef struct ply_state {
@@ -163,6 +164,11 @@ norma_document_result norma_ply_transform(norma_document *document, const norma_
 void norma_ply_normal_types(const ply_header *header, const ply_element *element, const int properties[3], ply_type types[3]);
 /* Unit vectors as the codes of integer types, in place; others stay. */
 norma_document_result norma_ply_encode_normals(norma_document *document, const ply_type types[3], float *normals, size_t count, norma_document_error *error);
+
+/* ply_vertices.c: the edit's list of vertices as a change; how many of them, from the first on, are old rows that stay in their order */
+norma_document_result norma_ply_equal_vertices(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
+norma_document_result norma_ply_edit_vertices(norma_document *document, const norma_mesh_edit *edit, norma_document_error *error);
+size_t                norma_ply_kept(const norma_mesh_edit *edit);
 
 /* ply_write.c, ply_rows.c, ply_text_rows.c */
 norma_document_result norma_ply_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error);

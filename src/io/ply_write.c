@@ -6,7 +6,7 @@
 int norma_ply_has_edit(const ply_state *state)
 {
     const ply_edit *edit = &state->edit;
-    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows;
+    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows || edit->dropped_vertices;
 }
 
 void norma_ply_free_edit(ply_edit *edit)
@@ -19,6 +19,7 @@ void norma_ply_free_edit(ply_edit *edit)
     free(edit->corners);
     free(edit->reversed_rows);
     free(edit->dropped_rows);
+    free(edit->dropped_vertices);
     *edit = (ply_edit){0};
 }
 
@@ -67,7 +68,8 @@ static void plan_vertex(const ply_state *state, ply_plan *plan)
     plan->item_count = count;
     plan->added = edit->added;
     plan->added_count = edit->added_count;
-    plan->changed = has_normals || edit->positions || edit->added_count > 0;
+    plan->dropped_rows = edit->dropped_vertices;
+    plan->changed = has_normals || edit->positions || edit->added_count > 0 || edit->dropped_vertices;
 }
 
 /* The narrowest type that counts up to value: the same, or a wider one that is signed or unsigned as it was. */
@@ -320,7 +322,7 @@ norma_document_result norma_ply_write(norma_document *document, const char *path
 norma_document_result norma_ply_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error)
 {
     ply_state *state = document->state;
-    *changed = state->edit.added_count > 0 || state->edit.dropped_rows || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
+    *changed = state->edit.added_count > 0 || state->edit.dropped_rows || state->edit.dropped_vertices || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
     if (*changed)
         return NORMA_DOCUMENT_OK;
     norma_document_result result = norma_rewrite_compare(document, state->bytes, state->size, changed, error);
