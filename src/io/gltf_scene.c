@@ -74,19 +74,20 @@ const char *norma_gltf_ignore(gltf *g, uint32_t token) {
     return kept;
 }
 
-const char *norma_gltf_root_ignore(gltf *g) {
-    gltf_scene *scene = norma_gltf_scene_of(g);
-    if (scene && !scene->root_ignore)
-        scene->root_ignore = norma_gltf_ignore(g, 0);
-    return scene ? scene->root_ignore : NULL;
-}
-
 /* above, and behind it what an object's own extras say. */
 static const char *ignored_with(gltf *g, const char *above, uint32_t token) {
     const char *own = above ? norma_gltf_ignore(g, token) : NULL;
     if (!own || !own[0])
         return own ? above : NULL;
     return !above[0] || strlen(above) + strlen(own) >= MOST_IGNORED ? own : norma_scene_join(g->document->scene, above, own);
+}
+
+/* Of the whole file: the root's extras, and the asset's. */
+const char *norma_gltf_root_ignore(gltf *g) {
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    if (scene && !scene->root_ignore)
+        scene->root_ignore = ignored_with(g, norma_gltf_ignore(g, 0), norma_json_member(&g->json, 0, "asset"));
+    return scene ? scene->root_ignore : NULL;
 }
 
 /* ---- arrays */
