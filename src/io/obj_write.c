@@ -415,11 +415,12 @@ static void make_piece(void *context, size_t index, norma_piece *piece)
     }
     const size_t stretch = behind ? index - p->slices - 1 : index;
     const char *from = p->text + (stretch ? stretches[stretch].offset : 0), *to = p->text + stretches[stretch + 1].offset;
-    const char *block = p->text + p->state->block;
-    if (stretch == p->split)
-        make_text(p, stretch, behind ? block : from, behind ? to : block, piece);
-    else
+    if (stretch != p->split) {
         make_text(p, stretch, from, to, piece);
+        return;
+    }
+    const char *block = p->text + p->state->block;
+    make_text(p, stretch, behind ? block : from, behind ? to : block, piece);
 }
 
 static void find_split(pieces *p, size_t *count)
