@@ -218,7 +218,7 @@ static void try_normals(const char *path) {
     close_bytes(&file);
 }
 
-/* ---- vertices: some copied, each corner's at the old one or at its copy; those that no face uses go */
+/* ---- vertices: some copied, each corner's at the old one or at its copy, which may be all that stays; some that no face uses go */
 
 static void random_vertices(const norma_mesh *mesh, norma_mesh_edit *edit, uint32_t *seed) {
     size_t count = mesh->positions.count, next = 0;
@@ -226,13 +226,16 @@ static void random_vertices(const norma_mesh *mesh, norma_mesh_edit *edit, uint3
     uint32_t *kept = calloc(count + 1, sizeof *kept), *copies = calloc(count + 1, sizeof *copies);
     uint8_t *used = calloc(count + 1, 1);
     for (size_t c = 0; c < mesh->corner_count; ++c) used[corner_at(mesh, c)] = 1;
-    for (size_t v = 0; v < count; ++v)
-        if (used[v] || next_random(seed) % 2)
+    for (size_t v = 0; v < count; ++v) {
+        kept[v] = UINT32_MAX;
+        if (next_random(seed) % (used[v] ? 9 : 2))
             kept[v] = (uint32_t)next, sources[next++] = (uint32_t)v;
+    }
     for (size_t v = count; v-- > 0;) {
         copies[v] = kept[v];
-        if (used[v] && next_random(seed) % 5 == 0)
+        if (used[v] && (next_random(seed) % 5 == 0 || kept[v] == UINT32_MAX))
             copies[v] = (uint32_t)next, sources[next++] = (uint32_t)v;
+        kept[v] = kept[v] == UINT32_MAX ? copies[v] : kept[v];
     }
     for (size_t c = 0; c < mesh->corner_count; ++c) corners[c] = (next_random(seed) % 2 ? kept : copies)[corner_at(mesh, c)];
     edit->source_vertices = sources;
