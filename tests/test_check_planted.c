@@ -467,6 +467,44 @@ static void a_seam_two_degrees_apart(void **state) {
     surface_free(&s);
 }
 
+/* A torus cut into two primitives of one mesh, the second half with a material of its own: vertices on the border are in both, some turned there. */
+static void a_seam_between_primitives(void **state) {
+    (void)state;
+    for (int turned = 0; turned < 2; turned++) {
+        surface a = surface_torus(AROUND, ACROSS), b = surface_torus(AROUND, ACROSS);
+        const size_t half = a.faces / 2;
+        memset(a.texcoords, 0, 8 * a.vertices);
+        memset(b.texcoords, 0, 8 * b.vertices);
+        for (size_t k = 3; turned && k < 8; k++) turn_normal(&b, b.corners[3 * half] + k, 3);
+        (void)in_render(&a, "N501", NORMA_SEVERITY_NONE); /* makes the views */
+        (void)in_render(&b, "N501", NORMA_SEVERITY_NONE);
+        norma_check_mesh meshes[2] = {a.mesh, b.mesh};
+        for (size_t i = 0; i < 2; i++) {
+            norma_mesh *mesh = &meshes[i].data.mesh;
+            mesh->corners = (i ? b.corners : a.corners) + (i ? 3 * half : 0);
+            mesh->corner_count = 3 * (i ? b.faces - half : half);
+            meshes[i].info.where = i ? "/meshes/0/primitives/1" : "/meshes/0/primitives/0";
+            meshes[i].info.primitive = i;
+            meshes[i].attributes.material = i;
+        }
+        norma_findings *findings = NULL;
+        const norma_check_scene scene = {.meshes = meshes, .mesh_count = 2, .format = NORMA_FILE_GLB};
+        assert_int_equal(norma_check_scene_run(&scene, NULL, &findings), NORMA_OK);
+        const norma_finding *f = finding_of(findings, "N501", NORMA_SEVERITY_NONE);
+        if (turned) {
+            assert_found(f, 5);
+            assert_string_equal(f->where, "/meshes/0/primitives/1");
+            assert_true(f->worst_value > 2.8 && f->worst_value < 3.01);
+            for (size_t i = 0; i < 5; i++) assert_int_equal(f->samples[i].vertex, b.corners[3 * half] + 3 + i);
+        } else {
+            assert_null(f);
+        }
+        norma_findings_free(findings);
+        surface_free(&a);
+        surface_free(&b);
+    }
+}
+
 static void soups_and_cracks(void **state) {
     (void)state;
     surface s = surface_soup(surface_torus(64, 32));
@@ -614,6 +652,7 @@ int main(void) {
         cmocka_unit_test(cancelled),
         cmocka_unit_test(polygons),
         cmocka_unit_test(a_seam_two_degrees_apart),
+        cmocka_unit_test(a_seam_between_primitives),
         cmocka_unit_test(soups_and_cracks),
         cmocka_unit_test(far_away),
         cmocka_unit_test(samples_rules_and_silence),

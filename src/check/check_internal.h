@@ -31,6 +31,8 @@ typedef struct check_hits {
     int         failed;                   /* out of memory: told by norma_check_add */
 } check_hits;
 
+typedef struct check_member check_member; /* seams_joined.c */
+
 typedef struct check_run {
     norma_check_options options;          /* every field valid */
     norma_check_profile profile;          /* render or print */
@@ -39,6 +41,9 @@ typedef struct check_run {
     core_call           call;             /* memory, threads, progress */
     norma_findings     *findings;
     size_t              next_order;       /* places are numbered as they come */
+    const norma_mesh_info  *last;             /* of the mesh before; NULL: none */
+    check_member           *members;          /* primitives held for N501 */
+    size_t                  member_count, member_room;
 } check_run;
 
 typedef struct check_place {
@@ -86,6 +91,7 @@ struct check_mesh {
     const norma_check_mesh *given;
     check_place             place;
     uint8_t                 rules[CHECK_RULE_COUNT]; /* wanted here: without those that extras silence */
+    int                     siblings;     /* other primitives of the same mesh are checked too */
     int                     on_purpose;   /* the material is double-sided or not opaque: normals and windings may be meant as they are */
     core_mesh               mesh;         /* checked; as the file has it, not welded */
     /* Made when first asked for, freed with the mesh. */
@@ -144,7 +150,9 @@ static inline size_t norma_check_block_count(size_t count, size_t size) { return
 
 /* format decides the profile where options do not. ARGUMENT, MEMORY: nothing to abandon. */
 norma_result norma_check_begin(check_run *run, const norma_check_options *options, norma_file_format format);
-norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given);
+/* next: of the mesh that comes after it, or NULL. given stays as it is until the last primitive of its mesh was run. */
+norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given, const norma_mesh_info *next);
+void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]);
 norma_findings *norma_check_finish(check_run *run);
 void norma_check_abandon(check_run *run);
 /* Takes from mask what a list of extras' "ignore" names; words that name no rule are passed over. */
@@ -162,6 +170,13 @@ norma_result norma_check_shapes(check_mesh *m);                /* shapes.c: N401
 norma_result norma_check_cancelled(check_mesh *m);             /* cancelled.c: N403 */
 norma_result norma_check_polygons(check_mesh *m);              /* polygons.c: N404, N405 */
 norma_result norma_check_seams(check_mesh *m);                 /* seams.c: N501 */
+/* seams.c, seams_joined.c. Angles in radians; 0: no seam there. */
+double       norma_check_seam_least(const char *encoding);
+double       norma_check_seam_angle(const check_mesh *m, size_t position, double least);
+norma_result norma_check_add_seams(check_mesh *m, check_hits *hits, size_t borders); /* borders: how many of them lie between primitives */
+norma_result norma_check_seams_hold(check_mesh *m);
+norma_result norma_check_seams_joined(check_run *run);
+int          norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second);
 norma_result norma_check_coincident(check_mesh *m);            /* coincident.c: N503 */
 norma_result norma_check_precision(check_mesh *m);             /* precision.c: N502, N701, N702 */
 

@@ -77,6 +77,17 @@ static norma_document_result read_morphs(document_check *d, size_t index, norma_
     return result;
 }
 
+/* The next that can be read; NULL: none. */
+static const norma_mesh_info *next_of(document_check *d, size_t index, norma_mesh_info *info) {
+    for (size_t i = index + 1; i < norma_document_mesh_count(d->document); i++) {
+        if (norma_document_mesh_info(d->document, i, info))
+            return NULL;
+        if (!info->not_read)
+            return info;
+    }
+    return NULL;
+}
+
 static norma_document_result check_mesh_of(document_check *d, size_t index) {
     norma_check_mesh *mesh = &d->meshes[d->mesh_count];
     norma_document_result result = norma_document_mesh_info(d->document, index, &mesh->info);
@@ -94,7 +105,8 @@ static norma_document_result check_mesh_of(document_check *d, size_t index) {
         result = read_morphs(d, index, mesh);
     if (result)
         return result;
-    norma_result checked = norma_check_run_mesh(&d->run, mesh);
+    norma_mesh_info next;
+    norma_result checked = norma_check_run_mesh(&d->run, mesh, next_of(d, index, &next));
     d->mesh_count++;
     return checked ? fail(d->error, checked) : NORMA_DOCUMENT_OK;
 }

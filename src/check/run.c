@@ -48,6 +48,8 @@ norma_result norma_check_begin(check_run *run, const norma_check_options *option
 }
 
 void norma_check_abandon(check_run *run) {
+    free(run->members);
+    run->members = NULL;
     norma_findings_free(run->findings);
     run->findings = NULL;
 }
@@ -55,6 +57,8 @@ void norma_check_abandon(check_run *run) {
 norma_findings *norma_check_finish(check_run *run) {
     norma_findings *findings = run->findings;
     run->findings = NULL;
+    free(run->members);
+    run->members = NULL;
     norma_findings_sort(findings);
     return findings;
 }
@@ -76,7 +80,7 @@ void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore) {
             mask[i] = 0;
 }
 
-static void label_mesh(const norma_mesh_info *info, char label[CHECK_MESSAGE]) {
+void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]) {
     const char *name = info->name ? info->name : "";
     label[0] = 0;
     if (info->where && *info->where)
@@ -108,7 +112,7 @@ static void close_mesh(check_mesh *m) {
 
 typedef norma_result check_family(check_mesh *m);
 
-norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given) {
+norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given, const norma_mesh_info *next) {
     static check_family *const families[] = {
         norma_check_lengths, norma_check_facing, norma_check_placeholder, norma_check_deviation, norma_check_facets,  norma_check_edges,      norma_check_solids,
         norma_check_shapes,  norma_check_cancelled, norma_check_polygons, norma_check_seams,     norma_check_coincident, norma_check_precision,
@@ -121,11 +125,13 @@ norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given)
     norma_result result = open_mesh(run, given, &m);
     if (result)
         return result;
-    label_mesh(&given->info, label);
+    m.siblings = norma_check_siblings(run->last, &given->info) || norma_check_siblings(&given->info, next);
+    norma_check_label(&given->info, label);
     m.place = (check_place){.order = run->next_order++, .where = given->info.where ? given->info.where : "", .label = label};
     for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++) result = families[i](&m);
     close_mesh(&m);
-    return result;
+    run->last = &given->info;
+    return result || norma_check_siblings(&given->info, next) ? result : norma_check_seams_joined(run);
 }
 
 norma_result norma_check_scene_run(const norma_check_scene *scene, const norma_check_options *options, norma_findings **findings) {
@@ -137,7 +143,7 @@ norma_result norma_check_scene_run(const norma_check_scene *scene, const norma_c
         return result;
     for (size_t i = 0; i < scene->mesh_count && !result; i++) {
         norma_core_stage(&run.call, (double)i / (double)scene->mesh_count, (double)(i + 1) / (double)scene->mesh_count);
-        result = norma_check_run_mesh(&run, &scene->meshes[i]);
+        result = norma_check_run_mesh(&run, &scene->meshes[i], i + 1 < scene->mesh_count ? &scene->meshes[i + 1].info : NULL);
     }
     if (!result)
         result = norma_check_nodes(&run, scene, NULL, NULL);

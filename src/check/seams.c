@@ -107,39 +107,55 @@ static int surface_is_smooth(const check_mesh *m, const uint32_t *corners, size_
     return 1;
 }
 
+double norma_check_seam_least(const char *encoding) { return fmax(LEAST_RAD, 2 * norma_check_encoding_bound(encoding)); }
+
+double norma_check_seam_angle(const check_mesh *m, size_t position, double least) {
+    const core_around *around = &m->topology.around;
+    seam_vertex vertices[MOST_CORNERS];
+    size_t count = around->starts[position + 1] - around->starts[position];
+    const uint32_t *corners = &around->corners[around->starts[position]];
+    if (count < 4 || count > MOST_CORNERS)
+        return 0;
+    double angle = widest_seam(m, vertices, list_vertices(m, corners, count, vertices));
+    return angle > least && surface_is_smooth(m, corners, count) ? angle : 0;
+}
+
 static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
     const seam_pass *pass = context;
     const check_mesh *m = pass->m;
-    const core_around *around = &m->topology.around;
-    seam_vertex vertices[MOST_CORNERS];
     for (size_t p = begin; p < end; p++) {
-        size_t count = around->starts[p + 1] - around->starts[p];
-        const uint32_t *corners = &around->corners[around->starts[p]];
-        if (count < 4 || count > MOST_CORNERS)
-            continue;
-        double angle = widest_seam(m, vertices, list_vertices(m, corners, count, vertices));
-        if (angle > pass->least && surface_is_smooth(m, corners, count))
+        double angle = norma_check_seam_angle(m, p, pass->least);
+        if (angle > 0)
             norma_check_hit(m->run, &pass->parts[block], angle * (180 / NORMA_PI), norma_check_vertex(p));
     }
 }
 
-static norma_result add_seams(check_mesh *m, check_hits *hits) {
+norma_result norma_check_add_seams(check_mesh *m, check_hits *hits, size_t borders) {
+    int no_fix = hits->count && borders == hits->count; /* a border of primitives is not mended */
     char message[CHECK_MESSAGE];
     norma_check_message(message, "%z positions on seams where normals differ by up to %g degrees though the surface is smooth: a line that nobody modelled", hits->count, hits->worst);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N501, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .hits = hits, .message = message});
+    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N501, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .no_fix = no_fix, .hits = hits, .message = message});
+}
+
+static int can_be_joined(const check_mesh *m) {
+    const norma_mesh_attributes *a = &m->given->attributes;
+    int per_vertex = m->given->info.normals == NORMA_NORMALS_PER_VERTEX && !m->given->data.corner_normals && norma_check_normal_count(m) == m->mesh.positions.count;
+    return per_vertex && !m->mesh.face_starts && !a->corner_texcoords && !a->face_materials;
 }
 
 norma_result norma_check_seams(check_mesh *m) {
     const norma_mesh_attributes *a = &m->given->attributes;
-    if (!m->mesh.face_count || !norma_check_wants(m, RULE_N501) || !norma_check_normal_count(m) || m->given->info.normals == NORMA_NORMALS_PER_FACET || (!a->texcoords && !a->colors && !a->face_materials))
+    if (!m->mesh.face_count || !norma_check_wants(m, RULE_N501) || !norma_check_normal_count(m) || m->given->info.normals == NORMA_NORMALS_PER_FACET || (!m->siblings && !a->texcoords && !a->colors && !a->face_materials))
         return NORMA_OK;
+    if (m->siblings && can_be_joined(m))
+        return norma_check_seams_hold(m);
     norma_result result = norma_check_faces(m);
     if (!result)
         result = norma_check_pairs(m);
     if (result)
         return result;
     size_t count = m->topology.around.position_count, blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
-    seam_pass pass = {m, fmax(LEAST_RAD, 2 * norma_check_encoding_bound(m->given->info.encoding)), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    seam_pass pass = {m, norma_check_seam_least(m->given->info.encoding), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     if (!pass.parts)
         return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
@@ -148,7 +164,7 @@ norma_result norma_check_seams(check_mesh *m) {
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     if (!result && hits.count)
-        return add_seams(m, &hits);
+        return norma_check_add_seams(m, &hits, 0);
     norma_check_hits_free(&hits);
     return result;
 }
