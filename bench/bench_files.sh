@@ -1,7 +1,7 @@
 #!/bin/bash
 # Whole processes, file to file, on a memory file system: norma compute with its default options, and with creases at 60 degrees, beside copying the same file.
 #   bench/bench_files.sh [TRIANGLES]        (1000000)
-# NORMA_BIN: the tool (build/bin/norma); RUNS: the best of so many (9).
+# NORMA_BIN: the tool (build/bin/norma); RUNS: the best of so many (9); GLTF_TRANSFORM: a node_modules folder with gltf-transform, to measure it too.
 # Prints for each format, in milliseconds and MB: the input's bytes, the output's, cp, norma with one thread and with two, the least of both against cp and against the target of
 # DESIGN.md, and the largest resident memory of both, with the mapped input and without it, against the input's size.
 set -eu
@@ -51,6 +51,11 @@ measure "STL" stl stl 40
 rm -f "$folder"/in.*
 measure "GLB, smooth" glb glb 40 --smooth
 measure "GLB, creases" glb glb 80 --crease 60
+measure "GLB, flat" glb glb 80 --flat
+if [ -d "${GLTF_TRANSFORM:-}/@gltf-transform" ]; then
+    printf '%-22s %s ms (flat normals, node %s)\n' "GLB, gltf-transform" \
+        "$("$folder/run_best" 3 node "$root/bench/rivals/npm/gltf-transform.mjs" "$GLTF_TRANSFORM" "$folder/in.glb" "$folder/out.glb" | cut -d' ' -f1)" "$(node --version)"
+fi
 rm -f "$folder"/in.*
 measure "GLB with normals" glb-normals glb 80
 rm -f "$folder"/in.*

@@ -12,7 +12,7 @@ sections=${*:-core rivals files web}
 triangles=${NORMA_BENCH_TRIANGLES:-2000000}
 mkdir -p "$out"
 
-case " $sections " in *" rivals "*) scripts/install-deps.sh bench || echo "some libraries could not be installed; those that are there are measured" ;; esac
+case " $sections " in *" rivals "* | *" files "* | *" web "*) scripts/install-deps.sh bench || echo "some libraries could not be installed; those that are there are measured" ;; esac
 cmake -S . -B "$out/tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_BENCH=ON -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF >"$out/build.log" 2>&1 &&
     cmake --build "$out/tree" >>"$out/build.log" 2>&1 || { tail -20 "$out/build.log"; exit 1; }
 bin=$out/tree/bin
@@ -43,12 +43,13 @@ run_rivals() {
 }
 
 run_files() {
-    NORMA_BIN=$bin/norma bench/bench_files.sh | tee "$out/files.txt"
+    NORMA_BIN=$bin/norma GLTF_TRANSFORM=$root/build/npm-bench/node_modules bench/bench_files.sh | tee "$out/files.txt"
 }
 
 run_web() {
     if [ ! -d build/web/npm ]; then make --no-print-directory web >"$out/web.log" 2>&1 || { tail -5 "$out/web.log"; return; }; fi
     NODE_PATH=$root/build/npm-web/node_modules node bench/bench_web.mjs | tee "$out/web.txt"
+    [ -d build/npm-bench/node_modules ] && node bench/rivals/npm/meshoptimizer.mjs | tee -a "$out/web.txt"
 }
 
 for section in $sections; do

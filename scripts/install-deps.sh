@@ -62,6 +62,7 @@ from_npm() {
         cp "$root/$1/package-lock.json" "$2/installed-lock.json"
     fi
 }
+[ "$what" != bench ] || from_npm bench/rivals/npm "$root/build/npm-bench"
 if [ "$what" = all ]; then
     from_npm tests/validator "$root/build/npm"
     from_npm tests/web "$root/build/npm-web"
