@@ -35,7 +35,7 @@ $package installed"*) ;;
     esac
 done
 [ "$what" = build ] || command -v node >/dev/null || missing="$missing nodejs"
-if [ "$what" = all ]; then
+if [ "$what" = all ] || [ "$what" = bench ]; then
     command -v npm >/dev/null || missing="$missing npm"
 fi
 
