@@ -3,7 +3,7 @@ BUILD ?= build
 PREFIX ?= /usr/local
 CMAKE_FLAGS ?=
 
-.PHONY: all help deps demo figures web test bench asan tsan format lint install single clean
+.PHONY: all help deps demo figures web test coverage bench asan tsan format lint install single clean
 .DEFAULT_GOAL := all
 
 # Where packages cannot be installed (another system, neither root nor sudo) the script says which, and CMake tells whether they are there all the same.
@@ -21,6 +21,7 @@ help:
 	@echo "make test     installs what is missing, then the whole test suite (two compilers, sanitizers, install, examples, README)"
 	@echo "make asan     the tests under the address and undefined-behaviour sanitizers only (clang)"
 	@echo "make tsan     the tests that use threads under the thread sanitizer only (clang)"
+	@echo "make coverage which lines and branches of core and io the tests run (gcov)"
 	@echo "make bench    Norma beside memcpy and beside other libraries, which it installs (more than a gigabyte); about ten minutes"
 	@echo "make web      the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
 	@echo "make figures  draws the figures of the guide and of the README into docs/figures again"
@@ -46,6 +47,9 @@ asan: deps
 
 tsan: deps
 	@tests/run.sh tsan
+
+coverage:
+	@scripts/coverage.sh
 
 bench:
 	@scripts/bench.sh
