@@ -53,7 +53,7 @@ web_module(norma.wasm ${web_core_objects})
 
 # The page's module: the readers as well, without what a page has not.
 set(web_page_sources ${io_sources})
-list(FILTER web_page_sources EXCLUDE REGEX "/(file|gltf_meshopt)\\.c$")
+list(FILTER web_page_sources EXCLUDE REGEX "/(file|file_writer|gltf_meshopt)\\.c$")
 list(TRANSFORM web_page_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
 file(GLOB web_model_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/model/*.c)
 set(web_flags_here -isystem ${CMAKE_SOURCE_DIR}/web/model/posix -include ${CMAKE_SOURCE_DIR}/web/model/missing.h)

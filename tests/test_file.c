@@ -52,7 +52,7 @@ static void put(const char *path, const char *text) {
 
 static void assert_holds(const char *path, const char *text) {
     file_bytes bytes;
-    assert_int_equal(norma_file_open(path, &bytes), 0);
+    assert_int_equal(norma_file_open(path, 0, &bytes), 0);
     assert_int_equal(bytes.size, strlen(text));
     assert_memory_equal(bytes.data, text, bytes.size);
     norma_file_close(&bytes);
@@ -94,13 +94,13 @@ static void reads_what_is_there(void **state) {
     put(here->path, "v 0 0 0\n");
     assert_holds(here->path, "v 0 0 0\n");
     put(here->path, "");
-    assert_int_equal(norma_file_open(here->path, &bytes), 0);
+    assert_int_equal(norma_file_open(here->path, 0, &bytes), 0);
     assert_non_null(bytes.data);
     assert_int_equal(bytes.size, 0);
     norma_file_close(&bytes);
-    assert_int_equal(norma_file_open(here->folder, &bytes), EISDIR);
+    assert_int_equal(norma_file_open(here->folder, 0, &bytes), EISDIR);
     unlink(here->path);
-    assert_int_equal(norma_file_open(here->path, &bytes), ENOENT);
+    assert_int_equal(norma_file_open(here->path, 0, &bytes), ENOENT);
 }
 
 static void reads_a_pipe_to_its_end(void **state) {
@@ -116,7 +116,7 @@ static void reads_a_pipe_to_its_end(void **state) {
         _exit(0);
     }
     file_bytes bytes;
-    assert_int_equal(norma_file_open(here->path, &bytes), 0);
+    assert_int_equal(norma_file_open(here->path, 0, &bytes), 0);
     assert_int_equal(bytes.size, size);
     assert_int_equal(bytes.data[0], 'a');
     assert_int_equal(bytes.data[size - 1], 'b');
@@ -146,7 +146,7 @@ static void writes_more_than_its_buffer(void **state) {
     assert_int_equal(norma_file_writer_write(writer, text + at, size - at), 0);
     assert_int_equal(norma_file_writer_commit(writer), 0);
     file_bytes bytes;
-    assert_int_equal(norma_file_open(here->path, &bytes), 0);
+    assert_int_equal(norma_file_open(here->path, 0, &bytes), 0);
     assert_int_equal(bytes.size, size);
     assert_memory_equal(bytes.data, text, size);
     norma_file_close(&bytes);
@@ -170,7 +170,7 @@ static void keeps_a_mapped_source_whole(void **state) {
     const place *here = *state;
     file_bytes source;
     put(here->path, "old bytes");
-    assert_int_equal(norma_file_open(here->path, &source), 0);
+    assert_int_equal(norma_file_open(here->path, 0, &source), 0);
     assert_int_equal(write_text(here->path, "n"), 0);
     assert_memory_equal(source.data, "old bytes", source.size);
     norma_file_close(&source);
@@ -182,8 +182,9 @@ static void abandoning_leaves_nothing(void **state) {
     put(here->path, "old");
     file_writer *writer;
     assert_int_equal(norma_file_writer_open(here->path, &writer), 0);
-    assert_int_equal(count_entries(here->folder), 2);
     assert_int_equal(norma_file_writer_write(writer, "new", 3), 0);
+    assert_int_equal(norma_file_writer_prepare(writer), 0);
+    assert_in_range(count_entries(here->folder), 1, 2); /* the temporary may have no name */
     norma_file_writer_abandon(writer);
     norma_file_writer_abandon(NULL);
     assert_holds(here->path, "old");

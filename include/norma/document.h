@@ -52,7 +52,12 @@ typedef struct norma_document_options {
     void                *progress_user;
     int                  lenient;          /* nonzero: what norma check judges is read instead of refused: glTF normals fewer or more than positions (told of by
                                               norma_document_mesh_attributes), extensions that a file requires and that are not known (by norma_document_unread) */
+    int                  copied;           /* nonzero: files are read into memory. Else large ones are mapped: of a file that another program shortens while the document is
+                                              open, reading what was lost raises SIGBUS (POSIX), which this library does not catch */
 } norma_document_options;
+
+/* A file that changes while it is read, or between then and saving, is a file error, and nothing is written. One that is replaced, as this library and most editors do it,
+ * goes on being what it was to those who have it open; in place it is then not replaced. */
 
 /* error may be NULL. On failure *document is NULL. */
 norma_document_result norma_document_open(const char *path, const norma_document_options *options, norma_document **document, norma_document_error *error);
@@ -273,7 +278,10 @@ typedef struct norma_save_options {
     void           *progress_user;
 } norma_save_options;
 
-/* Writes path whole or not at all; a .gltf with its buffers beside it. Refuses a path that names the source or one of its buffers, unless in place. */
+/* Writes path whole or not at all; a .gltf with its buffers beside it. Refuses a path that names the source or one of its buffers, unless in place, and in place what another
+ * program has changed or is replacing at the same time. Whenever the process or the machine stops, path is the old file or the new one: buffers are on the disk before the
+ * .gltf that needs them, and in place they only gain bytes, so that the old .gltf, and others that share them, read what they read. What the temporary files are called:
+ * .norma-PROCESS-NUMBER.tmp; on Linux they have no name until they are whole. */
 norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *options, norma_document_error *error);
 
 /* Hands the whole file to write in order (nonzero from it: stop, file error); a .gltf with its buffers as data URIs. */

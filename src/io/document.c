@@ -2,6 +2,7 @@
 #include "document_internal.h"
 #include "scene.h"
 #include <errno.h>
+#include "../core/vec3_view.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,6 +60,7 @@ static norma_document *make_document(const char *name, int has_folder, const nor
     document->progress_user = options->progress_user;
     document->lenient = options->lenient;
     document->scene = norma_scene_create();
+    document->copied = options->copied;
     if (document->scene && document->path && (document->folder || !has_folder))
         return document;
     norma_document_close(document);
@@ -79,6 +81,17 @@ static norma_document_result read_document(norma_document *document, norma_docum
 }
 
 static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory, const norma_document_options *given,
+/* Mapped bytes are those of the file as it is now: half of them may be old and half of them new. */
+static int changed_since_read(const norma_document *document, norma_document_error *error) {
+    const format_functions *functions = document->functions;
+    char *beside = functions && functions->changed_companion && document->state ? functions->changed_companion(document) : NULL;
+    const int changed = beside || norma_file_has_changed(document->path, &document->stamp);
+    if (changed)
+        norma_document_fail_file(beside ? beside : document->path, error, "cannot be read", FILE_CHANGED);
+    free(beside);
+    return changed;
+}
+
                                        norma_document **document, norma_document_error *error) {
     norma_document_options options;
     copy_options(&options, sizeof options, offsetof(norma_document_options, lenient), given);
@@ -89,13 +102,18 @@ static norma_document_result open_with(const char *name, int has_folder, const f
     if (memory) {
         made->source = *memory;
     } else {
-        int failed = norma_file_open(name, &made->source);
+        int failed = norma_file_open(name, made->copied, &made->source);
         if (failed)
             result = norma_document_fail_file(name, error, "cannot be read", failed);
     }
-    if (!result)
+        made->stamp = made->source.stamp;
+    if (!result) {
         result = read_document(made, error);
     if (result)
+        /* What was found in it may come of that. */
+        if (result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY && changed_since_read(made, error))
+            result = NORMA_DOCUMENT_ERROR_FILE;
+    }
         norma_document_close(made);
     else
         *document = made;
@@ -378,7 +396,8 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
 }
 
 /* Everything that can fail for want of room or by the format happens before the first rename. */
-static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, norma_document_error *error) {
+static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, companion_writers *companions,
+                                          norma_document_error *error) {
     file_sink sink = {.document = document, .writer = writer};
     int stream = norma_file_is_stream(path);
     norma_document_result result = document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
@@ -386,11 +405,62 @@ static norma_document_result write_target(norma_document *document, const char *
         return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
     if (!sink.error && !result)
         sink.error = norma_file_writer_prepare(writer);
-    if (sink.error)
+    if (sink.error && sink.error != FILE_CHANGED)
         return norma_document_fail_file(path, error, "cannot be written", sink.error);
     if (!result && !stream && document->functions->write_companions)
-        result = document->functions->write_companions(document, path, in_place, error);
-    return result;
+        result = document->functions->write_companions(document, path, in_place, companions, error);
+    /* After all of it is read for the last time; what went wrong before may come of it. */
+    if (changed_since_read(document, error))
+        return NORMA_DOCUMENT_ERROR_FILE;
+    return sink.error ? norma_document_fail_file(document->path, error, "cannot be read", sink.error) : result;
+}
+
+static norma_document_result save(norma_document *document, const char *path, const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
+    file_writer *writer;
+    int failed = norma_file_writer_open(path, &writer);
+    if (failed)
+        return norma_document_fail_file(path, error, "cannot be written", failed);
+    if (options->in_place && norma_file_same(path, document->path))
+        norma_file_writer_expect(writer, &document->stamp);
+    document->progress = options->progress;
+    document->progress_user = options->progress_user;
+    norma_document_result result = write_target(document, path, options->in_place, writer, writers, error);
+    document->progress = NULL;
+    if (result) {
+        norma_file_writer_abandon(writer);
+int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path) {
+    file_writer **list = norma_io_grow(writers->list, &writers->list_capacity, writers->count + 1, sizeof *list);
+    writers->list = list ? list : writers->list;
+    char **paths = list ? norma_io_grow(writers->paths, &writers->path_capacity, writers->count + 1, sizeof *paths) : NULL, *copy = paths ? copy_text(path, strlen(path)) : NULL;
+    writers->paths = paths ? paths : writers->paths;
+    if (!copy) {
+        norma_file_writer_abandon(writer);
+        return 0;
+    }
+    list[writers->count] = writer;
+    paths[writers->count++] = copy;
+    return 1;
+}
+
+static void free_writers(companion_writers *writers, int abandon) {
+    for (size_t i = 0; i < writers->count; ++i) {
+        if (abandon)
+            norma_file_writer_abandon(writers->list[i]);
+        free(writers->paths[i]);
+    }
+    free(writers->list);
+    free(writers->paths);
+}
+
+        return result;
+    }
+    if (!norma_document_add_writer(writers, writer, path))
+        return norma_document_fail_memory(document, error);
+    failed = norma_file_writers_commit(writers->list, writers->count, &at);
+    if (failed)
+        norma_document_fail_file(writers->paths[at], error, "cannot be written", failed);
+    for (size_t i = 0; i < writers->count; ++i) writers->list[i] = NULL;
+    return !failed ? NORMA_DOCUMENT_OK : failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE;
 }
 
 norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *given, norma_document_error *error) {
@@ -401,20 +471,10 @@ norma_document_result norma_document_save(norma_document *document, const char *
         result = check_target(document, path, options.in_place, error);
     if (result)
         return result;
-    file_writer *writer;
-    int failed = norma_file_writer_open(path, &writer);
-    if (failed)
-        return norma_document_fail_file(path, error, "cannot be written", failed);
-    document->progress = options.progress;
-    document->progress_user = options.progress_user;
-    result = write_target(document, path, options.in_place, writer, error);
-    document->progress = NULL;
-    if (result) {
-        norma_file_writer_abandon(writer);
-        return result;
-    }
-    failed = norma_file_writer_commit(writer);
-    return failed ? norma_document_fail_file(path, error, "cannot be written", failed) : NORMA_DOCUMENT_OK;
+    companion_writers writers = {0};
+    result = save(document, path, &options, &writers, error);
+    free_writers(&writers, result != NORMA_DOCUMENT_OK);
+    return result;
 }
 
 norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error) {
@@ -423,5 +483,7 @@ norma_document_result norma_document_write(norma_document *document, norma_write
         return result;
     if (!write)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no function to write with was given");
-    return document->functions->write(document, NULL, write, user, error);
+    result = document->functions->write(document, NULL, write, user, error);
+    return changed_since_read(document, error) ? NORMA_DOCUMENT_ERROR_FILE : result;
 }
+    size_t at;

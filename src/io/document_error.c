@@ -53,11 +53,19 @@ norma_document_result norma_document_fail(const norma_document *document, norma_
     return result;
 }
 
+void norma_document_system_text(int system_error, char *text, size_t room) {
+    if (system_error == FILE_CHANGED)
+        snprintf(text, room, "another program has changed it since it was read");
+    else if (system_error == FILE_IN_USE)
+        snprintf(text, room, "another program is replacing it at this moment");
+    else if (strerror_r(system_error, text, room))
+        snprintf(text, room, "error %d of the system", system_error);
+}
+
 norma_document_result norma_document_fail_file(const char *path, norma_document_error *error, const char *what, int system_error) {
     norma_document_result result = system_error == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE;
     char text[160];
-    if (strerror_r(system_error, text, sizeof text))
-        snprintf(text, sizeof text, "error %d of the system", system_error);
+    norma_document_system_text(system_error, text, sizeof text);
     const norma_document named = {.path = (char *)(uintptr_t)path};
     return norma_document_fail(&named, error, result, NULL, "%s: %s", what, text);
 }

@@ -7,6 +7,14 @@
 typedef struct format_functions format_functions;
 typedef struct scene_functions scene_functions;
 
+typedef struct companion_writers {         /* freed by who made it; paths: what messages name */
+    file_writer **list;
+    char        **paths;
+    size_t        count, list_capacity, path_capacity;
+} companion_writers;
+/* 0: memory is out, and the writer is abandoned. */
+int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
+
 struct norma_document {
     const format_functions *functions;
     norma_file_format       format;
@@ -17,10 +25,12 @@ struct norma_document {
     char                   *path;          /* as the caller gave it; what messages name; "<stdin>" or the like from memory */
     char                   *folder;        /* with its last slash; "" the current one; NULL: none, external files are refused */
     file_bytes              source;        /* the whole file, mapped or the caller's */
+    file_stamp              stamp;         /* of the file at path when it was read */
     void                   *state;         /* the format's own */
     char                  **notes;
     size_t                  note_count, note_capacity;
     int                     failed;        /* a change went wrong half-way: it can only be closed */
+    int                     copied;        /* files are read into memory, not mapped */
     int                     lenient;       /* what norma check judges is read instead of refused */
     struct norma_scene     *scene;         /* what else is told of it (scene.h) */
 };
@@ -40,9 +50,11 @@ struct format_functions {
     norma_document_result (*equal_vertices)(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error); /* NULL: vertices have nothing else to compare */
     /* The document's own bytes in order. glTF: the text or GLB, as it is to stand at path (NULL: with data URIs). */
     norma_document_result (*write)(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error);
-    /* NULL, or the other files that belong beside path (a .gltf's buffers, its images). Called when the bytes of path are written and flushed to its temporary,
-     * which is renamed after this succeeds: so they are in place before the file that names them. */
-    norma_document_result (*write_companions)(norma_document *document, const char *path, int in_place, norma_document_error *error);
+    /* NULL, or the other files that belong beside path (a .gltf's buffers, its images), written and prepared, and added to writers, which the caller commits: in order, so
+     * that they are in place before the file that names them. Called when the bytes of path are written and flushed to its temporary. */
+    norma_document_result (*write_companions)(norma_document *document, const char *path, int in_place, companion_writers *writers, norma_document_error *error);
+    /* NULL, or the first of the files beside its own that has changed since this document was read from it, the caller's to free. */
+    char                 *(*changed_companion)(const norma_document *document);
     /* NULL, or whether path is one of the files that this document was read from. */
     int                   (*reads_from)(const norma_document *document, const char *path);
     const scene_functions  *scene;                                                                                              /* NULL: nothing else is told */
@@ -57,6 +69,8 @@ __attribute__((format(printf, 5, 6)))
 #endif
 norma_document_result norma_document_fail(const norma_document *document, norma_document_error *error, norma_document_result result, const char *place, const char *format, ...);
 /* "PATH: WHAT: the system's text", for any path; result FILE, or MEMORY where the system says so. */
+/* What an error of file.h means, in words. */
+void norma_document_system_text(int system_error, char *text, size_t room);
 norma_document_result norma_document_fail_file(const char *path, norma_document_error *error, const char *what, int system_error);
 norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error);
 /* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here (the readers should have caught them), cancelled stays. */

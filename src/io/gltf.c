@@ -330,4 +330,5 @@ const format_functions norma_gltf_functions = {
     .write_companions = norma_gltf_write_companions,
     .reads_from = norma_gltf_reads_from,
     .scene = &norma_gltf_scene,
+    .changed_companion = norma_gltf_changed_companion,
 };

@@ -140,16 +140,20 @@ norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *err
 
 static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_document_error *error)
 {
-    char place[200], *path;
+    char place[200], *path = NULL;
     norma_gltf_pointer(g, buffer->token, place, sizeof place);
     if (!norma_gltf_path_inside(g->document->folder, buffer->name, &path))
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED, place, "the buffer %s is not opened; expected a file in the asset's folder", buffer->name);
     struct stat status;
-    int failed = stat(path, &status) ? errno : !S_ISREG(status.st_mode) ? EINVAL : norma_file_open(path, &buffer->file);
+    int failed = stat(path, &status) ? errno : !S_ISREG(status.st_mode) ? EINVAL : norma_file_open(path, g->document->copied, &buffer->file);
     free(path);
-    if (failed)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_FILE, place, "the buffer %s cannot be read: %s", buffer->name,
-                                   failed == EINVAL ? "no regular file" : strerror(failed));
+    if (failed) {
+        char text[160] = "no regular file";
+        if (failed != EINVAL)
+            norma_document_system_text(failed, text, sizeof text);
+        return norma_document_fail(g->document, error, failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE, place, "the buffer %s cannot be read: %s",
+                                   buffer->name, text);
+    }
     buffer->bytes = buffer->file.data;
     if (buffer->file.size >= buffer->length)
         return NORMA_DOCUMENT_OK;

@@ -1,5 +1,5 @@
 /* gltf_companions.c: the files that go with an asset: its buffers, and into another folder the images that it names. All are looked at before any is written, all are
- * written before any is renamed; a file of the same content is left alone, one of other content is refused. */
+ * written before any is renamed (by norma_document_save); a file of the same content is left alone, one of other content is refused. */
 #define _POSIX_C_SOURCE 200809L
 #include "gltf_patch.h"
 #include <errno.h>
@@ -13,7 +13,7 @@ typedef struct companion {
     const unsigned char *bytes;           /* or these */
     size_t               size;
     file_bytes           file;            /* an image's */
-    file_writer         *writer;
+    file_stamp          *replaces;        /* in place: of the buffer as it was read */
 } companion;
 
 typedef struct companions {
@@ -49,7 +49,7 @@ static norma_document_result refuse(const companions *c, const char *path)
 static norma_document_result add(companions *c, companion one)
 {
     file_bytes there;
-    int failed = norma_file_open(one.path, &there), same = 0;
+    int failed = norma_file_open(one.path, c->document->copied, &there), same = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!failed) {
         same = has_content(&one, &there);
@@ -77,6 +77,8 @@ static norma_document_result add_buffer(companions *c, uint32_t number)
     companion one = {.path = norma_gltf_join(c->folder, b->name)};
     if (!one.path)
         return out_of_memory(c);
+    if (c->in_place && number < c->g->buffer_count && c->g->buffers[number].name && strcmp(c->g->buffers[number].name, b->name) == 0)
+        one.replaces = &c->g->buffers[number].file.stamp;
     if (b->changed) {
         one.buffer = b;
     } else {
@@ -94,7 +96,7 @@ static norma_document_result add_file(companions *c, const char *name)
     struct stat status;
     if (!norma_gltf_path_inside(c->document->folder, name, &source))
         return norma_document_add_note(c->document, "%s lies outside the asset's folder and was not copied", name), NORMA_DOCUMENT_OK;
-    int there = stat(source, &status) == 0 && S_ISREG(status.st_mode) && norma_file_open(source, &one.file) == 0;
+    int there = stat(source, &status) == 0 && S_ISREG(status.st_mode) && norma_file_open(source, c->document->copied, &one.file) == 0;
     free(source);
     if (!there)
         return NORMA_DOCUMENT_OK;
@@ -153,47 +155,41 @@ static int make_folders(char *path, size_t known)
     return 0;
 }
 
-static int write_content(const companion *one)
+static int write_content(const companion *one, file_writer *writer)
 {
     static const unsigned char zeros[256];
     int failed = 0;
     if (!one->buffer)
-        return norma_file_writer_write(one->writer, one->bytes, one->size);
+        return norma_file_writer_write(writer, one->bytes, one->size);
     for (size_t i = 0; !failed && i < one->buffer->segment_count; ++i) {
         const patch_segment *s = &one->buffer->segments[i];
         if (s->bytes)
-            failed = norma_file_writer_write(one->writer, s->bytes, s->length);
+            failed = norma_file_writer_write(writer, s->bytes, s->length);
         for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0; left -= left < sizeof zeros ? left : sizeof zeros)
-            failed = norma_file_writer_write(one->writer, zeros, left < sizeof zeros ? left : sizeof zeros);
+            failed = norma_file_writer_write(writer, zeros, left < sizeof zeros ? left : sizeof zeros);
     }
     return failed;
 }
 
-static norma_document_result write_all(companions *c)
+static norma_document_result write_one(companions *c, companion *one, companion_writers *writers)
 {
-    for (size_t i = 0; i < c->count; ++i) {
-        companion *one = &c->list[i];
-        int failed = make_folders(one->path, strlen(c->folder));
-        if (!failed)
-            failed = norma_file_writer_open(one->path, &one->writer);
-        if (!failed)
-            failed = write_content(one);
-        if (!failed)
-            failed = norma_file_writer_prepare(one->writer);
-        if (failed)
-            return norma_document_fail_file(one->path, c->error, "cannot be written", failed);
-    }
-    for (size_t i = 0; i < c->count; ++i) {
-        file_writer *writer = c->list[i].writer;
-        c->list[i].writer = NULL;
-        int failed = norma_file_writer_commit(writer);
-        if (failed)
-            return norma_document_fail_file(c->list[i].path, c->error, "cannot be written", failed);
-    }
-    return NORMA_DOCUMENT_OK;
+    file_writer *writer = NULL;
+    int failed = make_folders(one->path, strlen(c->folder));
+    if (!failed)
+        failed = norma_file_writer_open(one->path, &writer);
+    if (!failed && one->replaces)
+        norma_file_writer_expect(writer, one->replaces);
+    if (!failed)
+        failed = write_content(one, writer);
+    if (!failed)
+        failed = norma_file_writer_prepare(writer);
+    if (!failed)
+        return norma_document_add_writer(writers, writer, one->path) ? NORMA_DOCUMENT_OK : out_of_memory(c);
+    norma_file_writer_abandon(writer);
+    return norma_document_fail_file(one->path, c->error, "cannot be written", failed);
 }
 
-norma_document_result norma_gltf_write_companions(norma_document *document, const char *path, int in_place, norma_document_error *error)
+norma_document_result norma_gltf_write_companions(norma_document *document, const char *path, int in_place, companion_writers *writers, norma_document_error *error)
 {
     gltf *g = norma_gltf_of(document);
     companions c = {.document = document, .g = g, .folder = norma_gltf_folder_of(path), .error = error};
@@ -203,10 +199,9 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
         result = norma_gltf_lay_out(g, path, error);
     if (!result)
         result = collect(&c, path);
-    if (!result)
-        result = write_all(&c);
+    for (size_t i = 0; !result && i < c.count; ++i)
+        result = write_one(&c, &c.list[i], writers);
     for (size_t i = 0; i < c.count; ++i) {
-        norma_file_writer_abandon(c.list[i].writer);
         norma_file_close(&c.list[i].file);
         free(c.list[i].path);
     }
@@ -225,4 +220,16 @@ int norma_gltf_reads_from(const norma_document *document, const char *path)
         free(file);
     }
     return reads;
+}
+
+char *norma_gltf_changed_companion(const norma_document *document)
+{
+    const gltf *g = norma_gltf_of(document);
+    for (uint32_t b = 0; g->buffers && b < g->buffer_count && document->folder; ++b) {
+        char *file = g->buffers[b].name && g->buffers[b].file.stamp.known ? norma_gltf_join(document->folder, g->buffers[b].name) : NULL;
+        if (file && norma_file_has_changed(file, &g->buffers[b].file.stamp))
+            return file;
+        free(file);
+    }
+    return NULL;
 }

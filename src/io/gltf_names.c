@@ -67,7 +67,7 @@ static found look(const gltf *g, uint32_t buffer, const char *file)
 {
     const patch_buffer *b = &g->patch->buffers[buffer];
     file_bytes bytes;
-    int failed = norma_file_open(file, &bytes);
+    int failed = norma_file_open(file, g->document->copied, &bytes);
     if (failed)
         return failed == ENOENT ? FOUND_NOTHING : FOUND_OTHER;
     int same = b->changed ? norma_gltf_segments_equal(b, bytes.data, bytes.size)

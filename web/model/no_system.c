@@ -7,19 +7,22 @@
 #include <string.h>
 #include <sys/stat.h>
 
-int norma_file_open(const char *path, file_bytes *bytes) {
+int norma_file_open(const char *path, int copied, file_bytes *bytes) {
     (void)path;
+    (void)copied;
     *bytes = (file_bytes){0};
     return ENOSYS;
 }
 void norma_file_close(file_bytes *bytes) { *bytes = (file_bytes){0}; }
 void norma_file_forget(const file_bytes *bytes) { (void)bytes; }
+int norma_file_has_changed(const char *path, const file_stamp *stamp) { return (void)path, (void)stamp, 0; }
 int norma_file_same(const char *a, const char *b) { return strcmp(a, b) == 0; }
 int norma_file_is_stream(const char *path) { return (void)path, 0; }
 int norma_file_writer_open(const char *path, file_writer **writer) { return (void)path, *writer = NULL, ENOSYS; }
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size) { return (void)writer, (void)bytes, (void)size, ENOSYS; }
 int norma_file_writer_prepare(file_writer *writer) { return (void)writer, ENOSYS; }
-int norma_file_writer_commit(file_writer *writer) { return (void)writer, ENOSYS; }
+void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) { (void)writer, (void)stamp; }
+int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) { return (void)writers, (void)count, *failed = 0, ENOSYS; }
 void norma_file_writer_abandon(file_writer *writer) { (void)writer; }
 
 norma_document_result norma_gltf_decode_meshopt(gltf *g, uint32_t number, norma_document_error *error) {
