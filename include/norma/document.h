@@ -255,8 +255,8 @@ typedef struct norma_mesh_edit {
     const float   *tangents;               /* glTF: x, y, z, sign for each vertex */
     const uint8_t *set_tangents;           /* where the primitive has none yet, all are taken, whatever the marks */
     int            strip_normals;          /* glTF: normals that are taken away; their accessor stays, since numbers never shift */
-    const uint32_t *source_vertices;       /* glTF, PLY: these are the vertices now, each a copy of all that the old one of this number has (attributes, morph targets); the
-                                              marks and numbers above then count the new ones */
+    const uint32_t *source_vertices;       /* glTF, PLY, OBJ: these are the vertices now, each a copy of all that the old one of this number has (attributes, morph targets; of
+                                              an OBJ the v line); the marks and numbers above then count the new ones. OBJ: not together with them */
     size_t         vertex_count;           /* of source_vertices, at least 1 */
     const uint32_t *new_corners;           /* with it: the new vertex of each corner, in the order of norma_mesh_data (before reverse_faces) */
 } norma_mesh_edit;
@@ -265,8 +265,8 @@ typedef struct norma_mesh_edit {
  * have. After an error the document can only be closed. O(file). */
 norma_document_result norma_document_edit(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 
-/* glTF, PLY: of each vertex of a mesh the first that equals it bit for bit in all that the file gives it (attributes, morph targets; PLY: the whole row, of a text its words);
- * itself where something in the file may name vertices by their numbers. first: room for norma_mesh_info.vertices. Argument error for other formats. Expected O(vertices). */
+/* glTF, PLY, OBJ: of each vertex of a mesh the first that equals it bit for bit in all that the file gives it (attributes, morph targets; PLY: the whole row, of a text its
+ * words; OBJ: the words of the v line); itself where something in the file may name vertices by their numbers. first: room for norma_mesh_info.vertices. Argument error for other formats. Expected O(vertices). */
 norma_document_result norma_document_equal_vertices(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
 
 /* ---- writing */

@@ -2,7 +2,6 @@
 #include "document_internal.h"
 #include "scene.h"
 #include <errno.h>
-#include "../core/vec3_view.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,8 +58,8 @@ static norma_document *make_document(const char *name, int has_folder, const nor
     document->progress = options->progress;
     document->progress_user = options->progress_user;
     document->lenient = options->lenient;
-    document->scene = norma_scene_create();
     document->copied = options->copied;
+    document->scene = norma_scene_create();
     if (document->scene && document->path && (document->folder || !has_folder))
         return document;
     norma_document_close(document);
@@ -80,7 +79,6 @@ static norma_document_result read_document(norma_document *document, norma_docum
     return result;
 }
 
-static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory, const norma_document_options *given,
 /* Mapped bytes are those of the file as it is now: half of them may be old and half of them new. */
 static int changed_since_read(const norma_document *document, norma_document_error *error) {
     const format_functions *functions = document->functions;
@@ -92,6 +90,7 @@ static int changed_since_read(const norma_document *document, norma_document_err
     return changed;
 }
 
+static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory, const norma_document_options *given,
                                        norma_document **document, norma_document_error *error) {
     norma_document_options options;
     copy_options(&options, sizeof options, offsetof(norma_document_options, lenient), given);
@@ -105,15 +104,15 @@ static int changed_since_read(const norma_document *document, norma_document_err
         int failed = norma_file_open(name, made->copied, &made->source);
         if (failed)
             result = norma_document_fail_file(name, error, "cannot be read", failed);
-    }
         made->stamp = made->source.stamp;
+    }
     if (!result) {
         result = read_document(made, error);
-    if (result)
         /* What was found in it may come of that. */
         if (result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY && changed_since_read(made, error))
             result = NORMA_DOCUMENT_ERROR_FILE;
     }
+    if (result)
         norma_document_close(made);
     else
         *document = made;
@@ -395,39 +394,6 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
     return sink->error;
 }
 
-/* Everything that can fail for want of room or by the format happens before the first rename. */
-static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, companion_writers *companions,
-                                          norma_document_error *error) {
-    file_sink sink = {.document = document, .writer = writer};
-    int stream = norma_file_is_stream(path);
-    norma_document_result result = document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
-    if (sink.cancelled)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
-    if (!sink.error && !result)
-        sink.error = norma_file_writer_prepare(writer);
-    if (sink.error && sink.error != FILE_CHANGED)
-        return norma_document_fail_file(path, error, "cannot be written", sink.error);
-    if (!result && !stream && document->functions->write_companions)
-        result = document->functions->write_companions(document, path, in_place, companions, error);
-    /* After all of it is read for the last time; what went wrong before may come of it. */
-    if (changed_since_read(document, error))
-        return NORMA_DOCUMENT_ERROR_FILE;
-    return sink.error ? norma_document_fail_file(document->path, error, "cannot be read", sink.error) : result;
-}
-
-static norma_document_result save(norma_document *document, const char *path, const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
-    file_writer *writer;
-    int failed = norma_file_writer_open(path, &writer);
-    if (failed)
-        return norma_document_fail_file(path, error, "cannot be written", failed);
-    if (options->in_place && norma_file_same(path, document->path))
-        norma_file_writer_expect(writer, &document->stamp);
-    document->progress = options->progress;
-    document->progress_user = options->progress_user;
-    norma_document_result result = write_target(document, path, options->in_place, writer, writers, error);
-    document->progress = NULL;
-    if (result) {
-        norma_file_writer_abandon(writer);
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path) {
     file_writer **list = norma_io_grow(writers->list, &writers->list_capacity, writers->count + 1, sizeof *list);
     writers->list = list ? list : writers->list;
@@ -452,6 +418,40 @@ static void free_writers(companion_writers *writers, int abandon) {
     free(writers->paths);
 }
 
+/* Everything that can fail for want of room or by the format happens before the first rename. */
+static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, companion_writers *companions,
+                                          norma_document_error *error) {
+    file_sink sink = {.document = document, .writer = writer};
+    int stream = norma_file_is_stream(path);
+    norma_document_result result = document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
+    if (sink.cancelled)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+    if (!sink.error && !result)
+        sink.error = norma_file_writer_prepare(writer);
+    if (sink.error && sink.error != FILE_CHANGED)
+        return norma_document_fail_file(path, error, "cannot be written", sink.error);
+    if (!result && !stream && document->functions->write_companions)
+        result = document->functions->write_companions(document, path, in_place, companions, error);
+    /* After all of it is read for the last time; what went wrong before may come of it. */
+    if (changed_since_read(document, error))
+        return NORMA_DOCUMENT_ERROR_FILE;
+    return sink.error ? norma_document_fail_file(document->path, error, "cannot be read", sink.error) : result;
+}
+
+static norma_document_result save(norma_document *document, const char *path, const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
+    file_writer *writer;
+    size_t at;
+    int failed = norma_file_writer_open(path, &writer);
+    if (failed)
+        return norma_document_fail_file(path, error, "cannot be written", failed);
+    if (options->in_place && norma_file_same(path, document->path))
+        norma_file_writer_expect(writer, &document->stamp);
+    document->progress = options->progress;
+    document->progress_user = options->progress_user;
+    norma_document_result result = write_target(document, path, options->in_place, writer, writers, error);
+    document->progress = NULL;
+    if (result) {
+        norma_file_writer_abandon(writer);
         return result;
     }
     if (!norma_document_add_writer(writers, writer, path))
@@ -486,4 +486,3 @@ norma_document_result norma_document_write(norma_document *document, norma_write
     result = document->functions->write(document, NULL, write, user, error);
     return changed_since_read(document, error) ? NORMA_DOCUMENT_ERROR_FILE : result;
 }
-    size_t at;

@@ -68,9 +68,9 @@ extern const format_functions norma_obj_functions, norma_ply_functions, norma_st
 __attribute__((format(printf, 5, 6)))
 #endif
 norma_document_result norma_document_fail(const norma_document *document, norma_document_error *error, norma_document_result result, const char *place, const char *format, ...);
-/* "PATH: WHAT: the system's text", for any path; result FILE, or MEMORY where the system says so. */
 /* What an error of file.h means, in words. */
 void norma_document_system_text(int system_error, char *text, size_t room);
+/* "PATH: WHAT: the system's text", for any path; result FILE, or MEMORY where the system says so. */
 norma_document_result norma_document_fail_file(const char *path, norma_document_error *error, const char *what, int system_error);
 norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error);
 /* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here (the readers should have caught them), cancelled stays. */

@@ -328,7 +328,7 @@ const format_functions norma_gltf_functions = {
     .equal_vertices = norma_gltf_equal_vertices,
     .write = norma_gltf_write,
     .write_companions = norma_gltf_write_companions,
+    .changed_companion = norma_gltf_changed_companion,
     .reads_from = norma_gltf_reads_from,
     .scene = &norma_gltf_scene,
-    .changed_companion = norma_gltf_changed_companion,
 };
