@@ -119,10 +119,16 @@ static norma_result measure_polygons(core_surface *s, core_use use)
 /* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this much over the crease. */
 static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20;    /* 1e-6 */
 
+void norma_core_surface_crease(core_surface *surface, double crease_angle_rad)
+{
+    surface->crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD;
+    surface->crease_cosine = surface->crease < 0 ? 2 : surface->crease > NORMA_PI ? -2 : cos(surface->crease);
+}
+
 norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use, double crease_angle_rad, core_surface *surface)
 {
-    *surface = (core_surface){.call = call, .mesh = *checked, .crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD};
-    surface->crease_cosine = surface->crease < 0 ? 2 : surface->crease > NORMA_PI ? -2 : cos(surface->crease);
+    *surface = (core_surface){.call = call, .mesh = *checked};
+    norma_core_surface_crease(surface, crease_angle_rad);
     norma_core_stage(call, 0.05, 0.2);
     norma_result result = norma_core_weld(call, &surface->mesh);
     if (result == NORMA_OK && use != CORE_FOR_SUMS) {

@@ -21,6 +21,8 @@ typedef enum core_use { CORE_FOR_SUMS = 0, CORE_FOR_RINGS, CORE_FOR_FANS } core_
 
 /* call stays the caller's. What it returns but NORMA_OK leaves nothing to release. */
 norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use, double crease_angle_rad, core_surface *surface);
+/* Another crease for the same surface: nothing else in it hangs on that. */
+void         norma_core_surface_crease(core_surface *surface, double crease_angle_rad);
 /* For triangles, once one without a direction has been met: finds whose directions such borrow. MEMORY or CANCELLED: it has not. */
 norma_result norma_core_surface_lend(core_surface *surface);
 void         norma_core_surface_close(core_surface *surface);

@@ -49,8 +49,20 @@ static void gather(const model_mesh *mesh) {
         for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) copy3(mesh->draw_normals + 3 * i, mesh->normals + 3 * mesh->triangle_corners[i]);
 }
 
+static norma_result compute_creased(model_mesh *mesh, const norma_options *options, double crease_deg) {
+    if (mesh->creases && creases_weld(mesh->creases) != options->weld) {
+        creases_close(mesh->creases);
+        mesh->creases = NULL;
+    }
+    if (!mesh->creases)
+        mesh->creases = creases_open(&mesh->mesh, options->weld);
+    if (mesh->creases && creases_compute(mesh->creases, web_radians(crease_deg), options->weight, mesh->normals))
+        return NORMA_OK;
+    return norma_corner_normals(&mesh->mesh, web_radians(crease_deg), options, mesh->normals, mesh->mesh.corner_count, NULL);
+}
+
 norma_result WEB_EXPORT(model_compute)(model *m, uint32_t index, int wanted, norma_weight weight, norma_weld weld, double crease_deg) {
-    const model_mesh *mesh = &m->meshes[index];
+    model_mesh *mesh = &m->meshes[index];
     const norma_options options = {.weight = weight, .weld = weld, .fallback = NORMA_FALLBACK_NEAREST};
     norma_result result = NORMA_OK;
     if (wanted == WANT_STORED && mesh->stored.count)
@@ -58,7 +70,7 @@ norma_result WEB_EXPORT(model_compute)(model *m, uint32_t index, int wanted, nor
     else if (wanted == WANT_FLAT)
         result = compute_flat(mesh, &options);
     else
-        result = norma_corner_normals(&mesh->mesh, web_radians(crease_deg), &options, mesh->normals, mesh->mesh.corner_count, NULL);
+        result = compute_creased(mesh, &options, crease_deg);
     gather(mesh);
     return result;
 }
@@ -78,7 +90,7 @@ static const float *stored_normal(const model_mesh *mesh, size_t corner, size_t 
 double WEB_EXPORT(model_errors)(model *m, uint32_t index) {
     model_mesh *mesh = &m->meshes[index];
     double worst = 0;
-    size_t face = 0, in_face = 0;
+    size_t face = 0;
     if (!mesh->stored.count)
         return -1;
     for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
@@ -93,7 +105,6 @@ double WEB_EXPORT(model_errors)(model *m, uint32_t index) {
         mesh->draw_values[i] = (float)error;
         worst = fmax(worst, error);
     }
-    (void)in_face;
     return worst;
 }
 

@@ -213,6 +213,7 @@ void model_close(model *m) {
         free(mesh->draw_reach);
         free(mesh->draw_values);
         free(mesh->triangle_corners);
+        creases_close(mesh->creases);
     }
     free(m->meshes);
     free(m->pack);

@@ -2,6 +2,7 @@
 #ifndef NORMA_WEB_MODEL_H
 #define NORMA_WEB_MODEL_H
 #include "../../src/cli/view_pack.h"
+#include "creases.h"
 
 typedef struct model_mesh {
     norma_mesh           mesh;             /* views into the pack; triangles or polygons */
@@ -13,7 +14,7 @@ typedef struct model_mesh {
     double               centre[3], radius; /* draw_positions = (position - centre) / radius: within the unit ball */
     float               *normals;          /* of each corner of the mesh */
     float               *draw_positions, *draw_normals, *draw_reach, *draw_values; /* of each corner of each triangle; draw_normals may be normals */
-    int                  values_are_there; /* draw_values were asked for once */
+    creases             *creases;          /* NULL before normals were first computed, and where there is no room for it */
 } model_mesh;
 
 typedef struct model {
