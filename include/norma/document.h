@@ -235,6 +235,13 @@ typedef struct norma_transform_summary {
 } norma_transform_summary;
 norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
 
+/* Brings meshes that lie far from their origin near it, so that floats have digits left for their shape: positions move by a step that floats hold, such that the differences
+ * are exact, along the axes on which a mesh lies more than eight times its size away. glTF: a node below each node that drew the mesh draws it now, moved back, so that all
+ * stays where it was; of a mesh that is drawn with a skin, by instancing, with animated weights or by no node, or whose positions are no floats, the origin stays, and a note
+ * says so. OBJ, PLY and STL have nothing that could make up for it: the mesh then lies elsewhere. meshes: a mark for each mesh of the document (a glTF mesh moves where one
+ * of its primitives is marked); NULL: all. *changed: whether any moved. A change like norma_document_transform, with its errors. O(file). */
+norma_document_result norma_document_recentre(norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
+
 /* ---- editing: single faces, normals, positions, tangents; what norma check --fix does to a file
  *
  * All that is not named keeps its bytes wherever its encoding stays. NULL: that stays as it is. Marks are bytes, nonzero for what is meant. */
@@ -245,7 +252,7 @@ enum { NORMA_STRIP_NOTHING = 0, NORMA_STRIP_ALL, NORMA_STRIP_MORPHS }; /* normal
 typedef struct norma_mesh_edit {
     const uint8_t *reverse_faces;          /* a mark for each face: its corners run the other way round, the first stays the first */
     const uint8_t *drop_faces;             /* a mark for each face: it is left out (a glTF primitive keeps one: without any it would not be valid) */
-    const uint8_t *cut_faces;              /* OBJ: a mark for each face: it becomes triangles, with the corners' UVs and normals, ... */
+    const uint8_t *cut_faces;              /* OBJ, PLY: a mark for each face: it becomes triangles, with the corners' UVs and normals, ... */
     const uint32_t *cut_corners;           /* ...three numbers of its corners (from 0, within the face) each: of a face whose corners begin at corner c from 3 c on, two
                                               triangles fewer than it has corners. Not together with reverse_faces */
     const float   *normals;                /* three numbers for each stored normal: of a vertex (glTF, PLY), a vn (OBJ), a facet (STL); unit vectors */
@@ -287,6 +294,9 @@ norma_document_result norma_document_save(norma_document *document, const char *
 /* Hands the whole file to write in order (nonzero from it: stop, file error); a .gltf with its buffers as data URIs. */
 typedef int norma_write(void *user, const void *bytes, size_t size);
 norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error);
+
+/* Writes path as norma_document_save does, whole or not at all, with any bytes: a report, a picture. A device or a pipe is written as it is. */
+norma_document_result norma_save_bytes(const char *path, const void *bytes, size_t size, norma_document_error *error);
 
 #ifdef __cplusplus
 }

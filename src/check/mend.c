@@ -286,21 +286,25 @@ static norma_document_result bake(mender *m) {
     return result;
 }
 
-/* To where the middle of all positions is 0, by a step that floats hold exactly. A glTF would have to move its nodes the other way, which is not done yet. */
+/* The meshes that N701 names. */
 static norma_document_result recentre(mender *m) {
-    norma_transform_options options = {.struct_size = sizeof options, .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .threads = m->options.threads};
-    norma_transform_summary summary;
-    norma_mesh_data data;
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, p[3];
-    norma_document_result result = norma_document_mesh_data(m->document, 0, &data, m->error);
-    for (size_t i = 0; !result && i < data.mesh.positions.count; i++) {
-        norma_view_read(&data.mesh.positions, i, p);
-        for (int k = 0; k < 3 && norma_core_finite(p); k++) low[k] = fmin(low[k], p[k]), high[k] = fmax(high[k], p[k]);
+    uint8_t *meshes = calloc(m->mesh_count + 1, 1);
+    int changed = 0;
+    norma_document_result result = meshes ? NORMA_DOCUMENT_OK : fail(m, NORMA_ERROR_MEMORY);
+    for (size_t i = 0; i < m->mesh_count && !result; i++) {
+        norma_mesh_info info;
+        mend_mesh mesh = {.document = m->document};
+        result = norma_document_mesh_info(m->document, i, &info);
+        mesh.info = info;
+        if (!result && !gather_findings(m, &mesh))
+            result = fail(m, NORMA_ERROR_MEMORY);
+        meshes[i] = !result && norma_mend_has(&mesh, RULE_N701);
+        free(mesh.findings);
     }
-    for (int k = 0; k < 3; k++) options.matrix[12 + k] = isfinite(low[k]) ? -(double)(float)round((low[k] + high[k]) / 2) : 0;
     if (!result)
-        result = norma_document_transform(m->document, &options, &summary, m->error);
-    m->summary->changed |= !result && summary.changed;
+        result = norma_document_recentre(m->document, meshes, &changed, m->error);
+    free(meshes);
+    m->summary->changed |= changed;
     return result;
 }
 
@@ -310,7 +314,11 @@ static norma_document_result mend_whole(mender *m) {
     const int one_change = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
     const int wants_compute = is_asked(m, RULE_N104) || is_asked(m, RULE_N106) || is_asked(m, RULE_N806) || is_asked(m, RULE_N901);
     const int wants_bake = is_asked(m, RULE_N601) || is_asked(m, RULE_N602) || is_asked(m, RULE_N604);
-    norma_document_result result = is_asked(m, RULE_N701) && !one_change ? recentre(m) : NORMA_DOCUMENT_OK;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (is_asked(m, RULE_N701) && !(one_change && m->summary->changed))
+        result = recentre(m);
+    else
+        m->summary->again |= is_asked(m, RULE_N701);
     if (!result && is_asked(m, RULE_N203) && format == NORMA_FILE_OBJ)
         result = replace_placeholders(m);
     if (result)

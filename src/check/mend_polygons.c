@@ -122,7 +122,10 @@ static norma_result cut_named(mend_mesh *m, const uint8_t *marks) {
 /* Where faces are reversed as well, that comes first: the cut waits for the next time. */
 norma_result norma_mend_polygons(mend_mesh *m) {
     uint8_t *marks = NULL;
-    if (m->edit->reverse_faces || norma_document_format(m->document) != NORMA_FILE_OBJ)
+    const norma_file_format format = norma_document_format(m->document);
+    if (m->edit->reverse_faces)
+        m->waits |= norma_mend_has(m, RULE_N404) || norma_mend_has(m, RULE_N405);
+    if (m->edit->reverse_faces || (format != NORMA_FILE_OBJ && format != NORMA_FILE_PLY))
         return NORMA_OK;
     int folded = norma_mend_mark(m, RULE_N404, MEND_FACE, m->mesh.face_count, &marks);
     int bent = folded < 0 ? folded : norma_mend_mark(m, RULE_N405, MEND_FACE, m->mesh.face_count, &marks);

@@ -170,7 +170,7 @@ typedef struct split_arrays {
 
 /* They are the edit's, also where some are missing. */
 static int make_arrays(mend_mesh *m, size_t count, split_arrays *to) {
-    const int has_normals = norma_mend_normal_count(m) > 0, has_tangents = has_normals && m->attributes.tangents != NULL;
+    const int has_normals = norma_mend_normal_count(m) > 0 && m->info.normals == NORMA_NORMALS_PER_VERTEX, has_tangents = has_normals && m->attributes.tangents != NULL;
     norma_mesh_edit *edit = m->edit;
     edit->source_vertices = to->sources = malloc(count * sizeof *to->sources);
     edit->new_corners = to->corners = malloc((m->mesh.corner_count + 1) * sizeof *to->corners);
@@ -244,7 +244,7 @@ static norma_result split(mend_mesh *m) {
 
 static int has_vertices(const mend_mesh *m) {
     const norma_file_format format = norma_document_format(m->document);
-    return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB || format == NORMA_FILE_PLY;
+    return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB || format == NORMA_FILE_PLY || format == NORMA_FILE_OBJ;
 }
 
 /* Vertices without normals, or normals without vertices, are another rule's (N106), which comes first. */

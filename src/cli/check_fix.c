@@ -108,30 +108,6 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
     return text;
 }
 
-/* ---- what this version does not mend yet, though its rule names a fix */
-
-static int is_not_done(const norma_finding *finding, norma_file_format format) {
-    static const char *const but_in_obj[] = {"N404", "N405"};
-    const int is_gltf = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
-    const char *id = finding->rule->id;
-    for (size_t i = 0; i < CLI_COUNT(but_in_obj); ++i)
-        if (format != NORMA_FILE_OBJ && strcmp(id, but_in_obj[i]) == 0)
-            return 1;
-    return ((strcmp(id, "N403") == 0 || strcmp(id, "N502") == 0) && format == NORMA_FILE_OBJ) || (strcmp(id, "N701") == 0 && is_gltf);
-}
-
-static void tell_what_is_not_done(const check_settings *settings, const norma_findings *left, norma_document *document, const char *path) {
-    char said[256] = "";
-    for (size_t i = 0; settings->fix == CHECK_FIX_UNSAFE && i < norma_findings_count(left); ++i) {
-        const norma_finding *finding = norma_findings_get(left, i);
-        if (!is_not_done(finding, norma_document_format(document)) || strstr(said, finding->rule->id))
-            continue;
-        snprintf(said + strlen(said), sizeof said - strlen(said), "%s%s (%s)", said[0] ? ", " : "", finding->rule->id, finding->rule->fix_verb);
-    }
-    if (said[0])
-        fprintf(stderr, "norma: %s: this version does not mend %s; left as it is\n", cli_input_name(path), said);
-}
-
 /* ---- mending and writing */
 
 /* Mends, and what it becomes again until nothing more changes: one fix may uncover what another one mends, and a glTF takes one change at a time. mended->document is what
@@ -203,7 +179,6 @@ norma_document_result check_mend(const check_settings *settings, norma_document 
         result = judge_all(settings, mended->document, &is, error);
     if (result)
         return result;
-    tell_what_is_not_done(settings, mended->changed ? mended->findings : before, document, path);
     mended->worse = mended->changed && is_worse(is, was);
     if (mended->changed)
         mended->table = make_table(before, mended->findings);

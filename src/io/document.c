@@ -1,6 +1,8 @@
 /* document.c: opens a document, and hands every call to the table of functions of its format. */
 #include "document_internal.h"
+#include "recentre.h"
 #include "scene.h"
+#include "../core/vec3_view.h"
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -290,6 +292,39 @@ norma_document_result norma_document_transform(norma_document *document, const n
     summary = summary ? summary : &unwanted;
     *summary = (norma_transform_summary){0};
     result = document->functions->transform(document, &options, summary, error);
+    document->failed = result != NORMA_DOCUMENT_OK;
+    return result;
+}
+
+static norma_document_result recentre_whole(norma_document *document, int *changed, norma_document_error *error) {
+    recentre_box box = norma_recentre_empty();
+    norma_transform_options options = {.struct_size = sizeof options, .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .threads = document->threads};
+    norma_transform_summary summary = {0};
+    norma_mesh_data data;
+    double step[3], position[3];
+    norma_document_result result = norma_document_mesh_data(document, 0, &data, error);
+    for (size_t i = 0; !result && i < data.mesh.positions.count; ++i) {
+        norma_view_read(&data.mesh.positions, i, position);
+        norma_recentre_add(&box, position);
+    }
+    if (result || !norma_recentre_step(&box, step))
+        return result;
+    for (int axis = 0; axis < 3; ++axis) options.matrix[12 + axis] = -step[axis];
+    result = norma_document_transform(document, &options, &summary, error);
+    *changed = !result && summary.changed;
+    return result;
+}
+
+norma_document_result norma_document_recentre(norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
+    int unwanted;
+    norma_document_result result = check_usable(document, error);
+    changed = changed ? changed : &unwanted;
+    *changed = 0;
+    if (result)
+        return result;
+    if (!document->functions->recentre)
+        return meshes && !meshes[0] ? NORMA_DOCUMENT_OK : recentre_whole(document, changed, error);
+    result = document->functions->recentre(document, meshes, changed, error);
     document->failed = result != NORMA_DOCUMENT_OK;
     return result;
 }

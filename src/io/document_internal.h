@@ -48,6 +48,7 @@ struct format_functions {
     norma_document_result (*transform)(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
     norma_document_result (*edit)(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
     norma_document_result (*equal_vertices)(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error); /* NULL: vertices have nothing else to compare */
+    norma_document_result (*recentre)(norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error); /* NULL: by a transform */
     /* The document's own bytes in order. glTF: the text or GLB, as it is to stand at path (NULL: with data URIs). */
     norma_document_result (*write)(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error);
     /* NULL, or the other files that belong beside path (a .gltf's buffers, its images), written and prepared, and added to writers, which the caller commits: in order, so

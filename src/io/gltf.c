@@ -3,6 +3,7 @@
 #include "edit.h"
 #include "gltf_patch.h"
 #include "gltf_scene.h"
+#include "recentre.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -326,6 +327,7 @@ const format_functions norma_gltf_functions = {
     .transform = norma_gltf_transform,
     .edit = norma_gltf_edit,
     .equal_vertices = norma_gltf_equal_vertices,
+    .recentre = norma_gltf_recentre,
     .write = norma_gltf_write,
     .write_companions = norma_gltf_write_companions,
     .changed_companion = norma_gltf_changed_companion,

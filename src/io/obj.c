@@ -1,6 +1,7 @@
 /* obj.c: OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names one. */
 #include "obj.h"
 #include "edit.h"
+#include "obj_vertices.h"
 #include "rewrite.h"
 #include "scene.h"
 #include <stdlib.h>
@@ -121,6 +122,7 @@ const format_functions norma_obj_functions = {
     .compute = norma_obj_compute,
     .transform = norma_obj_transform,
     .edit = norma_obj_edit,
+    .equal_vertices = norma_obj_equal_vertices,
     .write = norma_obj_write,
     .scene = &norma_obj_scene
 };

@@ -22,6 +22,8 @@ typedef struct obj_stretch {
     size_t   offset, position, normal, face, other;
 } obj_stretch;
 
+typedef struct obj_vertices obj_vertices;     /* obj_vertices.h */
+
 typedef struct obj_state {
     obj_stretch *stretches;                  /* one more, at the end of all */
     size_t    stretch_count;
@@ -53,6 +55,7 @@ typedef struct obj_state {
     int       faces_reversed;
     const uint8_t *reverse_faces, *drop_faces, *cut_faces; /* marks of an edit under way, its caller's; or NULL */
     const uint32_t *cut_corners;
+    obj_vertices *vertices;                  /* v lines that go and come; NULL: none */
 
     /* For norma_document_mesh_data. */
     uint32_t *shown_normals;                 /* corner_normals without OBJ_BAD_NORMAL */

@@ -1,6 +1,6 @@
-/* obj_edit.c: faces of an OBJ reversed or left out, single vn and v lines with other numbers: the text is written so and read anew. */
+/* obj_edit.c: faces of an OBJ reversed, cut or left out, single vn and v lines with other numbers, v lines that go and come: the text is written so and read anew. */
 #include "edit.h"
-#include "obj.h"
+#include "obj_vertices.h"
 #include "sink.h"
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +23,9 @@ norma_document_result norma_obj_edit(norma_document *document, const norma_mesh_
     if (result)
         return result;
     obj_state *state = document->state;
+    result = edit->source_vertices ? norma_obj_edit_vertices(document, edit, error) : NORMA_DOCUMENT_OK;
+    if (result)
+        return result;
     take_numbers(state, edit);
     state->reverse_faces = edit->reverse_faces;
     state->drop_faces = edit->drop_faces;

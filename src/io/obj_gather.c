@@ -3,6 +3,7 @@
  *
  * What goes wrong is not told from here: the text is then read once more, as one part from its beginning, which knows what stands before each statement. */
 #include "obj_part.h"
+#include "obj_vertices.h"
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -463,6 +464,7 @@ norma_document_result norma_obj_read(norma_document *document, obj_state *state,
 
 void norma_obj_free(obj_state *state)
 {
+    norma_obj_free_vertices(state->vertices);
     free(state->stretches);
     free(state->positions);
     free(state->corners);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include "digits.h"
 #include "number.h"
-#include "obj.h"
+#include "obj_vertices.h"
 #include "obj_text.h"
 #include "ordered.h"
 
@@ -263,6 +263,60 @@ static void reverse_face(writer *w, const char *p)
     }
 }
 
+/* ---- numbers of vertices that others come or go before */
+
+/* v lines before the statement as it will be written. */
+static size_t lines_before(const writer *w, int in_face)
+{
+    const obj_vertices *v = w->state->vertices;
+    return v->kept_before[w->position] + (w->face + (in_face ? 1 : 0) > v->face ? v->added : 0);
+}
+
+/* What counts back goes on counting back. */
+static void put_position(writer *w, const obj_corner *corner, uint32_t number, size_t before)
+{
+    char text[24];
+    const int back = corner->position < 0;
+    const char *end = corner->begin;
+    if (corner->position == (back ? (int64_t)number - (int64_t)before : (int64_t)number + 1))
+        return;
+    while (end < corner->end && *end != '/')
+        ++end;
+    copy_then_skip(w, corner->begin, end);
+    if (back)
+        norma_sink_put(w->sink, "-", 1);
+    norma_sink_put(w->sink, text, norma_number_format_integer(back ? (uint64_t)(before - number) : (uint64_t)number + 1, text));
+}
+
+static void renumber_face(writer *w, const char *p)
+{
+    const uint32_t *numbers = w->state->vertices->corners + norma_obj_face_start(w->state, w->face);
+    const size_t before = lines_before(w, 1);
+    obj_corner corner;
+    for (; at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end)
+        put_position(w, &corner, *numbers++, before);
+}
+
+/* Lines and points; what is not there stays as it is. */
+static void renumber_referring(writer *w, const char *p)
+{
+    const size_t before = lines_before(w, 0);
+    obj_corner corner;
+    for (; at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
+        if (!norma_obj_corner(p, w->end, &corner))
+            continue;
+        const uint32_t old = norma_obj_resolve(corner.position, w->position);
+        if (old < w->state->position_count && w->state->vertices->numbers[old] != OBJ_NO_VERTEX)
+            put_position(w, &corner, w->state->vertices->numbers[old], before);
+    }
+}
+
+static int is_dropped(const writer *w, size_t position)
+{
+    const obj_vertices *v = w->state->vertices;
+    return v && v->kept_before[position + 1] == v->kept_before[position];
+}
+
 static void rewrite_referring(writer *w, const char *p)
 {
     obj_corner corner;
@@ -293,6 +347,12 @@ static const char *write_face(writer *w, const char *begin, const char *p)
         return statement_end(w, first);            /* a face without a corner is none */
     const size_t face = w->face;
     const int drops = state->drop_faces && state->drop_faces[face];
+    if (state->vertices && state->vertices->face == face) {
+        copy_then_skip(w, begin, begin);
+        norma_sink_put(w->sink, (const char *)state->vertices->lines, state->vertices->lines_size);
+    }
+    if (state->vertices)
+        renumber_face(w, first);
     if (!drops && state->cut_faces && state->cut_faces[face])
         cut_face(w, begin, first);
     else if (!drops && (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])))
@@ -317,6 +377,8 @@ static const char *write_statement(writer *w, const char *begin, obj_kind kind, 
     case OBJ_POSITION:
         if (state->positions_moved)
             rewrite_position(w, p);
+        if (is_dropped(w, w->position))
+            copy_then_skip(w, begin, after);
         ++w->position;
         break;
     case OBJ_NORMAL:
@@ -328,6 +390,8 @@ static const char *write_statement(writer *w, const char *begin, obj_kind kind, 
         break;
     case OBJ_REFERRING:
     case OBJ_SURFACE:
+        if (state->vertices)
+            renumber_referring(w, p);
         if (state->normals_replaced)
             rewrite_referring(w, p);
         break;
@@ -367,7 +431,7 @@ typedef struct pieces {
 /* Whether anything in a stretch is to be written otherwise than it stands there. */
 static int changes(const obj_state *s, const obj_stretch *a, const obj_stretch *b)
 {
-    if (s->positions_moved && a->position < b->position)
+    if (s->vertices || (s->positions_moved && a->position < b->position))
         return 1;
     if ((s->normals_replaced || s->normals_turned) && a->normal < b->normal)
         return 1;
@@ -441,7 +505,7 @@ static void find_split(pieces *p, size_t *count)
 
 int norma_obj_has_change(const obj_state *state)
 {
-    return state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed || state->reverse_faces || state->drop_faces || state->cut_faces;
+    return state->normals_replaced || state->normals_turned || state->positions_moved || state->faces_reversed || state->reverse_faces || state->drop_faces || state->cut_faces || state->vertices;
 }
 
 norma_document_result norma_obj_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)

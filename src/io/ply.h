@@ -50,7 +50,7 @@ typedef struct ply_column {
 } ply_column;
 
 /* What becomes of one property when an element is written. */
-typedef enum ply_action { PLY_COPY = 0, PLY_VALUE, PLY_INDICES, PLY_REVERSE } ply_action;
+typedef enum ply_action { PLY_COPY = 0, PLY_VALUE, PLY_INDICES, PLY_CORNERS /* tuples of a face's corners, which turn and part with them */ } ply_action;
 typedef struct ply_item {
     const ply_property *source;         /* NULL: a new property */
     ply_action          action;
@@ -85,6 +85,8 @@ typedef struct ply_edit {
     int       reversed;                 /* the winding changed: other data of corners turns with it */
     uint8_t  *reversed_rows;            /* with it: only in the faces where this is nonzero; or NULL: in all */
     uint8_t  *dropped_rows;             /* faces that are left out, or NULL */
+    uint8_t  *cut_rows;                 /* faces that become triangles, or NULL; corners is set with it */
+    uint32_t *cut_corners;              /* three numbers of a face's corners each, two triangles fewer than it has, from three times its first corner on */
     uint8_t  *dropped_vertices;         /* vertices that are left out, or NULL: values above keep a place for them, corners count without them */
 } ply_edit;
 
@@ -186,13 +188,20 @@ typedef struct ply_plan {
     size_t             added_count;
     const uint32_t    *indices;         /* PLY_INDICES of faces: new corners, as many as the old list has, one row after another */
     const ply_lists   *lists;           /* PLY_INDICES of strips: new lists; NULL for faces */
-    const uint32_t    *face_starts;     /* PLY_REVERSE: corners of each row (NULL: 3) */
-    const uint8_t     *reversed_rows;   /* PLY_REVERSE: of these rows only, or NULL */
+    const uint32_t    *face_starts;     /* PLY_CORNERS, cut_rows: corners of each row (NULL: 3) */
+    int                reversed;        /* PLY_CORNERS: turn... */
+    const uint8_t     *reversed_rows;   /* ...in these rows only, or NULL */
     const uint8_t     *dropped_rows;    /* rows that are left out, or NULL */
+    const uint8_t     *cut_rows;        /* faces that become triangles, or NULL; with it indices, and cut_corners as of ply_edit */
+    const uint32_t    *cut_corners;
     int                changed;         /* 0: the rows are copied as they are */
 } ply_plan;
 norma_document_result norma_ply_write_rows(norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error);
 norma_document_result norma_ply_write_text_rows(norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error);
+/* A row of faces: its corners; where they begin among all. */
+static inline size_t norma_ply_row_corners(const ply_plan *plan, size_t row) { return plan->face_starts ? plan->face_starts[row + 1] - plan->face_starts[row] : 3; }
+static inline size_t norma_ply_row_begin(const ply_plan *plan, size_t row) { return plan->face_starts ? plan->face_starts[row] : 3 * row; }
+static inline int    norma_ply_is_cut(const ply_plan *plan, size_t row) { return plan->cut_rows && plan->cut_rows[row] && !(plan->dropped_rows && plan->dropped_rows[row]); }
 /* Of each row of an element, where it begins (binary) or its first token lies (text), and its end; the caller's to free. */
 norma_document_result norma_ply_row_spans(norma_document *document, const ply_element *element, ply_span **spans, norma_document_error *error);
 

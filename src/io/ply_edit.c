@@ -1,4 +1,4 @@
-/* ply_edit.c: faces of a PLY reversed or left out, normals and positions of single vertices replaced, vertices listed anew: kept as changes beside the bytes, then made bytes. */
+/* ply_edit.c: faces of a PLY reversed, cut into triangles or left out, normals and positions of single vertices replaced, vertices listed anew: kept as changes beside the bytes, then made bytes. */
 #include "edit.h"
 #include "ply.h"
 #include <stdlib.h>
@@ -81,6 +81,31 @@ static norma_document_result edit_positions(norma_document *document, const norm
     return result;
 }
 
+/* Of the polygons alone: a strip has no other faces than triangles. */
+static norma_document_result cut_faces(norma_document *document, const norma_mesh_edit *edit, norma_document_error *error)
+{
+    ply_state *state = document->state;
+    const ply_mesh *mesh = &state->mesh;
+    ply_edit *change = &state->edit;
+    change->cut_rows = copy_marks(edit->cut_faces, mesh->polygon_count);
+    change->cut_corners = norma_io_allocate(mesh->polygon_corners, 3 * sizeof *change->cut_corners);
+    if (!change->corners)
+        change->corners = norma_io_allocate(mesh->corner_count, sizeof *change->corners);
+    if (!change->cut_rows || !change->cut_corners || !change->corners)
+        return norma_document_fail_memory(document, error);
+    memcpy(change->corners, edit->source_vertices ? edit->new_corners : mesh->corners, mesh->corner_count * sizeof *change->corners);
+    for (size_t face = 0; face < mesh->polygon_count; ++face) {
+        const size_t begin = mesh->face_starts ? mesh->face_starts[face] : 3 * face, count = mesh->face_starts ? mesh->face_starts[face + 1] - begin : 3;
+        change->cut_rows[face] = change->cut_rows[face] && count > 3;
+        for (size_t i = 0; change->cut_rows[face] && i < 3 * (count - 2); ++i) {
+            if (edit->cut_corners[3 * begin + i] >= count)
+                return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "a triangle of face %zu was given a corner that the face does not have", face);
+            change->cut_corners[3 * begin + i] = edit->cut_corners[3 * begin + i];
+        }
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result edit_faces(norma_document *document, const norma_mesh_edit *edit, norma_document_error *error)
 {
     ply_state *state = document->state;
@@ -121,6 +146,9 @@ norma_document_result norma_ply_edit(norma_document *document, const norma_mesh_
         result = edit_normals(document, edit, error);
     if (!result && edit->set_positions)
         result = edit_positions(document, edit, error);
+    if (!result && edit->cut_faces)
+        result = edit->reverse_faces ? norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "faces are to be cut and reversed at once; expected one after the other")
+                                     : cut_faces(document, edit, error);
     if (!result && (edit->reverse_faces || edit->drop_faces))
         result = edit_faces(document, edit, error);
     return result ? result : norma_ply_settle(document, error);

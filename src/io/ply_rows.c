@@ -9,7 +9,7 @@ typedef enum step_kind {
     STEP_SKIP,                           /* size bytes of the old row are left out */
     STEP_SIDE,                           /* size bytes of an array, which moves on by stride each row */
     STEP_VALUE,
-    STEP_LIST, STEP_INDICES, STEP_REVERSE
+    STEP_LIST, STEP_INDICES, STEP_CORNERS
 } step_kind;
 
 typedef struct row_step {
@@ -26,6 +26,7 @@ typedef struct row_writer {
     row_step        *steps;
     size_t           step_count;
     const uint32_t  *next_index;         /* of faces */
+    const uint32_t  *triangle;           /* of the face that is cut, which this row is; or NULL */
     const int64_t   *next_item;          /* of strips */
 } row_writer;
 
@@ -72,8 +73,8 @@ static void compile(row_writer *writer)
         skipped = 0;
         if (item->action == PLY_INDICES)
             add_step(writer, (row_step){.kind = STEP_INDICES, .item = item});
-        else if (item->action == PLY_REVERSE)
-            add_step(writer, (row_step){.kind = STEP_REVERSE, .item = item});
+        else if (item->action == PLY_CORNERS)
+            add_step(writer, (row_step){.kind = STEP_CORNERS, .item = item});
         else if (norma_ply_is_list(item->source))
             add_step(writer, (row_step){.kind = STEP_LIST, .item = item});
         else
@@ -103,10 +104,22 @@ static void put_value(const row_writer *writer, const ply_item *item, size_t num
     norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type, writer->state->header.encoding, value);
 }
 
+static void put_triangle(row_writer *writer, const ply_item *item)
+{
+    const ply_encoding encoding = writer->state->header.encoding;
+    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->count_type)), item->count_type, encoding, 3);
+    for (int k = 0; k < 3; ++k)
+        norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type, encoding, (double)writer->next_index[writer->triangle[k]]);
+}
+
 static void put_face(row_writer *writer, const ply_item *item, const unsigned char *at)
 {
     const ply_encoding encoding = writer->state->header.encoding;
     const size_t count = (size_t)norma_ply_get_integer(at, item->source->count_type, encoding), size = norma_ply_type_size(item->type);
+    if (writer->triangle) {
+        put_triangle(writer, item);
+        return;
+    }
     norma_sink_put(writer->sink, at, norma_ply_type_size(item->source->count_type));
     if (size == sizeof(uint32_t) && norma_ply_is_native(encoding)) {
         put_bytes(writer->sink, (const unsigned char *)writer->next_index, count * size);
@@ -126,23 +139,26 @@ static void put_strip(row_writer *writer, const ply_item *item, size_t row)
         norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type, encoding, (double)*writer->next_item++);
 }
 
-/* The first corner's tuple stays, the others turn round, as the corners do. */
-static void put_reversed(const row_writer *writer, const ply_item *item, const unsigned char *at, size_t row)
+/* Where faces turn, the first corner's tuple stays and the others turn round, as the corners do; a triangle of a face that is cut has the tuples of its corners. */
+static void put_corners(const row_writer *writer, const ply_item *item, const unsigned char *at, size_t row)
 {
-    const uint32_t *starts = writer->plan->face_starts;
-    const size_t corners = starts ? starts[row + 1] - starts[row] : 3;
-    const size_t count = (size_t)norma_ply_get_integer(at, item->source->count_type, writer->state->header.encoding);
+    const ply_encoding encoding = writer->state->header.encoding;
+    const size_t corners = norma_ply_row_corners(writer->plan, row), count = (size_t)norma_ply_get_integer(at, item->source->count_type, encoding);
     const size_t count_size = norma_ply_type_size(item->source->count_type), bytes = count * norma_ply_type_size(item->type);
-    norma_sink_put(writer->sink, at, count_size);
-    at += count_size;
     const uint8_t *rows = writer->plan->reversed_rows;
-    if (corners == 0 || count % corners != 0 || (rows && !rows[row])) {
+    const int in_step = corners > 0 && count % corners == 0, turns = writer->plan->reversed && (!rows || rows[row]);
+    const size_t tuple = in_step ? bytes / corners : 0;
+    if (writer->triangle && in_step)
+        norma_ply_put(norma_sink_room(writer->sink, count_size), item->source->count_type, encoding, (double)(3 * (count / corners)));
+    else
+        norma_sink_put(writer->sink, at, count_size);
+    at += count_size;
+    if (!in_step || (!writer->triangle && !turns)) {
         norma_sink_put(writer->sink, at, bytes);
         return;
     }
-    const size_t tuple = bytes / corners;
-    for (size_t i = 0; i < corners; ++i)
-        norma_sink_put(writer->sink, at + (i == 0 ? 0 : corners - i) * tuple, tuple);
+    for (size_t i = 0; i < (writer->triangle ? 3 : corners); ++i)
+        norma_sink_put(writer->sink, at + (writer->triangle ? writer->triangle[i] : i == 0 ? 0 : corners - i) * tuple, tuple);
 }
 
 static const unsigned char *run_step(row_writer *writer, const row_step *step, const unsigned char *at, size_t row, size_t number)
@@ -157,8 +173,8 @@ static const unsigned char *run_step(row_writer *writer, const row_step *step, c
     const size_t size = norma_ply_property_size(&writer->state->header, step->item->source, at);
     if (step->kind == STEP_LIST)
         norma_sink_put(writer->sink, at, size);
-    else if (step->kind == STEP_REVERSE)
-        put_reversed(writer, step->item, at, row);
+    else if (step->kind == STEP_CORNERS)
+        put_corners(writer, step->item, at, row);
     else if (writer->plan->lists)
         put_strip(writer, step->item, row);
     else
@@ -175,10 +191,20 @@ static const unsigned char *write_row(row_writer *writer, const unsigned char *a
 
 static const unsigned char *drop_row(row_writer *writer, const unsigned char *at, size_t row)
 {
-    const uint32_t *starts = writer->plan->face_starts;
     if (writer->next_index)
-        writer->next_index += starts ? starts[row + 1] - starts[row] : 3;
+        writer->next_index += norma_ply_row_corners(writer->plan, row);
     return norma_ply_row_end(&writer->state->header, writer->plan->element, at);
+}
+
+/* As many copies of the row as it becomes triangles. */
+static const unsigned char *cut_row(row_writer *writer, const unsigned char *at, size_t row)
+{
+    const size_t corners = norma_ply_row_corners(writer->plan, row);
+    writer->triangle = writer->plan->cut_corners + 3 * norma_ply_row_begin(writer->plan, row);
+    for (size_t i = 0; i + 2 < corners; ++i, writer->triangle += 3)
+        write_row(writer, at, row, row);
+    writer->triangle = NULL;
+    return drop_row(writer, at, row);
 }
 
 static norma_document_result write_added(norma_document *document, row_writer *writer, norma_document_error *error)
@@ -209,7 +235,7 @@ typedef struct row_slices {
 /* The bytes of each row, where all have as many. */
 static size_t even_row(const ply_plan *plan)
 {
-    if (plan->lists || plan->dropped_rows)
+    if (plan->lists || plan->dropped_rows || plan->cut_rows)
         return 0;
     return plan->element->list_count == 0 ? plan->element->fixed_size : plan->element->triangle_row;
 }
@@ -250,7 +276,9 @@ static norma_document_result write_in_turn(norma_document *document, row_writer 
     const ply_plan *plan = writer->plan;
     const unsigned char *at = writer->state->bytes + plan->element->begin;
     for (size_t row = 0; row < plan->element->count && !writer->sink->failed; ++row)
-        at = plan->dropped_rows && plan->dropped_rows[row] ? drop_row(writer, at, row) : write_row(writer, at, row, row);
+        at = plan->dropped_rows && plan->dropped_rows[row] ? drop_row(writer, at, row)
+             : norma_ply_is_cut(plan, row)                 ? cut_row(writer, at, row)
+                                                           : write_row(writer, at, row, row);
     return write_added(document, writer, error);
 }
 

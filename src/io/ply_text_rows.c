@@ -9,6 +9,7 @@ typedef struct text_writer {
     norma_sink          *sink;
     const unsigned char *at, *end;       /* what has not been copied yet */
     const uint32_t      *next_index;
+    const uint32_t      *triangle;       /* of the face that is cut, which this row is; or NULL */
     const int64_t       *next_item;
     size_t               row;            /* the old row */
     int                  any;            /* a row was written */
@@ -86,8 +87,32 @@ static void put_list(text_writer *writer)
         put_word(writer, take_word(writer));
 }
 
+static void skip_words(text_writer *writer, int64_t count)
+{
+    for (; count > 0; --count) {
+        size_t length = 0;
+        writer->at = norma_ply_token(writer->at, writer->end, &length);
+        writer->at += length;
+    }
+}
+
+static void put_triangle(text_writer *writer)
+{
+    const int64_t count = integer_of(writer, take_word(writer));
+    put_integer(writer, 3);
+    for (int k = 0; k < 3; ++k) {
+        norma_sink_put(writer->sink, " ", 1);
+        put_integer(writer, writer->next_index[writer->triangle[k]]);
+    }
+    skip_words(writer, count);
+}
+
 static void put_face(text_writer *writer)
 {
+    if (writer->triangle) {
+        put_triangle(writer);
+        return;
+    }
     ply_span word = take_word(writer);
     put_word(writer, word);
     for (int64_t left = integer_of(writer, word); left > 0; --left) {
@@ -109,21 +134,29 @@ static void put_strip(text_writer *writer)
         norma_sink_put(writer->sink, " ", 1);
         put_integer(writer, *writer->next_item++);
     }
-    for (int64_t left = integer_of(writer, word); left > 0; --left) {
-        size_t length = 0;
-        writer->at = norma_ply_token(writer->at, writer->end, &length);
-        writer->at += length;
-    }
+    skip_words(writer, integer_of(writer, word));
 }
 
-/* The first corner's tuple stays, the others turn round, as the corners do. 0: out of memory. */
-static int put_reversed(text_writer *writer)
+/* Those of a triangle's corners. */
+static void put_part(text_writer *writer, const ply_span *words, size_t count, size_t corners)
 {
-    ply_span word = take_word(writer);
-    put_word(writer, word);
-    const size_t count = (size_t)integer_of(writer, word);
-    const uint32_t *starts = writer->plan->face_starts;
-    const size_t corners = starts ? starts[writer->row + 1] - starts[writer->row] : 3;
+    const size_t tuple = count / corners;
+    put_integer(writer, (int64_t)(3 * tuple));
+    for (size_t i = 0; i < 3 * tuple; ++i) {
+        norma_sink_put(writer->sink, " ", 1);
+        put_word(writer, words[writer->triangle[i / tuple] * tuple + i % tuple]);
+    }
+    skip_words(writer, (int64_t)count);
+}
+
+/* Where faces turn, the first corner's tuple stays and the others turn round, as the corners do; a triangle of a face that is cut has the tuples of its corners.
+ * 0: out of memory. */
+static int put_corners(text_writer *writer)
+{
+    const ply_plan *plan = writer->plan;
+    const ply_span word = take_word(writer);
+    const size_t count = (size_t)integer_of(writer, word), corners = norma_ply_row_corners(plan, writer->row);
+    const int in_step = corners > 0 && count > 0 && count % corners == 0;
     ply_span *words = norma_io_allocate(count, sizeof *words);
     if (!words)
         return 0;
@@ -133,9 +166,13 @@ static int put_reversed(text_writer *writer)
         words[i].offset = (size_t)(found - writer->state->bytes);
         at = found + words[i].length;
     }
-    const uint8_t *rows = writer->plan->reversed_rows;
-    const size_t tuple = corners && count % corners == 0 && (!rows || rows[writer->row]) ? count / corners : 0;
-    for (size_t i = 0; i < count; ++i) {
+    const uint8_t *rows = plan->reversed_rows;
+    const size_t tuple = in_step && plan->reversed && (!rows || rows[writer->row]) ? count / corners : 0;
+    if (in_step && writer->triangle)
+        put_part(writer, words, count, corners);
+    else
+        put_word(writer, word);
+    for (size_t i = 0; i < count && !(in_step && writer->triangle); ++i) {
         const size_t corner = tuple ? i / tuple : 0, from = tuple && corner > 0 ? (corners - corner) * tuple + i % tuple : i;
         take_word(writer);
         put_word(writer, words[from]);
@@ -150,8 +187,8 @@ static int put_item(text_writer *writer, const ply_item *item, size_t number)
 {
     if (item->action == PLY_VALUE)
         put_value(writer, item, number);
-    else if (item->action == PLY_REVERSE)
-        return put_reversed(writer);
+    else if (item->action == PLY_CORNERS)
+        return put_corners(writer);
     else if (item->action == PLY_INDICES && writer->plan->lists)
         put_strip(writer);
     else if (item->action == PLY_INDICES)
@@ -209,13 +246,30 @@ static norma_document_result write_added(norma_document *document, text_writer *
 /* With the break before it, which the row before has no need of; before the first row that stays there is none, and the one behind goes. */
 static void drop_row(text_writer *writer, const ply_span *span)
 {
-    const uint32_t *starts = writer->plan->face_starts;
     if (writer->next_index)
-        writer->next_index += starts ? starts[writer->row + 1] - starts[writer->row] : 3;
+        writer->next_index += norma_ply_row_corners(writer->plan, writer->row);
     writer->at = writer->state->bytes + span->offset + span->length;
     while (!writer->any && writer->at < writer->end && (*writer->at == ' ' || *writer->at == '\t' || *writer->at == '\r')) ++writer->at;
     if (!writer->any && writer->at < writer->end && *writer->at == '\n')
         ++writer->at;
+}
+
+/* As many copies of the row as it becomes triangles, on lines of their own. */
+static int cut_row(text_writer *writer, const ply_span *span)
+{
+    const size_t corners = norma_ply_row_corners(writer->plan, writer->row);
+    int ok = 1;
+    writer->triangle = writer->plan->cut_corners + 3 * norma_ply_row_begin(writer->plan, writer->row);
+    for (size_t i = 0; i + 2 < corners && ok; ++i, writer->triangle += 3) {
+        if (i > 0) {
+            put_line_break(writer);
+            writer->at = writer->state->bytes + span->offset;
+        }
+        ok = put_row(writer, writer->row);
+    }
+    writer->triangle = NULL;
+    writer->next_index += corners;
+    return ok;
 }
 
 norma_document_result norma_ply_write_text_rows(norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error)
@@ -224,11 +278,11 @@ norma_document_result norma_ply_write_text_rows(norma_document *document, const 
     text_writer writer = {.state = state, .plan = plan, .sink = sink, .at = state->bytes + plan->element->begin, .end = state->bytes + plan->element->end,
                           .next_index = plan->indices, .next_item = plan->lists ? plan->lists->items : NULL};
     ply_span *spans = NULL;
-    norma_document_result result = plan->dropped_rows ? norma_ply_row_spans(document, plan->element, &spans, error) : NORMA_DOCUMENT_OK;
+    norma_document_result result = plan->dropped_rows || plan->cut_rows ? norma_ply_row_spans(document, plan->element, &spans, error) : NORMA_DOCUMENT_OK;
     for (writer.row = 0; !result && writer.row < plan->element->count && !sink->failed; ++writer.row) {
         if (plan->dropped_rows && plan->dropped_rows[writer.row])
             drop_row(&writer, &spans[writer.row]);
-        else if (!put_row(&writer, writer.row))
+        else if (!(norma_ply_is_cut(plan, writer.row) ? cut_row(&writer, &spans[writer.row]) : put_row(&writer, writer.row)))
             result = norma_document_fail_memory(document, error);
         else
             writer.any = 1;

@@ -6,7 +6,7 @@
 int norma_ply_has_edit(const ply_state *state)
 {
     const ply_edit *edit = &state->edit;
-    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows || edit->dropped_vertices;
+    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows || edit->dropped_vertices || edit->cut_rows;
 }
 
 void norma_ply_free_edit(ply_edit *edit)
@@ -19,6 +19,8 @@ void norma_ply_free_edit(ply_edit *edit)
     free(edit->corners);
     free(edit->reversed_rows);
     free(edit->dropped_rows);
+    free(edit->cut_rows);
+    free(edit->cut_corners);
     free(edit->dropped_vertices);
     *edit = (ply_edit){0};
 }
@@ -109,8 +111,8 @@ static void plan_faces(const ply_state *state, ply_plan *plan)
             item->type = edit->added_count ? widen(property->type, highest_index(state), 0) : property->type;
         } else if (edit->face_normals && normal != PLY_NONE) {
             *item = value_item(property, edit->face_normal_types[normal], (ply_column){.floats = edit->face_normals + normal, .unit = 1});
-        } else if (edit->reversed && header->face_list != PLY_NONE && goes_with_corners(state, property)) {
-            item->action = PLY_REVERSE;
+        } else if ((edit->reversed || edit->cut_rows) && header->face_list != PLY_NONE && goes_with_corners(state, property)) {
+            item->action = PLY_CORNERS;
         }
         plan->changed |= item->action != PLY_COPY;
     }
@@ -118,7 +120,10 @@ static void plan_faces(const ply_state *state, ply_plan *plan)
     plan->indices = edit->corners;
     plan->face_starts = state->mesh.face_starts;
     plan->reversed_rows = edit->reversed_rows;
+    plan->reversed = edit->reversed;
     plan->dropped_rows = edit->dropped_rows;
+    plan->cut_rows = edit->cut_rows;
+    plan->cut_corners = edit->cut_corners;
     plan->changed |= edit->dropped_rows != NULL;
 }
 
@@ -235,12 +240,14 @@ static void write_header_part(header_writer *writer, const ply_plan *plan)
 {
     const ply_property *before = NULL;
     int inserted = 0;
-    size_t dropped = 0;
+    size_t dropped = 0, added = plan->added_count;
     for (size_t row = 0; plan->dropped_rows && row < plan->element->count; ++row)
         dropped += plan->dropped_rows[row] != 0;
-    if (plan->added_count > 0 || dropped > 0) {
+    for (size_t row = 0; plan->cut_rows && row < plan->element->count; ++row)
+        added += norma_ply_is_cut(plan, row) ? norma_ply_row_corners(plan, row) - 3 : 0;
+    if (added > 0 || dropped > 0) {
         char count[20 + 1];
-        count[norma_number_format_integer(plan->element->count + plan->added_count - dropped, count)] = '\0';
+        count[norma_number_format_integer(plan->element->count + added - dropped, count)] = '\0';
         replace_word(writer, plan->element->count_text, count);
     }
     for (size_t i = 0; i < plan->item_count; ++i) {
@@ -322,7 +329,7 @@ norma_document_result norma_ply_write(norma_document *document, const char *path
 norma_document_result norma_ply_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error)
 {
     ply_state *state = document->state;
-    *changed = state->edit.added_count > 0 || state->edit.dropped_rows || state->edit.dropped_vertices || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
+    *changed = state->edit.added_count > 0 || state->edit.dropped_rows || state->edit.cut_rows || state->edit.dropped_vertices || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
     if (*changed)
         return NORMA_DOCUMENT_OK;
     norma_document_result result = norma_rewrite_compare(document, state->bytes, state->size, changed, error);
