@@ -139,7 +139,8 @@ int cli_finish(int status); /* flushes stdout; a full disk there is status 3 */
 typedef struct cli_output {
     FILE *out;
     const char *path;
-    char *temporary; /* NULL: written as it is */
+    char *text; /* what was written to out; not of standard output */
+    size_t size;
 } cli_output;
 int cli_output_begin(cli_output *output, const char *path); /* "-": stdout; 0: failed, and said so */
 int cli_output_end(cli_output *output);                     /* a status */
@@ -153,6 +154,7 @@ typedef struct cli_progress {
     double megabytes;   /* of the input; 0: not known */
     const char *what, *name;
 } cli_progress;
+void cli_guard(void);            /* before anything is opened: closed standard streams, mapped files that become shorter */
 void cli_watch_interrupts(void);
 int cli_interrupted(void); /* 0, or 128 plus the signal */
 void cli_progress_start(cli_progress *progress, const char *what, const char *name, int quiet, double megabytes);

@@ -55,6 +55,7 @@ static int help_about(int count, char **names) {
 }
 
 int main(int count, char **arguments) {
+    cli_guard();
     cli_watch_interrupts();
     if (count < 2) {
         print_help(stderr);

@@ -1,4 +1,4 @@
-/* output.c: a report that goes to a file: whole or not at all, by a temporary file beside it that is renamed. "-" is standard output. */
+/* output.c: a report that goes to a file: gathered in memory, then written whole or not at all. "-" is standard output. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli.h"
 #include <errno.h>
@@ -7,22 +7,25 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static int fail(cli_output *output, int error) {
+static int fail(const cli_output *output, int error) {
     fprintf(stderr, "norma: %s: cannot be written: %s\n", output->path, strerror(error));
-    if (output->temporary)
-        unlink(output->temporary);
-    if (output->out && output->out != stdout)
-        fclose(output->out);
-    free(output->temporary);
-    output->temporary = NULL;
-    output->out = NULL;
     return 0;
 }
 
-/* A pipe or a device is written as it is: there is nothing to rename. */
-static int is_stream(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
+/* What would fail in the end is said before the work. */
+static int look_ahead(const cli_output *output) {
+    const char *slash = strrchr(output->path, '/');
+    const size_t length = slash ? (size_t)(slash - output->path) + 1 : 0;
+    char *folder = malloc(length + 2);
+    if (!folder)
+        return fail(output, ENOMEM);
+    memcpy(folder, output->path, length);
+    memcpy(folder + length, ".", 2);
+    int fine = access(output->path, W_OK) == 0 || (errno == ENOENT && access(folder, W_OK) == 0);
+    if (!fine)
+        fail(output, errno);
+    free(folder);
+    return fine;
 }
 
 int cli_output_begin(cli_output *output, const char *path) {
@@ -31,49 +34,29 @@ int cli_output_begin(cli_output *output, const char *path) {
         output->out = stdout;
         return 1;
     }
-    if (is_stream(path)) {
-        output->out = fopen(path, "w");
-        return output->out ? 1 : fail(output, errno);
-    }
-    size_t size = strlen(path) + sizeof ".XXXXXX";
-    output->temporary = malloc(size);
-    if (!output->temporary)
-        return fail(output, ENOMEM);
-    snprintf(output->temporary, size, "%s.XXXXXX", path);
-    mode_t mask = umask(0);
-    umask(mask);
-    int descriptor = mkstemp(output->temporary);
-    if (descriptor < 0) {
-        int error = errno;
-        free(output->temporary);
-        output->temporary = NULL;
-        return fail(output, error);
-    }
-    fchmod(descriptor, 0666 & ~mask);
-    output->out = fdopen(descriptor, "w");
-    return output->out ? 1 : fail(output, errno);
+    if (!look_ahead(output))
+        return 0;
+    output->out = open_memstream(&output->text, &output->size);
+    return output->out ? 1 : fail(output, ENOMEM);
 }
 
 void cli_output_drop(cli_output *output) {
-    if (!output->out || output->out == stdout)
-        return;
-    fclose(output->out);
-    if (output->temporary)
-        unlink(output->temporary);
-    free(output->temporary);
+    if (output->out && output->out != stdout)
+        fclose(output->out);
+    free(output->text);
     *output = (cli_output){0};
 }
 
 int cli_output_end(cli_output *output) {
     if (output->out == stdout)
         return cli_finish(CLI_OK);
-    if (fflush(output->out) || ferror(output->out) || (output->temporary && fsync(fileno(output->out))))
-        return fail(output, errno ? errno : EIO), CLI_FILE;
-    FILE *out = output->out;
+    norma_document_error error = {0};
+    int failed = fflush(output->out) || ferror(output->out);
+    if (fclose(output->out) || failed)
+        fail(output, ENOMEM);
+    else if ((failed = norma_save_bytes(output->path, output->text, output->size, &error) != NORMA_DOCUMENT_OK))
+        cli_print_error(&error);
     output->out = NULL;
-    if (fclose(out) || (output->temporary && rename(output->temporary, output->path)))
-        return fail(output, errno), CLI_FILE;
-    free(output->temporary);
-    output->temporary = NULL;
-    return CLI_OK;
+    cli_output_drop(output);
+    return failed ? CLI_FILE : CLI_OK;
 }
