@@ -83,12 +83,15 @@ static int next_line(header_reader *reader)
     return 1;
 }
 
-static ply_span whole_line(const header_line *line)
+/* From its first word to the end of its last. */
+static ply_span whole_line(const ply_state *state, const header_line *line)
 {
     if (line->word_count == 0)
         return (ply_span){0, 0};
-    size_t begin = line->words[0].offset;
-    return (ply_span){begin, line->end - begin};
+    size_t begin = line->words[0].offset, end = line->end;
+    while (is_blank(state->bytes[end - 1]))
+        --end;
+    return (ply_span){begin, end - begin};
 }
 
 static norma_document_result read_magic(header_reader *reader)
@@ -106,7 +109,7 @@ static norma_document_result read_magic(header_reader *reader)
     reader->cr_only = at < state->size && state->bytes[at] == '\r' && length == 1;
     state->header.line_break = (ply_span){at, at < state->size ? length : 0};
     next_line(reader);
-    return reader->line.word_count == 1 ? NORMA_DOCUMENT_OK : fail_line(reader, "expected \"ply\" alone on the first line", whole_line(&reader->line));
+    return reader->line.word_count == 1 ? NORMA_DOCUMENT_OK : fail_line(reader, "expected \"ply\" alone on the first line", whole_line(reader->state, &reader->line));
 }
 
 /* ---- statements */
@@ -116,7 +119,7 @@ static norma_document_result read_format(header_reader *reader)
     static const char *const names[] = {[PLY_ASCII] = "ascii", [PLY_LITTLE_ENDIAN] = "binary_little_endian", [PLY_BIG_ENDIAN] = "binary_big_endian"};
     const header_line *line = &reader->line;
     if (line->word_count != 3 || !norma_ply_span_is(reader->state, line->words[2], "1.0"))
-        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"", whole_line(line));
+        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"", whole_line(reader->state, line));
     for (int i = PLY_ASCII; i <= PLY_BIG_ENDIAN; ++i) {
         if (norma_ply_span_is(reader->state, line->words[1], names[i])) {
             reader->state->header.encoding = (ply_encoding)i;
@@ -132,7 +135,7 @@ static norma_document_result read_element(header_reader *reader)
     ply_state *state = reader->state;
     ply_header *header = &state->header;
     if (line->word_count != 3)
-        return fail_line(reader, "expected \"element\", a name and a count", whole_line(line));
+        return fail_line(reader, "expected \"element\", a name and a count", whole_line(reader->state, line));
     int64_t count;
     const char *text = (const char *)state->bytes + line->words[2].offset, *end = text + line->words[2].length;
     if (norma_number_parse_integer(text, end, &count) != end || count < 0)
@@ -160,7 +163,7 @@ static norma_document_result parse_property(header_reader *reader, ply_property 
     const ply_state *state = reader->state;
     int is_list = line->word_count > 1 && norma_ply_span_is(state, line->words[1], "list");
     if (line->word_count != (is_list ? 5u : 3u))
-        return fail_line(reader, is_list ? "expected \"property list\", the types of count and items, and a name" : "expected \"property\", a type and a name", whole_line(line));
+        return fail_line(reader, is_list ? "expected \"property list\", the types of count and items, and a name" : "expected \"property\", a type and a name", whole_line(reader->state, line));
     size_t type_word = is_list ? 3 : 1;
     *property = (ply_property){.name = line->words[type_word + 1], .type_text = line->words[type_word], .line_end = line->next, .count_type = PLY_NO_TYPE};
     property->type = type_of(state, property->type_text);
@@ -179,7 +182,7 @@ static norma_document_result read_property(header_reader *reader)
 {
     ply_header *header = &reader->state->header;
     if (header->element_count == 0)
-        return fail_line(reader, "a property before the first element", whole_line(&reader->line));
+        return fail_line(reader, "a property before the first element", whole_line(reader->state, &reader->line));
     ply_property property;
     norma_document_result result = parse_property(reader, &property);
     if (result)
@@ -201,10 +204,10 @@ static norma_document_result read_unknown(header_reader *reader, int has_format)
 {
     const header_line *line = &reader->line;
     if (!has_format)
-        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"", whole_line(line));
+        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"", whole_line(reader->state, line));
     if (reader->state->header.element_count > 0)
-        return fail_line(reader, "expected element, property, comment, obj_info or end_header", whole_line(line));
-    ply_span text = whole_line(line);
+        return fail_line(reader, "expected element, property, comment, obj_info or end_header", whole_line(reader->state, line));
+    ply_span text = whole_line(reader->state, line);
     int length = text.length > 60 ? 60 : (int)text.length;
     norma_document_add_note(reader->document, "header line %zu is no PLY statement and was passed over: \"%.*s\"", line->number, length,
                             (const char *)reader->state->bytes + text.offset);
