@@ -51,15 +51,34 @@ CORE_INLINE core_f8 core_two_corners(core_points p, int i, int k)
     return __builtin_shufflevector(core_load_three(core_point_at(p, i, k)), core_load_three(core_point_at(p, i + 4, k)), 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
+/* r[i]: what begins with the three numbers of i, and then of i + 4. axis[x]: number x of each of the eight. */
+CORE_INLINE void core_turn_threes(const core_f8 r[4], core_f8 axis[3])
+{
+    const core_f8 xy01 = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13), xy23 = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13);
+    const core_f8 z01 = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15), z23 = __builtin_shufflevector(r[2], r[3], 2, 10, 3, 11, 6, 14, 7, 15);
+    axis[0] = __builtin_shufflevector(xy01, xy23, 0, 1, 8, 9, 4, 5, 12, 13);
+    axis[1] = __builtin_shufflevector(xy01, xy23, 2, 3, 10, 11, 6, 7, 14, 15);
+    axis[2] = __builtin_shufflevector(z01, z23, 0, 1, 8, 9, 4, 5, 12, 13);
+}
+
+/* Four lanes of eight, turned over: r[i] becomes the four numbers of i, and then of i + 4. */
+CORE_INLINE void core_turn_fours(core_f8 r[4])
+{
+    const core_f8 a = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13), b = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15);
+    const core_f8 c = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13), d = __builtin_shufflevector(r[2], r[3], 2, 10, 3, 11, 6, 14, 7, 15);
+    r[0] = __builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13);
+    r[1] = __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15);
+    r[2] = __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13);
+    r[3] = __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
 /* axis[x]: coordinate x of corner k of each triangle. */
 CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3])
 {
-    const core_f8 r0 = core_two_corners(p, 0, k), r1 = core_two_corners(p, 1, k), r2 = core_two_corners(p, 2, k), r3 = core_two_corners(p, 3, k);
-    const core_f8 xy01 = __builtin_shufflevector(r0, r1, 0, 8, 1, 9, 4, 12, 5, 13), xy23 = __builtin_shufflevector(r2, r3, 0, 8, 1, 9, 4, 12, 5, 13);
-    const core_f8 z01 = __builtin_shufflevector(r0, r1, 2, 10, 3, 11, 6, 14, 7, 15), z23 = __builtin_shufflevector(r2, r3, 2, 10, 3, 11, 6, 14, 7, 15);
-    axis[0] = __builtin_convertvector(__builtin_shufflevector(xy01, xy23, 0, 1, 8, 9, 4, 5, 12, 13), core_d8);
-    axis[1] = __builtin_convertvector(__builtin_shufflevector(xy01, xy23, 2, 3, 10, 11, 6, 7, 14, 15), core_d8);
-    axis[2] = __builtin_convertvector(__builtin_shufflevector(z01, z23, 0, 1, 8, 9, 4, 5, 12, 13), core_d8);
+    const core_f8 r[4] = {core_two_corners(p, 0, k), core_two_corners(p, 1, k), core_two_corners(p, 2, k), core_two_corners(p, 3, k)};
+    core_f8 floats[3];
+    core_turn_threes(r, floats);
+    for (int x = 0; x < 3; x++) axis[x] = __builtin_convertvector(floats[x], core_d8);
 }
 
 /* The edges of triangles whose corners are three floats each. */

@@ -1,6 +1,6 @@
 /* normal_matrices.c: normal matrices of many models, eight at a time: the same operations as for one (normal_matrix.c), side by side; what is not certain or does not fit is done
  * again by itself. */
-#include "isa.h"
+#include "lanes.h"
 #include "matrix_internal.h"
 #include <float.h>
 #include <math.h>
@@ -17,9 +17,65 @@ typedef struct matrix_stream {
 } matrix_stream;
 
 typedef struct matrix_lanes {
-    float entry[9][AT_ONCE];
+    _Alignas(64) float entry[9][AT_ONCE];
 } matrix_lanes;
 
+static void store_matrix(const matrix_stream *s, size_t number, const float matrix[9])
+{
+    unsigned char *to = s->matrices + number * s->matrix_stride;
+    for (size_t c = 0; c < 3; c++) memcpy(to + c * s->column_stride, matrix + 3 * c, 3 * sizeof *matrix);
+}
+
+static void store_lane(const matrix_stream *s, size_t number, const matrix_lanes *out, size_t lane)
+{
+    float matrix[9];
+    for (size_t k = 0; k < 9; k++) matrix[k] = out->entry[k][lane];
+    store_matrix(s, number, matrix);
+}
+
+#if defined(CORE_HAS_SHUFFLES)
+/* Four floats at a place in each of two models; the last column is read with the float before it, since what is behind it may be another's. */
+CORE_INLINE core_f8 load_twos(const unsigned char *model, const unsigned char *other, size_t number)
+{
+    core_f4 low, high;
+    memcpy(&low, model + number * sizeof(float), sizeof low);
+    memcpy(&high, other + number * sizeof(float), sizeof high);
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+CORE_INLINE void load_models(const matrix_stream *s, size_t first, matrix_lanes *in)
+{
+    const unsigned char *models = s->models + first * s->model_stride;
+    for (size_t c = 0; c < 3; c++) {
+        core_f8 r[4], axis[3];
+        for (size_t i = 0; i < 4; i++) {
+            r[i] = load_twos(models + i * s->model_stride, models + (i + 4) * s->model_stride, c < 2 ? 4 * c : 7);
+            if (c == 2) r[i] = __builtin_shufflevector(r[i], r[i], 1, 2, 3, 0, 5, 6, 7, 4);
+        }
+        core_turn_threes(r, axis);
+        for (size_t k = 0; k < 3; k++) memcpy(in->entry[3 * c + k], &axis[k], sizeof axis[k]);
+    }
+}
+
+/* Tight matrices: each is written once, from its first float to its last. */
+CORE_INLINE void store_eight(const matrix_stream *s, size_t first, const matrix_lanes *out)
+{
+    unsigned char *to = s->matrices + first * s->matrix_stride;
+    core_f8 a[4], b[4];
+    for (size_t k = 0; k < 4; k++) {
+        memcpy(&a[k], out->entry[k], sizeof a[k]);
+        memcpy(&b[k], out->entry[4 + k], sizeof b[k]);
+    }
+    core_turn_fours(a);
+    core_turn_fours(b);
+    for (size_t i = 0; i < AT_ONCE; i++, to += s->matrix_stride) {
+        const size_t half = sizeof a[0] / 2, from = i < 4 ? 0 : half;
+        memcpy(to, (const unsigned char *)&a[i % 4] + from, half);
+        memcpy(to + half, (const unsigned char *)&b[i % 4] + from, half);
+        memcpy(to + 2 * half, &out->entry[8][i], sizeof(float));
+    }
+}
+#else
 CORE_INLINE void load_models(const matrix_stream *s, size_t first, matrix_lanes *in)
 {
     for (size_t i = 0; i < AT_ONCE; i++) {
@@ -29,6 +85,12 @@ CORE_INLINE void load_models(const matrix_stream *s, size_t first, matrix_lanes 
             for (size_t r = 0; r < 3; r++) in->entry[3 * c + r][i] = model[4 * c + r];
     }
 }
+
+CORE_INLINE void store_eight(const matrix_stream *s, size_t first, const matrix_lanes *out)
+{
+    for (size_t i = 0; i < AT_ONCE; i++) store_lane(s, first + i, out, i);
+}
+#endif
 
 CORE_INLINE double larger(double a, double b) { return a > b ? a : b; }
 CORE_INLINE double lesser(double a, double b) { return a < b ? a : b; }
@@ -61,12 +123,6 @@ CORE_INLINE int matrices_of_lanes(const matrix_lanes *in, int reversed, matrix_l
     return any;
 }
 
-static void store_matrix(const matrix_stream *s, size_t number, const float matrix[9])
-{
-    unsigned char *to = s->matrices + number * s->matrix_stride;
-    for (size_t c = 0; c < 3; c++) memcpy(to + c * s->column_stride, matrix + 3 * c, 3 * sizeof *matrix);
-}
-
 static norma_result one_by_one(const matrix_stream *s, size_t first, size_t end)
 {
     norma_result result = NORMA_OK;
@@ -79,8 +135,20 @@ static norma_result one_by_one(const matrix_stream *s, size_t first, size_t end)
     return result;
 }
 
+/* Those that are not safe by themselves. */
+static norma_result store_some(const matrix_stream *s, size_t first, const matrix_lanes *out, const int unsafe[AT_ONCE])
+{
+    norma_result result = NORMA_OK;
+    for (size_t i = 0; i < AT_ONCE; i++) {
+        if (!unsafe[i]) store_lane(s, first + i, out, i);
+        else if (one_by_one(s, first + i, first + i + 1)) result = NORMA_ERROR_ARGUMENT;
+    }
+    return result;
+}
+
 CORE_INLINE norma_result many(const matrix_stream *s, size_t count)
 {
+    const int tight = s->column_stride == 3 * sizeof(float);
     norma_result result = NORMA_OK;
     matrix_lanes in, out;
     int unsafe[AT_ONCE];
@@ -88,15 +156,8 @@ CORE_INLINE norma_result many(const matrix_stream *s, size_t count)
     for (; count - first >= AT_ONCE; first += AT_ONCE) {
         load_models(s, first, &in);
         const int any = s->winding == NORMA_WINDING_REVERSED ? matrices_of_lanes(&in, 1, &out, unsafe) : matrices_of_lanes(&in, 0, &out, unsafe);
-        for (size_t i = 0; i < AT_ONCE; i++) {
-            float matrix[9];
-            if (any && unsafe[i]) {
-                if (one_by_one(s, first + i, first + i + 1)) result = NORMA_ERROR_ARGUMENT;
-                continue;
-            }
-            for (size_t k = 0; k < 9; k++) matrix[k] = out.entry[k][i];
-            store_matrix(s, first + i, matrix);
-        }
+        if (tight && !any) store_eight(s, first, &out);
+        else if (store_some(s, first, &out, unsafe)) result = NORMA_ERROR_ARGUMENT;
     }
     return one_by_one(s, first, count) ? NORMA_ERROR_ARGUMENT : result;
 }
