@@ -2,7 +2,7 @@
 _norma() {
     local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} verb=${COMP_WORDS[1]:-}
     local matrix="--scale --rotate --translate --matrix"
-    local files="-o --output --out-dir --in-place --input-format --threads --json --quiet --help"
+    local files="-o --output --out-dir --in-place --input-format --threads --max-memory --json --quiet --help"
     local values="" options=""
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
@@ -29,7 +29,7 @@ _norma() {
     --background) values="paper white black grey transparent" ;;
     --renderer) values="auto software" ;;
     --input-format) values="obj ply stl gltf glb" ;;
-    --select | --ignore | --max-samples | --crease | --threads | --scale | --rotate | --translate | --matrix) return ;;
+    --select | --ignore | --max-samples | --crease | --threads | --max-memory | --scale | --rotate | --translate | --matrix) return ;;
     --out-dir)
         mapfile -t COMPREPLY < <(compgen -d -- "$word")
         return
@@ -43,11 +43,11 @@ _norma() {
     compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
-    render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --json --quiet --help" ;;
+    render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
     check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --fail-on --max-samples --fix --fix-unsafe --dry-run --files-from $files" ;;
     explain) options="--json --help" ;;
-    view) options="-o --output --input-format --threads --json --quiet --help" ;;
-    info) options="--deep --input-format --threads --json --quiet --help" ;;
+    view) options="-o --output --input-format --threads --max-memory --json --quiet --help" ;;
+    info) options="--deep --input-format --threads --max-memory --json --quiet --help" ;;
     esac
     if [[ $word == -* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

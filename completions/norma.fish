@@ -24,6 +24,7 @@ complete -c norma -n '__fish_seen_subcommand_from info view' -F
 complete -c norma -n '__fish_seen_subcommand_from view' -s o -l output -r -F -d 'The page'
 complete -c norma -n "$reads" -l input-format -x -a 'obj ply stl gltf glb' -d 'Format of the inputs'
 complete -c norma -n "$reads" -l threads -x -d 'How many may work'
+complete -c norma -n "$reads" -l max-memory -x -d 'As 512M: what needs more is refused'
 complete -c norma -n "$reads" -l quiet -d 'Nothing but errors'
 complete -c norma -n '__fish_seen_subcommand_from compute transform matrix check explain info render view' -l json -d 'For programs'
 complete -c norma -n '__fish_seen_subcommand_from info' -l deep -d 'Which weight and crease explain the stored normals'

@@ -48,6 +48,7 @@ static const char help[] =
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
     "  --threads N           how many may work (all)\n"
+    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
     "\n"
     "Exit status: 0 fine, 1 findings at or above --fail-on, 2 usage, 3 a file could not be read, 130 interrupted.\n";
 

@@ -66,8 +66,9 @@ typedef struct cli_common {
     int json, quiet;
     uint32_t threads;
 } cli_common;
-extern const cli_option cli_common_options[]; /* --json --quiet --threads */
+extern const cli_option cli_common_options[]; /* --json --max-memory --quiet --threads */
 extern const size_t cli_common_option_count;
+const char *cli_limit_memory(const char *value); /* of --max-memory, for the whole process: NULL, or what was expected */
 extern const cli_option cli_matrix_options[]; /* --scale --rotate --translate --matrix */
 #define CLI_MATRIX_HELP                                                                                      \
     "The matrix: the first given acts first on the points\n"                                                 \
@@ -105,6 +106,7 @@ extern const size_t cli_input_option_count, cli_output_option_count;
     "  --input-format obj|ply|stl|gltf|glb\n"                                                           \
     "                        needed for standard input, which is called -\n"                            \
     "  --threads N           how many may work (all); the result is the same to the bit\n"              \
+    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"                   \
     "  --json                a summary for programs on standard output, one object a line\n"            \
     "  --quiet               says nothing but errors\n"
 

@@ -17,6 +17,7 @@ static const char help[] = "norma info IN...: what is in a file: meshes, counts,
                            "  --input-format obj|ply|stl|gltf|glb\n"
                            "                        needed for standard input, which is called -\n"
                            "  --threads N           how many may work (all)\n"
+                           "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
                            "  --json                for programs, on standard output\n"
                            "  --quiet               no notes\n"
                            "\n"

@@ -208,8 +208,14 @@ static const char *set_threads(void *settings, const char *value) {
     return NULL;
 }
 
+static const char *set_max_memory(void *settings, const char *value) {
+    (void)settings; /* it is the process's */
+    return cli_limit_memory(value);
+}
+
 const cli_option cli_common_options[] = {
     {"json", 0, 0, set_json},
+    {"max-memory", 0, 1, set_max_memory},
     {"quiet", 0, 0, set_quiet},
     {"threads", 0, 1, set_threads},
 };

@@ -61,7 +61,7 @@ static const char help[] =
     "  -o, --output OUT.png  the picture; - is standard output, unless that is a terminal\n"
     "  --out-dir FOLDER      for several inputs: FOLDER/NAME.png each\n"
     "  --input-format obj|ply|stl|gltf|glb for standard input, which is called -\n"
-    "  --json  --quiet  --threads N\n"
+    "  --json  --quiet  --threads N  --max-memory SIZE\n"
     "\n"
     "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, or nothing can be drawn here.\n";
 

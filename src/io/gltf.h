@@ -88,7 +88,6 @@ typedef struct gltf_primitive {
     char            where[64];            /* JSON pointer */
     uint32_t       *corners;              /* cached by norma_gltf_corners, 3 * faces */
     const uint32_t *direct_corners;       /* the same where the file itself has them so */
-    float          *normals;              /* cached by mesh_data */
 } gltf_primitive;
 
 typedef struct gltf_mesh {
@@ -136,6 +135,7 @@ typedef struct gltf {
     uint32_t        *drawing;             /* nodes that draw a mesh, in order */
     uint32_t         buffer_count, view_count, accessor_count, mesh_count, primitive_count, target_count, attribute_count, node_count, drawing_count;
     size_t           held;                /* bytes that the file and its buffers may hold: what counts without bytes behind them are measured by */
+    size_t           decoded, corners_drawn, vertices_drawn; /* so far, measured by held (gltf_limits.c) */
     int              changed;             /* something was put or edited */
     json_edits      *edits;               /* of the asset's JSON */
     gltf_patch      *patch;
@@ -157,6 +157,10 @@ norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsign
 norma_document_result norma_gltf_decode_meshopt(gltf *g, uint32_t view, norma_document_error *error);
 /* The elements of an accessor, resolved once and cached. */
 norma_document_result norma_gltf_array(gltf *g, uint32_t accessor, gltf_array *array, norma_document_error *error);
+
+/* gltf_limits.c: before count elements of size bytes (not 0) are decoded for what token says, before a primitive's corners are read. */
+norma_document_result norma_gltf_spend(gltf *g, uint32_t token, size_t count, size_t size, norma_document_error *error);
+norma_document_result norma_gltf_draw(gltf *g, const gltf_primitive *p, norma_document_error *error);
 
 size_t norma_gltf_component_size(int component);                                           /* 0: unknown */
 void   norma_gltf_floats(const gltf_array *array, size_t index, float *out);               /* one element, width numbers, normalised integers decoded */

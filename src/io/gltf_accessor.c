@@ -148,8 +148,9 @@ static norma_document_result make_dense(gltf *g, gltf_accessor *a, norma_documen
 {
     if (a->view == GLTF_NONE && a->count > g->held)
         return norma_gltf_malformed(g, error, a->token, "a count without bytes that is not beyond all that the file holds");
-    if (a->count > SIZE_MAX / a->element_size)
-        return norma_document_fail_memory(g->document, error);
+    norma_document_result result = norma_gltf_spend(g, a->token, a->count, a->element_size, error);
+    if (result)
+        return result;
     unsigned char *owned = norma_io_allocate(a->count, a->element_size);
     if (!owned)
         return norma_document_fail_memory(g->document, error);

@@ -188,9 +188,10 @@ static norma_document_result pad_normals(gltf *g, const gltf_primitive *p, norma
     norma_document_result result = norma_gltf_array(g, p->base.normal, &array, error);
     if (result || array.count >= p->vertices)
         return result;
-    unsigned char *padded = p->vertices > g->held ? NULL : norma_io_allocate(p->vertices, a->element_size);
+    result = norma_gltf_spend(g, a->token, p->vertices, a->element_size, error);
+    unsigned char *padded = result ? NULL : norma_io_allocate(p->vertices, a->element_size);
     if (!padded)
-        return norma_document_fail_memory(g->document, error);
+        return result ? result : norma_document_fail_memory(g->document, error);
     for (size_t i = 0; i < array.count; ++i)
         memcpy(padded + i * a->element_size, array.data + i * array.stride, a->element_size);
     free(a->owned);
@@ -205,14 +206,18 @@ static norma_document_result check_whole(gltf *g, uint32_t number, norma_documen
 {
     gltf_primitive *p = &g->primitives[number];
     const uint32_t *corners;
-    gltf_array positions;
+    gltf_array elements;
     if (p->not_read)
         return NORMA_DOCUMENT_OK;
     norma_document_result result = check_counts(g, p, &p->base, error);
     for (uint32_t t = 0; !result && t < p->target_count; ++t)
         result = check_counts(g, p, &g->targets[p->first_target + t], error);
     if (!result)
-        result = norma_gltf_array(g, p->base.position, &positions, error);
+        result = norma_gltf_array(g, p->base.position, &elements, error);
+    if (!result && p->indices != GLTF_NONE) /* their bytes count as well */
+        result = norma_gltf_array(g, p->indices, &elements, error);
+    if (!result)
+        result = norma_gltf_draw(g, p, error);
     if (!result && p->base.normal != GLTF_NONE && g->accessors[p->base.normal].count < p->vertices)
         result = pad_normals(g, p, error);
     return result ? result : norma_gltf_corners(g, number, &corners, error);
@@ -409,22 +414,6 @@ norma_document_result norma_gltf_corners(gltf *g, uint32_t number, const uint32_
 
 /* ---- arrays for others */
 
-static norma_document_result decode_normals(gltf *g, gltf_primitive *p, norma_document_error *error)
-{
-    gltf_array array;
-    norma_document_result result = norma_gltf_array(g, p->base.normal, &array, error);
-    if (result)
-        return result;
-    if (array.width != 3)
-        return norma_gltf_malformed(g, error, g->accessors[p->base.normal].token, "normals of three numbers");
-    p->normals = norma_io_allocate(array.count, 3 * sizeof *p->normals);
-    if (!p->normals)
-        return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < array.count; ++i)
-        norma_gltf_floats(&array, i, p->normals + 3 * i);
-    return NORMA_DOCUMENT_OK;
-}
-
 /* Of each corner the normal: its vertex, where that has one. */
 static norma_document_result name_normals(gltf *g, const uint32_t *corners, size_t corner_count, size_t normals, const uint32_t **out, norma_document_error *error)
 {
@@ -443,19 +432,20 @@ norma_document_result norma_gltf_mesh_data(norma_document *document, size_t inde
     gltf_primitive *p = &g->primitives[index];
     const uint32_t *corners;
     gltf_array positions;
+    const float *normals = NULL;
     norma_document_result result = norma_gltf_corners(g, (uint32_t)index, &corners, error);
     if (!result)
         result = norma_gltf_array(g, p->base.position, &positions, error);
-    if (!result && p->base.normal != GLTF_NONE && !p->normals && !(document->lenient && norma_gltf_is_placeholder(g, p->base.normal)))
-        result = decode_normals(g, p, error);
+    if (!result && p->base.normal != GLTF_NONE && !(document->lenient && norma_gltf_is_placeholder(g, p->base.normal)))
+        result = norma_gltf_decode(g, p->base.normal, 3, &normals, error);
     if (result)
         return result;
     data->mesh.positions = norma_gltf_vec3_view(&positions);
     data->mesh.corners = corners;
     data->mesh.corner_count = 3 * p->faces;
-    if (!p->normals)
+    if (!normals)
         return NORMA_DOCUMENT_OK;
     size_t count = g->accessors[p->base.normal].count;
-    data->normals = (norma_vec3_view){.data = p->normals, .count = count < p->vertices ? count : p->vertices, .format = NORMA_FORMAT_FLOAT};
+    data->normals = (norma_vec3_view){.data = normals, .count = count < p->vertices ? count : p->vertices, .format = NORMA_FORMAT_FLOAT};
     return count < p->vertices ? name_normals(g, corners, 3 * p->faces, count, &data->corner_normals, error) : NORMA_DOCUMENT_OK;
 }

@@ -115,9 +115,10 @@ norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t wid
         return NORMA_DOCUMENT_OK;
     }
     if (!scene->decoded[accessor]) {
-        float *copy = norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
+        result = norma_gltf_spend(g, g->accessors[accessor].token, array.count, width * sizeof(float), error);
+        float *copy = result ? NULL : norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
         if (!copy)
-            return norma_document_fail_memory(g->document, error);
+            return result ? result : norma_document_fail_memory(g->document, error);
         for (size_t i = 0; i < array.count; ++i) norma_gltf_floats(&array, i, copy + width * i);
         scene->decoded[accessor] = copy;
     }
@@ -161,9 +162,10 @@ static norma_document_result widen_colors(gltf *g, uint32_t accessor, const floa
     if (result)
         return result;
     if (!scene->colors[accessor]) {
-        float *made = norma_scene_allocate(g->document->scene, array.count, 4 * sizeof *made);
+        result = norma_gltf_spend(g, g->accessors[accessor].token, array.count, 4 * sizeof(float), error);
+        float *made = result ? NULL : norma_scene_allocate(g->document->scene, array.count, 4 * sizeof *made);
         if (!made)
-            return norma_document_fail_memory(g->document, error);
+            return result ? result : norma_document_fail_memory(g->document, error);
         for (size_t i = 0; i < array.count; ++i) {
             norma_gltf_floats(&array, i, made + 4 * i);
             made[4 * i + 3] = 1;
@@ -247,9 +249,10 @@ static norma_document_result scale_moves(gltf *g, uint32_t base, norma_vec3_view
                                                : 1;
     if (!a->normalized || unit == 1 || !moves->count)
         return NORMA_DOCUMENT_OK;
-    float *scaled = norma_scene_allocate(g->document->scene, moves->count, 3 * sizeof *scaled);
+    norma_document_result result = norma_gltf_spend(g, a->token, moves->count, 3 * sizeof(float), error);
+    float *scaled = result ? NULL : norma_scene_allocate(g->document->scene, moves->count, 3 * sizeof *scaled);
     if (!scaled)
-        return norma_document_fail_memory(g->document, error);
+        return result ? result : norma_document_fail_memory(g->document, error);
     for (size_t i = 0; i < 3 * moves->count; ++i) scaled[i] = unit * ((const float *)moves->data)[i];
     moves->data = scaled;
     return NORMA_DOCUMENT_OK;

@@ -1,0 +1,35 @@
+/* gltf_limits.c: how much a file may stand for. Elements that share bytes (many primitives of one accessor, accessors that overlap, accessors without bytes) let a few kilobytes
+ * name more triangles than a machine holds; so what is decoded and what is drawn is measured by the bytes that the file and its buffers hold. */
+#include "gltf.h"
+
+enum { DECODED_A_BYTE = 64, CORNERS_A_BYTE = 16, VERTICES_A_BYTE = 64, FREE = 1 << 18 };
+
+/* Whether sum stays within the bound when more is added to it; never wraps. */
+static int add_within(size_t *sum, size_t more, size_t held, size_t a_byte)
+{
+    const size_t bound = held > (SIZE_MAX - FREE) / a_byte ? SIZE_MAX : held * a_byte + FREE;
+    if (more > bound || *sum > bound - more)
+        return 0;
+    *sum += more;
+    return 1;
+}
+
+norma_document_result norma_gltf_spend(gltf *g, uint32_t token, size_t count, size_t size, norma_document_error *error)
+{
+    char place[200];
+    if (count <= SIZE_MAX / size && add_within(&g->decoded, count * size, g->held, DECODED_A_BYTE))
+        return NORMA_DOCUMENT_OK;
+    norma_gltf_pointer(g, token, place, sizeof place);
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place, "%zu elements from here, with all before them, would take far more room than the file; "
+                               "expected at most %d bytes for each byte of it", count, DECODED_A_BYTE);
+}
+
+norma_document_result norma_gltf_draw(gltf *g, const gltf_primitive *p, norma_document_error *error)
+{
+    const size_t corners = p->faces > SIZE_MAX / 3 ? SIZE_MAX : 3 * p->faces;
+    if (add_within(&g->corners_drawn, corners, g->held, CORNERS_A_BYTE) && add_within(&g->vertices_drawn, p->vertices, g->held, VERTICES_A_BYTE))
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
+                               "%zu triangles of %zu vertices, with those of all primitives before, are far more than the file has bytes; expected at most %d corners and %d vertices for each", p->faces,
+                               p->vertices, CORNERS_A_BYTE, VERTICES_A_BYTE);
+}
