@@ -20,6 +20,7 @@ static const char help[] = "norma view IN -o OUT.html: one self-contained page t
                            "  --input-format obj|ply|stl|gltf|glb\n"
                            "                        needed for standard input, which is called -\n"
                            "  --threads N           how many may read (all)\n"
+                           "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
                            "  --json                a summary for programs on standard output\n"
                            "  --quiet               says nothing but errors\n"
                            "\n"
