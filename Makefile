@@ -3,7 +3,7 @@ BUILD ?= build
 PREFIX ?= /usr/local
 CMAKE_FLAGS ?=
 
-.PHONY: all help deps demo figures web test coverage bench asan tsan format lint install single clean
+.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint install single clean
 .DEFAULT_GOAL := all
 
 # Where packages cannot be installed (another system, neither root nor sudo) the script says which, and CMake tells whether they are there all the same.
@@ -22,6 +22,7 @@ help:
 	@echo "make asan     the tests under the address and undefined-behaviour sanitizers only (clang)"
 	@echo "make tsan     the tests that use threads under the thread sanitizer only (clang)"
 	@echo "make coverage which lines and branches of core and io the tests run (gcov)"
+	@echo "make fuzz     MINUTES=15: every fuzz target for so many minutes of processor time each, on the cores there are (clang)"
 	@echo "make bench    Norma beside memcpy and beside other libraries, which it installs (more than a gigabyte); about ten minutes"
 	@echo "make web      the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
 	@echo "make figures  draws the figures of the guide and of the README into docs/figures again"
@@ -59,6 +60,10 @@ web:
 	@scripts/install-deps.sh web
 	@$(MAKE) --no-print-directory all CMAKE_FLAGS="$(CMAKE_FLAGS) -DNORMA_WEB=ON"
 	@echo "$(BUILD)/web/norma.html, $(BUILD)/web/npm"
+
+MINUTES ?= 15
+fuzz: deps
+	@scripts/fuzz.sh run $(MINUTES)
 
 figures: all
 	@NORMA_BIN=$(BUILD)/bin/norma scripts/figures.sh

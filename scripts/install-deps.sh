@@ -17,8 +17,8 @@ if [ "$what" = bench ]; then
     packages="$packages $web_packages g++ libvtk9-dev libopen3d-dev libopenmesh-dev libcgal-dev libassimp-dev libglm-dev libcglm-dev libeigen3-dev"
 fi
 if [ "$what" = all ]; then
-    # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers; gmp: the oracle; mandoc: the manual's lint.
-    packages="$packages g++ clang libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc"
+    # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint.
+    packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc"
     # chromium: the page's tests.
     packages="$packages $web_packages chromium"
 fi

@@ -2,7 +2,7 @@
 # The whole test suite: builds the trees, runs every cmocka program and every script, counts each case that they report (TAP), and closes with one line,
 # "N passed, N failed, N skipped". Exits non-zero when anything failed.
 #   tests/run.sh              everything
-#   tests/run.sh gcc asan     some of: gcc (warnings as errors, all unit tests), scripts, asan, tsan
+#   tests/run.sh gcc asan     some of: gcc (warnings as errors, all unit tests), scripts, asan, tsan, fuzz
 # shellcheck disable=SC2016  # single quotes hold what inner shells expand
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -10,7 +10,7 @@ root=$PWD
 out=$root/build/test
 results=$out/results
 jobs=${JOBS:-$(nproc)}
-sections=${*:-gcc scripts asan tsan}
+sections=${*:-gcc scripts asan tsan fuzz}
 case " $sections " in *" scripts "*) case " $sections " in *" gcc "*) ;; *) sections="gcc $sections" ;; esac ;; esac
 
 export NORMA_DATA=${NORMA_DATA:-$root/../shared/data}
@@ -95,6 +95,29 @@ run_tsan() {
     say "tsan: the tests that use threads"
     units tsan parallel
     one tsan.programs tests/threads.sh
+}
+
+# The seeds of the fuzz targets, what they ever found, and a fixed number of runs from a fixed seed; `make fuzz` is for the rest.
+run_fuzz() {
+    if ! echo 'int LLVMFuzzerTestOneInput(const unsigned char *b, unsigned long n); int LLVMFuzzerTestOneInput(const unsigned char *b, unsigned long n) { return !b && n; }' |
+        clang -x c -fsanitize=fuzzer - -o "$out/has-fuzzer" 2>/dev/null; then
+        printf '1..1\nok 1 # SKIP clang with libFuzzer is not here\n' >"$results/fuzz.tap"
+        echo 0 >"$results/fuzz.status"
+        return
+    fi
+    say "fuzz: building the targets with clang, libFuzzer and the sanitizers"
+    if scripts/fuzz.sh build "$out/fuzz" >"$results/fuzz.build.err" 2>&1; then
+        printf '1..1\nok 1 - builds without a warning\n' >"$results/fuzz.build.tap"
+        echo 0 >"$results/fuzz.build.status"
+    else
+        printf '1..1\nnot ok 1 - builds without a warning\n' >"$results/fuzz.build.tap"
+        echo 1 >"$results/fuzz.build.status"
+        return
+    fi
+    say "fuzz: seeds, what was found, and runs from a fixed seed"
+    export NORMA_TREE=$out/fuzz
+    find tests/fuzz -name 'fuzz_*.c' -exec grep -l '^int LLVMFuzzerTestOneInput' {} + | sed 's|.*/fuzz_||; s|\.c$||' | sort |
+        xargs -P "$jobs" -I{} bash -c 'one "fuzz.$0" tests/fuzz/replay.sh "$0"' {}
 }
 
 for section in $sections; do
