@@ -182,6 +182,17 @@ static void test_ply_cut(void **state) {
     }
 }
 
+/* A strip without the triangle that has no height begins anew behind it; a face goes with it. */
+static void test_ply_strips(void **state) {
+    (void)state;
+    static const char head[] = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\nelement face %d\nproperty list uchar int vertex_indices\n"
+                               "element tristrips 2\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n2 2 0\n3 3 0\n0 5 1\n%s";
+    char before[500], after[500];
+    snprintf(before, sizeof before, head, 2, "3 0 2 1\n3 0 3 4\n6 0 1 2 -1 0 5\n7 5 0 4 3 0 2 1\n");
+    snprintf(after, sizeof after, head, 1, "3 0 2 1\n6 0 1 2 -1 0 5\n8 5 0 4 -1 3 2 0 1\n");
+    text_becomes("a.ply", "N401", before, after);
+}
+
 /* ---- glTF: a grid far away, under a node that is turned, scaled and has a child; drawn twice */
 
 enum { SIDE = 6, GRID = SIDE * SIDE };
@@ -276,6 +287,7 @@ static void test_texts_recentre(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_obj_weld),  cmocka_unit_test(test_obj_curves),    cmocka_unit_test(test_obj_split),      cmocka_unit_test(test_ply_cut),
+        cmocka_unit_test(test_ply_strips),
         cmocka_unit_test(test_gltf_recentre), cmocka_unit_test(test_gltf_stays), cmocka_unit_test(test_texts_recentre),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -145,10 +145,33 @@ void norma_mend_normal(const mend_mesh *m, size_t number, double normal[3]) {
     for (int axis = 0; axis < 3; axis++) normal[axis] = (double)m->edit->normals[3 * number + (size_t)axis];
 }
 
+/* Half of the step between two codes; floats and texts: what rounding and nine digits make of a number. */
+static double half_step(const char *encoding) {
+    static const struct {
+        const char *name;
+        double steps;
+    } codes[] = {{"snorm8", 127}, {"int8", 127}, {"snorm10", 511}, {"snorm16", 32767}, {"int16", 32767}};
+    for (size_t i = 0; i < sizeof codes / sizeof *codes; i++)
+        if (strcmp(encoding, codes[i].name) == 0)
+            return .5 / codes[i].steps;
+    return 1e-7;
+}
+
+/* Whether it would be stored as what is there: then it is no change, and others need not wait for it. */
+static int is_stored(const mend_mesh *m, size_t number, const double unit[3]) {
+    double stored[3];
+    const double near = half_step(m->info.encoding);
+    norma_view_read(&m->data.normals, number, stored);
+    return fabs(unit[0] - stored[0]) < near && fabs(unit[1] - stored[1]) < near && fabs(unit[2] - stored[2]) < near;
+}
+
 int norma_mend_set_normal(mend_mesh *m, size_t number, const double normal[3]) {
     size_t count = norma_mend_normal_count(m);
     double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     if (!(length > 0) || !isfinite(length))
+        return 1;
+    const double unit[3] = {normal[0] / length, normal[1] / length, normal[2] / length};
+    if (!(m->edit->set_normals && m->edit->set_normals[number]) && is_stored(m, number, unit))
         return 1;
     if (!m->edit->set_normals) {
         m->edit->set_normals = calloc(count + 1, 1);
@@ -158,7 +181,7 @@ int norma_mend_set_normal(mend_mesh *m, size_t number, const double normal[3]) {
         return 0;
     ((uint8_t *)(uintptr_t)m->edit->set_normals)[number] = 1;
     float *to = (float *)(uintptr_t)m->edit->normals + 3 * number;
-    for (int axis = 0; axis < 3; axis++) to[axis] = (float)(normal[axis] / length) + 0.0f;
+    for (int axis = 0; axis < 3; axis++) to[axis] = (float)unit[axis] + 0.0f;
     return 1;
 }
 

@@ -1,5 +1,5 @@
 /* mend_polygons.c: polygons that readers would cut wrong or differently (N404, N405), cut into triangles that do not fold: ears are clipped (Meisters 1975) in the plane of the
- * polygon's vector area, each time the one with the shortest cut. What crosses itself has no such triangles and stays. */
+ * polygon's vector area, each time the one with the shortest cut of those that leave no triangle looking far off. What crosses itself has no such triangles and stays. */
 #include "mend_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +8,7 @@ typedef struct polygon {
     size_t count;
     double (*points)[3];  /* relative to the first corner */
     double (*flat)[2];    /* in its plane, counter-clockwise */
+    double area[3];
     uint32_t *ring;       /* corners that are left */
     size_t left;
 } polygon;
@@ -16,7 +17,8 @@ static double cross2(const double a[2], const double b[2], const double c[2]) { 
 
 /* Drops the axis along which the vector area is greatest. 0: it has none. */
 static int flatten(polygon *p) {
-    double area[3] = {0, 0, 0};
+    double *area = p->area;
+    memset(p->area, 0, sizeof p->area);
     for (size_t i = 1; i + 1 < p->count; i++)
         for (int k = 0; k < 3; k++) {
             const double *a = p->points[i], *b = p->points[i + 1];
@@ -55,19 +57,52 @@ static int is_ear(const polygon *p, size_t i) {
     return 1;
 }
 
+static const double FAR_OFF = .5; /* cosine of 60 degrees */
+
+/* Cosine of the angle between a triangle and the polygon's area, at most FAR_OFF: nearer is as good. */
+static double agreement(const polygon *p, uint32_t a, uint32_t b, uint32_t c) {
+    double ab[3], ac[3], normal[3];
+    norma_core_subtract(p->points[b], p->points[a], ab);
+    norma_core_subtract(p->points[c], p->points[a], ac);
+    norma_core_cross(ab, ac, normal);
+    const double product = norma_core_length(normal) * norma_core_length(p->area);
+    return product > 0 ? fmin(norma_core_dot(normal, p->area) / product, FAR_OFF) : -1;
+}
+
+/* Of cutting off the corner at place i of the ring; where four are left, of what remains as well. */
+static double cut_agreement(const polygon *p, size_t i) {
+    const uint32_t before = p->ring[(i + p->left - 1) % p->left], at = p->ring[i], after = p->ring[(i + 1) % p->left];
+    const double ear = agreement(p, before, at, after);
+    return p->left == 4 ? fmin(ear, agreement(p, before, after, p->ring[(i + 2) % 4])) : ear;
+}
+
 static double cut_length(const polygon *p, size_t i) {
     const double *a = p->points[p->ring[(i + p->left - 1) % p->left]], *c = p->points[p->ring[(i + 1) % p->left]];
     return (a[0] - c[0]) * (a[0] - c[0]) + (a[1] - c[1]) * (a[1] - c[1]) + (a[2] - c[2]) * (a[2] - c[2]);
+}
+
+/* The place of the best ear; p->left: there is none. */
+static size_t find_ear(const polygon *p) {
+    size_t best = p->left;
+    double best_agreement = 0, best_length = 0;
+    for (size_t i = 0; i < p->left; i++) {
+        if (!is_ear(p, i))
+            continue;
+        const double how = cut_agreement(p, i), length = cut_length(p, i);
+        if (best < p->left && (how < best_agreement || (how == best_agreement && !(length < best_length))))
+            continue;
+        best = i;
+        best_agreement = how;
+        best_length = length;
+    }
+    return best;
 }
 
 /* Corners of count - 2 triangles; 0: it cannot be cut so. */
 static int clip_ears(polygon *p, uint32_t *triangles) {
     for (p->left = 0; p->left < p->count; p->left++) p->ring[p->left] = (uint32_t)p->left;
     for (size_t done = 0; p->left >= 3; done++) {
-        size_t best = p->left;
-        for (size_t i = 0; i < p->left; i++)
-            if (is_ear(p, i) && (best == p->left || cut_length(p, i) < cut_length(p, best)))
-                best = i;
+        const size_t best = find_ear(p);
         if (best == p->left)
             return 0;
         triangles[3 * done] = p->ring[(best + p->left - 1) % p->left];

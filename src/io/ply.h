@@ -84,7 +84,7 @@ typedef struct ply_edit {
     uint32_t *corners;                  /* new corners in the order of ply_mesh.corners, or NULL */
     int       reversed;                 /* the winding changed: other data of corners turns with it */
     uint8_t  *reversed_rows;            /* with it: only in the faces where this is nonzero; or NULL: in all */
-    uint8_t  *dropped_rows;             /* faces that are left out, or NULL */
+    uint8_t  *dropped_rows;             /* faces that are left out, triangles of strips behind them, or NULL */
     uint8_t  *cut_rows;                 /* faces that become triangles, or NULL; corners is set with it */
     uint32_t *cut_corners;              /* three numbers of a face's corners each, two triangles fewer than it has, from three times its first corner on */
     uint8_t  *dropped_vertices;         /* vertices that are left out, or NULL: values above keep a place for them, corners count without them */

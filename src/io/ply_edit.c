@@ -111,16 +111,16 @@ static norma_document_result edit_faces(norma_document *document, const norma_me
     ply_state *state = document->state;
     const ply_mesh *mesh = &state->mesh;
     ply_edit *change = &state->edit;
-    for (size_t face = mesh->polygon_count; edit->drop_faces && face < mesh->face_count; ++face)
-        if (edit->drop_faces[face])
-            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "triangles of a strip cannot be left out; expected faces");
-    if (edit->drop_faces && !(change->dropped_rows = copy_marks(edit->drop_faces, mesh->polygon_count)))
-        return norma_document_fail_memory(document, error);
-    if (!edit->reverse_faces)
-        return NORMA_DOCUMENT_OK;
     const uint32_t *corners = edit->source_vertices ? edit->new_corners : mesh->corners;
-    if (!change->corners)
-        change->corners = norma_io_allocate(mesh->corner_count, sizeof *change->corners);
+    if (edit->drop_faces && !(change->dropped_rows = copy_marks(edit->drop_faces, mesh->face_count)))
+        return norma_document_fail_memory(document, error);
+    const int makes_strips = edit->drop_faces && mesh->polygon_count < mesh->face_count && !change->corners;
+    if (makes_strips || edit->reverse_faces)
+        change->corners = change->corners ? change->corners : norma_io_allocate(mesh->corner_count, sizeof *change->corners);
+    if (makes_strips && change->corners)
+        memcpy(change->corners, corners, mesh->corner_count * sizeof *change->corners);
+    if (!edit->reverse_faces)
+        return change->corners || !makes_strips ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
     change->reversed_rows = copy_marks(edit->reverse_faces, mesh->polygon_count);
     if (!change->corners || !change->reversed_rows)
         return norma_document_fail_memory(document, error);

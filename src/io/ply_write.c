@@ -127,6 +127,26 @@ static void plan_faces(const ply_state *state, ply_plan *plan)
     plan->changed |= edit->dropped_rows != NULL;
 }
 
+/* Those of a strip that are not left out; how many. */
+static size_t keep_triangles(const uint32_t *corners, const uint8_t *dropped, size_t count, uint32_t *kept)
+{
+    size_t left = 0;
+    for (size_t i = 0; i < count; ++i)
+        if (!dropped || !dropped[i])
+            memcpy(kept + 3 * left++, corners + 3 * i, 3 * sizeof *kept);
+    return left;
+}
+
+/* One list anew into out, or as it was where its triangles are; the count. own: room for them. */
+static size_t encode_list(const int64_t *items, size_t count, const uint32_t *kept, size_t left, uint32_t *own, int64_t *out)
+{
+    if (norma_ply_strip_triangles(items, count, own) != left || (left && memcmp(own, kept, 3 * left * sizeof *kept) != 0))
+        return norma_ply_strip_encode(kept, left, out);
+    if (count)
+        memcpy(out, items, count * sizeof *out);
+    return count;
+}
+
 /* The strips anew: where a crease or a mirror parts their triangles, they end in -1 and begin again. */
 static norma_document_result encode_strips(norma_document *document, const ply_element *strips, ply_lists *lists, norma_document_error *error)
 {
@@ -134,20 +154,27 @@ static norma_document_result encode_strips(norma_document *document, const ply_e
     ply_lists old = {0};
     norma_document_result result = norma_ply_read_lists(document, strips, state->header.strip_list, &old, error);
     const uint32_t *corners = state->edit.corners + state->mesh.polygon_corners;
+    const uint8_t *dropped = state->edit.dropped_rows ? state->edit.dropped_rows + state->mesh.polygon_count : NULL;
+    const size_t all = state->mesh.face_count - state->mesh.polygon_count;
+    uint32_t *kept = norma_io_allocate(all, 3 * sizeof *kept), *own = norma_io_allocate(all, 3 * sizeof *own);
     const int64_t *items = old.items;
-    size_t room = 4 * (state->mesh.face_count - state->mesh.polygon_count);
+    const size_t room = 4 * all + old.item_count;
     if (!result) {
         lists->items = norma_io_allocate(room, sizeof *lists->items);
         lists->counts = norma_io_allocate((size_t)strips->count, sizeof *lists->counts);
-        if (!lists->items || !lists->counts)
+        if (!lists->items || !lists->counts || !kept || !own)
             result = norma_document_fail_memory(document, error);
     }
     for (size_t row = 0; !result && row < strips->count; items += old.counts[row], ++row) {
         size_t triangles = norma_ply_strip_triangles(items, old.counts[row], NULL);
-        lists->counts[row] = (uint32_t)norma_ply_strip_encode(corners, triangles, lists->items + lists->item_count);
+        const size_t left = keep_triangles(corners, dropped, triangles, kept);
+        lists->counts[row] = (uint32_t)encode_list(items, old.counts[row], kept, left, own, lists->items + lists->item_count);
         lists->item_count += lists->counts[row];
         corners += 3 * triangles;
+        dropped = dropped ? dropped + triangles : NULL;
     }
+    free(kept);
+    free(own);
     norma_ply_free_lists(&old);
     return result;
 }
