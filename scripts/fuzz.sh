@@ -1,0 +1,135 @@
+#!/bin/bash
+# Coverage-guided fuzzing: every target of tests/fuzz, on the cores there are, each for so many minutes of processor time (a busy or stopped machine shortens nothing).
+#   scripts/fuzz.sh build [TREE]              the targets, in build/fuzz (clang with libFuzzer)
+#   scripts/fuzz.sh run MINUTES [TARGET...]   runs them; prints executions, coverage and finds of each; exits non-zero where something was found
+#   scripts/fuzz.sh seeds                     makes tests/fuzz/corpus anew from what running has found: the fewest files that reach as much
+# Working corpora stay in build/fuzz/corpus, so that the next run goes on from there; what was found is left in build/fuzz/found. Seeds: tests/fuzz/corpus, and small files of
+# ../shared/data (NORMA_DATA), where that is there: they are read from where they are and end in no seed that is kept.
+# JOBS: how many targets at once (as many as there are cores).  FUZZ_TREE: another tree than build/fuzz.  NORMA_DATA=none: without the data.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+root=$PWD
+tree=${FUZZ_TREE:-$root/build/fuzz}
+data=${NORMA_DATA:-$root/../shared/data}
+jobs=${JOBS:-$(nproc)}
+export ASAN_OPTIONS=${ASAN_OPTIONS:-allocator_may_return_null=1:handle_abort=2} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
+
+build() {
+    command -v clang >/dev/null || { echo "$0: clang is needed; scripts/install-deps.sh installs it" >&2; return 1; }
+    mkdir -p "$tree"
+    if [ ! -f "$tree/build.ninja" ]; then
+        cmake -S "$root" -B "$tree" -G Ninja -DCMAKE_C_COMPILER=clang -DNORMA_FUZZ=ON -DNORMA_WERROR=ON -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF \
+            -DNORMA_SANITIZE=address,undefined,float-cast-overflow,fuzzer-no-link -DCMAKE_BUILD_TYPE=Fuzz "-DCMAKE_C_FLAGS=-O1 -g1" >"$tree/build.log" 2>&1 || { cat "$tree/build.log"; return 1; }
+    fi
+    cmake --build "$tree" --target fuzzers -j "$jobs" >>"$tree/build.log" 2>&1 || { grep -aE 'error|FAILED' "$tree/build.log" | head -40; return 1; }
+}
+
+targets() { find "$root/tests/fuzz" -name 'fuzz_*.c' -exec grep -l '^int LLVMFuzzerTestOneInput' {} + | sed 's|.*/fuzz_||; s|\.c$||' | sort; }
+
+dictionary() {
+    case $1 in
+    obj | ply | stl) echo "-dict=tests/fuzz/dictionaries/$1.dict" ;;
+    gltf | glb | check | roundtrip) echo "-dict=tests/fuzz/dictionaries/gltf.dict" ;;
+    esac
+}
+
+# head FORMAT KIND: the bytes that stand before a file in the inputs of check and roundtrip.
+head_of() {
+    local number
+    case $1 in obj) number=0 ;; ply) number=1 ;; stl) number=2 ;; gltf) number=3 ;; *) number=4 ;; esac
+    if [ "$2" = check ]; then printf '\2%b\20\0' "\\0$number"; else printf '%b\0\0\0\0\0\0\0' "\\0$number"; fi
+}
+
+# The small files of the data set as seeds of a target.
+data_seeds() {
+    local to=$tree/data/$1 kinds file name
+    [ -d "$data" ] && [ ! -d "$to" ] || return 0
+    case $1 in
+    obj | ply | stl | gltf | glb) kinds=$1 ;;
+    check | roundtrip) kinds="obj ply stl gltf glb" ;;
+    *) return 0 ;;
+    esac
+    mkdir -p "$to"
+    for kind in $kinds; do
+        while IFS= read -r file; do
+            name=$(echo "$file" | md5sum | cut -c1-16)
+            if [ "$kind" = "$1" ]; then cp "$file" "$to/$name"; else { head_of "$kind" "$1"; cat "$file"; } >"$to/$name"; fi
+        done < <(find -L "$data" -name "*.$kind" -size -24k | sort)
+    done
+}
+
+# field NAME LOG: a figure of libFuzzer's statistics.
+field() { grep -a "stat::$1:" "$2" | awk '{ sum += $2 } END { print sum + 0 }'; }
+
+# one TARGET SECONDS: until the seconds are spent; begins again after each find, at most five times.
+one() {
+    local target=$1 left=$2 log=$tree/logs/$1.log found=$tree/found/$1 started=0 status
+    mkdir -p "$tree/logs" "$found" "$tree/corpus/$target"
+    : >"$log"
+    data_seeds "$target"
+    local folders=("$tree/corpus/$target")
+    [ ! -d "tests/fuzz/corpus/$target" ] || folders+=("tests/fuzz/corpus/$target")
+    [ ! -d "tests/fuzz/found/$target" ] || folders+=("tests/fuzz/found/$target")
+    [ ! -d "$tree/data/$target" ] || folders+=("$tree/data/$target")
+    while [ "$left" -gt 0 ] && [ "$started" -lt 6 ]; do
+        started=$((started + 1))
+        # shellcheck disable=SC2046  # no dictionary, no word
+        (ulimit -St "$left"; TIMEFORMAT='processor seconds: %U %S'; time nice -n 19 "$tree/fuzz/fuzz_$target" -max_len=16384 -timeout=1200 -rss_limit_mb=3072 -malloc_limit_mb=1024 \
+            -print_final_stats=1 -artifact_prefix="$found/" $(dictionary "$target") "${folders[@]}") >>"$log" 2>&1
+        status=$?
+        local spent
+        spent=$(grep -a '^processor seconds:' "$log" | tail -1 | awk '{ printf "%d", $3 + $4 + 1 }')
+        left=$((left - ${spent:-$left}))
+        [ $status -ne 0 ] || break
+    done
+}
+
+# What a run of a target said, as a line of the table.
+tell() {
+    local log=$tree/logs/$1.log covered all seconds finds
+    covered=$(grep -aoE 'cov: [0-9]+' "$log" | awk '{ if ($2 > most) most = $2 } END { print most + 0 }')
+    all=$(grep -aoE '\([0-9]+ inline 8-bit counters\)|[0-9]+ inline 8-bit counters' "$log" | head -1 | grep -oE '[0-9]+' | head -1)
+    seconds=$(grep -a '^processor seconds:' "$log" | awk '{ s += $3 + $4 } END { printf "%.1f", s / 60 }')
+    finds=$(find "$tree/found/$1" -type f 2>/dev/null | wc -l)
+    printf '%-12s %12s %9s %9s of %-7s %6s %6s\n' "$1" "$(field number_of_executed_units "$log")" "$seconds" "$covered" "${all:-?}" "$(find "$tree/corpus/$1" -type f 2>/dev/null | wc -l)" "$finds"
+}
+
+run() {
+    local minutes=$1 found=0 names
+    shift
+    build || return 1
+    names=${*:-$(targets)}
+    rm -rf "$tree/data"
+    export -f one data_seeds dictionary head_of field
+    export tree data root
+    # shellcheck disable=SC2016,SC2086  # what an inner shell expands; a list of words
+    printf '%s\n' $names | xargs -P "$jobs" -I{} bash -c 'one "$0" "$1"' {} $((minutes * 60))
+    printf '%-12s %12s %9s %9s    %-7s %6s %6s\n' target executions minutes edges all corpus finds
+    for name in $names; do
+        tell "$name"
+        found=$((found + $(find "$tree/found/$name" -type f 2>/dev/null | wc -l)))
+    done
+    [ $found -eq 0 ] || echo "$found found: in $tree/found; each is run again by build/fuzz/fuzz/fuzz_TARGET FILE"
+    [ $found -eq 0 ]
+}
+
+# The fewest inputs of at most 4 KiB that reach what the working corpora reach.
+seeds() {
+    local name
+    build || return 1
+    # shellcheck disable=SC2048  # a list of words
+    for name in ${*:-$(targets)}; do
+        rm -rf "$tree/merged" && mkdir -p "$tree/merged" "$root/tests/fuzz/corpus/$name"
+        "$tree/fuzz/fuzz_$name" -merge=1 -max_len=4096 "$tree/merged" "$root/tests/fuzz/corpus/$name" "$tree/corpus/$name" >"$tree/logs/$name.merge" 2>&1 || { tail -5 "$tree/logs/$name.merge"; return 1; }
+        rm -rf "$root/tests/fuzz/corpus/$name"
+        mv "$tree/merged" "$root/tests/fuzz/corpus/$name"
+        echo "$name: $(find "$root/tests/fuzz/corpus/$name" -type f | wc -l) files, $(du -bs "$root/tests/fuzz/corpus/$name" | cut -f1) bytes"
+    done
+}
+
+case ${1:-} in
+build) tree=${2:-$tree}; build ;;
+run) shift; run "$@" ;;
+seeds) shift; seeds "$@" ;;
+*) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2 ;;
+esac

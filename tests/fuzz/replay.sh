@@ -1,0 +1,43 @@
+#!/bin/bash
+# replay.sh TARGET: every committed seed and every case that was ever found (tests/fuzz/found) once more, and then a fixed number of runs from a fixed seed: no clock and no
+# address takes part, so the same commit always gives the same answer. TAP.
+# shellcheck source=tests/tap.sh
+source "$(dirname "$0")/../tap.sh"
+target=$1
+program=$tree/fuzz/fuzz_$target
+cd "$root/tests/fuzz" || exit 1
+[ -x "$program" ] || { fail "the target is there" "no program at $program"; finish; exit 1; }
+export ASAN_OPTIONS=allocator_may_return_null=1:handle_abort=2 UBSAN_OPTIONS=print_stacktrace=1
+
+# About three seconds each under the sanitizers.
+case $target in
+obj | ply) runs=30000 ;;
+stl) runs=60000 ;;
+gltf | glb | meshopt) runs=10000 ;;
+matrices) runs=60000 ;;
+normals | plan) runs=10000 ;;
+*) runs=5000 ;;
+esac
+
+# quietly NAME ARGUMENTS...: the target over these.
+quietly() {
+    local name=$1 said
+    shift
+    if said=$("$program" -artifact_prefix="$scratch/" "$@" 2>&1); then pass "$name"; else fail "$name" "$(printf '%s\n' "$said" | grep -avE '^(Running|Executed|INFO)' | head -40)"; fi
+}
+
+mapfile -t seeds < <(find "corpus/$target" -type f 2>/dev/null | LC_ALL=C sort)
+[ ${#seeds[@]} -gt 0 ] || fail "there are seeds"
+quietly "${#seeds[@]} seeds" "${seeds[@]}"
+while IFS= read -r file; do
+    quietly "$file" "$file"
+done < <(find "found/$target" -type f 2>/dev/null | LC_ALL=C sort)
+# No folder is given, since the order in one is the file system's; what comparisons saw (use_cmp) may be addresses.
+printf '%s,' "${seeds[@]}" | sed 's/,$//' >"$scratch/seeds"
+dictionary=()
+case $target in
+obj | ply | stl) dictionary=(-dict="dictionaries/$target.dict") ;;
+gltf | glb | check | roundtrip) dictionary=(-dict=dictionaries/gltf.dict) ;;
+esac
+quietly "$runs runs from seed 1" -seed=1 -runs="$runs" -use_cmp=0 -max_len=2048 -timeout=1200 -rss_limit_mb=3072 -malloc_limit_mb=1024 -seed_inputs="@$scratch/seeds" "${dictionary[@]}"
+finish
