@@ -76,7 +76,7 @@ static void judge(const outcome *out, int what, const norma_options *options) {
         const float *n = out->normals + 3 * i;
         double length = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
         int unit = fabs(length - 1) < 1e-6, has_none = out->reasons[i] != NORMA_REASON_NONE;
-        missing += has_none;
+        missing += has_none ? 1 : 0;
         if (out->reasons[i] > NORMA_REASON_CANCELLED)
             fuzz_fail("normal %zu: reason %d", i, out->reasons[i]);
         if (!has_none && !unit)
