@@ -47,14 +47,19 @@ norma_document_result norma_ply_read_columns(norma_document *document, const ply
     double *read = element->count > SIZE_MAX / 24 ? NULL : norma_io_allocate((size_t)element->count, 3 * sizeof *read);
     if (!read)
         return norma_document_fail_memory(document, error);
-    *values = read;
+    norma_document_result result = NORMA_DOCUMENT_OK;
     if (state->header.encoding == PLY_ASCII)
-        return norma_ply_read_text_columns(document, element, properties, read, error);
-    if (element->list_count == 0)
+        result = norma_ply_read_text_columns(document, element, properties, read, error);
+    else if (element->list_count == 0)
         read_fixed_rows(state, element, properties, read);
     else
         read_rows_with_lists(state, element, properties, read);
-    return NORMA_DOCUMENT_OK;
+    if (result) {
+        free(read);
+        read = NULL;
+    }
+    *values = read;
+    return result;
 }
 
 static norma_format format_of(ply_type type)

@@ -153,7 +153,7 @@ static splice change_number(const parsed *p, fuzz_random *random, char room[64])
     const value *v = pick(p, random, "-0123456789");
     if (!v)
         return (splice){0};
-    long long old = atoll(p->text + v->begin);
+    long long old = atoll(p->text + v->begin) % 1000000000000000000;
     if (fuzz_random_below(random, 2)) {
         const char *text = numbers[fuzz_random_below(random, COUNT(numbers))];
         return whole(v, text, strlen(text));
