@@ -295,6 +295,10 @@ norma_document_result norma_document_save(norma_document *document, const char *
 typedef int norma_write(void *user, const void *bytes, size_t size);
 norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error);
 
+/* The document as it would be read after norma_document_save to path (NULL: after norma_document_write), of its own; nothing is written. So an open glTF can be changed more than
+ * once: settle between the changes, and save the last one, to the same path. options: as of norma_document_open; the format stays. document stays as it is. O(file). */
+norma_document_result norma_document_settle(norma_document *document, const char *path, const norma_document_options *options, norma_document **settled, norma_document_error *error);
+
 /* Writes path as norma_document_save does, whole or not at all, with any bytes: a report, a picture. A device or a pipe is written as it is. */
 norma_document_result norma_save_bytes(const char *path, const void *bytes, size_t size, norma_document_error *error);
 

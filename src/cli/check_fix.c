@@ -4,45 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what it becomes, in memory */
-
-typedef struct gathered {
-    unsigned char *bytes;
-    size_t size, room;
-} gathered;
-
-static int gather(void *user, const void *bytes, size_t size) {
-    gathered *all = user;
-    if (size > SIZE_MAX / 2 - all->size)
-        return 1;
-    if (all->size + size > all->room) {
-        size_t room = 2 * (all->size + size);
-        unsigned char *grown = realloc(all->bytes, room);
-        if (!grown)
-            return 1;
-        all->bytes = grown;
-        all->room = room;
-    }
-    memcpy(all->bytes + all->size, bytes, size);
-    all->size += size;
-    return 0;
-}
-
-/* The document as it would be read again. */
-static norma_document_result reopen(const check_settings *settings, norma_document *document, const char *path, check_mended *mended, norma_document **reopened,
+/* The document as it would be read after it is written to output. */
+static norma_document_result settle(const check_settings *settings, norma_document *document, const char *output, check_mended *mended, norma_document **settled,
                                     norma_document_error *error) {
-    gathered all = {0};
-    const norma_document_options options = {
-        .struct_size = sizeof options, .format = norma_document_format(document), .threads = settings->threads, .lenient = 1, .progress = cli_stop_when_interrupted};
-    norma_document_result result = norma_document_write(document, gather, &all, error);
+    const norma_document_options options = {.struct_size = sizeof options, .threads = settings->threads, .lenient = 1, .progress = cli_stop_when_interrupted};
+    norma_document_result result = norma_document_settle(document, output, &options, settled, error);
     if (!result)
-        result = norma_document_open_memory(all.bytes, all.size, path, &options, reopened, error);
-    if (result) {
-        free(all.bytes);
-        return result;
-    }
-    mended->steps[mended->step_count++] = (struct mend_step){*reopened, all.bytes};
-    return NORMA_DOCUMENT_OK;
+        mended->steps[mended->step_count++] = *settled;
+    return result;
 }
 
 /* ---- worse or better */
@@ -112,7 +81,7 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
 
 /* Mends, and what it becomes again until nothing more changes: one fix may uncover what another one mends, and a glTF takes one change at a time. mended->document is what
  * it is in the end, as it would be read. */
-static norma_document_result mend_steps(const check_settings *settings, norma_document *document, const norma_check_options *options, const char *path, check_mended *mended,
+static norma_document_result mend_steps(const check_settings *settings, norma_document *document, const norma_check_options *options, const char *output, check_mended *mended,
                                         norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     mended->document = document;
@@ -122,47 +91,17 @@ static norma_document_result mend_steps(const check_settings *settings, norma_do
         if (result || !summary.changed)
             return result;
         mended->changed = 1;
-        result = reopen(settings, mended->document, path, mended, &mended->document, error);
+        result = settle(settings, mended->document, output, mended, &mended->document, error);
     }
     return result;
 }
 
-static norma_document_result save_as(norma_document *document, const char *output, int in_place, norma_document_error *error) {
-    const norma_save_options options = {.struct_size = sizeof options, .in_place = in_place, .progress = cli_stop_when_interrupted};
-    return norma_document_save(document, output, &options, error);
-}
-
-/* A .gltf in memory has its buffers as data URIs, which is not how it is to be written: each of its steps is written before the next is made. */
-static norma_document_result save_steps(const check_settings *settings, norma_document *document, const norma_check_options *options, const char *output,
-                                        const check_mended *mended, norma_document_error *error) {
-    const norma_document_options opening = {.struct_size = sizeof opening, .threads = settings->threads, .lenient = 1, .progress = cli_stop_when_interrupted};
-    norma_document_result result = save_as(document, output, settings->files->in_place, error);
-    for (size_t step = 1; step < mended->step_count && !result; ++step) {
-        norma_document *next = NULL;
-        result = norma_document_open(output, &opening, &next, error);
-        if (!result)
-            result = norma_mend_document(next, options, settings->fix == CHECK_FIX_UNSAFE, NULL, error);
-        if (!result)
-            result = save_as(next, output, 1, error);
-        norma_document_close(next);
-    }
-    return result;
-}
-
-static norma_document_result save(const check_settings *settings, norma_document *document, const norma_check_options *options, const char *path, check_mended *mended,
-                                  norma_document_error *error) {
+static norma_document_result save(const check_settings *settings, const char *output, check_mended *mended, norma_document_error *error) {
     if (settings->dry_run || (settings->files->in_place && !mended->changed))
         return NORMA_DOCUMENT_OK;
-    char *output = cli_output_of(settings->files, path);
-    if (!output) {
-        *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
-        return error->result;
-    }
-    norma_document_result result = norma_document_format(document) == NORMA_FILE_GLTF
-                                       ? save_steps(settings, document, options, output, mended, error)
-                                       : save_as(mended->document, output, settings->files->in_place, error);
+    const norma_save_options options = {.struct_size = sizeof options, .in_place = settings->files->in_place, .progress = cli_stop_when_interrupted};
+    norma_document_result result = norma_document_save(mended->document, output, &options, error);
     mended->written = !result;
-    free(output);
     return result;
 }
 
@@ -170,28 +109,30 @@ norma_document_result check_mend(const check_settings *settings, norma_document 
                                  check_mended *mended, norma_document_error *error) {
     verdict was = {0}, is = {0};
     *mended = (check_mended){0};
+    char *output = cli_output_of(settings->files, path);
+    if (!output) {
+        *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+        return error->result;
+    }
     norma_document_result result = judge_all(settings, document, &was, error);
     if (!result)
-        result = mend_steps(settings, document, options, path, mended, error);
+        result = mend_steps(settings, document, options, output, mended, error);
     if (!result && mended->changed)
         result = norma_check_document(mended->document, options, &mended->findings, error);
     if (!result && mended->changed)
         result = judge_all(settings, mended->document, &is, error);
-    if (result)
-        return result;
-    mended->worse = mended->changed && is_worse(is, was);
-    if (mended->changed)
+    mended->worse = !result && mended->changed && is_worse(is, was);
+    if (!result && mended->changed)
         mended->table = make_table(before, mended->findings);
-    return mended->worse ? NORMA_DOCUMENT_OK : save(settings, document, options, path, mended, error);
+    if (!result && !mended->worse)
+        result = save(settings, output, mended, error);
+    free(output);
+    return result;
 }
 
 void check_mended_free(check_mended *mended) {
     norma_findings_free(mended->findings);
-    while (mended->step_count) {
-        struct mend_step *step = &mended->steps[--mended->step_count];
-        norma_document_close(step->document);
-        free(step->bytes);
-    }
+    while (mended->step_count) norma_document_close(mended->steps[--mended->step_count]);
     free(mended->table);
     *mended = (check_mended){0};
 }

@@ -7,7 +7,7 @@ typedef struct check_mended {
     norma_document *document; /* as it is now; judged by findings */
     norma_findings *findings;
     int changed, worse, written;
-    struct mend_step { norma_document *document; unsigned char *bytes; } steps[8]; /* all that must stay open until the end */
+    norma_document *steps[8]; /* what it was on the way */
     size_t step_count;
     char *table;              /* counts before and after, lines of text; NULL: nothing changed */
 } check_mended;

@@ -10,9 +10,7 @@
 
 /* ---- options of any version */
 
-/* A caller's header may be older or newer than this library: what it does not know is zero, what we do not know is left out. A size of 0 is that
- * of the first version. */
-static void copy_options(void *copy, size_t size, size_t first_size, const void *given) {
+void norma_document_copy_options(void *copy, size_t size, size_t first_size, const void *given) {
     memset(copy, 0, size);
     if (!given)
         return;
@@ -47,7 +45,7 @@ static char *copy_text(const char *text, size_t length) {
     return copy;
 }
 
-static norma_document *make_document(const char *name, int has_folder, const norma_document_options *options) {
+norma_document *norma_document_make(const char *name, int has_folder, const norma_document_options *options) {
     norma_document *document = norma_io_allocate(1, sizeof *document);
     if (!document)
         return NULL;
@@ -68,7 +66,7 @@ static norma_document *make_document(const char *name, int has_folder, const nor
     return NULL;
 }
 
-static norma_document_result read_document(norma_document *document, norma_document_error *error) {
+norma_document_result norma_document_read(norma_document *document, norma_document_error *error) {
     const format_functions *functions = functions_of(document->format);
     if (!functions)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
@@ -81,8 +79,7 @@ static norma_document_result read_document(norma_document *document, norma_docum
     return result;
 }
 
-/* Mapped bytes are those of the file as it is now: half of them may be old and half of them new. */
-static int changed_since_read(const norma_document *document, norma_document_error *error) {
+int norma_document_changed(const norma_document *document, norma_document_error *error) {
     const format_functions *functions = document->functions;
     char *beside = functions && functions->changed_companion && document->state ? functions->changed_companion(document) : NULL;
     const int changed = beside || norma_file_has_changed(document->path, &document->stamp);
@@ -95,8 +92,8 @@ static int changed_since_read(const norma_document *document, norma_document_err
 static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory, const norma_document_options *given,
                                        norma_document **document, norma_document_error *error) {
     norma_document_options options;
-    copy_options(&options, sizeof options, offsetof(norma_document_options, lenient), given);
-    norma_document *made = make_document(name, has_folder, &options);
+    norma_document_copy_options(&options, sizeof options, offsetof(norma_document_options, lenient), given);
+    norma_document *made = norma_document_make(name, has_folder, &options);
     if (!made)
         return norma_document_fail_memory(NULL, error);
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -109,9 +106,9 @@ static norma_document_result open_with(const char *name, int has_folder, const f
         made->stamp = made->source.stamp;
     }
     if (!result) {
-        result = read_document(made, error);
+        result = norma_document_read(made, error);
         /* What was found in it may come of that. */
-        if (result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY && changed_since_read(made, error))
+        if (result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY && norma_document_changed(made, error))
             result = NORMA_DOCUMENT_ERROR_FILE;
     }
     if (result)
@@ -121,7 +118,7 @@ static norma_document_result open_with(const char *name, int has_folder, const f
     return result;
 }
 
-static void clear_error(norma_document_error *error) {
+void norma_document_clear(norma_document_error *error) {
     if (error) {
         error->result = NORMA_DOCUMENT_OK;
         error->message[0] = '\0';
@@ -129,7 +126,7 @@ static void clear_error(norma_document_error *error) {
 }
 
 norma_document_result norma_document_open(const char *path, const norma_document_options *options, norma_document **document, norma_document_error *error) {
-    clear_error(error);
+    norma_document_clear(error);
     if (!document)
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the document was given");
     *document = NULL;
@@ -140,7 +137,7 @@ norma_document_result norma_document_open(const char *path, const norma_document
 
 norma_document_result norma_document_open_memory(const void *bytes, size_t size, const char *name, const norma_document_options *options,
                                                  norma_document **document, norma_document_error *error) {
-    clear_error(error);
+    norma_document_clear(error);
     if (!document)
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the document was given");
     *document = NULL;
@@ -159,6 +156,8 @@ void norma_document_close(norma_document *document) {
     for (size_t i = 0; i < document->note_count; ++i) free(document->notes[i]);
     free(document->notes);
     norma_file_close(&document->source);
+    for (size_t i = 0; document->given && i < document->given_count; ++i) free(document->given[i].bytes);
+    free(document->given);
     free(document->path);
     free(document->folder);
     free(document);
@@ -198,8 +197,8 @@ norma_document_result norma_document_node_info(const norma_document *document, s
 
 /* ---- what needs the whole document */
 
-static norma_document_result check_usable(const norma_document *document, norma_document_error *error) {
-    clear_error(error);
+norma_document_result norma_document_usable(const norma_document *document, norma_document_error *error) {
+    norma_document_clear(error);
     if (!document)
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no document was given");
     if (document->depth != NORMA_DOCUMENT_WHOLE)
@@ -210,7 +209,7 @@ static norma_document_result check_usable(const norma_document *document, norma_
 }
 
 norma_document_result norma_document_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
-    norma_document_result result = check_usable(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     if (result)
         return result;
     norma_mesh_info info;
@@ -246,12 +245,12 @@ static const char *bad_compute_option(const norma_compute_options *options) {
 
 norma_document_result norma_document_compute(norma_document *document, const norma_compute_options *given, norma_compute_summary *summary,
                                              norma_document_error *error) {
-    norma_document_result result = check_usable(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     if (result)
         return result;
     norma_compute_options options;
     norma_compute_summary unwanted;
-    copy_options(&options, sizeof options, sizeof options, given);
+    norma_document_copy_options(&options, sizeof options, sizeof options, given);
     const char *bad = bad_compute_option(&options);
     if (bad)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
@@ -280,12 +279,12 @@ static const char *bad_matrix(double matrix[16]) {
 
 norma_document_result norma_document_transform(norma_document *document, const norma_transform_options *given, norma_transform_summary *summary,
                                                norma_document_error *error) {
-    norma_document_result result = check_usable(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     if (result)
         return result;
     norma_transform_options options;
     norma_transform_summary unwanted;
-    copy_options(&options, sizeof options, sizeof options, given);
+    norma_document_copy_options(&options, sizeof options, sizeof options, given);
     const char *bad = bad_matrix(options.matrix);
     if (bad)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
@@ -317,7 +316,7 @@ static norma_document_result recentre_whole(norma_document *document, int *chang
 
 norma_document_result norma_document_recentre(norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
     int unwanted;
-    norma_document_result result = check_usable(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     changed = changed ? changed : &unwanted;
     *changed = 0;
     if (result)
@@ -344,7 +343,7 @@ static norma_document_result check_vertices(norma_document *document, size_t mes
 }
 
 norma_document_result norma_document_edit(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
-    norma_document_result result = check_usable(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     if (result)
         return result;
     if (!edits)
@@ -363,161 +362,10 @@ norma_document_result norma_document_edit(norma_document *document, const norma_
 
 norma_document_result norma_document_equal_vertices(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
     norma_mesh_info info;
-    norma_document_result result = check_usable(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     if (result)
         return result;
     if (!first || norma_document_mesh_info(document, mesh, &info) || info.not_read || !document->functions->equal_vertices)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "mesh %zu has no vertices that could be compared", mesh);
     return document->functions->equal_vertices(document, mesh, first, error);
-}
-
-/* ---- writing */
-
-static int same_extension(const char *a, const char *b) {
-    const char *of_a = strrchr(a, '.'), *of_b = strrchr(b, '.');
-    return of_a && of_b && !strchr(of_a, '/') && strcmp(of_a, of_b) == 0;
-}
-
-/* A name must not promise another format than the bytes have; a source of a strange name that was opened with its format told may be written under that. */
-static int name_fits(const norma_document *document, const char *path) {
-    norma_file_format named = norma_file_format_of_path(path);
-    return named == document->format || (named == NORMA_FILE_UNKNOWN && same_extension(path, document->path)) || norma_file_same(path, document->path) ||
-           norma_file_is_stream(path);
-}
-
-static norma_document_result check_target(const norma_document *document, const char *path, int in_place, norma_document_error *error) {
-    if (!path)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no path to write to was given");
-    const norma_document target = {.path = (char *)(uintptr_t)path};
-    if (!in_place && norma_file_same(path, document->path) && !norma_file_is_stream(path))
-        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-                                   "is the input itself; expected another name, or to be told to work in place");
-    if (!in_place && document->functions->reads_from && document->functions->reads_from(document, path))
-        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "is one of the files that %s is read from; expected another name",
-                                   document->path);
-    if (!name_fits(document, path)) {
-        const char *name = norma_file_format_name(document->format);
-        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-                                   "%s is %s, and the output has its input's format; expected a name that ends in .%s", document->path, name, name);
-    }
-    return NORMA_DOCUMENT_OK;
-}
-
-typedef struct file_sink {
-    const norma_document *document;
-    file_writer *writer;
-    uint64_t written;
-    int error, cancelled;
-} file_sink;
-
-/* In slices, so that a cancel is noticed also where a format hands over a gigabyte at once. */
-static int write_to_file(void *user, const void *bytes, size_t size) {
-    const size_t slice = (size_t)1 << 23;
-    file_sink *sink = user;
-    const norma_document *document = sink->document;
-    for (const unsigned char *at = bytes; size > 0 && !sink->error;) {
-        size_t part = size < slice ? size : slice;
-        double fraction = document->source.size ? (double)(sink->written + part) / (double)document->source.size : 1;
-        sink->cancelled = document->progress && document->progress(document->progress_user, fraction < 1 ? fraction : 1);
-        if (sink->cancelled)
-            return 1;
-        sink->error = norma_file_writer_write(sink->writer, at, part);
-        sink->written += part;
-        at += part;
-        size -= part;
-    }
-    return sink->error;
-}
-
-int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path) {
-    file_writer **list = norma_io_grow(writers->list, &writers->list_capacity, writers->count + 1, sizeof *list);
-    writers->list = list ? list : writers->list;
-    char **paths = list ? norma_io_grow(writers->paths, &writers->path_capacity, writers->count + 1, sizeof *paths) : NULL, *copy = paths ? copy_text(path, strlen(path)) : NULL;
-    writers->paths = paths ? paths : writers->paths;
-    if (!copy) {
-        norma_file_writer_abandon(writer);
-        return 0;
-    }
-    list[writers->count] = writer;
-    paths[writers->count++] = copy;
-    return 1;
-}
-
-static void free_writers(companion_writers *writers, int abandon) {
-    for (size_t i = 0; i < writers->count; ++i) {
-        if (abandon)
-            norma_file_writer_abandon(writers->list[i]);
-        free(writers->paths[i]);
-    }
-    free(writers->list);
-    free(writers->paths);
-}
-
-/* Everything that can fail for want of room or by the format happens before the first rename. */
-static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, companion_writers *companions,
-                                          norma_document_error *error) {
-    file_sink sink = {.document = document, .writer = writer};
-    int stream = norma_file_is_stream(path);
-    norma_document_result result = document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
-    if (sink.cancelled)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
-    if (!sink.error && !result)
-        sink.error = norma_file_writer_prepare(writer);
-    if (sink.error && sink.error != FILE_CHANGED)
-        return norma_document_fail_file(path, error, "cannot be written", sink.error);
-    if (!result && !stream && document->functions->write_companions)
-        result = document->functions->write_companions(document, path, in_place, companions, error);
-    /* After all of it is read for the last time; what went wrong before may come of it. */
-    if (changed_since_read(document, error))
-        return NORMA_DOCUMENT_ERROR_FILE;
-    return sink.error ? norma_document_fail_file(document->path, error, "cannot be read", sink.error) : result;
-}
-
-static norma_document_result save(norma_document *document, const char *path, const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
-    file_writer *writer;
-    size_t at;
-    int failed = norma_file_writer_open(path, &writer);
-    if (failed)
-        return norma_document_fail_file(path, error, "cannot be written", failed);
-    if (options->in_place && norma_file_same(path, document->path))
-        norma_file_writer_expect(writer, &document->stamp);
-    document->progress = options->progress;
-    document->progress_user = options->progress_user;
-    norma_document_result result = write_target(document, path, options->in_place, writer, writers, error);
-    document->progress = NULL;
-    if (result) {
-        norma_file_writer_abandon(writer);
-        return result;
-    }
-    if (!norma_document_add_writer(writers, writer, path))
-        return norma_document_fail_memory(document, error);
-    failed = norma_file_writers_commit(writers->list, writers->count, &at);
-    if (failed)
-        norma_document_fail_file(writers->paths[at], error, "cannot be written", failed);
-    for (size_t i = 0; i < writers->count; ++i) writers->list[i] = NULL;
-    return !failed ? NORMA_DOCUMENT_OK : failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE;
-}
-
-norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *given, norma_document_error *error) {
-    norma_document_result result = check_usable(document, error);
-    norma_save_options options;
-    copy_options(&options, sizeof options, sizeof options, given);
-    if (!result)
-        result = check_target(document, path, options.in_place, error);
-    if (result)
-        return result;
-    companion_writers writers = {0};
-    result = save(document, path, &options, &writers, error);
-    free_writers(&writers, result != NORMA_DOCUMENT_OK);
-    return result;
-}
-
-norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error) {
-    norma_document_result result = check_usable(document, error);
-    if (result)
-        return result;
-    if (!write)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no function to write with was given");
-    result = document->functions->write(document, NULL, write, user, error);
-    return changed_since_read(document, error) ? NORMA_DOCUMENT_ERROR_FILE : result;
 }

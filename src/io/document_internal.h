@@ -15,6 +15,13 @@ typedef struct companion_writers {         /* freed by who made it; paths: what 
 /* 0: memory is out, and the writer is abandoned. */
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
 
+typedef struct given_buffer {              /* a buffer file of a .gltf that is not on the disk yet */
+    unsigned char *bytes;                  /* NULL: the file's */
+    size_t         size;
+    file_stamp     stamp;                  /* of the file that it takes the place of */
+    int            changed;
+} given_buffer;
+
 struct norma_document {
     const format_functions *functions;
     norma_file_format       format;
@@ -27,6 +34,8 @@ struct norma_document {
     file_bytes              source;        /* the whole file, mapped or the caller's */
     file_stamp              stamp;         /* of the file at path when it was read */
     void                   *state;         /* the format's own */
+    given_buffer           *given;         /* NULL, or of a settled .gltf: by the number of the buffer */
+    size_t                  given_count;
     char                  **notes;
     size_t                  note_count, note_capacity;
     int                     failed;        /* a change went wrong half-way: it can only be closed */
@@ -56,6 +65,8 @@ struct format_functions {
     norma_document_result (*write_companions)(norma_document *document, const char *path, int in_place, companion_writers *writers, norma_document_error *error);
     /* NULL, or the first of the files beside its own that has changed since this document was read from it, the caller's to free. */
     char                 *(*changed_companion)(const norma_document *document);
+    /* NULL, or hands settled, which is about to be read from what write gave, what stands in no file yet. */
+    norma_document_result (*settle)(const norma_document *document, norma_document *settled, norma_document_error *error);
     /* NULL, or whether path is one of the files that this document was read from. */
     int                   (*reads_from)(const norma_document *document, const char *path);
     const scene_functions  *scene;                                                                                              /* NULL: nothing else is told */
@@ -76,6 +87,16 @@ norma_document_result norma_document_fail_file(const char *path, norma_document_
 norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error);
 /* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here (the readers should have caught them), cancelled stays. */
 norma_document_result norma_document_fail_core(const norma_document *document, norma_document_error *error, norma_result result);
+
+/* What document.c and document_save.c share. A caller's header may be older or newer than this library: what it does not know is zero, what we do not know is left out; a
+ * size of 0 is that of the first version. */
+void                  norma_document_copy_options(void *copy, size_t size, size_t first_size, const void *given);
+void                  norma_document_clear(norma_document_error *error);
+norma_document_result norma_document_usable(const norma_document *document, norma_document_error *error); /* opened whole, and no change of it has failed */
+norma_document       *norma_document_make(const char *name, int has_folder, const norma_document_options *options); /* NULL: out of memory */
+norma_document_result norma_document_read(norma_document *document, norma_document_error *error);                   /* by its format, from its source */
+/* Whether a file that it is read from has been written to, with the error. Mapped bytes are those of the file as it is now: half of them may be old, half of them new. */
+int                   norma_document_changed(const norma_document *document, norma_document_error *error);
 
 /* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
 #if defined(__GNUC__)

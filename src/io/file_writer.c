@@ -27,7 +27,7 @@ struct file_writer {
     int held;        /* the file that is to be replaced, locked against other writers; -1: none */
     char *target;    /* where it goes: path with its symbolic links followed */
     char *temporary; /* NULL: has no name yet, or the target is a device or a pipe, written as it is */
-    int nameless, prepared, replaces;
+    int nameless, prepared, replaces, placed;
     int error;       /* the first one; every later call returns it */
     file_stamp *expected;
     size_t used;
@@ -313,6 +313,7 @@ static int put_in_place(file_writer *writer) {
     if (!error) {
         free(writer->temporary);
         writer->temporary = NULL;
+        writer->placed = 1;
         if (writer->expected && is_known)
             *writer->expected = norma_file_stamp_of(&status);
         error = folder >= 0 ? flush_folder(folder) : 0;
@@ -332,14 +333,14 @@ static int commit_one(file_writer *writer) {
 
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) {
     static int (*const steps[])(file_writer *) = {norma_file_writer_prepare, hold_expected, commit_one};
-    size_t done = 0, step = 0;
+    size_t done = 0;
     int error = 0;
-    for (; step < sizeof steps / sizeof *steps && !error; ++step)
+    for (size_t step = 0; step < sizeof steps / sizeof *steps && !error; ++step)
         for (done = 0; done < count && !(error = steps[step](writers[done]));) ++done;
     *failed = done;
-    /* What replaced an older file stays: the files before the last one only ever gain bytes. */
-    for (size_t i = 0; error && steps[step - 1] == commit_one && i < done; ++i)
-        if (!writers[i]->replaces)
+    /* What replaced an older file stays: the files before the last one only ever gain bytes. And all stays where only the last folder could not be flushed. */
+    for (size_t i = 0; error && !writers[count - 1]->placed && i < count; ++i)
+        if (writers[i]->placed && !writers[i]->replaces)
             unlink(writers[i]->target);
     for (size_t i = 0; i < count; ++i) norma_file_writer_abandon(writers[i]);
     return error;

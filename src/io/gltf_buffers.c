@@ -138,8 +138,22 @@ norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *err
 
 /* ---- bytes */
 
+/* One of a settled document is nowhere else. */
+static int take_given(const gltf *g, gltf_buffer *buffer)
+{
+    const size_t number = (size_t)(buffer - g->buffers);
+    const given_buffer *given = number < g->document->given_count ? &g->document->given[number] : NULL;
+    if (!given || !given->bytes || given->size < buffer->length)
+        return 0;
+    buffer->bytes = given->bytes;
+    buffer->file.stamp = given->stamp;
+    return 1;
+}
+
 static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_document_error *error)
 {
+    if (take_given(g, buffer))
+        return NORMA_DOCUMENT_OK;
     char place[200], *path = NULL;
     norma_gltf_pointer(g, buffer->token, place, sizeof place);
     if (!norma_gltf_path_inside(g->document->folder, buffer->name, &path))

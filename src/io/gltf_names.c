@@ -61,7 +61,7 @@ static char *name_after(const char *path, uint32_t number, int several, unsigned
     return out;
 }
 
-typedef enum found { FOUND_NOTHING, FOUND_SAME, FOUND_OTHER } found;
+typedef enum found { FOUND_NOTHING, FOUND_SAME, FOUND_OTHER, FOUND_UNKNOWN } found;
 
 static found look(const gltf *g, uint32_t buffer, const char *file)
 {
@@ -69,7 +69,7 @@ static found look(const gltf *g, uint32_t buffer, const char *file)
     file_bytes bytes;
     int failed = norma_file_open(file, g->document->copied, &bytes);
     if (failed)
-        return failed == ENOENT ? FOUND_NOTHING : FOUND_OTHER;
+        return failed == ENOENT ? FOUND_NOTHING : failed == EACCES || failed == EISDIR || failed == ELOOP ? FOUND_OTHER : FOUND_UNKNOWN;
     int same = b->changed ? norma_gltf_segments_equal(b, bytes.data, bytes.size)
                           : bytes.size == g->buffers[buffer].length && memcmp(bytes.data, g->buffers[buffer].bytes, bytes.size) == 0;
     norma_file_close(&bytes);
@@ -120,7 +120,9 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
         char *name = name_after(path, buffer, several, attempt), *file = name && folder ? norma_gltf_join(folder, name) : NULL;
         found there = file ? look(g, buffer, file) : FOUND_NOTHING;
         chosen = file && (there == FOUND_NOTHING || (there == FOUND_SAME && !free_only));
-        if (file && !chosen && !try_more && !(try_more = replaces_own(path, buffer, several)))
+        if (there == FOUND_UNKNOWN)
+            result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "whether %s is there cannot be told, and its buffer was to go there", file);
+        if (!result && file && !chosen && !try_more && !(try_more = replaces_own(path, buffer, several)))
             result = refuse(g, file, error);
         if (!file || attempt == 100000)
             result = norma_document_fail_memory(g->document, error);
