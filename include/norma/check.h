@@ -89,6 +89,7 @@ typedef struct norma_check_options {
     uint32_t            threads;           /* as in norma_options */
     norma_progress     *progress;          /* by the calling thread; nonzero cancels */
     void               *progress_user;
+    int                 open_by_rays;      /* nonzero: norma_mend_document, where it may change what was meant, turns open components (N304) as a majority of rays has it */
 } norma_check_options;
 
 /* A surface in memory: what a document would tell of one primitive. What there is not is zero (but attributes.material SIZE_MAX). info needs vertices, faces and
@@ -125,6 +126,8 @@ norma_findings *norma_check_unreadable(const norma_document_error *error, norma_
 typedef struct norma_mend_summary {
     int changed;                           /* 0: the document would be written as it was read, byte for byte */
     int again;                             /* nonzero: a glTF, which takes one change, is to be saved, opened and mended once more */
+    size_t by_rays, undecided;             /* with open_by_rays: open components that were turned or confirmed; those on which rays could not agree, left as they were */
+    double least_confidence;               /* of by_rays: (rays for it - rays against it) / 256 */
 } norma_mend_summary;
 
 /* Puts right in the document what the rules of options find and a program can: what is safe, and where unsafe is nonzero also what may change what was meant (each rule's

@@ -32,6 +32,7 @@ typedef struct check_hits {
 } check_hits;
 
 typedef struct check_member check_member; /* seams_joined.c */
+typedef struct check_solid_member check_solid_member; /* solids_joined.c */
 
 typedef struct check_run {
     norma_check_options options;          /* every field valid */
@@ -44,6 +45,8 @@ typedef struct check_run {
     const norma_mesh_info  *last;             /* of the mesh before; NULL: none */
     check_member           *members;          /* primitives held for N501 */
     size_t                  member_count, member_room;
+    check_solid_member     *solids;           /* primitives held for N302 and N304 */
+    size_t                  solid_count, solid_room;
 } check_run;
 
 typedef struct check_place {
@@ -176,6 +179,8 @@ double       norma_check_seam_angle(const check_mesh *m, size_t position, double
 norma_result norma_check_add_seams(check_mesh *m, check_hits *hits, size_t borders); /* borders: how many of them lie between primitives */
 norma_result norma_check_seams_hold(check_mesh *m);
 norma_result norma_check_seams_joined(check_run *run);
+norma_result norma_check_solids_joined(check_run *run);        /* solids_joined.c */
+void         norma_check_solids_drop(check_run *run);
 int          norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second);
 norma_result norma_check_coincident(check_mesh *m);            /* coincident.c: N503 */
 norma_result norma_check_precision(check_mesh *m);             /* precision.c: N502, N701, N702 */

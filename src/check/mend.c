@@ -11,6 +11,7 @@ typedef struct mender {
     int                    unsafe;
     norma_findings        *findings;
     norma_mesh_edit       *edits;
+    uint8_t              **turned;         /* of each mesh marks of faces, or NULL */
     size_t                 mesh_count;
     norma_mend_summary    *summary;
     norma_document_error  *error;
@@ -229,14 +230,14 @@ static norma_result mend_arrays(mend_mesh *mesh) {
 }
 
 static norma_document_result mend_mesh_of(mender *m, size_t index) {
-    mend_mesh mesh = {.document = m->document, .index = index, .edit = &m->edits[index], .threads = m->options.threads};
+    mend_mesh mesh = {.document = m->document, .index = index, .edit = &m->edits[index], .turned = m->turned[index], .threads = m->options.threads};
     norma_result mended = NORMA_OK;
     norma_document_result result = norma_document_mesh_info(m->document, index, &mesh.info);
     if (result || mesh.info.not_read)
         return result;
     if (!gather_findings(m, &mesh))
         return fail(m, NORMA_ERROR_MEMORY);
-    if (mesh.finding_count > 0) {
+    if (mesh.finding_count > 0 || mesh.turned) {
         result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
         if (!result)
             result = norma_document_mesh_attributes(m->document, index, &mesh.attributes, m->error);
@@ -251,6 +252,42 @@ static norma_document_result mend_mesh_of(mender *m, size_t index) {
     return mended ? fail(m, mended) : result;
 }
 
+/* ---- whole bodies */
+
+/* The meshes from first on that belong together, those that were read; returns the one after. */
+static size_t gather_group(const mender *m, size_t first, size_t *indices, const char **wheres, size_t *count) {
+    norma_mesh_info info;
+    size_t mesh = 0, i = first;
+    for (*count = 0; i < m->mesh_count; i++) {
+        if (norma_document_mesh_info(m->document, i, &info) || (i > first && info.mesh != mesh))
+            break;
+        mesh = info.mesh;
+        if (info.not_read)
+            continue;
+        indices[*count] = i;
+        wheres[(*count)++] = info.where;
+    }
+    return i > first ? i : first + 1;
+}
+
+static norma_document_result turn_bodies(mender *m) {
+    size_t *indices = calloc(m->mesh_count + 1, sizeof *indices), count;
+    const char **wheres = calloc(m->mesh_count + 1, sizeof *wheres);
+    norma_document_result result = indices && wheres ? NORMA_DOCUMENT_OK : fail(m, NORMA_ERROR_MEMORY);
+    for (size_t first = 0; first < m->mesh_count && !result;) {
+        norma_result how = NORMA_OK;
+        first = gather_group(m, first, indices, wheres, &count);
+        const mend_group group = {m->document, m->findings, indices, wheres, count, m->options.threads, m->options.open_by_rays, m->turned, m->summary, m->error};
+        if (count)
+            result = norma_mend_turn(&group, &how);
+        if (!result && how)
+            result = fail(m, how);
+    }
+    free(indices);
+    free((void *)wheres);
+    return result;
+}
+
 /* ---- the document */
 
 static void free_edits(mender *m) {
@@ -260,6 +297,8 @@ static void free_edits(mender *m) {
                                       edit->cut_faces, edit->cut_corners, edit->source_vertices, edit->new_corners};
         for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) free((void *)(uintptr_t)blocks[k]);
     }
+    for (size_t i = 0; m->turned && i < m->mesh_count; i++) free(m->turned[i]);
+    free(m->turned);
     free(m->edits);
 }
 
@@ -363,8 +402,11 @@ static norma_document_result mend(mender *m) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     m->mesh_count = norma_document_mesh_count(m->document);
     m->edits = calloc(m->mesh_count + 1, sizeof *m->edits);
-    if (!m->edits)
+    m->turned = calloc(m->mesh_count + 1, sizeof *m->turned);
+    if (!m->edits || !m->turned)
         return fail(m, NORMA_ERROR_MEMORY);
+    if (m->unsafe && (is_asked(m, RULE_N302) || m->options.open_by_rays))
+        result = turn_bodies(m);
     for (size_t i = 0; i < m->mesh_count && !result; i++) result = mend_mesh_of(m, i);
     if (!result && has_edit(m)) {
         result = norma_document_edit(m->document, m->edits, m->error);

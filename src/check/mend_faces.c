@@ -1,4 +1,4 @@
-/* mend_faces.c: faces put right: windings made to agree and closed bodies made to face outward (norma_orient), faces left out that are there twice or have no area. */
+/* mend_faces.c: faces put right: windings made to agree (norma_orient), whole bodies turned (mend_turn.c), faces left out that are there twice or have no area. */
 #include "mend_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -81,45 +81,47 @@ typedef struct part_count {
     uint32_t faces, reversed;
 } part_count;
 
-/* Turning a whole part is what N302 asks for, turning some of its faces N301: what was not asked for is not done. Of two ways to make faces agree, without N302 the one that
- * turns fewer is taken. */
-static void keep_what_is_asked(const core_mesh *mesh, const uint32_t *parts, const part_count *counts, int agree, int outward, uint8_t *reverse) {
+/* Of two ways to make the faces of a part agree the one that turns fewer; to turn a whole part is not what N301 asks for. */
+static void turn_fewer(const core_mesh *mesh, const uint32_t *parts, const part_count *counts, uint8_t *reverse) {
     for (size_t face = 0; face < mesh->face_count; face++) {
         const part_count *part = &counts[parts[face]];
-        int whole = part->reversed == part->faces;
-        if (whole ? !outward : !agree)
+        if (part->reversed == part->faces)
             reverse[face] = 0;
-        else if (!whole && !outward && part->reversed > part->faces - part->reversed)
+        else if (part->reversed > part->faces - part->reversed)
             reverse[face] = !reverse[face];
     }
 }
 
-static norma_result ask_orientation(const mend_mesh *m, uint8_t *reverse) {
+static norma_result make_alike(const mend_mesh *m, uint8_t *reverse) {
     const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
-    return norma_orient(&m->data.mesh, NORMA_ORIENT_OPEN_KEPT, &options, reverse, m->mesh.face_count, NULL);
-}
-
-static norma_result reorient(mend_mesh *m) {
-    int agree = norma_mend_has(m, RULE_N301), outward = norma_mend_has(m, RULE_N302), any = 0;
-    if (!agree && !outward)
-        return NORMA_OK;
-    uint8_t *reverse = calloc(m->mesh.face_count + 1, 1);
     uint32_t *parts = find_parts(&m->mesh);
     part_count *counts = calloc(m->mesh.face_count + 1, sizeof *counts);
-    norma_result result = reverse && parts && counts ? ask_orientation(m, reverse) : NORMA_ERROR_MEMORY;
+    norma_result result = parts && counts ? norma_orient(&m->data.mesh, NORMA_ORIENT_OPEN_KEPT, &options, reverse, m->mesh.face_count, NULL) : NORMA_ERROR_MEMORY;
     for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
         counts[parts[face]].faces++;
         counts[parts[face]].reversed += reverse[face];
     }
     if (!result)
-        keep_what_is_asked(&m->mesh, parts, counts, agree, outward, reverse);
-    for (size_t face = 0; face < m->mesh.face_count && !result; face++) any |= reverse[face];
-    if (any)
+        turn_fewer(&m->mesh, parts, counts, reverse);
+    free(parts);
+    free(counts);
+    return result;
+}
+
+static norma_result reorient(mend_mesh *m) {
+    int alike = norma_mend_has(m, RULE_N301), any = 0;
+    if (!alike && !m->turned)
+        return NORMA_OK;
+    uint8_t *reverse = calloc(m->mesh.face_count + 1, 1);
+    norma_result result = !reverse ? NORMA_ERROR_MEMORY : alike ? make_alike(m, reverse) : NORMA_OK;
+    for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
+        reverse[face] ^= m->turned && m->turned[face];
+        any |= reverse[face];
+    }
+    if (any && !result)
         m->edit->reverse_faces = reverse;
     else
         free(reverse);
-    free(parts);
-    free(counts);
     return result;
 }
 

@@ -15,6 +15,7 @@ typedef struct mend_mesh {
     const norma_finding  **findings;       /* those that may be mended here */
     size_t                 finding_count;
     norma_mesh_edit       *edit;           /* its arrays are the mender's */
+    const uint8_t         *turned;         /* faces of bodies that are reversed as a whole; NULL: none */
     int                    waits;          /* there is more to do once this edit is made */
     /* Made when first needed. */
     uint32_t              *corners;        /* positions of the corners as they will be run along: reversed where the edit says so */
@@ -40,6 +41,22 @@ size_t       norma_mend_normal_count(const mend_mesh *m);
 /* A normal as it will be: the edit's where it is set, else the stored one. */
 void         norma_mend_normal(const mend_mesh *m, size_t number, double normal[3]);
 int          norma_mend_set_normal(mend_mesh *m, size_t number, const double normal[3]); /* made unit; 0: out of memory. What is no direction is left as it is */
+
+typedef struct mend_group {                /* the primitives of one glTF mesh, or the one mesh of another file */
+    norma_document       *document;
+    const norma_findings *findings;
+    const size_t         *indices;         /* count of them, in the document */
+    const char *const    *wheres;
+    size_t                count;
+    uint32_t              threads;
+    int                   open_by_rays;
+    uint8_t             **turned;          /* by index: set to a mark for each face, the caller's to free */
+    norma_mend_summary   *summary;
+    norma_document_error *error;
+} mend_group;
+norma_document_result norma_mend_turn(const mend_group *group, norma_result *how);      /* mend_turn.c: N302, N304 */
+/* mend_inward.c: named: a mark for each face of all meshes; those of whole bodies in which a face is marked become marked. */
+norma_result norma_mend_whole_bodies(const core_mesh *meshes, size_t count, uint8_t *named);
 
 norma_result norma_mend_faces(mend_mesh *m);                              /* mend_faces.c: N301, N302, N305, N401 */
 norma_result norma_mend_polygons(mend_mesh *m);                           /* mend_polygons.c: N404, N405 */

@@ -47,9 +47,16 @@ norma_result norma_check_begin(check_run *run, const norma_check_options *option
     return run->findings ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-void norma_check_abandon(check_run *run) {
+static void free_held(check_run *run) {
+    norma_check_solids_drop(run);
+    free(run->solids);
     free(run->members);
+    run->solids = NULL;
     run->members = NULL;
+}
+
+void norma_check_abandon(check_run *run) {
+    free_held(run);
     norma_findings_free(run->findings);
     run->findings = NULL;
 }
@@ -57,8 +64,7 @@ void norma_check_abandon(check_run *run) {
 norma_findings *norma_check_finish(check_run *run) {
     norma_findings *findings = run->findings;
     run->findings = NULL;
-    free(run->members);
-    run->members = NULL;
+    free_held(run);
     norma_findings_sort(findings);
     return findings;
 }
@@ -131,7 +137,10 @@ norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given,
     for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++) result = families[i](&m);
     close_mesh(&m);
     run->last = &given->info;
-    return result || norma_check_siblings(&given->info, next) ? result : norma_check_seams_joined(run);
+    if (result || norma_check_siblings(&given->info, next))
+        return result;
+    result = norma_check_seams_joined(run);
+    return result ? result : norma_check_solids_joined(run);
 }
 
 norma_result norma_check_scene_run(const norma_check_scene *scene, const norma_check_options *options, norma_findings **findings) {

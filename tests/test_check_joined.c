@@ -1,0 +1,244 @@
+/* Components over the primitives of one glTF mesh: a body that is cut by material is closed, a cavity lies in a shell of another material, bodies that touch stay apart. Found at the
+ * primitive of the first face, mended there and in the others. Known by hand. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include <norma/check.h>
+#include "gltf_asset.h"
+#include "gltf_scene.h"
+
+/* ---- boxes, a side at a time */
+
+enum { MOST = 200 };
+typedef struct part {
+    float positions[MOST][3];
+    uint16_t corners[MOST];
+    size_t vertices, count;
+} part;
+
+/* Sides 0 to 5 of a box: -x, +x, -y, +y, -z, +z; looking outward, or inward. */
+static void add_side(part *p, const float low[3], const float high[3], int side, int inward) {
+    const int axis = side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3, up = side % 2;
+    static const int square[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    const size_t first = p->vertices;
+    for (int i = 0; i < 4; i++) {
+        float *to = p->positions[p->vertices++];
+        to[axis] = up ? high[axis] : low[axis];
+        to[u] = square[i][0] ? high[u] : low[u];
+        to[v] = square[i][1] ? high[v] : low[v];
+    }
+    const int turned = (up == 0) != (inward != 0);
+    for (int t = 0; t < 2; t++) {
+        p->corners[p->count++] = (uint16_t)first;
+        p->corners[p->count++] = (uint16_t)(first + (size_t)(turned ? t + 2 : t + 1));
+        p->corners[p->count++] = (uint16_t)(first + (size_t)(turned ? t + 1 : t + 2));
+    }
+}
+
+static void add_box(part *p, float from, float to, int inward) {
+    const float low[3] = {from, from, from}, high[3] = {to, to, to};
+    for (int side = 0; side < 6; side++) add_side(p, low, high, side, inward);
+}
+
+/* One mesh with these for primitives. */
+static norma_document *open_parts(gltf_asset *a, const part *parts, int count) {
+    char rest[2000] = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[";
+    for (int i = 0; i < count; i++) {
+        char primitive[100];
+        const int positions = asset_floats(a, &parts[i].positions[0][0], parts[i].vertices, 3), corners = asset_uint16(a, parts[i].corners, parts[i].count);
+        snprintf(primitive, sizeof primitive, "%s{\"attributes\":{\"POSITION\":%d},\"indices\":%d}", i ? "," : "", positions, corners);
+        strcat(rest, primitive);
+    }
+    strcat(rest, "]}]");
+    return asset_open(a, rest, 1);
+}
+
+/* ---- what is found */
+
+typedef struct expected {
+    const char *rule, *where;
+    size_t count, face; /* of the first sample */
+    norma_severity severity;
+} expected;
+
+static void has_only(norma_document *document, const expected *wanted, size_t count) {
+    uint8_t mask[128] = {0};
+    norma_findings *findings;
+    assert_int_equal(norma_rules_select("N302,N304", mask, NULL), NORMA_OK);
+    const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
+    assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_findings_count(findings), count);
+    for (size_t i = 0; i < count; i++) {
+        const norma_finding *f = norma_findings_get(findings, i);
+        assert_string_equal(f->rule->id, wanted[i].rule);
+        assert_string_equal(f->where, wanted[i].where);
+        assert_int_equal(f->count, wanted[i].count);
+        assert_int_equal(f->severity, wanted[i].severity);
+        assert_int_equal(f->samples[0].face, wanted[i].face);
+    }
+    norma_findings_free(findings);
+}
+
+/* Mended by N302, then clean, and every corner of every face where it was but for the reversed ones; again: nothing. rays: open ones too. */
+static void mends(norma_document *document, int rays, const char *rules, uint8_t (*turned)[MOST], const part *parts, int count) {
+    uint8_t mask[128] = {0};
+    norma_mend_summary summary;
+    size_t size;
+    assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
+    const norma_check_options options = {.struct_size = sizeof options, .rules = mask, .open_by_rays = rays};
+    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(summary.changed, 1);
+    unsigned char *bytes = scene_output(document, &size);
+    document = scene_reopen(bytes, size, "a.glb");
+    for (int i = 0; i < count; i++) {
+        norma_mesh_data data;
+        assert_int_equal(norma_document_mesh_data(document, (size_t)i, &data, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(data.mesh.corner_count, parts[i].count);
+        for (size_t c = 0; c < parts[i].count; c++) {
+            const size_t from = !turned[i][c / 3] || c % 3 == 0 ? c : c % 3 == 1 ? c + 1 : c - 1;
+            assert_int_equal(((const uint32_t *)data.mesh.corners)[c], parts[i].corners[from]);
+        }
+    }
+    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(summary.changed, 0);
+    if (rays)
+        assert_true(summary.by_rays > 0 && summary.least_confidence > 0);
+    norma_document_close(document);
+    free(bytes);
+}
+
+/* ---- a box of three materials */
+
+static const float low[3] = {0, 0, 0}, high[3] = {1, 2, 3};
+
+static void cut_box(part parts[3], int inward) {
+    memset(parts, 0, 3 * sizeof *parts);
+    for (int side = 0; side < 6; side++) add_side(&parts[side / 2], low, high, side, inward);
+}
+
+static void test_cut(void **state) {
+    (void)state;
+    static part parts[3];
+    static uint8_t all[3][MOST] = {{1, 1, 1, 1}, {1, 1, 1, 1}, {1, 1, 1, 1}};
+    for (int inward = 0; inward < 2; inward++) {
+        gltf_asset a = {0};
+        cut_box(parts, inward);
+        norma_document *document = open_parts(&a, parts, 3);
+        has_only(document, &(expected){"N302", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_WARNING}, (size_t)inward);
+        if (inward)
+            mends(document, 0, "N302", all, parts, 3);
+        norma_document_close(document);
+        asset_free(&a);
+    }
+}
+
+/* A side is missing: open, told of once. */
+static void test_open(void **state) {
+    (void)state;
+    static part parts[2];
+    gltf_asset a = {0};
+    memset(parts, 0, sizeof parts);
+    for (int side = 0; side < 5; side++) add_side(&parts[side > 1], low, high, side, 0);
+    norma_document *document = open_parts(&a, parts, 2);
+    has_only(document, &(expected){"N304", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_INFO}, 1);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* Open ones are turned by rays where that is asked for, the whole of them. */
+static void test_rays(void **state) {
+    (void)state;
+    static part parts[2];
+    static uint8_t all[2][MOST] = {{1, 1, 1, 1}, {1, 1, 1, 1, 1, 1}};
+    gltf_asset a = {0};
+    norma_mend_summary summary;
+    memset(parts, 0, sizeof parts);
+    for (int side = 0; side < 5; side++) add_side(&parts[side > 1], low, high, side, 1);
+    norma_document *document = open_parts(&a, parts, 2);
+    uint8_t mask[128] = {0};
+    assert_int_equal(norma_rules_select("N304,N302", mask, NULL), NORMA_OK);
+    norma_check_options options = {.struct_size = sizeof options, .rules = mask};
+    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK); /* only when asked */
+    assert_int_equal(summary.changed, 0);
+    options.open_by_rays = 1;
+    assert_int_equal(norma_mend_document(document, &options, 0, &summary, NULL), NORMA_DOCUMENT_OK); /* and not by what is safe */
+    assert_int_equal(summary.changed, 0);
+    mends(document, 1, "N304", all, parts, 2);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* ---- a shell of one material, its cavity of another */
+
+static void test_cavity(void **state) {
+    (void)state;
+    static part parts[2];
+    for (int outer = 0; outer < 2; outer++)
+        for (int inner = 0; inner < 2; inner++) { /* nonzero: looks inward */
+            gltf_asset a = {0};
+            memset(parts, 0, sizeof parts);
+            add_box(&parts[0], 0, 3, outer);
+            add_box(&parts[1], 1, 2, inner);
+            norma_document *document = open_parts(&a, parts, 2);
+            /* The shell first; then what lies in it, taken as put right: a cavity is fine, a solid may be meant. */
+            expected wanted[2];
+            size_t count = 0;
+            if (outer)
+                wanted[count++] = (expected){"N302", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_WARNING};
+            if (!inner)
+                wanted[count++] = (expected){"N302", "/meshes/0/primitives/1", 1, 0, NORMA_SEVERITY_INFO};
+            has_only(document, wanted, count);
+            norma_document_close(document);
+            asset_free(&a);
+        }
+}
+
+/* ---- two boxes, each closed in its own primitive, that share an edge: one of them looks inward */
+
+static void test_touching(void **state) {
+    (void)state;
+    static part parts[2];
+    static uint8_t turned[2][MOST];
+    static const float beside[3] = {1, 2, 0}, end[3] = {2, 4, 3};
+    gltf_asset a = {0};
+    memset(parts, 0, sizeof parts);
+    for (int side = 0; side < 6; side++) {
+        add_side(&parts[0], low, high, side, 0);
+        add_side(&parts[1], beside, end, side, 1);
+    }
+    memset(turned[1], 1, sizeof turned[1]);
+    norma_document *document = open_parts(&a, parts, 2);
+    has_only(document, &(expected){"N302", "/meshes/0/primitives/1", 1, 0, NORMA_SEVERITY_WARNING}, 1);
+    mends(document, 0, "N302", turned, parts, 2);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* Of two boxes in one primitive the one that looks inward is turned, and no other. */
+static void test_one_of_two(void **state) {
+    (void)state;
+    static part parts[1];
+    static uint8_t turned[1][MOST];
+    gltf_asset a = {0};
+    memset(parts, 0, sizeof parts);
+    add_box(&parts[0], 0, 1, 0);
+    add_box(&parts[0], 2, 3, 1);
+    memset(turned[0] + 12, 1, 12);
+    norma_document *document = open_parts(&a, parts, 1);
+    has_only(document, &(expected){"N302", "/meshes/0/primitives/0", 1, 12, NORMA_SEVERITY_WARNING}, 1);
+    mends(document, 0, "N302", turned, parts, 1);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_cut), cmocka_unit_test(test_open), cmocka_unit_test(test_rays), cmocka_unit_test(test_cavity), cmocka_unit_test(test_touching), cmocka_unit_test(test_one_of_two),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
