@@ -66,13 +66,9 @@ static inline uint32_t norma_core_tile_slot_of(const tile_view *t, uint32_t own)
 /* ---- one tile, measured and summed; on the stack */
 
 typedef struct tile_room {
+    double   positions[TILE_VERTICES][4];  /* of each vertex; the fourth: 0 */
     double   normals[TILE_FACES][4];   /* of each face; the fourth: 1; zero where there is no direction */
     double   weights[TILE_CORNERS];    /* of each member's corner; -0: no vote */
-    union {                            /* of each vertex; the fourth: 0 */
-        float  floats[TILE_VERTICES][4];
-        double doubles[TILE_VERTICES][4];
-    } positions;
-    norma_format format;               /* of those: float or double */
     float    results[TILE_SLOTS][3];   /* of each slot asked for, in the order asked */
     uint8_t  reasons[TILE_SLOTS];
     uint16_t doubted[TILE_FACES];      /* triangles that doubles do not decide */

@@ -1,5 +1,8 @@
 /* plan_tile_sums.c: the loops in which an update spends its time: eight triangles at a time are read, measured and kept as rows; slots sum rows in the order of their members.
  * Compiled for each instruction set; what is computed is what norma_vertex_normals computes, by the same steps. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-tree-slp-vectorize")    /* this compiler takes rows that are read whole apart again, number by number */
+#endif
 #include "lanes.h"
 #include "measure_lanes.h"
 #include "plan_tile.h"
@@ -14,59 +17,63 @@ CORE_INLINE void name_some(tile_some some, uint32_t begin, uint32_t count, uint3
 
 /* ---- triangles */
 
-/* at: the vertices of eight triangles, three by three. Rows of four floats are read whole. */
-#if defined(CORE_HAS_SHUFFLES)
-CORE_INLINE core_f8 two_rows(const float *one, const float *other)
-{
-    core_f4 a, b;
-    memcpy(&a, one, sizeof a);
-    memcpy(&b, other, sizeof b);
-    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
-}
+enum { BATCHES_AT_ONCE = 8 };
 
-CORE_INLINE void read_floats(const float (*rows)[4], const uint16_t *at, double out[3][CORE_LANES])
+typedef struct tile_batch {
+    core_batch measured;
+    core_arcs  arcs;
+} tile_batch;
+
+/* at: the vertices of eight triangles, three by three. */
+#if defined(CORE_HAS_SHUFFLES)
+CORE_INLINE void read_four(const double (*rows)[4], const uint16_t *at, int first, core_batch *batch)
 {
-    const core_f8 r0 = two_rows(rows[at[0]], rows[at[12]]), r1 = two_rows(rows[at[3]], rows[at[15]]);
-    const core_f8 r2 = two_rows(rows[at[6]], rows[at[18]]), r3 = two_rows(rows[at[9]], rows[at[21]]);
-    const core_f8 xy01 = __builtin_shufflevector(r0, r1, 0, 8, 1, 9, 4, 12, 5, 13), xy23 = __builtin_shufflevector(r2, r3, 0, 8, 1, 9, 4, 12, 5, 13);
-    const core_f8 z01 = __builtin_shufflevector(r0, r1, 2, 10, 3, 11, 6, 14, 7, 15), z23 = __builtin_shufflevector(r2, r3, 2, 10, 3, 11, 6, 14, 7, 15);
-    const core_f8 axes[3] = {__builtin_shufflevector(xy01, xy23, 0, 1, 8, 9, 4, 5, 12, 13), __builtin_shufflevector(xy01, xy23, 2, 3, 10, 11, 6, 7, 14, 15),
-                             __builtin_shufflevector(z01, z23, 0, 1, 8, 9, 4, 5, 12, 13)};
-    for (int axis = 0; axis < 3; axis++) {
-        float lanes[CORE_LANES];
-        memcpy(lanes, &axes[axis], sizeof lanes);
-        for (int i = 0; i < CORE_LANES; i++) out[axis][i] = (double)lanes[i];
+    core_d4 p[3][4];
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < 4; i++) p[k][i] = core_load_row(rows[at[3 * (first + i) + k]]);
+        core_turn_rows(p[k]);
+    }
+    for (int x = 0; x < 3; x++) {
+        core_store_row(batch->u[x] + first, p[1][x] - p[0][x]);
+        core_store_row(batch->v[x] + first, p[2][x] - p[0][x]);
+        core_store_row(batch->a[x] + first, p[2][x] - p[1][x]);
     }
 }
-#else
-CORE_INLINE void read_floats(const float (*rows)[4], const uint16_t *at, double out[3][CORE_LANES])
+
+CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch)
 {
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < CORE_LANES; i++) out[axis][i] = (double)rows[at[3 * i]][axis];
+    for (int first = 0; first < CORE_LANES; first += 4) read_four(rows, at, first, batch);
+}
+#else
+CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch)
+{
+    for (int x = 0; x < 3; x++)
+        for (int i = 0; i < CORE_LANES; i++) {
+            const double p0 = rows[at[3 * i]][x], p1 = rows[at[3 * i + 1]][x], p2 = rows[at[3 * i + 2]][x];
+            batch->u[x][i] = p1 - p0;
+            batch->v[x][i] = p2 - p0;
+            batch->a[x][i] = p2 - p1;
+        }
 }
 #endif
 
-CORE_INLINE void read_doubles(const double (*rows)[4], const uint16_t *at, double out[3][CORE_LANES])
+CORE_INLINE void read_named(const tile_view *t, const uint32_t names[CORE_LANES], const tile_room *room, core_batch *batch)
 {
-    core_rows eight;
-    double nothing[CORE_LANES];
-    for (int i = 0; i < CORE_LANES; i++) memcpy(eight.row[i], rows[at[3 * i]], sizeof eight.row[i]);
-    core_rows_to_lanes((const double(*)[4])eight.row, out[0], out[1], out[2], nothing);
+    uint16_t at[3 * CORE_LANES];
+    for (int i = 0; i < CORE_LANES; i++) memcpy(at + 3 * i, t->corners + 3 * (size_t)names[i], 3 * sizeof *at);
+    read_batch((const double(*)[4])room->positions, at, batch);
 }
 
-CORE_INLINE void read_edges(const tile_room *room, const uint16_t *at, core_batch *batch)
+CORE_INLINE void measure_batches(tile_batch *batches, uint32_t count, norma_weight weight)
 {
-    double p[3][3][CORE_LANES];
-    for (int k = 0; k < 3; k++) {
-        if (room->format == NORMA_FORMAT_FLOAT) read_floats((const float(*)[4])room->positions.floats, at + k, p[k]);
-        else read_doubles((const double(*)[4])room->positions.doubles, at + k, p[k]);
+    if (weight != NORMA_WEIGHT_ANGLE) {
+        for (uint32_t i = 0; i < count; i++) core_lanes_measure(&batches[i].measured, weight, CORE_ALL_CORNERS);
+        return;
     }
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < CORE_LANES; i++) {
-            batch->u[axis][i] = p[1][axis][i] - p[0][axis][i];
-            batch->v[axis][i] = p[2][axis][i] - p[0][axis][i];
-            batch->a[axis][i] = p[2][axis][i] - p[1][axis][i];
-        }
+    for (uint32_t i = 0; i < count; i++) core_lanes_products(&batches[i].measured);
+    for (uint32_t i = 0; i < count; i++) core_lanes_slopes(&batches[i].measured, &batches[i].arcs);
+    for (uint32_t i = 0; i < count; i++) core_lanes_arcs(&batches[i].arcs);
+    for (uint32_t i = 0; i < count; i++) core_lanes_corner_angles(&batches[i].measured, &batches[i].arcs);
 }
 
 CORE_INLINE void turn_normals(const core_batch *batch, core_rows *rows)
@@ -75,57 +82,68 @@ CORE_INLINE void turn_normals(const core_batch *batch, core_rows *rows)
     core_lanes_to_rows(batch->normal[0], batch->normal[1], batch->normal[2], ones, rows);
 }
 
-CORE_INLINE int all_sure(const core_batch *batch)
+CORE_INLINE void keep_row(const core_batch *batch, uint32_t begin, tile_room *room)
 {
-    double sure = 0;
-    for (int i = 0; i < CORE_LANES; i++) sure += batch->sure[i];
-    return sure == CORE_LANES;
+    turn_normals(batch, (core_rows *)(void *)room->normals[begin]);
+    for (uint32_t k = 0; k < 3; k++) memcpy(&room->weights[k << TILE_FACE_BITS | begin], batch->weight[k], sizeof batch->weight[k]);
 }
 
-static void list_doubted(const core_batch *batch, const uint32_t *faces, tile_room *room)
+CORE_INLINE void keep_named(const core_batch *batch, const uint32_t names[CORE_LANES], tile_room *room)
 {
-    for (int i = 0; i < CORE_LANES; i++)
-        if (batch->sure[i] == 0 && (i == 0 || faces[i] != faces[i - 1])) room->doubted[room->doubted_count++] = (uint16_t)faces[i];
-}
-
-/* Eight by number. */
-CORE_INLINE void measure_some(const tile_view *t, tile_some faces, uint32_t begin, norma_weight weight, tile_room *room)
-{
-    core_batch batch;
     core_rows rows;
-    uint32_t names[CORE_LANES];
-    uint16_t at[3 * CORE_LANES];
-    name_some(faces, begin, CORE_LANES, names);
-    for (int i = 0; i < CORE_LANES; i++) memcpy(at + 3 * i, t->corners + 3 * (size_t)names[i], 3 * sizeof *at);
-    read_edges(room, at, &batch);
-    core_lanes_measure(&batch, weight, CORE_ALL_CORNERS);
-    turn_normals(&batch, &rows);
+    turn_normals(batch, &rows);
     for (int i = 0; i < CORE_LANES; i++) {
         memcpy(room->normals[names[i]], rows.row[i], sizeof rows.row[i]);
-        for (uint32_t k = 0; k < 3; k++) room->weights[k << TILE_FACE_BITS | names[i]] = batch.weight[k][i];
+        for (uint32_t k = 0; k < 3; k++) room->weights[k << TILE_FACE_BITS | names[i]] = batch->weight[k][i];
     }
-    if (!all_sure(&batch)) list_doubted(&batch, names, room);
 }
 
-/* Eight in a row. */
-CORE_INLINE void measure_row(const tile_view *t, uint32_t begin, norma_weight weight, tile_room *room)
+CORE_INLINE int all_sure(const tile_batch *batches, uint32_t count)
 {
-    core_batch batch;
-    read_edges(room, t->corners + 3 * (size_t)begin, &batch);
-    core_lanes_measure(&batch, weight, CORE_ALL_CORNERS);
-    turn_normals(&batch, (core_rows *)(void *)room->normals[begin]);
-    for (uint32_t k = 0; k < 3; k++) memcpy(&room->weights[k << TILE_FACE_BITS | begin], batch.weight[k], sizeof batch.weight[k]);
-    if (all_sure(&batch)) return;
-    uint32_t names[CORE_LANES];
-    for (uint32_t i = 0; i < CORE_LANES; i++) names[i] = begin + i;
-    list_doubted(&batch, names, room);
+    double sure[CORE_LANES] = {0}, all = 0;
+    for (uint32_t b = 0; b < count; b++)
+        for (int i = 0; i < CORE_LANES; i++) sure[i] += batches[b].measured.sure[i];
+    for (int i = 0; i < CORE_LANES; i++) all += sure[i];
+    return all == (double)count * CORE_LANES;
 }
 
+static void list_doubted(const tile_batch *batches, uint32_t count, tile_some faces, uint32_t begin, tile_room *room)
+{
+    for (uint32_t i = 0; i < count * CORE_LANES && begin + i < faces.count; i++)
+        if (batches[i / CORE_LANES].measured.sure[i % CORE_LANES] == 0) room->doubted[room->doubted_count++] = (uint16_t)number_at(faces, begin + i);
+}
+
+/* Eight in a row each. */
+CORE_INLINE void measure_rows(const tile_view *t, tile_some faces, uint32_t begin, uint32_t count, norma_weight weight, tile_room *room)
+{
+    tile_batch batches[BATCHES_AT_ONCE];
+    for (uint32_t i = 0; i < count; i++) read_batch((const double(*)[4])room->positions, t->corners + 3 * (size_t)(begin + i * CORE_LANES), &batches[i].measured);
+    measure_batches(batches, count, weight);
+    for (uint32_t i = 0; i < count; i++) keep_row(&batches[i].measured, begin + i * CORE_LANES, room);
+    if (!all_sure(batches, count)) list_doubted(batches, count, faces, begin, room);
+}
+
+/* Eight by number each. */
+CORE_INLINE void measure_named(const tile_view *t, tile_some faces, uint32_t begin, uint32_t count, norma_weight weight, tile_room *room)
+{
+    tile_batch batches[BATCHES_AT_ONCE];
+    uint32_t names[BATCHES_AT_ONCE][CORE_LANES];
+    for (uint32_t i = 0; i < count; i++) {
+        name_some(faces, begin + i * CORE_LANES, CORE_LANES, names[i]);
+        read_named(t, names[i], room, &batches[i].measured);
+    }
+    measure_batches(batches, count, weight);
+    for (uint32_t i = 0; i < count; i++) keep_named(&batches[i].measured, names[i], room);
+    if (!all_sure(batches, count)) list_doubted(batches, count, faces, begin, room);
+}
+
+/* One batch after the other from end to end is a chain of some 200 steps that each wait for the one before, too long for the processor to see the next one's beginning. So
+ * each step is taken for some batches at a time: they wait for nothing of each other. */
 CORE_INLINE void measure_weighted(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room)
 {
-    uint32_t begin = 0;
-    for (; !faces.numbers && begin + CORE_LANES <= faces.count; begin += CORE_LANES) measure_row(t, begin, weight, room);
-    for (; begin < faces.count; begin += CORE_LANES) measure_some(t, faces, begin, weight, room);
+    const uint32_t rows = faces.numbers ? 0 : faces.count / CORE_LANES, all = (faces.count + CORE_LANES - 1) / CORE_LANES;
+    for (uint32_t i = 0; i < rows; i += BATCHES_AT_ONCE) measure_rows(t, faces, i * CORE_LANES, rows - i < BATCHES_AT_ONCE ? rows - i : BATCHES_AT_ONCE, weight, room);
+    for (uint32_t i = rows; i < all; i += BATCHES_AT_ONCE) measure_named(t, faces, i * CORE_LANES, all - i < BATCHES_AT_ONCE ? all - i : BATCHES_AT_ONCE, weight, room);
 }
 
 /* One loop for each weight, so that none asks inside. */
@@ -143,15 +161,37 @@ CORE_INLINE void measure_triangles(const tile_view *t, tile_some faces, norma_we
 
 /* ---- slots */
 
-CORE_INLINE vertex_sum sum_slot(const tile_view *t, uint32_t slot, const tile_room *room, int polygons)
+CORE_INLINE void add_member(const tile_view *t, const tile_room *room, uint32_t member, int polygons, vertex_sum *sum)
 {
-    const uint32_t end = norma_core_tile_start(t, slot + 1);
-    vertex_sum sum = {0, 0, 0, -0.0};
-    for (uint32_t i = norma_core_tile_start(t, slot); i < end; i++) {
-        const uint32_t member = t->members[i];
-        core_add_row(&sum.x, room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)], room->weights[member]);
+    core_add_row(&sum->x, room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)], room->weights[member]);
+}
+
+/* Four slots at a time as far as the shortest goes: what is added to one waits for what was added before, not for the others'. */
+CORE_INLINE void sum_four(const tile_view *t, const uint32_t slots[4], const tile_room *room, int polygons, vertex_sum *out)
+{
+    const uint16_t *members[4];
+    uint32_t counts[4], together = UINT32_MAX;
+    for (int i = 0; i < 4; i++) {
+        const uint32_t begin = norma_core_tile_start(t, slots[i]);
+        members[i] = t->members + begin;
+        counts[i] = norma_core_tile_start(t, slots[i] + 1) - begin;
+        together = counts[i] < together ? counts[i] : together;
     }
-    return sum;
+    vertex_sum a = {0, 0, 0, -0.0}, b = a, c = a, d = a;
+    for (uint32_t j = 0; j < together; j++) {
+        add_member(t, room, members[0][j], polygons, &a);
+        add_member(t, room, members[1][j], polygons, &b);
+        add_member(t, room, members[2][j], polygons, &c);
+        add_member(t, room, members[3][j], polygons, &d);
+    }
+    for (uint32_t j = together; j < counts[0]; j++) add_member(t, room, members[0][j], polygons, &a);
+    for (uint32_t j = together; j < counts[1]; j++) add_member(t, room, members[1][j], polygons, &b);
+    for (uint32_t j = together; j < counts[2]; j++) add_member(t, room, members[2][j], polygons, &c);
+    for (uint32_t j = together; j < counts[3]; j++) add_member(t, room, members[3][j], polygons, &d);
+    out[0] = a;
+    out[1] = b;
+    out[2] = c;
+    out[3] = d;
 }
 
 static int decide_each(const vertex_sum *sums, uint32_t begin, uint32_t count, tile_room *room)
@@ -171,7 +211,9 @@ CORE_INLINE int sum_weighted(const tile_view *t, tile_some slots, core_finish_su
     memset(room->reasons, NORMA_REASON_NONE, slots.count);
     for (uint32_t begin = 0; begin < slots.count; begin += CORE_LANES) {
         vertex_sum sums[CORE_LANES];
-        for (uint32_t i = 0; i < CORE_LANES; i++) sums[i] = sum_slot(t, number_at(slots, begin + i < slots.count ? begin + i : slots.count - 1), room, polygons);
+        uint32_t names[CORE_LANES];
+        name_some(slots, begin, CORE_LANES, names);
+        for (uint32_t i = 0; i < CORE_LANES; i += 4) sum_four(t, names + i, room, polygons, sums + i);
         if (finish(sums, room->results + begin)) continue;
         all &= decide_each(sums, begin, slots.count - begin < CORE_LANES ? slots.count - begin : CORE_LANES, room);
     }

@@ -15,37 +15,24 @@ typedef struct tiles_work {
 
 /* ---- in */
 
-static void load_floats(const plan_work *work, const tile_view *t, tile_room *room)
+static void load_positions(const plan_work *work, const tile_view *t, tile_room *room)
 {
     const unsigned char *data = work->mesh.positions.data;
     const size_t stride = work->mesh.positions.stride;
-    float zero[4] = {0, 0, 0, 0};
-    for (uint32_t v = 0; v < t->vertex_count; v++) {
-        memcpy(room->positions.floats[v], data + t->vertices[v] * stride, 3 * sizeof(float));
-        room->positions.floats[v][3] = 0;
-    }
-    for (uint32_t v = 0; v < t->vertex_count; v++)
-        for (int k = 0; k < 4; k++) zero[k] += room->positions.floats[v][k] - room->positions.floats[v][k];
-    room->all_finite = (zero[0] + zero[1]) + (zero[2] + zero[3]) == 0;
-}
-
-static void load_doubles(const plan_work *work, const tile_view *t, tile_room *room)
-{
     double zero[4] = {0, 0, 0, 0};
     for (uint32_t v = 0; v < t->vertex_count; v++) {
-        double *p = room->positions.doubles[v];
-        norma_core_position(&work->mesh, t->vertices[v], p);
-        p[3] = 0;
+        double *p = room->positions[v];
+        if (work->mesh.positions.format == NORMA_FORMAT_FLOAT) {
+            float at[4] = {0, 0, 0, 0};
+            memcpy(at, data + t->vertices[v] * stride, 3 * sizeof *at);
+            for (int k = 0; k < 4; k++) p[k] = (double)at[k];
+        } else {
+            norma_core_position(&work->mesh, t->vertices[v], p);
+            p[3] = 0;
+        }
         for (int k = 0; k < 4; k++) zero[k] += p[k] - p[k];
     }
     room->all_finite = (zero[0] + zero[1]) + (zero[2] + zero[3]) == 0;
-}
-
-static void load_positions(const plan_work *work, const tile_view *t, tile_room *room)
-{
-    room->format = work->mesh.positions.format == NORMA_FORMAT_FLOAT ? NORMA_FORMAT_FLOAT : NORMA_FORMAT_DOUBLE;
-    if (room->format == NORMA_FORMAT_FLOAT) load_floats(work, t, room);
-    else load_doubles(work, t, room);
 }
 
 /* What the next tile will read, and this one write. */
@@ -60,7 +47,7 @@ static void look_ahead(const plan_work *work, const tile_view *t, const tile_vie
 static core_mesh local_mesh(const tile_view *t, const tile_room *room)
 {
     return (core_mesh){
-        .positions = {&room->positions, t->vertex_count, room->format == NORMA_FORMAT_FLOAT ? sizeof room->positions.floats[0] : sizeof room->positions.doubles[0], room->format},
+        .positions = {&room->positions, t->vertex_count, sizeof room->positions[0], NORMA_FORMAT_DOUBLE},
         .corners = t->corners,
         .corner_count = t->corner_count,
         .corner_size = sizeof *t->corners,
@@ -164,10 +151,7 @@ static int decide_own(const tiles_work *w, const tile_view *t, const tile_room *
 
 static int is_finite(const tile_room *room, uint32_t vertex)
 {
-    if (room->all_finite) return 1;
-    if (room->format == NORMA_FORMAT_DOUBLE) return norma_core_finite(room->positions.doubles[vertex]);
-    const float *p = room->positions.floats[vertex];
-    return norma_core_finite((const double[3]){(double)p[0], (double)p[1], (double)p[2]});
+    return room->all_finite || norma_core_finite(room->positions[vertex]);
 }
 
 typedef struct tile_result { uint32_t slot; int reason; float normal[3]; } tile_result;

@@ -54,21 +54,18 @@ static inline double norma_core_weight_atan(double t)
     return t + t * (z * p);
 }
 
-/* atan2(y, x) for y >= 0 and x >= 0 (or below by a rounding) is turn + or - atan(above / below). */
-typedef struct core_slope { double above, below, turn; int falls; } core_slope;
+/* atan2(y, x) for y >= 0 and x >= 0 (or below by a rounding) is turn + atan(above / below). */
+typedef struct core_slope { double above, below, turn; } core_slope;
 
 static inline core_slope norma_core_slope(double y, double x)
 {
     const double small = y < x ? y : x, large = y < x ? x : y;
     const int steep = small > 0.41421356237309503 * large, falls = y > x;
-    return (core_slope){steep ? small - large : small, steep ? small + large : large, steep ? 0.25 * NORMA_PI : falls ? 0.5 * NORMA_PI : 0, falls};
+    const double flat_above = falls ? -x : y, flat_turn = falls ? 0.5 * NORMA_PI : 0;
+    return (core_slope){steep ? y - x : flat_above, steep ? small + large : large, steep ? 0.25 * NORMA_PI : flat_turn};
 }
 
-static inline double norma_core_slope_angle(core_slope s, double quotient)
-{
-    const double angle = norma_core_weight_atan(quotient);
-    return s.falls ? s.turn - angle : s.turn + angle;
-}
+static inline double norma_core_slope_angle(core_slope s, double quotient) { return s.turn + norma_core_weight_atan(quotient); }
 
 /* A corner's angle as a weight: atan2(cross, dot), for cross >= 0. */
 static inline double norma_core_weight_angle(double cross, double dot)
