@@ -233,8 +233,8 @@ norma_result norma_morph_normals(const norma_mesh *base, const norma_vec3_view *
  *   is written at it; NORMA_ERROR_OVERFLOW where count * stride exceeds a size_t; NORMA_ERROR_CAPACITY where capacity is below count. They are found
  *   before anything is written. A count of 0 is NORMA_OK, and buffers may then be NULL. No memory is allocated.
  * - Of a model only the upper 3x3 matters ([0..2], [4..6], [8..10]); a translation or a last row never reaches a normal, and neither need be finite.
- * - Calls are pure functions of what they are given: any number may run at once. The same bits from every compiler, one or many at a time (but
- *   for worst_error_rad, which takes libm's atan2). -0 is never written into a matrix. */
+ * - Calls are pure functions of what they are given: any number may run at once. The same bits from every compiler, one or many at a time. -0 is
+ *   never written into a matrix. */
 
 typedef enum norma_winding { NORMA_WINDING_KEPT = 0, NORMA_WINDING_REVERSED } norma_winding; /* reversed: where the matrix mirrors, the caller reverses the faces */
 

@@ -1,5 +1,6 @@
 /* facets.c: N205: the normals of STL facets against their winding. */
 #include "check_internal.h"
+#include "angle.h"
 #include <math.h>
 #include <string.h>
 
@@ -27,7 +28,7 @@ static void judge_facet(const check_mesh *m, facet_part *part, size_t facet) {
         part->zeros++;
         norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {
-        norma_check_hit(m->run, &part->hits, acos(fmax(cosine, -1)) * (180 / 3.141592653589793), norma_check_face(facet));
+        norma_check_hit(m->run, &part->hits, norma_check_arc_cosine(fmax(cosine, -1)) * (180 / 3.141592653589793), norma_check_face(facet));
     }
 }
 

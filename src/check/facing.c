@@ -1,5 +1,6 @@
 /* facing.c: N201 and N202: stored normals against the directions of the faces that use them. */
 #include "check_internal.h"
+#include "angle.h"
 #include <math.h>
 #include <string.h>
 
@@ -47,7 +48,7 @@ static void judge_face(const facing_pass *pass, facing_part *part, size_t face) 
         greatest = fmax(greatest, cosine);
     }
     if (pass->wants_opposed && all)
-        norma_check_hit(m->run, &part->opposed, acos(fmax(greatest, -1)) * (180 / 3.141592653589793), norma_check_face(face));
+        norma_check_hit(m->run, &part->opposed, norma_check_arc_cosine(fmax(greatest, -1)) * (180 / 3.141592653589793), norma_check_face(face));
 }
 
 static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
@@ -111,7 +112,7 @@ static norma_result check_far(check_mesh *m) {
     norma_result result = find_nearest_around(m, greatest);
     for (size_t i = 0; !result && i < count; i++)
         if ((double)greatest[i] < FAR_COSINE)
-            norma_check_hit(m->run, &hits, acos(fmax((double)greatest[i], -1)) * (180 / 3.141592653589793), norma_check_normal_spot(m, i));
+            norma_check_hit(m->run, &hits, norma_check_arc_cosine(fmax((double)greatest[i], -1)) * (180 / 3.141592653589793), norma_check_normal_spot(m, i));
     norma_core_release(&m->run->call, greatest, count, sizeof *greatest);
     if (result)
         return result;

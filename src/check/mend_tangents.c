@@ -2,6 +2,7 @@
  * the normal; the sign from the winding of the UVs as they are stored, v downwards. Where signs of a
  * primitive disagree, those of the smaller side turn round and nothing else does. Vertices are not split. */
 #include "mend_internal.h"
+#include "angle.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,7 +23,7 @@ static void read_corner(const mend_mesh *m, size_t corner, double position[3], d
 
 static double angle_between(const double a[3], const double b[3]) {
     double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    return atan2(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+    return norma_core_angle(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
 }
 
 /* The direction of growing u in a triangle, unit; 0: its UVs have no area. */

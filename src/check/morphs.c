@@ -1,5 +1,6 @@
 /* morphs.c: N901 to N903: morph targets that turn the surface and not its normals, that cancel normals, that have normals where the mesh has none. */
 #include "scene_rules.h"
+#include "angle.h"
 #include "../core/face_geometry.h"
 #include <math.h>
 #include <string.h>
@@ -64,7 +65,7 @@ static double bend_deg(const check_mesh *m, const norma_vec3_view *deltas, size_
     const double n[3] = {(double)at_rest->normal[0], (double)at_rest->normal[1], (double)at_rest->normal[2]};
     const double cross[3] = {n[1] * moved[2] - n[2] * moved[1], n[2] * moved[0] - n[0] * moved[2], n[0] * moved[1] - n[1] * moved[0]};
     double sine = length_of(cross), cosine = norma_core_dot(n, moved);
-    return cosine > 0 && sine <= tangent * cosine ? 0 : atan2(sine, cosine) * (180 / 3.141592653589793);
+    return cosine > 0 && sine <= tangent * cosine ? 0 : norma_core_angle(sine, cosine) * (180 / 3.141592653589793);
 }
 
 enum { FACES_IN_BLOCK = 1 << 13 };

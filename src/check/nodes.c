@@ -1,6 +1,7 @@
 /* nodes.c: N601 to N605: world matrices of the nodes that draw meshes, of each of their instances, and of the joints of skins.
  * A skinned mesh follows its joints, and the matrix of its own node is ignored (glTF 2.0, 3.7.3.3): such a node is not judged. */
 #include "scene_rules.h"
+#include "angle.h"
 #include <math.h>
 
 static const double UNEVEN = 1.05, SHEARED = 1e-3, DEGREES = 180 / 3.141592653589793;
@@ -117,7 +118,7 @@ static norma_result add_findings(const node_judgement *j, const node_sums *sums)
         result = add(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular, (double)sums->rank, "rank", message);
     begin_message(j, sums->sheared, begin);
     norma_check_message(message, "%scolumns of the world matrix are %g degrees off perpendicular; no translation, rotation and scale can say that", begin,
-                        asin(fmin(sums->cosine, 1)) * DEGREES);
+                        norma_check_arc_sine(fmin(sums->cosine, 1)) * DEGREES);
     return result ? result : add(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared, sums->cosine, "cosine", message);
 }
 

@@ -1,5 +1,6 @@
 /* polygons.c: N404 and N405: polygons that fold over where a reader cuts them into a fan, and polygons that are not flat. */
 #include "check_internal.h"
+#include "angle.h"
 #include "../core/triangle.h"
 #include <math.h>
 #include <string.h>
@@ -122,7 +123,7 @@ static void judge_polygon(const polygon_pass *pass, polygon_part *part, size_t f
         part->crossing += crosses_itself(mesh, face, normal) != 0;
     }
     if (sine > OUT_OF_PLANE_SINE)
-        norma_check_hit(m->run, &part->bent, asin(fmin(sine, 1)) * (180 / NORMA_PI), (check_spot){norma_core_corner(&m->mesh, at), face, SIZE_MAX});
+        norma_check_hit(m->run, &part->bent, norma_check_arc_sine(fmin(sine, 1)) * (180 / NORMA_PI), (check_spot){norma_core_corner(&m->mesh, at), face, SIZE_MAX});
 }
 
 static void judge_polygons(void *context, size_t block, size_t begin, size_t end) {

@@ -1,6 +1,7 @@
 /* tangents.c: N801 to N803, N805, N806: tangents that are no unit vectors, signs that are none, tangents that lean on their normals, tangents without a part
  * that they need. */
 #include "scene_rules.h"
+#include "angle.h"
 #include <math.h>
 #include <string.h>
 
@@ -52,7 +53,7 @@ static void judge_tangent(const tangent_pass *pass, tangent_part *part, size_t v
         return;
     double lean = lean_of(pass, v, t, length);
     if (lean > LEANS)
-        norma_check_hit(run, &part->leaning, asin(fmin(lean, 1)) * (180 / 3.141592653589793), norma_check_vertex(v));
+        norma_check_hit(run, &part->leaning, norma_check_arc_sine(fmin(lean, 1)) * (180 / 3.141592653589793), norma_check_vertex(v));
 }
 
 static void judge_tangents(void *context, size_t block, size_t begin, size_t end) {

@@ -26,11 +26,21 @@ static void add_size(text *t, size_t value) {
     add(t, digits + at, sizeof digits - at);
 }
 
-/* Three digits as an integer below 1000 and the power of ten of the first. */
+/* Three digits as an integer below 1000 and the power of ten of the first. By divisions alone: the C library's log10 and pow differ between systems. */
 static unsigned three_digits(double value, int *power) {
-    *power = (int)floor(log10(value));
-    double scaled = *power > -300 ? value / pow(10, *power - 2) : value * 1e300 / pow(10, *power + 298);
-    unsigned digits = (unsigned)(scaled + 0.5);
+    static const double tens[] = {1e1, 1e2, 1e4, 1e8, 1e16, 1e32, 1e64, 1e128, 1e256};
+    *power = 0;
+    for (int i = 8; i >= 0; i--)
+        if (value >= tens[i]) {
+            value /= tens[i];
+            *power += 1 << i;
+        }
+    for (int i = 8; i >= 0 && value < 1; i--)
+        if (value * tens[i] < 10) {
+            value *= tens[i];
+            *power -= 1 << i;
+        }
+    unsigned digits = (unsigned)(value * 100 + 0.5);
     if (digits >= 1000) {
         digits = (digits + 5) / 10;
         ++*power;

@@ -4,6 +4,7 @@
  * 1 / (|S x| |S^-1 x|), least (Kantorovich 1948) half way between the directions of the largest and the smallest singular value:
  * 2a / (a^2 + 1), a being their ratio. */
 #include "matrix_internal.h"
+#include "triangle.h"
 #include <math.h>
 
 #define KIND_TOLERANCE 1e-5
@@ -94,7 +95,7 @@ void norma_matrix_describe(const double upper[9], int translated, scaled_number 
     } else {
         const double a = values[largest] / values[smallest];
         info->anisotropy = a;
-        info->worst_error_rad = atan2((a - 1.0) * (a + 1.0), 2.0 * a);
+        info->worst_error_rad = norma_core_angle((a - 1.0) * (a + 1.0), 2.0 * a);
     }
     half_way(v + 3 * largest, v + 3 * smallest, info->worst_normal);
 }

@@ -1,6 +1,6 @@
 /* document_error.c: how a document says what is wrong: one line that names the file, the place, what was found and what was expected; and its notes. */
-#define _POSIX_C_SOURCE 200809L
 #include "document_internal.h"
+#include "system_text.h"
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -58,7 +58,9 @@ void norma_document_system_text(int system_error, char *text, size_t room) {
         snprintf(text, room, "another program has changed it since it was read");
     else if (system_error == FILE_IN_USE)
         snprintf(text, room, "another program is replacing it at this moment");
-    else if (strerror_r(system_error, text, room))
+    else if (norma_system_text(system_error))
+        snprintf(text, room, "%s", norma_system_text(system_error));
+    else
         snprintf(text, room, "error %d of the system", system_error);
 }
 
