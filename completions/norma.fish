@@ -93,4 +93,5 @@ complete -c norma -n "$check" -l max-samples -x -d 'Places named in each finding
 complete -c norma -n "$check" -l fix -d 'Mends what can be mended safely'
 complete -c norma -n "$check" -l fix-unsafe -d 'Mends also what may have been meant'
 complete -c norma -n "$check" -l dry-run -d 'Writes nothing'
+complete -c norma -n "$check" -l open-by-rays -d 'With --fix-unsafe: turns open surfaces outward by a majority of rays'
 complete -c norma -n "$check" -l files-from -r -F -d 'Names, one a line'

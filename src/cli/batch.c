@@ -157,6 +157,16 @@ static norma_document_result fail_cancelled(norma_document_error *error) {
     return error->result;
 }
 
+norma_document_result cli_write_standard(norma_document *document, norma_document_error *error) {
+    int failed = 0;
+    norma_document_result result = norma_document_write(document, write_to_stdout, &failed, error);
+    if (cli_interrupted())
+        return fail_cancelled(error);
+    if (result && failed)
+        snprintf(error->message, sizeof error->message, "standard output: cannot be written: %s", strerror(failed));
+    return result;
+}
+
 static norma_document_result write_output(const file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error) {
     if (cli_interrupted())
         return fail_cancelled(error);
@@ -165,13 +175,7 @@ static norma_document_result write_output(const file_job *job, norma_document *d
             .struct_size = sizeof options, .in_place = job->files->in_place, .progress = cli_progress_report, .progress_user = progress};
         return norma_document_save(document, job->output, &options, error);
     }
-    int failed = 0;
-    norma_document_result result = norma_document_write(document, write_to_stdout, &failed, error);
-    if (cli_interrupted())
-        return fail_cancelled(error);
-    if (result && failed)
-        snprintf(error->message, sizeof error->message, "standard output: cannot be written: %s", strerror(failed));
-    return result;
+    return cli_write_standard(document, error);
 }
 
 static norma_document_result change_document(const file_job *job, norma_document *document, norma_document_error *error) {

@@ -39,7 +39,10 @@ static const char help[] =
     "  --fix                 mends what can be mended safely: lengths, NaN, zeros, facet normals, tangents\n"
     "  --fix-unsafe          also what an artist may have meant: windings, sides, missing normals, transforms, ...;\n"
     "                        with --select that alone\n"
-    "  -o, --output FILE     the mended file; --out-dir FOLDER for several; --in-place replaces each, whole or not at all\n"
+    "  -o, --output FILE     the mended file (-: standard output; the report is on standard error then); --out-dir FOLDER\n"
+    "                        for several; --in-place replaces each, whole or not at all\n"
+    "  --open-by-rays        with --fix-unsafe: open surfaces (N304) are turned outward by a majority of rays; tells the\n"
+    "                        confidence, 1 where all rays agree\n"
     "  --dry-run             tells what a fix would leave, and writes nothing\n"
     "                        The report and the exit status are then about what is left. What would become worse is not written.\n"
     "\n"
@@ -164,6 +167,12 @@ static const char *set_dry_run(void *settings, const char *value) {
     return NULL;
 }
 
+static const char *set_open_by_rays(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->settings.open_by_rays = 1;
+    return NULL;
+}
+
 static const char *set_files_from(void *settings, const char *value) {
     check_work *work = settings;
     work->lists.words[work->lists.count++] = value;
@@ -183,6 +192,7 @@ static const cli_option options[] = {
     {"fix", 0, 0, set_fix},
     {"fix-unsafe", 0, 0, set_fix_unsafe},
     {"dry-run", 0, 0, set_dry_run},
+    {"open-by-rays", 0, 0, set_open_by_rays},
     {"fail-on", 0, 1, set_fail_on},
     {"max-samples", 0, 1, set_max_samples},
     {"files-from", 0, 1, set_files_from},
@@ -210,6 +220,8 @@ static int read_options(const cli_verb *verb, check_work *work, int count, char 
         return cli_usage(verb, "--baseline and --write-baseline exclude each other");
     if (!work->settings.fix && (work->files.folder || work->files.in_place || work->settings.dry_run))
         return cli_usage(verb, "--%s needs --fix or --fix-unsafe", work->settings.dry_run ? "dry-run" : work->files.folder ? "out-dir" : "in-place");
+    if (work->settings.open_by_rays && work->settings.fix != CHECK_FIX_UNSAFE)
+        return cli_usage(verb, "--open-by-rays needs --fix-unsafe");
     work->settings.files = &work->files;
     work->settings.threads = work->common.threads;
     if (work->common.quiet && work->format == &check_format_text)
@@ -242,16 +254,20 @@ static int gather_inputs(const cli_verb *verb, const check_work *work, check_inp
 static int check_files(const check_work *work, const check_inputs *inputs, check_configs *configs) {
     cli_output output;
     check_totals totals = {0};
+    const int streams = work->settings.fix && !work->settings.dry_run && work->files.output && strcmp(work->files.output, "-") == 0;
     if (!cli_output_begin(&output, work->files.output && !work->settings.fix ? work->files.output : "-"))
         return CLI_FILE;
+    if (streams) /* the mended file has standard output */
+        output.out = stderr;
     work->format->begin(output.out);
     int status = check_all_files(&work->settings, configs, work->format, inputs, output.out, &totals);
     if (status == CLI_USAGE || cli_interrupted()) {
-        cli_output_drop(&output);
+        if (!streams)
+            cli_output_drop(&output);
         return status;
     }
     work->format->end(output.out, &totals);
-    return cli_worse(status, cli_output_end(&output));
+    return cli_worse(status, streams ? cli_finish(CLI_OK) : cli_output_end(&output));
 }
 
 static int open_baseline(check_work *work) {
@@ -267,8 +283,8 @@ static int check_places(const cli_verb *verb, check_work *work, const check_inpu
     const cli_common common = {.json = 0};
     cli_files files = work->files;
     files.inputs = (cli_words){(const char **)inputs->paths, inputs->count};
-    if (files.output && strcmp(files.output, "-") == 0)
-        return cli_usage(verb, "the report has standard output; expected a name after -o");
+    if (files.output && strcmp(files.output, "-") == 0 && strcmp(work->format->name, "text") != 0)
+        return cli_usage(verb, "-o - and --format %s both want standard output", work->format->name);
     return cli_check_outputs(verb, &common, &files);
 }
 

@@ -40,7 +40,8 @@ static norma_check_options choose_options(const file_check *check, const uint8_t
                                  .max_samples = settings->max_samples,
                                  .rules = rules,
                                  .threads = settings->threads,
-                                 .progress = cli_stop_when_interrupted};
+                                 .progress = cli_stop_when_interrupted,
+                                 .open_by_rays = settings->open_by_rays};
 }
 
 static int fail_on(const file_check *check) {
@@ -139,7 +140,7 @@ static void mend_file(file_check *check, const norma_check_options *options) {
     }
     check->mend_status = cli_status_of(result);
     if (check->mended.worse) {
-        fprintf(stderr, "norma: %s: mended it would be worse than it is; it is not written\n", cli_input_name(check->path));
+        fprintf(stderr, "norma: %s: mended it would be worse than it is (%s); it is not written\n", cli_input_name(check->path), check->mended.worse_by);
         check->mend_status = CLI_FINDINGS;
     }
 }
@@ -226,7 +227,7 @@ static void report_unreadable(file_check *check, const check_format *format, FIL
         return;
     }
     const check_item item = {norma_findings_get(check->findings, 0), NORMA_SEVERITY_ERROR};
-    const check_report report = {check->path, norma_findings_profile(check->findings), "unreadable", &item, 1, NULL, NULL};
+    const check_report report = {check->path, norma_findings_profile(check->findings), "unreadable", &item, 1, NULL, NULL, 0, 0, 0};
     count_item(check, &item, totals);
     add_totals_of_file(&report, &before, totals);
     format->file(out, &report);
@@ -246,7 +247,10 @@ static void report_findings(file_check *check, const check_format *format, FILE 
                                  items,
                                  weigh(check, items, totals),
                                  document_of(check),
-                                 check->mended.table};
+                                 check->mended.table,
+                                 check->mended.last.by_rays,
+                                 check->mended.last.undecided,
+                                 check->mended.last.least_confidence};
     add_totals_of_file(&report, &before, totals);
     totals->status = cli_worse(totals->status, check->mend_status);
     format->file(out, &report);

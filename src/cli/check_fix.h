@@ -10,6 +10,8 @@ typedef struct check_mended {
     norma_document *steps[8]; /* what it was on the way */
     size_t step_count;
     char *table;              /* counts before and after, lines of text; NULL: nothing changed */
+    char worse_by[200];       /* where it is worse: the rules */
+    norma_mend_summary last;  /* of the last step, which found nothing more to do */
 } check_mended;
 
 /* before: findings of document with options, which rules the report has. 0: error says why. */

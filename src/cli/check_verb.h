@@ -63,6 +63,7 @@ typedef struct check_settings {
     struct check_baseline *baseline; /* NULL: none */
     int fix;                /* CHECK_FIX_... */
     int dry_run;
+    int open_by_rays;       /* of --fix-unsafe */
     const cli_files *files; /* where mended files go */
 } check_settings;
 enum { CHECK_FAIL_NEVER = 100 };
@@ -83,6 +84,8 @@ typedef struct check_report {
     size_t count;
     norma_document *document;   /* for pictures; NULL: unreadable */
     const char *mended;         /* a table of counts before and after; NULL: nothing was mended */
+    size_t by_rays, undecided;  /* open components that rays decided on, or did not; 0 where that was not asked for */
+    double least_confidence;    /* of by_rays */
 } check_report;
 
 typedef struct check_totals {

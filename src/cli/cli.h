@@ -125,6 +125,7 @@ char *cli_output_of(const cli_files *files, const char *input);                 
 enum { CLI_OWN_TABLES = 2 };
 int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *tables, size_t table_count, int count, char **arguments);
 
+norma_document_result cli_write_standard(norma_document *document, norma_document_error *error); /* to standard output; interruptible */
 /* Opens "-" or a path. *memory is what standard input held; freed after the document. */
 norma_document_result cli_open(const char *input, const norma_document_options *options, norma_document **document, void **memory, norma_document_error *error);
 const char *cli_input_name(const char *input); /* for people: "standard input" for "-" */

@@ -1,5 +1,6 @@
 /* report_check_json.c: findings for programs: the schema norma-check/1. Keys are fixed; more may be added. */
 #include "check_verb.h"
+#include <math.h>
 
 static const char *fix_name(norma_fix fix) { return fix == NORMA_FIX_SAFE ? "safe" : fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL; }
 
@@ -94,6 +95,13 @@ static void write_file(FILE *out, const check_report *report) {
     cli_json_open(&json, "findings", '[');
     for (size_t i = 0; i < report->count; ++i) write_item(&json, &report->items[i]);
     cli_json_close(&json, ']');
+    if (report->by_rays + report->undecided) {
+        cli_json_open(&json, "open_by_rays", '{');
+        cli_json_size(&json, "decided", report->by_rays);
+        cli_json_size(&json, "undecided", report->undecided);
+        cli_json_number(&json, "least_confidence", report->by_rays ? report->least_confidence : NAN);
+        cli_json_close(&json, '}');
+    }
     cli_json_close(&json, '}');
 }
 

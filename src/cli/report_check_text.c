@@ -45,13 +45,8 @@ static void write_fix(FILE *out, const norma_finding *finding) {
         fprintf(out, " Fix: norma check --fix-unsafe --select %s", finding->rule->id);
 }
 
-static void write_item(FILE *out, const char *path, const check_item *item) {
+static void write_line(FILE *line, const char *path, const check_item *item) {
     const norma_finding *finding = item->finding;
-    char *text = NULL;
-    size_t size = 0;
-    FILE *line = open_memstream(&text, &size);
-    if (!line)
-        return;
     fprintf(line, "%s: %s %s %s: ", path, check_severity_name(item->severity), finding->rule->id, finding->rule->name);
     if (finding->label[0])
         fprintf(line, "%s: ", finding->label);
@@ -66,8 +61,22 @@ static void write_item(FILE *out, const char *path, const check_item *item) {
         fputc('.', line);
     }
     write_fix(line, finding);
-    if (!fclose(line))
+}
+
+/* Without memory to wrap it, a line is as long as it is. */
+static void write_item(FILE *out, const char *path, const check_item *item) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *line = open_memstream(&text, &size);
+    if (line)
+        write_line(line, path, item);
+    const int whole = line && !fflush(line) && !ferror(line);
+    if (line && fclose(line) == 0 && whole && text) {
         write_wrapped(out, text);
+    } else {
+        write_line(out, path, item);
+        fputc('\n', out);
+    }
     free(text);
 }
 
@@ -76,6 +85,12 @@ static void begin(FILE *out) { (void)out; }
 static void write_file(FILE *out, const check_report *report) {
     if (report->mended)
         fprintf(out, "%s: mended\n%s", cli_input_name(report->path), report->mended);
+    if (report->by_rays)
+        fprintf(out, "%s: %zu open %s outward by a majority of rays, confidence at least %.2f\n", cli_input_name(report->path), report->by_rays,
+                report->by_rays == 1 ? "component looks" : "components look", floor(100 * report->least_confidence) / 100);
+    if (report->undecided)
+        fprintf(out, "%s: %zu open %s left as %s, rays do not agree\n", cli_input_name(report->path), report->undecided, report->undecided == 1 ? "component is" : "components are",
+                report->undecided == 1 ? "it is" : "they are");
     for (size_t i = 0; i < report->count; ++i) write_item(out, cli_input_name(report->path), &report->items[i]);
 }
 
