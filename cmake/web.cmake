@@ -54,10 +54,12 @@ web_module(norma.wasm ${web_core_objects})
 # The page's module: the readers as well, without what a page has not.
 set(web_page_sources ${io_sources})
 list(FILTER web_page_sources EXCLUDE REGEX "/(file|file_writer|gltf_meshopt)\\.c$")
+list(APPEND web_page_sources ${check_sources})
+list(FILTER web_page_sources EXCLUDE REGEX "/mend[a-z_]*\\.c$")
 list(TRANSFORM web_page_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
 file(GLOB web_model_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/model/*.c)
 set(web_flags_here -isystem ${CMAKE_SOURCE_DIR}/web/model/posix -include ${CMAKE_SOURCE_DIR}/web/model/missing.h)
-web_objects(web_page_objects ${web_page_sources} ${web_model_sources} ${CMAKE_SOURCE_DIR}/src/cli/view_pack.c)
+web_objects(web_page_objects ${web_page_sources} ${web_model_sources} ${CMAKE_SOURCE_DIR}/src/cli/view_pack.c ${CMAKE_SOURCE_DIR}/src/cli/view_findings.c)
 web_module(page.wasm ${web_core_objects} ${web_page_objects})
 
 file(GLOB web_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/package/* ${CMAKE_SOURCE_DIR}/web/*.mjs)

@@ -40,7 +40,7 @@ tap calls node tests/web/calls.mjs "$package"
 
 # What the page makes of a file, with the sanitizers of a native compiler.
 check "the model's files compile under the sanitizers" gcc -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-attributes -Iinclude tests/web/model.c \
-    web/model/model.c web/model/compute.c web/model/creases.c web/model/pick.c web/model/triangulate.c web/src/calls.c src/cli/view_pack.c -o "$scratch/model" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
+    web/model/model.c web/model/compute.c web/model/creases.c web/model/findings.c web/model/pick.c web/model/triangulate.c web/src/calls.c src/cli/view_pack.c src/cli/view_findings.c -o "$scratch/model" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
 check "packs of the assets are drawn, and damaged ones drawn or refused" "$scratch/model" assets/*.obj assets/*.stl tests/golden/files/*.obj tests/golden/files/roof.*
 
 version=$(sed -nE 's/^project\(norma VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)

@@ -108,7 +108,7 @@ static norma_document_result read_pack(const view_work *work, const char *input,
                                             .lenient = 1};
     norma_document_result result = cli_open(input, &opening, document, memory, error);
     if (!result)
-        result = view_pack_document(*document, pack, error);
+        result = view_pack_document(*document, work->common.threads, pack, error);
     if (!result && cli_interrupted())
         result = NORMA_DOCUMENT_CANCELLED;
     cli_progress_stop(&progress);

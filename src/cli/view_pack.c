@@ -27,7 +27,7 @@ static uint32_t reserve(view_pack *pack, size_t size) {
     return (uint32_t)at;
 }
 
-static uint32_t append(view_pack *pack, const void *bytes, size_t count, size_t size) {
+uint32_t view_pack_append(view_pack *pack, const void *bytes, size_t count, size_t size) {
     if (count > UINT32_MAX / size) {
         pack->failed = 1;
         return 0;
@@ -65,7 +65,7 @@ static uint32_t append_vectors(view_pack *pack, const norma_vec3_view *view) {
     const int is_number = view->format == NORMA_FORMAT_FLOAT || view->format == NORMA_FORMAT_DOUBLE;
     const size_t size = 3 * component_size(view->format), stride = view->stride ? view->stride : size, packed = is_number ? size : 3 * sizeof(float);
     if (is_number && stride == size)
-        return append(pack, view->data, view->count, size);
+        return view_pack_append(pack, view->data, view->count, size);
     if (view->count > UINT32_MAX / packed) {
         pack->failed = 1;
         return 0;
@@ -91,7 +91,7 @@ static uint32_t append_corners(view_pack *pack, const norma_mesh *mesh) {
     if (!mesh->corners)
         return VIEW_PACK_NONE;
     if (size == 4)
-        return append(pack, mesh->corners, mesh->corner_count, 4);
+        return view_pack_append(pack, mesh->corners, mesh->corner_count, 4);
     if (mesh->corner_count > UINT32_MAX / 4) {
         pack->failed = 1;
         return 0;
@@ -137,16 +137,16 @@ static void pack_mesh(norma_document *document, size_t index, const norma_mesh_i
     record->corners = append_corners(pack, mesh);
     const size_t faces = mesh->face_starts ? mesh->face_count : record->corner_count / 3;
     if (mesh->face_starts)
-        record->face_starts = append(pack, mesh->face_starts, mesh->face_count + 1, 4);
+        record->face_starts = view_pack_append(pack, mesh->face_starts, mesh->face_count + 1, 4);
     record->face_count = (uint32_t)faces;
     if (mesh->smoothing_groups)
-        record->groups = append(pack, mesh->smoothing_groups, faces, 4);
+        record->groups = view_pack_append(pack, mesh->smoothing_groups, faces, 4);
     if (record->storage == NORMA_NORMALS_NONE)
         return;
     record->normal_count = (uint32_t)data->normals.count;
     record->normals = append_vectors(pack, &data->normals);
     if (data->corner_normals)
-        record->corner_normals = append(pack, data->corner_normals, record->corner_count, 4);
+        record->corner_normals = view_pack_append(pack, data->corner_normals, record->corner_count, 4);
 }
 
 /* Which record a mesh of the document became, by its number there; made anew of each document. */
@@ -181,7 +181,7 @@ static void append_draw(view_pack *pack, view_pack_head *head, uint32_t mesh, co
     static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     view_pack_draw draw = {.mesh = mesh};
     memcpy(draw.world, world ? world : identity, sizeof draw.world);
-    const uint32_t at = append(pack, &draw, 1, sizeof draw);
+    const uint32_t at = view_pack_append(pack, &draw, 1, sizeof draw);
     if (!head->draw_count++)
         head->draws = at;
 }
@@ -215,25 +215,27 @@ static norma_document_result pack_draws(packing *work, size_t mesh_count, view_p
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result pack_all(packing *work, size_t mesh_count, norma_document_error *error) {
+static norma_document_result pack_all(packing *work, size_t mesh_count, uint32_t threads, norma_document_error *error) {
     view_pack_head head = {.magic = VIEW_PACK_MAGIC, .format = (uint32_t)norma_document_format(work->document)};
     reserve(work->pack, sizeof head);
     norma_document_result result = pack_meshes(work, mesh_count, &head, error);
     if (result == NORMA_DOCUMENT_OK)
         result = pack_draws(work, mesh_count, &head, error);
+    if (result == NORMA_DOCUMENT_OK)
+        result = view_pack_findings(work->document, work->record_of, threads, work->pack, &head, error);
     head.mesh_count = work->count;
-    head.meshes = append(work->pack, work->records, work->count, sizeof *work->records);
+    head.meshes = view_pack_append(work->pack, work->records, work->count, sizeof *work->records);
     head.size = (uint32_t)work->pack->size;
     if (!work->pack->failed)
         memcpy(work->pack->bytes, &head, sizeof head);
     return result;
 }
 
-norma_document_result view_pack_document(norma_document *document, view_pack *pack, norma_document_error *error) {
+norma_document_result view_pack_document(norma_document *document, uint32_t threads, view_pack *pack, norma_document_error *error) {
     const size_t count = norma_document_mesh_count(document);
     packing work = {.document = document, .pack = pack, .records = calloc(count + 1, sizeof *work.records), .record_of = calloc(count + 1, sizeof *work.record_of)};
     *pack = (view_pack){.failed = !work.records || !work.record_of};
-    norma_document_result result = pack->failed ? NORMA_DOCUMENT_ERROR_MEMORY : pack_all(&work, count, error);
+    norma_document_result result = pack->failed ? NORMA_DOCUMENT_ERROR_MEMORY : pack_all(&work, count, threads, error);
     free(work.records);
     free(work.record_of);
     if (result == NORMA_DOCUMENT_OK && pack->failed)

@@ -1,6 +1,6 @@
 /* node page.mjs FOLDER-OF-THE-PAGE TOOL SCREENSHOTS: the playground and the pages of `norma view`, in headless Chromium. */
 import { execFileSync } from "node:child_process";
-import { copyFileSync, mkdirSync, readFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { findChrome, launch } from "./chrome.mjs";
@@ -258,6 +258,46 @@ await attempt("a file that is broken is told of, and the page goes on", async ()
   expect((await page.text("notice")) === "", "the notice stays");
 });
 
+/* ---- findings */
+
+/* A cube of which the top's first triangle, its vertices 4 5 6, is wound the other way. */
+const TURNED = `${[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]].map((p) => `v ${p.join(" ")}`).join("\n")}
+f 1 3 2\nf 1 4 3\nf 5 7 6\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n`;
+const dropText = (on, name, text) => on.after(() => on.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File([${JSON.stringify(text)}], ${JSON.stringify(name)})); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`));
+const isRed = ([r, g, b]) => r > g + 70 && r > b + 70;
+const pressed = (on) => on.evaluate(`[...document.querySelectorAll("#findings button")].filter((b) => b.getAttribute("aria-pressed") === "true").map((b) => b.textContent).join()`);
+
+/* Every finding pressed shows its faces in its colour, and from where they are seen. */
+async function expectFindings(on, name) {
+  expect(await on.evaluate("document.getElementById('findings-section').hidden === false"), "no findings");
+  expect(/^[1-9] errors?, /.test(await on.text("findings-facts")), await on.text("findings-facts"));
+  expect(/^error N301 inconsistent-winding, 3 places/.test(await on.text("finding-0")), await on.text("finding-0"));
+  const before = await on.picture();
+  await on.click("finding-0");
+  expect(/N301/.test(await pressed(on)), `pressed: ${await pressed(on)}`);
+  const there = await on.picture(name);
+  expect(countPixels(there, STAGE, isRed) > 300, `${countPixels(there, STAGE, isRed)} red pixels`);
+  expect(differences(before, there) > 3000, "the camera stayed");
+  await on.evaluate("document.getElementById('finding-0').focus()");
+  await on.after(() => on.press(" "));
+  expect((await pressed(on)) === "", "Space does not release it");
+  await on.after(() => on.press(" "));
+  expect(/N301/.test(await pressed(on)), "Space does not press it");
+  await on.pick("colours", "lit");
+  expect((await pressed(on)) === "" && countPixels(await on.picture(), STAGE, isRed) < 20, "its colours stay");
+}
+
+await attempt("what norma check finds in a dropped file is listed, and a press goes there", async () => {
+  await dropText(page, "turned.obj", TURNED);
+  await page.click("reset-matrix");
+  await expectFindings(page, "finding-dropped");
+  await dropText(page, "clean.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+  expect(/^0 errors, 0 warnings/.test(await page.text("findings-facts")), await page.text("findings-facts"));
+  await page.pick("model", "knot");
+  expect(await page.evaluate("document.getElementById('findings-section').hidden"), "findings of a shape that nobody checked");
+  await page.pick("sides", "split");
+});
+
 /* ---- what moves */
 
 await attempt("the surface that moves: normals kept right beside normals left as they were", async () => {
@@ -352,6 +392,18 @@ await attempt("norma view: the page of a model, its name spelled as it is", asyn
   expect(view.said.length === 0, view.said.join("\n"));
   expect(view.requests.every((url) => url.startsWith("file:") && url.endsWith("view.html") || url.startsWith("data:")), view.requests.join("\n"));
   await view.close();
+});
+
+await attempt("norma view: findings to click, in the dark and in the light", async () => {
+  const from = join(shots, "turned.obj"), out = join(shots, "view-findings.html");
+  writeFileSync(from, TURNED);
+  execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
+  for (const dark of [false, true]) {
+    const view = await visit(pathToFileURL(out).href, { dark });
+    await expectFindings(view, `view-finding${dark ? "-dark" : ""}`);
+    expect(view.said.length === 0, view.said.join("\n"));
+    await view.close();
+  }
 });
 
 await attempt("norma view: glTF nodes stand where they stand, polygons are whole", async () => {

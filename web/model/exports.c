@@ -12,7 +12,7 @@ unsigned char *WEB_EXPORT(model_pack_file)(const void *bytes, size_t size, const
     *error = (norma_document_error){0};
     if (norma_document_open_memory(bytes, size, name, &options, &document, error) != NORMA_DOCUMENT_OK)
         return NULL;
-    const norma_document_result result = view_pack_document(document, &pack, error);
+    const norma_document_result result = view_pack_document(document, 1, &pack, error);
     norma_document_close(document);
     *pack_size = pack.size;
     return result == NORMA_DOCUMENT_OK ? pack.bytes : NULL;

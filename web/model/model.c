@@ -14,7 +14,7 @@ static int lies_inside(const view_pack_head *head, uint32_t at, uint64_t count, 
 static int has_head(const unsigned char *pack, size_t size) {
     const view_pack_head *head = (const view_pack_head *)(const void *)pack;
     return size >= sizeof *head && head->magic == VIEW_PACK_MAGIC && head->size <= size && lies_inside(head, head->meshes, head->mesh_count, sizeof(view_pack_mesh)) &&
-           lies_inside(head, head->draws, head->draw_count, sizeof(view_pack_draw));
+           lies_inside(head, head->draws, head->draw_count, sizeof(view_pack_draw)) && model_findings_are_sound(head, pack);
 }
 
 static int is_there(const view_pack_head *head, uint32_t at, uint64_t count) { return at == VIEW_PACK_NONE || lies_inside(head, at, count, 4); }
@@ -25,7 +25,7 @@ static int record_is_sound(const view_pack_head *head, const view_pack_mesh *r) 
     return lies_inside(head, r->positions, r->position_count, vector) && is_there(head, r->corners, r->corner_count) &&
            is_there(head, r->face_starts, (uint64_t)r->face_count + 1) && is_there(head, r->groups, r->face_count) &&
            (r->storage == NORMA_NORMALS_NONE || lies_inside(head, r->normals, r->normal_count, 12)) && is_there(head, r->corner_normals, r->corner_count) &&
-           (polygons || r->corner_count % 3 == 0) && (r->corners != VIEW_PACK_NONE || r->corner_count <= r->position_count);
+           (polygons || (r->corner_count % 3 == 0 && r->face_count == r->corner_count / 3)) && (r->corners != VIEW_PACK_NONE || r->corner_count <= r->position_count);
 }
 
 static const void *at_offset(const model *m, uint32_t at) { return at == VIEW_PACK_NONE ? NULL : m->pack + at; }
@@ -212,6 +212,7 @@ void model_close(model *m) {
         free(mesh->normals);
         free(mesh->draw_reach);
         free(mesh->draw_values);
+        free(mesh->draw_marks);
         free(mesh->triangle_corners);
         creases_close(mesh->creases);
     }

@@ -14,6 +14,7 @@ typedef struct model_mesh {
     double               centre[3], radius; /* draw_positions = (position - centre) / radius: within the unit ball */
     float               *normals;          /* of each corner of the mesh */
     float               *draw_positions, *draw_normals, *draw_reach, *draw_values; /* of each corner of each triangle; draw_normals may be normals */
+    uint8_t             *draw_marks;       /* the same, four bytes each; NULL until they are asked for */
     creases             *creases;          /* NULL before normals were first computed, and where there is no room for it */
 } model_mesh;
 
@@ -31,6 +32,9 @@ void   model_close(model *model);
 /* A polygon as triangles: corner_count - 2 times three numbers of its corners, from 0. Ears are cut off one after the other (Meisters 1975), in the plane that the
  * polygon's area vector is perpendicular to. scratch: corner_count numbers. */
 void model_triangulate(const double (*points)[3], size_t corner_count, uint32_t *scratch, uint32_t *triangles);
+
+/* findings.c */
+int model_findings_are_sound(const view_pack_head *head, const unsigned char *pack);
 
 void model_position(const model_mesh *mesh, size_t position, double out[3]);
 size_t model_corner_position(const model_mesh *mesh, size_t corner);

@@ -5,6 +5,9 @@ const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "an
 const WELDS = ["exact", "none"];
 const WANTED = { computed: 0, flat: 1, stored: 2 };
 const FORMATS = ["", "OBJ", "PLY", "STL", "glTF", "GLB"];
+const SEVERITIES = ["", "info", "warning", "error"];
+const TEXTS = ["id", "name", "unit", "label", "message"];
+const NOT_CHECKED = 0xffffffff;
 const STORAGE = [null, "per vertex", "per corner", "per facet"];
 
 export async function startEngine(bytes) {
@@ -29,6 +32,10 @@ export async function startEngine(bytes) {
     const all = new Uint8Array(memory(), at >>> 0, 1000);
     return new TextDecoder().decode(all.slice(0, all.indexOf(0)));
   };
+  const longTextAt = (at) => {
+    const all = new Uint8Array(memory()), from = at >>> 0;
+    return new TextDecoder().decode(all.slice(from, all.indexOf(0, from)));
+  };
   /* Room that a call borrows. */
   const lend = (sizes, work) => {
     const places = sizes.map(allocate);
@@ -49,6 +56,12 @@ export async function startEngine(bytes) {
       };
     });
     const draws = Array.from({ length: wasm.model_draw_count(address) }, (_, i) => ({ mesh: wasm.model_draw_mesh(address, i), world: Array.from(doubles(wasm.model_draw_world(address, i), 16)) }));
+    const readFinding = (_, index) => lend([40], (at) => {
+      wasm.model_finding_numbers(address, index, at);
+      const [severity, mesh, draw, places, worst] = doubles(at, 5), text = Object.fromEntries(TEXTS.map((name, which) => [name, longTextAt(wasm.model_finding_text(address, index, which))]));
+      return { index, severity, grade: SEVERITIES[severity], mesh, draw, places, worst, ...text };
+    });
+    const findingCount = wasm.model_finding_count(address) >>> 0;
     const compute = (mesh, { wanted, weight, weld, crease }) => {
       const result = wasm.model_compute(address, mesh, WANTED[wanted], WEIGHTS.indexOf(weight), WELDS.indexOf(weld), crease);
       if (result !== 0) throw new Error(textAt(wasm.web_result_text(result)));
@@ -56,6 +69,20 @@ export async function startEngine(bytes) {
     return {
       name, meshes, draws, compute, format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address),
       triangles: meshes.reduce((sum, mesh) => sum + mesh.triangles, 0), faces: meshes.reduce((sum, mesh) => sum + mesh.faces, 0),
+      /* What norma check says; null: it was not asked. */
+      findings: findingCount === NOT_CHECKED ? null : Array.from({ length: findingCount }, readFinding),
+      /* Four bytes for each corner: what a finding names, in colour; without one, what all do. */
+      marks: (mesh, finding = NOT_CHECKED) => {
+        const at = wasm.model_marks(address, mesh, finding) >>> 0;
+        if (!at) throw new Error("There is no room for the colours of what was found.");
+        return new Uint8Array(memory(), at, 12 * meshes[mesh].triangles);
+      },
+      /* Where a finding is worst, in the space of positions(), from where it is seen, how long its edges are; null: nowhere. */
+      placeOf: (finding) => lend([56], (at) => {
+        if (!wasm.model_finding_place(address, finding, at)) return null;
+        const [x, y, z, u, v, w, size] = doubles(at, 7);
+        return { point: [x, y, z], direction: [u, v, w], size };
+      }),
       /* Degrees between stored and computed, per corner in values(); the largest is returned, null where nothing is stored. */
       errors: (mesh) => { const worst = wasm.model_errors(address, mesh); return worst < 0 ? null : worst; },
       /* The largest angle between a normal through one 3x3 and through another, in degrees. */
@@ -97,12 +124,12 @@ export async function startEngine(bytes) {
 
 /* Triangles as a pack: src/cli/view_pack.h. */
 export function packTriangles(positions, indices, colour = [0.8, 0.8, 0.8]) {
-  const HEAD = 32, MESH = 72, DRAW = 136, NONE = 0xffffffff;
+  const HEAD = 40, MESH = 72, DRAW = 136, NONE = 0xffffffff;
   const eight = (size) => Math.ceil(size / 8) * 8;
   const positionsAt = HEAD, indicesAt = positionsAt + eight(positions.byteLength), meshAt = indicesAt + eight(indices.byteLength), drawAt = meshAt + eight(MESH);
   const pack = new Uint8Array(drawAt + DRAW), view = new DataView(pack.buffer);
   const words = (at, list) => list.forEach((word, i) => view.setUint32(at + 4 * i, word, true));
-  words(0, [0x314d524e, pack.length, 1, meshAt, 1, drawAt, 0, 0]);
+  words(0, [0x324d524e, pack.length, 1, meshAt, 1, drawAt, 0, 0, NONE, 0]);
   pack.set(new Uint8Array(positions.buffer), positionsAt);
   pack.set(new Uint8Array(indices.buffer), indicesAt);
   words(meshAt, [positions.length / 3, positionsAt, 0, indices.length, indicesAt, indices.length / 3, NONE, NONE, 0, 0, 0, NONE]);

@@ -55,10 +55,10 @@ export function makeGraphics(canvas, texts) {
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, data);
   };
-  const attribute = (index, buffer, size, stride = 0, offset = 0, divisor = 0) => {
+  const attribute = (index, buffer, size, stride = 0, offset = 0, divisor = 0, kind = gl.FLOAT) => {
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.enableVertexAttribArray(index);
-    gl.vertexAttribPointer(index, size, gl.FLOAT, false, stride, offset);
+    gl.vertexAttribPointer(index, size, kind, kind !== gl.FLOAT, stride, offset);
     gl.vertexAttribDivisor(index, divisor);
   };
 
@@ -66,7 +66,7 @@ export function makeGraphics(canvas, texts) {
   const makeSurface = ({ positions, normals, reach, indices }) => {
     const surface = {
       positions: makeBuffer(positions, indices ? gl.DYNAMIC_DRAW : gl.STATIC_DRAW), normals: makeBuffer(normals, gl.DYNAMIC_DRAW), reach: reach && makeBuffer(reach),
-      values: null, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
+      values: null, marks: null, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
     };
     const arrays = new Map();
     surface.use = (normalsBuffer) => {
@@ -81,8 +81,14 @@ export function makeGraphics(canvas, texts) {
       gl.bindVertexArray(arrays.get(normalsBuffer));
       if (surface.values) attribute(VALUE, surface.values, 1);
     };
+    /* Colours of the corners, or none; of the array that is in use. */
+    surface.colour = (buffer) => {
+      if (buffer) { attribute(COLOUR, buffer, 4, 0, 0, 0, gl.UNSIGNED_BYTE); return; }
+      gl.disableVertexAttribArray(COLOUR);
+      gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
+    };
     surface.free = () => {
-      for (const name of ["positions", "normals", "reach", "values", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      for (const name of ["positions", "normals", "reach", "values", "marks", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
       arrays.forEach((array) => gl.deleteVertexArray(array));
     };
     return surface;
@@ -106,17 +112,18 @@ export function makeGraphics(canvas, texts) {
 
   /* item: { surface, normals (a buffer), localToWorld, normalMatrix (to world space), mirrored, colour }; look: { colours, shading, errorTop } */
   const drawSurface = (item, camera, look) => {
-    const place = programOf("surface", "LIGHT_IN_VIEW", SURFACES[look.colours === "lit" ? look.shading : look.colours]);
+    const marked = look.colours === "findings" && item.surface.marks;
+    const place = programOf("surface", "LIGHT_IN_VIEW", SURFACES[look.colours === "lit" || look.colours === "findings" ? look.shading : look.colours]);
     setCamera(place, camera);
     setLight(place);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
     gl.uniformMatrix3fv(place("normal_matrix"), false, multiply3(upper(camera.worldToView), item.normalMatrix));
-    gl.uniform3fv(place("base_colour"), item.colour);
+    gl.uniform3fv(place("base_colour"), marked ? [1, 1, 1] : item.colour);
     gl.uniform1f(place("two_sided"), look.colours === "normals" ? 0 : 1);
     gl.uniform1f(place("scale_top"), look.errorTop);
     gl.frontFace(item.mirrored ? gl.CW : gl.CCW);
     item.surface.use(item.normals);
-    gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
+    item.surface.colour(marked);
     if (item.surface.indices) gl.drawElements(gl.TRIANGLES, item.surface.count, gl.UNSIGNED_INT, 0);
     else gl.drawArrays(gl.TRIANGLES, 0, item.surface.count);
   };

@@ -1,6 +1,7 @@
 /* The page: what its controls say is computed and drawn. Nothing is drawn but when something changed; what moves, moves by itself. */
 import { makeCamera, steer } from "./camera.js";
 import { packTriangles, startEngine } from "./engine.js";
+import { listFindings, releaseFindings } from "./findings.js";
 import { makeGraphics } from "./graphics.js";
 import { apply3, degreesBetween, IDENTITY, invert, length, multiply, point, scaling, translation, unit, upper } from "./matrix.js";
 import { makeMoving } from "./moving.js";
@@ -14,8 +15,10 @@ const WRONG = [0.75, 0.03, 0.02, 1], RIGHT = [0.02, 0.45, 0.12, 1];
 const MOST_LINES = 60000;
 const DEFAULT_CURSOR = { x: 0.08, y: 0.12 };
 
-let engine, graphics, scene = null, moving = null, embedded = null;
+let engine, graphics, scene = null, moving = null, embedded = null, chosen = null;
 let cursor = DEFAULT_CURSOR, errorTop = 1, dirty = { compute: true, draw: true }, timer = { last: 0, frames: 0 };
+
+const isDark = () => matchMedia("(prefers-color-scheme: dark)").matches;
 
 /* ---- controls */
 
@@ -74,6 +77,10 @@ function showModel(model, keep) {
   byId("source").querySelector('[value="stored"]').disabled = !stored;
   byId("colours").querySelector('[value="error"]').disabled = !stored;
   byId("source").value = stored ? "stored" : "computed";
+  chosen = null;
+  listFindings(model.findings, chooseFinding);
+  byId("colours").querySelector('[value="findings"]').disabled = !model.findings?.length;
+  if (!model.findings?.length && value("colours") === "findings") byId("colours").value = "lit";
   if (!stored && value("colours") === "error") byId("colours").value = "lit";
   showModelFacts(model);
   showSections();
@@ -94,8 +101,10 @@ function showMoving() {
   const surface = graphics.makeSurface({ positions: moving.positions(), normals: moving.normals(), indices: moving.indices });
   scene = { model: null, surfaces: [surface], still: graphics.makeBuffer(moving.still), frame: IDENTITY };
   byId("model-facts").textContent = `${moving.triangles.toLocaleString("en-US")} triangles, made anew for every picture.`;
-  if (value("colours") === "error") byId("colours").value = "lit";
+  if (["error", "findings"].includes(value("colours"))) byId("colours").value = "lit";
   if (value("shading") === "flat") byId("shading").value = "phong";
+  chosen = null;
+  listFindings(null);
   moving.wave(0, numberOf("height"));
   uploadMoving();
   showSections();
@@ -108,17 +117,77 @@ function showSections() {
   byId("moving-section").hidden = !live;
   byId("shading").querySelector('[value="flat"]').disabled = live;
   byId("hedgehog").querySelector('[value="face"]').disabled = live;
-  if (live) byId("colours").querySelector('[value="error"]').disabled = true;
+  if (live) for (const kind of ["error", "findings"]) byId("colours").querySelector(`[value="${kind}"]`).disabled = true;
   byId("side-wrong-text").innerHTML = live ? "normals left as they were" : "normals through <i>M</i>";
   byId("side-right-text").textContent = live ? "normals kept right" : "through the normal matrix";
   canvas.classList.toggle("brush", live && byId("brush").checked);
+}
+
+/* ---- findings */
+
+/* The finding's mesh where it is drawn, and its place there. */
+function placeOf(finding) {
+  const place = finding.mesh >= 0 && scene.model.placeOf(finding.index), draw = scene.draws[finding.draw] ?? scene.draws.find(({ mesh }) => mesh === finding.mesh);
+  if (!place || !draw) return null;
+  const user = modelMatrix(), toWorld = multiply(fitOf(user), multiply(user, draw.local)), at = point(toWorld, place.point);
+  let normal = place.direction;
+  try { normal = apply3(Array.from(engine.norma.normalMatrix(toWorld)), place.direction); } catch { /* a node that is not finite */ }
+  return { at, normal: length(normal) > 0 ? unit(normal) : camera.axes().back, size: place.size * meanColumn(toWorld) };
+}
+
+/* Looks at its place along the normals there, from two dozen times as far as its edges are long; what has no place, or is nearly everywhere, is looked at as a whole. */
+function goTo(finding) {
+  const place = placeOf(finding), everywhere = finding.mesh >= 0 && finding.places > scene.model.meshes[finding.mesh].faces / 2;
+  if (!place || everywhere) { camera.reset(); return; }
+  const start = (side) => place.at.map((x, i) => x + 0.02 * side * place.size * place.normal[i]);
+  const [front, behind] = [1, -1].map((side) => freeFrom(start(side), place.normal.map((x) => side * x)));
+  /* Within a hollow the other side may be the one that is seen. */
+  const side = behind > front ? -1 : 1, free = Math.max(front, behind);
+  const back = unit(place.normal.map((x) => side * x).map((x, i) => x + 0.35 * camera.axes().up[i] * (Math.abs(x) < 0.9 ? 1 : 0)));
+  camera.reset({ azimuth: (Math.atan2(back[0], back[2]) * 180) / Math.PI, elevation: (Math.asin(Math.max(-1, Math.min(1, back[1]))) * 180) / Math.PI,
+                 distance: Math.max(0.15, Math.min(3.4, 24 * place.size, 0.9 * free)) });
+  camera.centre.splice(0, 3, ...place.at);
+}
+
+/* How far one sees from a place before something stands in the way; there may be nothing. */
+function freeFrom(from, along) {
+  const user = modelMatrix(), ahead = scene.draws.map(({ mesh, local }) => {
+    const inverse = invert(multiply(fitOf(user), multiply(user, local)));
+    return (inverse && scene.model.pick(mesh, point(inverse, from), apply3(upper(inverse), along)))?.at ?? Infinity;
+  });
+  return Math.min(...ahead);
+}
+
+function chooseFinding(finding) {
+  chosen = finding;
+  byId("colours").value = "findings";
+  if (finding) {
+    byId("sides").value = "right";      /* the divider would stand in front of the place */
+    goTo(finding);
+  }
+  placeDivider();
+  dirty.compute = dirty.draw = true;
+}
+
+function uploadMarks() {
+  scene.model.meshes.forEach((mesh, i) => {
+    const surface = scene.surfaces[i], marks = scene.model.marks(i, chosen?.index);
+    if (surface.marks) graphics.fillBuffer(surface.marks, marks);
+    else surface.marks = graphics.makeBuffer(marks, graphics.gl.DYNAMIC_DRAW);
+  });
+}
+
+/* An arrow that points at the place of the finding that is chosen. */
+function drawChosen(view, pixels) {
+  const place = value("colours") === "findings" && chosen && placeOf(chosen), reach = 0.09 * camera.distance, { right, up } = camera.axes();
+  if (place) graphics.drawArrows([{ from: place.at.map((x, i) => x + reach * (place.normal[i] + right[i] + up[i])), to: place.at, colour: isDark() ? [1, 1, 1, 1] : [0, 0, 0, 1] }], view, pixels);
 }
 
 /* ---- computing */
 
 function wanted() {
   if (value("colours") === "error") return "computed";
-  return value("shading") === "flat" && value("colours") === "lit" ? "flat" : value("source");
+  return value("shading") === "flat" && ["lit", "findings"].includes(value("colours")) ? "flat" : value("source");
 }
 
 function compute() {
@@ -130,6 +199,7 @@ function compute() {
   const took = performance.now() - begin;
   model.meshes.forEach((mesh, i) => graphics.fillBuffer(scene.surfaces[i].normals, mesh.normals()));
   if (value("colours") === "error") uploadErrors();
+  if (value("colours") === "findings") uploadMarks();
   showComputeFacts(took, model.triangles, options.wanted);
 }
 
@@ -209,7 +279,7 @@ function draw() {
   const look = { colours: value("colours"), shading: value("shading"), errorTop };
   const sides = value("sides"), middle = Math.round(canvas.width * (sides === "split" ? numberOf("split") / 100 : sides === "wrong" ? 1 : 0));
   const right = itemsOf(user, fit, "right"), wrong = itemsOf(user, fit, "wrong");
-  const lineColours = matchMedia("(prefers-color-scheme: dark)").matches ? { wrong: [1, 0.25, 0.18, 1], right: [0.2, 0.85, 0.45, 1] } : { wrong: WRONG, right: RIGHT };
+  const lineColours = isDark() ? { wrong: [1, 0.25, 0.18, 1], right: [0.2, 0.85, 0.45, 1] } : { wrong: WRONG, right: RIGHT };
   const found = find(right);
   graphics.clear();
   const paint = (items, colour) => {
@@ -218,7 +288,8 @@ function draw() {
   };
   graphics.within(0, middle, () => paint(wrong, lineColours.wrong));
   graphics.within(middle, canvas.width, () => paint(right, lineColours.right));
-  if (found) {
+  if (!moving) drawChosen(view, pixels);
+  if (found && !chosen) {
     const tip = (direction) => found.point.map((x, i) => x + 0.3 * direction[i]);
     const arrows = [{ from: found.point, to: tip(found.wrong), colour: lineColours.wrong }, { from: found.point, to: tip(found.right), colour: lineColours.right }];
     graphics.drawArrows(degreesBetween(found.wrong, found.right) < 0.05 ? arrows.slice(1) : arrows, view, pixels);
@@ -409,6 +480,7 @@ function wireControls() {
       /* Who turns these wants to see what they do. */
       if (["crease", "weight", "weld"].includes(control.id)) byId("source").value = "computed";
       if (recompute.has(control.id)) dirty.compute = true;
+      if (control.id === "colours") { chosen = null; releaseFindings(); }
       canvas.classList.toggle("brush", moving !== null && byId("brush").checked);
       placeDivider();
       dirty.draw = true;

@@ -1,0 +1,58 @@
+/* The list of what norma check found: buttons, the gravest first. One that is pressed shows its faces alone and takes the camera there; pressed once more, all are shown. */
+import { count } from "./readouts.js";
+
+/* A list that nobody reads to its end would only make the page slow. */
+const MOST_LISTED = 200;
+
+const counted = (number, one, many = `${one}s`) => `${count(number)} ${number === 1 ? one : many}`;
+
+const measured = ({ worst, unit }) => (Number.isFinite(worst) ? `, worst ${Number(worst.toPrecision(4))}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}` : "");
+
+function summary(findings) {
+  if (!findings.length) return "norma check finds nothing wrong.";
+  const of = (grade) => findings.filter((finding) => finding.grade === grade).length;
+  return `${counted(of("error"), "error")}, ${counted(of("warning"), "warning")}, ${counted(of("info"), "info", "info")}. Press one to go there.`;
+}
+
+function element(tag, text, name) {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  if (name) made.className = name;
+  return made;
+}
+
+function makeButton(finding, number) {
+  const button = element("button", "", finding.grade);
+  button.type = "button";
+  button.id = `finding-${number}`;
+  button.setAttribute("aria-pressed", "false");
+  button.append(element("b", finding.grade), ` ${finding.id} ${finding.name}, ${counted(finding.places, "place")}${measured(finding)}`,
+                element("small", finding.label ? `${finding.label}: ${finding.message}` : finding.message));
+  return button;
+}
+
+/* findings: null where the model was not checked. chosen(finding or null) is called when that changes. */
+export function listFindings(findings, chosen) {
+  const list = document.getElementById("findings"), section = document.getElementById("findings-section");
+  section.hidden = findings === null;
+  list.replaceChildren();
+  if (findings === null) return;
+  const sorted = [...findings].sort((a, b) => b.severity - a.severity), shown = sorted.slice(0, MOST_LISTED);
+  document.getElementById("findings-facts").textContent = summary(findings) + (sorted.length > shown.length ? ` The first ${shown.length} of ${count(sorted.length)} are listed.` : "");
+  for (const [number, finding] of shown.entries()) {
+    const button = makeButton(finding, number), item = document.createElement("li");
+    button.addEventListener("click", () => {
+      const press = button.getAttribute("aria-pressed") !== "true";
+      for (const other of list.querySelectorAll("button")) other.setAttribute("aria-pressed", "false");
+      button.setAttribute("aria-pressed", String(press));
+      chosen(press ? finding : null);
+    });
+    item.append(button);
+    list.append(item);
+  }
+}
+
+/* None of the list is pressed any more. */
+export function releaseFindings() {
+  for (const button of document.querySelectorAll("#findings button")) button.setAttribute("aria-pressed", "false");
+}
