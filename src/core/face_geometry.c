@@ -222,8 +222,9 @@ void norma_core_faces_geometry(const core_call *call, const core_mesh *mesh, siz
 
 /* ---- weights */
 
-/* The length of the cross product of two edges at a polygon's corner; exactly where doubles would not tell a needle from nothing. */
-static double corner_cross_length(const double p[3], const double next[3], const double previous[3], const double cross[3], double squares)
+/* The cross product of two edges at a polygon's corner, as rounded doubles have it, made exact where they would not tell a needle from nothing, nor one side of it from the other;
+ * its length. */
+static double settle_corner_cross(const double p[3], const double next[3], const double previous[3], double squares, double cross[3])
 {
     const double square = norma_core_dot(cross, cross);
     if (square >= 0x1p-40 * squares && square > NORMA_TINIEST && square < NORMA_HUGEST) return sqrt(square);
@@ -233,6 +234,7 @@ static double corner_cross_length(const double p[3], const double next[3], const
     memcpy(points[2], previous, sizeof points[2]);
     core_face corner = {0};
     exact_direction(triangle_point, points, 3, &corner);
+    for (int k = 0; k < 3; k++) cross[k] = corner.normal[k] * corner.twice_area;
     return corner.twice_area;
 }
 
@@ -245,7 +247,7 @@ static double polygon_weight(norma_weight weight, const core_face *face, const d
     const double aa = norma_core_dot(a, a), bb = norma_core_dot(b, b);
     norma_core_cross(a, b, cross);
     if (weight != NORMA_WEIGHT_UNIFORM && weight != NORMA_WEIGHT_AREA && weight != NORMA_WEIGHT_VISIBLE)
-        length = corner_cross_length(p, next, previous, cross, aa * bb);
+        length = settle_corner_cross(p, next, previous, aa * bb, cross);
     return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area, norma_core_dot(cross, face->normal) < -0x1p-46 * length);
 }
 
