@@ -80,6 +80,8 @@ typedef struct tile_room {
 typedef struct tile_some { const uint16_t *numbers; uint32_t count; } tile_some;   /* numbers NULL: 0, 1, 2, ... */
 
 typedef struct tile_kernels {
+    /* The positions of a tile's vertices, three floats each; whether all are finite. */
+    int (*load)(const tile_view *t, const unsigned char *data, size_t stride, double (*positions)[4]);
     /* Triangles: normals and weights of some faces; the doubted ones are listed. */
     void (*measure)(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room);
     /* Results and reasons of some slots; whether all have a normal. */

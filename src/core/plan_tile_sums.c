@@ -15,6 +15,36 @@ CORE_INLINE void name_some(tile_some some, uint32_t begin, uint32_t count, uint3
     for (uint32_t i = 0; i < count; i++) out[i] = number_at(some, begin + i < some.count ? begin + i : some.count - 1);
 }
 
+/* ---- positions */
+
+#if defined(CORE_HAS_SHUFFLES)
+CORE_INLINE int load_floats(const tile_view *t, const unsigned char *data, size_t stride, double (*out)[4])
+{
+    core_d4 zero = {0, 0, 0, 0};
+    for (uint32_t v = 0; v < t->vertex_count; v++) {
+        const core_d4 at = __builtin_convertvector(core_load_three(data + t->vertices[v] * stride), core_d4);
+        core_store_row(out[v], at);
+        zero += at - at;
+    }
+    return (zero[0] + zero[1]) + (zero[2] + zero[3]) == 0;
+}
+#else
+CORE_INLINE int load_floats(const tile_view *t, const unsigned char *data, size_t stride, double (*out)[4])
+{
+    double zero = 0;
+    for (uint32_t v = 0; v < t->vertex_count; v++) {
+        float at[3];
+        memcpy(at, data + t->vertices[v] * stride, sizeof at);
+        for (int k = 0; k < 3; k++) {
+            out[v][k] = (double)at[k];
+            zero += out[v][k] - out[v][k];
+        }
+        out[v][3] = 0;
+    }
+    return zero == 0;
+}
+#endif
+
 /* ---- triangles */
 
 enum { BATCHES_AT_ONCE = 8 };
@@ -100,11 +130,10 @@ CORE_INLINE void keep_named(const core_batch *batch, const uint32_t names[CORE_L
 
 CORE_INLINE int all_sure(const tile_batch *batches, uint32_t count)
 {
-    double sure[CORE_LANES] = {0}, all = 0;
+    double sure[CORE_LANES] = {0};
     for (uint32_t b = 0; b < count; b++)
         for (int i = 0; i < CORE_LANES; i++) sure[i] += batches[b].measured.sure[i];
-    for (int i = 0; i < CORE_LANES; i++) all += sure[i];
-    return all == (double)count * CORE_LANES;
+    return ((sure[0] + sure[1]) + (sure[2] + sure[3])) + ((sure[4] + sure[5]) + (sure[6] + sure[7])) == (double)count * CORE_LANES;
 }
 
 static void list_doubted(const tile_batch *batches, uint32_t count, tile_some faces, uint32_t begin, tile_room *room)
@@ -161,37 +190,58 @@ CORE_INLINE void measure_triangles(const tile_view *t, tile_some faces, norma_we
 
 /* ---- slots */
 
-CORE_INLINE void add_member(const tile_view *t, const tile_room *room, uint32_t member, int polygons, vertex_sum *sum)
+/* x, y, z and the weight of one slot, in a register where there are some. */
+#if defined(CORE_HAS_SHUFFLES)
+typedef core_d4 slot_sum;
+CORE_INLINE slot_sum no_votes(void) { return (slot_sum){0, 0, 0, -0.0}; }
+CORE_INLINE slot_sum add_row(slot_sum sum, const double *row, double weight) { return sum + core_load_row(row) * (core_d4){weight, weight, weight, weight}; }
+CORE_INLINE void keep_sum(slot_sum sum, vertex_sum *out) { core_store_row(&out->x, sum); }
+#else
+typedef vertex_sum slot_sum;
+CORE_INLINE slot_sum no_votes(void) { return (slot_sum){0, 0, 0, -0.0}; }
+CORE_INLINE slot_sum add_row(slot_sum sum, const double *row, double weight)
 {
-    core_add_row(&sum->x, room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)], room->weights[member]);
+    return (slot_sum){sum.x + row[0] * weight, sum.y + row[1] * weight, sum.z + row[2] * weight, sum.weight + row[3] * weight};
+}
+CORE_INLINE void keep_sum(slot_sum sum, vertex_sum *out) { *out = sum; }
+#endif
+
+typedef struct slot_members { const uint16_t *numbers; uint32_t count; } slot_members;
+
+CORE_INLINE slot_members members_of(const tile_view *t, uint32_t slot)
+{
+    const uint32_t begin = norma_core_tile_start(t, slot);
+    return (slot_members){t->members + begin, norma_core_tile_start(t, slot + 1) - begin};
+}
+
+CORE_INLINE slot_sum add_member(const tile_view *t, const tile_room *room, slot_members of, uint32_t i, int polygons, slot_sum sum)
+{
+    const uint32_t member = of.numbers[i];
+    return add_row(sum, room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)], room->weights[member]);
+}
+
+CORE_INLINE void add_rest(const tile_view *t, const tile_room *room, slot_members of, uint32_t from, int polygons, slot_sum sum, vertex_sum *out)
+{
+    for (uint32_t i = from; i < of.count; i++) sum = add_member(t, room, of, i, polygons, sum);
+    keep_sum(sum, out);
 }
 
 /* Four slots at a time as far as the shortest goes: what is added to one waits for what was added before, not for the others'. */
 CORE_INLINE void sum_four(const tile_view *t, const uint32_t slots[4], const tile_room *room, int polygons, vertex_sum *out)
 {
-    const uint16_t *members[4];
-    uint32_t counts[4], together = UINT32_MAX;
-    for (int i = 0; i < 4; i++) {
-        const uint32_t begin = norma_core_tile_start(t, slots[i]);
-        members[i] = t->members + begin;
-        counts[i] = norma_core_tile_start(t, slots[i] + 1) - begin;
-        together = counts[i] < together ? counts[i] : together;
+    const slot_members a = members_of(t, slots[0]), b = members_of(t, slots[1]), c = members_of(t, slots[2]), d = members_of(t, slots[3]);
+    const uint32_t ab = a.count < b.count ? a.count : b.count, cd = c.count < d.count ? c.count : d.count, together = ab < cd ? ab : cd;
+    slot_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
+    for (uint32_t i = 0; i < together; i++) {
+        sum_a = add_member(t, room, a, i, polygons, sum_a);
+        sum_b = add_member(t, room, b, i, polygons, sum_b);
+        sum_c = add_member(t, room, c, i, polygons, sum_c);
+        sum_d = add_member(t, room, d, i, polygons, sum_d);
     }
-    vertex_sum a = {0, 0, 0, -0.0}, b = a, c = a, d = a;
-    for (uint32_t j = 0; j < together; j++) {
-        add_member(t, room, members[0][j], polygons, &a);
-        add_member(t, room, members[1][j], polygons, &b);
-        add_member(t, room, members[2][j], polygons, &c);
-        add_member(t, room, members[3][j], polygons, &d);
-    }
-    for (uint32_t j = together; j < counts[0]; j++) add_member(t, room, members[0][j], polygons, &a);
-    for (uint32_t j = together; j < counts[1]; j++) add_member(t, room, members[1][j], polygons, &b);
-    for (uint32_t j = together; j < counts[2]; j++) add_member(t, room, members[2][j], polygons, &c);
-    for (uint32_t j = together; j < counts[3]; j++) add_member(t, room, members[3][j], polygons, &d);
-    out[0] = a;
-    out[1] = b;
-    out[2] = c;
-    out[3] = d;
+    add_rest(t, room, a, together, polygons, sum_a, out);
+    add_rest(t, room, b, together, polygons, sum_b, out + 1);
+    add_rest(t, room, c, together, polygons, sum_c, out + 2);
+    add_rest(t, room, d, together, polygons, sum_d, out + 3);
 }
 
 static int decide_each(const vertex_sum *sums, uint32_t begin, uint32_t count, tile_room *room)
@@ -205,32 +255,49 @@ static int decide_each(const vertex_sum *sums, uint32_t begin, uint32_t count, t
     return all;
 }
 
-CORE_INLINE int sum_weighted(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room, int polygons)
+enum { SLOTS_AT_ONCE = 64 };
+
+/* Sums first, then their normals: a root and a division that the next eight wait for would be in the way of adding. */
+CORE_INLINE int sum_some(const tile_view *t, tile_some slots, uint32_t begin, uint32_t count, core_finish_sums *finish, tile_room *room, int polygons)
+{
+    vertex_sum sums[SLOTS_AT_ONCE];
+    int all = 1;
+    for (uint32_t i = 0; i < (count + CORE_LANES - 1) / CORE_LANES * CORE_LANES; i += 4) {
+        uint32_t names[4];
+        name_some(slots, begin + i, 4, names);
+        sum_four(t, names, room, polygons, sums + i);
+    }
+    for (uint32_t i = 0; i < count; i += CORE_LANES) {
+        if (finish(sums + i, room->results + begin + i)) continue;
+        all &= decide_each(sums + i, begin + i, count - i < CORE_LANES ? count - i : CORE_LANES, room);
+    }
+    return all;
+}
+
+CORE_INLINE int sum_all(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room, int polygons)
 {
     int all = 1;
     memset(room->reasons, NORMA_REASON_NONE, slots.count);
-    for (uint32_t begin = 0; begin < slots.count; begin += CORE_LANES) {
-        vertex_sum sums[CORE_LANES];
-        uint32_t names[CORE_LANES];
-        name_some(slots, begin, CORE_LANES, names);
-        for (uint32_t i = 0; i < CORE_LANES; i += 4) sum_four(t, names + i, room, polygons, sums + i);
-        if (finish(sums, room->results + begin)) continue;
-        all &= decide_each(sums, begin, slots.count - begin < CORE_LANES ? slots.count - begin : CORE_LANES, room);
-    }
+    for (uint32_t begin = 0; begin < slots.count; begin += SLOTS_AT_ONCE)
+        all &= sum_some(t, slots, begin, slots.count - begin < SLOTS_AT_ONCE ? slots.count - begin : SLOTS_AT_ONCE, finish, room, polygons);
     return all;
 }
 
 CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room)
 {
-    return t->corner_faces ? sum_weighted(t, slots, finish, room, 1) : sum_weighted(t, slots, finish, room, 0);
+    const tile_some row = {NULL, slots.count};
+    if (t->corner_faces) return sum_all(t, slots, finish, room, 1);
+    return slots.numbers ? sum_all(t, slots, finish, room, 0) : sum_all(t, row, finish, room, 0);
 }
 
 /* ---- for each instruction set */
 
+static int load_portable(const tile_view *t, const unsigned char *data, size_t stride, double (*out)[4]) { return load_floats(t, data, stride, out); }
 static void measure_portable(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
 static int sum_portable(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room) { return sum_slots(t, slots, finish, room); }
 
 #if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static int load_avx2(const tile_view *t, const unsigned char *data, size_t stride, double (*out)[4]) { return load_floats(t, data, stride, out); }
 CORE_FOR_AVX2 static void measure_avx2(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
 CORE_FOR_AVX2 static int sum_avx2(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room) { return sum_slots(t, slots, finish, room); }
 CORE_FOR_AVX512 static void measure_avx512(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
@@ -240,11 +307,11 @@ tile_kernels norma_core_tile_kernels(norma_isa isa)
 {
     core_finish_sums *const finish = norma_core_choose_finish(isa);
     switch (norma_core_level(isa)) {
-    case CORE_AVX512: return (tile_kernels){measure_avx512, sum_avx2, finish};
-    case CORE_AVX2:   return (tile_kernels){measure_avx2, sum_avx2, finish};
-    default:          return (tile_kernels){measure_portable, sum_portable, finish};
+    case CORE_AVX512: return (tile_kernels){load_avx2, measure_avx512, sum_avx2, finish};
+    case CORE_AVX2:   return (tile_kernels){load_avx2, measure_avx2, sum_avx2, finish};
+    default:          return (tile_kernels){load_portable, measure_portable, sum_portable, finish};
     }
 }
 #else
-tile_kernels norma_core_tile_kernels(norma_isa isa) { return (tile_kernels){measure_portable, sum_portable, norma_core_choose_finish(isa)}; }
+tile_kernels norma_core_tile_kernels(norma_isa isa) { return (tile_kernels){load_portable, measure_portable, sum_portable, norma_core_choose_finish(isa)}; }
 #endif

@@ -3,7 +3,7 @@
 #include "plan_tile_moved.h"
 #include <math.h>
 
-enum { FEWEST_TILES_TO_SHARE = 16, TILES_AHEAD = 1 };
+enum { FEWEST_TILES_TO_SHARE = 16, FEWEST_VERTICES_TO_ASK_FOR = 1 << 16 };
 
 typedef struct tiles_work {
     plan_work     *work;
@@ -15,27 +15,22 @@ typedef struct tiles_work {
 
 /* ---- in */
 
-static void load_positions(const plan_work *work, const tile_view *t, tile_room *room)
+static void load_positions(const tiles_work *w, const tile_view *t, tile_room *room)
 {
-    const unsigned char *data = work->mesh.positions.data;
-    const size_t stride = work->mesh.positions.stride;
-    double zero[4] = {0, 0, 0, 0};
-    for (uint32_t v = 0; v < t->vertex_count; v++) {
-        double *p = room->positions[v];
-        if (work->mesh.positions.format == NORMA_FORMAT_FLOAT) {
-            float at[4] = {0, 0, 0, 0};
-            memcpy(at, data + t->vertices[v] * stride, 3 * sizeof *at);
-            for (int k = 0; k < 4; k++) p[k] = (double)at[k];
-        } else {
-            norma_core_position(&work->mesh, t->vertices[v], p);
-            p[3] = 0;
-        }
-        for (int k = 0; k < 4; k++) zero[k] += p[k] - p[k];
+    const core_mesh *mesh = &w->work->mesh;
+    if (mesh->positions.format == NORMA_FORMAT_FLOAT) {
+        room->all_finite = w->kernels.load(t, mesh->positions.data, mesh->positions.stride, room->positions);
+        return;
     }
-    room->all_finite = (zero[0] + zero[1]) + (zero[2] + zero[3]) == 0;
+    room->all_finite = 1;
+    for (uint32_t v = 0; v < t->vertex_count; v++) {
+        norma_core_position(mesh, t->vertices[v], room->positions[v]);
+        room->positions[v][3] = 0;
+        room->all_finite &= norma_core_finite(room->positions[v]);
+    }
 }
 
-/* What the next tile will read, and this one write. */
+/* What the next tile will read, and this one write; meshes that the nearer caches hold have no need of it. */
 static void look_ahead(const plan_work *work, const tile_view *t, const tile_view *next)
 {
     const unsigned char *data = work->mesh.positions.data;
@@ -220,7 +215,7 @@ static void update_tile(const tiles_work *w, const tile_view *t, const tile_touc
     const int by_number = touch && 4 * touch->face_count < 3 * t->face_count;       /* in a row they go faster */
     const tile_some faces = {by_number ? touch->faces : NULL, by_number ? touch->face_count : t->face_count};
     const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
-    load_positions(w->work, t, &room);
+    load_positions(w, t, &room);
     measure_faces(w, t, faces, &room);
     room.all_normal = w->kernels.sum(t, slots, w->kernels.finish, &room);
     if (w->work->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cones(t, slots, &room);
@@ -233,7 +228,7 @@ static void update_tile(const tiles_work *w, const tile_view *t, const tile_touc
 static void update_one(const tiles_work *w, size_t i, size_t end, core_tally *tally)
 {
     const tile_view t = norma_core_tile(w->work->plan, i), next = norma_core_tile(w->work->plan, i + 1 < end ? i + 1 : i);
-    look_ahead(w->work, &t, &next);
+    if (w->work->plan->vertex_count >= FEWEST_VERTICES_TO_ASK_FOR) look_ahead(w->work, &t, &next);
     update_tile(w, &t, NULL, tally);
 }
 
