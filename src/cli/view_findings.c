@@ -13,30 +13,36 @@ static uint32_t append_text(view_pack *pack, const char *text) { return view_pac
 /* Numbers beyond 32 bits there are none of in a pack. */
 static uint32_t number_of(size_t number) { return number < VIEW_PACK_NONE ? (uint32_t)number : VIEW_PACK_NONE; }
 
-/* The drawn mesh with a primitive's place, or the first of a node's. Nodes are drawn in their order, as view_pack.c does it. */
-static finding_place find_place(norma_document *document, const uint32_t *record_of, const char *where) {
-    finding_place place = {VIEW_PACK_NONE, VIEW_PACK_NONE};
-    norma_mesh_info mesh;
-    norma_node_info node;
-    uint32_t draws = 0;
+/* Where a node's mesh is among what is drawn: its first record and its first draw. Nodes are drawn in their order, as view_pack.c does it. */
+static finding_place *place_nodes(norma_document *document, const uint32_t *record_of) {
     const size_t meshes = norma_document_mesh_count(document), nodes = norma_document_node_count(document);
-    for (size_t i = 0; i < meshes; ++i)
-        if (norma_document_mesh_info(document, i, &mesh) == NORMA_DOCUMENT_OK && strcmp(mesh.where, where) == 0)
-            return (finding_place){record_of[i], VIEW_PACK_NONE};
-    for (size_t n = 0; n < nodes; ++n) {
+    finding_place *places = malloc((nodes + 1) * sizeof *places);
+    uint32_t draws = 0;
+    for (size_t n = 0; n < nodes && places; ++n) {
+        norma_node_info node;
         uint32_t parts = 0;
+        places[n] = (finding_place){VIEW_PACK_NONE, VIEW_PACK_NONE};
         if (norma_document_node_info(document, n, &node) != NORMA_DOCUMENT_OK)
-            return place;
+            continue;
         for (size_t i = 0; i < meshes; ++i) {
-            if (norma_document_mesh_info(document, i, &mesh) != NORMA_DOCUMENT_OK || record_of[i] == VIEW_PACK_NONE || mesh.mesh != node.mesh)
-                continue;
-            if (!parts++)
-                place = (finding_place){record_of[i], node.instances ? draws : VIEW_PACK_NONE};
+            norma_mesh_info mesh;
+            if (record_of[i] != VIEW_PACK_NONE && norma_document_mesh_info(document, i, &mesh) == NORMA_DOCUMENT_OK && mesh.mesh == node.mesh && !parts++)
+                places[n] = (finding_place){record_of[i], node.instances ? draws : VIEW_PACK_NONE};
         }
-        if (strcmp(node.where, where) == 0)
-            return parts ? place : (finding_place){VIEW_PACK_NONE, VIEW_PACK_NONE};
         draws += parts * (uint32_t)node.instances;
     }
+    return places;
+}
+
+static finding_place find_place(norma_document *document, const uint32_t *record_of, const finding_place *of_node, const char *where) {
+    norma_mesh_info mesh;
+    norma_node_info node;
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
+        if (norma_document_mesh_info(document, i, &mesh) == NORMA_DOCUMENT_OK && strcmp(mesh.where, where) == 0)
+            return (finding_place){record_of[i], VIEW_PACK_NONE};
+    for (size_t n = 0; n < norma_document_node_count(document); ++n)
+        if (norma_document_node_info(document, n, &node) == NORMA_DOCUMENT_OK && strcmp(node.where, where) == 0)
+            return of_node[n];
     return (finding_place){VIEW_PACK_NONE, VIEW_PACK_NONE};
 }
 
@@ -85,16 +91,18 @@ norma_document_result view_pack_findings(norma_document *document, const uint32_
         return NORMA_DOCUMENT_OK; /* what cannot be judged can be drawn */
     const size_t count = norma_findings_count(findings);
     view_pack_finding *records = calloc(count + 1, sizeof *records);
-    for (size_t i = 0; i < count && records && !pack->failed; ++i) {
+    finding_place *of_node = place_nodes(document, record_of);
+    for (size_t i = 0; i < count && records && of_node && !pack->failed; ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
-        records[i] = pack_finding(pack, finding, find_place(document, record_of, finding->where));
+        records[i] = pack_finding(pack, finding, find_place(document, record_of, of_node, finding->where));
     }
-    if (records) {
+    if (records && of_node) {
         head->finding_count = number_of(count);
         head->findings = view_pack_append(pack, records, count, sizeof *records);
     } else
         pack->failed = 1;
     free(records);
+    free(of_node);
     norma_findings_free(findings);
     return NORMA_DOCUMENT_OK;
 }
