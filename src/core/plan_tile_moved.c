@@ -2,7 +2,6 @@
 #include "plan_tile_moved.h"
 
 static void mark(uint64_t *bits, size_t i) { bits[i / 64] |= (uint64_t)1 << (i % 64); }
-static int marked(const uint64_t *bits, size_t i) { return (int)(bits[i / 64] >> (i % 64) & 1); }
 
 /* ---- which vertices of which tiles moved */
 
@@ -140,53 +139,76 @@ static void touch_faces_of_vertex(const tile_view *t, uint32_t vertex, uint8_t *
     } while (joined(t, ++slot));
 }
 
-/* The next nonzero flag from i on; flags are looked at eight at a time, and are zero up to a multiple of eight. */
-static uint32_t next_flag(const uint8_t *flags, uint32_t i, uint32_t count)
+/* The numbers of the flags that are 1, up to a multiple of eight; flags are looked at eight at a time. */
+static uint32_t list_flags(const uint8_t *flags, uint32_t count, uint16_t *numbers)
 {
-    while (i < count && !flags[i]) {
-        uint64_t eight = 0;
-        if (i % 8 == 0) memcpy(&eight, flags + i, sizeof eight);
-        i += i % 8 == 0 && !eight ? 8 : 1;
+    uint32_t listed = 0;
+    for (uint32_t i = 0; i < count; i += 8) {
+        uint64_t eight;
+        memcpy(&eight, flags + i, sizeof eight);
+        if (!eight) continue;
+        for (uint32_t k = i; k < i + 8; k++) {
+            numbers[listed] = (uint16_t)k;              /* written over by the next where there is nothing to list */
+            listed += flags[k];
+        }
     }
-    return i;
+    return listed;
 }
 
-static size_t next_marked(const uint64_t *bits, size_t i, size_t end)
+/* The vertices of a tile that moved. */
+static uint32_t list_marked(const uint64_t *bits, size_t begin, uint32_t count, uint16_t *numbers)
 {
-    while (i < end) {
-        const uint64_t word = bits[i / 64] >> (i % 64);
-        if (word & 1) return i;
-        i += word ? 1 : 64 - i % 64;
+    uint32_t listed = 0;
+    for (uint32_t i = 0; i < count; i += 64 - (uint32_t)((begin + i) % 64)) {
+        const uint32_t shift = (uint32_t)((begin + i) % 64), left = count - i < 64 - shift ? count - i : 64 - shift;
+        uint64_t word = bits[(begin + i) / 64] >> shift << (64 - left) >> (64 - left);
+        for (; word; word &= word - 1) numbers[listed++] = (uint16_t)(i + (uint32_t)__builtin_ctzll(word));
     }
-    return end;
+    return listed;
 }
 
-/* The same of all moved vertices, where each slot has a position, and each position a vertex, to itself. */
-static void touch_plain(const uint64_t *bits, size_t begin, const tile_view *t, uint8_t *face_is_moved, tile_touch *touch)
+static void touch_triangles(const tile_view *t, uint32_t slot, uint8_t *touched)
 {
-    const size_t end = begin + t->vertex_count;
-    for (size_t i = next_marked(bits, begin, end); i < end; i = next_marked(bits, i + 1, end)) {
-        const uint32_t v = (uint32_t)(i - begin), slot = v < t->own_count ? v : t->slot_count + v - t->own_count;
-        if (v < t->own_count) touch->slot_is_touched[v] = 1;
-        for (uint32_t m = norma_core_tile_start(t, slot); m < norma_core_tile_start(t, slot + 1); m++) face_is_moved[norma_core_tile_face_of(t, t->members[m])] = 1;
+    const uint32_t end = norma_core_tile_start(t, slot + 1);
+    for (uint32_t m = norma_core_tile_start(t, slot); m < end; m++) {
+        const uint16_t *at = t->corners + 3 * (size_t)(t->members[m] & (TILE_FACES - 1U));
+        touched[at[0]] = touched[at[1]] = touched[at[2]] = 1;
     }
-    for (uint32_t f = next_flag(face_is_moved, 0, t->face_count); f < t->face_count; f = next_flag(face_is_moved, f + 1, t->face_count)) {
-        const uint32_t first = t->face_starts ? t->face_starts[f] : 3 * f, last = t->face_starts ? t->face_starts[f + 1] : first + 3;
-        for (uint32_t c = first; c < last; c++)
-            if (t->corners[c] < t->own_count) touch->slot_is_touched[t->corners[c]] = 1;
+}
+
+static void touch_polygons(const tile_view *t, uint32_t slot, uint8_t *face_is_moved, uint8_t *touched)
+{
+    const uint32_t end = norma_core_tile_start(t, slot + 1);
+    for (uint32_t m = norma_core_tile_start(t, slot); m < end; m++) {
+        const uint32_t face = norma_core_tile_face_of(t, t->members[m]);
+        for (uint32_t c = t->face_starts[face]; c < t->face_starts[face + 1] && !face_is_moved[face]; c++) touched[t->corners[c]] = 1;
+        face_is_moved[face] = 1;
     }
+}
+
+/* The same of all moved vertices, where each slot has a position, and each position a vertex, to itself: a vertex's flag is its slot's, and those of vertices that are not own are
+ * nobody's. */
+static void touch_plain(const uint16_t *moved, uint32_t count, const tile_view *t, uint8_t *face_is_moved, tile_touch *touch)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t v = moved[i], slot = v < t->own_count ? v : t->slot_count + v - t->own_count;
+        touch->slot_is_touched[v] = 1;
+        if (t->face_starts) touch_polygons(t, slot, face_is_moved, touch->slot_is_touched);
+        else touch_triangles(t, slot, touch->slot_is_touched);
+    }
+    memset(touch->slot_is_touched + t->own_count, 0, sizeof touch->slot_is_touched - t->own_count);
 }
 
 static void list_touched(const tile_view *t, tile_touch *touch)
 {
-    uint8_t needed[TILE_FACES];
+    uint8_t needed[TILE_FACES + 8];
     memset(needed, 0, sizeof needed);
-    touch->face_count = touch->slot_count = 0;
-    for (uint32_t s = next_flag(touch->slot_is_touched, 0, t->slot_count); s < t->slot_count; s = next_flag(touch->slot_is_touched, s + 1, t->slot_count)) {
-        touch->slots[touch->slot_count++] = (uint16_t)s;
-        for (uint32_t m = norma_core_tile_start(t, s); m < norma_core_tile_start(t, s + 1); m++) needed[norma_core_tile_face_of(t, t->members[m])] = 1;
+    touch->slot_count = list_flags(touch->slot_is_touched, t->slot_count, touch->slots);
+    for (uint32_t i = 0; i < touch->slot_count; i++) {
+        const uint32_t s = touch->slots[i], end = norma_core_tile_start(t, s + 1);
+        for (uint32_t m = norma_core_tile_start(t, s); m < end; m++) needed[norma_core_tile_face_of(t, t->members[m])] = 1;
     }
-    for (uint32_t f = next_flag(needed, 0, t->face_count); f < t->face_count; f = next_flag(needed, f + 1, t->face_count)) touch->faces[touch->face_count++] = (uint16_t)f;
+    touch->face_count = list_flags(needed, t->face_count, touch->faces);
 }
 
 tile_moved norma_core_tile_moved(const tile_marks *marks, const plan_tile *tile)
@@ -198,15 +220,15 @@ tile_moved norma_core_tile_moved(const tile_marks *marks, const plan_tile *tile)
 
 void norma_core_tile_touch(const tile_marks *marks, const tile_view *t, norma_element of, tile_touch *touch)
 {
-    const size_t begin = t->first_occurrence - marks->first_occurrence;
+    uint16_t moved[TILE_VERTICES];
     uint8_t face_is_moved[TILE_FACES];
+    const uint32_t count = list_marked(marks->bits, t->first_occurrence - marks->first_occurrence, t->vertex_count, moved);
     memset(touch->slot_is_touched, 0, sizeof touch->slot_is_touched);
-    memset(face_is_moved, 0, sizeof face_is_moved);
-    if (t->plain) touch_plain(marks->bits, begin, t, face_is_moved, touch);
-    for (uint32_t v = 0; v < t->vertex_count && !t->plain; v++) {
-        if (!marked(marks->bits, begin + v)) continue;
-        if (v < t->own_count && of == NORMA_PER_VERTEX) touch->slot_is_touched[norma_core_tile_slot_of(t, v)] = 1;
-        touch_faces_of_vertex(t, v, face_is_moved, touch);
+    if (!t->plain || t->face_starts) memset(face_is_moved, 0, sizeof face_is_moved);
+    if (t->plain) touch_plain(moved, count, t, face_is_moved, touch);
+    for (uint32_t i = 0; i < count && !t->plain; i++) {
+        if (moved[i] < t->own_count && of == NORMA_PER_VERTEX) touch->slot_is_touched[norma_core_tile_slot_of(t, moved[i])] = 1;
+        touch_faces_of_vertex(t, moved[i], face_is_moved, touch);
     }
     list_touched(t, touch);
 }
