@@ -74,7 +74,7 @@ one() {
     while [ "$left" -gt 0 ] && [ "$started" -lt 6 ]; do
         started=$((started + 1))
         # shellcheck disable=SC2046  # no dictionary, no word
-        (ulimit -St "$left"; TIMEFORMAT='processor seconds: %U %S'; time nice -n 19 "$tree/fuzz/fuzz_$target" -max_len=16384 -timeout=1200 -rss_limit_mb=3072 -malloc_limit_mb=1024 \
+        (ulimit -St "$left"; TIMEFORMAT='processor seconds: %U %S'; time nice -n 19 "$tree/fuzz/fuzz_$target" -max_len=16384 -timeout=1200 -report_slow_units=100000 -rss_limit_mb=3072 -malloc_limit_mb=1024 \
             -print_final_stats=1 -artifact_prefix="$found/" $(dictionary "$target") "${folders[@]}") >>"$log" 2>&1
         status=$?
         local spent

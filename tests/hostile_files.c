@@ -321,6 +321,15 @@ static void gltf_many(void) {
     save(&b, "many-accessors-without-bytes.gltf");
 }
 
+/* One polygon of three hundred thousand corners that lie at three places: what costs as much as it has corners, at each of them, never ends. */
+static void obj_polygon(void) {
+    bytes b = {0};
+    print(&b, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf");
+    repeat(&b, " 1 2 3", 100000);
+    print(&b, "\n");
+    save(&b, "polygon-of-300000-corners.obj");
+}
+
 /* ---- GLB */
 
 static void glb_lengths(void) {
@@ -373,6 +382,7 @@ int main(int count, char **arguments) {
     gltf_uris();
     gltf_depth();
     gltf_many();
+    obj_polygon();
     glb_lengths();
     return 0;
 }

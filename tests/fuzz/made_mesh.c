@@ -91,14 +91,11 @@ made_mesh *made_mesh_take(fuzz_bytes *bytes) {
     made->mesh.corner_count = corners;
     if (kind & 4)
         take_faces(bytes, made, corners);
-    else
-        made->faces = corners / 3;
     if (kind & 8 && !(extras & 16))
         made->mesh.corner_count = corners = corners < positions ? corners : positions / 3 * 3;
     else
         take_corners(bytes, made, corners, kind);
-    if (kind & 4 && kind & 8 && !(extras & 16)) /* the starts no longer end where the corners do: an error to be found */
-        made->faces = made->mesh.face_count;
+    made->faces = kind & 4 ? made->mesh.face_count : corners / 3; /* face_starts that no longer end where the corners do are an error to be found */
     if (extras & 1) {
         uint32_t groups[256];
         for (size_t f = 0; f < made->faces; ++f) groups[f] = fuzz_u8(bytes) & 7;

@@ -74,6 +74,8 @@ static size_t mutate_header(uint8_t *bytes, size_t size, size_t capacity, size_t
         return splice(bytes, size, capacity, after, copy, length);
     default: {
         size_t words = find_parts(bytes, chosen.begin, chosen.end, " ", word);
+        if (!words)
+            return size;
         part at = word[fuzz_random_below(random, words)];
         snprintf(copy, sizeof copy, "%.*s", (int)(at.end - at.begin < 40 ? at.end - at.begin : 40), (const char *)bytes + at.begin);
         const char *instead = other_word(copy, random);

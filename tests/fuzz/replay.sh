@@ -39,5 +39,5 @@ case $target in
 obj | ply | stl) dictionary=(-dict="dictionaries/$target.dict") ;;
 gltf | glb | check | roundtrip) dictionary=(-dict=dictionaries/gltf.dict) ;;
 esac
-quietly "$runs runs from seed 1" -seed=1 -runs="$runs" -use_cmp=0 -max_len=2048 -timeout=1200 -rss_limit_mb=3072 -malloc_limit_mb=1024 -seed_inputs="@$scratch/seeds" "${dictionary[@]}"
+quietly "$runs runs from seed 1" -seed=1 -runs="$runs" -use_cmp=0 -max_len=2048 -timeout=1200 -report_slow_units=100000 -rss_limit_mb=3072 -malloc_limit_mb=1024 -seed_inputs="@$scratch/seeds" "${dictionary[@]}"
 finish
