@@ -218,6 +218,12 @@ norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t number, const unsi
 {
     gltf_view *view = &g->views[number];
     if (view->meshopt.token != GLTF_NONE) {
+        return result;
+    }
+    free(buffer->owned); /* it is asked for again by whoever needs it next */
+    norma_file_close(&buffer->file);
+    buffer->owned = NULL;
+    buffer->bytes = NULL;
         norma_document_result result = view->decoded ? NORMA_DOCUMENT_OK : norma_gltf_decode_meshopt(g, number, error);
         *bytes = view->decoded;
         return result;
