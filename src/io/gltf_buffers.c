@@ -207,10 +207,14 @@ norma_document_result norma_gltf_load_buffer(gltf *g, uint32_t number, norma_doc
     case GLTF_STORED_DATA: result = load_data(g, buffer, error); break;
     case GLTF_STORED_NOWHERE: result = norma_gltf_malformed(g, error, buffer->token, "a uri, since these bytes are needed"); break;
     }
-    if (result)
-        buffer->bytes = NULL;
-    else
+    if (!result) {
         g->held += buffer->length;
+        return result;
+    }
+    free(buffer->owned); /* it is asked for again by whoever needs it next */
+    norma_file_close(&buffer->file);
+    buffer->owned = NULL;
+    buffer->bytes = NULL;
     return result;
 }
 
@@ -218,12 +222,6 @@ norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t number, const unsi
 {
     gltf_view *view = &g->views[number];
     if (view->meshopt.token != GLTF_NONE) {
-        return result;
-    }
-    free(buffer->owned); /* it is asked for again by whoever needs it next */
-    norma_file_close(&buffer->file);
-    buffer->owned = NULL;
-    buffer->bytes = NULL;
         norma_document_result result = view->decoded ? NORMA_DOCUMENT_OK : norma_gltf_decode_meshopt(g, number, error);
         *bytes = view->decoded;
         return result;
