@@ -170,9 +170,11 @@ static uint32_t list_marked(const uint64_t *bits, size_t begin, uint32_t count, 
 static void touch_triangles(const tile_view *t, uint32_t slot, uint8_t *touched)
 {
     const uint32_t end = norma_core_tile_start(t, slot + 1);
+    const uint16_t *corners = t->corners, *members = t->members;     /* flags are bytes, and might be anything to a compiler */
     for (uint32_t m = norma_core_tile_start(t, slot); m < end; m++) {
-        const uint16_t *at = t->corners + 3 * (size_t)(t->members[m] & (TILE_FACES - 1U));
-        touched[at[0]] = touched[at[1]] = touched[at[2]] = 1;
+        const uint16_t *at = corners + 3 * (size_t)(members[m] & (TILE_FACES - 1U));
+        const uint16_t a = at[0], b = at[1], c = at[2];
+        touched[a] = touched[b] = touched[c] = 1;
     }
 }
 

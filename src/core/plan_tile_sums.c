@@ -47,7 +47,7 @@ CORE_INLINE int load_floats(const tile_view *t, const unsigned char *data, size_
 
 /* ---- triangles */
 
-enum { BATCHES_AT_ONCE = 8 };
+enum { BATCHES_AT_ONCE = 4 };               /* more would leave the nearest cache less for the tile */
 
 typedef struct tile_batch {
     core_batch measured;

@@ -15,19 +15,31 @@ typedef struct tiles_work {
 
 /* ---- in */
 
-static void load_positions(const tiles_work *w, const tile_view *t, tile_room *room)
+static void load_one(const core_mesh *mesh, const tile_view *t, uint32_t vertex, tile_room *room)
+{
+    double *position = room->positions[vertex];
+    norma_core_position(mesh, t->vertices[vertex], position);
+    position[3] = 0;
+    room->all_finite &= norma_core_finite(position);
+}
+
+static void load_corners(const core_mesh *mesh, const tile_view *t, tile_some faces, tile_room *room)
+{
+    for (uint32_t i = 0; i < faces.count; i++) {
+        const uint32_t f = faces.numbers[i], begin = t->face_starts ? t->face_starts[f] : 3 * f, end = t->face_starts ? t->face_starts[f + 1] : begin + 3;
+        for (uint32_t c = begin; c < end; c++) load_one(mesh, t, t->corners[c], room);
+    }
+}
+
+/* Those of some faces at least, among them the vertices of all slots in which they vote. */
+static void load_positions(const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room)
 {
     const core_mesh *mesh = &w->work->mesh;
-    if (mesh->positions.format == NORMA_FORMAT_FLOAT) {
-        room->all_finite = w->kernels.load(t, mesh->positions.data, mesh->positions.stride, room->positions);
-        return;
-    }
     room->all_finite = 1;
-    for (uint32_t v = 0; v < t->vertex_count; v++) {
-        norma_core_position(mesh, t->vertices[v], room->positions[v]);
-        room->positions[v][3] = 0;
-        room->all_finite &= norma_core_finite(room->positions[v]);
-    }
+    if (faces.numbers && 8 * faces.count < t->vertex_count) load_corners(mesh, t, faces, room);
+    else if (mesh->positions.format == NORMA_FORMAT_FLOAT) room->all_finite = w->kernels.load(t, mesh->positions.data, mesh->positions.stride, room->positions);
+    else
+        for (uint32_t v = 0; v < t->vertex_count; v++) load_one(mesh, t, v, room);
 }
 
 /* What the next tile will read, and this one write; meshes that the nearer caches hold have no need of it. */
@@ -215,7 +227,7 @@ static void update_tile(const tiles_work *w, const tile_view *t, const tile_touc
     const int by_number = touch && 4 * touch->face_count < 3 * t->face_count;       /* in a row they go faster */
     const tile_some faces = {by_number ? touch->faces : NULL, by_number ? touch->face_count : t->face_count};
     const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
-    load_positions(w, t, &room);
+    load_positions(w, t, faces, &room);
     measure_faces(w, t, faces, &room);
     room.all_normal = w->kernels.sum(t, slots, w->kernels.finish, &room);
     if (w->work->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cones(t, slots, &room);
