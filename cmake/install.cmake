@@ -1,7 +1,10 @@
 # What `cmake --install` gives: headers, both libraries, the tool, a CMake package, a pkg-config file, manual pages, shell completions.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS ${norma_libraries} norma-cli EXPORT norma-targets)
+install(TARGETS ${norma_libraries} EXPORT norma-targets)
+if(NORMA_TOOL)
+  install(TARGETS norma-cli EXPORT norma-targets)
+endif()
 install(DIRECTORY include/norma DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/norma)

@@ -1,9 +1,15 @@
 # The renderer, a part of the tool alone: EGL and OpenGL ES are looked for when a picture is drawn (headers only here), PNG is written by libpng.
-find_package(PNG REQUIRED)
+find_package(PNG ${norma_least_png} REQUIRED)
 find_path(NORMA_EGL_INCLUDE EGL/eglext.h)
 find_path(NORMA_GLES_INCLUDE GLES3/gl3.h)
 if(NOT NORMA_EGL_INCLUDE OR NOT NORMA_GLES_INCLUDE)
   message(FATAL_ERROR "headers of EGL and OpenGL ES 3 are needed (Debian: libegl-dev, libgles-dev); scripts/install-deps.sh installs what is missing")
+endif()
+
+file(STRINGS ${NORMA_EGL_INCLUDE}/EGL/eglext.h egl_line REGEX "define EGL_EGLEXT_VERSION [0-9]+" LIMIT_COUNT 1)
+string(REGEX REPLACE ".*EGL_EGLEXT_VERSION ([0-9]+).*" "\\1" egl_version "${egl_line}")
+if(egl_version LESS norma_least_egl_headers)
+  message(FATAL_ERROR "EGL headers of ${norma_least_egl_headers} or later are needed; ${NORMA_EGL_INCLUDE}/EGL/eglext.h is of ${egl_version}")
 endif()
 
 # Shaders as arrays of characters: the same text that the page has.

@@ -104,14 +104,18 @@ static norma_ordered_result lead(line *l, norma_write *write, void *user)
 /* A thread that cannot be had is done without. Signals are for the calling thread: one that hangs in a write must be the one that is interrupted. */
 static size_t start_helpers(line *l, size_t threads, pthread_t helpers[MOST_HELPERS])
 {
-    sigset_t all, before;
     size_t started = 0;
+#if !defined(_WIN32)                      /* which sends signals to threads of their own */
+    sigset_t all, before;
     sigfillset(&all);
     const int masked = pthread_sigmask(SIG_BLOCK, &all, &before) == 0;
+#endif
     while (started + 1 < threads && started < MOST_HELPERS && started + 1 < l->count && pthread_create(&helpers[started], NULL, help, l) == 0)
         ++started;
+#if !defined(_WIN32)
     if (masked)
         pthread_sigmask(SIG_SETMASK, &before, NULL);
+#endif
     return started;
 }
 

@@ -1,0 +1,37 @@
+# What the library and the tool need, each with the least version that is tested (docs/sbom.spdx.json is made from them).
+set(norma_least_meshoptimizer 0.18)
+set(norma_least_jansson 2.14)
+set(norma_least_png 1.6)
+set(norma_least_egl_headers 20180000)
+set(norma_least_cmocka 1.1)
+set(norma_least_gmp 6.2)
+
+# norma_need(VARIABLE library NAME header FILE regex PATTERN least VERSION package DEBIAN): finds both and compares what the header says.
+function(norma_need variable)
+  cmake_parse_arguments(need "" "library;header;regex;least;package" "" ${ARGN})
+  find_library(${variable} ${need_library})
+  find_path(${variable}_INCLUDE ${need_header})
+  if(NOT ${variable} OR NOT ${variable}_INCLUDE)
+    message(FATAL_ERROR "${need_library} ${need_least} or later is needed (Debian: ${need_package}); scripts/install-deps.sh installs what is missing")
+  endif()
+  file(STRINGS ${${variable}_INCLUDE}/${need_header} line REGEX "${need_regex}" LIMIT_COUNT 1)
+  string(REGEX REPLACE ".*${need_regex}.*" "\\1" found "${line}")
+  if(need_library STREQUAL "meshoptimizer") # 180 is 0.18
+    math(EXPR found "${found} / 10")
+    set(found "0.${found}")
+  endif()
+  if(found VERSION_LESS need_least)
+    message(FATAL_ERROR "${need_library} ${need_least} or later is needed; ${${variable}_INCLUDE}/${need_header} is of ${found}")
+  endif()
+endfunction()
+
+norma_need(NORMA_MESHOPTIMIZER library meshoptimizer header meshoptimizer.h regex "define MESHOPTIMIZER_VERSION ([0-9]+)" least ${norma_least_meshoptimizer} package libmeshoptimizer-dev)
+# By its name, for the packages that are installed; by its path where it was given one, as when another system's is built.
+set(norma_meshoptimizer_link meshoptimizer)
+if(CMAKE_CROSSCOMPILING)
+  set(norma_meshoptimizer_link ${NORMA_MESHOPTIMIZER} stdc++)
+  include_directories(SYSTEM ${NORMA_MESHOPTIMIZER_INCLUDE})
+endif()
+if(NORMA_TOOL)
+  norma_need(NORMA_JANSSON library jansson header jansson.h regex "define JANSSON_VERSION +\"([0-9.]+)\"" least ${norma_least_jansson} package libjansson-dev)
+endif()
