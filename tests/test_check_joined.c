@@ -1,5 +1,6 @@
-/* Components over the primitives of one glTF mesh: a body that is cut by material is closed, a cavity lies in a shell of another material, bodies that touch stay apart. Found at the
+/* Components, and seams, over the primitives of one glTF mesh: a body that is cut by material is closed, a cavity lies in a shell of another material, bodies that touch stay apart. Found at the
  * primitive of the first face, mended there and in the others. Known by hand. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -236,9 +237,89 @@ static void test_one_of_two(void **state) {
     asset_free(&a);
 }
 
+/* ---- a quarter of a cylinder of two materials: at the border the second one's normals are turned by five degrees */
+
+enum { COLUMNS = 7, ROWS = 5, STRIP = COLUMNS * ROWS };
+static const double QUARTER = 1.5707963267948966, TURNED = 0.08726646259971647;
+
+static norma_document *open_cylinder(gltf_asset *a, float normals[2][STRIP][3]) {
+    float positions[2][STRIP][3];
+    uint16_t corners[6 * (COLUMNS - 1) * (ROWS - 1)];
+    size_t count = 0;
+    for (int half = 0; half < 2; half++)
+        for (int y = 0; y < ROWS; y++)
+            for (int x = 0; x < COLUMNS; x++) {
+                const double angle = QUARTER * (half * (COLUMNS - 1) + x) / (2 * COLUMNS - 2), shaded = angle + (half == 1 && x == 0 ? TURNED : 0);
+                const float position[3] = {(float)cos(angle), (float)y / 4, (float)-sin(angle)}, normal[3] = {(float)cos(shaded), 0, (float)-sin(shaded)};
+                memcpy(positions[half][y * COLUMNS + x], position, sizeof position);
+                memcpy(normals[half][y * COLUMNS + x], normal, sizeof normal);
+            }
+    for (int y = 0; y + 1 < ROWS; y++)
+        for (int x = 0; x + 1 < COLUMNS; x++) {
+            const int at = y * COLUMNS + x, quad[6] = {at, at + 1, at + COLUMNS + 1, at, at + COLUMNS + 1, at + COLUMNS};
+            for (int k = 0; k < 6; k++) corners[count++] = (uint16_t)quad[k];
+        }
+    for (int half = 0; half < 2; half++) {
+        asset_floats(a, &positions[half][0][0], STRIP, 3);
+        asset_floats(a, &normals[half][0][0], STRIP, 3);
+    }
+    asset_uint16(a, corners, count);
+    return asset_open(a, "\"nodes\":[{\"mesh\":0}],\"materials\":[{},{}],\"meshes\":[{\"primitives\":[{\"material\":0,\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":4},"
+                         "{\"material\":1,\"attributes\":{\"POSITION\":2,\"NORMAL\":3},\"indices\":4}]}]", 1);
+}
+
+static size_t count_seams(norma_document *document) {
+    uint8_t mask[128] = {0};
+    norma_findings *findings;
+    size_t count = 0;
+    assert_int_equal(norma_rules_select("N501", mask, NULL), NORMA_OK);
+    const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
+    assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
+    for (size_t i = 0; i < norma_findings_count(findings); i++) count += norma_findings_get(findings, i)->count;
+    norma_findings_free(findings);
+    return count;
+}
+
+/* Both sides get the whole surface's normal, which is the cylinder's where it goes on alike on both sides; the ends of the border, where it is open, and all else stay. */
+static void test_seam(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    float normals[2][STRIP][3];
+    uint8_t mask[128] = {0};
+    norma_mend_summary summary;
+    size_t size;
+    norma_document *document = open_cylinder(&a, normals);
+    assert_int_equal(count_seams(document), ROWS - 2);
+    assert_int_equal(norma_rules_select("N501", mask, NULL), NORMA_OK);
+    const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
+    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    unsigned char *bytes = scene_output(document, &size);
+    norma_document_close(document);
+    document = scene_reopen(bytes, size, "a.glb");
+    assert_int_equal(count_seams(document), 0);
+    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(summary.changed, 0);
+    for (int half = 0; half < 2; half++) {
+        norma_mesh_data data;
+        assert_int_equal(norma_document_mesh_data(document, (size_t)half, &data, NULL), NORMA_DOCUMENT_OK);
+        for (int v = 0; v < STRIP; v++) {
+            const float *n = (const float *)data.normals.data + 3 * v;
+            const int row = v / COLUMNS, border = v % COLUMNS == (half == 0 ? COLUMNS - 1 : 0) && row > 0 && row + 1 < ROWS;
+            if (!border)
+                assert_memory_equal(n, normals[half][v], sizeof normals[half][v]);
+            else
+                assert_true(fabs((double)n[0] - cos(QUARTER / 2)) < 1e-6 && fabs((double)n[1]) < 1e-6 && fabs((double)n[2] + sin(QUARTER / 2)) < 1e-6);
+        }
+    }
+    norma_document_close(document);
+    free(bytes);
+    asset_free(&a);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cut), cmocka_unit_test(test_open), cmocka_unit_test(test_rays), cmocka_unit_test(test_cavity), cmocka_unit_test(test_touching), cmocka_unit_test(test_one_of_two),
+        cmocka_unit_test(test_seam),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -176,7 +176,7 @@ norma_result norma_check_seams(check_mesh *m);                 /* seams.c: N501 
 /* seams.c, seams_joined.c. Angles in radians; 0: no seam there. */
 double       norma_check_seam_least(const char *encoding);
 double       norma_check_seam_angle(const check_mesh *m, size_t position, double least);
-norma_result norma_check_add_seams(check_mesh *m, check_hits *hits, size_t borders); /* borders: how many of them lie between primitives */
+norma_result norma_check_add_seams(check_mesh *m, check_hits *hits);
 norma_result norma_check_seams_hold(check_mesh *m);
 norma_result norma_check_seams_joined(check_run *run);
 norma_result norma_check_solids_joined(check_run *run);        /* solids_joined.c */

@@ -12,6 +12,7 @@ typedef struct mender {
     norma_findings        *findings;
     norma_mesh_edit       *edits;
     uint8_t              **turned;         /* of each mesh marks of faces, or NULL */
+    float                **smooth;         /* of each mesh normals at seams of several primitives, or NULL */
     size_t                 mesh_count;
     norma_mend_summary    *summary;
     norma_document_error  *error;
@@ -230,14 +231,14 @@ static norma_result mend_arrays(mend_mesh *mesh) {
 }
 
 static norma_document_result mend_mesh_of(mender *m, size_t index) {
-    mend_mesh mesh = {.document = m->document, .index = index, .edit = &m->edits[index], .turned = m->turned[index], .threads = m->options.threads};
+    mend_mesh mesh = {.document = m->document, .index = index, .edit = &m->edits[index], .turned = m->turned[index], .smooth = m->smooth[index], .threads = m->options.threads};
     norma_result mended = NORMA_OK;
     norma_document_result result = norma_document_mesh_info(m->document, index, &mesh.info);
     if (result || mesh.info.not_read)
         return result;
     if (!gather_findings(m, &mesh))
         return fail(m, NORMA_ERROR_MEMORY);
-    if (mesh.finding_count > 0 || mesh.turned) {
+    if (mesh.finding_count > 0 || mesh.turned || mesh.smooth) {
         result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
         if (!result)
             result = norma_document_mesh_attributes(m->document, index, &mesh.attributes, m->error);
@@ -252,7 +253,7 @@ static norma_document_result mend_mesh_of(mender *m, size_t index) {
     return mended ? fail(m, mended) : result;
 }
 
-/* ---- whole bodies */
+/* ---- whole bodies, seams between primitives */
 
 /* The meshes from first on that belong together, those that were read; returns the one after. */
 static size_t gather_group(const mender *m, size_t first, size_t *indices, const char **wheres, size_t *count) {
@@ -270,16 +271,18 @@ static size_t gather_group(const mender *m, size_t first, size_t *indices, const
     return i > first ? i : first + 1;
 }
 
-static norma_document_result turn_bodies(mender *m) {
+static norma_document_result mend_groups(mender *m, int turns, int shares) {
     size_t *indices = calloc(m->mesh_count + 1, sizeof *indices), count;
     const char **wheres = calloc(m->mesh_count + 1, sizeof *wheres);
     norma_document_result result = indices && wheres ? NORMA_DOCUMENT_OK : fail(m, NORMA_ERROR_MEMORY);
     for (size_t first = 0; first < m->mesh_count && !result;) {
         norma_result how = NORMA_OK;
         first = gather_group(m, first, indices, wheres, &count);
-        const mend_group group = {m->document, m->findings, indices, wheres, count, m->options.threads, m->options.open_by_rays, m->turned, m->summary, m->error};
-        if (count)
+        const mend_group group = {m->document, m->findings, indices, wheres, count, m->options.threads, m->options.open_by_rays, m->turned, m->smooth, m->summary, m->error};
+        if (count && turns)
             result = norma_mend_turn(&group, &how);
+        if (!result && !how && count > 1 && shares)
+            result = norma_mend_seams(&group, &how);
         if (!result && how)
             result = fail(m, how);
     }
@@ -297,8 +300,12 @@ static void free_edits(mender *m) {
                                       edit->cut_faces, edit->cut_corners, edit->source_vertices, edit->new_corners};
         for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) free((void *)(uintptr_t)blocks[k]);
     }
-    for (size_t i = 0; m->turned && i < m->mesh_count; i++) free(m->turned[i]);
-    free(m->turned);
+    for (size_t i = 0; m->turned && m->smooth && i < m->mesh_count; i++) {
+        free(m->turned[i]);
+        free(m->smooth[i]);
+    }
+    free((void *)m->turned);
+    free((void *)m->smooth);
     free(m->edits);
 }
 
@@ -371,7 +378,7 @@ static norma_document_result recentre(mender *m) {
 }
 
 /* Changes to a whole document. A glTF that was changed already takes none: they wait for a further call on what it becomes. */
-static norma_document_result mend_whole(mender *m) {
+static norma_document_result mend_rest(mender *m) {
     const norma_file_format format = norma_document_format(m->document);
     const int one_change = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
     const int wants_compute = is_asked(m, RULE_N104) || is_asked(m, RULE_N106) || is_asked(m, RULE_N806) || is_asked(m, RULE_N901);
@@ -403,16 +410,18 @@ static norma_document_result mend(mender *m) {
     m->mesh_count = norma_document_mesh_count(m->document);
     m->edits = calloc(m->mesh_count + 1, sizeof *m->edits);
     m->turned = calloc(m->mesh_count + 1, sizeof *m->turned);
-    if (!m->edits || !m->turned)
+    m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
+    if (!m->edits || !m->turned || !m->smooth)
         return fail(m, NORMA_ERROR_MEMORY);
-    if (m->unsafe && (is_asked(m, RULE_N302) || m->options.open_by_rays))
-        result = turn_bodies(m);
+    const int turns = m->unsafe && (is_asked(m, RULE_N302) || m->options.open_by_rays), shares = is_asked(m, RULE_N501);
+    if (turns || shares)
+        result = mend_groups(m, turns, shares);
     for (size_t i = 0; i < m->mesh_count && !result; i++) result = mend_mesh_of(m, i);
     if (!result && has_edit(m)) {
         result = norma_document_edit(m->document, m->edits, m->error);
         m->summary->changed = 1;
     }
-    return result ? result : mend_whole(m);
+    return result ? result : mend_rest(m);
 }
 
 norma_document_result norma_mend_document(norma_document *document, const norma_check_options *options, int unsafe, norma_mend_summary *summary, norma_document_error *error) {

@@ -16,6 +16,7 @@ typedef struct mend_mesh {
     size_t                 finding_count;
     norma_mesh_edit       *edit;           /* its arrays are the mender's */
     const uint8_t         *turned;         /* faces of bodies that are reversed as a whole; NULL: none */
+    const float           *smooth;         /* of each vertex, at seams of several primitives; NULL: of this one alone */
     int                    waits;          /* there is more to do once this edit is made */
     /* Made when first needed. */
     uint32_t              *corners;        /* positions of the corners as they will be run along: reversed where the edit says so */
@@ -51,10 +52,25 @@ typedef struct mend_group {                /* the primitives of one glTF mesh, o
     uint32_t              threads;
     int                   open_by_rays;
     uint8_t             **turned;          /* by index: set to a mark for each face, the caller's to free */
+    float               **smooth;          /* by index: set to a normal for each vertex, NaN where it stays; the caller's to free */
     norma_mend_summary   *summary;
     norma_document_error *error;
 } mend_group;
 norma_document_result norma_mend_turn(const mend_group *group, norma_result *how);      /* mend_turn.c: N302, N304 */
+norma_document_result norma_mend_seams(const mend_group *group, norma_result *how);     /* mend_seams.c: N501 between primitives */
+
+typedef struct mend_whole {                /* mend_whole.c */
+    const mend_group *group;
+    core_mesh  *meshes;
+    size_t      vertices, corner_count, face_count; /* of all */
+    norma_mesh  mesh;                      /* all of them as one; after norma_mend_join */
+    double     *positions;
+    uint32_t   *corners, *starts;
+} mend_whole;
+/* To be closed in any case. */
+norma_document_result norma_mend_open_whole(const mend_group *group, mend_whole *whole, norma_result *how);
+void                  norma_mend_close_whole(mend_whole *whole);
+int                   norma_mend_join(mend_whole *whole);                                /* 0: out of memory */
 /* mend_inward.c: named: a mark for each face of all meshes; those of whole bodies in which a face is marked become marked. */
 norma_result norma_mend_whole_bodies(const core_mesh *meshes, size_t count, uint8_t *named);
 

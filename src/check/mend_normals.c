@@ -210,7 +210,18 @@ static norma_result set_seam_normals(mend_mesh *m, const uint8_t *at_seam, const
     return result;
 }
 
+/* Seams that several primitives have in common: their normals are given. */
+static norma_result share_across(mend_mesh *m) {
+    uint8_t *at_seam = calloc(m->mesh.positions.count + 1, 1);
+    for (size_t i = 0; at_seam && i < m->mesh.positions.count; i++) at_seam[i] = isfinite(m->smooth[3 * i]) != 0;
+    norma_result result = at_seam ? set_seam_normals(m, at_seam, m->smooth) : NORMA_ERROR_MEMORY;
+    free(at_seam);
+    return result;
+}
+
 static norma_result share_seams(mend_mesh *m) {
+    if (m->smooth)
+        return share_across(m);
     if (!norma_mend_has(m, RULE_N501))
         return NORMA_OK;
     size_t count, positions = m->mesh.positions.count;

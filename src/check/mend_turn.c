@@ -4,31 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct turning {
-    const mend_group *group;
-    core_mesh *meshes;
-    size_t vertices, corner_count, face_count;
-} turning;
-
-static norma_document_result read_meshes(turning *t, norma_result *how) {
-    const mend_group *g = t->group;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < g->count && !result && !*how; i++) {
-        norma_mesh_data data;
-        result = norma_document_mesh_data(g->document, g->indices[i], &data, g->error);
-        if (result)
-            break;
-        *how = norma_core_mesh_shape(&data.mesh, &t->meshes[i]);
-        t->meshes[i].scale = 1;
-        t->vertices += t->meshes[i].positions.count;
-        t->corner_count += t->meshes[i].corner_count;
-        t->face_count += t->meshes[i].face_count;
-    }
-    return result;
-}
-
 /* The faces that a rule's findings name, counted over all meshes. */
-static int mark_named(const turning *t, check_rule rule, uint8_t *marks) {
+static int mark_named(const mend_whole *t, check_rule rule, uint8_t *marks) {
     const mend_group *g = t->group;
     size_t count, begin = 0;
     int any = 0;
@@ -46,38 +23,6 @@ static int mark_named(const turning *t, check_rule rule, uint8_t *marks) {
 
 /* ---- rays */
 
-typedef struct whole_mesh {
-    double *positions;
-    uint32_t *corners, *starts;
-    norma_mesh mesh;
-} whole_mesh;
-
-static void free_whole(whole_mesh *whole) {
-    free(whole->positions);
-    free(whole->corners);
-    free(whole->starts);
-}
-
-static int make_whole(const turning *t, whole_mesh *whole) {
-    size_t vertex = 0, corner = 0, face = 0;
-    whole->positions = malloc((t->vertices + 1) * 3 * sizeof *whole->positions);
-    whole->corners = malloc((t->corner_count + 1) * sizeof *whole->corners);
-    whole->starts = malloc((t->face_count + 1) * sizeof *whole->starts);
-    if (!whole->positions || !whole->corners || !whole->starts)
-        return 0;
-    for (size_t i = 0; i < t->group->count; i++) {
-        const core_mesh *mesh = &t->meshes[i];
-        for (size_t v = 0; v < mesh->positions.count; v++) norma_view_read(&mesh->positions, v, whole->positions + 3 * (vertex + v));
-        for (size_t f = 0; f < mesh->face_count; f++) whole->starts[face++] = (uint32_t)(corner + norma_core_face_begin(mesh, f));
-        for (size_t c = 0; c < mesh->corner_count; c++) whole->corners[corner + c] = (uint32_t)vertex + norma_core_corner(mesh, c);
-        vertex += mesh->positions.count;
-        corner += mesh->corner_count;
-    }
-    whole->starts[face] = (uint32_t)corner;
-    whole->mesh = (norma_mesh){.positions = {whole->positions, vertex, 0, NORMA_FORMAT_DOUBLE}, .corners = whole->corners, .corner_count = corner, .face_starts = whole->starts, .face_count = face};
-    return 1;
-}
-
 static void add_votes(norma_mend_summary *summary, const norma_orient_report *report) {
     summary->least_confidence = summary->by_rays == 0 || report->least_confidence < summary->least_confidence ? report->least_confidence : summary->least_confidence;
     summary->by_rays += report->by_rays;
@@ -85,20 +30,18 @@ static void add_votes(norma_mend_summary *summary, const norma_orient_report *re
 }
 
 /* What rays turn is what differs from winding alike alone. marks: in, the faces that are open; out, those of them to be reversed. */
-static norma_result ask_rays(const turning *t, uint8_t *marks) {
+static norma_result ask_rays(mend_whole *t, uint8_t *marks) {
     const norma_options options = {.struct_size = sizeof options, .threads = t->group->threads};
-    whole_mesh whole = {0};
     norma_orient_report report;
     uint8_t *alike = malloc(t->face_count + 1), *rays = malloc(t->face_count + 1);
-    norma_result result = alike && rays && t->corner_count < UINT32_MAX && t->vertices < UINT32_MAX && make_whole(t, &whole) ? NORMA_OK : NORMA_ERROR_MEMORY;
+    norma_result result = alike && rays && norma_mend_join(t) ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result)
-        result = norma_orient(&whole.mesh, NORMA_ORIENT_OPEN_KEPT, &options, alike, t->face_count, NULL);
+        result = norma_orient(&t->mesh, NORMA_ORIENT_OPEN_KEPT, &options, alike, t->face_count, NULL);
     if (!result)
-        result = norma_orient(&whole.mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
+        result = norma_orient(&t->mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
     for (size_t f = 0; f < t->face_count && !result; f++) marks[f] = marks[f] && alike[f] != rays[f];
     if (!result && report.open)
         add_votes(t->group->summary, &report);
-    free_whole(&whole);
     free(alike);
     free(rays);
     return result;
@@ -106,7 +49,7 @@ static norma_result ask_rays(const turning *t, uint8_t *marks) {
 
 /* ---- all of it */
 
-static norma_result turn(const turning *t, uint8_t *inward, uint8_t *open) {
+static norma_result turn(mend_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
     if (mark_named(t, RULE_N302, inward))
         result = norma_mend_whole_bodies(t->meshes, t->group->count, inward);
@@ -117,7 +60,7 @@ static norma_result turn(const turning *t, uint8_t *inward, uint8_t *open) {
 }
 
 /* Of each mesh marks of its own, where there are any. */
-static norma_result share_out(const turning *t, const uint8_t *inward, const uint8_t *open) {
+static norma_result share_out(const mend_whole *t, const uint8_t *inward, const uint8_t *open) {
     size_t begin = 0;
     for (size_t i = 0; i < t->group->count; begin += t->meshes[i++].face_count) {
         uint8_t *marks = malloc(t->meshes[i].face_count + 1);
@@ -134,15 +77,14 @@ static norma_result share_out(const turning *t, const uint8_t *inward, const uin
 }
 
 norma_document_result norma_mend_turn(const mend_group *group, norma_result *how) {
-    turning t = {.group = group, .meshes = calloc(group->count + 1, sizeof *t.meshes)};
-    *how = t.meshes ? NORMA_OK : NORMA_ERROR_MEMORY;
-    norma_document_result result = *how ? NORMA_DOCUMENT_OK : read_meshes(&t, how);
+    mend_whole t;
+    norma_document_result result = norma_mend_open_whole(group, &t, how);
     uint8_t *inward = calloc(t.face_count + 1, 1), *open = calloc(t.face_count + 1, 1);
     if (!result && !*how)
         *how = inward && open ? turn(&t, inward, open) : NORMA_ERROR_MEMORY;
     if (!result && !*how)
         *how = share_out(&t, inward, open);
-    free(t.meshes);
+    norma_mend_close_whole(&t);
     free(inward);
     free(open);
     return result;

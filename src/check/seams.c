@@ -130,11 +130,10 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
     }
 }
 
-norma_result norma_check_add_seams(check_mesh *m, check_hits *hits, size_t borders) {
-    int no_fix = hits->count && borders == hits->count; /* a border of primitives is not mended */
+norma_result norma_check_add_seams(check_mesh *m, check_hits *hits) {
     char message[CHECK_MESSAGE];
     norma_check_message(message, "%z positions on seams where normals differ by up to %g degrees though the surface is smooth: a line that nobody modelled", hits->count, hits->worst);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N501, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .no_fix = no_fix, .hits = hits, .message = message});
+    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N501, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .hits = hits, .message = message});
 }
 
 static int can_be_joined(const check_mesh *m) {
@@ -164,7 +163,7 @@ norma_result norma_check_seams(check_mesh *m) {
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     if (!result && hits.count)
-        return norma_check_add_seams(m, &hits, 0);
+        return norma_check_add_seams(m, &hits);
     norma_check_hits_free(&hits);
     return result;
 }

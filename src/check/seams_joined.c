@@ -22,7 +22,6 @@ typedef struct joined {
     double *positions, *normals, *angles;                  /* angles: of a hit, at the vertex that stands for it; else 0 */
     float *texcoords, *colors;
     uint32_t *corners, *materials, *members;               /* members: of each vertex */
-    uint8_t *borders;                                      /* of a hit: between primitives */
     double least;
 } joined;
 
@@ -61,12 +60,11 @@ static norma_result open_joined(joined *j, int texcoords, int colors) {
     j->normals = norma_core_allocate(call, v, 3 * sizeof *j->normals);
     j->angles = norma_core_allocate(call, v, sizeof *j->angles);
     j->members = norma_core_allocate(call, v, sizeof *j->members);
-    j->borders = norma_core_allocate(call, v, sizeof *j->borders);
     j->corners = norma_core_allocate(call, c, sizeof *j->corners);
     j->materials = norma_core_allocate(call, c / 3, sizeof *j->materials);
     j->texcoords = texcoords ? norma_core_allocate(call, v, 2 * sizeof *j->texcoords) : NULL;
     j->colors = colors ? norma_core_allocate(call, v, 4 * sizeof *j->colors) : NULL;
-    int whole = j->positions && j->normals && j->angles && j->members && j->borders && j->corners && j->materials && (!texcoords || j->texcoords) && (!colors || j->colors);
+    int whole = j->positions && j->normals && j->angles && j->members && j->corners && j->materials && (!texcoords || j->texcoords) && (!colors || j->colors);
     return whole ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
@@ -80,7 +78,6 @@ static void close_joined(joined *j) {
     norma_core_release(call, j->texcoords, v, 2 * sizeof *j->texcoords);
     norma_core_release(call, j->materials, c / 3, sizeof *j->materials);
     norma_core_release(call, j->corners, c, sizeof *j->corners);
-    norma_core_release(call, j->borders, v, sizeof *j->borders);
     norma_core_release(call, j->members, v, sizeof *j->members);
     norma_core_release(call, j->angles, v, sizeof *j->angles);
     norma_core_release(call, j->normals, v, 3 * sizeof *j->normals);
@@ -151,8 +148,8 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
             if (i == around->starts[p] || j->members[v] > j->members[spot] || (j->members[v] == j->members[spot] && v < spot))
                 spot = v;
         }
-        j->borders[spot] = j->members[first] != j->members[spot];
-        j->angles[spot] = j->borders[spot] && is_flat(j, p) ? 0 : angle;
+        const int border = j->members[first] != j->members[spot];
+        j->angles[spot] = border && is_flat(j, p) ? 0 : angle;
     }
 }
 
@@ -161,15 +158,12 @@ static norma_result add_member(joined *j, size_t number) {
     check_mesh m = {.run = j->run, .given = member->given, .mesh = member->mesh};
     check_hits hits = {0};
     char label[CHECK_MESSAGE];
-    size_t borders = 0;
     for (size_t v = 0; v < member->mesh.positions.count; v++)
-        if (j->angles[member->begin + v] > 0) {
+        if (j->angles[member->begin + v] > 0)
             norma_check_hit(j->run, &hits, j->angles[member->begin + v] * (180 / NORMA_PI), norma_check_vertex(v));
-            borders += j->borders[member->begin + v];
-        }
     norma_check_label(&member->given->info, label);
     m.place = (check_place){.order = member->order, .where = member->given->info.where ? member->given->info.where : "", .label = label};
-    return norma_check_add_seams(&m, &hits, borders);
+    return norma_check_add_seams(&m, &hits);
 }
 
 static norma_result judge_joined(joined *j) {
