@@ -18,27 +18,33 @@ static char *append(char *text, const char *more) {
     return longer;
 }
 
-static int add(gltf_asset *a, const void *bytes, size_t size, int component, int normalized, size_t stride, size_t count, int width, const char *bounds) {
-    static const char *const types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
-    char text[400];
+int asset_view(gltf_asset *a, const void *bytes, size_t size, const char *members) {
+    char text[600];
     size_t room = (a->bin_size + size + 3) / 4 * 4;
     a->bin = realloc(a->bin, room + 4);
     assert_non_null(a->bin);
     memset(a->bin + a->bin_size, 0, room - a->bin_size);
     if (size)
         memcpy(a->bin + a->bin_size, bytes, size);
-    snprintf(text, sizeof text, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu", a->views ? "," : "", a->bin_size, size);
+    snprintf(text, sizeof text, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu%s}", a->views ? "," : "", a->bin_size, size, members);
     a->views = append(a->views, text);
-    if (stride) {
-        snprintf(text, sizeof text, ",\"byteStride\":%zu", stride);
-        a->views = append(a->views, text);
-    }
-    a->views = append(a->views, "}");
-    snprintf(text, sizeof text, "%s{\"bufferView\":%d,\"componentType\":%d,\"normalized\":%s,\"count\":%zu,\"type\":\"%s\"%s}", a->accessors ? "," : "",
-             a->accessor_count, component, normalized ? "true" : "false", count, types[width], bounds);
-    a->accessors = append(a->accessors, text);
     a->bin_size = room;
+    return a->view_count++;
+}
+
+int asset_accessor(gltf_asset *a, const char *json) {
+    a->accessors = append(append(a->accessors, a->accessor_count ? "," : ""), json);
     return a->accessor_count++;
+}
+
+static int add(gltf_asset *a, const void *bytes, size_t size, int component, int normalized, size_t stride, size_t count, int width, const char *bounds) {
+    static const char *const types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+    char text[400];
+    snprintf(text, sizeof text, ",\"byteStride\":%zu", stride);
+    const int view = asset_view(a, bytes, size, stride ? text : "");
+    snprintf(text, sizeof text, "{\"bufferView\":%d,\"componentType\":%d,\"normalized\":%s,\"count\":%zu,\"type\":\"%s\"%s}", view, component, normalized ? "true" : "false", count,
+             types[width], bounds);
+    return asset_accessor(a, text);
 }
 
 int asset_floats(gltf_asset *a, const float *values, size_t count, int width) {
@@ -54,6 +60,31 @@ int asset_snorm8(gltf_asset *a, const float *values, size_t count, int width) {
         for (int k = 0; k < width; k++) codes[4 * i + (size_t)k] = (signed char)lround(127 * (double)values[(size_t)width * i + (size_t)k]);
     int number = add(a, codes, count * 4, 5120, 1, 4, count, width, "");
     free(codes);
+    return number;
+}
+
+static size_t put_number(unsigned char *at, double value, int component) {
+    const long code = lround(value);
+    const float single = (float)value;
+    if (component == 5126)
+        memcpy(at, &single, 4);
+    for (size_t i = 0; component != 5126 && i < 4; i++) at[i] = (unsigned char)((unsigned long)code >> 8 * i); /* what is too much is written over by the next */
+    return component == 5120 || component == 5121 ? 1 : component == 5122 || component == 5123 ? 2 : 4;
+}
+
+int asset_numbers(gltf_asset *a, const double *values, size_t count, int width, int component, int normalized) {
+    const double largest = !normalized || component == 5126 ? 1 : component == 5120 ? 127 : component == 5121 ? 255 : component == 5122 ? 32767 : 65535;
+    unsigned char probe[4], *bytes = calloc(count, 20);
+    const size_t size = put_number(probe, 0, component), stride = (size * (size_t)width + 3) / 4 * 4;
+    assert_non_null(bytes);
+    for (size_t i = 0; i < count; i++) {
+        unsigned char element[24] = {0};
+        for (int k = 0; k < width; k++) put_number(element + (size_t)k * size, largest * values[(size_t)width * i + (size_t)k], component);
+        memset(element + (size_t)width * size, 0, sizeof element - (size_t)width * size);
+        memcpy(bytes + i * stride, element, stride);
+    }
+    int number = add(a, bytes, count * stride, component, normalized && component != 5126, width == 1 ? 0 : stride, count, width, "");
+    free(bytes);
     return number;
 }
 

@@ -7,7 +7,7 @@ typedef struct gltf_asset {
     unsigned char *bin, *glb;
     size_t bin_size;
     char *views, *accessors; /* JSON, comma-separated */
-    int accessor_count;
+    int accessor_count, view_count;
 } gltf_asset; /* zero-initialised */
 
 /* Numbers of accessors. */
@@ -15,6 +15,12 @@ int asset_floats(gltf_asset *a, const float *values, size_t count, int width);
 int asset_uint16(gltf_asset *a, const uint16_t *values, size_t count);
 /* Normalised, each element padded to four bytes. */
 int asset_snorm8(gltf_asset *a, const float *values, size_t count, int width);
+/* Of any component type, each element padded to four bytes; normalized: 1 is the type's largest number. */
+int asset_numbers(gltf_asset *a, const double *values, size_t count, int width, int component, int normalized);
+/* A view of these bytes alone; members (", ..." or "") go into its JSON. Its number. */
+int asset_view(gltf_asset *a, const void *bytes, size_t size, const char *members);
+/* An accessor as it is written. Its number. */
+int asset_accessor(gltf_asset *a, const char *json);
 
 /* The file: rest is the root's JSON besides asset, buffers, bufferViews and accessors. */
 norma_document *asset_open(gltf_asset *a, const char *rest, int lenient);
