@@ -1,4 +1,4 @@
-/* The npm package beside three.js, one thread, in one run: computeVertexNormals (weighted by area, vertices shared by index) and toCreasedNormals. Then the page, in headless
+/* The npm package beside three.js, one thread, in one run: computeVertexNormals (weighted by area, vertices shared by index), also by a plan of the mesh, and toCreasedNormals. Then the page, in headless
  * Chromium with its software renderer, where there is one: how long it takes to compute 200,000 triangles anew when a slider or a choice changes.
  *   node bench/bench_web.mjs [--json] [--page] [PACKAGE] [NODE_MODULES]        build/web/npm and build/npm-web/node_modules; the page is norma.html beside the package
  *   --page: the page only
@@ -44,9 +44,14 @@ for (const [triangles, [columns, lines]] of onlyPage ? [] : Object.entries(sizes
   const budget = 500;
   const three = least(budget, () => geometry.computeVertexNormals());
   const creased = least(budget, () => toCreasedNormals(geometry, Math.PI / 3));
+  const plan = norma.plan(positions, indices, { weight: "area", weld: "none" });
+  plan.positions.set(positions);
+  const planned = least(budget, () => plan.update(plan.positions, { out: plan.normals }));
+  plan.free();
   rows.push({
     triangles: Number(triangles),
     three_vertex: three, norma_vertex: least(budget, () => norma.vertexNormals(positions, indices, { weight: "area", weld: "none", out })),
+    norma_plan: planned,
     norma_vertex_default: least(budget, () => norma.vertexNormals(positions, indices, { out })),
     three_creased: creased, norma_corners: least(budget, () => norma.cornerNormals(positions, indices, { crease: 60, out: corners })),
     norma_split: least(budget, () => norma.split(positions, indices, { crease: 60 })),
@@ -98,9 +103,9 @@ if (json) {
 } else {
   const ms = (time) => time.toFixed(time < 10 ? 2 : 0).padStart(8), ratio = (a, b) => (a / b).toFixed(1).padStart(6);
   console.log(`node ${process.version}, three.js r${REVISION}; milliseconds`);
-  console.log("triangles | computeVertexNormals   area, by index  ratio   defaults | toCreasedNormals  cornerNormals  ratio      split  ratio");
+  console.log("triangles | computeVertexNormals   area, by index  ratio     a plan  ratio   defaults | toCreasedNormals  cornerNormals  ratio      split  ratio");
   for (const row of rows)
-    console.log(`${String(row.triangles).padStart(9)} | ${ms(row.three_vertex).padStart(20)} ${ms(row.norma_vertex).padStart(16)} ${ratio(row.three_vertex, row.norma_vertex)} ${ms(row.norma_vertex_default).padStart(10)} | ` +
+    console.log(`${String(row.triangles).padStart(9)} | ${ms(row.three_vertex).padStart(20)} ${ms(row.norma_vertex).padStart(16)} ${ratio(row.three_vertex, row.norma_vertex)} ${ms(row.norma_plan).padStart(10)} ${ratio(row.three_vertex, row.norma_plan)} ${ms(row.norma_vertex_default).padStart(10)} | ` +
                 `${ms(row.three_creased).padStart(16)} ${ms(row.norma_corners).padStart(14)} ${ratio(row.three_creased, row.norma_corners)} ${ms(row.norma_split).padStart(10)} ${ratio(row.three_creased, row.norma_split)}`);
   if (!page) console.log("the page: no browser, or no page");
   else {
