@@ -78,7 +78,7 @@ one() {
     done
     while IFS= read -r line; do
         [[ $line == *' | '*' | '* ]] || continue
-        call=${line%% | *}; rest=${line#* | }; status=${rest%% | *}; rest=${rest#* | }; state=${rest%% | *}; rest=${rest#* | }; temporary=${rest%% | *}; said=${rest#* | }
+        call=${line%% | *}; rest=${line#* | }; status=${rest%% | *}; rest=${rest#* | }; state=${rest%% | *}; rest=${rest#* | }; temporary=${rest%% | *}; said=${rest#* | * | }
         why=""
         case $kind:$status in
         kill:-9) left=$((left + temporary)); [ "$state" = "$new" ] && written=$((written + 1)) || refused=$((refused + 1)) ;;

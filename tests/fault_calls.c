@@ -4,10 +4,11 @@
  *   fault_calls fail     FROM WORK STATES -- command...      its n-th call fails, once for each error that the call may have
  *   fault_calls short    FROM WORK STATES -- command...      its n-th read or write moves fewer bytes
  *   fault_calls shrink=F FROM WORK STATES -- command...      file F of WORK is emptied before the n-th call; grow=, scribble=, halve= likewise
+ *   fault_calls memory=S FROM WORK STATES -- command...      its n-th allocation fails, by the library S (tests/faults/fail_allocation.c), which is preloaded
  *   fault_calls trace    FROM WORK STATES -- command...      no fault; what it did to files, in order
  * For each n, the folder FROM is copied to WORK, where the command runs; calls count from its first rt_sigaction, with which our tool's main begins. Each different outcome of
  * WORK is kept as STATES/1, /2, ...; temporary files count as one more outcome, whatever is in them. A line for each run:
- *   n call error | exit status, or the signal that ended it, negative | state | temporary files | first line of stderr
+ *   n call error | exit status, or the signal that ended it, negative | state | temporary files | a number for what it printed | first line of stderr
  * and a last one, "runs N states M". FAULT_ONLY_WRITING=1: from the first call on that makes a file or a folder. */
 #define _GNU_SOURCE
 #include <stdio.h>
@@ -21,6 +22,7 @@ int main(void) {
 #include <elf.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <signal.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -33,7 +35,7 @@ int main(void) {
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { MOST_THREADS = 256, MOST_STATES = 4000, PATH_ROOM = 4096 };
+enum { MOST_THREADS = 256, MOST_STATES = 4000, PATH_ROOM = 4096, TELLS_HIT = 199 /* a descriptor */ };
 
 static _Noreturn void die(const char *what) {
     fprintf(stderr, "fault_calls: %s: %s\n", what, strerror(errno));
@@ -237,7 +239,7 @@ static int makes_a_file(long number, const uint64_t *args) {
 
 /* ---- one run */
 
-typedef enum mode { KILL, FAIL, SHORT, CHANGE, TRACE } mode;
+typedef enum mode { KILL, FAIL, SHORT, CHANGE, MEMORY, TRACE } mode;
 
 typedef struct thread {
     pid_t id;
@@ -254,6 +256,7 @@ typedef struct run {
     int only_writing;
     size_t counted;    /* calls so far; 0: its main has not begun */
     int begun, hit, more_errors;
+    int tell[2];       /* of a preloaded library: that it was hit */
     const char *call;  /* the name of the one that was hit */
     pid_t child;
     int status;        /* exit status, or minus the signal */
@@ -399,6 +402,8 @@ static void on_call(run *r, thread *t) {
 
 static void start(run *r, const char *work, char **command) {
     char out[PATH_ROOM], err[PATH_ROOM];
+    if (r->mode == MEMORY && pipe2(r->tell, O_NONBLOCK | O_CLOEXEC))
+        die("pipe");
     snprintf(out, sizeof out, "%s.out", work);
     snprintf(err, sizeof err, "%s.err", work);
     fflush(stdout);
@@ -412,11 +417,31 @@ static void start(run *r, const char *work, char **command) {
     dup2(to_err, 2);
     close(to_out);
     close(to_err);
-    if (chdir(work) || ptrace(PTRACE_TRACEME, 0, NULL, NULL))
+    if (chdir(work) || (r->mode != MEMORY && ptrace(PTRACE_TRACEME, 0, NULL, NULL)))
         _exit(98);
-    raise(SIGSTOP);
+    if (r->mode == MEMORY) {
+        char number[32];
+        snprintf(number, sizeof number, "%zu", r->at);
+        setenv("LD_PRELOAD", r->file, 1);
+        setenv("FAULT_ALLOCATION", number, 1);
+        dup2(r->tell[1], TELLS_HIT);
+    } else {
+        raise(SIGSTOP);
+    }
     execvp(command[0], command);
     _exit(97);
+}
+
+static void wait_for(run *r) {
+    int status;
+    char byte;
+    if (waitpid(r->child, &status, 0) != r->child)
+        die("the command did not start");
+    r->status = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    r->hit = read(r->tell[0], &byte, 1) == 1;
+    r->call = "allocation";
+    close(r->tell[0]);
+    close(r->tell[1]);
 }
 
 /* Until the command has ended. */
@@ -501,21 +526,49 @@ static size_t state_of(states *all, const content *now, const char *work, const 
     return all->count;
 }
 
-static void first_line(const char *work, char line[400]) {
+/* Where memory is out, lines are broken elsewhere: blanks do not count. */
+static uint64_t printed(const char *work) {
+    char path[PATH_ROOM], block[65536];
+    content all = {.hash = 0xcbf29ce484222325u};
+    snprintf(path, sizeof path, "%s.out", work);
+    const int in = open(path, O_RDONLY);
+    for (ssize_t got; in >= 0 && (got = read(in, block, sizeof block)) > 0;)
+        for (ssize_t i = 0; i < got; ++i)
+            if (block[i] != ' ' && block[i] != '\n')
+                mix(&all, &block[i], 1);
+    close(in);
+    return all.hash;
+}
+
+/* The first line of a file that has the words in it; NULL: the first. */
+static int find_line(const char *work, const char *ending, const char *words, char line[400]) {
     char path[PATH_ROOM];
-    snprintf(path, sizeof path, "%s.err", work);
+    int found = 0;
+    snprintf(path, sizeof path, "%s%s", work, ending);
     FILE *in = fopen(path, "r");
-    line[0] = '\0';
-    if (in && !fgets(line, 400, in))
-        line[0] = '\0';
+    while (in && !found && fgets(line, 400, in)) found = !words || strcasestr(line, words);
     if (in)
         fclose(in);
-    line[strcspn(line, "\n")] = '\0';
+    line[found ? strcspn(line, "\n") : 0] = '\0';
+    return found;
+}
+
+/* What was said, wherever: reports of files that could not be read go to standard output. */
+static void find_message(const run *r, const char *work, char line[400]) {
+    static const char *const words[] = {"out of memory", "cannot allocate memory", "memory could not be allocated"};
+    for (size_t i = 0; r->mode == MEMORY && i < sizeof words / sizeof *words; ++i)
+        if (find_line(work, ".err", words[i], line) || find_line(work, ".out", words[i], line))
+            return;
+    find_line(work, ".err", NULL, line);
 }
 
 static mode mode_of(const char *word, run *r) {
     static const struct { const char *name; void (*change)(const char *); } changes[] = {{"shrink", shrink}, {"halve", halve}, {"grow", grow}, {"scribble", scribble}};
     const char *equals = strchr(word, '=');
+    if (strncmp(word, "memory=", 7) == 0) {
+        r->file = word + 7;
+        return MEMORY;
+    }
     for (size_t i = 0; equals && i < sizeof changes / sizeof *changes; ++i)
         if (strncmp(word, changes[i].name, (size_t)(equals - word)) == 0) {
             r->change = changes[i].change;
@@ -549,16 +602,20 @@ int main(int count, char **words) {
         r.error_index = error_index;
         r.only_writing = getenv("FAULT_ONLY_WRITING") != NULL;
         r.call = "none";
-        if (r.file) {
+        if (r.file && r.mode == CHANGE) {
             join(file, work, r.file);
             r.file = file;
         }
         reset(from, work);
         start(&r, work, words + 6);
-        follow(&r);
+        if (r.mode == MEMORY)
+            wait_for(&r);
+        else
+            follow(&r);
         const content now = look(work);
-        first_line(work, line);
-        printf("%zu %s %s | %d | %zu | %d | %s\n", r.hit ? at : 0, r.call, r.error ? error_name(r.error) : "-", r.status, state_of(&all, &now, work, folder), now.temporary, line);
+        find_message(&r, work, line);
+        printf("%zu %s %s | %d | %zu | %d | %016" PRIx64 " | %s\n", r.hit ? at : 0, r.call, r.error ? error_name(r.error) : "-", r.status, state_of(&all, &now, work, folder),
+               now.temporary, printed(work), line);
         ++runs;
         if (!r.hit)
             break;

@@ -179,6 +179,8 @@ static norma_document_result check_nodes(document_check *d) {
         double world[16];
         if (result) /* once more, for the words */
             (void)norma_document_instance_world(d->document, i, 0, world, d->error);
+        if (result == NORMA_DOCUMENT_ERROR_MEMORY)
+            result = fail(d->error, NORMA_ERROR_MEMORY);
     }
     if (!result)
         result = read_skins(d);

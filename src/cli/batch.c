@@ -83,7 +83,7 @@ static int check_folder(const cli_verb *verb, const cli_files *files) {
     size_t count = files->inputs.count;
     const char **sorted = calloc(count + 1, sizeof *sorted);
     if (!sorted)
-        return CLI_FILE;
+        return cli_out_of_memory();
     memcpy(sorted, files->inputs.words, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, compare_base_names);
     int status = CLI_OK;
@@ -263,10 +263,8 @@ static int change_files(const cli_verb *verb, const cli_common *common, const cl
             return cli_finish(cli_interrupted());
         const char *input = files->inputs.words[i];
         char *output = cli_output_of(files, input);
-        if (!output) {
-            fprintf(stderr, "norma: out of memory\n");
-            return CLI_FILE;
-        }
+        if (!output)
+            return cli_out_of_memory();
         const file_job one = {.common = common, .files = files, .changer = changer, .input = input, .output = output};
         status = cli_worse(status, run_job(&one));
         free(output);
@@ -285,7 +283,7 @@ int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_
     cli_table tables[CLI_OWN_TABLES + CLI_COUNT(shared)];
     int wants_help;
     if (!files.inputs.words)
-        return CLI_FILE;
+        return cli_out_of_memory();
     own_count = own_count < CLI_OWN_TABLES ? own_count : CLI_OWN_TABLES;
     memcpy(tables, own, own_count * sizeof *own);
     memcpy(tables + own_count, shared, sizeof shared);

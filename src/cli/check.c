@@ -291,8 +291,8 @@ static int check_places(const cli_verb *verb, check_work *work, const check_inpu
 static int check_all(const cli_verb *verb, check_work *work) {
     check_inputs inputs = {0};
     check_configs *configs = check_configs_new(work->config, work->no_config);
-    int status = configs && open_baseline(work) ? gather_inputs(verb, work, &inputs) : CLI_FILE;
-    if (status != CLI_USAGE && work->settings.fix && !work->settings.dry_run)
+    int status = !configs ? cli_out_of_memory() : open_baseline(work) ? gather_inputs(verb, work, &inputs) : CLI_FILE;
+    if (status != CLI_USAGE && inputs.count && work->settings.fix && !work->settings.dry_run)
         status = cli_worse(status, check_places(verb, work, &inputs));
     if (configs && status != CLI_USAGE && (!status || inputs.count))
         status = cli_worse(status, check_files(work, &inputs, configs));
@@ -311,6 +311,8 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     work.lists.words = calloc((size_t)count + 1, sizeof(char *));
     if (work.files.inputs.words && work.lists.words)
         status = read_options(verb, &work, count, arguments, &wants_help);
+    else
+        cli_out_of_memory();
     if (wants_help) {
         fputs(verb->help, stdout);
         status = cli_finish(status);

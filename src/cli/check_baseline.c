@@ -19,7 +19,7 @@ typedef struct known_finding {
 
 struct check_baseline {
     const char *path;
-    int is_new;
+    int is_new, incomplete; /* incomplete: memory was out, findings are missing */
     pthread_mutex_t lock; /* of a new one, which all threads fill */
     known_finding *known;
     size_t count, capacity;
@@ -82,8 +82,10 @@ static int add_known(check_baseline *baseline, const char *path, const char *rul
 
 check_baseline *check_baseline_new(const char *path) {
     check_baseline *baseline = calloc(1, sizeof *baseline);
-    if (!baseline)
+    if (!baseline) {
+        cli_out_of_memory();
         return NULL;
+    }
     baseline->path = path;
     baseline->is_new = 1;
     pthread_mutex_init(&baseline->lock, NULL);
@@ -135,7 +137,9 @@ check_baseline *check_baseline_read(const char *path) {
         json_decref(root);
         return baseline;
     }
-    if (baseline && !root)
+    if (!baseline)
+        return NULL;
+    if (!root)
         fprintf(stderr, "norma: %s:%d: %s; expected a baseline as --write-baseline writes it\n", path, error.line, error.text);
     else
         fprintf(stderr, "norma: %s: expected a baseline as --write-baseline writes it\n", path);
@@ -154,6 +158,7 @@ int check_baseline_knows(const check_baseline *baseline, const char *path, const
 int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding, norma_severity severity) {
     pthread_mutex_lock(&baseline->lock);
     int fine = add_known(baseline, path, finding->rule->id, finding->where, severity, finding->count);
+    baseline->incomplete |= !fine;
     pthread_mutex_unlock(&baseline->lock);
     return fine;
 }
@@ -188,6 +193,10 @@ static void write_known(FILE *out, const check_baseline *baseline) {
 
 int check_baseline_write(check_baseline *baseline) {
     cli_output output;
+    if (baseline->incomplete) {
+        fprintf(stderr, "norma: %s: not written: out of memory\n", baseline->path);
+        return CLI_FILE;
+    }
     if (baseline->count)
         qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_places);
     if (!cli_output_begin(&output, baseline->path))

@@ -218,10 +218,17 @@ static char *absolute_folder_of(const char *path) {
     return absolute;
 }
 
+/* Whoever asked for a configuration sees by errno that its text is not at fault. */
+static check_config *without_memory(void) {
+    cli_out_of_memory();
+    errno = ENOMEM;
+    return NULL;
+}
+
 static check_config *read_config(const char *path) {
     check_config *config = calloc(1, sizeof *config);
     if (!config)
-        return NULL;
+        return without_memory();
     json_error_t error;
     const char *key;
     json_t *value, *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
@@ -231,6 +238,8 @@ static check_config *read_config(const char *path) {
     int fine = config->path && config->folder && root;
     if (!root)
         fprintf(stderr, "norma: %s:%d: %s; expected a configuration in JSON\n", path, error.line, error.text);
+    else if (!config->path || !config->folder)
+        without_memory();
     else if (!json_is_object(root))
         fine = fail(config, "the file", "an object");
     if (fine)
@@ -250,7 +259,7 @@ static check_config *add_config(check_configs *configs, const char *path) {
             return configs->configs[i];
     check_config **grown = realloc(configs->configs, (configs->config_count + 1) * sizeof *grown);
     if (!grown)
-        return NULL;
+        return without_memory();
     configs->configs = grown;
     check_config *config = read_config(path);
     if (config)
@@ -329,7 +338,7 @@ const check_config *check_config_of(check_configs *configs, const char *path) {
         return add_config(configs, configs->named);
     char *folder = folder_of(path);
     if (!folder)
-        return NULL;
+        return without_memory();
     /* Files of one folder follow each other. */
     for (size_t i = configs->entry_count; i-- > 0;)
         if (strcmp(configs->entries[i].folder, folder) == 0) {

@@ -206,7 +206,7 @@ int check_inputs_add_list(const cli_verb *verb, check_inputs *inputs, const char
         else if (length)
             status = check_inputs_add(verb, inputs, line);
     }
-    if (ferror(file)) {
+    if (!status && !feof(file)) { /* also where memory is out */
         fprintf(stderr, "norma: %s: cannot be read: %s\n", cli_input_name(list), strerror(errno));
         status = CLI_FILE;
     }

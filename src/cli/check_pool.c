@@ -3,6 +3,7 @@
  * number of files. */
 #define _POSIX_C_SOURCE 200809L
 #include "check_verb.h"
+#include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,9 +63,10 @@ static const check_config *take(check_pool *pool, size_t *file) {
     while (pool->next < pool->inputs->count && pool->next - pool->told >= WINDOW && !cli_interrupted()) pthread_cond_wait(&pool->moved, &pool->lock);
     if (pool->next < pool->inputs->count && !cli_interrupted()) {
         *file = pool->next++;
+        errno = 0;
         config = check_config_of(pool->configs, pool->inputs->paths[*file]);
         if (!config) { /* nothing that is checked by it could be trusted */
-            pool->totals.status = cli_worse(pool->totals.status, CLI_USAGE);
+            pool->totals.status = cli_worse(pool->totals.status, errno == ENOMEM ? CLI_FILE : CLI_USAGE);
             pool->next = pool->inputs->count;
         }
     }
@@ -76,11 +78,18 @@ static void check_file(check_pool *pool, size_t file, const check_config *config
     file_part part = {.done = 1};
     check_totals totals = {0};
     FILE *out = open_memstream(&part.bytes, &part.size);
+    int whole = out != NULL;
     if (out) {
         check_one_file(pool->settings, config, pool->format, pool->inputs->paths[file], out, &totals);
-        fclose(out);
-    } else
-        totals.status = CLI_FILE;
+        whole = !fflush(out) && !ferror(out);
+        whole &= fclose(out) == 0 && part.bytes;
+    }
+    if (!whole) { /* half a report is none */
+        free(part.bytes);
+        part = (file_part){.done = 1};
+        totals.status = cli_worse(totals.status, CLI_FILE);
+        fprintf(stderr, "norma: %s: not reported: out of memory\n", cli_input_name(pool->inputs->paths[file]));
+    }
     pthread_mutex_lock(&pool->lock);
     pool->parts[file % WINDOW] = part;
     add_totals(&pool->totals, &totals);

@@ -136,6 +136,7 @@ void cli_name_error(norma_document_error *error, const char *input); /* "standar
 void cli_print_error(const norma_document_error *error);
 void cli_print_notes(const char *input, const norma_document *document);
 void cli_json_notes(struct cli_json *json, const norma_document *document);
+int cli_out_of_memory(void); /* says so; CLI_FILE */
 int cli_finish(int status); /* flushes stdout; a full disk there is status 3 */
 
 /* A report that goes to a file, whole or not at all. */

@@ -86,7 +86,7 @@ static int explain(const cli_verb *verb, const cli_words *words, int json) {
     size_t count, told = 0;
     const norma_rule *rules = norma_rules(&count);
     uint8_t *mask = calloc(count + 1, 1);
-    int status = mask ? CLI_OK : CLI_FILE;
+    int status = mask ? CLI_OK : cli_out_of_memory();
     for (size_t i = 0; i < words->count && !status; ++i) {
         char unknown[64] = "";
         if (norma_rules_select(words->words[i], mask, unknown) != NORMA_OK)
@@ -111,7 +111,7 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     cli_common common = {0};
     cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {{cli_common_options, cli_common_option_count, &common}};
-    int wants_help = 0, status = words.words ? cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help) : CLI_FILE;
+    int wants_help = 0, status = words.words ? cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help) : cli_out_of_memory();
     if (wants_help)
         fputs(verb->help, stdout);
     else if (!status)

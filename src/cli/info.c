@@ -36,6 +36,8 @@ typedef struct contents {
     const norma_document *document;
     mesh_part *parts;
     size_t part_count, vertices, faces, triangles;
+    norma_node_info *nodes;
+    size_t node_count;
 } contents;
 
 typedef struct info_work {
@@ -149,13 +151,11 @@ static void write_mesh(cli_json *json, const contents *found, size_t first, size
     cli_json_close(json, '}');
 }
 
-static void write_nodes(cli_json *json, const norma_document *document) {
-    norma_node_info node;
+static void write_nodes(cli_json *json, const contents *found) {
     norma_matrix_info matrix;
     cli_json_open(json, "nodes", '[');
-    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
-        if (norma_document_node_info(document, i, &node))
-            continue;
+    for (size_t i = 0; i < found->node_count; ++i) {
+        const norma_node_info node = found->nodes[i];
         kind_of(&node, &matrix);
         cli_json_open(json, NULL, '{');
         cli_json_string(json, "name", node.name);
@@ -181,7 +181,7 @@ static void write_json(const contents *found) {
     cli_json_open(&json, "meshes", '[');
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) write_mesh(&json, found, first, mesh_end(found, first));
     cli_json_close(&json, ']');
-    write_nodes(&json, found->document);
+    write_nodes(&json, found);
     cli_json_notes(&json, found->document);
     cli_json_close(&json, '}');
     fputc('\n', stdout);
@@ -262,12 +262,10 @@ static void print_mesh(const contents *found, size_t first, size_t end) {
     }
 }
 
-static void print_nodes(const norma_document *document) {
-    norma_node_info node;
+static void print_nodes(const contents *found) {
     norma_matrix_info matrix;
-    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
-        if (norma_document_node_info(document, i, &node))
-            continue;
+    for (size_t i = 0; i < found->node_count; ++i) {
+        const norma_node_info node = found->nodes[i];
         kind_of(&node, &matrix);
         printf("  node %zu", node.node);
         print_name(node.name);
@@ -303,7 +301,7 @@ static void print_text(const contents *found) {
     cli_counted(stdout, found->faces, "face", "faces");
     fputs("\n", stdout);
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) print_mesh(found, first, mesh_end(found, first));
-    print_nodes(found->document);
+    print_nodes(found);
 }
 
 /* ---- one file */
@@ -323,8 +321,12 @@ static norma_document_result collect(const info_work *work, norma_document *docu
         found->faces += part->info.faces;
         found->triangles += part->info.triangles;
     }
+    found->node_count = norma_document_node_count(document);
+    found->nodes = calloc(found->node_count + 1, sizeof *found->nodes);
+    result = result || found->nodes ? result : NORMA_DOCUMENT_ERROR_MEMORY;
+    for (size_t i = 0; i < found->node_count && !result; ++i) result = norma_document_node_info(document, i, &found->nodes[i]);
     if (result && !error->message[0])
-        snprintf(error->message, sizeof error->message, "%s: cannot be described", found->path);
+        snprintf(error->message, sizeof error->message, "%s: %s", found->path, result == NORMA_DOCUMENT_ERROR_MEMORY ? "out of memory" : "cannot be described");
     return result;
 }
 
@@ -360,6 +362,7 @@ static int run_file(const info_work *work, const char *path) {
             cli_print_notes(path, document);
     }
     free(found.parts);
+    free(found.nodes);
     norma_document_close(document);
     free(memory);
     return cli_status_of(result);
@@ -376,7 +379,7 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     };
     int wants_help, status;
     if (!work.files.inputs.words)
-        return CLI_FILE;
+        return cli_out_of_memory();
     status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
     if (wants_help)
         fputs(help, stdout);

@@ -7,6 +7,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+int cli_out_of_memory(void) {
+    fputs("norma: out of memory\n", stderr);
+    return CLI_FILE;
+}
+
 static int fail(const cli_output *output, int error) {
     fprintf(stderr, "norma: %s: cannot be written: %s\n", output->path, strerror(error));
     return 0;
@@ -51,12 +56,14 @@ int cli_output_end(cli_output *output) {
     if (output->out == stdout)
         return cli_finish(CLI_OK);
     norma_document_error error = {0};
-    int failed = fflush(output->out) || ferror(output->out);
-    if (fclose(output->out) || failed)
+    const int gathered = !fflush(output->out) && !ferror(output->out);
+    const int closed = fclose(output->out) == 0, whole = gathered && closed && output->text;
+    const int written = whole && norma_save_bytes(output->path, output->text, output->size, &error) == NORMA_DOCUMENT_OK;
+    if (!whole)
         fail(output, ENOMEM);
-    else if ((failed = norma_save_bytes(output->path, output->text, output->size, &error) != NORMA_DOCUMENT_OK))
+    else if (!written)
         cli_print_error(&error);
     output->out = NULL;
     cli_output_drop(output);
-    return failed ? CLI_FILE : CLI_OK;
+    return written ? CLI_OK : CLI_FILE;
 }

@@ -319,7 +319,7 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     };
     int wants_help;
     if (!settings.files.inputs.words)
-        return CLI_FILE;
+        return cli_out_of_memory();
     int status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &settings.files.inputs, &wants_help);
     if (wants_help)
         fputs(verb->help, stdout), status = cli_finish(status);

@@ -219,7 +219,7 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     };
     int wants_help;
     if (!work.files.inputs.words)
-        return CLI_FILE;
+        return cli_out_of_memory();
     int status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
     if (wants_help)
         fputs(help, stdout);

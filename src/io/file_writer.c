@@ -25,6 +25,7 @@ static const size_t WRITE_AT_ONCE = (size_t)1 << 30; /* Linux writes at most 2 G
 struct file_writer {
     int descriptor;
     int held;        /* the file that is to be replaced, locked against other writers; -1: none */
+    int folder;      /* of the target; -1: not open, or may not be read */
     char *target;    /* where it goes: path with its symbolic links followed */
     char *temporary; /* NULL: has no name yet, or the target is a device or a pipe, written as it is */
     int nameless, prepared, replaces, placed;
@@ -197,7 +198,7 @@ int norma_file_writer_open(const char *path, file_writer **writer) {
     if (!made)
         return ENOMEM;
     memset(made, 0, offsetof(file_writer, buffer));
-    made->descriptor = made->held = -1;
+    made->descriptor = made->held = made->folder = -1;
     /* The links of /proc/self/fd name no path that could be opened, so what is no regular file is not resolved. */
     int error = norma_file_is_stream(path) ? ((made->target = join(path, 0, path)) ? 0 : ENOMEM) : resolve(path, &made->target);
     if (!error)
@@ -280,13 +281,15 @@ static int hold_expected(file_writer *writer) {
 }
 
 /* The new name must survive a crash as well. A folder that may not be read cannot be flushed, and some file systems flush none: no reason to call the file unwritten. */
-static int open_folder(const char *target, int *descriptor) {
-    char *folder = join(target, folder_length(target), ".");
+static int open_folder(file_writer *writer) {
+    if (!writer->nameless && !writer->temporary)
+        return 0;
+    char *folder = join(writer->target, folder_length(writer->target), ".");
     if (!folder)
         return ENOMEM;
-    do *descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    while (*descriptor < 0 && errno == EINTR);
-    int error = *descriptor < 0 && errno != EACCES && errno != EPERM ? errno : 0;
+    do writer->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    while (writer->folder < 0 && errno == EINTR);
+    int error = writer->folder < 0 && errno != EACCES && errno != EPERM ? errno : 0;
     free(folder);
     return error;
 }
@@ -296,13 +299,10 @@ static int flush_folder(int folder) {
     return error == EINVAL || error == EBADF || error == ENOTSUP || error == EROFS ? 0 : error;
 }
 
-/* The folder is opened first: nothing that could fail for want of descriptors is left once the file is renamed. */
 static int put_in_place(file_writer *writer) {
-    int folder = -1, error = open_folder(writer->target, &folder), descriptor = writer->descriptor;
     struct stat status;
-    if (!error)
-        error = give_name(writer);
-    descriptor = writer->descriptor;
+    int error = writer->temporary ? 0 : EIO;
+    const int descriptor = writer->descriptor;
     const int is_known = !error && fstat(descriptor, &status) == 0;
     if (!error) {
         writer->descriptor = -1;
@@ -316,15 +316,13 @@ static int put_in_place(file_writer *writer) {
         writer->placed = 1;
         if (writer->expected && is_known)
             *writer->expected = norma_file_stamp_of(&status);
-        error = folder >= 0 ? flush_folder(folder) : 0;
+        error = writer->folder >= 0 ? flush_folder(writer->folder) : 0;
     }
-    if (folder >= 0)
-        close(folder);
     return error;
 }
 
 static int commit_one(file_writer *writer) {
-    if (writer->nameless || writer->temporary)
+    if (writer->temporary)
         return put_in_place(writer);
     int descriptor = writer->descriptor;
     writer->descriptor = -1;
@@ -332,7 +330,8 @@ static int commit_one(file_writer *writer) {
 }
 
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) {
-    static int (*const steps[])(file_writer *) = {norma_file_writer_prepare, hold_expected, commit_one};
+    /* Whatever could fail for want of room, memory or descriptors comes before the first is renamed. */
+    static int (*const steps[])(file_writer *) = {norma_file_writer_prepare, open_folder, hold_expected, give_name, commit_one};
     size_t done = 0;
     int error = 0;
     for (size_t step = 0; step < sizeof steps / sizeof *steps && !error; ++step)
@@ -358,6 +357,8 @@ void norma_file_writer_abandon(file_writer *writer) {
         close(writer->descriptor);
     if (writer->held >= 0)
         close(writer->held);
+    if (writer->folder >= 0)
+        close(writer->folder);
     if (writer->temporary)
         unlink(writer->temporary);
     free(writer->temporary);

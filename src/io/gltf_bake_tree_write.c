@@ -108,6 +108,7 @@ static int edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number) 
 }
 
 static void add_member(json_text *text, const char *key, const json_text *value) {
+    text->failed |= value->failed;
     if (value->size == 0)
         return;
     norma_json_add_text(text, text->size > 1 ? ",\"" : "\"");

@@ -30,12 +30,17 @@ static norma_document_result read_uri(gltf *g, uint32_t number, norma_document_e
         return NORMA_DOCUMENT_OK;
     }
     char *uri = norma_json_string(&g->json, token);
+    if (!uri && norma_json_is(&g->json, token, JSON_STRING))
+        return norma_document_fail_memory(g->document, error);
     if (!uri)
         return norma_gltf_malformed(g, error, token, "a URI as a string");
+    errno = 0;
     buffer->storage = norma_gltf_uri_is_data(uri) ? GLTF_STORED_DATA : GLTF_STORED_FILE;
     if (buffer->storage == GLTF_STORED_FILE)
         buffer->name = norma_gltf_uri_decode(uri);
     free(uri);
+    if (buffer->storage == GLTF_STORED_FILE && !buffer->name && errno == ENOMEM)
+        return norma_document_fail_memory(g->document, error);
     return buffer->storage == GLTF_STORED_FILE && !buffer->name ? norma_gltf_malformed(g, error, token, "a URI whose percent escapes can be resolved") : NORMA_DOCUMENT_OK;
 }
 
@@ -157,7 +162,7 @@ static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_docum
     char place[200], *path = NULL;
     norma_gltf_pointer(g, buffer->token, place, sizeof place);
     if (!norma_gltf_path_inside(g->document->folder, buffer->name, &path))
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED, place, "the buffer %s is not opened; expected a file in the asset's folder", buffer->name);
+        return errno == ENOMEM ? norma_document_fail_memory(g->document, error) : norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED, place, "the buffer %s is not opened; expected a file in the asset's folder", buffer->name);
     struct stat status;
     int failed = stat(path, &status) ? errno : !S_ISREG(status.st_mode) ? EINVAL : norma_file_open(path, g->document->copied, &buffer->file);
     free(path);
@@ -181,8 +186,12 @@ static norma_document_result load_data(gltf *g, gltf_buffer *buffer, norma_docum
     if (!uri)
         return norma_document_fail_memory(g->document, error);
     size_t size = 0;
+    errno = 0;
     buffer->owned = norma_gltf_data_decode(uri, &size);
+    const int out_of_memory = !buffer->owned && errno == ENOMEM;
     free(uri);
+    if (out_of_memory)
+        return norma_document_fail_memory(g->document, error);
     if (!buffer->owned)
         return norma_gltf_malformed(g, error, token, "base64 in the data: URI");
     if (size < buffer->length)

@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#if defined(_WIN32)
+#include <direct.h>
+#define mkdir(path, mode) _mkdir(path)
+#endif
 
 typedef struct companion {
     char                *path;
@@ -55,7 +59,9 @@ static norma_document_result add(companions *c, companion one)
         same = has_content(&one, &there);
         norma_file_close(&there);
     }
-    if (!same && failed != ENOENT && failed != ENOTDIR && !(c->in_place && !failed))
+    if (failed == ENOMEM)
+        result = out_of_memory(c);
+    else if (!same && failed != ENOENT && failed != ENOTDIR && !(c->in_place && !failed))
         result = refuse(c, one.path);
     if (!same && !result) {
         companion *grown = norma_io_grow(c->list, &c->capacity, c->count + 1, sizeof *grown);
@@ -95,7 +101,7 @@ static norma_document_result add_file(companions *c, const char *name)
     char *source;
     struct stat status;
     if (!norma_gltf_path_inside(c->document->folder, name, &source))
-        return norma_document_add_note(c->document, "%s lies outside the asset's folder and was not copied", name), NORMA_DOCUMENT_OK;
+        return errno == ENOMEM ? out_of_memory(c) : norma_document_add_note(c->document, "%s lies outside the asset's folder and was not copied", name), NORMA_DOCUMENT_OK;
     int there = stat(source, &status) == 0 && S_ISREG(status.st_mode) && norma_file_open(source, c->document->copied, &one.file) == 0;
     free(source);
     if (!there)
@@ -116,10 +122,13 @@ static norma_document_result add_images(companions *c)
     uint32_t images = norma_json_member(j, 0, "images");
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t image = norma_json_first(j, images); !result && image != JSON_NONE; image = norma_json_next(j, images, image)) {
+        errno = 0;
         char *uri = norma_json_string(j, norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE);
         char *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
         if (name)
             result = add_file(c, name);
+        else if (errno == ENOMEM)
+            result = out_of_memory(c);
         free(name);
         free(uri);
     }

@@ -94,7 +94,9 @@ static void set_bounds(gltf *g, uint32_t accessor, const char *key, const double
         return;
     add_bounds(&text, values, data);
     norma_json_add(&text, "", 1);
-    if (!text.failed)
+    if (text.failed)
+        norma_json_edits_fail(g->edits);
+    else
         norma_json_set(g->edits, accessor, key, text.data);
     free(text.data);
 }

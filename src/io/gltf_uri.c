@@ -1,8 +1,23 @@
 /* gltf_uri.c: URIs of buffers and images: percent escapes (RFC 3986), data: URIs (RFC 2397) with base64 (RFC 4648), and whether a name stays in a folder. */
 #define _XOPEN_SOURCE 700
 #include "gltf.h"
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+
+#if defined(_WIN32)
+/* Absolute, with slashes, without one at its end. Links are not followed: on Windows it takes an administrator to make one. */
+static char *realpath(const char *path, char *resolved)
+{
+    char *out = _fullpath(resolved, path, 0);
+    size_t length = out ? strlen(out) : 0;
+    for (size_t i = 0; i < length; ++i)
+        if (out[i] == '\\')
+            out[i] = '/';
+    while (length > 1 && out[length - 1] == '/') out[--length] = '\0';
+    return out;
+}
+#endif
 
 static int hex_value(char c)
 {
@@ -161,6 +176,7 @@ static int is_below(const char *name)
 int norma_gltf_path_inside(const char *folder, const char *name, char **path)
 {
     *path = NULL;
+    errno = EACCES;
     if (!folder || !is_below(name))
         return 0;
     size_t folder_length = strlen(folder), name_length = strlen(name);
@@ -169,15 +185,21 @@ int norma_gltf_path_inside(const char *folder, const char *name, char **path)
         return 0;
     memcpy(joined, folder, folder_length);
     memcpy(joined + folder_length, name, name_length + 1);
-    char *real_folder = realpath(folder[0] ? folder : ".", NULL), *real = realpath(joined, NULL);
+    char *real_folder = realpath(folder[0] ? folder : ".", NULL);
+    int why = real_folder ? 0 : errno;
+    char *real = real_folder ? realpath(joined, NULL) : NULL;
+    if (real_folder && !real)
+        why = errno;
     size_t length = real_folder ? strlen(real_folder) : 0;
     int root = length == 1;
-    int inside = !real || (real_folder && strncmp(real, real_folder, length) == 0 && (root || real[length] == '/'));
+    /* What is not there cannot lead elsewhere; what could not be looked at might. */
+    int inside = real ? strncmp(real, real_folder, length) == 0 && (root || real[length] == '/') : why != ENOMEM;
     free(real_folder);
     free(real);
     if (inside)
         *path = joined;
     else
         free(joined);
+    errno = why == ENOMEM ? ENOMEM : EACCES;
     return inside;
 }
