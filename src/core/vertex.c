@@ -1,5 +1,6 @@
 /* vertex.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became of its position, or of itself, and is written. */
 #include "nearest.h"
+#include "scattered.h"
 #include "vertex_add.h"
 
 enum { VERTICES_IN_CHUNK = 16384 };
@@ -113,7 +114,7 @@ static norma_result compute(core_surface *surface, const core_range *ranges, con
     if (result != NORMA_OK || done) return result;
     tally = (core_tally){{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     result = call->options.weight == NORMA_WEIGHT_VISIBLE ? norma_core_cone_vertices(surface, &work.vertices, &tally)
-                                                                       : norma_core_sum_vertices(surface, &work.vertices, &tally);
+                                                                       : norma_core_sum_vertices(surface, norma_core_is_scattered(&surface->mesh), &work.vertices, &tally);
     if (result != NORMA_OK) return result;
     norma_core_stage(call, 0.9, 0.97);
     result = write_all(&work, &tally);

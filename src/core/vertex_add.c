@@ -155,6 +155,75 @@ CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end
     }
 }
 
+/* ---- queueing */
+
+CORE_INLINE void queue_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes, size_t in_chunk, core_queue *queue, norma_weight weight)
+{
+    static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const core_batch *m = &t->measured;
+    const double *w[3];
+    for (int k = 0; k < 3; k++) w[k] = weighs_evenly(weight) ? ones : m->weight[k];
+    core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2], weight == NORMA_WEIGHT_AREA ? m->twice_area : ones, (core_rows *)(void *)queue->row[in_chunk]);
+    core_lanes_to_rows(w[0], w[1], w[2], ones, (core_rows *)(void *)queue->weight[in_chunk]);
+    memcpy(queue->at + 3 * in_chunk, t->at, sizeof t->at);
+    if (lanes == CORE_LANES && !adder->by_distance && all_sure(m)) return;
+    for (int i = 0; i < lanes; i++)
+        if (m->sure[i] == 0 || !has_three_places(t->at + 3 * i)) adder->add_face(adder->context, f + (size_t)i);
+}
+
+CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale)
+{
+    uint32_t listed[CORE_PARTS + 1] = {0};
+    for (size_t f = 0; f < faces; f++)
+        for (size_t k = 0; k < 3; k++) {
+            const uint32_t at = queue->at[3 * f + k], part = (uint32_t)((at * scale) >> CORE_PART_BITS), list = at == CORE_NOWHERE ? CORE_PARTS : part;
+            queue->list[list][listed[list]++] = (uint16_t)(4 * f + k);
+        }
+    memcpy(queue->listed, listed, sizeof listed);
+}
+
+CORE_INLINE void queue_weighted(const core_adder *adder, size_t begin, size_t end, core_queue *queue, norma_weight weight)
+{
+    triangle_batch t[BATCHES_AT_ONCE];
+    for (size_t f = begin; f < end; f += BATCHES_AT_ONCE * CORE_LANES) {
+        const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES ? (left + CORE_LANES - 1) / CORE_LANES : BATCHES_AT_ONCE;
+        for (size_t i = 0; i < batches; i++) {
+            look_ahead(adder, f + i * CORE_LANES);
+            read_batch(adder->mesh, f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), &t[i]);
+        }
+        for (size_t i = 0; i < batches; i++) measure_batch(&t[i].measured, weight);
+        for (size_t i = 0; i < batches; i++)
+            queue_batch(adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), f + i * CORE_LANES - begin, queue, weight);
+    }
+}
+
+CORE_INLINE void queue_triangles(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue)
+{
+    switch (adder->weight) {
+    case NORMA_WEIGHT_ANGLE:         queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE); break;
+    case NORMA_WEIGHT_AREA:          queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_AREA); break;
+    case NORMA_WEIGHT_MAX:           queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_MAX); break;
+    case NORMA_WEIGHT_ANGLE_AREA:    queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_AREA); break;
+    case NORMA_WEIGHT_ANGLE_LENGTHS: queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_LENGTHS); break;
+    default:                         queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_UNIFORM); break;
+    }
+    list_corners(queue, end - begin, scale);
+}
+
+CORE_INLINE vertex_sum *sum_of_corner(const core_queue *queue, uint16_t corner, vertex_sum *sums) { return &sums[queue->at[corner - (corner >> 2)]]; }
+
+CORE_INLINE void drain_queue(const core_queue *queue, size_t part, vertex_sum *sums)
+{
+    enum { CORNERS_AHEAD = 64 };
+    const uint16_t *list = queue->list[part];
+    const size_t count = queue->listed[part];
+    for (size_t i = 0; i < count && i < CORNERS_AHEAD; i++) __builtin_prefetch(sum_of_corner(queue, list[i], sums), 1, 2);
+    for (size_t i = 0; i < count; i++) {
+        if (i + CORNERS_AHEAD < count) __builtin_prefetch(sum_of_corner(queue, list[i + CORNERS_AHEAD], sums), 1, 2);
+        core_add_row(&sum_of_corner(queue, list[i], sums)->x, queue->row[list[i] >> 2], queue->weight[list[i] >> 2][list[i] & 3]);
+    }
+}
+
 /* ---- finishing */
 
 CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3])
@@ -178,19 +247,31 @@ CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3])
 /* ---- for each instruction set */
 
 static void add_portable(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, begin, end); }
+static void queue_portable(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) { queue_triangles(adder, begin, end, scale, queue); }
+static void drain_portable(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
 static int finish_portable(const vertex_sum *sums, float (*normals)[3]) { return finish_sums(sums, normals); }
 
 #if defined(CORE_HAS_X86)
 CORE_FOR_AVX2 static void add_avx2(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, begin, end); }
 CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, begin, end); }
+CORE_FOR_AVX2 static void queue_avx2(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) { queue_triangles(adder, begin, end, scale, queue); }
+CORE_FOR_AVX512 static void queue_avx512(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) { queue_triangles(adder, begin, end, scale, queue); }
+CORE_FOR_AVX2 static void drain_avx2(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
+CORE_FOR_AVX512 static void drain_avx512(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
 CORE_FOR_AVX2 static int finish_avx2(const vertex_sum *sums, float (*normals)[3]) { return finish_sums(sums, normals); }
 CORE_FOR_AVX512 static int finish_avx512(const vertex_sum *sums, float (*normals)[3]) { return finish_sums(sums, normals); }
 static core_add_triangles *const ADD[] = {add_portable, add_avx2, add_avx512};
+static core_queue_triangles *const QUEUE[] = {queue_portable, queue_avx2, queue_avx512};
+static core_drain_queue *const DRAIN[] = {drain_portable, drain_avx2, drain_avx512};
 static core_finish_sums *const FINISH[] = {finish_portable, finish_avx2, finish_avx512};
 #else
 static core_add_triangles *const ADD[] = {add_portable};
+static core_queue_triangles *const QUEUE[] = {queue_portable};
+static core_drain_queue *const DRAIN[] = {drain_portable};
 static core_finish_sums *const FINISH[] = {finish_portable};
 #endif
 
 core_add_triangles *norma_core_choose_add(norma_isa isa) { return ADD[norma_core_level(isa)]; }
+core_queue_triangles *norma_core_choose_queue(norma_isa isa) { return QUEUE[norma_core_level(isa)]; }
+core_drain_queue   *norma_core_choose_drain(norma_isa isa) { return DRAIN[norma_core_level(isa)]; }
 core_finish_sums   *norma_core_choose_finish(norma_isa isa) { return FINISH[norma_core_level(isa)]; }

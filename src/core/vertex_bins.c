@@ -126,7 +126,7 @@ norma_result norma_core_bin_vertices(core_surface *surface, const core_range *ra
     *done = 0;
     if (mesh->face_starts || mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE || !positions) return NORMA_OK;
     const size_t bin_size = choose_bin_size(call, positions, average_span(ranges, chunks)), bins = positions / bin_size + (positions % bin_size != 0);
-    if (!is_coherent(ranges, chunks, bin_size)) return NORMA_OK;
+    if (!is_coherent(ranges, chunks, bin_size) || bin_size > MOST_IN_BIN) return NORMA_OK;   /* a bin beyond the cache is none */
     const size_t workers = call->options.parallel_for ? BUFFERS_FOR_JOBS : norma_core_workers(call);
     const size_t buffers = smaller(smaller(workers, MOST_BUFFERS), 1 + (bins - 1) / BINS_FOR_EACH);         /* a quarter of all sums, however many work */
     bin_work work = {.surface = surface, .ranges = ranges, .output = output, .add = norma_core_choose_add(call->options.isa), .chunks = chunks, .bins = bins, .bin_size = bin_size,

@@ -1,6 +1,7 @@
 /* vertex_sums.c: the weighted sum at each position. Faces are gone through in ascending order, and each adds to the sums of its corners; when several work, each owns a range
  * of positions and passes over the chunks of faces that do not touch it. So every sum is taken in the same order whoever takes it. */
-#include "vertex_add.h"
+#include "scattered.h"
+#include "vertex_queue.h"
 #include <math.h>
 
 enum { FACES_IN_CHUNK = CORE_FACES_IN_CHUNK, FEWEST_FACES_TO_SHARE = 1 << 15, RANGES_FOR_JOBS = 8, MOST_RANGES = 64 };
@@ -9,6 +10,8 @@ typedef struct position_range { uint32_t begin, end; } position_range;   /* from
 
 typedef struct sum_work {
     core_vertices      *vertices;
+    core_mesh           mesh;              /* the surface's, its positions perhaps copied */
+    int                 scattered;
     core_add_triangles *add;
     size_t              ranges, chunks;
     position_range     *touched;           /* by each chunk; NULL for one range */
@@ -83,7 +86,7 @@ static void add_chunk(sum_work *work, size_t range_number, position_range range,
     if (work->touched && (work->touched[chunk].begin >= range.end || work->touched[chunk].end <= range.begin)) return;
     chunk_faces(work, chunk, &begin, &end);
     core_face_adder face_adder = {surface, sums, range.begin, count, &work->degenerate[range_number]};
-    const core_adder adder = {&surface->mesh, surface->call->options.weight, sums, range.begin, count, work->ranges == 1, 1, surface->call->options.weld == NORMA_WELD_DISTANCE,
+    const core_adder adder = {&work->mesh, surface->call->options.weight, sums, range.begin, count, work->ranges == 1, work->scattered, surface->call->options.weld == NORMA_WELD_DISTANCE,
                               norma_core_add_face, &face_adder};
     if (!surface->faces) work->add(&adder, begin, end);
     else
@@ -182,8 +185,9 @@ static norma_result sum_own(core_vertices *vertices)
     const core_call *call = vertices->surface->call;
     const core_mesh *mesh = &vertices->surface->mesh;
     size_t cancelled = 0;
+    if (!mesh->weld) return NORMA_OK;                   /* a position has the corners of one vertex */
     for (size_t v = 0; v < vertices->count; v++) cancelled += (size_t)cancels(&vertices->sums[norma_core_welded(mesh, (uint32_t)v)]);
-    if (!cancelled || !mesh->weld) return NORMA_OK;
+    if (!cancelled) return NORMA_OK;
     vertices->own = norma_core_allocate(call, vertices->count, sizeof *vertices->own);
     vertices->own_sums = norma_core_allocate(call, cancelled, sizeof *vertices->own_sums);
     vertices->own_count = cancelled;
@@ -219,14 +223,29 @@ int norma_core_resolve_record(const core_mesh *mesh, const vertex_sum *s, size_t
     return NORMA_REASON_NONE;
 }
 
-norma_result norma_core_sum_vertices(core_surface *surface, core_vertices *vertices, core_tally *tally)
+/* Triangles are measured from positions in memory of our own where they are scattered; polygons are measured already. */
+static norma_result sum_all(sum_work *work)
+{
+    core_surface *surface = work->vertices->surface;
+    norma_result result = NORMA_OK;
+    int done = 0;
+    work->mesh = surface->mesh;
+    if (work->scattered && !surface->faces) result = norma_core_copy_scattered(surface->call, &surface->mesh, CORE_COPY_POSITIONS, &work->mesh);
+    if (result == NORMA_OK && work->scattered && !surface->faces && work->ranges > 1) result = norma_core_queue_vertices(surface, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
+    if (result == NORMA_OK && !done) result = work->ranges > 1 ? sum_shared(work) : sum_alone(work);
+    norma_core_release_scattered(surface->call, &surface->mesh, &work->mesh);
+    return result;
+}
+
+norma_result norma_core_sum_vertices(core_surface *surface, int scattered, core_vertices *vertices, core_tally *tally)
 {
     const size_t count = surface->mesh.positions.count, faces = surface->mesh.face_count;
     *vertices = (core_vertices){.surface = surface, .count = count};
     vertices->sums = norma_core_allocate(surface->call, count, sizeof *vertices->sums);
     if (!vertices->sums) return NORMA_ERROR_MEMORY;
-    sum_work work = {.vertices = vertices, .add = norma_core_choose_add(surface->call->options.isa), .ranges = ranges_for(surface), .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
-    norma_result result = work.ranges > 1 ? sum_shared(&work) : sum_alone(&work);
+    sum_work work = {.vertices = vertices, .scattered = scattered, .add = norma_core_choose_add(surface->call->options.isa), .ranges = ranges_for(surface),
+                     .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
+    norma_result result = sum_all(&work);
     if (result == NORMA_OK) result = sum_own(vertices);
     norma_core_count_add(&tally->degenerate, &surface->degenerate_faces);
     for (size_t i = 0; i < work.ranges; i++) norma_core_count_add(&tally->degenerate, &work.degenerate[i]);

@@ -16,8 +16,8 @@ typedef struct core_vertices {
     uint8_t      *reasons;
 } core_vertices;
 
-/* vertex_sums.c, vertex_cones.c. What they return but NORMA_OK leaves nothing to release. tally: degenerate faces are added. */
-norma_result norma_core_sum_vertices(core_surface *surface, core_vertices *vertices, core_tally *tally);
+/* vertex_sums.c, vertex_cones.c. What they return but NORMA_OK leaves nothing to release. tally: degenerate faces are added. scattered: faces in a row lie far apart. */
+norma_result norma_core_sum_vertices(core_surface *surface, int scattered, core_vertices *vertices, core_tally *tally);
 norma_result norma_core_cone_vertices(core_surface *surface, core_vertices *vertices, core_tally *tally);
 void         norma_core_release_vertices(core_vertices *vertices);
 
