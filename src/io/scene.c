@@ -67,23 +67,6 @@ static const scene_functions *functions_of(const norma_document *document) {
     return document->functions->scene ? document->functions->scene : &nothing;
 }
 
-static void clear_error(norma_document_error *error) {
-    if (error)
-        *error = (norma_document_error){0};
-}
-
-/* Arrays need the whole document, and one that no change has touched half-way. */
-static norma_document_result check_whole(const norma_document *document, norma_document_error *error) {
-    clear_error(error);
-    if (!document)
-        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no document was given");
-    if (document->depth != NORMA_DOCUMENT_WHOLE)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "opened as a summary only; expected to be opened whole");
-    if (document->failed)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "an earlier change of it failed; it can only be closed");
-    return NORMA_DOCUMENT_OK;
-}
-
 static norma_document_result check_mesh(norma_document *document, size_t index, norma_document_error *error) {
     norma_mesh_info info;
     size_t count = norma_document_mesh_count(document);
@@ -134,7 +117,7 @@ static norma_document_result make_attributes(norma_document *document, size_t in
 }
 
 norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error) {
-    norma_document_result result = check_whole(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     if (!result && !attributes)
         result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the attributes was given");
     if (result)
@@ -150,7 +133,7 @@ norma_document_result norma_document_mesh_attributes(norma_document *document, s
 
 norma_document_result norma_document_morph_data(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error) {
     norma_mesh_info info;
-    norma_document_result result = check_whole(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     if (!result && !data)
         result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the target's data was given");
     if (result)
@@ -170,7 +153,7 @@ size_t norma_document_skin_count(norma_document *document) {
 }
 
 norma_document_result norma_document_skin_info(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
-    norma_document_result result = check_whole(document, error);
+    norma_document_result result = norma_document_usable(document, error);
     if (result)
         return result;
     size_t count = norma_document_skin_count(document);
@@ -201,7 +184,7 @@ norma_document_result norma_document_unread(norma_document *document, size_t ind
 
 norma_document_result norma_document_instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error) {
     norma_node_info info;
-    clear_error(error);
+    norma_document_clear(error);
     if (!document || !world || norma_document_node_info(document, index, &info))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "node %zu of %zu was asked for", index,
                                    norma_document_node_count(document));
