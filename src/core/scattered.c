@@ -1,4 +1,4 @@
-/* scattered.c: positions and corners copied into memory of our own, whose pages are large where the system has such. */
+/* scattered.c: positions copied into memory of our own, whose pages are large where the system has such. */
 #include "scattered.h"
 
 enum { IN_CHUNK = 1 << 16, FEWEST_TO_COPY = 1 << 19 };    /* fewer are found in the tables of pages that processors keep */
@@ -27,48 +27,30 @@ int norma_core_is_scattered(const core_mesh *mesh)
 
 /* ---- copies */
 
-typedef struct copying {
-    const unsigned char *from;
-    unsigned char       *to;
-    size_t               count, stride;                   /* things of three numbers; what they are apart in from */
-} copying;
+typedef struct copying { const norma_vec3_view *from; unsigned char *to; } copying;
 
 static void copy_chunk(void *context, size_t chunk)
 {
     const copying *work = context;
-    const size_t begin = chunk * IN_CHUNK, end = work->count - begin < IN_CHUNK ? work->count : begin + IN_CHUNK;
-    const unsigned char *from = work->from + begin * work->stride;
+    const norma_vec3_view *in = work->from;
+    const size_t begin = chunk * IN_CHUNK, end = in->count - begin < IN_CHUNK ? in->count : begin + IN_CHUNK;
+    const unsigned char *from = (const unsigned char *)in->data + begin * in->stride;
     unsigned char *to = work->to + begin * TIGHT;
-    if (work->stride == TIGHT) memcpy(to, from, (end - begin) * TIGHT);
+    if (in->stride == TIGHT) memcpy(to, from, (end - begin) * TIGHT);
     else
-        for (size_t i = begin; i < end; i++, from += work->stride, to += TIGHT) memcpy(to, from, TIGHT);
+        for (size_t i = begin; i < end; i++, from += in->stride, to += TIGHT) memcpy(to, from, TIGHT);
 }
 
-/* NULL where there is no memory: then what the caller has must do. */
-static norma_result copy(core_call *call, const void *from, size_t count, size_t stride, void **to)
+norma_result norma_core_copy_scattered(core_call *call, const core_mesh *mesh, core_mesh *own)
 {
-    copying work = {from, norma_core_allocate(call, count, TIGHT), count, stride};
-    norma_result result = NORMA_OK;
-    if (work.to) result = norma_core_parallel(call, count / IN_CHUNK + (count % IN_CHUNK != 0), copy_chunk, &work);
-    if (result != NORMA_OK) norma_core_release(call, work.to, count, TIGHT);
-    *to = result == NORMA_OK ? work.to : NULL;
-    return result;
-}
-
-norma_result norma_core_copy_scattered(core_call *call, const core_mesh *mesh, core_copied what, core_mesh *own)
-{
-    const size_t positions = mesh->positions.count, faces = mesh->face_count;
-    void *to = NULL;
-    norma_result result = NORMA_OK;
+    const size_t count = mesh->positions.count;
     *own = *mesh;
-    if (mesh->positions.format == NORMA_FORMAT_FLOAT && positions >= FEWEST_TO_COPY) result = copy(call, mesh->positions.data, positions, mesh->positions.stride, &to);
-    if (to) {
-        own->positions.data = to;
-        own->positions.stride = TIGHT;
-    }
-    to = NULL;
-    if (result == NORMA_OK && what == CORE_COPY_CORNERS_TOO && mesh->corner_size == sizeof(uint32_t) && faces >= FEWEST_TO_COPY) result = copy(call, mesh->corners, faces, TIGHT, &to);
-    if (to) own->corners = to;
+    if (mesh->positions.format != NORMA_FORMAT_FLOAT || count < FEWEST_TO_COPY) return NORMA_OK;
+    copying work = {&mesh->positions, norma_core_allocate(call, count, TIGHT)};
+    if (!work.to) return NORMA_OK;
+    own->positions.data = work.to;
+    own->positions.stride = TIGHT;
+    const norma_result result = norma_core_parallel(call, count / IN_CHUNK + (count % IN_CHUNK != 0), copy_chunk, &work);
     if (result != NORMA_OK) norma_core_release_scattered(call, mesh, own);
     return result;
 }
@@ -76,7 +58,5 @@ norma_result norma_core_copy_scattered(core_call *call, const core_mesh *mesh, c
 void norma_core_release_scattered(const core_call *call, const core_mesh *mesh, core_mesh *own)
 {
     if (own->positions.data != mesh->positions.data) norma_core_release(call, (void *)(uintptr_t)own->positions.data, mesh->positions.count, TIGHT);
-    if (own->corners != mesh->corners) norma_core_release(call, (void *)(uintptr_t)own->corners, mesh->face_count, TIGHT);
     own->positions = mesh->positions;
-    own->corners = mesh->corners;
 }

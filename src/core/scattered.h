@@ -7,10 +7,7 @@
 /* Whether faces in a row touch positions all over the mesh of triangles; its indices are checked. Looks at some of them. */
 int norma_core_is_scattered(const core_mesh *mesh);
 
-typedef enum core_copied { CORE_COPY_POSITIONS = 0, CORE_COPY_CORNERS_TOO } core_copied;
-
-/* The mesh with positions, and perhaps corners, of its own, the same numbers, to be released; with the caller's where they are few or there is no memory for them. CANCELLED leaves
- * nothing to release. */
-norma_result norma_core_copy_scattered(core_call *call, const core_mesh *mesh, core_copied what, core_mesh *copy);
+/* The mesh with positions of its own, the same numbers, to be released; with the caller's where they are few or there is no memory for them. CANCELLED leaves nothing to release. */
+norma_result norma_core_copy_scattered(core_call *call, const core_mesh *mesh, core_mesh *copy);
 void         norma_core_release_scattered(const core_call *call, const core_mesh *mesh, core_mesh *copy);
 #endif

@@ -230,7 +230,7 @@ static norma_result sum_all(sum_work *work)
     norma_result result = NORMA_OK;
     int done = 0;
     work->mesh = surface->mesh;
-    if (work->scattered && !surface->faces) result = norma_core_copy_scattered(surface->call, &surface->mesh, CORE_COPY_POSITIONS, &work->mesh);
+    if (work->scattered && !surface->faces) result = norma_core_copy_scattered(surface->call, &surface->mesh, &work->mesh);
     if (result == NORMA_OK && work->scattered && !surface->faces && work->ranges > 1) result = norma_core_queue_vertices(surface, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
     if (result == NORMA_OK && !done) result = work->ranges > 1 ? sum_shared(work) : sum_alone(work);
     norma_core_release_scattered(surface->call, &surface->mesh, &work->mesh);
