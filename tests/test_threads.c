@@ -316,6 +316,45 @@ static void many_triangles_apart(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* So many faces with corners anywhere that several threads hand what they measure to each other; some of them, and some positions, are not what they should be. */
+static void faces_in_no_order(void **state) {
+    enum { POSITIONS = 540000, TRIANGLES = 1200000 };
+    static const uint32_t threads[] = {2, 3, 8};
+    uint64_t  seed = 21;
+    float    (*positions)[3] = malloc(POSITIONS * sizeof *positions);
+    uint32_t (*corners)[3] = malloc(TRIANGLES * sizeof *corners);
+    answer    expected, got;
+    (void)state;
+    if (!positions || !corners) abort();
+    for (size_t i = 0; i < POSITIONS; ++i)
+        for (int x = 0; x < 3; ++x) positions[i][x] = (float)shape_random_unit(&seed);
+    for (size_t i = 0; i < POSITIONS; i += 1009) memcpy(positions[i], positions[shape_random(&seed) % POSITIONS], sizeof *positions);
+    positions[POSITIONS / 3][1] = NAN;
+    for (size_t f = 0; f < TRIANGLES; ++f)
+        for (int k = 0; k < 3; ++k) corners[f][k] = f % 997 == 0 && k ? corners[f][0] : (uint32_t)(shape_random(&seed) % POSITIONS);
+    const norma_mesh mesh = {.positions = {positions, POSITIONS, 0, NORMA_FORMAT_FLOAT}, .corners = corners, .corner_count = 3 * (size_t)TRIANGLES, .corner_size = 4};
+    for (int weld = NORMA_WELD_EXACT; weld <= NORMA_WELD_NONE; ++weld) {
+        const norma_options options = {.weld = (norma_weld)weld, .weight = weld ? NORMA_WEIGHT_AREA : NORMA_WEIGHT_ANGLE};
+        answer_create(&expected, POSITIONS);
+        assert_ok(call(VERTICES, &mesh, options, &expected));
+        assert_true(expected.report.degenerate_faces.count > TRIANGLES / 1000 && expected.report.degenerate_faces.first == 0);
+        for (size_t i = 0; i <= COUNT_OF(threads); ++i) {
+            size_t        used = 0;
+            norma_options own = options;
+            if (i < COUNT_OF(threads)) own.threads = threads[i];
+            else own.parallel_for = run_shuffled;
+            own.parallel_for_user = &used;
+            answer_create(&got, POSITIONS);
+            assert_ok(call(VERTICES, &mesh, own, &got));
+            if (!same(&got, &expected)) fail_msg("weld %d, setting %zu: other bits", weld, i);
+            answer_free(&got);
+        }
+        answer_free(&expected);
+    }
+    free(positions);
+    free(corners);
+}
+
 /* Half a million vertices without a face: the nearest normal is sought for each. */
 static void many_without_a_normal(void **state) {
     (void)state;
@@ -334,6 +373,7 @@ int main(void) {
         cmocka_unit_test(every_other_weight),
         cmocka_unit_test(other_options),
         cmocka_unit_test(every_instruction_set),
+        cmocka_unit_test(faces_in_no_order),
         cmocka_unit_test(two_callers_at_once),
         cmocka_unit_test(many_triangles_round_one_vertex),
         cmocka_unit_test(many_copies_of_one_position),
