@@ -2,7 +2,7 @@
 # Which lines and branches of src/core and src/io the tests run (the fuzzers aside), counted by gcov: a table per file, then what did not run and is not explained in
 # tests/uncovered.txt. Fails below 95 % of the lines or 85 % of the branches, and where that list is not what was found.
 #   scripts/coverage.sh                 builds build/coverage, runs every test in it that can count, reports
-#   scripts/coverage.sh report ...      reports what was counted so far; --lines and --branches name what did not run
+#   scripts/coverage.sh report ...      reports what was counted so far; --lines and --branches name what did not run; --refresh writes the table of docs/trust.md
 #   scripts/coverage.sh more NAME...    runs these tests (test_obj, golden.sh, ...) as well and reports
 # The build is gcc's at -O0 with NDEBUG, core and io counted, and the rest optimised. The kernels are functions there rather than copies for each instruction set, so
 # that a branch counts once; the function that chooses the instructions for each is a line of its own. All sets that the processor has are run by the tests themselves.
@@ -33,10 +33,10 @@ one() {
 }
 export -f one
 
-# The scripts that run the tool, but for those of the browser.
+# The scripts that run the tool, but for those of the browser, of what is built, and of how long things take.
 tests() {
     (cd "$tree" && ctest -N -L unit) | sed -n 's/^ *Test *#[0-9]*: //p'
-    grep -l NORMA_BIN tests/golden.sh tests/check-*.sh | xargs -n 1 basename | grep -v web
+    grep -l NORMA_BIN tests/golden.sh tests/check-*.sh | xargs -n 1 basename | grep -vE 'web|hygiene|portable|interrupt'
 }
 
 run() {
