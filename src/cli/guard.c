@@ -64,9 +64,9 @@ static void find_mapped(uintptr_t address, char *name, size_t room) {
     name[found ? length : 0] = '\0';
 }
 
-static void say(const char *text) {
-    const ssize_t written = write(STDERR_FILENO, text, strlen(text));
-    (void)written;
+static size_t append(char *text, size_t used, size_t room, const char *more) {
+    for (; *more && used < room; ++more) text[used++] = *more;
+    return used;
 }
 
 /* Bytes of a mapped file are gone. Nothing is half-written: what was being written has no name yet. */
@@ -78,9 +78,12 @@ static void catch_lost_bytes(int number, siginfo_t *info, void *context) {
         signal(number, SIG_DFL); /* no file's: the same again, and the end */
         return;
     }
-    say("norma: ");
-    say(name);
-    say(": cannot be read: another program has made it shorter meanwhile\n");
+    char text[sizeof name + 128]; /* in one piece: other threads may say the same */
+    size_t used = append(text, 0, sizeof text, "norma: ");
+    used = append(text, used, sizeof text, name);
+    used = append(text, used, sizeof text, ": cannot be read: another program has made it shorter meanwhile\n");
+    const ssize_t written = write(STDERR_FILENO, text, used);
+    (void)written;
     _exit(CLI_FILE);
 }
 

@@ -226,7 +226,7 @@ static int draw_pictures(picture_job *job, const render_scene_file *file) {
         free(job->output);
         job->output = render_output_of(settings, job->input, settings->turns ? turn : -1);
         for (size_t i = 0; i < job->plan.count; ++i) job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
-        status = job->output ? draw_picture(job) : CLI_FILE;
+        status = job->output ? draw_picture(job) : cli_out_of_memory();
     }
     if (!status)
         report(job, file, pictures);

@@ -129,9 +129,13 @@ static enum render_result share_scale(render_stage *stages, const render_sheet *
     return RENDER_OK;
 }
 
-static void share_frames(render_stage *stages, const render_sheet *sheet) {
+static enum render_result share_frames(render_stage *stages, const render_sheet *sheet, render_error *error) {
     render_frame frames[RENDER_MOST_PANELS];
-    for (size_t i = 0; i < sheet->panel_count; ++i) frames[i] = render_stage_frame(&stages[i]);
+    for (size_t i = 0; i < sheet->panel_count; ++i) {
+        frames[i] = render_stage_frame(&stages[i]);
+        if (frames[i].distance < 0)
+            return render_fail_memory(error);
+    }
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         double distance = 0;
         for (size_t k = 0; k < sheet->panel_count; ++k)
@@ -139,6 +143,7 @@ static void share_frames(render_stage *stages, const render_sheet *sheet) {
                 distance = fmax(distance, frames[k].distance);
         render_stage_aim(&stages[i], &frames[i], distance);
     }
+    return RENDER_OK;
 }
 
 static enum render_result draw_panels(render_device *device, const render_look *look, render_sheet *sheet, render_stage *stages, render_picture *picture, render_error *error) {
@@ -146,9 +151,10 @@ static enum render_result draw_panels(render_device *device, const render_look *
     for (size_t i = 0; i < sheet->panel_count && !result; ++i) result = render_stage_make(device, look, &sheet->panels[i], &stages[i], error);
     if (!result)
         result = share_scale(stages, sheet, error);
+    if (!result)
+        result = share_frames(stages, sheet, error);
     if (result)
         return result;
-    share_frames(stages, sheet);
     sheet->error_top_deg = look->error_top_deg > 0 ? look->error_top_deg : scale_top(worst_error_deg(sheet));
     for (size_t i = 0; i < sheet->panel_count && !result; ++i) {
         stages[i].error_top_deg = sheet->error_top_deg;

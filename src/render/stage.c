@@ -214,6 +214,7 @@ render_frame render_stage_frame(const render_stage *stage) {
         return frame;
     }
     render_cloud *clouds = calloc(stage->placed_count + 2, sizeof *clouds);
+    frame.distance = -1; /* without memory */
     if (clouds)
         frame = render_closest_frame(&lens.camera, orthographic, RENDER_MARGIN, clouds, clouds_of(stage, clouds));
     free(clouds);
