@@ -166,6 +166,7 @@ static void test_instances(void **state)
     norma_document *document = asset_open(&asset, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},\"mode\":1}]}],\"nodes\":[{\"mesh\":0}]", 0);
     refused(norma_document_instance_world(document, 0, 1, a.world, e), "asset.glb:/nodes/0: instance 1 of 1 was asked for");
     refused(norma_document_instance_world(document, 0, 0, NULL, e), "asset.glb: node 0 of 1 was asked for");
+    refused(norma_document_morph_data(document, 0, 0, &a.morph, e), "asset.glb: morph target 0 of 0 was asked for");
     refused(norma_document_mesh_data(document, 1, &a.data, e), "asset.glb:/meshes/0/primitives/1: lines have no normals to compute");
     refused(norma_document_mesh_attributes(document, 1, &a.attributes, e), "asset.glb:/meshes/0/primitives/1: lines have no normals to compute");
     refused(norma_document_equal_vertices(document, 1, a.first, e), "asset.glb: mesh 1 has no vertices that could be compared");

@@ -146,6 +146,9 @@ static void test_bytes(void **state)
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3','sparse':{'count':1,'indices':{'bufferView':1,'componentType':5121},'values':{'bufferView':0}}}],"
          "'buffers':[{'byteLength':37,'uri':'data:;base64," ZEROS_36 "Aw=='}],'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,'byteLength':1}]",
          "/accessors/0: expected sparse indices below count"},
+        {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3','sparse':{'count':1,'indices':{'bufferView':1,'componentType':5125},'values':{'bufferView':0}}}],"
+         "'buffers':[{'byteLength':40,'uri':'data:;base64," ZEROS_36 "AAABAA=='}],'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,'byteLength':4}]",
+         "/accessors/0: expected sparse indices below count"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3','sparse':{'count':2,'indices':{'bufferView':1,'componentType':5121},'values':{'bufferView':0}}}],"
          "'buffers':[{'byteLength':37,'uri':'data:;base64," ZEROS_36 "Aw=='}],'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,'byteLength':1}]",
          "/accessors/0: expected elements that end inside their view"},
