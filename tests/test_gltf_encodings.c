@@ -391,6 +391,45 @@ static void test_compressed_rotations(void **state)
     asset_free(&a);
 }
 
+/* ---- data: URIs */
+
+#define IN_BASE64 "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"
+
+static void test_data_uris(void **state)
+{
+    static const char text[] = "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"
+                               "\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":\"%s\"}]}";
+    static const double corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    static const struct { const char *uri; int fine; } cases[] = {
+        {"data:application/octet-stream;base64," IN_BASE64, 1},
+        {"DATA:;base64," IN_BASE64, 1},
+        {"data:;base64," IN_BASE64 "====", 1},
+        {"data:;base64," IN_BASE64 "AA", 1},
+        {"data:;base64,%41%41AA" "AAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA", 1},
+        {"data:application/gltf-buffer,%00%00%00%00%00%00%00%00%00%00%00%00%00%00%80%3f%00%00%00%00%00%00%00%00%00%00%00%00%00%00%80%3f%00%00%00%00", 1},
+        {"data:;base64," IN_BASE64 "A", 0},
+        {"data:;base64,*" IN_BASE64, 0},
+        {"data:;base64,%4", 0},
+        {"data:;base64,%4G", 0},
+        {"data:,%0", 0},
+        {"data:;base64", 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); ++i) {
+        char file[1000];
+        norma_document *document = NULL;
+        norma_mesh_data data;
+        float v[3];
+        snprintf(file, sizeof file, text, cases[i].uri);
+        const norma_document_result result = norma_document_open_memory(file, strlen(file), "a.gltf", NULL, &document, NULL);
+        if (result != (cases[i].fine ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MALFORMED)) fail_msg("%s: result %d", cases[i].uri, (int)result);
+        if (result) continue;
+        assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
+        for (size_t k = 0; k < 3; ++k) assert_near(at(&data.mesh.positions, k, v), corners[k], 3, 0, cases[i].uri);
+        norma_document_close(document);
+    }
+}
+
 /* ---- animations: scales between keys, along a line and along a spline */
 
 static double anisotropy_of(const char *interpolation, const float *scales, size_t count, norma_document_error *error)
@@ -463,7 +502,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_baked),      cmocka_unit_test(test_moved), cmocka_unit_test(test_too_large),           cmocka_unit_test(test_computed_deltas), cmocka_unit_test(test_indices),           cmocka_unit_test(test_sparse),
-        cmocka_unit_test(test_compressed), cmocka_unit_test(test_compressed_rotations), cmocka_unit_test(test_between_keys),    cmocka_unit_test(test_animations_refused),
+        cmocka_unit_test(test_compressed), cmocka_unit_test(test_compressed_rotations), cmocka_unit_test(test_between_keys),    cmocka_unit_test(test_animations_refused), cmocka_unit_test(test_data_uris),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
