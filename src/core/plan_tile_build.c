@@ -444,6 +444,7 @@ static norma_result keep_marks(norma_plan *plan)
     plan_shared *shared = norma_core_plan_keep(plan, 1, sizeof *shared);
     uint64_t *bits = norma_core_plan_keep(plan, plan->occurrence_count / 64 + 1, sizeof *bits);
     if (!shared || !bits) return NORMA_ERROR_MEMORY;
+    memset(bits, 0, (plan->occurrence_count / 64 + 1) * sizeof *bits);
     *shared = (plan_shared){ATOMIC_FLAG_INIT, bits};
     plan->shared = shared;
     return NORMA_OK;

@@ -11,7 +11,7 @@ static mark_span mark_block(const plan_work *work, tile_marks *marks, uint32_t c
 {
     const norma_plan *plan = work->plan;
     mark_span span = {UINT32_MAX, 0};
-    memset(marks->bits, 0, ((size_t)count + 63) / 64 * sizeof *marks->bits);
+    if (!marks->borrowed) memset(marks->bits, 0, ((size_t)count + 63) / 64 * sizeof *marks->bits);
     for (size_t i = 0; i < work->moved_count; i++) {
         const uint32_t end = plan->occurrence_starts[work->moved[i] + 1];
         for (uint32_t at = plan->occurrence_starts[work->moved[i]]; at < end; at++) {
@@ -84,9 +84,19 @@ int norma_core_marks_next(const plan_work *work, tile_marks *marks)
     return 1;
 }
 
+/* The plan's bits are zero between updates: to clear them all before each would take longer than to move a vertex. */
+static void clear_borrowed(const plan_work *work, tile_marks *marks)
+{
+    const norma_plan *plan = work->plan;
+    for (size_t i = 0; i < work->moved_count; i++)
+        for (uint32_t at = plan->occurrence_starts[work->moved[i]]; at < plan->occurrence_starts[work->moved[i] + 1]; at++) marks->bits[plan->occurrences[at] / 64] = 0;
+}
+
 void norma_core_marks_close(const plan_work *work, tile_marks *marks)
 {
-    if (marks->borrowed) norma_core_plan_give_back(work->plan);
+    if (!marks->borrowed) return;
+    clear_borrowed(work, marks);
+    norma_core_plan_give_back(work->plan);
 }
 
 /* ---- what that touches in a tile */
