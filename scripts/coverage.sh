@@ -5,7 +5,7 @@
 #   scripts/coverage.sh report ...      reports what was counted so far; --lines and --branches name what did not run; --refresh writes the table of docs/trust.md
 #   scripts/coverage.sh more NAME...    runs these tests (test_obj, golden.sh, ...) as well and reports
 # The build is gcc's at -O0 with NDEBUG, core and io counted, and the rest optimised. The kernels are functions there rather than copies for each instruction set, so
-# that a branch counts once; the function that chooses the instructions for each is a line of its own. All sets that the processor has are run by the tests themselves.
+# that a branch counts once (random tests repeat an eighth as often as in make test); the function that chooses the instructions for each is a line of its own. All sets that the processor has are run by the tests themselves.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
