@@ -3,7 +3,7 @@ BUILD ?= build
 PREFIX ?= /usr/local
 CMAKE_FLAGS ?=
 
-.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint install single clean
+.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint analyse portable install single clean
 .DEFAULT_GOAL := all
 
 # Where packages cannot be installed (another system, neither root nor sudo) the script says which, and CMake tells whether they are there all the same.
@@ -29,6 +29,8 @@ help:
 	@echo "make single   $(BUILD)/single/norma.c and norma.h: the core as two files to copy"
 	@echo "make format   clang-format over src, tests and examples"
 	@echo "make lint     clang-tidy, shellcheck and mandoc -T lint, whichever are installed"
+	@echo "make analyse  clang-tidy with .clang-tidy and gcc -fanalyzer; what is no fault stands in scripts/analysed.txt"
+	@echo "make portable the same bits from gcc and clang at every level, WebAssembly, 64-bit ARM (qemu) and Windows (Wine); installs them"
 	@echo "make install  into PREFIX ($(PREFIX)); DESTDIR is heeded"
 	@echo "make deps     installs what is missing, nothing else (Debian's packages and npm's)"
 	@echo "make clean    removes $(BUILD)"
@@ -76,6 +78,14 @@ format:
 
 lint:
 	@scripts/lint.sh
+
+analyse:
+	@scripts/install-deps.sh analyse
+	@scripts/analyse.sh
+
+portable:
+	@scripts/install-deps.sh portable
+	@scripts/portable.sh
 
 install: all
 	@cmake --install $(BUILD) --prefix $(PREFIX)

@@ -5,6 +5,8 @@
 #   scripts/install-deps.sh build   what `make` needs
 #   scripts/install-deps.sh web     what the page, the npm package and so `norma view` need to be built
 #   scripts/install-deps.sh bench   that, and the libraries that `make bench` compares with (more than a gigabyte)
+#   scripts/install-deps.sh portable    and cross compilers for 64-bit ARM and Windows with what runs their programs
+#   scripts/install-deps.sh analyse     and clang-tidy
 #   scripts/install-deps.sh         what building and `make test` need
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -16,9 +18,13 @@ web_packages="clang lld wasi-libc libclang-rt-dev-wasm32"
 if [ "$what" = bench ]; then
     packages="$packages $web_packages g++ libvtk9-dev libopen3d-dev libopenmesh-dev libcgal-dev libassimp-dev libglm-dev libcglm-dev libeigen3-dev"
 fi
+if [ "$what" = portable ]; then
+    packages="$packages $web_packages llvm dpkg-dev gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine wine64"
+fi
+[ "$what" != analyse ] || packages="$packages clang clang-tidy"
 if [ "$what" = all ]; then
     # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint.
-    packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc"
+    packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales"
     # chromium: the page's tests.
     packages="$packages $web_packages chromium"
 fi

@@ -87,6 +87,7 @@ run_asan() {
     say "asan: unit tests"
     units asan unit
     one asan.golden tests/golden.sh
+    NORMA_BITS_WAYS=one one asan.bits tests/check-portable.sh
 }
 
 run_tsan() {

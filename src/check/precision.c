@@ -83,7 +83,7 @@ static norma_result median_edge(check_mesh *m, double above, double *median) {
     double low = 0, high = above;
     norma_result result = NORMA_OK;
     for (int i = 0; i < 40 && high - low > 1e-3 * high && !result; i++) {
-        size_t shorter, all;
+        size_t shorter = 0, all = 0;
         double middle = low + (high - low) / 2;
         result = count_shorter(m, middle, &shorter, &all);
         if (2 * shorter > all)
