@@ -143,9 +143,10 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
 
 /* ---- the grid */
 
-/* One of each set of equal positions that faces use, all of whose coordinates are finite. */
-static void find_used(grid *g, double high[3]) {
+/* One of each set of equal positions that faces use, all of whose coordinates are finite; how many. */
+static size_t find_used(grid *g, double high[3]) {
     const core_mesh *mesh = &g->m->mesh;
+    size_t count = 0;
     memset(g->used, 0, mesh->positions.count);
     for (size_t c = 0; c < mesh->corner_count; c++) g->used[g->m->topology.corners[c]] = 1;
     for (int k = 0; k < 3; k++) {
@@ -158,11 +159,25 @@ static void find_used(grid *g, double high[3]) {
             continue;
         norma_core_position(mesh, (uint32_t)i, p);
         g->used[i] = (uint8_t)norma_core_finite(p);
+        count += g->used[i];
         for (int k = 0; k < 3 && g->used[i]; k++) {
             g->low[k] = p[k] < g->low[k] ? p[k] : g->low[k];
             high[k] = p[k] > high[k] ? p[k] : high[k];
         }
     }
+    return count;
+}
+
+/* Twice as many slots as positions that are used: of a soup, where each is there six times, few. */
+static norma_result open_slots(grid *g, size_t used) {
+    size_t slots = 16;
+    while (slots < 2 * used) slots *= 2;
+    g->mask = slots - 1;
+    g->slots = norma_core_allocate(&g->m->run->call, slots, sizeof *g->slots);
+    if (!g->slots)
+        return NORMA_ERROR_MEMORY;
+    memset((void *)g->slots, 0xff, slots * sizeof *g->slots);
+    return NORMA_OK;
 }
 
 static norma_result add_coincident(check_mesh *m, check_hits *hits, double step) {
@@ -185,32 +200,31 @@ static norma_result search(check_mesh *m, grid *g, size_t blocks) {
 }
 
 norma_result norma_check_coincident(check_mesh *m) {
-    size_t count = m->mesh.positions.count, blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK), slots = 16;
+    size_t count = m->mesh.positions.count, blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
     if (!m->mesh.face_count || !norma_check_wants(m, RULE_N503))
         return NORMA_OK;
     norma_result result = norma_check_weld(m);
     if (result)
         return result;
     const core_call *call = &m->run->call;
-    while (slots < 2 * count) slots *= 2;
-    grid g = {.m = m, .mask = slots - 1};
-    g.slots = norma_core_allocate(call, slots, sizeof *g.slots);
+    grid g = {.m = m};
     g.next = norma_core_allocate(call, count, sizeof *g.next);
     g.used = norma_core_allocate(call, count, 1);
     g.parts = norma_core_allocate(call, blocks, sizeof *g.parts);
-    result = g.slots && g.next && g.used && g.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
+    result = g.next && g.used && g.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         double high[3], square = 0;
-        memset((void *)g.slots, 0xff, slots * sizeof *g.slots);
         memset(g.parts, 0, blocks * sizeof *g.parts);
-        find_used(&g, high);
+        const size_t used = find_used(&g, high);
         for (int k = 0; k < 3; k++) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
         g.step = NEAR * sqrt(square);
         g.cell = CELL_STEPS * g.step;
         if (g.step > 0 && g.step < INFINITY)
+            result = open_slots(&g, used);
+        if (g.slots && !result)
             result = search(m, &g, blocks);
     }
-    norma_core_release(call, (void *)g.slots, slots, sizeof *g.slots);
+    norma_core_release(call, (void *)g.slots, g.slots ? g.mask + 1 : 0, sizeof *g.slots);
     norma_core_release(call, g.next, count, sizeof *g.next);
     norma_core_release(call, g.used, count, 1);
     norma_core_release(call, g.parts, blocks, sizeof *g.parts);

@@ -121,6 +121,18 @@ static norma_result fill_joined(joined *j) {
 
 /* ---- judging */
 
+/* Of one primitive two vertices have quite different normals there: its own edges are hard, and its border may be. */
+static int is_split(const joined *j, size_t position) {
+    const core_around *around = &j->m.topology.around;
+    for (size_t i = around->starts[position] + 1; i < around->starts[position + 1]; i++) {
+        const size_t a = norma_core_corner(&j->m.mesh, around->corners[i - 1]), b = norma_core_corner(&j->m.mesh, around->corners[i]);
+        const double *m = &j->normals[3 * a], *n = &j->normals[3 * b];
+        if (a != b && j->members[a] == j->members[b] && norma_core_dot(m, n) < FLAT_COSINE * norma_core_length(m) * norma_core_length(n))
+            return 1;
+    }
+    return 0;
+}
+
 /* Every face at the position has its own direction for a normal: parts shaded flat, whose border is a hard edge on purpose. */
 static int is_flat(const joined *j, size_t position) {
     const core_around *around = &j->m.topology.around;
@@ -149,7 +161,7 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
                 spot = v;
         }
         const int border = j->members[first] != j->members[spot];
-        j->angles[spot] = border && is_flat(j, p) ? 0 : angle;
+        j->angles[spot] = border && (is_flat(j, p) || is_split(j, p)) ? 0 : angle;
     }
 }
 
