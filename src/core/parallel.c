@@ -75,7 +75,11 @@ static norma_result run_in_threads(const crew *c, size_t workers)
 
 static size_t machine_threads(void)
 {
+#if defined(_WIN32)
+    const int online = pthread_num_processors_np();
+#else
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
+#endif
     return online > 0 ? (size_t)online : 1;
 }
 #endif
