@@ -321,6 +321,42 @@ static void gltf_many(void) {
     save(&b, "many-accessors-without-bytes.gltf");
 }
 
+/* The end of an asset: one buffer, one view of all of it. */
+static void end_asset(bytes *b, const bytes *data) {
+    print(b, "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu}],\"buffers\":[{\"byteLength\":%zu,\"uri\":\"data:;base64,", data->size, data->size);
+    put_base64(b, data);
+    print(b, "\"}]}");
+}
+
+/* Five thousand morph targets of one accessor, a thousand nodes with thirty thousand instances of one, a chain of two thousand joints under two thousand channels of one sampler. */
+static void gltf_shared(void) {
+    enum { VERTICES = 9999, TARGETS = 5000, INSTANCES = 30000, NODES = 1000, JOINTS = 2000, KEYS = 5000 };
+    bytes b = {0}, data = {0};
+    for (int i = 0; i < 3 * INSTANCES; ++i) put_float(&data, (float)(i % 7 + 1));
+    print(&b, "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},\"targets\":[{\"POSITION\":0}");
+    for (int i = 1; i < TARGETS; ++i) print(&b, ",{\"POSITION\":0,\"NORMAL\":0}");
+    print(&b, "]}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":%d}],", VERTICES);
+    end_asset(&b, &data);
+    save(&b, "many-targets-of-one-accessor.gltf");
+    print(&b, "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}],\"nodes\":[");
+    for (int i = 0; i < NODES; ++i) print(&b, "%s{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0}}}}", i ? "," : "");
+    print(&b, "],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":%d},{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],", INSTANCES);
+    end_asset(&b, &data);
+    save(&b, "many-instances-of-one-accessor.gltf");
+    print(&b, "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0,\"skin\":0}");
+    for (int i = 1; i < JOINTS; ++i) print(&b, ",{\"children\":[%d]}", i + 1);
+    print(&b, ",{}],\"skins\":[{\"joints\":[1");
+    for (int i = 2; i <= JOINTS; ++i) print(&b, ",%d", i);
+    print(&b, "]}],\"animations\":[{\"samplers\":[{\"input\":1,\"output\":2}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"scale\"}}");
+    for (int i = 2; i <= JOINTS; ++i) print(&b, ",{\"sampler\":0,\"target\":{\"node\":%d,\"path\":\"scale\"}}", i);
+    print(&b, "]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},{\"bufferView\":0,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":%d},", KEYS);
+    print(&b, "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":%d}],", KEYS);
+    for (int i = 0; i < KEYS; ++i) memcpy(data.at + 4 * i, &(float){(float)i}, 4);
+    end_asset(&b, &data);
+    save(&b, "many-keys-over-many-joints.gltf");
+    free(data.at);
+}
+
 /* One polygon of three hundred thousand corners that lie at three places: what costs as much as it has corners, at each of them, never ends. */
 static void obj_polygon(void) {
     bytes b = {0};
@@ -382,6 +418,7 @@ int main(int count, char **arguments) {
     gltf_uris();
     gltf_depth();
     gltf_many();
+    gltf_shared();
     obj_polygon();
     glb_lengths();
     return 0;

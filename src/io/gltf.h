@@ -135,7 +135,7 @@ typedef struct gltf {
     uint32_t        *drawing;             /* nodes that draw a mesh, in order */
     uint32_t         buffer_count, view_count, accessor_count, mesh_count, primitive_count, target_count, attribute_count, node_count, drawing_count;
     size_t           held;                /* bytes that the file and its buffers may hold: what counts without bytes behind them are measured by */
-    size_t           decoded, corners_drawn, vertices_drawn; /* so far, measured by held (gltf_limits.c) */
+    size_t           decoded, corners_drawn, vertices_drawn, vertices_moved, instances_placed; /* so far, measured by held (gltf_limits.c) */
     int              changed;             /* something was put or edited */
     json_edits      *edits;               /* of the asset's JSON */
     gltf_patch      *patch;
@@ -161,6 +161,7 @@ norma_document_result norma_gltf_array(gltf *g, uint32_t accessor, gltf_array *a
 /* gltf_limits.c: before count elements of size bytes (not 0) are decoded for what token says, before a primitive's corners are read. */
 norma_document_result norma_gltf_spend(gltf *g, uint32_t token, size_t count, size_t size, norma_document_error *error);
 norma_document_result norma_gltf_draw(gltf *g, const gltf_primitive *p, norma_document_error *error);
+norma_document_result norma_gltf_place_instances(gltf *g, const gltf_node *node, norma_document_error *error); /* of a node that has any */
 
 size_t norma_gltf_component_size(int component);                                           /* 0: unknown */
 void   norma_gltf_floats(const gltf_array *array, size_t index, float *out);               /* one element, width numbers, normalised integers decoded */

@@ -161,9 +161,13 @@ norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error
         result = read_all(g, list, error);
     if (!result)
         result = place_nodes(g, path, done, error);
-    for (uint32_t i = 0; !result && i < g->node_count; ++i)
-        if (g->nodes[i].mesh != GLTF_NONE)
-            g->drawing[g->drawing_count++] = i;
+    for (uint32_t i = 0; !result && i < g->node_count; ++i) {
+        if (g->nodes[i].mesh == GLTF_NONE)
+            continue;
+        g->drawing[g->drawing_count++] = i;
+        if (g->nodes[i].instanced)
+            result = norma_gltf_place_instances(g, &g->nodes[i], error);
+    }
     free(path);
     free(done);
     return result;

@@ -136,9 +136,9 @@ static size_t collect_times(pose *p, const gltf_animation *animation) {
     return kept;
 }
 
-/* A small file can ask for any number of skins under any number of animations of any number of keys that share their bytes. */
+/* A small file can ask for any number of skins under any number of animations of any number of keys that share their bytes: it gets no more time than its size is worth. */
 static norma_document_result spend(const pose *p, size_t steps, norma_document_error *error) {
-    const size_t most = (size_t)1 << 28;
+    const size_t held = p->g->held < (size_t)1 << 22 ? p->g->held : (size_t)1 << 22, most = ((size_t)1 << 24) + 64 * held;
     p->scene->effort = steps < most - p->scene->effort ? p->scene->effort + steps : most;
     if (p->scene->effort < most)
         return NORMA_DOCUMENT_OK;
@@ -160,7 +160,7 @@ static norma_document_result take_channels(pose *p, const gltf_animation *animat
         *(channel->scales ? &p->scale[channel->node] : &p->rotation[channel->node]) = channel;
         if (!channel->scales || !p->stamp[channel->node])
             continue;
-        result = spend(p, channel->count, error);
+        result = spend(p, 16 * channel->count, error); /* they will be sorted */
         *uneven |= !result && is_uneven(channel);
         *times += channel->count;
     }

@@ -21,7 +21,7 @@ void fuzz_fail(const char *format, ...);
  *
  * What is asked of the heap at any one time is at most FUZZ_MEMORY_BASE + FUZZ_MEMORY_TIMES bytes for each byte of the input; time at most FUZZ_SECONDS and one second more for each
  * 128 KiB: a second a megabyte, times eight for the sanitizers. Time is that of the processor, so a busy or a stopped machine is no finding. */
-enum { FUZZ_MEMORY_BASE = 1 << 21, FUZZ_MEMORY_TIMES = 200, FUZZ_SECONDS = 2 };
+enum { FUZZ_MEMORY_BASE = 1 << 21, FUZZ_MEMORY_TIMES = 512, FUZZ_SECONDS = 2 };
 void fuzz_meter_begin(size_t size);
 void fuzz_meter_end(void);
 
