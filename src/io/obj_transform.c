@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "carry.h"
 #include "number.h"
 #include "obj.h"
 #include "obj_text.h"
@@ -150,6 +151,9 @@ norma_document_result norma_obj_transform(norma_document *document, const norma_
     summary->mirrored = info.mirrored;
     if (is_identity(options->matrix, 4) || (!state->position_count && !state->normal_count))
         return NORMA_DOCUMENT_OK;
+    norma_document_result told = norma_carry_progress(document, options, 0, error);
+    if (told)
+        return told;
     summary->changed = 1;
     result = move_positions(document, state, options->matrix);
     if (!result && !is_identity(options->matrix, 3))
@@ -160,5 +164,5 @@ norma_document_result norma_obj_transform(norma_document *document, const norma_
         reverse_faces(state);
     if (info.mirrored && state->has_surfaces)
         norma_document_add_note(document, "the matrix mirrors; free-form surfaces keep the direction of their parameters, so that their sides change");
-    return NORMA_DOCUMENT_OK;
+    return norma_carry_progress(document, options, 1, error);
 }
