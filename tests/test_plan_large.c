@@ -166,7 +166,43 @@ static void wide_polygons(void **state) {
     mesh_file_free(&m.mesh);
 }
 
+/* A sheet so large that its plan lends the marks of what moved: what one update marked, the next one does not find. */
+static size_t written_by(const norma_plan *plan, const norma_vec3_view positions, const uint32_t moved[2], float *out, size_t count) {
+    size_t written = 0;
+    for (size_t i = 0; i < 3 * count; i++) out[i] = 7;
+    assert_int_equal(norma_plan_update(plan, positions, moved, 2, NULL, out, count, NULL), NORMA_OK);
+    for (size_t v = 0; v < count; v++) written += out[3 * v] != 7;
+    assert_true(out[3 * (size_t)moved[0]] != 7 && out[3 * (size_t)moved[1]] != 7);
+    return written;
+}
+
+static void marks(void **state) {
+    enum { SIDE = 400, COUNT = SIDE * SIDE, CORNERS = 6 * (SIDE - 1) * (SIDE - 1) };
+    (void)state;
+    float      *positions = test_calloc(3 * (size_t)COUNT, sizeof(float)), *out = test_calloc(3 * (size_t)COUNT, sizeof(float));
+    uint32_t   *corners = test_calloc(CORNERS, sizeof *corners), *corner = corners;
+    norma_plan *plan = NULL;
+    for (uint32_t v = 0; v < COUNT; v++) {
+        positions[3 * (size_t)v]     = (float)(v % SIDE);
+        positions[3 * (size_t)v + 1] = (float)(v / SIDE);
+        if (v % SIDE == SIDE - 1 || v / SIDE == SIDE - 1) continue;
+        const uint32_t at[] = {v, v + 1, v + SIDE + 1, v, v + SIDE + 1, v + SIDE};
+        memcpy(corner, at, sizeof at);
+        corner += 6;
+    }
+    const norma_mesh mesh = {.positions = {positions, COUNT, 0, NORMA_FORMAT_FLOAT}, .corners = corners, .corner_count = CORNERS};
+    assert_int_equal(norma_plan_create(&mesh, NORMA_PER_VERTEX, 4, NULL, &plan), NORMA_OK);
+    for (uint32_t row = SIDE / 2 - 20; row > 66; row -= 66) {
+        const uint32_t far = SIDE - 1 - row, both[] = {row * SIDE + row, far * SIDE + far};    /* between them all that were marked before */
+        assert_int_equal(written_by(plan, mesh.positions, both, out, COUNT), 14);
+    }
+    norma_plan_destroy(plan);
+    test_free(positions);
+    test_free(out);
+    test_free(corners);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(surfaces), cmocka_unit_test(soups), cmocka_unit_test(wide_fans), cmocka_unit_test(wide_polygons)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(surfaces), cmocka_unit_test(soups), cmocka_unit_test(wide_fans), cmocka_unit_test(wide_polygons), cmocka_unit_test(marks)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
