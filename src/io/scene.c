@@ -185,9 +185,14 @@ norma_document_result norma_document_unread(norma_document *document, size_t ind
 norma_document_result norma_document_instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error) {
     norma_node_info info;
     norma_document_clear(error);
-    if (!document || !world || norma_document_node_info(document, index, &info))
+    if (!document || !world || index >= norma_document_node_count(document))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "node %zu of %zu was asked for", index,
                                    norma_document_node_count(document));
+    norma_document_result result = norma_document_node_info(document, index, &info);
+    if (result) { /* its instances cannot be read; who reads them says why */
+        norma_document_result why = functions_of(document)->instance_world ? functions_of(document)->instance_world(document, index, 0, world, error) : NORMA_DOCUMENT_OK;
+        return why ? why : norma_document_fail(document, error, result, NULL, "node %zu cannot be described", index);
+    }
     if (instance >= info.instances || !functions_of(document)->instance_world)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, info.where, "instance %zu of %zu was asked for", instance, info.instances);
     return functions_of(document)->instance_world(document, index, instance, world, error);
