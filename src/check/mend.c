@@ -230,6 +230,17 @@ static norma_result mend_arrays(mend_mesh *mesh) {
     return result;
 }
 
+/* The facets of an STL are turned in one step and moved in another: what is to be moved is found again once they are turned. */
+static void part_steps(mend_mesh *m) {
+    if (m->info.normals != NORMA_NORMALS_PER_FACET || !m->edit->reverse_faces || !m->edit->set_positions)
+        return;
+    free((void *)(uintptr_t)m->edit->positions);
+    free((void *)(uintptr_t)m->edit->set_positions);
+    m->edit->positions = NULL;
+    m->edit->set_positions = NULL;
+    m->waits = 1;
+}
+
 static norma_document_result mend_mesh_of(mender *m, size_t index) {
     mend_mesh mesh = {.document = m->document, .index = index, .edit = &m->edits[index], .turned = m->turned[index], .smooth = m->smooth[index], .threads = m->options.threads};
     norma_result mended = NORMA_OK;
@@ -245,6 +256,7 @@ static norma_document_result mend_mesh_of(mender *m, size_t index) {
         if (!result)
             mended = mend_arrays(&mesh);
     }
+    part_steps(&mesh);
     m->summary->again |= mesh.waits;
     free(mesh.findings);
     free(mesh.corners);
