@@ -9,14 +9,15 @@ cd "$root/tests/fuzz" || exit 1
 [ -x "$program" ] || { fail "the target is there" "no program at $program"; finish; exit 1; }
 export ASAN_OPTIONS=allocator_may_return_null=1:handle_abort=2 UBSAN_OPTIONS=print_stacktrace=1
 
-# About three seconds each under the sanitizers.
+# About four seconds of processor time each.
 case $target in
-obj | ply) runs=30000 ;;
 stl) runs=60000 ;;
-gltf | glb | meshopt) runs=10000 ;;
-matrices) runs=60000 ;;
-normals | plan) runs=10000 ;;
-*) runs=5000 ;;
+matrices) runs=40000 ;;
+ply) runs=20000 ;;
+obj | gltf | glb) runs=10000 ;;
+meshopt | normals | plan) runs=5000 ;;
+roundtrip) runs=4000 ;;
+*) runs=1500 ;;
 esac
 
 # quietly NAME ARGUMENTS...: the target over these.
