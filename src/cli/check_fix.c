@@ -82,23 +82,19 @@ static size_t count_of(const norma_findings *findings, const norma_rule *rule) {
 }
 
 static char *make_table(const norma_findings *before, const norma_findings *now) {
-    char *text = NULL;
-    size_t size, count;
-    FILE *out = open_memstream(&text, &size);
+    size_t count;
+    cli_memory_stream table;
     const norma_rule *rules = norma_rules(&count);
-    if (!out)
+    if (!cli_memory_open(&table))
         return NULL;
-    fprintf(out, "    %-32s %10s %10s\n", "rule", "before", "after");
+    fprintf(table.out, "    %-32s %10s %10s\n", "rule", "before", "after");
     for (size_t i = 0; i < count; ++i) {
         size_t old = count_of(before, &rules[i]), left = count_of(now, &rules[i]);
         if (old || left)
-            fprintf(out, "    %s %-27s %10zu %10zu\n", rules[i].id, rules[i].name, old, left);
+            fprintf(table.out, "    %s %-27s %10zu %10zu\n", rules[i].id, rules[i].name, old, left);
     }
-    const int whole = !fflush(out) && !ferror(out);
-    if (fclose(out) == 0 && whole)
-        return text;
-    free(text);
-    return NULL;
+    (void)cli_memory_close(&table);
+    return table.text;
 }
 
 /* ---- mending and writing */

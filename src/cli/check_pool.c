@@ -77,16 +77,13 @@ static const check_config *take(check_pool *pool, size_t *file) {
 static void check_file(check_pool *pool, size_t file, const check_config *config) {
     file_part part = {.done = 1};
     check_totals totals = {0};
-    FILE *out = open_memstream(&part.bytes, &part.size);
-    int whole = out != NULL;
-    if (out) {
-        check_one_file(pool->settings, config, pool->format, pool->inputs->paths[file], out, &totals);
-        whole = !fflush(out) && !ferror(out);
-        whole &= fclose(out) == 0 && part.bytes;
-    }
-    if (!whole) { /* half a report is none */
-        free(part.bytes);
-        part = (file_part){.done = 1};
+    cli_memory_stream gathered;
+    if (cli_memory_open(&gathered))
+        check_one_file(pool->settings, config, pool->format, pool->inputs->paths[file], gathered.out, &totals);
+    if (cli_memory_close(&gathered)) {
+        part.bytes = gathered.text;
+        part.size = gathered.size;
+    } else { /* half a report is none */
         totals.status = cli_worse(totals.status, CLI_FILE);
         fprintf(stderr, "norma: %s: not reported: out of memory\n", cli_input_name(pool->inputs->paths[file]));
     }

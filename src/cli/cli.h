@@ -140,11 +140,20 @@ int cli_out_of_memory(void); /* says so; CLI_FILE */
 int cli_finish(int status); /* flushes stdout; a full disk there is status 3 */
 
 /* A report that goes to a file, whole or not at all. */
+typedef struct cli_memory_stream {
+    FILE *out;
+    char *text; /* once closed: what was written to out, ended by a 0; the caller's to free */
+    size_t size, room;
+} cli_memory_stream;
+/* The stream stays where it is while it is open. 0: out of memory. */
+int cli_memory_open(cli_memory_stream *stream);
+/* Whether all that was written is there; where not, text is NULL. */
+int cli_memory_close(cli_memory_stream *stream);
+
 typedef struct cli_output {
     FILE *out;
     const char *path;
-    char *text; /* what was written to out; not of standard output */
-    size_t size;
+    cli_memory_stream gathered; /* not of standard output */
 } cli_output;
 int cli_output_begin(cli_output *output, const char *path); /* "-": stdout; 0: failed, and said so */
 int cli_output_end(cli_output *output);                     /* a status */

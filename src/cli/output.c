@@ -41,14 +41,15 @@ int cli_output_begin(cli_output *output, const char *path) {
     }
     if (!look_ahead(output))
         return 0;
-    output->out = open_memstream(&output->text, &output->size);
-    return output->out ? 1 : fail(output, ENOMEM);
+    if (!cli_memory_open(&output->gathered))
+        return fail(output, ENOMEM);
+    output->out = output->gathered.out;
+    return 1;
 }
 
 void cli_output_drop(cli_output *output) {
-    if (output->out && output->out != stdout)
-        fclose(output->out);
-    free(output->text);
+    (void)cli_memory_close(&output->gathered);
+    free(output->gathered.text);
     *output = (cli_output){0};
 }
 
@@ -56,14 +57,12 @@ int cli_output_end(cli_output *output) {
     if (output->out == stdout)
         return cli_finish(CLI_OK);
     norma_document_error error = {0};
-    const int gathered = !fflush(output->out) && !ferror(output->out);
-    const int closed = fclose(output->out) == 0, whole = gathered && closed && output->text;
-    const int written = whole && norma_save_bytes(output->path, output->text, output->size, &error) == NORMA_DOCUMENT_OK;
+    const int whole = cli_memory_close(&output->gathered);
+    const int written = whole && norma_save_bytes(output->path, output->gathered.text, output->gathered.size, &error) == NORMA_DOCUMENT_OK;
     if (!whole)
         fail(output, ENOMEM);
     else if (!written)
         cli_print_error(&error);
-    output->out = NULL;
     cli_output_drop(output);
     return written ? CLI_OK : CLI_FILE;
 }

@@ -265,7 +265,7 @@ static int draw_sheet(picture_job *job) {
     const render_settings *settings = job->settings;
     const cli_words *inputs = &settings->files.inputs;
     render_scene_file *files = calloc(inputs->count + 1, sizeof *files);
-    int status = files ? CLI_OK : CLI_FILE;
+    int status = files ? CLI_OK : cli_out_of_memory();
     job->plan = (render_plan){.settings = settings, .difference = -1};
     for (size_t i = 0; i < inputs->count && !status; ++i) {
         norma_document_error error = {0};
@@ -282,6 +282,7 @@ static int draw_sheet(picture_job *job) {
     for (size_t i = 0; files && i < inputs->count; ++i) render_file_close(&files[i]);
     free(files);
     free(job->output);
+    job->output = NULL;
     return status;
 }
 

@@ -65,19 +65,16 @@ static void write_line(FILE *line, const char *path, const check_item *item) {
 
 /* Without memory to wrap it, a line is as long as it is. */
 static void write_item(FILE *out, const char *path, const check_item *item) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *line = open_memstream(&text, &size);
-    if (line)
-        write_line(line, path, item);
-    const int whole = line && !fflush(line) && !ferror(line);
-    if (line && fclose(line) == 0 && whole && text) {
-        write_wrapped(out, text);
+    cli_memory_stream line;
+    if (cli_memory_open(&line))
+        write_line(line.out, path, item);
+    if (cli_memory_close(&line)) {
+        write_wrapped(out, line.text);
     } else {
         write_line(out, path, item);
         fputc('\n', out);
     }
-    free(text);
+    free(line.text);
 }
 
 static void begin(FILE *out) { (void)out; }
