@@ -125,6 +125,8 @@ static norma_document_result edit_faces(norma_document *document, const norma_me
     if (!change->corners || !change->reversed_rows)
         return norma_document_fail_memory(document, error);
     change->reversed = 1;
+    if (mesh->corner_count == 0) /* faces without a list of corners */
+        return NORMA_DOCUMENT_OK;
     memcpy(change->corners, corners, mesh->corner_count * sizeof *change->corners);
     for (size_t face = 0; face < mesh->face_count; ++face) {
         size_t begin = mesh->face_starts ? mesh->face_starts[face] : 3 * face, end = mesh->face_starts ? mesh->face_starts[face + 1] : begin + 3;
