@@ -29,7 +29,7 @@ names() {
         /^static / { s = $0; sub(/[=;].*/, "", s); sub(/\[.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }
         /^typedef (struct|union|enum) [a-z_0-9]+/ || /^(struct|union|enum) [a-z_0-9]+ *\{/ { s = $0; sub(/^typedef /, "", s); split(s, w, /[ \t{;]+/); emit(w[2]) }
         /^typedef .*\);/ { s = $0; sub(/\(.*/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s) }
-        /^typedef .*[A-Za-z0-9_];/ || /^\} *[a-z_0-9]+;/ { s = $0; sub(/;.*/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s) }
+        /^typedef .*[A-Za-z0-9_];/ || /^\} *[a-z_0-9]+;/ { s = $0; sub(/.*\}/, "", s); sub(/;.*/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s) }
         /^enum( [a-z_0-9]+)? *\{/ || /^typedef enum/ { inside = 1 }
         inside {
             s = $0; sub(/.*\{/, "", s); end = s ~ /\}/; sub(/\}.*/, "", s); gsub(/\/\*[^*]*\*\//, "", s)
