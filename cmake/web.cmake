@@ -17,7 +17,8 @@ endforeach()
 set(web_dir ${CMAKE_BINARY_DIR}/web)
 set(web_objects_dir ${web_dir}/objects)
 file(MAKE_DIRECTORY ${web_objects_dir} ${web_dir}/npm)
-set(web_flags --target=wasm32-wasi -std=c11 -O3 -DNDEBUG -msimd128 -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math
+# No SLP vectoriser: clang 14's, for WebAssembly, stores a product into its own factor before that is read (norma_gltf_matrix_multiply in place, nodes at wrong places).
+set(web_flags --target=wasm32-wasi -std=c11 -O3 -DNDEBUG -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${CMAKE_SOURCE_DIR}/include)
 if(NORMA_WERROR)
   list(APPEND web_flags -Werror)

@@ -201,8 +201,11 @@ static int rotate_pair(double a[9], double v[9], int p, int q) {
 void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inner) {
     double a[9], lengths[3], v[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     const int exponent = scaled_columns(m, a);
-    for (int sweep = 0, turned = 1; turned && sweep < 60; sweep++) /* converges in about six */
-        turned = rotate_pair(a, v, 0, 1) | rotate_pair(a, v, 0, 2) | rotate_pair(a, v, 1, 2);
+    for (int sweep = 0, turned = 1; turned && sweep < 60; sweep++) { /* converges in about six */
+        turned = rotate_pair(a, v, 0, 1);
+        turned |= rotate_pair(a, v, 0, 2); /* in this order, which no compiler may change */
+        turned |= rotate_pair(a, v, 1, 2);
+    }
     normalise_columns(a, lengths);
     memcpy(outer->translation, m + 12, sizeof outer->translation);
     rotation_and_scale(a, lengths, exponent, outer);
