@@ -148,10 +148,14 @@ CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end
     switch (adder->weight) {
     case NORMA_WEIGHT_ANGLE:         add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE); break;
     case NORMA_WEIGHT_AREA:          add_weighted(adder, begin, end, NORMA_WEIGHT_AREA); break;
+#if defined(__wasm__)          /* what is seldom asked for goes through one loop there, for the module's size */
+    default:                         add_weighted(adder, begin, end, adder->weight); break;
+#else
     case NORMA_WEIGHT_MAX:           add_weighted(adder, begin, end, NORMA_WEIGHT_MAX); break;
     case NORMA_WEIGHT_ANGLE_AREA:    add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE_AREA); break;
     case NORMA_WEIGHT_ANGLE_LENGTHS: add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE_LENGTHS); break;
     default:                         add_weighted(adder, begin, end, NORMA_WEIGHT_UNIFORM); break;
+#endif
     }
 }
 
@@ -199,6 +203,9 @@ CORE_INLINE void queue_weighted(const core_adder *adder, size_t begin, size_t en
 
 CORE_INLINE void queue_triangles(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue)
 {
+#if defined(__wasm__)          /* queues are for threads, which are not there: one small loop instead of six */
+    queue_weighted(adder, begin, end, queue, adder->weight);
+#else
     switch (adder->weight) {
     case NORMA_WEIGHT_ANGLE:         queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE); break;
     case NORMA_WEIGHT_AREA:          queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_AREA); break;
@@ -207,6 +214,7 @@ CORE_INLINE void queue_triangles(const core_adder *adder, size_t begin, size_t e
     case NORMA_WEIGHT_ANGLE_LENGTHS: queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_LENGTHS); break;
     default:                         queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_UNIFORM); break;
     }
+#endif
     list_corners(queue, end - begin, scale);
 }
 
