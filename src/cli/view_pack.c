@@ -110,13 +110,18 @@ static uint32_t append_corners(view_pack *pack, const norma_mesh *mesh) {
 /* ---- meshes */
 
 /* White, seen from both sides, where no material says otherwise. */
-static void pack_material(norma_document *document, size_t index, view_pack_mesh *record) {
+static void pack_material(norma_document *document, size_t index, view_pack *pack, view_pack_mesh *record) {
     norma_mesh_attributes attributes;
     norma_material_info material;
     for (int i = 0; i < 4; ++i) record->colour[i] = 1;
     record->double_sided = 1;
-    if (norma_document_mesh_attributes(document, index, &attributes, NULL) != NORMA_DOCUMENT_OK || attributes.material == SIZE_MAX ||
-        norma_document_material_info(document, attributes.material, &material) != NORMA_DOCUMENT_OK)
+    norma_document_result result = norma_document_mesh_attributes(document, index, &attributes, NULL);
+    if (!result && attributes.material == SIZE_MAX)
+        return;
+    if (!result)
+        result = norma_document_material_info(document, attributes.material, &material);
+    pack->failed |= result == NORMA_DOCUMENT_ERROR_MEMORY;
+    if (result)
         return;
     memcpy(record->colour, material.base_color, sizeof record->colour);
     record->double_sided = material.double_sided != 0;
@@ -132,7 +137,7 @@ static void pack_mesh(norma_document *document, size_t index, const norma_mesh_i
                                .groups = VIEW_PACK_NONE,
                                .corner_normals = VIEW_PACK_NONE,
                                .storage = data->normals.count ? info->normals : NORMA_NORMALS_NONE};
-    pack_material(document, index, record);
+    pack_material(document, index, pack, record);
     record->positions = append_vectors(pack, &mesh->positions);
     record->corners = append_corners(pack, mesh);
     const size_t faces = mesh->face_starts ? mesh->face_count : record->corner_count / 3;
