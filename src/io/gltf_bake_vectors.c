@@ -269,7 +269,8 @@ static bake_encoded encode_floats(const gltf_array *stored, const double *values
         read_element(stored, i, before);
         for (size_t k = 0; k < stored->width; k++) {
             const double value = values[i * stored->width + k];
-            store_number(data->bytes + (i * stored->width + k) * sizeof(float), GLTF_FLOAT, value + 0.0);
+            /* infinity less infinity has another sign on each kind of processor */
+            store_number(data->bytes + (i * stored->width + k) * sizeof(float), GLTF_FLOAT, isnan(value) ? (double)NAN : value + 0.0);
             if (!isfinite((float)value) && finite3(before)) {
                 free(data->bytes);
                 return BAKE_TOO_LARGE;

@@ -9,4 +9,5 @@ if (process.env.NORMA_LISTS)
     preopens["/lists"] = process.env.NORMA_LISTS;
 const wasi = new WASI({ version: "preview1", args: [file, ...rest], preopens, returnOnExit: true });
 const { instance } = await WebAssembly.instantiate(await readFile(file), wasi.getImportObject());
-process.exitCode = wasi.start(instance);
+// At once: what was written is written, and node 20 crashes when it takes down a program that has run for minutes.
+process.reallyExit(wasi.start(instance));
