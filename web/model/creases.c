@@ -25,7 +25,10 @@ struct creases {
     uint8_t     *way;        /* the same: which of the ascending corners it is */
     float      (*whole)[3];  /* of each position, the normal of all its corners together, once it was asked for */
     uint8_t     *has_whole;
-    int          weight;     /* faces are weighed by this, and whole normals made of it */
+    float      (*alone)[3];  /* of each face, the most visible normal of itself alone, once it was asked for */
+    uint8_t     *has_alone;
+    int          weight;     /* faces are weighed by this */
+    int          whole_of;   /* whole normals are made of this weight */
 };
 
 /* ---- faces */
@@ -65,7 +68,6 @@ static void measure_all(creases *c, norma_weight weight, uint8_t *sure) {
         const unsigned bits = measure(c, first, count, weight);
         for (size_t lane = 0; lane < count && sure; ++lane) sure[first + lane] = bits >> lane & 1;
     }
-    memset(c->has_whole, 0, c->surface.mesh.positions.count);
     c->weight = (int)weight;
 }
 
@@ -166,7 +168,9 @@ static int allocate(creases *c) {
     c->way = malloc(corners);
     c->whole = malloc(positions * sizeof *c->whole);
     c->has_whole = malloc(positions);
-    return c->kinds && c->faces && c->least && c->cosines && c->way && c->whole && c->has_whole;
+    c->alone = malloc((s->mesh.face_count + 1) * sizeof *c->alone);
+    c->has_alone = calloc(s->mesh.face_count + 1, 1);
+    return c->kinds && c->faces && c->least && c->cosines && c->way && c->whole && c->has_whole && c->alone && c->has_alone;
 }
 
 static int keep_triangles(creases *c) {
@@ -190,7 +194,7 @@ creases *creases_open(const norma_mesh *mesh, norma_weld weld) {
         free(c);
         return NULL;
     }
-    c->weight = NO_WEIGHT;
+    c->weight = c->whole_of = NO_WEIGHT;
     if (allocate(c) && (checked.face_starts || keep_triangles(c)))
         return c;
     creases_close(c);
@@ -210,6 +214,8 @@ void creases_close(creases *c) {
     free(c->way);
     free(c->whole);
     free(c->has_whole);
+    free(c->alone);
+    free(c->has_alone);
     free(c);
 }
 
@@ -246,9 +252,9 @@ static inline void vote(const kept_face *faces, uint32_t corner, fan_sum *s) {
 
 /* The core's decision, and what it comes to where neither overflow nor cancelling is near. 0: they cancel. */
 static inline int decide(const fan_sum *s, float normal[3]) {
-    const double square = dot3(s->sum, s->sum), length = sqrt(square);
+    const double square = dot3(s->sum, s->sum), length = sqrt(square), inverse = 1 / length;
     if (square > NORMA_TINIEST && square < NORMA_HUGEST && length > 0x1p-20 * s->weight) {
-        for (int axis = 0; axis < 3; ++axis) normal[axis] = (float)(s->sum[axis] / length) + 0.0F;
+        for (int axis = 0; axis < 3; ++axis) normal[axis] = (float)(s->sum[axis] * inverse) + 0.0F;
         return 1;
     }
     core_fan fan;
@@ -258,7 +264,7 @@ static inline int decide(const fan_sum *s, float normal[3]) {
 }
 
 /* The most visible normal has no sum; of one fan of several, or, fan_of being NULL, of all corners. */
-static int see(const creases *c, const uint32_t *corners, size_t count, const uint8_t *fan_of, size_t fan, float normal[3]) {
+static int see_some(const creases *c, const uint32_t *corners, size_t count, const uint8_t *fan_of, size_t fan, float normal[3]) {
     double normals[MOST_CORNERS][3], axis[3];
     size_t members = 0;
     for (size_t i = 0; i < count; ++i)
@@ -270,12 +276,21 @@ static int see(const creases *c, const uint32_t *corners, size_t count, const ui
     return 1;
 }
 
+static int see_one(creases *c, const uint32_t *corner, float normal[3]) {
+    const uint32_t face = *corner / 3;
+    if (!c->has_alone[face] && !see_some(c, corner, 1, NULL, 0, c->alone[face]))
+        return 0;
+    c->has_alone[face] = 1;
+    copy3(normal, c->alone[face]);
+    return 1;
+}
+
 static int is_visible(const creases *c) { return c->call.options.weight == NORMA_WEIGHT_VISIBLE; }
 
 static int make_whole(const creases *c, const uint32_t *corners, size_t count, float normal[3]) {
     fan_sum s = {{0, 0, 0}, 0};
     if (is_visible(c))
-        return see(c, corners, count, NULL, 0, normal);
+        return see_some(c, corners, count, NULL, 0, normal);
     for (size_t i = 0; i < count; ++i) vote(c->faces, corners[i], &s);
     return decide(&s, normal);
 }
@@ -301,21 +316,45 @@ static int find_cuts(const creases *c, size_t begin, size_t count, uint32_t *cut
     return told;
 }
 
-/* Fans from one cut to the next; behind the last cut of a closed way the first fan begins. */
-static int compute_fans(const creases *c, size_t begin, const uint32_t *corners, size_t count, uint32_t cuts, int open, float *normals) {
-    uint8_t fan_of[MOST_CORNERS];
-    fan_sum sums[MOST_CORNERS] = {{{0, 0, 0}, 0}};
-    float of_fan[MOST_CORNERS][3];
-    uint8_t fan = 0;
+/* Where the ways from one cut to the next lie, in the order of the way; behind the last cut of a closed way the first begins. Returns how many there are. */
+static uint8_t part_fans(const creases *c, size_t begin, size_t count, uint32_t cuts, int open, uint8_t fan_of[MOST_CORNERS]) {
     const uint8_t fans = (uint8_t)(__builtin_popcount(cuts) + (open ? 1 : 0));
+    uint8_t fan = 0;
     for (size_t i = 0; i < count; ++i) {
         fan_of[c->way[begin + i]] = fan == fans ? 0 : fan;
         fan = (uint8_t)(fan + (cuts >> i & 1));
     }
+    return fans;
+}
+
+static int sum_fans(const creases *c, const uint32_t *corners, size_t count, const uint8_t *fan_of, uint8_t fans, float of_fan[MOST_CORNERS][3]) {
+    fan_sum sums[MOST_CORNERS];
+    for (size_t f = 0; f < fans; ++f) sums[f] = (fan_sum){{0, 0, 0}, 0};
     for (size_t i = 0; i < count; ++i) vote(c->faces, corners[i], &sums[fan_of[i]]);
     for (size_t f = 0; f < fans; ++f)
-        if (!(is_visible(c) ? see(c, corners, count, fan_of, f, of_fan[f]) : decide(&sums[f], of_fan[f])))
+        if (!decide(&sums[f], of_fan[f]))
             return 0;
+    return 1;
+}
+
+static int see_fans(creases *c, const uint32_t *corners, size_t count, const uint8_t *fan_of, uint8_t fans, float of_fan[MOST_CORNERS][3]) {
+    uint8_t members[MOST_CORNERS] = {0}, last[MOST_CORNERS];
+    for (size_t i = 0; i < count; ++i) {
+        members[fan_of[i]]++;
+        last[fan_of[i]] = (uint8_t)i;
+    }
+    for (size_t f = 0; f < fans; ++f)
+        if (!(members[f] == 1 ? see_one(c, &corners[last[f]], of_fan[f]) : see_some(c, corners, count, fan_of, f, of_fan[f])))
+            return 0;
+    return 1;
+}
+
+static int compute_fans(creases *c, size_t begin, const uint32_t *corners, size_t count, uint32_t cuts, int open, float *normals) {
+    uint8_t fan_of[MOST_CORNERS];
+    float of_fan[MOST_CORNERS][3];
+    const uint8_t fans = part_fans(c, begin, count, cuts, open, fan_of);
+    if (!(is_visible(c) ? see_fans(c, corners, count, fan_of, fans, of_fan) : sum_fans(c, corners, count, fan_of, fans, of_fan)))
+        return 0;
     for (size_t i = 0; i < count; ++i) copy3(normals + 3 * (size_t)corners[i], of_fan[fan_of[i]]);
     return 1;
 }
@@ -343,8 +382,11 @@ int creases_compute(creases *c, float crease_rad, norma_weight weight, float *no
         return 0;
     c->call.options.weight = weight;
     norma_core_surface_crease(&c->surface, (double)crease_rad);
-    if (c->faces && c->weight != (int)weight)
+    if (c->faces && c->weight != (int)weight && !is_visible(c))
         measure_all(c, weight, NULL);
+    if (c->faces && c->whole_of != (int)weight)
+        memset(c->has_whole, 0, c->surface.mesh.positions.count);
+    c->whole_of = (int)weight;
     for (size_t p = 0; p < c->surface.mesh.positions.count; ++p)
         if (!compute_position(c, (uint32_t)p, normals))
             return 0;
