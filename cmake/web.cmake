@@ -54,7 +54,7 @@ web_module(norma.wasm ${web_core_objects})
 
 # The page's module: the readers as well, without what a page has not.
 set(web_page_sources ${io_sources})
-list(FILTER web_page_sources EXCLUDE REGEX "/(file|file_writer|gltf_meshopt)\\.c$")
+list(FILTER web_page_sources EXCLUDE REGEX "/(file|file_writer|folder|gltf_meshopt)\\.c$")
 list(APPEND web_page_sources ${check_sources})
 list(FILTER web_page_sources EXCLUDE REGEX "/mend[a-z_]*\\.c$")
 list(TRANSFORM web_page_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")

@@ -38,20 +38,13 @@ static const format_functions *functions_of(norma_file_format format) {
     }
 }
 
-static char *copy_text(const char *text, size_t length) {
-    char *copy = norma_io_allocate(length + 1, 1);
-    if (copy)
-        memcpy(copy, text, length);
-    return copy;
-}
-
 norma_document *norma_document_make(const char *name, int has_folder, const norma_document_options *options) {
     norma_document *document = norma_io_allocate(1, sizeof *document);
     if (!document)
         return NULL;
     const char *slash = strrchr(name, '/');
-    document->path = copy_text(name, strlen(name));
-    document->folder = has_folder ? copy_text(name, slash ? (size_t)(slash - name) + 1 : 0) : NULL;
+    document->path = norma_io_copy_text(name, strlen(name));
+    document->folder = has_folder ? norma_io_copy_text(name, slash ? (size_t)(slash - name) + 1 : 0) : NULL;
     document->format = options->format ? options->format : norma_file_format_of_path(name);
     document->depth = options->depth;
     document->threads = options->threads;
@@ -299,7 +292,7 @@ static norma_document_result recentre_whole(norma_document *document, int *chang
     recentre_box box = norma_recentre_empty();
     norma_transform_options options = {.struct_size = sizeof options, .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .threads = document->threads};
     norma_transform_summary summary = {0};
-    norma_mesh_data data;
+    norma_mesh_data data = {0};
     double step[3], position[3];
     norma_document_result result = norma_document_mesh_data(document, 0, &data, error);
     for (size_t i = 0; !result && i < data.mesh.positions.count; ++i) {
@@ -330,7 +323,7 @@ norma_document_result norma_document_recentre(norma_document *document, const ui
 
 /* Every number in it, before anything is changed. */
 static norma_document_result check_vertices(norma_document *document, size_t mesh, const norma_mesh_edit *edit, norma_document_error *error) {
-    norma_mesh_data data;
+    norma_mesh_data data = {0};
     norma_document_result result = norma_document_mesh_data(document, mesh, &data, error);
     int fits = document->functions->equal_vertices && edit->new_corners && edit->vertex_count > 0 && edit->vertex_count < UINT32_MAX && !edit->strip_normals;
     if (result)

@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A file's name or text may hold anything; a message is one line and never half a character. */
@@ -72,10 +71,6 @@ norma_document_result norma_document_fail_file(const char *path, norma_document_
     return norma_document_fail(&named, error, result, NULL, "%s: %s", what, text);
 }
 
-norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error) {
-    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MEMORY, NULL, "out of memory");
-}
-
 norma_document_result norma_document_fail_core(const norma_document *document, norma_document_error *error, norma_result result) {
     switch (result) {
     case NORMA_OK:
@@ -100,9 +95,9 @@ int norma_document_add_note(norma_document *document, const char *format, ...) {
     if (!notes)
         return 0;
     document->notes = notes;
-    char *note = malloc(strlen(text) + 1);
+    char *note = norma_io_copy_text(text, strlen(text));
     if (!note)
         return 0;
-    notes[document->note_count++] = strcpy(note, text);
+    notes[document->note_count++] = note;
     return 1;
 }

@@ -9,11 +9,13 @@ typedef struct scene_functions scene_functions;
 
 typedef struct companion_writers {         /* freed by who made it; paths: what messages name */
     file_writer **list;
-    char        **paths;
-    size_t        count, list_capacity, path_capacity;
+    char        **paths, **folders;        /* folders: made for them, to go where the save fails */
+    size_t        count, folder_count, list_capacity, path_capacity, folder_capacity;
 } companion_writers;
 /* 0: memory is out, and the writer is abandoned. */
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
+/* Makes a folder for them, where there is none. 0, or errno. */
+int norma_document_add_folder(companion_writers *writers, const char *path);
 
 typedef struct given_buffer {              /* a buffer file of a .gltf that is not on the disk yet */
     unsigned char *bytes;                  /* NULL: the file's */
@@ -84,7 +86,11 @@ norma_document_result norma_document_fail(const norma_document *document, norma_
 void norma_document_system_text(int system_error, char *text, size_t room);
 /* "PATH: WHAT: the system's text", for any path; result FILE, or MEMORY where the system says so. */
 norma_document_result norma_document_fail_file(const char *path, norma_document_error *error, const char *what, int system_error);
-norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error);
+/* Here, so that whoever reads the callers, an analyser too, sees that it fails. */
+static inline norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error) {
+    (void)norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MEMORY, NULL, "out of memory");
+    return NORMA_DOCUMENT_ERROR_MEMORY;
+}
 /* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here (the readers should have caught them), cancelled stays. */
 norma_document_result norma_document_fail_core(const norma_document *document, norma_document_error *error, norma_result result);
 
@@ -106,6 +112,7 @@ int norma_document_add_note(norma_document *document, const char *format, ...);
 
 /* Checked sizes: 0 where count * size overflows or memory is out. *block may be NULL before. */
 void *norma_io_allocate(size_t count, size_t size);                 /* zeroed; never of zero bytes */
+char *norma_io_copy_text(const char *text, size_t length);
 void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
 
 /* The core options that compute options ask for, with the nearest fallback in force; threads and progress carried over. */

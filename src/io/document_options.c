@@ -9,6 +9,13 @@ void *norma_io_allocate(size_t count, size_t size) {
     return calloc(count ? count : 1, size ? size : 1);
 }
 
+char *norma_io_copy_text(const char *text, size_t length) {
+    char *copy = norma_io_allocate(length + 1, 1);
+    if (copy)
+        memcpy(copy, text, length);
+    return copy;
+}
+
 void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size) {
     if (block && needed <= *capacity)
         return block;

@@ -64,15 +64,27 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path) {
     file_writer **list = norma_io_grow(writers->list, &writers->list_capacity, writers->count + 1, sizeof *list);
     writers->list = list ? list : writers->list;
-    char **paths = list ? norma_io_grow(writers->paths, &writers->path_capacity, writers->count + 1, sizeof *paths) : NULL, *copy = paths ? norma_io_allocate(strlen(path) + 1, 1) : NULL;
+    char **paths = list ? norma_io_grow(writers->paths, &writers->path_capacity, writers->count + 1, sizeof *paths) : NULL, *copy = paths ? norma_io_copy_text(path, strlen(path)) : NULL;
     writers->paths = paths ? paths : writers->paths;
     if (!copy) {
         norma_file_writer_abandon(writer);
         return 0;
     }
     list[writers->count] = writer;
-    paths[writers->count++] = strcpy(copy, path);
+    paths[writers->count++] = copy;
     return 1;
+}
+
+int norma_document_add_folder(companion_writers *writers, const char *path) {
+    int made;
+    char *copy = norma_io_copy_text(path, strlen(path)), **folders = copy ? norma_io_grow(writers->folders, &writers->folder_capacity, writers->folder_count + 1, sizeof *folders) : NULL;
+    writers->folders = folders ? folders : writers->folders;
+    const int error = folders ? norma_folder_make(path, &made) : ENOMEM;
+    if (error || !made)
+        free(copy);
+    else
+        folders[writers->folder_count++] = copy;
+    return error;
 }
 
 static void free_writers(companion_writers *writers, int abandon) {
@@ -81,8 +93,14 @@ static void free_writers(companion_writers *writers, int abandon) {
             norma_file_writer_abandon(writers->list[i]);
         free(writers->paths[i]);
     }
+    while (writers->folder_count > 0) { /* what lies in another was made after it */
+        if (abandon)
+            norma_folder_remove(writers->folders[writers->folder_count - 1]);
+        free(writers->folders[--writers->folder_count]);
+    }
     free(writers->list);
     free(writers->paths);
+    free(writers->folders);
 }
 
 /* Everything that can fail for want of room or by the format happens before the first rename. */

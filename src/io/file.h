@@ -54,4 +54,12 @@ void norma_file_writer_abandon(file_writer *writer); /* frees; NULL is fine */
 /* Several files: all are prepared and looked at before the first is renamed, and each is in its place on the disk before the next one that may name it. After a failure
  * those that were not there before are gone again; *failed is the number of the one that failed. Frees all. */
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed);
+
+/* Makes a folder and sees to it that its name is on the disk; *made is 0 where it was there. Returns 0 or errno. */
+int norma_folder_make(const char *path, int *made);
+void norma_folder_remove(const char *path); /* where it is empty; else it stays */
+/* What a file_writer needs, not on Windows: to have names in a folder on the disk. A folder that may not be read cannot be flushed, and some file systems flush none: no reason
+ * to call a file unwritten. The descriptor is -1 then. */
+int norma_folder_open(const char *path, int *descriptor);
+int norma_folder_flush(int descriptor);
 #endif

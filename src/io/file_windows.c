@@ -1,4 +1,4 @@
-/* file_windows.c: file.c and file_writer.c for Windows. Paths are UTF-8.
+/* file_windows.c: file.c, file_writer.c and folder.c for Windows. Paths are UTF-8.
  *
  * Files are read whole, never mapped: a mapped file could not be replaced. Writing goes to a temporary file beside the target, which is flushed (FlushFileBuffers) and moved
  * over it (MoveFileEx with MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH, which returns when the move is on the disk). */
@@ -333,4 +333,21 @@ void norma_file_writer_abandon(file_writer *writer) {
     free(writer->temporary);
     free(writer->target);
     free(writer);
+}
+
+/* ---- folders */
+
+int norma_folder_make(const char *path, int *made) {
+    wchar_t *name = wide(path);
+    *made = name && CreateDirectoryW(name, NULL);
+    const DWORD error = *made || !name ? 0 : GetLastError();
+    free(name);
+    return !name ? EINVAL : error && error != ERROR_ALREADY_EXISTS ? error_of(error) : 0;
+}
+
+void norma_folder_remove(const char *path) {
+    wchar_t *name = wide(path);
+    if (name)
+        RemoveDirectoryW(name);
+    free(name);
 }

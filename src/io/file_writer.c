@@ -280,23 +280,14 @@ static int hold_expected(file_writer *writer) {
     return norma_file_is_unchanged(writer->target, writer->expected) ? 0 : FILE_CHANGED;
 }
 
-/* The new name must survive a crash as well. A folder that may not be read cannot be flushed, and some file systems flush none: no reason to call the file unwritten. */
+/* The new name must survive a crash as well. */
 static int open_folder(file_writer *writer) {
     if (!writer->nameless && !writer->temporary)
         return 0;
     char *folder = join(writer->target, folder_length(writer->target), ".");
-    if (!folder)
-        return ENOMEM;
-    do writer->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    while (writer->folder < 0 && errno == EINTR);
-    int error = writer->folder < 0 && errno != EACCES && errno != EPERM ? errno : 0;
+    const int error = folder ? norma_folder_open(folder, &writer->folder) : ENOMEM;
     free(folder);
     return error;
-}
-
-static int flush_folder(int folder) {
-    int error = flush_descriptor(folder);
-    return error == EINVAL || error == EBADF || error == ENOTSUP || error == EROFS ? 0 : error;
 }
 
 static int put_in_place(file_writer *writer) {
@@ -316,7 +307,7 @@ static int put_in_place(file_writer *writer) {
         writer->placed = 1;
         if (writer->expected && is_known)
             *writer->expected = norma_file_stamp_of(&status);
-        error = writer->folder >= 0 ? flush_folder(writer->folder) : 0;
+        error = writer->folder >= 0 ? norma_folder_flush(writer->folder) : 0;
     }
     return error;
 }

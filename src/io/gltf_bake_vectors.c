@@ -265,7 +265,7 @@ static bake_encoded encode_floats(const gltf_array *stored, const double *values
     if (!allocate(data, stored, GLTF_FLOAT, 0))
         return BAKE_NO_MEMORY;
     for (size_t i = 0; i < stored->count; i++) {
-        double before[4];
+        double before[4] = {0};
         read_element(stored, i, before);
         for (size_t k = 0; k < stored->width; k++) {
             const double value = values[i * stored->width + k];
@@ -283,15 +283,16 @@ static bake_encoded encode_floats(const gltf_array *stored, const double *values
 bake_encoded norma_gltf_encode(bake_role role, const gltf_array *stored, const double *values, gltf_data *data) {
     const int is_signed = stored->component == GLTF_BYTE || stored->component == GLTF_SHORT;
     const size_t count = stored->count * stored->width;
+    const int is_place = role == BAKE_POSITIONS || role == BAKE_POSITION_DELTAS, is_direction = role == BAKE_NORMALS || role == BAKE_TANGENTS;
+    const int is_delta = role == BAKE_NORMAL_DELTAS || role == BAKE_TANGENT_DELTAS;
     bake_encoded encoded;
-    if ((role == BAKE_POSITIONS || role == BAKE_POSITION_DELTAS) && holds(stored->component, stored->normalized, values, count, 1e-9))
-        encoded = encode_codes(stored, values, data);
-    else if ((role == BAKE_NORMALS || role == BAKE_TANGENTS) && is_signed && stored->normalized)
+    if (is_direction && is_signed && stored->normalized)
         encoded = encode_directions(stored, values, data);
-    else if ((role == BAKE_NORMAL_DELTAS || role == BAKE_TANGENT_DELTAS) && is_signed && stored->normalized && holds(stored->component, 1, values, count, 0.5))
+    else if ((is_place && holds(stored->component, stored->normalized, values, count, 1e-9)) ||
+             (is_delta && is_signed && stored->normalized && holds(stored->component, 1, values, count, 0.5)))
         encoded = encode_codes(stored, values, data);
     else
         encoded = encode_floats(stored, values, data);
-    data->bounds = role == BAKE_POSITIONS || role == BAKE_POSITION_DELTAS;
+    data->bounds = is_place;
     return encoded;
 }

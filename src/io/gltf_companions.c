@@ -6,10 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#if defined(_WIN32)
-#include <direct.h>
-#define mkdir(path, mode) _mkdir(path)
-#endif
 
 typedef struct companion {
     char                *path;
@@ -171,11 +167,11 @@ static norma_document_result collect(companions *c, const char *path)
 /* ---- writing */
 
 /* Folders below the output's for names like "textures/wood.png". */
-static int make_folders(char *path, size_t known)
+static int make_folders(companion_writers *writers, char *path, size_t known)
 {
     for (char *slash = strchr(path + known, '/'); slash; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
-        int failed = mkdir(path, 0777) && errno != EEXIST ? errno : 0;
+        int failed = norma_document_add_folder(writers, path);
         *slash = '/';
         if (failed)
             return failed;
@@ -202,7 +198,7 @@ static int write_content(const companion *one, file_writer *writer)
 static norma_document_result write_one(companions *c, companion *one, companion_writers *writers)
 {
     file_writer *writer = NULL;
-    int failed = make_folders(one->path, strlen(c->folder));
+    int failed = make_folders(writers, one->path, strlen(c->folder));
     if (!failed)
         failed = norma_file_writer_open(one->path, &writer);
     if (!failed && one->replaces)

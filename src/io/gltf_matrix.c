@@ -104,7 +104,7 @@ void norma_gltf_complete_basis(double columns[9], int count) {
 
 /* Unit columns in place, their lengths into lengths; what is zero is filled with what completes the basis. */
 static void normalise_columns(double columns[9], double lengths[3]) {
-    int order[3], whole = 0;
+    int order[3] = {0, 1, 2}, whole = 0;
     for (int i = 0; i < 3; i++) {
         lengths[i] = sqrt(dot(columns + 3 * i, columns + 3 * i));
         if (lengths[i] > 0)

@@ -163,7 +163,8 @@ static int compare_pairs(const void *a, const void *b)
 
 static void colour_patches(patches *p)
 {
-    qsort(p->pairs, p->pair_count, sizeof *p->pairs, compare_pairs);
+    if (p->pair_count > 0)
+        qsort(p->pairs, p->pair_count, sizeof *p->pairs, compare_pairs);
     for (size_t i = 0; i < p->pair_count;) {
         uint32_t patch = (uint32_t)(p->pairs[i] >> 32), taken = 0;
         for (; i < p->pair_count && (uint32_t)(p->pairs[i] >> 32) == patch; ++i)

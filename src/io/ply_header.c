@@ -183,7 +183,7 @@ static norma_document_result read_property(header_reader *reader)
     ply_header *header = &reader->state->header;
     if (header->element_count == 0)
         return fail_line(reader, "a property before the first element", whole_line(reader->state, &reader->line));
-    ply_property property;
+    ply_property property = {0};
     norma_document_result result = parse_property(reader, &property);
     if (result)
         return result;

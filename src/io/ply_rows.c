@@ -147,9 +147,9 @@ static void put_corners(const row_writer *writer, const ply_item *item, const un
     const size_t count_size = norma_ply_type_size(item->source->count_type), bytes = count * norma_ply_type_size(item->type);
     const uint8_t *rows = writer->plan->reversed_rows;
     const int in_step = corners > 0 && count % corners == 0, turns = writer->plan->reversed && (!rows || rows[row]);
-    const size_t tuple = in_step ? bytes / corners : 0;
+    const size_t tuple = in_step ? bytes / corners : 0, of_triangle = in_step ? count / corners * 3 : 0;
     if (writer->triangle && in_step)
-        norma_ply_put(norma_sink_room(writer->sink, count_size), item->source->count_type, encoding, (double)(3 * (count / corners)));
+        norma_ply_put(norma_sink_room(writer->sink, count_size), item->source->count_type, encoding, (double)of_triangle);
     else
         norma_sink_put(writer->sink, at, count_size);
     at += count_size;

@@ -118,10 +118,10 @@ static norma_document_result make_attributes(norma_document *document, size_t in
 
 norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error) {
     norma_document_result result = norma_document_usable(document, error);
-    if (!result && !attributes)
-        result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the attributes was given");
     if (result)
         return result;
+    if (!attributes)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the attributes was given");
     *attributes = no_attributes;
     result = check_mesh(document, index, error);
     if (!result)
@@ -134,10 +134,10 @@ norma_document_result norma_document_mesh_attributes(norma_document *document, s
 norma_document_result norma_document_morph_data(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error) {
     norma_mesh_info info;
     norma_document_result result = norma_document_usable(document, error);
-    if (!result && !data)
-        result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the target's data was given");
     if (result)
         return result;
+    if (!data)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the target's data was given");
     *data = (norma_morph_data){0};
     result = check_mesh(document, mesh, error);
     if (result)

@@ -24,6 +24,8 @@ int norma_file_writer_prepare(file_writer *writer) { return (void)writer, ENOSYS
 void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) { (void)writer, (void)stamp; }
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) { return (void)writers, (void)count, *failed = 0, ENOSYS; }
 void norma_file_writer_abandon(file_writer *writer) { (void)writer; }
+int norma_folder_make(const char *path, int *made) { return (void)path, *made = 0, ENOSYS; }
+void norma_folder_remove(const char *path) { (void)path; }
 
 norma_document_result norma_gltf_decode_meshopt(gltf *g, uint32_t number, norma_document_error *error) {
     (void)number;
@@ -34,7 +36,6 @@ norma_document_result norma_gltf_decode_meshopt(gltf *g, uint32_t number, norma_
 
 int stat(const char *restrict path, struct stat *restrict status) { return (void)path, (void)status, errno = ENOSYS, -1; }
 int lstat(const char *restrict path, struct stat *restrict status) { return stat(path, status); }
-int mkdir(const char *path, mode_t mode) { return (void)path, (void)mode, errno = ENOSYS, -1; }
 char *realpath(const char *restrict path, char *restrict resolved) { return (void)path, (void)resolved, errno = ENOSYS, NULL; }
 
 /* assert and the streams of the C library end here. */
