@@ -163,10 +163,15 @@ static void weld_group(void *context, size_t group)
     w->found[group] = found;
 }
 
+/* Into the one bucket of a small mesh go at most all, which need not be counted before. */
+static int is_one_bucket(const welding *w) { return !w->bits && w->slices == 1; }
+
 /* With memory for all of it. */
 static norma_result run_welding(core_call *call, welding *w, size_t *found)
 {
-    norma_result result = norma_core_parallel(call, w->slices, count_slice, w);
+    norma_result result = NORMA_OK;
+    if (is_one_bucket(w)) w->cursors[0] = (uint32_t)w->mesh->positions.count;
+    else result = norma_core_parallel(call, w->slices, count_slice, w);
     if (result != NORMA_OK) return result;
     const size_t most = place_buckets(w);
     w->table_size = (size_t)1 << table_bits(most);
@@ -174,6 +179,7 @@ static norma_result run_welding(core_call *call, welding *w, size_t *found)
     w->tables = norma_core_allocate(call, w->groups * w->table_size, sizeof *w->tables);
     if (!w->tables) return NORMA_ERROR_MEMORY;
     result = norma_core_parallel(call, w->slices, deal_slice, w);
+    if (is_one_bucket(w)) w->starts[1] = w->cursors[0];
     if (result == NORMA_OK) result = norma_core_parallel(call, w->groups, weld_group, w);
     for (size_t i = 0; i < w->groups && result == NORMA_OK; i++) *found += w->found[i];
     norma_core_release(call, w->tables, w->groups * w->table_size, sizeof *w->tables);
