@@ -160,7 +160,8 @@ static unsigned sets_of(const cone *few)
 }
 
 /* Of the cones of sets of the few that hold all, the one of greatest cosine. */
-STANDING_ALONE static int narrow(const cone *few, cone *c)
+STANDING_ALONE
+static int narrow(const cone *few, cone *c)
 {
     unsigned sets = sets_of(few), best = 0, last = 0;
     double cosine = -2;

@@ -3,6 +3,7 @@
 #pragma GCC optimize("no-tree-slp-vectorize")    /* this compiler gathers neighbouring addresses into vectors, only to take them out again one by one */
 #endif
 #include "vertex_add.h"
+#include "vertex_add_simd128.h"
 #include "lanes.h"
 #include "measure_lanes.h"
 
@@ -143,11 +144,26 @@ CORE_INLINE void add_weighted(const core_adder *adder, size_t begin, size_t end,
     }
 }
 
+#if defined(__wasm_simd128__)
+/* What pairs leave, those that doubles do not decide and a last one, goes through a batch. */
+CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end)
+{
+    const int pairs = core_can_add_pairs(adder);
+    for (size_t f = begin, next; f < end; f = next) {
+        if (pairs) f = core_add_pairs(adder, f, end);
+        next = pairs && end - f > 2 ? f + 2 : end;
+        add_weighted(adder, f, next, NORMA_WEIGHT_AREA);
+    }
+}
+#else
+CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) { add_weighted(adder, begin, end, NORMA_WEIGHT_AREA); }
+#endif
+
 CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end)
 {
     switch (adder->weight) {
     case NORMA_WEIGHT_ANGLE:         add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE); break;
-    case NORMA_WEIGHT_AREA:          add_weighted(adder, begin, end, NORMA_WEIGHT_AREA); break;
+    case NORMA_WEIGHT_AREA:          add_by_area(adder, begin, end); break;
 #if defined(__wasm__)          /* what is seldom asked for goes through one loop there, for the module's size */
     default:                         add_weighted(adder, begin, end, adder->weight); break;
 #else
