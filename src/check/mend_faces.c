@@ -1,56 +1,9 @@
 /* mend_faces.c: faces put right: windings made to agree (norma_orient), whole bodies turned (mend_turn.c), faces left out that are there twice or have no area. */
 #include "mend_internal.h"
+#include "mend_parts.h"
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- parts of a surface: faces that edges join, by exactly equal positions */
-
-typedef struct mend_edge {
-    double a[3], b[3]; /* its ends, the lesser first */
-    uint32_t face;
-} mend_edge;
-
-static int compare_points(const double a[3], const double b[3]) {
-    for (int axis = 0; axis < 3; axis++)
-        if (a[axis] != b[axis])
-            return a[axis] < b[axis] ? -1 : 1;
-    return 0;
-}
-
-static int compare_edges(const void *a, const void *b) {
-    const mend_edge *one = a, *other = b;
-    int order = compare_points(one->a, other->a);
-    return order ? order : compare_points(one->b, other->b);
-}
-
-static uint32_t root_of(uint32_t *parents, uint32_t face) {
-    while (parents[face] != face) face = parents[face] = parents[parents[face]];
-    return face;
-}
-
-static size_t gather_edges(const core_mesh *mesh, mend_edge *edges) {
-    size_t count = 0;
-    for (size_t face = 0; face < mesh->face_count; face++) {
-        size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
-        for (size_t c = begin; c < end; c++) {
-            mend_edge *edge = &edges[count];
-            norma_core_position(mesh, norma_core_corner(mesh, c), edge->a);
-            norma_core_position(mesh, norma_core_corner(mesh, c + 1 < end ? c + 1 : begin), edge->b);
-            int order = compare_points(edge->a, edge->b);
-            if (order == 0 || !norma_core_finite(edge->a) || !norma_core_finite(edge->b))
-                continue;
-            if (order > 0) {
-                double swapped[3];
-                memcpy(swapped, edge->a, sizeof swapped);
-                memcpy(edge->a, edge->b, sizeof swapped);
-                memcpy(edge->b, swapped, sizeof swapped);
-            }
-            edge->face = (uint32_t)face;
-            count++;
-        }
-    }
-    return count;
-}
 
 /* For each face the least face of its part. NULL: out of memory. */
 static uint32_t *find_parts(const core_mesh *mesh) {
@@ -62,15 +15,13 @@ static uint32_t *find_parts(const core_mesh *mesh) {
         return NULL;
     }
     for (size_t face = 0; face < mesh->face_count; face++) parents[face] = (uint32_t)face;
-    size_t count = gather_edges(mesh, edges);
-    qsort(edges, count, sizeof *edges, compare_edges);
-    for (size_t i = 1; i < count; i++) {
-        if (compare_edges(&edges[i - 1], &edges[i]) != 0)
-            continue;
-        uint32_t a = root_of(parents, edges[i - 1].face), b = root_of(parents, edges[i].face);
-        parents[a > b ? a : b] = a < b ? a : b;
-    }
-    for (size_t face = 0; face < mesh->face_count; face++) parents[face] = root_of(parents, (uint32_t)face);
+    size_t count = 0;
+    for (size_t face = 0; face < mesh->face_count; face++) count += norma_mend_face_edges(mesh, face, (uint32_t)face, 0, edges + count);
+    qsort(edges, count, sizeof *edges, norma_mend_compare_edges);
+    for (size_t i = 1; i < count; i++)
+        if (norma_mend_compare_edges(&edges[i - 1], &edges[i]) == 0)
+            norma_mend_unite(parents, edges[i - 1].face, edges[i].face);
+    for (size_t face = 0; face < mesh->face_count; face++) parents[face] = norma_mend_root(parents, (uint32_t)face);
     free(edges);
     return parents;
 }

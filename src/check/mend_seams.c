@@ -1,5 +1,6 @@
 /* mend_seams.c: the normals that both sides of a seam get where it runs between two primitives of a glTF mesh (N501): those of the whole mesh. */
 #include "mend_internal.h"
+#include "mend_parts.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,10 +10,7 @@ typedef struct seam_place {
 
 static int compare_places(const void *a, const void *b) {
     const seam_place *one = a, *other = b;
-    for (int axis = 0; axis < 3; axis++)
-        if (one->position[axis] != other->position[axis])
-            return one->position[axis] < other->position[axis] ? -1 : 1;
-    return 0;
+    return norma_mend_compare_points(one->position, other->position);
 }
 
 static size_t count_samples(const mend_group *g) {
