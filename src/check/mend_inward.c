@@ -3,7 +3,6 @@
 #include "mend_internal.h"
 #include "mend_parts.h"
 #include <stdlib.h>
-#include <string.h>
 
 typedef struct bodies {
     const core_mesh *meshes;
