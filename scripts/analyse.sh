@@ -14,7 +14,7 @@ one() {
     name=$(tr / _ <<<"$1")
     clang-tidy -p "$out" --quiet "$1" 2>/dev/null | sed -nE "s#^$PWD/([^:]+):([0-9]+):[0-9]+: warning: (.*) \[(.*)\]\$#\1 [\4] line \2: \3#p" >"$out/found/$name"
     gcc -std=c11 -O2 -ffp-contract=off -Iinclude -I"$out/generated" -fanalyzer -c "$1" -o /dev/null 2>&1 |
-        sed -nE 's#^([^: ]+):([0-9]+):[0-9]+: warning: (.*) \[-W(analyzer-[a-z-]+)\]$#\1 [\4] line \2: \3#p' >>"$out/found/$name"
+        sed -nE -e 's#^([^: ]+):([0-9]+):[0-9]+: warning: (.*) \[-W(analyzer-[a-z-]+)\]$#\1 [\4] line \2: \3#p' -e "s#^cc1: warning: (.*) \[-W(analyzer-[a-z-]+)\]\$#$1 [\2] no line: \1#p" >>"$out/found/$name"
 }
 export -f one
 files=$(find src -name '*.c' ! -name '*_windows.c' | LC_ALL=C sort)

@@ -169,6 +169,25 @@ static void test_normals_fewer_than_positions(void **state)
     expect_each(texts, COUNT_OF(texts), VERSION_2, NORMA_DOCUMENT_ERROR_MALFORMED, NORMA_DOCUMENT_WHOLE);
 }
 
+/* Read leniently, each corner names its normal: in one array, however often it is asked for. */
+static void test_fewer_normals_named(void **state)
+{
+    const norma_document_options options = {.struct_size = sizeof options, .lenient = 1};
+    norma_document *document = NULL;
+    norma_mesh_data first, again;
+    document_bytes bytes = gltf_text(MESH(",'NORMAL':1") ",'accessors':[" POSITION ",{'bufferView':0,'componentType':5126,'count':2,'type':'VEC3'}]," BUFFERS, VERSION_2);
+    (void)state;
+    assert_int_equal(norma_document_open_memory(bytes.data, bytes.size, "a.gltf", &options, &document, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_document_mesh_data(document, 0, &first, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_document_mesh_data(document, 0, &again, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(first.normals.count, 2);
+    assert_int_equal(first.corner_normals[1], 1);
+    assert_int_equal(first.corner_normals[2], UINT32_MAX);
+    assert_ptr_equal(first.corner_normals, again.corner_normals);
+    norma_document_close(document);
+    bytes_free(&bytes);
+}
+
 static void test_versions(void **state)
 {
     static const bad_text none[] = {{"", "/asset/version: expected a version, as every glTF file has"}}, other[] = {{"", "/asset/version: is not glTF 2; expected version 2.0"}};
@@ -252,7 +271,8 @@ static void test_json_and_glb(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_schema), cmocka_unit_test(test_bytes), cmocka_unit_test(test_normals_fewer_than_positions), cmocka_unit_test(test_versions), cmocka_unit_test(test_meshopt),
+        cmocka_unit_test(test_schema), cmocka_unit_test(test_bytes), cmocka_unit_test(test_normals_fewer_than_positions), cmocka_unit_test(test_fewer_normals_named),
+        cmocka_unit_test(test_versions), cmocka_unit_test(test_meshopt),
         cmocka_unit_test(test_json_and_glb),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

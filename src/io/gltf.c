@@ -188,8 +188,10 @@ void norma_gltf_close(norma_document *document)
         free(g->accessors[i].owned);
     for (uint32_t i = 0; g->meshes && i < g->mesh_count; ++i)
         free(g->meshes[i].name);
-    for (uint32_t i = 0; g->primitives && i < g->primitive_count; ++i)
+    for (uint32_t i = 0; g->primitives && i < g->primitive_count; ++i) {
         free(g->primitives[i].corners);
+        free(g->primitives[i].corner_normals);
+    }
     for (uint32_t i = 0; g->attributes && i < g->attribute_count; ++i)
         free(g->attributes[i].name);
     for (uint32_t i = 0; g->nodes && i < g->node_count; ++i)

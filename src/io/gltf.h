@@ -88,6 +88,7 @@ typedef struct gltf_primitive {
     char            where[64];            /* JSON pointer */
     uint32_t       *corners;              /* cached by norma_gltf_corners, 3 * faces */
     const uint32_t *direct_corners;       /* the same where the file itself has them so */
+    uint32_t       *corner_normals;       /* of each corner its normal, where there are fewer than positions; made on first use */
 } gltf_primitive;
 
 typedef struct gltf_mesh {

@@ -91,10 +91,7 @@ static norma_document_result put_list(gltf_job *job, uint32_t number, uint32_t *
         free(corners);
         return result;
     }
-    for (size_t i = 0; i < count; ++i)
-        largest = corners[i] > largest ? corners[i] : largest;
-    if (extra && largest < p->vertices)
-        largest = (uint32_t)p->vertices - 1;
+    for (size_t i = 0; i < count; ++i) largest = corners[i] > largest ? corners[i] : largest;
     gltf_data data = {.component = component_for(g, p, largest), .width = 1, .count = count + extra, .is_indices = 1};
     if (data.component == GLTF_UINT && extra == 0 && is_little_endian()) {
         data.bytes = (unsigned char *)corners;

@@ -415,14 +415,15 @@ norma_document_result norma_gltf_corners(gltf *g, uint32_t number, const uint32_
 /* ---- arrays for others */
 
 /* Of each corner the normal: its vertex, where that has one. */
-static norma_document_result name_normals(gltf *g, const uint32_t *corners, size_t corner_count, size_t normals, const uint32_t **out, norma_document_error *error)
+static norma_document_result name_normals(const gltf *g, gltf_primitive *p, const uint32_t *corners, size_t normals, norma_document_error *error)
 {
-    uint32_t *names = norma_scene_allocate(g->document->scene, corner_count, sizeof *names);
-    if (!names)
+    if (p->corner_normals)
+        return NORMA_DOCUMENT_OK;
+    p->corner_normals = norma_io_allocate(p->faces, 3 * sizeof *p->corner_normals);
+    if (!p->corner_normals)
         return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < corner_count; ++i)
-        names[i] = corners[i] < normals ? corners[i] : UINT32_MAX;
-    *out = names;
+    for (size_t i = 0; i < 3 * p->faces; ++i)
+        p->corner_normals[i] = corners[i] < normals ? corners[i] : UINT32_MAX;
     return NORMA_DOCUMENT_OK;
 }
 
@@ -447,5 +448,8 @@ norma_document_result norma_gltf_mesh_data(norma_document *document, size_t inde
         return NORMA_DOCUMENT_OK;
     size_t count = g->accessors[p->base.normal].count;
     data->normals = (norma_vec3_view){.data = normals, .count = count < p->vertices ? count : p->vertices, .format = NORMA_FORMAT_FLOAT};
-    return count < p->vertices ? name_normals(g, corners, 3 * p->faces, count, &data->corner_normals, error) : NORMA_DOCUMENT_OK;
+    if (count < p->vertices)
+        result = name_normals(g, p, corners, count, error);
+    data->corner_normals = result ? NULL : p->corner_normals;
+    return result;
 }

@@ -253,10 +253,9 @@ void norma_json_set_uint(json_edits *edits, uint32_t object, const char *key, ui
 /* ---- writing */
 
 typedef struct splice {
-    size_t      start, end;       /* bytes of the old text that go */
-    size_t      order;            /* among those of one start */
-    const edit *additions_of;     /* what is put there: the additions of this container, */
-    const char *text;             /* or this, or nothing */
+    size_t start, end;        /* bytes of the old text that go */
+    const edit *additions_of; /* what is put there: the additions of this container, */
+    const char *text;         /* or this, or nothing */
 } splice;
 
 typedef struct splices {
@@ -277,16 +276,13 @@ static void add_splice(splices *s, splice one)
         s->list = grown;
         s->capacity = larger;
     }
-    one.order = s->count;
     s->list[s->count++] = one;
 }
 
-static int compare_splices(const void *a, const void *b)
-{
+/* No two begin at one place: each value is replaced, removed or added to once, and what is added comes behind a container's last value or its bracket. */
+static int compare_splices(const void *a, const void *b) {
     const splice *x = a, *y = b;
-    if (x->start != y->start)
-        return x->start < y->start ? -1 : 1;
-    return x->order < y->order ? -1 : x->order > y->order;
+    return x->start < y->start ? -1 : x->start > y->start;
 }
 
 static size_t item_start(const json *j, uint32_t container, uint32_t value)

@@ -54,9 +54,8 @@ static int reserve(gathering *g, const obj_part *part, void *array, size_t *room
         pthread_cond_wait(&g->moved, &g->lock);
     const double left = (double)(g->end - part->begin) / (double)(part->end - part->begin);
     const double guess = (double)used + 1.01 * left * (double)count;
-    size_t wanted = used + count < (size_t)OBJ_MOST && guess < (double)OBJ_MOST ? (size_t)guess : used + count;
-    if (wanted < used + count)
-        wanted = used + count;
+    const size_t wanted =
+        used + count < (size_t)OBJ_MOST && guess < (double)OBJ_MOST ? (size_t)guess : used + count; /* left is at least 1, and the guess never less */
     void *grown = norma_io_move_block(block, block ? used * size : 0, wanted, size);
     if (!grown)
         return 0;

@@ -83,11 +83,8 @@ static int next_line(header_reader *reader)
     return 1;
 }
 
-/* From its first word to the end of its last. */
-static ply_span whole_line(const ply_state *state, const header_line *line)
-{
-    if (line->word_count == 0)
-        return (ply_span){0, 0};
+/* From its first word, which it has, to the end of its last. */
+static ply_span whole_line(const ply_state *state, const header_line *line) {
     size_t begin = line->words[0].offset, end = line->end;
     while (is_blank(state->bytes[end - 1]))
         --end;
