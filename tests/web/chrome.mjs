@@ -52,6 +52,7 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
     });
     for (const domain of ["Page", "Runtime", "Log", "Network", "DOM"]) await ask(`${domain}.enable`);
     await ask("Emulation.setDeviceMetricsOverride", { width: size[0], height: size[1], deviceScaleFactor: 1, mobile });
+    if (mobile) await ask("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 2 });
     await ask("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }] });
     if (before) await ask("Page.addScriptToEvaluateOnNewDocument", { source: before });
     await ask("Page.navigate", { url });
@@ -76,13 +77,15 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
       return bytes;
     };
     const mouse = (type, x, y, more = {}) => ask("Input.dispatchMouseEvent", { type, x, y, button: "none", ...more });
+    /* fingers: [x, y] of each that is down; those that are not named any more were lifted. */
+    const touch = (type, ...fingers) => ask("Input.dispatchTouchEvent", { type, touchPoints: fingers.map(([x, y], id) => ({ x, y, id })) });
     const press = async (key, modifiers = 0) => {
       const text = key.length === 1 ? key : undefined;
       await ask("Input.dispatchKeyEvent", { type: text ? "keyDown" : "rawKeyDown", key, text, modifiers, code: key === " " ? "Space" : key, windowsVirtualKeyCode: { Tab: 9, ArrowLeft: 37, ArrowUp: 38, ArrowRight: 39, ArrowDown: 40, " ": 32 }[key] ?? 0 });
       await ask("Input.dispatchKeyEvent", { type: "keyUp", key, modifiers });
     };
     const close = () => send("Target.closeTarget", { targetId });
-    return { ask, evaluate, until, screenshot, mouse, press, close, said, requests };
+    return { ask, evaluate, until, screenshot, mouse, touch, press, close, said, requests };
   };
 
   const close = async () => {

@@ -366,6 +366,59 @@ await attempt("on a small screen the panel lies below the picture", async () => 
   await small.close();
 });
 
+/* A finger is compared with keys, whose steps are 5 degrees, and two fingers with what a sphere looks like from where they leave the camera. */
+await attempt("touch: one finger orbits, two zoom and move, and the page itself stays where it is", async () => {
+  const small = await visit(home, { size: [390, 780], mobile: true });
+  const [middle, row, stage] = await small.evaluate("[canvas.clientWidth / 2, canvas.clientHeight / 2, canvas.clientHeight]");
+  const box = [0, 0, 2 * middle, stage], still = "window.scrollY === 0 && visualViewport.scale === 1";
+  await small.pick("sides", "right");
+  await small.pick("model", "gear");
+  const start = await small.picture();
+  await small.touch("touchStart", [middle + 60, row]);
+  for (const x of [20, -20, -40]) await small.after(() => small.touch("touchMove", [middle + x, row - (60 - x) / 4]));
+  await small.touch("touchEnd");
+  const turned = await small.picture("touch-orbit");
+  expect(differences(start, turned, box) > 3000, "a finger turned nothing");
+  await small.evaluate("canvas.focus()");
+  await small.after(() => small.press("0"));
+  for (let i = 0; i < 8; i++) await small.after(() => small.press("ArrowRight"));
+  for (let i = 0; i < 2; i++) await small.after(() => small.press("ArrowDown"));
+  const byKeys = differences(turned, await small.picture(), box);
+  expect(byKeys < 60, `100 pixels to the left and 25 up are not 40 and 10 degrees: ${byKeys} pixels differ`);
+  expect(await small.evaluate(still), "the page scrolled");
+
+  await small.pick("model", "sphere");
+  await small.click("reset-matrix");
+  await small.click("reset-view");
+  const ends = async (name) => {
+    const png = await small.picture(name), y = Math.round(row), rim = 8, paper = png.at(rim, y), isThere = (x) => png.at(x, y).some((part, i) => Math.abs(part - paper[i]) > 40);
+    let left = rim, right = 2 * middle - rim;
+    while (left < right && !isThere(left)) left++;
+    while (right > left && !isThere(right)) right--;
+    return [left, right];
+  };
+  const pinch = async (...pairs) => {
+    await small.touch("touchStart", [pairs[0][0], row], [pairs[0][1], row]);
+    for (const [a, b] of pairs.slice(1)) await small.after(() => small.touch("touchMove", [a, row], [b, row]));
+    await small.touch("touchEnd");
+  };
+  const seen = (distance) => 1 / Math.sqrt(distance * distance - 1), half = ([left, right]) => (right - left) / 2, centre = ([left, right]) => (left + right) / 2;
+  const before = half(await ends());
+  await pinch([middle - 100, middle + 100], [middle - 80, middle + 80], [middle - 50, middle + 50]);
+  const away = await ends("touch-pinch");
+  expect(near(half(away) / before, seen(6.8) / seen(3.4), 0.03), `fingers half as far apart: ${half(away)} of ${before} pixels`);
+  expect(near(centre(away), middle, 2), `the model slid to ${centre(away)} of ${middle}`);
+  await pinch([middle - 100, middle - 20], [middle - 80, middle], [middle - 60, middle + 20]);
+  const aside = await ends();
+  expect(near(centre(aside), middle + 40, 3) && near(half(aside) / half(away), 1, 0.03), `two fingers 40 pixels to the right: the middle is at ${centre(aside) - middle}`);
+  await pinch([middle - 10, middle + 90], [middle - 60, middle + 90], [middle - 100, middle + 100]);
+  const back = await ends();
+  expect(near(half(back) / before, 1, 0.03) && near(centre(back), middle, 3), `fingers twice as far apart and 40 pixels back: ${back}, from ${before} to each side of ${middle}`);
+  expect(await small.evaluate(still), "the page scrolled or grew");
+  expect(small.said.length === 0, small.said.join("\n"));
+  await small.close();
+});
+
 await attempt("without WebGL 2 the page says so", async () => {
   const without = await visit(home, { before: "HTMLCanvasElement.prototype.getContext = () => null" });
   expect(await without.evaluate("document.getElementById('fallback').offsetHeight > 100 && /WebGL 2/.test(document.getElementById('fallback').innerText)"), "no message");

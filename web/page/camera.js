@@ -49,23 +49,40 @@ export function makeCamera() {
     for (let i = 0; i < 3; i++) camera.centre[i] -= (right[i] * x + up[i] * y) * size;
   };
   const zoom = (factor) => { camera.distance = Math.max(0.05, Math.min(100, camera.distance * factor)); };
+  /* Takes hold of what lies at a point, from the picture's middle by parts of its height; what it returns puts that there and zooms, counted from the beginning. */
+  const grasp = (x, y) => {
+    const { right, up } = axes(), { centre: [...begin], distance } = camera, height = () => 2 * camera.distance * tangents()[1], size = height();
+    return (toX, toY, factor) => {
+      camera.distance = distance;
+      zoom(factor);
+      for (let i = 0; i < 3; i++) camera.centre[i] = begin[i] + right[i] * (x * size - toX * height()) + up[i] * (y * size - toY * height());
+    };
+  };
   const reset = (start) => Object.assign(camera, FRONT, { centre: [0, 0, 0] }, start);
 
-  return Object.assign(camera, { axes, eye, worldToView, viewToClip, ray, orbit, pan, zoom, reset });
+  return Object.assign(camera, { axes, eye, worldToView, viewToClip, ray, orbit, pan, zoom, grasp, reset });
 }
 
 /* Mouse, touch and keyboard. taken(event, phase) may claim a drag for itself ("down", "move", "up"); changed() is called after every change. */
 export function steer(canvas, camera, { changed, hover, taken }) {
   const pointers = new Map();
-  let claimed = null, gap = 0;
+  let claimed = null, held = null, gap = 0;
 
-  const spread = () => { const [a, b] = [...pointers.values()]; return Math.hypot(a.x - b.x, a.y - b.y); };
+  const twoFingers = () => [...pointers.values()].slice(0, 2);
+  const spread = () => { const [a, b] = twoFingers(); return Math.max(1, Math.hypot(a.x - b.x, a.y - b.y)); };
+  const between = () => {
+    const [a, b] = twoFingers(), { left, top, width, height } = canvas.getBoundingClientRect();
+    return [((a.x + b.x) / 2 - left - width / 2) / (height || 1), (top + height / 2 - (a.y + b.y) / 2) / (height || 1)];
+  };
 
   canvas.addEventListener("pointerdown", (event) => {
     canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    if (pointers.size === 2) gap = spread();
+    if (pointers.size === 2) {
+      gap = spread();
+      held = camera.grasp(...between());
+    }
     if (pointers.size === 1 && event.button === 0 && !event.shiftKey && taken(event, "down")) claimed = event.pointerId;
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -75,18 +92,15 @@ export function steer(canvas, camera, { changed, hover, taken }) {
     if (claimed === event.pointerId) { taken(event, "move"); return; }
     const x = event.clientX - was.x, y = event.clientY - was.y, height = canvas.clientHeight || 1;
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    if (pointers.size === 2) {
-      const now = spread();
-      if (gap > 0 && now > 0) camera.zoom(gap / now);
-      gap = now;
-      camera.pan(x / height / 2, -y / height / 2);
-    } else if (event.shiftKey || event.buttons & 6) camera.pan(x / height, -y / height);
+    if (held) held(...between(), gap / spread());
+    else if (event.shiftKey || event.buttons & 6) camera.pan(x / height, -y / height);
     else camera.orbit(-x * 0.4, y * 0.4);
     changed();
   });
   const end = (event) => {
     if (claimed === event.pointerId) { taken(event, "up"); claimed = null; }
     pointers.delete(event.pointerId);
+    if (pointers.size < 2) held = null;
   };
   canvas.addEventListener("pointerup", end);
   canvas.addEventListener("pointercancel", end);
