@@ -22,7 +22,7 @@ CORE_INLINE double core_lanes_dot(core_lane *a, core_lane *b, int i) { return a[
  * In four steps, each a chain short enough a processor overlaps it with the next batch's where the step is taken for some batches in a row; from end to end it could not. */
 typedef struct core_arcs { core_lane tangent[2], turn[2]; } core_arcs;
 
-/* Normals: cross products; twice_area: their squares; weights: dot products. */
+/* Normals: cross products; twice_area: their lengths; weights: dot products. */
 CORE_INLINE void core_lanes_products(core_batch *t)
 {
     for (int i = 0; i < CORE_LANES; i++) {
@@ -31,7 +31,7 @@ CORE_INLINE void core_lanes_products(core_batch *t)
         t->normal[0][i] = x;
         t->normal[1][i] = y;
         t->normal[2][i] = z;
-        t->twice_area[i] = square;
+        t->twice_area[i] = sqrt(square);
         t->weight[0][i] = d0;
         t->weight[1][i] = -core_lanes_dot(t->u, t->a, i);
         t->weight[2][i] = core_lanes_dot(t->v, t->a, i);
@@ -43,14 +43,13 @@ CORE_INLINE void core_lanes_products(core_batch *t)
 CORE_INLINE void core_lanes_slopes(core_batch *t, core_arcs *arcs)
 {
     for (int i = 0; i < CORE_LANES; i++) {
-        const double d0 = t->weight[0][i], d1 = t->weight[1][i], d2 = t->weight[2][i], length = sqrt(t->twice_area[i]);
+        const double d0 = t->weight[0][i], d1 = t->weight[1][i], d2 = t->weight[2][i], length = t->twice_area[i];
         const double first = d0 < d1 ? d0 : d1, second = d0 < d1 ? d1 : d0, third = d2 < first ? first : d2;   /* the least is left out: first or d2 */
         const core_slope a = norma_core_slope(length, second), b = norma_core_slope(length, third);
         const double inverse = 1 / length, belows = 1 / (a.below * b.below);
         t->normal[0][i] *= inverse;
         t->normal[1][i] *= inverse;
         t->normal[2][i] *= inverse;
-        t->twice_area[i] = length;
         arcs->tangent[0][i] = a.above * (belows * b.below);
         arcs->tangent[1][i] = b.above * (belows * a.below);
         arcs->turn[0][i] = a.turn;

@@ -4,12 +4,13 @@
 #ifndef NORMA_CORE_PLAN_TILE_H
 #define NORMA_CORE_PLAN_TILE_H
 #include "plan.h"
-#include "vertex_add.h"
+#include "measure.h"
 
 enum {
-    TILE_FACES = 1 << 10, TILE_CORNERS = 3 * TILE_FACES, TILE_VERTICES = 768, TILE_SLOTS = 384, TILE_MEMBERS = (1 << 15) - 1 - TILE_CORNERS,
+    TILE_FACES = 1 << 10, TILE_MOST_FACES = TILE_FACES - CORE_LANES, TILE_CORNERS = 3 * TILE_FACES, TILE_VERTICES = 768, TILE_SLOTS = 384, TILE_MEMBERS = (1 << 15) - 1 - TILE_CORNERS,
     TILE_RING = 512,                   /* corners at one position; with more its slots are wide */
     TILE_FACE_BITS = 10,               /* a corner of a tile of triangles is its number in the face, then the face; of others, its place in corners */
+    TILE_NOBODY = TILE_FACES - 1,      /* a member without a vote, of tiles of triangles: what it adds changes no bit of a sum */
     TILE_JOINED = 1 << 15              /* in member_starts: the slot is at the position of the one before */
 };
 
@@ -23,9 +24,10 @@ typedef struct tile_view {
     const uint32_t *mesh_corners;      /* polygons: of each face its first corner in the mesh */
     const uint32_t *face_starts;       /* polygons: into corners */
     const uint32_t *weld;              /* NULL, or of each vertex the first one at its position */
-    const uint16_t *corners;           /* vertices */
+    const uint16_t *corners;           /* vertices; triangles: up to a multiple of eight, the last one again */
     const uint16_t *corner_faces;      /* polygons */
     const uint16_t *member_starts, *members; /* of each slot; behind slot_count those of vertices that are not own, one for each */
+    const uint16_t *four_counts, *fours; /* of each four slots in a row how many members the longest has, and so many times one of each; NULL: see plan_tile_build.c */
     const uint16_t *vertex_starts;     /* per vertex, of each slot; NULL: slot i serves vertex i */
     const uint16_t *slot_of;           /* of each own vertex its slot, per corner the first one at its position; NULL: vertex i's is i */
 } tile_view;
@@ -34,11 +36,15 @@ typedef struct tile_view {
 struct plan_tile {
     size_t   at;                       /* first word */
     uint32_t first_occurrence;         /* occurrences are numbered tile by tile, in each as its vertices are */
+    uint32_t four_count;               /* numbers in fours; 0: none */
     uint16_t vertex_count, own_count, slot_count, face_count, corner_count, member_count;
     uint8_t  polygons, welded, one_each, plain;
 };
 
 tile_view norma_core_tile(const norma_plan *plan, size_t tile);
+
+/* How many eights hold so many: triangles are taken by eights, and slots are finished by eights. */
+static inline uint32_t norma_core_tile_eights(uint32_t count) { return (count + CORE_LANES - 1) / CORE_LANES; }
 
 static inline uint32_t norma_core_tile_start(const tile_view *t, size_t slot) { return t->member_starts[slot] & (TILE_JOINED - 1U); }
 static inline uint32_t norma_core_tile_face_of(const tile_view *t, uint32_t member)
@@ -66,7 +72,7 @@ static inline uint32_t norma_core_tile_slot_of(const tile_view *t, uint32_t own)
 /* ---- one tile, measured and summed; on the stack */
 
 typedef struct tile_room {
-    double   positions[TILE_VERTICES][4];  /* of each vertex; the fourth: 0 */
+    _Alignas(64) double positions[TILE_VERTICES][4];  /* of each vertex; the fourth: 0 */
     double   normals[TILE_FACES][4];   /* of each face; the fourth: 1; zero where there is no direction */
     double   weights[TILE_CORNERS];    /* of each member's corner; -0: no vote */
     float    results[TILE_SLOTS][3];   /* of each slot asked for, in the order asked */
@@ -80,13 +86,12 @@ typedef struct tile_room {
 typedef struct tile_some { const uint16_t *numbers; uint32_t count; } tile_some;   /* numbers NULL: 0, 1, 2, ... */
 
 typedef struct tile_kernels {
-    /* The positions of a tile's vertices, three floats each; whether all are finite. */
-    int (*load)(const tile_view *t, const unsigned char *data, size_t stride, double (*positions)[4]);
-    /* Triangles: normals and weights of some faces; the doubted ones are listed. */
-    void (*measure)(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room);
+    /* The positions of a tile's vertices, or of those of some eights of triangles (NULL: all), three floats each; whether all are finite. */
+    int (*load)(const tile_view *t, const tile_some *eights, const unsigned char *data, size_t stride, double (*positions)[4]);
+    /* Triangles: normals and weights of some eights; the doubted ones are listed. */
+    void (*measure)(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room);
     /* Results and reasons of some slots; whether all have a normal. */
-    int (*sum)(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room);
-    core_finish_sums *finish;
+    int (*sum)(const tile_view *t, tile_some slots, tile_room *room);
 } tile_kernels;
 
 /* plan_tile_sums.c: the same bits from each. */

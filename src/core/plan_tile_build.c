@@ -1,7 +1,7 @@
 /* plan_tile_build.c: rings are taken along the curve until a tile is full; then its faces and vertices are numbered and its lists written behind those of the tile before. */
 #include "plan_tile_moved.h"
 
-enum { TABLE = 1 << 12, FIRST_TILES = 16 };
+enum { TABLE = 1 << 12, FIRST_TILES = 16, TILE_FOURS = TILE_SLOTS / 4, MOST_IN_FOURS = 2 * TILE_CORNERS };
 
 /* Numbers of the mesh, each with a number of the tile's. */
 typedef struct tile_table {
@@ -126,7 +126,7 @@ static int enter_face(tile_builder *b, uint32_t face)
 {
     const size_t begin = norma_core_face_begin(b->mesh, face), end = norma_core_face_end(b->mesh, face);
     if (has(&b->faces, face)) return 1;
-    if (b->faces.count == TILE_FACES || end - begin > TILE_CORNERS - b->corner_count) return 0;
+    if (b->faces.count == TILE_MOST_FACES || end - begin > TILE_CORNERS - b->corner_count) return 0;
     b->face_list[b->faces.count] = face;
     enter(&b->faces, face);
     b->corner_count += (uint32_t)(end - begin);
@@ -190,7 +190,7 @@ static void write_words(tile_builder *b, const uint32_t *numbers, size_t count)
 typedef struct tile_draft {
     uint32_t vertices[TILE_VERTICES], face_starts[TILE_FACES + 1], mesh_corners[TILE_FACES], weld[TILE_VERTICES];
     uint16_t corners[TILE_CORNERS], corner_faces[TILE_CORNERS], member_starts[TILE_SLOTS + TILE_VERTICES + 1], members[TILE_MEMBERS + TILE_CORNERS],
-        vertex_starts[TILE_SLOTS + 1], slot_of[TILE_VERTICES], place[TILE_CORNERS];
+        vertex_starts[TILE_SLOTS + 1], slot_of[TILE_VERTICES], place[TILE_CORNERS], four_counts[TILE_FOURS], fours[MOST_IN_FOURS];
     plan_tile tile;
 } tile_draft;
 
@@ -275,6 +275,36 @@ static void list_other_members(tile_draft *d)
     d->tile.member_count = (uint16_t)sum;
 }
 
+/* The members of four slots, one of each in turn, so that they are added up side by side without asking who has one more: who has none left has TILE_NOBODY. Slots up to a multiple of eight
+ * are the last one again. Where that takes much more room than the members themselves, there are none. */
+static void list_fours(tile_draft *d)
+{
+    const uint32_t slots = d->tile.slot_count, fours = 2 * norma_core_tile_eights(slots);
+    const uint32_t all = d->member_starts[slots] & (TILE_JOINED - 1U), most = all + all / 2 + 64 < MOST_IN_FOURS ? all + all / 2 + 64 : MOST_IN_FOURS;
+    uint32_t listed = 0;
+    d->tile.four_count = 0;
+    for (uint32_t i = 0; i < fours; i++) {
+        uint32_t begin[4], count[4], longest = 0;
+        for (uint32_t k = 0; k < 4; k++) {
+            const uint32_t slot = 4 * i + k < slots ? 4 * i + k : slots - 1;
+            begin[k] = d->member_starts[slot] & (TILE_JOINED - 1U);
+            count[k] = (d->member_starts[slot + 1] & (TILE_JOINED - 1U)) - begin[k];
+            longest = count[k] > longest ? count[k] : longest;
+        }
+        if (d->tile.polygons || listed + 4 * longest > most) return;
+        d->four_counts[i] = (uint16_t)longest;
+        for (uint32_t m = 0; m < longest; m++)
+            for (uint32_t k = 0; k < 4; k++) d->fours[listed++] = m < count[k] ? d->members[begin[k] + m] : (uint16_t)TILE_NOBODY;
+    }
+    d->tile.four_count = listed;
+}
+
+/* Triangles up to a multiple of eight are the last one again. */
+static void fill_eights(tile_draft *d)
+{
+    for (uint32_t c = d->tile.corner_count; c < 3 * CORE_LANES * norma_core_tile_eights(d->tile.face_count); c++) d->corners[c] = d->corners[c - 3];
+}
+
 static void find_shared(tile_builder *b, tile_draft *d)
 {
     clear_table(&b->vertices);
@@ -287,11 +317,15 @@ static void find_shared(tile_builder *b, tile_draft *d)
     }
 }
 
+static size_t corners_kept(const plan_tile *t) { return t->polygons ? t->corner_count : (size_t)3 * CORE_LANES * norma_core_tile_eights(t->face_count); }
+static size_t fours_of(const plan_tile *t) { return t->four_count ? 2 * (size_t)norma_core_tile_eights(t->slot_count) : 0; }
+
 static size_t words_of(const plan_tile *t)
 {
     const size_t polygons = t->polygons != 0;
-    return t->vertex_count * (size_t)(1 + (t->welded != 0)) + t->face_count * (1 + 2 * polygons) + polygons + halves(t->corner_count) * (1 + polygons) +
-           halves((size_t)t->slot_count + t->vertex_count - t->own_count + 1) + halves(t->member_count) + halves((size_t)t->slot_count + 1) + halves(t->own_count);
+    return t->vertex_count * (size_t)(1 + (t->welded != 0)) + t->face_count * (1 + 2 * polygons) + polygons + halves(corners_kept(t)) * (1 + polygons) +
+           halves((size_t)t->slot_count + t->vertex_count - t->own_count + 1) + halves(t->member_count) + halves(fours_of(t)) + halves(t->four_count) +
+           halves((size_t)t->slot_count + 1) + halves(t->own_count);
 }
 
 static void write_draft(tile_builder *b, const tile_draft *d)
@@ -302,10 +336,12 @@ static void write_draft(tile_builder *b, const tile_draft *d)
     if (t->polygons) write_words(b, d->mesh_corners, t->face_count);
     if (t->polygons) write_words(b, d->face_starts, (size_t)t->face_count + 1);
     if (t->welded) write_words(b, d->weld, t->vertex_count);
-    write_halves(b, d->corners, t->corner_count);
+    write_halves(b, d->corners, corners_kept(t));
     if (t->polygons) write_halves(b, d->corner_faces, t->corner_count);
     write_halves(b, d->member_starts, (size_t)t->slot_count + t->vertex_count - t->own_count + 1);
     write_halves(b, d->members, t->member_count);
+    write_halves(b, d->four_counts, fours_of(t));
+    write_halves(b, d->fours, t->four_count);
     if (t->one_each) return;
     if (b->plan->of == NORMA_PER_VERTEX) write_halves(b, d->vertex_starts, (size_t)t->slot_count + 1);
     write_halves(b, d->slot_of, t->own_count);
@@ -329,7 +365,7 @@ tile_view norma_core_tile(const norma_plan *plan, size_t tile)
     }
     const uint16_t *numbers = (const uint16_t *)(const void *)words;
     v.corners = numbers;
-    numbers += 2 * halves(t->corner_count);
+    numbers += 2 * halves(corners_kept(t));
     if (t->polygons) {
         v.corner_faces = numbers;
         numbers += 2 * halves(t->corner_count);
@@ -337,6 +373,11 @@ tile_view norma_core_tile(const norma_plan *plan, size_t tile)
     v.member_starts = numbers;
     v.members = numbers += 2 * halves((size_t)t->slot_count + t->vertex_count - t->own_count + 1);
     numbers += 2 * halves(t->member_count);
+    if (t->four_count) {
+        v.four_counts = numbers;
+        v.fours = numbers += 2 * halves(fours_of(t));
+        numbers += 2 * halves(t->four_count);
+    }
     if (t->one_each) return v;
     if (plan->of == NORMA_PER_VERTEX) {
         v.vertex_starts = numbers;
@@ -354,11 +395,13 @@ static void draft_tile(tile_builder *b, tile_draft *d)
     list_own_members(b, d);
     d->tile.member_count = (uint16_t)b->stage.member_count;
     list_other_members(d);
+    list_fours(d);
+    if (!d->tile.polygons) fill_eights(d);
     find_shared(b, d);
 }
 
 /* What a mesh of triangles, two for each vertex, takes, and a little more. */
-static size_t about_words(const tile_builder *b) { return 11 * (b->mesh->corner_count / 6) + 256; }
+static size_t about_words(const tile_builder *b) { return 14 * (b->mesh->corner_count / 6) + 256; }
 
 static void end_tile(tile_builder *b, tile_draft *d)
 {

@@ -165,6 +165,19 @@ static uint32_t list_flags(const uint8_t *flags, uint32_t count, uint16_t *numbe
     return listed;
 }
 
+/* The eights in which a flag is set. */
+static uint32_t list_eights(const uint8_t *flags, uint32_t count, uint16_t *numbers)
+{
+    uint32_t listed = 0;
+    for (uint32_t i = 0; i < norma_core_tile_eights(count); i++) {
+        uint64_t eight;
+        memcpy(&eight, flags + (size_t)i * CORE_LANES, sizeof eight);
+        numbers[listed] = (uint16_t)i;
+        listed += eight != 0;
+    }
+    return listed;
+}
+
 /* The vertices of a tile that moved. */
 static uint32_t list_marked(const uint64_t *bits, size_t begin, uint32_t count, uint16_t *numbers)
 {
@@ -220,7 +233,7 @@ static void list_touched(const tile_view *t, tile_touch *touch)
         const uint32_t s = touch->slots[i], end = norma_core_tile_start(t, s + 1);
         for (uint32_t m = norma_core_tile_start(t, s); m < end; m++) needed[norma_core_tile_face_of(t, t->members[m])] = 1;
     }
-    touch->face_count = list_flags(needed, t->face_count, touch->faces);
+    touch->face_count = t->corner_faces ? list_flags(needed, t->face_count, touch->faces) : list_eights(needed, t->face_count, touch->faces);
 }
 
 tile_moved norma_core_tile_moved(const tile_marks *marks, const plan_tile *tile)

@@ -17,7 +17,7 @@ typedef struct tile_marks {
 typedef enum tile_moved { TILE_NOT_MOVED = 0, TILE_PARTLY_MOVED, TILE_ALL_MOVED } tile_moved;
 
 typedef struct tile_touch {
-    uint16_t faces[TILE_FACES + 1], slots[TILE_SLOTS + 1];  /* room for one that is not listed */
+    uint16_t faces[TILE_FACES + 1], slots[TILE_SLOTS + 1];  /* of triangles the eights; room for one that is not listed */
     uint32_t face_count, slot_count;
     uint8_t  slot_is_touched[TILE_VERTICES];                /* of slots; where each vertex has one to itself, while they are found, of vertices */
 } tile_touch;

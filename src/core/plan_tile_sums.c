@@ -3,7 +3,7 @@
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("no-tree-slp-vectorize")    /* this compiler takes rows that are read whole apart again, number by number */
 #endif
-#include "lanes.h"
+#include "finish_lanes.h"
 #include "measure_lanes.h"
 #include "plan_tile.h"
 
@@ -18,32 +18,39 @@ CORE_INLINE void name_some(tile_some some, uint32_t begin, uint32_t count, uint3
 /* ---- positions */
 
 #if defined(CORE_HAS_SHUFFLES)
-CORE_INLINE int load_floats(const tile_view *t, const unsigned char *data, size_t stride, double (*out)[4])
+typedef core_d4 zero_sum; /* 0 as long as all are finite */
+CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero)
 {
-    core_d4 zero = {0, 0, 0, 0};
-    for (uint32_t v = 0; v < t->vertex_count; v++) {
-        const core_d4 at = __builtin_convertvector(core_load_three(data + t->vertices[v] * stride), core_d4);
-        core_store_row(out[v], at);
-        zero += at - at;
-    }
-    return (zero[0] + zero[1]) + (zero[2] + zero[3]) == 0;
+    const core_d4 v = __builtin_convertvector(core_load_three(at), core_d4);
+    core_store_row(out, v);
+    *zero += v - v;
 }
+CORE_INLINE int is_zero(const zero_sum *zero) { return ((*zero)[0] + (*zero)[1]) + ((*zero)[2] + (*zero)[3]) == 0; }
 #else
-CORE_INLINE int load_floats(const tile_view *t, const unsigned char *data, size_t stride, double (*out)[4])
+typedef double zero_sum;
+CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero)
 {
-    double zero = 0;
-    for (uint32_t v = 0; v < t->vertex_count; v++) {
-        float at[3];
-        memcpy(at, data + t->vertices[v] * stride, sizeof at);
-        for (int k = 0; k < 3; k++) {
-            out[v][k] = (double)at[k];
-            zero += out[v][k] - out[v][k];
-        }
-        out[v][3] = 0;
+    float v[3];
+    memcpy(v, at, sizeof v);
+    for (int k = 0; k < 3; k++) {
+        out[k] = (double)v[k];
+        *zero += out[k] - out[k];
     }
-    return zero == 0;
+    out[3] = 0;
 }
+CORE_INLINE int is_zero(const zero_sum *zero) { return *zero == 0; }
 #endif
+
+CORE_INLINE int load_floats(const tile_view *t, const tile_some *eights, const unsigned char *data, size_t stride, double (*out)[4])
+{
+    zero_sum zero = {0};
+    for (uint32_t v = 0; v < t->vertex_count && !eights; v++) load_one(data + t->vertices[v] * stride, out[v], &zero);
+    for (uint32_t i = 0; eights && i < eights->count; i++) {
+        const uint16_t *at = t->corners + (size_t)3 * CORE_LANES * number_at(*eights, i);
+        for (uint32_t c = 0; c < 3 * CORE_LANES; c++) load_one(data + t->vertices[at[c]] * stride, out[at[c]], &zero);
+    }
+    return is_zero(&zero);
+}
 
 /* ---- triangles */
 
@@ -51,7 +58,8 @@ enum { BATCHES_AT_ONCE = 4 };               /* more would leave the nearest cach
 
 typedef struct tile_batch {
     core_batch measured;
-    core_arcs  arcs;
+    core_arcs arcs;
+    uint32_t eight;
 } tile_batch;
 
 /* at: the vertices of eight triangles, three by three. */
@@ -87,45 +95,12 @@ CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_ba
 }
 #endif
 
-CORE_INLINE void read_named(const tile_view *t, const uint32_t names[CORE_LANES], const tile_room *room, core_batch *batch)
-{
-    uint16_t at[3 * CORE_LANES];
-    for (int i = 0; i < CORE_LANES; i++) memcpy(at + 3 * i, t->corners + 3 * (size_t)names[i], 3 * sizeof *at);
-    read_batch((const double(*)[4])room->positions, at, batch);
-}
-
-CORE_INLINE void measure_batches(tile_batch *batches, uint32_t count, norma_weight weight)
-{
-    if (weight != NORMA_WEIGHT_ANGLE) {
-        for (uint32_t i = 0; i < count; i++) core_lanes_measure(&batches[i].measured, weight, CORE_ALL_CORNERS);
-        return;
-    }
-    for (uint32_t i = 0; i < count; i++) core_lanes_products(&batches[i].measured);
-    for (uint32_t i = 0; i < count; i++) core_lanes_slopes(&batches[i].measured, &batches[i].arcs);
-    for (uint32_t i = 0; i < count; i++) core_lanes_arcs(&batches[i].arcs);
-    for (uint32_t i = 0; i < count; i++) core_lanes_corner_angles(&batches[i].measured, &batches[i].arcs);
-}
-
-CORE_INLINE void turn_normals(const core_batch *batch, core_rows *rows)
+CORE_INLINE void keep_batch(const core_batch *batch, uint32_t eight, tile_room *room)
 {
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
-    core_lanes_to_rows(batch->normal[0], batch->normal[1], batch->normal[2], ones, rows);
-}
-
-CORE_INLINE void keep_row(const core_batch *batch, uint32_t begin, tile_room *room)
-{
-    turn_normals(batch, (core_rows *)(void *)room->normals[begin]);
+    const uint32_t begin = eight * CORE_LANES;
+    core_lanes_to_rows(batch->normal[0], batch->normal[1], batch->normal[2], ones, (core_rows *)(void *)room->normals[begin]);
     for (uint32_t k = 0; k < 3; k++) memcpy(&room->weights[k << TILE_FACE_BITS | begin], batch->weight[k], sizeof batch->weight[k]);
-}
-
-CORE_INLINE void keep_named(const core_batch *batch, const uint32_t names[CORE_LANES], tile_room *room)
-{
-    core_rows rows;
-    turn_normals(batch, &rows);
-    for (int i = 0; i < CORE_LANES; i++) {
-        memcpy(room->normals[names[i]], rows.row[i], sizeof rows.row[i]);
-        for (uint32_t k = 0; k < 3; k++) room->weights[k << TILE_FACE_BITS | names[i]] = batch->weight[k][i];
-    }
 }
 
 CORE_INLINE int all_sure(const tile_batch *batches, uint32_t count)
@@ -133,58 +108,58 @@ CORE_INLINE int all_sure(const tile_batch *batches, uint32_t count)
     double sure[CORE_LANES] = {0};
     for (uint32_t b = 0; b < count; b++)
         for (int i = 0; i < CORE_LANES; i++) sure[i] += batches[b].measured.sure[i];
-    return ((sure[0] + sure[1]) + (sure[2] + sure[3])) + ((sure[4] + sure[5]) + (sure[6] + sure[7])) == (double)count * CORE_LANES;
+    return core_lanes_total(sure) == (double)count * CORE_LANES;
 }
 
-static void list_doubted(const tile_batch *batches, uint32_t count, tile_some faces, uint32_t begin, tile_room *room)
+static void list_doubted(const tile_view *t, const tile_batch *batches, uint32_t count, tile_room *room)
 {
-    for (uint32_t i = 0; i < count * CORE_LANES && begin + i < faces.count; i++)
-        if (batches[i / CORE_LANES].measured.sure[i % CORE_LANES] == 0) room->doubted[room->doubted_count++] = (uint16_t)number_at(faces, begin + i);
-}
-
-/* Eight in a row each. */
-CORE_INLINE void measure_rows(const tile_view *t, tile_some faces, uint32_t begin, uint32_t count, norma_weight weight, tile_room *room)
-{
-    tile_batch batches[BATCHES_AT_ONCE];
-    for (uint32_t i = 0; i < count; i++) read_batch((const double(*)[4])room->positions, t->corners + 3 * (size_t)(begin + i * CORE_LANES), &batches[i].measured);
-    measure_batches(batches, count, weight);
-    for (uint32_t i = 0; i < count; i++) keep_row(&batches[i].measured, begin + i * CORE_LANES, room);
-    if (!all_sure(batches, count)) list_doubted(batches, count, faces, begin, room);
-}
-
-/* Eight by number each. */
-CORE_INLINE void measure_named(const tile_view *t, tile_some faces, uint32_t begin, uint32_t count, norma_weight weight, tile_room *room)
-{
-    tile_batch batches[BATCHES_AT_ONCE];
-    uint32_t names[BATCHES_AT_ONCE][CORE_LANES];
-    for (uint32_t i = 0; i < count; i++) {
-        name_some(faces, begin + i * CORE_LANES, CORE_LANES, names[i]);
-        read_named(t, names[i], room, &batches[i].measured);
+    for (uint32_t i = 0; i < count * CORE_LANES; i++) {
+        const uint32_t face = batches[i / CORE_LANES].eight * CORE_LANES + i % CORE_LANES;
+        if (face < t->face_count && batches[i / CORE_LANES].measured.sure[i % CORE_LANES] == 0) room->doubted[room->doubted_count++] = (uint16_t)face;
     }
-    measure_batches(batches, count, weight);
-    for (uint32_t i = 0; i < count; i++) keep_named(&batches[i].measured, names[i], room);
-    if (!all_sure(batches, count)) list_doubted(batches, count, faces, begin, room);
+}
+
+CORE_INLINE void measure_batches(tile_batch *batches, uint32_t count, norma_weight weight, tile_room *room)
+{
+    const int in_steps = weight == NORMA_WEIGHT_ANGLE;
+    for (uint32_t i = 0; i < count; i++) {
+        if (in_steps) core_lanes_products(&batches[i].measured);
+        else core_lanes_measure(&batches[i].measured, weight, CORE_ALL_CORNERS);
+    }
+    for (uint32_t i = 0; i < count && in_steps; i++) core_lanes_slopes(&batches[i].measured, &batches[i].arcs);
+    for (uint32_t i = 0; i < count && in_steps; i++) core_lanes_arcs(&batches[i].arcs);
+    for (uint32_t i = 0; i < count; i++) {
+        if (in_steps) core_lanes_corner_angles(&batches[i].measured, &batches[i].arcs);
+        keep_batch(&batches[i].measured, batches[i].eight, room);
+    }
 }
 
 /* One batch after the other from end to end is a chain of some 200 steps that each wait for the one before, too long for the processor to see the next one's beginning. So
  * each step is taken for some batches at a time: they wait for nothing of each other. */
-CORE_INLINE void measure_weighted(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room)
+CORE_INLINE void measure_weighted(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
 {
-    const uint32_t rows = faces.numbers ? 0 : faces.count / CORE_LANES, all = (faces.count + CORE_LANES - 1) / CORE_LANES;
-    for (uint32_t i = 0; i < rows; i += BATCHES_AT_ONCE) measure_rows(t, faces, i * CORE_LANES, rows - i < BATCHES_AT_ONCE ? rows - i : BATCHES_AT_ONCE, weight, room);
-    for (uint32_t i = rows; i < all; i += BATCHES_AT_ONCE) measure_named(t, faces, i * CORE_LANES, all - i < BATCHES_AT_ONCE ? all - i : BATCHES_AT_ONCE, weight, room);
+    tile_batch batches[BATCHES_AT_ONCE];
+    for (uint32_t begin = 0; begin < eights.count; begin += BATCHES_AT_ONCE) {
+        const uint32_t count = eights.count - begin < BATCHES_AT_ONCE ? eights.count - begin : BATCHES_AT_ONCE;
+        for (uint32_t i = 0; i < count; i++) {
+            batches[i].eight = number_at(eights, begin + i);
+            read_batch((const double(*)[4])room->positions, t->corners + (size_t)3 * CORE_LANES * batches[i].eight, &batches[i].measured);
+        }
+        measure_batches(batches, count, weight, room);
+        if (!all_sure(batches, count)) list_doubted(t, batches, count, room);
+    }
 }
 
 /* One loop for each weight, so that none asks inside. */
-CORE_INLINE void measure_triangles(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room)
+CORE_INLINE void measure_triangles(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
 {
     switch (weight) {
-    case NORMA_WEIGHT_ANGLE:         measure_weighted(t, faces, NORMA_WEIGHT_ANGLE, room); break;
-    case NORMA_WEIGHT_AREA:          measure_weighted(t, faces, NORMA_WEIGHT_AREA, room); break;
-    case NORMA_WEIGHT_MAX:           measure_weighted(t, faces, NORMA_WEIGHT_MAX, room); break;
-    case NORMA_WEIGHT_ANGLE_AREA:    measure_weighted(t, faces, NORMA_WEIGHT_ANGLE_AREA, room); break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS: measure_weighted(t, faces, NORMA_WEIGHT_ANGLE_LENGTHS, room); break;
-    default:                         measure_weighted(t, faces, NORMA_WEIGHT_UNIFORM, room); break;
+    case NORMA_WEIGHT_ANGLE:         measure_weighted(t, eights, NORMA_WEIGHT_ANGLE, room); break;
+    case NORMA_WEIGHT_AREA:          measure_weighted(t, eights, NORMA_WEIGHT_AREA, room); break;
+    case NORMA_WEIGHT_MAX:           measure_weighted(t, eights, NORMA_WEIGHT_MAX, room); break;
+    case NORMA_WEIGHT_ANGLE_AREA:    measure_weighted(t, eights, NORMA_WEIGHT_ANGLE_AREA, room); break;
+    case NORMA_WEIGHT_ANGLE_LENGTHS: measure_weighted(t, eights, NORMA_WEIGHT_ANGLE_LENGTHS, room); break;
+    default:                         measure_weighted(t, eights, NORMA_WEIGHT_UNIFORM, room); break;
     }
 }
 
@@ -244,46 +219,71 @@ CORE_INLINE void sum_four(const tile_view *t, const uint32_t slots[4], const til
     add_rest(t, room, d, together, polygons, sum_d, out + 3);
 }
 
-static int decide_each(const vertex_sum *sums, uint32_t begin, uint32_t count, tile_room *room)
+/* The same of all slots in a row, where their members are listed by fours. */
+CORE_INLINE const uint16_t *sum_listed(const uint16_t *members, uint32_t count, const tile_room *room, vertex_sum *out)
 {
-    int all = 1;
-    for (uint32_t i = 0; i < count; i++) {
-        const double sum[4] = {sums[i].x, sums[i].y, sums[i].z, sums[i].weight};
-        room->reasons[begin + i] = (uint8_t)norma_core_plan_decide(sum, room->results[begin + i]);
-        all &= room->reasons[begin + i] == NORMA_REASON_NONE;
+    slot_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
+    for (const uint16_t *end = members + (size_t)4 * count; members < end; members += 4) {
+        sum_a = add_row(sum_a, room->normals[members[0] & (TILE_FACES - 1U)], room->weights[members[0]]);
+        sum_b = add_row(sum_b, room->normals[members[1] & (TILE_FACES - 1U)], room->weights[members[1]]);
+        sum_c = add_row(sum_c, room->normals[members[2] & (TILE_FACES - 1U)], room->weights[members[2]]);
+        sum_d = add_row(sum_d, room->normals[members[3] & (TILE_FACES - 1U)], room->weights[members[3]]);
     }
-    return all;
+    keep_sum(sum_a, out);
+    keep_sum(sum_b, out + 1);
+    keep_sum(sum_c, out + 2);
+    keep_sum(sum_d, out + 3);
+    return members;
 }
 
-enum { SLOTS_AT_ONCE = 64 };
-
-/* Sums first, then their normals: a root and a division that the next eight wait for would be in the way of adding. */
-CORE_INLINE int sum_some(const tile_view *t, tile_some slots, uint32_t begin, uint32_t count, core_finish_sums *finish, tile_room *room, int polygons)
+CORE_INLINE void sum_eight(const tile_view *t, tile_some slots, uint32_t begin, const tile_room *room, int polygons, vertex_sum *out)
 {
-    vertex_sum sums[SLOTS_AT_ONCE];
-    int all = 1;
-    for (uint32_t i = 0; i < (count + CORE_LANES - 1) / CORE_LANES * CORE_LANES; i += 4) {
+    for (uint32_t i = 0; i < CORE_LANES; i += 4) {
         uint32_t names[4];
         name_some(slots, begin + i, 4, names);
-        sum_four(t, names, room, polygons, sums + i);
+        sum_four(t, names, room, polygons, out + i);
     }
-    for (uint32_t i = 0; i < count; i += CORE_LANES) {
-        if (finish(sums + i, room->results + begin + i)) continue;
-        all &= decide_each(sums + i, begin + i, count - i < CORE_LANES ? count - i : CORE_LANES, room);
-    }
-    return all;
 }
 
-CORE_INLINE int sum_all(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room, int polygons)
+/* One by one, where not all have a normal. */
+CORE_INLINE int decide_each(const tile_view *t, tile_some slots, tile_room *room, int polygons)
 {
+    vertex_sum sums[CORE_LANES];
     int all = 1;
-    memset(room->reasons, NORMA_REASON_NONE, slots.count);
-    for (uint32_t begin = 0; begin < slots.count; begin += SLOTS_AT_ONCE)
-        all &= sum_some(t, slots, begin, slots.count - begin < SLOTS_AT_ONCE ? slots.count - begin : SLOTS_AT_ONCE, finish, room, polygons);
+    for (uint32_t i = 0; i < slots.count; i++) {
+        if (i % CORE_LANES == 0) sum_eight(t, slots, i, room, polygons, sums);
+        const vertex_sum *s = &sums[i % CORE_LANES];
+        room->reasons[i] = (uint8_t)norma_core_plan_decide((const double[4]){s->x, s->y, s->z, s->weight}, room->results[i]);
+        all &= room->reasons[i] == NORMA_REASON_NONE;
+    }
     return all;
 }
 
-CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room)
+typedef struct finisher {
+    void (*lengths)(const vertex_sum *sums, core_lengths *out, double *fine);
+    void (*directions)(const core_lengths *of, float (*normals)[3]);
+} finisher;
+
+/* Eight sums become normals while the next ones are added up, in two steps: see finish_lanes.h. */
+CORE_INLINE int sum_all(const tile_view *t, tile_some slots, finisher finish, tile_room *room, int polygons)
+{
+    const uint32_t eights = norma_core_tile_eights(slots.count);
+    const uint16_t *members = t->fours;
+    vertex_sum sums[2][CORE_LANES];
+    core_lengths lengths[2];
+    core_lane fine = {0};
+    memset(room->reasons, NORMA_REASON_NONE, slots.count);
+    for (uint32_t i = 0; i < eights + 2; i++) {
+        if (i < eights && (polygons || slots.numbers || !members)) sum_eight(t, slots, i * CORE_LANES, room, polygons, sums[i % 2]);
+        else if (i < eights)
+            for (uint32_t k = 0; k < 2; k++) members = sum_listed(members, t->four_counts[2 * i + k], room, &sums[i % 2][4 * k]);
+        if (i >= 2) finish.directions(&lengths[i % 2], room->results + (size_t)(i - 2) * CORE_LANES);
+        if (i >= 1 && i <= eights) finish.lengths(sums[(i - 1) % 2], &lengths[(i - 1) % 2], fine);
+    }
+    return core_lanes_total(fine) == (double)eights * CORE_LANES || decide_each(t, slots, room, polygons);
+}
+
+CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, finisher finish, tile_room *room)
 {
     const tile_some row = {NULL, slots.count};
     if (t->corner_faces) return sum_all(t, slots, finish, room, 1);
@@ -292,26 +292,51 @@ CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, core_finish_sums 
 
 /* ---- for each instruction set */
 
-static int load_portable(const tile_view *t, const unsigned char *data, size_t stride, double (*out)[4]) { return load_floats(t, data, stride, out); }
-static void measure_portable(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
-static int sum_portable(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room) { return sum_slots(t, slots, finish, room); }
+static int load_portable(const tile_view *t, const tile_some *eights, const unsigned char *data, size_t stride, double (*out)[4])
+{
+    return load_floats(t, eights, data, stride, out);
+}
+static void measure_portable(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) { measure_triangles(t, eights, weight, room); }
+static void lengths_portable(const vertex_sum *sums, core_lengths *out, double *fine) { core_lanes_lengths(sums, out, fine); }
+static void directions_portable(const core_lengths *of, float (*normals)[3]) { core_lanes_directions(of, normals); }
+static int sum_portable(const tile_view *t, tile_some slots, tile_room *room)
+{
+    return sum_slots(t, slots, (finisher){lengths_portable, directions_portable}, room);
+}
 
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static int load_avx2(const tile_view *t, const unsigned char *data, size_t stride, double (*out)[4]) { return load_floats(t, data, stride, out); }
-CORE_FOR_AVX2 static void measure_avx2(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
-CORE_FOR_AVX2 static int sum_avx2(const tile_view *t, tile_some slots, core_finish_sums *finish, tile_room *room) { return sum_slots(t, slots, finish, room); }
-CORE_FOR_AVX512 static void measure_avx512(const tile_view *t, tile_some faces, norma_weight weight, tile_room *room) { measure_triangles(t, faces, weight, room); }
+CORE_FOR_AVX2 static int load_avx2(const tile_view *t, const tile_some *eights, const unsigned char *data, size_t stride, double (*out)[4])
+{
+    return load_floats(t, eights, data, stride, out);
+}
+CORE_FOR_AVX2 static void measure_avx2(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
+{
+    measure_triangles(t, eights, weight, room);
+}
+CORE_FOR_AVX512 static void measure_avx512(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
+{
+    measure_triangles(t, eights, weight, room);
+}
+CORE_FOR_AVX2 static void lengths_avx2(const vertex_sum *sums, core_lengths *out, double *fine) { core_lanes_lengths(sums, out, fine); }
+CORE_FOR_AVX2 static void directions_avx2(const core_lengths *of, float (*normals)[3]) { core_lanes_directions(of, normals); }
+CORE_FOR_AVX2 static int sum_avx2(const tile_view *t, tile_some slots, tile_room *room)
+{
+    return sum_slots(t, slots, (finisher){lengths_avx2, directions_avx2}, room);
+}
 
-/* Rows are of four: wider registers do not help to sum them. */
+/* Rows are of four: wider registers do not help to sum them, nor to finish sums. */
 tile_kernels norma_core_tile_kernels(norma_isa isa)
 {
-    core_finish_sums *const finish = norma_core_choose_finish(isa);
     switch (norma_core_level(isa)) {
-    case CORE_AVX512: return (tile_kernels){load_avx2, measure_avx512, sum_avx2, finish};
-    case CORE_AVX2:   return (tile_kernels){load_avx2, measure_avx2, sum_avx2, finish};
-    default:          return (tile_kernels){load_portable, measure_portable, sum_portable, finish};
+    case CORE_AVX512: return (tile_kernels){load_avx2, measure_avx512, sum_avx2};
+    case CORE_AVX2:   return (tile_kernels){load_avx2, measure_avx2, sum_avx2};
+    default:          return (tile_kernels){load_portable, measure_portable, sum_portable};
     }
 }
 #else
-tile_kernels norma_core_tile_kernels(norma_isa isa) { return (tile_kernels){load_portable, measure_portable, sum_portable, norma_core_choose_finish(isa)}; }
+tile_kernels norma_core_tile_kernels(norma_isa isa)
+{
+    (void)isa;
+    return (tile_kernels){load_portable, measure_portable, sum_portable};
+}
 #endif

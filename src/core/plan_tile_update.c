@@ -3,7 +3,8 @@
 #include "plan_tile_moved.h"
 #include <math.h>
 
-enum { FEWEST_TILES_TO_SHARE = 16, FEWEST_VERTICES_TO_ASK_FOR = 1 << 16 };
+/* With fewer to do than FEWEST_TILES_TO_SHARE nobody is called for help; tasks are small, so that all end at about the same time. */
+enum { FEWEST_TILES_TO_SHARE = 16, TILES_IN_TASK = 4, FEWEST_VERTICES_TO_ASK_FOR = 1 << 16 };
 
 typedef struct tiles_work {
     plan_work     *work;
@@ -23,23 +24,22 @@ static void load_one(const core_mesh *mesh, const tile_view *t, uint32_t vertex,
     room->all_finite &= norma_core_finite(position);
 }
 
-static void load_corners(const core_mesh *mesh, const tile_view *t, tile_some faces, tile_room *room)
+/* Of all vertices, or of those of some eights of triangles (NULL: all). */
+static void load_each(const core_mesh *mesh, const tile_view *t, const tile_some *eights, tile_room *room)
 {
-    for (uint32_t i = 0; i < faces.count; i++) {
-        const uint32_t f = faces.numbers[i], begin = t->face_starts ? t->face_starts[f] : 3 * f, end = t->face_starts ? t->face_starts[f + 1] : begin + 3;
-        for (uint32_t c = begin; c < end; c++) load_one(mesh, t, t->corners[c], room);
-    }
+    room->all_finite = 1;
+    for (uint32_t v = 0; v < t->vertex_count && !eights; v++) load_one(mesh, t, v, room);
+    for (uint32_t i = 0; eights && i < eights->count; i++)
+        for (uint32_t c = 0; c < 3 * CORE_LANES; c++) load_one(mesh, t, t->corners[3 * CORE_LANES * eights->numbers[i] + c], room);
 }
 
-/* Those of some faces at least, among them the vertices of all slots in which they vote. */
+/* Those of some faces at least, among them the vertices of all slots in which they vote. A vertex is loaded once for each corner where there are few. */
 static void load_positions(const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room)
 {
-    const core_mesh *mesh = &w->work->mesh;
-    room->all_finite = 1;
-    if (faces.numbers && 8 * faces.count < t->vertex_count) load_corners(mesh, t, faces, room);
-    else if (mesh->positions.format == NORMA_FORMAT_FLOAT) room->all_finite = w->kernels.load(t, mesh->positions.data, mesh->positions.stride, room->positions);
-    else
-        for (uint32_t v = 0; v < t->vertex_count; v++) load_one(mesh, t, v, room);
+    const norma_vec3_view *from = &w->work->mesh.positions;
+    const tile_some *eights = !t->corner_faces && faces.numbers && 9 * faces.count < t->vertex_count ? &faces : NULL;
+    if (from->format != NORMA_FORMAT_FLOAT) load_each(&w->work->mesh, t, eights, room);
+    else room->all_finite = w->kernels.load(t, eights, from->data, from->stride, room->positions);
 }
 
 /* What the next tile will read, and this one write; meshes that the nearer caches hold have no need of it. */
@@ -89,14 +89,14 @@ static int has_edges(const tile_view *t, uint32_t face)
 }
 
 /* Corners at one position of the plan may have parted: such a triangle has no vote, whatever it measures. */
-static void measure_welded(const core_mesh *mesh, norma_weight weight, const tile_view *t, tile_some faces, tile_room *room)
+static void measure_welded(const core_mesh *mesh, norma_weight weight, const tile_view *t, tile_some eights, tile_room *room)
 {
-    for (uint32_t i = 0; i < faces.count; i++) {
-        const uint32_t face = faces.numbers ? faces.numbers[i] : i;
-        if (!has_edges(t, face)) take_face(mesh, weight, t, face, room);
-    }
+    for (uint32_t i = 0; i < eights.count; i++)
+        for (uint32_t face = CORE_LANES * (eights.numbers ? eights.numbers[i] : i), end = face + CORE_LANES; face < end && face < t->face_count; face++)
+            if (!has_edges(t, face)) take_face(mesh, weight, t, face, room);
 }
 
+/* faces: triangles by eights. */
 static void measure_faces(const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room)
 {
     const core_mesh mesh = local_mesh(t, room);
@@ -106,6 +106,8 @@ static void measure_faces(const tiles_work *w, const tile_view *t, tile_some fac
         for (uint32_t i = 0; i < faces.count; i++) take_face(&mesh, weight, t, faces.numbers ? faces.numbers[i] : i, room);
         return;
     }
+    memcpy(room->normals[TILE_NOBODY], (const double[4]){0, 0, 0, 1}, sizeof room->normals[TILE_NOBODY]);
+    room->weights[TILE_NOBODY] = -0.0;
     w->kernels.measure(t, faces, weight, room);
     for (uint32_t i = 0; i < room->doubted_count; i++)
         if (!t->weld || has_edges(t, room->doubted[i])) take_face(&mesh, weight, t, room->doubted[i], room);
@@ -224,12 +226,11 @@ static void count_degenerate(const tiles_work *w, const tile_view *t, const tile
 static void update_tile(const tiles_work *w, const tile_view *t, const tile_touch *touch, core_tally *tally)
 {
     tile_room room;
-    const int by_number = touch && 4 * touch->face_count < 3 * t->face_count;       /* in a row they go faster */
-    const tile_some faces = {by_number ? touch->faces : NULL, by_number ? touch->face_count : t->face_count};
+    const tile_some faces = {touch ? touch->faces : NULL, touch ? touch->face_count : t->corner_faces ? t->face_count : norma_core_tile_eights(t->face_count)};
     const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
     load_positions(w, t, faces, &room);
     measure_faces(w, t, faces, &room);
-    room.all_normal = w->kernels.sum(t, slots, w->kernels.finish, &room);
+    room.all_normal = w->kernels.sum(t, slots, &room);
     if (w->work->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cones(t, slots, &room);
     if (w->work->plan->of == NORMA_PER_CORNER) write_corners(w, t, &room, slots, tally);
     else if (is_plain(w, t, &room)) write_plain(w, t, &room, slots);
@@ -269,7 +270,7 @@ static norma_result run(tiles_work *w, size_t first, size_t count, size_t busy)
 {
     w->first = first;
     w->count = count;
-    w->tasks = busy / FEWEST_TILES_TO_SHARE + 1;
+    w->tasks = busy < FEWEST_TILES_TO_SHARE ? 1 : busy / TILES_IN_TASK;
     if (w->tasks > PLAN_MOST_TASKS) w->tasks = PLAN_MOST_TASKS;
     memset(w->tallies, 0, w->tasks * sizeof *w->tallies);
     const norma_result result = norma_core_parallel(w->work->call, w->tasks, update_some, w);

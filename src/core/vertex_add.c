@@ -4,6 +4,7 @@
 #endif
 #include "vertex_add.h"
 #include "vertex_add_simd128.h"
+#include "finish_lanes.h"
 #include "lanes.h"
 #include "measure_lanes.h"
 
@@ -252,20 +253,11 @@ CORE_INLINE void drain_queue(const core_queue *queue, size_t part, vertex_sum *s
 
 CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3])
 {
-    double x[CORE_LANES], y[CORE_LANES], z[CORE_LANES], weight[CORE_LANES], fine[CORE_LANES], all = 0;
-    core_rows_to_lanes((const double(*)[4])(const void *)sums, x, y, z, weight);
-    float out[3][CORE_LANES];
-    for (int i = 0; i < CORE_LANES; i++) {
-        const double square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i], length = sqrt(square), inverse = 1 / length;
-        fine[i] = (square > NORMA_TINIEST) & (square < NORMA_HUGEST) & (length > 0x1p-20 * weight[i]) & (weight[i] > 0);
-        out[0][i] = (float)(x[i] * inverse) + 0.0F;
-        out[1][i] = (float)(y[i] * inverse) + 0.0F;
-        out[2][i] = (float)(z[i] * inverse) + 0.0F;
-    }
-    for (int i = 0; i < CORE_LANES; i++) all += fine[i];
-    for (int i = 0; i < CORE_LANES; i++)
-        for (int k = 0; k < 3; k++) normals[i][k] = out[k][i];
-    return all == CORE_LANES;
+    core_lengths lengths;
+    core_lane fine = {0};
+    core_lanes_lengths(sums, &lengths, fine);
+    core_lanes_directions(&lengths, normals);
+    return core_lanes_total(fine) == CORE_LANES;
 }
 
 /* ---- for each instruction set */
