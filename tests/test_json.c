@@ -81,7 +81,7 @@ typedef struct editing {
 static void begin(editing *e, const char *text) {
     json_error error;
     assert_true(norma_json_parse(text, strlen(text), &e->j, &error));
-    e->edits = norma_json_edits_create(&e->j);
+    e->edits = norma_json_edits_create(&e->j, 0);
     assert_non_null(e->edits);
 }
 

@@ -165,7 +165,7 @@ norma_document_result norma_gltf_open(norma_document *document, norma_document_e
         result = check_required(g, error);
     for (size_t i = 0; !result && i < sizeof steps / sizeof steps[0]; ++i)
         result = steps[i](g, error);
-    if (!result && !(g->edits = norma_json_edits_create(&g->json)))
+    if (!result && !(g->edits = norma_json_edits_create(&g->json, 0)))
         result = norma_document_fail_memory(document, error);
     return result;
 }

@@ -134,7 +134,7 @@ typedef struct gltf {
     gltf_attribute  *attributes;
     gltf_node       *nodes;
     uint32_t        *drawing;             /* nodes that draw a mesh, in order */
-    uint32_t         buffer_count, view_count, accessor_count, mesh_count, primitive_count, target_count, attribute_count, node_count, drawing_count;
+    uint32_t         buffer_count, view_count, accessor_count, mesh_count, primitive_count, target_count, attribute_count, node_count, drawing_count, material_count, skin_count;
     size_t           held;                /* bytes that the file and its buffers may hold: what counts without bytes behind them are measured by */
     size_t           decoded, corners_drawn, vertices_drawn, vertices_moved, instances_placed; /* so far, measured by held (gltf_limits.c) */
     int              changed;             /* something was put or edited */

@@ -67,15 +67,14 @@ static void read_normal_map(const gltf *g, uint32_t material, uint32_t extension
 
 /* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit for those of VRM avatars (their MToon shader), is lit: it
  * needs its normals. */
-static int is_unlit(const gltf *g, uint32_t extensions, size_t number) {
+static int is_unlit(const gltf *g, uint32_t extensions, uint32_t avatar) {
     const json *j = &g->json;
-    uint32_t vrm = norma_json_member(j, norma_json_member(j, 0, "extensions"), "VRM"), list = norma_json_member(j, vrm, "materialProperties");
-    uint32_t shader = norma_json_member(j, norma_json_is(j, list, JSON_ARRAY) ? norma_json_element(j, list, (uint32_t)number) : JSON_NONE, "shader");
-    int toon = norma_json_member(j, extensions, "VRMC_materials_mtoon") != JSON_NONE || norma_json_equals(j, shader, "VRM/MToon");
+    int toon = norma_json_member(j, extensions, "VRMC_materials_mtoon") != JSON_NONE || norma_json_equals(j, norma_json_member(j, avatar, "shader"), "VRM/MToon");
     return norma_json_member(j, extensions, "KHR_materials_unlit") != JSON_NONE && !toon;
 }
 
-static int read_material(gltf *g, uint32_t token, size_t number, norma_material_info *info) {
+/* avatar: what VRM says of it, or JSON_NONE. */
+static int read_material(gltf *g, uint32_t token, uint32_t avatar, size_t number, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t extensions = norma_json_member(j, token, "extensions");
     *info = (norma_material_info){.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
@@ -83,7 +82,7 @@ static int read_material(gltf *g, uint32_t token, size_t number, norma_material_
     info->where = norma_gltf_where(g, "materials", number);
     info->ignore = norma_gltf_ignore(g, token);
     info->double_sided = norma_json_is(j, norma_json_member(j, token, "doubleSided"), JSON_TRUE);
-    info->unlit = is_unlit(g, extensions, number);
+    info->unlit = is_unlit(g, extensions, avatar);
     info->not_opaque = lets_light_through(g, token, extensions);
     read_color(g, token, extensions, info);
     read_normal_map(g, token, extensions, info);
@@ -98,9 +97,13 @@ norma_document_result norma_gltf_materials(norma_document *document, norma_docum
     norma_material_info *materials = norma_scene_allocate(scene, count, sizeof *materials);
     if (!materials)
         return norma_document_fail_memory(document, error);
-    for (uint32_t item = norma_json_first(&g->json, list); number < count; item = norma_json_next(&g->json, list, item), ++number)
-        if (!read_material(g, item, number, &materials[number]))
+    uint32_t vrm = norma_json_member(&g->json, norma_json_member(&g->json, 0, "extensions"), "VRM"), avatars = norma_json_member(&g->json, vrm, "materialProperties");
+    uint32_t avatar = norma_json_is(&g->json, avatars, JSON_ARRAY) ? norma_json_first(&g->json, avatars) : JSON_NONE;
+    for (uint32_t item = norma_json_first(&g->json, list); number < count; item = norma_json_next(&g->json, list, item), ++number) {
+        if (!read_material(g, item, avatar, number, &materials[number]))
             return norma_document_fail_memory(document, error);
+        avatar = avatar == JSON_NONE ? JSON_NONE : norma_json_next(&g->json, avatars, avatar);
+    }
     scene->materials = materials;
     scene->material_count = count;
     return NORMA_DOCUMENT_OK;

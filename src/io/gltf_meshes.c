@@ -150,7 +150,7 @@ static norma_document_result read_primitive(gltf *g, gltf_primitive *p, norma_do
     p->mode = GLTF_TRIANGLES;
     p->indices = p->material = GLTF_NONE;
     if (!norma_gltf_index_member(g, p->token, "mode", 7, &p->mode) || !norma_gltf_index_member(g, p->token, "indices", g->accessor_count, &p->indices) ||
-        !norma_gltf_index_member(g, p->token, "material", norma_json_size(j, norma_json_member(j, 0, "materials")), &p->material))
+        !norma_gltf_index_member(g, p->token, "material", g->material_count, &p->material))
         return norma_gltf_malformed(g, error, p->token, "mode, indices and material as numbers of what is there");
     norma_document_result result = read_attributes(g, norma_json_member(j, p->token, "attributes"), &p->base, error);
     uint32_t targets = norma_json_member(j, p->token, "targets");
@@ -253,6 +253,7 @@ norma_document_result norma_gltf_read_meshes(gltf *g, norma_document_error *erro
     norma_document_result result = count_all(g, meshes, &n, error);
     if (result)
         return result;
+    g->material_count = norma_json_size(&g->json, norma_json_member(&g->json, 0, "materials"));
     g->meshes = norma_io_allocate(norma_json_size(&g->json, meshes), sizeof *g->meshes);
     g->primitives = norma_io_allocate(n.primitives, sizeof *g->primitives);
     g->targets = norma_io_allocate(n.targets, sizeof *g->targets);

@@ -80,7 +80,7 @@ static norma_document_result read_node(gltf *g, gltf_node *node, norma_document_
         return norma_document_fail_memory(g->document, error);
     if (!norma_gltf_index_member(g, node->token, "mesh", g->mesh_count, &node->mesh))
         return norma_gltf_malformed(g, error, node->token, "the number of a mesh in \"mesh\"");
-    if (!norma_gltf_index_member(g, node->token, "skin", norma_json_size(j, norma_json_member(j, 0, "skins")), &node->skin))
+    if (!norma_gltf_index_member(g, node->token, "skin", g->skin_count, &node->skin))
         return norma_gltf_malformed(g, error, node->token, "the number of a skin in \"skin\"");
     if (node->mesh != GLTF_NONE)
         ++g->meshes[node->mesh].uses;
@@ -150,6 +150,8 @@ norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error
     if (list != JSON_NONE && !norma_json_is(&g->json, list, JSON_ARRAY))
         return norma_gltf_malformed(g, error, list, "an array");
     g->node_count = norma_json_size(&g->json, list);
+    const uint32_t skins = norma_json_member(&g->json, 0, "skins");
+    g->skin_count = norma_json_is(&g->json, skins, JSON_ARRAY) ? norma_json_size(&g->json, skins) : 0;
     g->nodes = norma_io_allocate(g->node_count, sizeof *g->nodes);
     g->drawing = norma_io_allocate(g->node_count, sizeof *g->drawing);
     uint32_t *path = norma_io_allocate(g->node_count, sizeof *path);

@@ -110,7 +110,7 @@ void norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mo
 uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number)
 {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    json_edits *edits = norma_json_edits_create(&g->json);
+    json_edits *edits = norma_json_edits_create(&g->json, g->meshes[mesh].token);
     if (!patch || !edits || !grow((void **)&patch->copies, &patch->copy_capacity, patch->copy_count, sizeof *patch->copies)) {
         norma_json_edits_destroy(edits);
         return 0;

@@ -319,10 +319,13 @@ static const char *path_of(gltf *g, uint32_t number) {
 /* From the nearest node above that is known, or a root, down to this one: each node's extras are read once. */
 static const char *ignored_by_node(gltf *g, uint32_t node) {
     gltf_scene *scene = norma_gltf_scene_of(g);
-    uint32_t *path = scene ? norma_io_allocate(g->node_count, sizeof *path) : NULL;
-    const char *list = path ? norma_gltf_root_ignore(g) : NULL;
     size_t depth = 0;
     uint32_t at = node;
+    for (; scene && at != GLTF_NONE && !scene->node_ignore[at]; at = g->nodes[at].parent) ++depth;
+    uint32_t *path = scene ? norma_io_allocate(depth, sizeof *path) : NULL;
+    const char *list = path ? norma_gltf_root_ignore(g) : NULL;
+    depth = 0;
+    at = node;
     for (; list && at != GLTF_NONE && !scene->node_ignore[at]; at = g->nodes[at].parent) path[depth++] = at;
     if (list && at != GLTF_NONE)
         list = scene->node_ignore[at];

@@ -14,6 +14,7 @@ typedef struct gltf_scene {
     struct gltf_animation *animations; /* NULL: not yet */
     uint32_t animation_count;
     const norma_document_error *animation_error; /* NULL: none */
+    uint32_t *skins;                   /* the token of each; NULL: not yet */
     size_t effort;                               /* steps that skins and animations took */
 } gltf_scene;
 /* Made on first use; NULL: out of memory. */

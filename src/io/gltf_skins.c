@@ -186,6 +186,19 @@ static norma_document_result judge_animation(pose *p, const gltf_animation *anim
     return result;
 }
 
+/* What playing takes, for the first animation. */
+static norma_document_result allocate(pose *p, norma_document_error *error) {
+    size_t count = p->g->node_count;
+    if (p->rotation)
+        return NORMA_DOCUMENT_OK;
+    p->rotation = norma_io_allocate(count, sizeof *p->rotation);
+    p->scale = norma_io_allocate(count, sizeof *p->scale);
+    p->world = norma_io_allocate(count, 9 * sizeof *p->world);
+    p->stamp = norma_io_allocate(count, sizeof *p->stamp);
+    p->chain = norma_io_allocate(count, sizeof *p->chain);
+    return p->rotation && p->scale && p->world && p->stamp && p->chain ? NORMA_DOCUMENT_OK : out_of_memory(p, error);
+}
+
 /* Marks each joint and all nodes above it. */
 static void mark_chains(pose *p) {
     memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
@@ -197,6 +210,8 @@ static norma_document_result judge_animations(pose *p, norma_document_error *err
     norma_document_result result = norma_gltf_animations(p->g, p->scene, error);
     for (uint32_t i = 0; !result && i < p->scene->animation_count; ++i) {
         result = spend(p, p->g->node_count + p->joint_count, error);
+        if (!result)
+            result = allocate(p, error);
         if (!result) {
             mark_chains(p);
             result = judge_animation(p, &p->scene->animations[i], error);
@@ -225,16 +240,6 @@ static norma_document_result read_joints(pose *p, uint32_t token, norma_document
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result allocate(pose *p, norma_document_error *error) {
-    size_t count = p->g->node_count;
-    p->rotation = norma_io_allocate(count, sizeof *p->rotation);
-    p->scale = norma_io_allocate(count, sizeof *p->scale);
-    p->world = norma_io_allocate(count, 9 * sizeof *p->world);
-    p->stamp = norma_io_allocate(count, sizeof *p->stamp);
-    p->chain = norma_io_allocate(count, sizeof *p->chain);
-    return p->rotation && p->scale && p->world && p->stamp && p->chain ? NORMA_DOCUMENT_OK : out_of_memory(p, error);
-}
-
 static norma_document_result make_skin(gltf *g, uint32_t token, size_t index, norma_skin_info *info, norma_document_error *error) {
     pose p = {.g = g, .scene = norma_gltf_scene_of(g), .info = info};
     *info = (norma_skin_info){.joint = SIZE_MAX};
@@ -242,8 +247,6 @@ static norma_document_result make_skin(gltf *g, uint32_t token, size_t index, no
     info->where = norma_gltf_where(g, "skins", index);
     info->ignore = norma_gltf_root_ignore(g);
     norma_document_result result = p.scene && info->name && info->where && info->ignore ? read_joints(&p, token, error) : out_of_memory(&p, error);
-    if (!result)
-        result = allocate(&p, error);
     if (!result) {
         judge_rest(&p);
         result = judge_animations(&p, error);
@@ -253,10 +256,18 @@ static norma_document_result make_skin(gltf *g, uint32_t token, size_t index, no
     return result;
 }
 
-size_t norma_gltf_skin_count(const norma_document *document) {
-    const gltf *g = norma_gltf_of(document);
-    uint32_t list = norma_json_member(&g->json, 0, "skins");
-    return norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0;
+size_t norma_gltf_skin_count(const norma_document *document) { return norma_gltf_of(document)->skin_count; }
+
+static norma_document_result find_skins(gltf *g, gltf_scene *scene, norma_document_error *error) {
+    if (scene && scene->skins)
+        return NORMA_DOCUMENT_OK;
+    uint32_t list = norma_json_member(&g->json, 0, "skins"), number = 0;
+    uint32_t *skins = scene ? norma_scene_allocate(g->document->scene, g->skin_count, sizeof *skins) : NULL;
+    if (!skins)
+        return norma_document_fail_memory(g->document, error);
+    for (uint32_t item = norma_json_first(&g->json, list); item != JSON_NONE; item = norma_json_next(&g->json, list, item)) skins[number++] = item;
+    scene->skins = skins;
+    return NORMA_DOCUMENT_OK;
 }
 
 norma_document_result norma_gltf_skin(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
@@ -266,9 +277,10 @@ norma_document_result norma_gltf_skin(norma_document *document, size_t index, no
         return norma_document_fail_memory(document, error);
     if (!scene->skins[index]) {
         norma_skin_info *made = norma_scene_allocate(scene, 1, sizeof *made);
-        uint32_t list = norma_json_member(&g->json, 0, "skins");
-        norma_document_result result =
-            made ? make_skin(g, norma_json_element(&g->json, list, (uint32_t)index), index, made, error) : norma_document_fail_memory(document, error);
+        gltf_scene *own = norma_gltf_scene_of(g);
+        norma_document_result result = made ? find_skins(g, own, error) : norma_document_fail_memory(document, error);
+        if (!result)
+            result = make_skin(g, own->skins[index], index, made, error);
         if (result)
             return result;
         scene->skins[index] = made;

@@ -59,9 +59,10 @@ void norma_json_add_number(json_text *text, double value);                      
 void norma_json_add_float(json_text *text, float value);
 void norma_json_add_quoted(json_text *text, const char *utf8);                    /* as a JSON string */
 
-/* ---- edits: a list of changes to one parsed text, applied in one go. Failures for want of memory are kept and show at norma_json_write. */
+/* ---- edits: a list of changes to one value of a parsed text (0: the root) and what is in it, applied in one go. Failures for want of memory are kept and show at
+ * norma_json_write, as changes of other values do. */
 typedef struct json_edits json_edits;
-json_edits *norma_json_edits_create(const json *j);
+json_edits *norma_json_edits_create(const json *j, uint32_t value);
 json_edits *norma_json_edits_copy(const json_edits *edits);
 void        norma_json_edits_destroy(json_edits *edits);
 void        norma_json_edits_fail(json_edits *edits);                                /* as if memory had run out within them */

@@ -20,7 +20,8 @@ typedef struct edit {
 
 struct json_edits {
     const json *j;
-    uint32_t   *of_token;         /* number of its edit + 1; 0: none */
+    uint32_t    first, tokens;    /* the value that they are about: itself and all that is in it */
+    uint32_t   *of_token;         /* for each of these tokens the number of its edit + 1; 0: none */
     edit       *list;
     addition   *additions;
     uint32_t    count, capacity, addition_count, addition_capacity;
@@ -36,16 +37,19 @@ static char *copy_text(const char *text)
     return copy;
 }
 
-json_edits *norma_json_edits_create(const json *j)
+json_edits *norma_json_edits_create(const json *j, uint32_t value)
 {
+    const uint32_t tokens = value < j->count ? j->tokens[value].next - value : 0;
     json_edits *edits = calloc(1, sizeof *edits);
-    uint32_t *of_token = calloc(j->count ? j->count : 1, sizeof *of_token);
+    uint32_t *of_token = calloc(tokens ? tokens : 1, sizeof *of_token);
     if (!edits || !of_token) {
         free(edits);
         free(of_token);
         return NULL;
     }
     edits->j = j;
+    edits->first = value;
+    edits->tokens = tokens;
     edits->of_token = of_token;
     return edits;
 }
@@ -79,22 +83,33 @@ static int grow(void **block, uint32_t *capacity, uint32_t count, size_t size)
     return 1;
 }
 
+static int is_within(const json_edits *edits, uint32_t token)
+{
+    return token >= edits->first && token - edits->first < edits->tokens;
+}
+
 static edit *edit_of(json_edits *edits, uint32_t token)
 {
-    if (edits->of_token[token] == 0) {
+    if (!is_within(edits, token)) {
+        edits->failed = 1;
+        return NULL;
+    }
+    uint32_t *number = &edits->of_token[token - edits->first];
+    if (*number == 0) {
         if (!grow((void **)&edits->list, &edits->capacity, edits->count, sizeof *edits->list)) {
             edits->failed = 1;
             return NULL;
         }
         edits->list[edits->count] = (edit){.token = token, .first_added = JSON_NONE, .last_added = JSON_NONE};
-        edits->of_token[token] = ++edits->count;
+        *number = ++edits->count;
     }
-    return &edits->list[edits->of_token[token] - 1];
+    return &edits->list[*number - 1];
 }
 
 static const edit *find_edit(const json_edits *edits, uint32_t token)
 {
-    return edits->of_token[token] ? &edits->list[edits->of_token[token] - 1] : NULL;
+    const uint32_t number = is_within(edits, token) ? edits->of_token[token - edits->first] : 0;
+    return number ? &edits->list[number - 1] : NULL;
 }
 
 static int add_copy_of(json_edits *copy, const json_edits *edits)
@@ -121,14 +136,14 @@ static int add_copy_of(json_edits *copy, const json_edits *edits)
             return 0;
         }
     }
-    memcpy(copy->of_token, edits->of_token, edits->j->count * sizeof *copy->of_token);
+    memcpy(copy->of_token, edits->of_token, edits->tokens * sizeof *copy->of_token);
     copy->failed = edits->failed;
     return 1;
 }
 
 json_edits *norma_json_edits_copy(const json_edits *edits)
 {
-    json_edits *copy = norma_json_edits_create(edits->j);
+    json_edits *copy = norma_json_edits_create(edits->j, edits->first);
     if (copy && !add_copy_of(copy, edits)) {
         norma_json_edits_destroy(copy);
         return NULL;

@@ -81,17 +81,14 @@ static void rewrite_normal(writer *w, const char *p, size_t normal)
 
 typedef struct line_ending { const char *begin, *end; } line_ending;
 
-/* As the statement at p ends; where that ends the file, as its first line does. */
+/* As the statement at p ends; where that ends the file, as its first line does: a face has lines of positions before or behind it. */
 static line_ending ending_like(const writer *w, const char *p)
 {
-    static const char newline[] = "\n";
-    const char *ends[2] = { norma_obj_statement_end(p, w->end), w->text };
-    while (ends[1] < w->end && !norma_obj_is_end(*ends[1]))
-        ++ends[1];
-    for (int i = 0; i < 2; ++i)
-        if (ends[i] < w->end)
-            return (line_ending){ ends[i], norma_obj_skip_end(ends[i], w->end) };
-    return (line_ending){ newline, newline + 1 };
+    const char *end = norma_obj_statement_end(p, w->end);
+    if (end == w->end)
+        for (end = w->text; end < w->end && !norma_obj_is_end(*end);)
+            ++end;
+    return (line_ending){ end, norma_obj_skip_end(end, w->end) };
 }
 
 static void write_kept_normal(writer *w, size_t normal, line_ending ending)
