@@ -357,6 +357,34 @@ static void gltf_shared(void) {
     free(data.at);
 }
 
+/* What would take the square of its size: skins under a root of many members, meshes or primitives of one position that have nothing else in common, nodes that share a mesh, which
+ * baking parts, and attributes without number. */
+static void gltf_squares(void) {
+    enum { MEMBERS = 60000, SKINS = 30000, PRIMITIVES = 20000, NODES = 20000, ATTRIBUTES = 20000 };
+    static const char accessor[] = "{\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}";
+    bytes b = {0};
+    print(&b, "{\"asset\":{\"version\":\"2.0\"}");
+    repeat(&b, ",\"a\":0", MEMBERS);
+    print(&b, ",\"skins\":[{}");
+    repeat(&b, ",{}", SKINS);
+    print(&b, "]}");
+    save(&b, "many-skins.gltf");
+    print(&b, "{\"asset\":{\"version\":\"2.0\"},\"accessors\":[%s", accessor);
+    for (int i = 1; i <= PRIMITIVES; ++i) print(&b, ",%s", accessor);
+    print(&b, "],\"meshes\":[{\"primitives\":[");
+    for (int i = 1; i <= PRIMITIVES; ++i) print(&b, "%s{\"attributes\":{\"POSITION\":0,\"_A\":%d}}", i > 1 ? "," : "", i);
+    print(&b, "]}]}");
+    save(&b, "many-primitives-of-one-position.gltf");
+    print(&b, "{\"asset\":{\"version\":\"2.0\"},\"accessors\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}", accessor);
+    repeat(&b, ",{\"mesh\":0}", NODES);
+    print(&b, "]}");
+    save(&b, "many-nodes-of-one-mesh.gltf");
+    print(&b, "{\"asset\":{\"version\":\"2.0\"},\"accessors\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0", accessor);
+    for (int i = 0; i < ATTRIBUTES; ++i) print(&b, ",\"_A%d\":0", i);
+    print(&b, "}}]}]}");
+    save(&b, "many-attributes.gltf");
+}
+
 /* One polygon of three hundred thousand corners that lie at three places: what costs as much as it has corners, at each of them, never ends. */
 static void obj_polygon(void) {
     bytes b = {0};
@@ -419,6 +447,7 @@ int main(int count, char **arguments) {
     gltf_depth();
     gltf_many();
     gltf_shared();
+    gltf_squares();
     obj_polygon();
     glb_lengths();
     return 0;

@@ -94,6 +94,6 @@ norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task
 {
     const crew c = {call, task, context, count};
     if (call->options.parallel_for) return run_in_callers_jobs(&c);
-    const size_t workers = norma_core_workers(call) < count ? norma_core_workers(call) : count;
+    const size_t most = count > 1 ? norma_core_workers(call) : 1, workers = most < count ? most : count; /* asking the system takes longer than a small mesh */
     return workers > 1 ? run_in_threads(&c, workers) : run_here(&c);
 }

@@ -25,7 +25,7 @@ typedef struct gltf_surface {
 
 typedef struct gltf_set {
     uint32_t  lead, last;                 /* its first and last primitive; in between by the job's next_in_set */
-    uint32_t  next_at;                    /* the next set over the same positions, or GLTF_NONE */
+    uint32_t  next_at;                    /* the next set in the same slot of the table, while sets are made; or GLTF_NONE */
     uint32_t  mesh;                       /* GLTF_NONE: several meshes draw it */
     int       wanted, has_morphs;
     size_t    vertices, added_count, added_capacity;

@@ -55,9 +55,17 @@ static norma_document_result count_all(gltf *g, uint32_t meshes, counts *n, norm
     return NORMA_DOCUMENT_OK;
 }
 
+/* They are looked for by their names, one after the other. */
+enum { MOST_ATTRIBUTES = 1024 };
+
 static norma_document_result read_attributes(gltf *g, uint32_t token, gltf_attributes *set, norma_document_error *error)
 {
     const json *j = &g->json;
+    if (norma_json_size(j, token) > MOST_ATTRIBUTES) {
+        char place[200];
+        norma_gltf_pointer(g, token, place, sizeof place);
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place, "has %u attributes; expected at most %d", (unsigned)norma_json_size(j, token), MOST_ATTRIBUTES);
+    }
     *set = (gltf_attributes){.token = token, .first = g->attribute_count, .position = GLTF_NONE, .normal = GLTF_NONE, .tangent = GLTF_NONE};
     for (uint32_t value = norma_json_first(j, token); value != JSON_NONE; value = norma_json_next(j, token, value)) {
         gltf_attribute *attribute = &g->attributes[g->attribute_count];

@@ -118,11 +118,35 @@ static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t pr
     return result;
 }
 
-/* Puts a primitive into its set, which is made where there is none yet. sets_at: for each accessor the last set made over its positions. */
+/* Steele, Lea, Flood 2014, splitmix64. */
+static uint64_t mixed(uint64_t z)
+{
+    z = (z + 0x9E3779B97F4A7C15u) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ z >> 27) * 0x94D049BB133111EBu;
+    return z ^ z >> 31;
+}
+
+/* Primitives of one set have the same one; attributes may stand in any order. */
+static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p)
+{
+    const gltf *g = job->g;
+    uint64_t hash = mixed(has_morphs(job, p) ? (uint64_t)p->mesh + 1 : 0);
+    for (uint32_t t = 0; t <= p->target_count; ++t) {
+        const gltf_attributes *set = t ? &g->targets[p->first_target + t - 1] : &p->base;
+        uint64_t sum = 0;
+        for (uint32_t i = set->first; i < set->first + set->count; ++i)
+            sum += mixed(g->attributes[i].accessor);
+        hash = mixed(hash ^ sum);
+    }
+    return hash;
+}
+
+/* Puts a primitive into its set, which is made where there is none yet. sets_at: for each slot of a table the last set made in it. */
 static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_t *sets_at)
 {
     const gltf_primitive *p = &job->g->primitives[primitive];
-    uint32_t s = sets_at[p->base.position];
+    const uint32_t slot = (uint32_t)(hash_primitive(job, p) % job->g->primitive_count);
+    uint32_t s = sets_at[slot];
     while (s != GLTF_NONE && !same_set(job, &job->sets[s], p))
         s = job->sets[s].next_at;
     if (s != GLTF_NONE) {
@@ -136,8 +160,8 @@ static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_
     s = job->set_count++;
     job->set_of[primitive] = s;
     norma_document_result result = begin_set(job, &job->sets[s], primitive);
-    job->sets[s].next_at = sets_at[p->base.position];
-    sets_at[p->base.position] = s;
+    job->sets[s].next_at = sets_at[slot];
+    sets_at[slot] = s;
     return result;
 }
 
@@ -145,15 +169,15 @@ norma_document_result norma_gltf_make_sets(gltf_job *job)
 {
     const gltf *g = job->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
-    uint32_t *sets_at = norma_io_allocate(g->accessor_count, sizeof *sets_at);
+    uint32_t *sets_at = norma_io_allocate(g->primitive_count, sizeof *sets_at);
     job->sets = norma_io_allocate(g->primitive_count, sizeof *job->sets);
     job->set_of = norma_io_allocate(g->primitive_count, sizeof *job->set_of);
     job->next_in_set = norma_io_allocate(g->primitive_count, sizeof *job->next_in_set);
     job->corners = norma_io_allocate(g->primitive_count, sizeof *job->corners);
     if (!sets_at || !job->sets || !job->set_of || !job->next_in_set || !job->corners)
         result = out_of_memory(job);
-    for (uint32_t a = 0; !result && a < g->accessor_count; ++a)
-        sets_at[a] = GLTF_NONE;
+    for (uint32_t slot = 0; !result && slot < g->primitive_count; ++slot)
+        sets_at[slot] = GLTF_NONE;
     for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
         job->set_of[i] = job->next_in_set[i] = GLTF_NONE;
         if (!g->primitives[i].not_read)

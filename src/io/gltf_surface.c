@@ -31,29 +31,61 @@ static int same_positions(const gltf *g, const gltf_primitive *a, const gltf_pri
     return 1;
 }
 
-/* Where each primitive's positions and corners begin; an exact repetition of a primitive (another material over the same triangles) is taken once. */
-static void lay_out(const gltf *g, gltf_surface *s, size_t *positions, size_t *corners)
+/* A table of primitives by what they share; SIZE_MAX: free. */
+typedef struct sharers {
+    size_t *first, size;
+} sharers;
+
+static size_t hash_positions(const gltf *g, const gltf_primitive *p)
+{
+    uint64_t hash = p->base.position;
+    for (uint32_t t = 0; t < p->target_count; ++t)
+        hash = (hash ^ hash >> 29 ^ g->targets[p->first_target + t].position) * 0x9E3779B97F4A7C15u;
+    return (size_t)(hash ^ hash >> 32);
+}
+
+/* The first primitive with the same positions, and, where corners is nonzero, the same corners; else i itself, which is put in. */
+static size_t first_like(const gltf *g, const gltf_primitive *list, sharers *table, size_t i, int corners)
+{
+    uint64_t hash = hash_positions(g, &list[i]);
+    if (corners)
+        hash = (hash ^ ((uint64_t)list[i].indices << 8 | list[i].mode)) * 0xD6E8FEB86659FD93u;
+    size_t at = (size_t)(hash ^ hash >> 32) & (table->size - 1);
+    for (; table->first[at] != SIZE_MAX; at = (at + 1) & (table->size - 1)) {
+        const gltf_primitive *other = &list[table->first[at]];
+        if (same_positions(g, &list[i], other) && (!corners || (list[i].indices == other->indices && list[i].mode == other->mode)))
+            return table->first[at];
+    }
+    return table->first[at] = i;
+}
+
+/* Where each primitive's positions and corners begin; an exact repetition of a primitive (another material over the same triangles) is taken once. 0: out of memory. */
+static int lay_out(const gltf *g, gltf_surface *s, size_t *positions, size_t *corners)
 {
     const gltf_mesh *mesh = &g->meshes[s->mesh];
     const gltf_primitive *list = g->primitives + mesh->first_primitive;
-    for (uint32_t i = 0; i < mesh->primitive_count; ++i) {
-        s->corner_start[i] = s->position_start[i] = SIZE_MAX;
-        for (uint32_t k = 0; k < i && !list[i].not_read; ++k) {
-            if (list[k].not_read || !same_positions(g, &list[i], &list[k]))
-                continue;
-            s->position_start[i] = s->position_start[k];
-            if (list[i].indices == list[k].indices && list[i].mode == list[k].mode)
-                s->corner_start[i] = s->corner_start[k];
-        }
-        if (!list[i].not_read && s->position_start[i] == SIZE_MAX) {
-            s->position_start[i] = *positions;
-            *positions += list[i].vertices;
-        }
-        if (!list[i].not_read && s->corner_start[i] == SIZE_MAX) {
-            s->corner_start[i] = *corners;
-            *corners += 3 * list[i].faces;
-        }
+    size_t size = 2;
+    while (size / 2 < mesh->primitive_count)
+        size *= 2;
+    sharers by_positions = {norma_io_allocate(size, sizeof(size_t)), size}, by_corners = {norma_io_allocate(size, sizeof(size_t)), size};
+    const int there = by_positions.first && by_corners.first;
+    if (there) {
+        memset(by_positions.first, 0xFF, size * sizeof(size_t));
+        memset(by_corners.first, 0xFF, size * sizeof(size_t));
     }
+    for (uint32_t i = 0; there && i < mesh->primitive_count; ++i) {
+        s->corner_start[i] = s->position_start[i] = SIZE_MAX;
+        if (list[i].not_read)
+            continue;
+        const size_t with_positions = first_like(g, list, &by_positions, i, 0), with_corners = first_like(g, list, &by_corners, i, 1);
+        s->position_start[i] = with_positions == i ? *positions : s->position_start[with_positions];
+        s->corner_start[i] = with_corners == i ? *corners : s->corner_start[with_corners];
+        *positions += with_positions == i ? list[i].vertices : 0;
+        *corners += with_corners == i ? 3 * list[i].faces : 0;
+    }
+    free(by_positions.first);
+    free(by_corners.first);
+    return there;
 }
 
 typedef struct encoding {
@@ -168,9 +200,8 @@ norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surfa
     *s = (gltf_surface){.mesh = mesh};
     s->corner_start = norma_io_allocate(count, sizeof *s->corner_start);
     s->position_start = norma_io_allocate(count, sizeof *s->position_start);
-    if (!s->corner_start || !s->position_start)
+    if (!s->corner_start || !s->position_start || !lay_out(job->g, s, &positions, &corners))
         return out_of_memory(job);
-    lay_out(job->g, s, &positions, &corners);
     if (positions > UINT32_MAX || corners > UINT32_MAX)
         return norma_document_fail(job->g->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, job->g->primitives[job->g->meshes[mesh].first_primitive].where,
                                    "a mesh of more than 4294967295 vertices or corners");
