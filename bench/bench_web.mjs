@@ -63,6 +63,7 @@ for (const [triangles, [columns, lines]] of onlyPage ? [] : Object.entries(sizes
 const CHANGES = [
   ["crease 30 to 90", "crease", [30, 36, 42, 48, 54, 60, 66, 72, 78, 84, 90]], ["crease 1 to 10, most edges cut", "crease", [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]],
   ["weight", "weight", ["area", "angle", "max", "uniform", "angle-area", "angle-lengths", "angle"]], ["weight visible", "weight", ["visible"]],
+  ["its crease 30 to 90", "crease", [30, 45, 60, 75, 90]], ["its crease 1 to 3, most edges cut", "crease", [3, 2.5, 2, 1.5, 1]],
 ];
 
 /* In the page. Resolves to the milliseconds that its facts give and those until the next picture was done. */

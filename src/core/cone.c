@@ -177,21 +177,52 @@ static int narrow(const cone *few, cone *c)
 
 /* ---- the search */
 
-/* The one whose cosine to the axis is least; count where there is none. */
-CORE_INLINE size_t farthest(norma_core_cone_at *at, const void *context, size_t count, const double axis[3], double *cosine)
+typedef struct outmost { size_t found; double least, next; } outmost;   /* the one whose dot product is least, count where there is none, and the least of the others */
+
+CORE_INLINE outmost farthest(norma_core_cone_at *at, const void *context, size_t count, const double along[3])
 {
-    size_t found = count;
-    double lowest = 2;
+    outmost far = {count, 2, 2};
     for (size_t i = 0; i < count; i++) {
         double n[3];
         if (!at(context, i, n)) continue;
-        const double dot = norma_core_dot(axis, n);
-        const int further = dot < lowest;
-        lowest = further ? dot : lowest;
-        found = further ? i : found;
+        const double dot = norma_core_dot(along, n);
+        const int further = dot < far.least;
+        far.next = further ? far.least : least(far.next, dot);
+        far.least = further ? dot : far.least;
+        far.found = further ? i : far.found;
     }
-    *cosine = lowest;
-    return found;
+    return far;
+}
+
+/* Takes in one that is outside c; c becomes what few was. 0: no open hemisphere holds them. */
+static int take_in(cone **c, cone **few, size_t number, const double normal[3])
+{
+    cone *held = *c;
+    hold(held, number, normal);
+    *c = *few;
+    *few = held;
+    return narrow(held, *c) && (*c)->cosine > 0x1p-30;
+}
+
+enum { CANCELLED, GOES_ON, SETTLED };
+
+/* The first steps, from one to two to three, without making unit vectors: only what rounding cannot turn. Where another is outside the cone of two, with s what it lacks, the cone with it has a
+ * cosine that is less by s^2 / (8 sin^2) or s / 2 of that, which has to be more than rounding: so it is known that it grows. SETTLED: axis is the result. */
+CORE_INLINE int begin(norma_core_cone_at *at, const void *context, size_t count, cone **c, cone **few, double axis[3])
+{
+    static const double CLEARLY = 0x1p-44;
+    double normal[3], *one = (*c)->rim[0], *other = (*c)->rim[1];
+    outmost far = farthest(at, context, count, one);
+    if (!are_apart(far.least) || !(far.next - far.least > CLEARLY)) return axis_of(*c) ? GOES_ON : CANCELLED;
+    at(context, far.found, normal);
+    hold(*c, far.found, normal);
+    const double along[3] = {one[0] + other[0], one[1] + other[1], one[2] + other[2]}, rim = least(norma_core_dot(along, one), norma_core_dot(along, other));
+    far = farthest(at, context, count, along);
+    if (far.least >= rim) return make_unit(along, axis) ? SETTLED : CANCELLED;
+    const double lacks = rim - far.least, square = norma_core_dot(along, along);
+    if (!(lacks > CLEARLY && far.next - far.least > CLEARLY && lacks * lacks > CLEARLY * (square - far.least * far.least + 0x1p-48))) return axis_of(*c) ? GOES_ON : CANCELLED;
+    at(context, far.found, normal);
+    return take_in(c, few, far.found, normal) ? GOES_ON : CANCELLED;
 }
 
 CORE_INLINE int smallest_cone(norma_core_cone_at *at, const void *context, size_t count, double axis[3])
@@ -203,20 +234,16 @@ CORE_INLINE int smallest_cone(norma_core_cone_at *at, const void *context, size_
     if (first == count) return 0;
     c->count = 0;
     hold(c, first, normal);
-    if (!axis_of(c)) return 0;
+    const int so_far = begin(at, context, count, &c, &few, axis);
+    if (so_far != GOES_ON) return so_far == SETTLED;
     for (;;) {
-        double cosine;
-        const size_t outside = farthest(at, context, count, c->axis, &cosine);
-        if (cosine >= c->cosine - ROUNDING || is_held(c, outside)) break;
-        at(context, outside, normal);
-        cone *before = c;
-        hold(before, outside, normal);
-        c = few;
-        few = before;
-        if (!narrow(few, c) || c->cosine <= 0x1p-30) return 0;
-        if (c->cosine >= before->cosine) {       /* no wider than before: what is left outside must be rounding */
-            farthest(at, context, count, c->axis, &cosine);
-            if (cosine < c->cosine - 0x1p-20) return 0;
+        const outmost far = farthest(at, context, count, c->axis);
+        const double before = c->cosine;
+        if (far.least >= before - ROUNDING || is_held(c, far.found)) break;
+        at(context, far.found, normal);
+        if (!take_in(&c, &few, far.found, normal)) return 0;
+        if (c->cosine >= before) {               /* no wider than before: what is left outside must be rounding */
+            if (farthest(at, context, count, c->axis).least < c->cosine - 0x1p-20) return 0;
             break;
         }
     }
