@@ -137,8 +137,8 @@ static void edit_accessor(gltf *g, const gltf_accessor *a, const gltf_data *data
     edit_bounds(g, a->token, data);
 }
 
-/* Whether all elements that the sparse part, if any, does not name are zero bytes: over a base of zeros nothing else need be said then. */
-static int rest_is_zero(const gltf_accessor *a, const gltf_data *data, const uint32_t *indices)
+/* Whether all elements but those named are zero bytes: over a base of zeros nothing else need be said then. */
+static int rest_is_zero(const gltf_data *data, const uint32_t *indices, size_t named)
 {
     size_t size = norma_gltf_data_size(data), bytes = data->count * size;
     unsigned char *rest = malloc(bytes ? bytes : 1);
@@ -146,7 +146,7 @@ static int rest_is_zero(const gltf_accessor *a, const gltf_data *data, const uin
     if (!rest)
         return 0;
     memcpy(rest, data->bytes, bytes);
-    for (size_t i = 0; i < a->sparse.count; ++i)
+    for (size_t i = 0; i < named; ++i)
         memset(rest + indices[i] * size, 0, size);
     for (size_t i = 0; zero && i < bytes; ++i)
         zero = rest[i] == 0;
@@ -154,27 +154,73 @@ static int rest_is_zero(const gltf_accessor *a, const gltf_data *data, const uin
     return zero;
 }
 
-/* The piece of the sparse values; *base tells whether the base must be written too. */
+static int is_zero(const gltf_data *data, size_t element)
+{
+    const size_t size = norma_gltf_data_size(data);
+    size_t k = 0;
+    while (k < size && data->bytes[element * size + k] == 0)
+        ++k;
+    return k == size;
+}
+
+/* Elements for a sparse part to name where those it named may be gone: first those that a base of zeros does not give. */
+static void choose_indices(const gltf_data *data, uint32_t *indices, size_t wanted)
+{
+    size_t other = 0, kept = 0;
+    for (size_t i = 0; i < data->count; ++i)
+        other += !is_zero(data, i);
+    size_t spare = wanted > other ? wanted - other : 0;
+    for (size_t i = 0; i < data->count && kept < wanted; ++i) {
+        if (is_zero(data, i)) {
+            if (spare == 0)
+                continue;
+            --spare;
+        }
+        indices[kept++] = (uint32_t)i;
+    }
+}
+
+/* A piece of a sparse part: of the object that is its indices or its values. It takes the bytes, or frees them. */
+static int add_sparse_piece(gltf *g, const gltf_accessor *a, const char *member, unsigned char *bytes, size_t size, size_t count)
+{
+    const int values = strcmp(member, "values") == 0;
+    const size_t old_size = values ? a->element_size : norma_gltf_component_size(a->sparse.indices_component);
+    const patch_piece piece = {.token = norma_json_member(&g->json, norma_json_member(&g->json, a->token, "sparse"), member), .new_accessor = GLTF_NONE,
+                               .old_view = values ? a->sparse.values_view : a->sparse.indices_view, .old_offset = values ? a->sparse.values_offset : a->sparse.indices_offset,
+                               .old_stride = old_size, .old_size = old_size, .old_count = a->sparse.count, .bytes = bytes, .owned = bytes, .size = size, .count = count};
+    return bytes && add_piece(g->patch, &piece);
+}
+
+/* Fewer elements than before: the indices are chosen anew, and are no more than there are elements. */
+static int replace_indices(gltf *g, const gltf_accessor *a, const gltf_data *data, uint32_t *indices, size_t count)
+{
+    const size_t size = norma_gltf_component_size(a->sparse.indices_component);
+    unsigned char *bytes = norma_io_allocate(count, size);
+    choose_indices(data, indices, count);
+    for (size_t i = 0; bytes && i < count * size; ++i)
+        bytes[i] = (unsigned char)(indices[i / size] >> 8 * (i % size));
+    if (count != a->sparse.count)
+        norma_json_set_uint(g->edits, norma_json_member(&g->json, a->token, "sparse"), "count", count);
+    return add_sparse_piece(g, a, "indices", bytes, size, count);
+}
+
+/* The pieces of the sparse part; *base tells whether the base must be written too. */
 static norma_document_result add_sparse(gltf *g, uint32_t number, const gltf_data *data, int *base, norma_document_error *error)
 {
     const gltf_accessor *a = &g->accessors[number];
-    size_t size = norma_gltf_data_size(data);
+    const size_t size = norma_gltf_data_size(data), count = a->sparse.count < data->count ? a->sparse.count : data->count;
     uint32_t *indices = norma_io_allocate(a->sparse.count, sizeof *indices);
-    patch_piece piece = {.token = norma_json_member(&g->json, norma_json_member(&g->json, a->token, "sparse"), "values"), .new_accessor = GLTF_NONE,
-                         .old_view = a->sparse.values_view, .old_offset = a->sparse.values_offset, .old_stride = a->element_size, .old_size = a->element_size,
-                         .old_count = a->sparse.count, .size = size, .count = a->sparse.count};
     norma_document_result result = indices ? norma_gltf_sparse_indices(g, number, indices, error) : norma_document_fail_memory(g->document, error);
-    piece.owned = result ? NULL : norma_io_allocate(a->sparse.count, size);
-    if (!result && !piece.owned)
+    if (!result && data->count < a->count && !replace_indices(g, a, data, indices, count))
         result = norma_document_fail_memory(g->document, error);
-    if (!result) {
-        *base = a->view != GLTF_NONE || !rest_is_zero(a, data, indices);
-        for (size_t i = 0; i < a->sparse.count; ++i)
-            memcpy(piece.owned + i * size, data->bytes + indices[i] * size, size);
-        piece.bytes = piece.owned;
-        if (!add_piece(g->patch, &piece))
-            result = norma_document_fail_memory(g->document, error);
+    unsigned char *values = result ? NULL : norma_io_allocate(count, size);
+    if (values) {
+        *base = a->view != GLTF_NONE || !rest_is_zero(data, indices, count);
+        for (size_t i = 0; i < count; ++i)
+            memcpy(values + i * size, data->bytes + indices[i] * size, size);
     }
+    if (!result && !add_sparse_piece(g, a, "values", values, size, count))
+        result = norma_document_fail_memory(g->document, error);
     free(indices);
     return result;
 }
@@ -190,7 +236,7 @@ static norma_document_result replace_accessor(gltf *g, uint32_t number, norma_do
         if (result)
             return result;
     } else if (a->view == GLTF_NONE) {
-        base = !rest_is_zero(a, data, NULL);
+        base = !rest_is_zero(data, NULL, 0);
     }
     if (!base)
         return NORMA_DOCUMENT_OK;
