@@ -77,7 +77,7 @@ void render_file_close(render_scene_file *file);
 
 typedef struct render_plan { /* of one picture */
     render_panel panels[RENDER_MOST_PANELS];
-    size_t count;
+    size_t count, files;
     char above[RENDER_MOST_PANELS][160], below[RENDER_MOST_PANELS][160], footer[200];
     const render_settings *settings;
     int difference; /* largest between panels of shadings, of 255; -1: none */

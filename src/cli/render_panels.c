@@ -143,6 +143,7 @@ static render_panel *add_panel(render_plan *plan, const render_scene *scene, con
     const size_t i = plan->count++;
     render_panel *panel = &plan->panels[i];
     *panel = (render_panel){.scene = scene,
+                            .file = plan->files,
                             .azimuth_deg = settings->azimuth_deg,
                             .elevation_deg = settings->elevation_deg,
                             .shading = settings->shading,
@@ -220,6 +221,7 @@ static int add_views(const cli_verb *verb, render_plan *plan, const render_scene
 int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *file, const char *title, norma_document_error *error) {
     const render_settings *settings = plan->settings;
     const render_variant usual = {settings->compute, settings->crease_given, settings->crease_rad, settings->weight};
+    plan->files++;
     if (settings->compare)
         return add_sides(verb, plan, file, &usual, error);
     const size_t first = plan->count;

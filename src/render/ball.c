@@ -141,8 +141,8 @@ render_ball render_smallest_ball(const render_cloud *clouds, size_t count) {
  * -x + t z of all points give u and the least d. */
 render_frame render_closest_frame(const render_camera *camera, int orthographic, double margin, const render_cloud *clouds, size_t count) {
     const double room = 1 - 2 * margin, tangent[2] = {camera->tangent * camera->aspect * room, camera->tangent * room};
-    double axes[3][3], most[2] = {-INFINITY, -INFINITY}, least[2] = {-INFINITY, -INFINITY};
-    render_frame frame = {.distance = 0};
+    double axes[3][3];
+    render_frame frame = {.most = {-INFINITY, -INFINITY}, .least = {-INFINITY, -INFINITY}};
     render_camera_axes(camera, axes[0], axes[1], axes[2]);
     for (size_t c = 0; c < count; ++c)
         for (size_t i = 0; i < clouds[c].count; ++i) {
@@ -154,14 +154,19 @@ render_frame render_closest_frame(const render_camera *camera, int orthographic,
                 seen[k] = (world[0] - camera->centre[0]) * axes[k][0] + (world[1] - camera->centre[1]) * axes[k][1] + (world[2] - camera->centre[2]) * axes[k][2];
             for (int k = 0; k < 2; ++k) {
                 const double lean = orthographic ? 0 : tangent[k] * seen[2];
-                most[k] = fmax(most[k], seen[k] + lean);
-                least[k] = fmax(least[k], -seen[k] + lean);
+                frame.most[k] = fmax(frame.most[k], seen[k] + lean);
+                frame.least[k] = fmax(frame.least[k], -seen[k] + lean);
             }
         }
-    for (int k = 0; k < 2 && most[0] > -INFINITY; ++k) {
-        const double half = (most[k] + least[k]) / 2, per = orthographic ? room * (k == 0 ? camera->aspect : 1) : tangent[k];
-        frame.middle[k] = (most[k] - least[k]) / 2;
-        frame.distance = fmax(frame.distance, half / per);
-    }
+    for (int k = 0; k < 2 && frame.most[0] > -INFINITY; ++k) frame.per[k] = orthographic ? room * (k == 0 ? camera->aspect : 1) : tangent[k];
+    render_settle_frame(&frame);
     return frame;
+}
+
+void render_settle_frame(render_frame *frame) {
+    frame->distance = 0;
+    for (int k = 0; k < 2 && frame->per[0] > 0; ++k) {
+        frame->middle[k] = (frame->most[k] - frame->least[k]) / 2;
+        frame->distance = fmax(frame->distance, (frame->most[k] + frame->least[k]) / 2 / frame->per[k]);
+    }
 }

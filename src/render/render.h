@@ -93,6 +93,7 @@ typedef struct render_look { /* of all panels of a sheet */
 
 typedef struct render_panel {
     const render_scene *scene;
+    size_t file;                /* panels of one file have one scale, and where matrix and camera are the same, the model in one place; 0: those of one scene */
     double matrix[16];          /* acts on the world, after the nodes */
     double azimuth_deg, elevation_deg;
     enum render_shading shading;

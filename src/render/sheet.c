@@ -114,13 +114,19 @@ static double worst_error_deg(const render_sheet *sheet) {
     return worst;
 }
 
-/* ---- one scale for the panels of one scene */
+/* ---- one scale for the panels of one file */
+
+static int are_of_one(const render_panel *a, const render_panel *b) { return a->scene == b->scene || (a->file && a->file == b->file); }
+
+static int are_seen_alike(const render_panel *a, const render_panel *b) {
+    return are_of_one(a, b) && a->azimuth_deg == b->azimuth_deg && a->elevation_deg == b->elevation_deg && memcmp(a->matrix, b->matrix, sizeof a->matrix) == 0;
+}
 
 static enum render_result share_scale(render_stage *stages, const render_sheet *sheet, render_error *error) {
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         double radius = 0;
         for (size_t k = 0; k < sheet->panel_count; ++k)
-            if (sheet->panels[k].scene == sheet->panels[i].scene)
+            if (are_of_one(&sheet->panels[k], &sheet->panels[i]))
                 radius = fmax(radius, stages[k].ball.radius);
         enum render_result result = render_stage_scale(&stages[i], radius, error);
         if (result)
@@ -129,17 +135,31 @@ static enum render_result share_scale(render_stage *stages, const render_sheet *
     return RENDER_OK;
 }
 
+/* Lines reach farther in one panel than in another; where all else is alike, the model does not move for that. */
+static render_frame frame_round(const render_frame *frames, const render_sheet *sheet, size_t panel) {
+    render_frame all = frames[panel];
+    for (size_t k = 0; k < sheet->panel_count; ++k)
+        for (int axis = 0; axis < 2 && are_seen_alike(&sheet->panels[k], &sheet->panels[panel]); ++axis) {
+            all.most[axis] = fmax(all.most[axis], frames[k].most[axis]);
+            all.least[axis] = fmax(all.least[axis], frames[k].least[axis]);
+        }
+    if (all.per[0] > 0)
+        render_settle_frame(&all);
+    return all;
+}
+
 static enum render_result share_frames(render_stage *stages, const render_sheet *sheet, render_error *error) {
-    render_frame frames[RENDER_MOST_PANELS];
+    render_frame own[RENDER_MOST_PANELS], frames[RENDER_MOST_PANELS];
     for (size_t i = 0; i < sheet->panel_count; ++i) {
-        frames[i] = render_stage_frame(&stages[i]);
-        if (frames[i].distance < 0)
+        own[i] = render_stage_frame(&stages[i]);
+        if (own[i].distance < 0)
             return render_fail_memory(error);
     }
+    for (size_t i = 0; i < sheet->panel_count; ++i) frames[i] = frame_round(own, sheet, i);
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         double distance = 0;
         for (size_t k = 0; k < sheet->panel_count; ++k)
-            if (sheet->panels[k].scene == sheet->panels[i].scene)
+            if (are_of_one(&sheet->panels[k], &sheet->panels[i]))
                 distance = fmax(distance, frames[k].distance);
         render_stage_aim(&stages[i], &frames[i], distance);
     }
