@@ -573,9 +573,58 @@ static void transparent_background(void **state) {
     render_picture_free(&clear);
 }
 
+/* Two panels side by side, pixels that are of a line in neither left aside: how many differ. */
+static size_t apart(const render_picture *picture) {
+    size_t count = 0;
+    for (size_t y = 0; y < picture->height; ++y)
+        for (size_t x = 0; x < picture->width / 2; ++x) {
+            const uint8_t *a = picture->pixels + 4 * (y * picture->width + x), *b = a + 4 * (picture->width / 2);
+            const int is_line = a[0] > a[1] + 14 || b[0] > b[1] + 14;
+            count += !is_line && abs(a[1] - b[1]) > 4;
+        }
+    return count;
+}
+
+/* The lines of one cube stand upright, those of the other lean to the right: of one file, the cubes stand in one place; of two, each is framed with its own lines. */
+static void side_by_side(void **state) {
+    needs_device(state);
+    test_mesh meshes[2] = {cube_mesh(), cube_mesh()};
+    for (size_t i = 0; i < meshes[1].vertices; ++i) {
+        float *n = meshes[1].normals + 3 * i;
+        n[0] = 1;
+        n[1] = n[2] = 0;
+    }
+    render_surface surfaces[2] = {surface_of(&meshes[0]), surface_of(&meshes[1])};
+    render_look look = plain_look(120, 120);
+    look.reach = 2;
+    for (size_t files = 1; files <= 2; ++files) {
+        render_draw draws[2];
+        render_scene scenes[2] = {scene_of(&surfaces[0], &draws[0], NULL), scene_of(&surfaces[1], &draws[1], NULL)};
+        render_panel panels[2] = {panel_of(&scenes[0]), panel_of(&scenes[1])};
+        for (size_t i = 0; i < 2; ++i) {
+            panels[i].file = files == 1 ? 1 : i + 1;
+            panels[i].shading = RENDER_FLAT;
+            panels[i].azimuth_deg = panels[i].elevation_deg = 30;
+            panels[i].lines = RENDER_VERTEX_LINES;
+            panels[i].line_colour = 0xFF0000;
+        }
+        render_sheet sheet = {.panels = panels, .panel_count = 2, .columns = 2};
+        render_picture picture;
+        render_error error;
+        assert_int_equal(render_sheet_draw(test_device(), &look, &sheet, NULL, NULL, &picture, &error), RENDER_OK);
+        assert_int_equal(picture.width, 240);
+        if (files == 1) assert_true(apart(&picture) <= 40); /* rims of lines */
+        else assert_true(apart(&picture) > 300);
+        render_picture_free(&picture);
+        render_device_forget(test_device());
+    }
+    free_test_mesh(&meshes[0]);
+    free_test_mesh(&meshes[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sphere_orthographic), cmocka_unit_test(sphere_perspective), cmocka_unit_test(sphere_gouraud),     cmocka_unit_test(cube_flat),
+        cmocka_unit_test(side_by_side),        cmocka_unit_test(sphere_orthographic), cmocka_unit_test(sphere_perspective), cmocka_unit_test(sphere_gouraud),     cmocka_unit_test(cube_flat),
         cmocka_unit_test(view_is_world),       cmocka_unit_test(turning_together),   cmocka_unit_test(mirrored_twin),      cmocka_unit_test(plain_error),
         cmocka_unit_test(windings),            cmocka_unit_test(normals_as_colours), cmocka_unit_test(two_sides),          cmocka_unit_test(stored_errors),
         cmocka_unit_test(concave_polygon),     cmocka_unit_test(far_away),           cmocka_unit_test(any_size),           cmocka_unit_test(broken_positions),
