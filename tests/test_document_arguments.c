@@ -156,6 +156,44 @@ static void test_numbers_and_places(void **state)
     norma_document_close(document);
 }
 
+/* Bytes to nowhere, no bytes, and a device that takes none: said, and nothing is left behind. */
+static void test_saving_bytes(void **state)
+{
+    norma_document_error failed = {0};
+    (void)state;
+    refused(norma_save_bytes(NULL, "a", 1, e), "no path or no bytes were given");
+    refused(norma_save_bytes("/nowhere/a.txt", NULL, 1, e), "no path or no bytes were given");
+    FILE *full = fopen("/dev/full", "wb");
+    if (!full) skip();
+    fclose(full);
+    for (size_t size = 1; size <= 1 << 20; size <<= 20) {
+        char *bytes = calloc(size, 1);
+        assert_non_null(bytes);
+        assert_int_equal(norma_save_bytes("/dev/full", bytes, size, &failed), NORMA_DOCUMENT_ERROR_FILE);
+        free(bytes);
+    }
+    assert_string_equal(failed.message, "/dev/full: cannot be written: No space left on device");
+}
+
+/* A message has a thousand bytes: a name that fills them is cut, at a whole character. */
+static void test_a_name_longer_than_a_message(void **state)
+{
+    char name[2001];
+    norma_document *document = NULL;
+    norma_document_error error;
+    (void)state;
+    for (size_t i = 0; i < 2000; i += 2) memcpy(name + i, "\xc3\xa4", 3);
+    memcpy(name, "aa", 2);
+    for (size_t shift = 0; shift < 2; ++shift) {
+        const norma_document_options options = {.struct_size = sizeof options, .format = NORMA_FILE_OBJ};
+        assert_int_equal(norma_document_open_memory("f 1 2", 5, name + shift, &options, &document, &error), NORMA_DOCUMENT_ERROR_MALFORMED);
+        const size_t length = strlen(error.message);
+        assert_true(length >= 996 && length < 1000); /* the last character may be cut though it were whole */
+        assert_memory_equal(error.message, name + shift, length);
+        assert_true((length - (2 - shift)) % 2 == 0); /* whole characters of two bytes behind the first */
+    }
+}
+
 static void test_instances(void **state)
 {
     static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -178,7 +216,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_opening), cmocka_unit_test(test_no_document), cmocka_unit_test(test_a_summary), cmocka_unit_test(test_after_a_failure), cmocka_unit_test(test_numbers_and_places),
-        cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_instances), cmocka_unit_test(test_saving_bytes), cmocka_unit_test(test_a_name_longer_than_a_message),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -184,19 +184,21 @@ static void test_a_tangent_without_an_image(void **state) {
     finish(&b, &a);
 }
 
-/* Unsigned bytes that a whole step moves are unsigned bytes again, exactly; min and max follow. */
+/* Unsigned numbers that a whole step moves are what they were, exactly; min and max follow. */
 static void test_whole_numbers_stay(void **state) {
     static const double points[3][3] = {{0, 0, 0}, {200, 0, 7}, {0, 100, 255}};
-    gltf_asset a = {0};
     (void)state;
-    asset_numbers(&a, points[0], 3, 3, UBYTE, 0);
-    gltf_output b = bake_with(&a, SCENE QUANTIZED "\"nodes\":[{\"mesh\":0,\"translation\":[55,30,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", NULL);
-    assert_int_equal(output_number(&b, "accessors/%ld/componentType", 0), UBYTE);
-    assert_string_equal(output_text(&b, "accessors/0/min"), "[55,30,0]");
-    assert_string_equal(output_text(&b, "accessors/0/max"), "[255,130,255]");
-    norma_mesh_data data = output_mesh(&b, 0);
-    for (size_t v = 0; v < 3; ++v) assert_vector(&data.mesh.positions, v, (const double[]){points[v][0] + 55, points[v][1] + 30, points[v][2]}, 0);
-    finish(&b, &a);
+    for (int type = UBYTE; type <= USHORT; type += USHORT - UBYTE) {
+        gltf_asset a = {0};
+        asset_numbers(&a, points[0], 3, 3, type, 0);
+        gltf_output b = bake_with(&a, SCENE QUANTIZED "\"nodes\":[{\"mesh\":0,\"translation\":[55,30,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", NULL);
+        assert_int_equal(output_number(&b, "accessors/%ld/componentType", 0), type);
+        assert_string_equal(output_text(&b, "accessors/0/min"), "[55,30,0]");
+        assert_string_equal(output_text(&b, "accessors/0/max"), "[255,130,255]");
+        norma_mesh_data data = output_mesh(&b, 0);
+        for (size_t v = 0; v < 3; ++v) assert_vector(&data.mesh.positions, v, (const double[]){points[v][0] + 55, points[v][1] + 30, points[v][2]}, 0);
+        finish(&b, &a);
+    }
 }
 
 /* Read leniently, a primitive may have fewer normals than vertices; tangents cannot be carried beside them. */

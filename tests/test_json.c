@@ -182,6 +182,25 @@ static void writes_one_value_of_the_text(void **state) {
     norma_json_free(&e.j);
 }
 
+/* RFC 8259, 7: quotes, backslashes and what is below U+0020 are escaped; the rest need not be. Read back it is what it was. */
+static void quotes_any_text(void **state) {
+    json_text text = {0};
+    json j;
+    json_error error;
+    char all[40] = "";
+    (void)state;
+    for (char c = 1; c < 0x20; ++c) all[c - 1] = c;
+    memcpy(all + 31, "\"\\\x7f\xc3\xa4", 6);
+    norma_json_add_quoted(&text, all);
+    for (size_t i = 0; i < text.size; ++i) assert_true((unsigned char)text.data[i] >= 0x20);
+    assert_true(norma_json_parse(text.data, text.size, &j, &error));
+    char *back = norma_json_string(&j, 0);
+    assert_string_equal(back, all);
+    free(back);
+    norma_json_free(&j);
+    free(text.data);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(accepts_what_the_rfc_allows),
@@ -195,6 +214,7 @@ int main(void) {
         cmocka_unit_test(removes_and_appends_in_one_place),
         cmocka_unit_test(edits_within_what_goes_are_dropped),
         cmocka_unit_test(writes_one_value_of_the_text),
+        cmocka_unit_test(quotes_any_text),
     };
     return cmocka_run_group_tests_name("json", tests, NULL, NULL);
 }

@@ -217,6 +217,34 @@ static void test_mirror_in_binary(void **state)
     bytes_free(&out);
 }
 
+/* The identity changes nothing; numbers beyond floats a binary file cannot hold, and a text does not get. */
+static void test_identity_and_beyond(void **state)
+{
+    static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, large[16] = {1, 0, 0, 0, 0, 3e38, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    unsigned char file[184] = "binary";
+    const float values[2][12] = {{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 2, 0}};
+    (void)state;
+    file[80] = 2;
+    for (int i = 0; i < 2; ++i) memcpy(file + 84 + 50 * i, values[i], 48);
+    document_bytes files[2] = {bytes_copy(file, sizeof file),
+                               text_file("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\n"
+                                         "vertex 0 2 0\nendloop\nendfacet\nendsolid a\n")};
+    for (int i = 0; i < 2; ++i) {
+        norma_transform_summary summary;
+        norma_transform_options options = {.struct_size = sizeof options};
+        norma_document_error error;
+        document_bytes out = bytes_transformed(files[i], "a.stl", same, &summary);
+        assert_true(bytes_equal(out, files[i]) && !summary.changed && summary.vertices == 6);
+        norma_document *document = bytes_open(files[i], "a.stl");
+        memcpy(options.matrix, large, sizeof large);
+        assert_int_equal(norma_document_transform(document, &options, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+        assert_string_equal(error.message, "a.stl: the matrix takes facet 1 beyond what the file's numbers hold");
+        norma_document_close(document);
+        bytes_free(&out);
+        bytes_free(&files[i]);
+    }
+}
+
 static void test_changes_follow_one_another(void **state)
 {
     (void)state;
@@ -448,6 +476,7 @@ int main(void)
         cmocka_unit_test(test_many_facets),
         cmocka_unit_test(test_signs_of_zeros_and_no_direction),
         cmocka_unit_test(test_mirror_in_binary),
+        cmocka_unit_test(test_identity_and_beyond),
         cmocka_unit_test(test_changes_follow_one_another),
         cmocka_unit_test(test_smooth_shading_is_refused),
         cmocka_unit_test(test_refusals_name_the_place),

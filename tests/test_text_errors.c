@@ -50,6 +50,7 @@ static void expect_refused(const bad_file *files, size_t count, const char *name
 /* ---- PLY */
 
 #define XYZ "property float x\nproperty float y\nproperty float z\n"
+#define LONG_NAME "things_whose_name_is_longer_than_what_a_message_has_room_for" /* 60 bytes */
 #define TEXT "ply\nformat ascii 1.0\n"
 #define LITTLE "ply\nformat binary_little_endian 1.0\n"
 #define FACES "element face 1\nproperty list uchar int vertex_indices\n"
@@ -109,6 +110,8 @@ static void test_ply_text_rows(void **state)
         {TEXT "element vertex 3\n" XYZ "end_header\n0.5 0 0\n1 0 0\n0 1\n", 0, MALFORMED, "11: row 2 of element \"vertex\": the file ends; expected more values"},
         {TEXT "element vertex 1000000000000\n" XYZ "end_header\n" NINE, 0, MALFORMED,
          "11: row 0 of element \"vertex\": fewer bytes are left than the declared rows need; expected a longer file or a smaller count"},
+        {TEXT "element vertex 1\n" XYZ "element " LONG_NAME "s 1\nproperty int a\nproperty int b\nend_header\n0 0 0\n10\n", 0, MALFORMED,
+         "13: row 0 of element \"" LONG_NAME "\": the file ends; expected more values"},
         {TEXT "element vertex 1\n" XYZ "end_header\n0 zero 0\n", 0, MALFORMED, "8: row 0 of element \"vertex\": not a number of the property's kind; expected one"},
         {TEXT "element vertex 2\n" XYZ "end_header\n0 0 0\n0 0 1e\n", 0, MALFORMED, "9: row 1 of element \"vertex\": not a number of the property's kind; expected one"},
         {TEXT "element vertex 2\n" XYZ "end_header\n0 0 0 0\n0 0 1\n", 0, MALFORMED, "8: row 0 of element \"vertex\": more values than the header declares; expected the end of the line"},
