@@ -17,7 +17,7 @@ enum {
 /* One tile's lists, all in one block of words. own: vertices at the tile's positions; the others only take part in its faces. */
 typedef struct tile_view {
     uint32_t        vertex_count, own_count, slot_count, face_count, corner_count, member_count;
-    uint32_t        first_occurrence;
+    uint32_t        first_occurrence, four_count;
     int             plain;             /* per vertex, each slot has its position, and each position its vertex, to itself */
     const uint32_t *vertices;          /* of the mesh; own ones first, per vertex in the order of their slots */
     const uint32_t *faces;             /* of the mesh */

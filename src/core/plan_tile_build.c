@@ -351,7 +351,7 @@ tile_view norma_core_tile(const norma_plan *plan, size_t tile)
 {
     const plan_tile *t = &plan->tiles[tile];
     const uint32_t *words = plan->words + t->at;
-    tile_view v = {t->vertex_count, t->own_count, t->slot_count, t->face_count, t->corner_count, t->member_count, t->first_occurrence, t->plain, .vertices = words};
+    tile_view v = {t->vertex_count, t->own_count, t->slot_count, t->face_count, t->corner_count, t->member_count, t->first_occurrence, t->four_count, t->plain, .vertices = words};
     v.faces = words += t->vertex_count;
     words += t->face_count;
     if (t->polygons) {

@@ -5,7 +5,7 @@
 #endif
 #include "finish_lanes.h"
 #include "measure_lanes.h"
-#include "plan_tile.h"
+#include "plan_tile_avx512.h"
 
 CORE_INLINE uint32_t number_at(tile_some some, uint32_t i) { return some.numbers ? some.numbers[i] : i; }
 
@@ -315,7 +315,8 @@ CORE_FOR_AVX2 static void measure_avx2(const tile_view *t, tile_some eights, nor
 }
 CORE_FOR_AVX512 static void measure_avx512(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
 {
-    measure_triangles(t, eights, weight, room);
+    if (weight == NORMA_WEIGHT_ANGLE) norma_core_tile_angles_avx512(t, eights, room);
+    else measure_triangles(t, eights, weight, room);
 }
 CORE_FOR_AVX2 static void lengths_avx2(const vertex_sum *sums, core_lengths *out, double *fine) { core_lanes_lengths(sums, out, fine); }
 CORE_FOR_AVX2 static void directions_avx2(const core_lengths *of, float (*normals)[3]) { core_lanes_directions(of, normals); }

@@ -42,10 +42,18 @@ static void load_positions(const tiles_work *w, const tile_view *t, tile_some fa
     else room->all_finite = w->kernels.load(t, eights, from->data, from->stride, room->positions);
 }
 
-/* What the next tile will read, and this one write; meshes that the nearer caches hold have no need of it. */
-static void look_ahead(const plan_work *work, const tile_view *t, const tile_view *next)
+static void ask_for(const void *memory, size_t bytes)
+{
+    for (size_t at = 0; at < bytes; at += 64) __builtin_prefetch((const unsigned char *)memory + at);
+}
+
+/* What the next tile will read, and this one write, and the names of the vertices of the one after; meshes that the nearer caches hold have no need of it. */
+static void look_ahead(const plan_work *work, const tile_view *t, const tile_view *next, const tile_view *after)
 {
     const unsigned char *data = work->mesh.positions.data;
+    ask_for(after->vertices, after->vertex_count * sizeof *after->vertices);
+    ask_for(next->corners, next->corner_count * sizeof *next->corners);
+    if (next->fours) ask_for(next->four_counts, (size_t)((const unsigned char *)(next->fours + next->four_count) - (const unsigned char *)next->four_counts));
     for (uint32_t v = 0; v < next->vertex_count; v++) __builtin_prefetch(data + next->vertices[v] * work->mesh.positions.stride);
     if (work->plan->of != NORMA_PER_VERTEX) return;
     for (uint32_t v = 0; v < t->own_count; v++) __builtin_prefetch(work->output->normals + t->vertices[v] * work->output->stride, 1);
@@ -240,8 +248,12 @@ static void update_tile(const tiles_work *w, const tile_view *t, const tile_touc
 
 static void update_one(const tiles_work *w, size_t i, size_t end, core_tally *tally)
 {
-    const tile_view t = norma_core_tile(w->work->plan, i), next = norma_core_tile(w->work->plan, i + 1 < end ? i + 1 : i);
-    if (w->work->plan->vertex_count >= FEWEST_VERTICES_TO_ASK_FOR) look_ahead(w->work, &t, &next);
+    const norma_plan *plan = w->work->plan;
+    const tile_view t = norma_core_tile(plan, i);
+    if (plan->vertex_count >= FEWEST_VERTICES_TO_ASK_FOR) {
+        const tile_view next = norma_core_tile(plan, i + 1 < end ? i + 1 : i), after = norma_core_tile(plan, i + 2 < end ? i + 2 : i);
+        look_ahead(w->work, &t, &next, &after);
+    }
     update_tile(w, &t, NULL, tally);
 }
 
