@@ -239,7 +239,8 @@ for (const [index, [file, triangles, words]] of FILES.entries())
       })()`));
     }
     await page.until(`document.getElementById("model").selectedOptions[0].textContent === ${JSON.stringify(name)}`);
-    const facts = await page.text("model-facts");
+    const facts = await page.text("model-facts"), chosen = await page.evaluate("document.getElementById('file').files[0]?.name ?? ''");
+    expect(chosen === (index % 2 ? name : ""), `the control that opens files names ${chosen || "none"}`);
     expect(words.test(facts) && (!triangles || facts.startsWith(`${triangles.toLocaleString("en-US")} triangles`)), facts);
     await page.after(() => page.evaluate(`document.getElementById("reset-matrix").click()`));
     await page.pick("colours", "winding");

@@ -409,9 +409,13 @@ function addModelOption(key, title) {
   select.value = key;
 }
 
+/* What is shown now is not the file that was chosen before. */
+function forgetChosen() { byId("file").value = ""; }
+
 function pickModel() {
   const key = value("model");
   notice("");
+  if (key !== "file") forgetChosen();
   if (key === "moving") showMoving();
   else if (key === "embedded") showModel(engine.openBytes(embedded.bytes, embedded.name));
   else if (SHAPES[key]) showShape(key);
@@ -509,6 +513,7 @@ function wireDrop() {
   addEventListener("drop", (event) => {
     event.preventDefault();
     drop.hidden = true;
+    forgetChosen();
     if (event.dataTransfer.files[0]) openFile(event.dataTransfer.files[0]);
   });
 }
