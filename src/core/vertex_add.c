@@ -275,11 +275,10 @@ CORE_FOR_AVX512 static void queue_avx512(const core_adder *adder, size_t begin, 
 CORE_FOR_AVX2 static void drain_avx2(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
 CORE_FOR_AVX512 static void drain_avx512(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
 CORE_FOR_AVX2 static int finish_avx2(const vertex_sum *sums, float (*normals)[3]) { return finish_sums(sums, normals); }
-CORE_FOR_AVX512 static int finish_avx512(const vertex_sum *sums, float (*normals)[3]) { return finish_sums(sums, normals); }
 static core_add_triangles *const ADD[] = {add_portable, add_avx2, add_avx512};
 static core_queue_triangles *const QUEUE[] = {queue_portable, queue_avx2, queue_avx512};
 static core_drain_queue *const DRAIN[] = {drain_portable, drain_avx2, drain_avx512};
-static core_finish_sums *const FINISH[] = {finish_portable, finish_avx2, finish_avx512};
+static core_finish_sums *const FINISH[] = {finish_portable, finish_avx2, finish_avx2};    /* rows are of four */
 #else
 static core_add_triangles *const ADD[] = {add_portable};
 static core_queue_triangles *const QUEUE[] = {queue_portable};
