@@ -27,7 +27,7 @@ void fuzz_fail(const char *format, ...) {
 /* ---- the meter: the sanitizer tells of every block that is taken and given back */
 
 static _Atomic size_t live, peak, at_begin;
-static size_t input_size;
+static size_t input_size, most;
 static double worst_ratio;
 
 static void on_malloc(const volatile void *block, size_t size) {
@@ -69,17 +69,22 @@ int LLVMFuzzerInitialize(int *argc, char ***argv) {
     return 0;
 }
 
-void fuzz_meter_begin(size_t size) {
+static void begin(size_t size, size_t base, size_t times) {
     input_size = size;
+    most = base + times * size;
     atomic_store(&at_begin, atomic_load(&live));
     atomic_store(&peak, atomic_load(&live));
     set_timer(FUZZ_SECONDS + (time_t)(size >> 17));
 }
 
+void fuzz_meter_begin(size_t size) { begin(size, FUZZ_MEMORY_BASE, FUZZ_MEMORY_TIMES); }
+
+void fuzz_meter_begin_plain(size_t size) { begin(size, FUZZ_PLAIN_BASE, FUZZ_PLAIN_TIMES); }
+
 void fuzz_meter_end(void) {
     set_timer(0);
     size_t used = atomic_load(&peak) - atomic_load(&at_begin);
-    if (used > FUZZ_MEMORY_BASE + FUZZ_MEMORY_TIMES * input_size)
+    if (used > most)
         fuzz_fail("%zu bytes of memory for an input of %zu", used, input_size);
     double ratio = (double)used / (double)(input_size + 1024);
     if (ratio > worst_ratio && getenv("FUZZ_TELL_MEMORY")) {
