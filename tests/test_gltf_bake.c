@@ -146,16 +146,16 @@ static void test_what_has_no_winding(void **state) {
     (void)state;
     asset_numbers(&a, TRIANGLE[0], 3, 3, FLOAT, 0);
     asset_uint16(&a, (const uint16_t[]){0, 1, 2}, 3);
-    asset_uint16(&a, (const uint16_t[]){2, 1}, 2);
+    asset_uint16(&a, (const uint16_t[]){2, 1, 0}, 3);
     asset_uint16(&a, (const uint16_t[]){1, 2}, 2);
-    gltf_output b = bake_with(&a, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0},\"indices\":2,\"mode\":1},"
+    gltf_output b = bake_with(&a, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0},\"indices\":2,\"mode\":3},"
                             "{\"attributes\":{\"POSITION\":0},\"indices\":3}]}]", NULL);
     assert_corners(&b, 0, (const uint32_t[]){0, 2, 1}, 3);
     for (long i = 1; i < 3; ++i) {
-        const uint16_t expected[2][2] = {{2, 1}, {1, 2}};
+        const uint16_t expected[2][4] = {{2, 1, 0}, {1, 2}};
         const long accessor = output_number(&b, "meshes/0/primitives/%ld/indices", i);
-        assert_int_equal(output_number(&b, "accessors/%ld/count", accessor), 2);
-        assert_memory_equal(output_bytes(&b, accessor), expected[i - 1], 4);
+        assert_int_equal(output_number(&b, "accessors/%ld/count", accessor), i == 1 ? 3 : 2);
+        assert_memory_equal(output_bytes(&b, accessor), expected[i - 1], i == 1 ? 6 : 4);
     }
     norma_mesh_data data = output_mesh(&b, 0);
     assert_vector(&data.mesh.positions, 1, (const double[]){-2, 0, 0}, 0);
@@ -220,17 +220,17 @@ static void test_fewer_normals_than_tangents(void **state) {
 
 /* ---- the scene's roots */
 
-/* A scene may not list a root twice, and one that does is moved once: one new node above, with one child. */
+/* A scene may not list a root twice, and one that does is moved once: one new node above, with the scene's other root. */
 static void test_a_root_listed_twice(void **state) {
     const double up[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1};
     gltf_asset a = {0};
     norma_node_info info;
     (void)state;
     asset_numbers(&a, TRIANGLE[0], 3, 3, FLOAT, 0);
-    gltf_output b = bake_with(&a, "\"scene\":0,\"scenes\":[{\"nodes\":[0,1,0]}],\"nodes\":[{\"camera\":0},{\"mesh\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}],"
+    gltf_output b = bake_with(&a, "\"scene\":0,\"scenes\":[{\"nodes\":[0,2,1,0]}],\"nodes\":[{\"camera\":0},{\"camera\":0},{\"mesh\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}],"
                             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", up);
-    assert_string_equal(output_text(&b, "nodes/2/children"), "[0]");
-    assert_string_equal(output_text(&b, "nodes/3"), "");
+    assert_string_equal(output_text(&b, "nodes/3/children"), "[0,1]");
+    assert_string_equal(output_text(&b, "nodes/4"), "");
     assert_int_equal(norma_document_node_info(b.document, 0, &info), NORMA_DOCUMENT_OK);
     assert_world_is_identity(&b, 0);
     norma_mesh_data data = output_mesh(&b, 0);
