@@ -106,6 +106,48 @@ static void a_moebius_band_is_left(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* rays.c's sequence, to find a sheet of which one ray runs exactly in a plane of constant x. */
+static void fixed_point(uint64_t number, double p[3]) {
+    do {
+        for (int k = 0; k < 3; k++) {
+            uint64_t z = (number * 3 + (uint64_t)k + 1) * UINT64_C(0x9e3779b97f4a7c15);
+            z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+            z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+            p[k] = 2 * ((double)((z ^ (z >> 31)) >> 11) * 0x1p-53) - 1;
+        }
+        number += UINT64_C(1) << 40;
+    } while (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > 1);
+}
+
+/* A small sheet close above a wide box, looking down at it: every ray from its front meets the box, none from its back meets anything, the one without any x in its direction as well. */
+static void a_ray_without_a_direction_along_x(void **state) {
+    (void)state;
+    double p[3], across = 0, along = 0, wanted;
+    uint64_t cast = 0;
+    do fixed_point(2 * cast++, p);
+    while (fabs(p[0]) > 0.05);
+    wanted = -0.999 * p[0];
+    int found = 0;
+    for (int i = 0; i < 1000 && !found; i++) { /* the sheet's normal is (across, 0, -along), made unit */
+        across = wanted / 64;
+        along = sqrt(1 - wanted * wanted) / 64 * (1 + i * 0x1p-51);
+        found = across / sqrt(across * across + along * along) == wanted;
+    }
+    assert_true(found && cast < 256);
+    mesh_file mesh = {0};
+    uint8_t reverse[64];
+    add_box(&mesh, 0, 0, -1001, 1000, 0);
+    mesh_file_add_position(&mesh, 0, 0, 0);
+    mesh_file_add_position(&mesh, 0, 0x1p-6, 0);
+    mesh_file_add_position(&mesh, along * 64, 0, across * 64);
+    mesh_file_add_face(&mesh, (uint32_t[]){8, 9, 10}, 3);
+    const norma_orient_report report = orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, reverse);
+    for (size_t f = 0; f < 7; f++) assert_int_equal(reverse[f], f == 6);
+    assert_int_equal(report.by_rays, 1);
+    assert_true(report.least_confidence == 1);
+    mesh_file_free(&mesh);
+}
+
 /* A box without its lid, inward: its inside is nearer to itself than its outside. */
 static void rays_turn_what_is_open(void **state) {
     (void)state;
@@ -198,6 +240,7 @@ int main(void) {
         cmocka_unit_test(parts_are_cut_at_edges_of_many_faces),
         cmocka_unit_test(a_moebius_band_is_left),
         cmocka_unit_test(rays_turn_what_is_open),
+        cmocka_unit_test(a_ray_without_a_direction_along_x),
         cmocka_unit_test(turned_meshes_stay),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(arguments_are_checked),
