@@ -204,7 +204,7 @@ static void add_totals_of_file(const check_report *report, const check_totals *b
 static void drop_path(char message[1000], const char *path) {
     char rest[1000];
     size_t length = strlen(path);
-    if (strncmp(message, path, length) || message[length] != ':')
+    if (strncmp(message, path, length) != 0 || message[length] != ':')
         return;
     strcpy(rest, message + length + 1);
     size_t digits = strspn(rest, "0123456789");

@@ -40,7 +40,7 @@ const char *cli_input_name(const char *input) { return strcmp(input, "-") ? inpu
 
 double cli_megabytes(const char *input) {
     struct stat status;
-    return strcmp(input, "-") && stat(input, &status) == 0 && S_ISREG(status.st_mode) ? (double)status.st_size / 1e6 : 0;
+    return strcmp(input, "-") != 0 && stat(input, &status) == 0 && S_ISREG(status.st_mode) ? (double)status.st_size / 1e6 : 0;
 }
 
 static norma_document_result fail_input(norma_document_error *error, norma_document_result result, const char *input, const char *what) {
@@ -123,7 +123,7 @@ void cli_name_error(norma_document_error *error, const char *input) {
     char rest[sizeof error->message];
     if (error->result == NORMA_DOCUMENT_CANCELLED)
         snprintf(error->message, sizeof error->message, "%.900s: interrupted", cli_input_name(input));
-    if (strncmp(error->message, nameless, sizeof nameless - 1))
+    if (strncmp(error->message, nameless, sizeof nameless - 1) != 0)
         return;
     strcpy(rest, error->message + sizeof nameless - 1);
     snprintf(error->message, sizeof error->message, "standard input%.900s", rest);

@@ -15,7 +15,6 @@ enum render_result render_fail(render_error *error, enum render_result result, c
     return result;
 }
 
-enum render_result render_fail_memory(render_error *error) { return render_fail(error, RENDER_ERROR_MEMORY, "out of memory"); }
 
 float render_linear(uint32_t level) {
     const double c = level / 255.0;
@@ -52,6 +51,7 @@ static size_t bytes_of(norma_format format) {
 int render_position(const norma_mesh *mesh, uint32_t index, double p[3]) {
     const norma_vec3_view *view = &mesh->positions;
     const unsigned char *at = (const unsigned char *)view->data + index * (view->stride ? view->stride : bytes_of(view->format));
+    p[0] = p[1] = p[2] = NAN; /* what no format is */
     switch (view->format) {
     case NORMA_FORMAT_FLOAT:
         READ_THREE(float);

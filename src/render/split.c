@@ -79,11 +79,11 @@ static uint32_t join(joiner *j, uint32_t position, const float normal[3]) {
     render_split *split = j->split;
     uint32_t at = j->first[position];
     for (int steps = 0; at != UINT32_MAX && steps < 64; ++steps, at = j->next[at]) /* a longer chain is rather doubled than searched */
-        if (memcmp(split->normals + 3 * at, normal, 12) == 0)
+        if (memcmp(split->normals + (size_t)3 * at, normal, 12) == 0)
             return at;
     at = (uint32_t)split->count++;
     split->sources[at] = position;
-    memcpy(split->normals + 3 * at, normal, 12);
+    memcpy(split->normals + (size_t)3 * at, normal, 12);
     j->next[at] = j->first[position];
     j->first[position] = at;
     return at;
@@ -148,14 +148,13 @@ static const double all_angles = 3.1415926; /* a crease of so much or more parts
 enum render_result render_split_make(const render_surface *surface, render_split *split, render_error *error) {
     *split = (render_split){0};
     enum render_result result;
-    if (surface->stored == RENDER_NORMALS_NONE && surface->expected)
+    const int without = surface->stored == RENDER_NORMALS_NONE;
+    if (without ? surface->expected != NULL : surface->stored != RENDER_NORMALS_PER_VERTEX)
         result = joined(surface, split, error);
-    else if (surface->stored == RENDER_NORMALS_PER_VERTEX || (surface->stored == RENDER_NORMALS_NONE && surface->crease_rad >= all_angles && !surface->mesh.smoothing_groups))
+    else if (!without || (surface->crease_rad >= all_angles && !surface->mesh.smoothing_groups))
         result = one_each(surface, split, error);
-    else if (surface->stored == RENDER_NORMALS_NONE)
-        result = computed(surface, split, error);
     else
-        result = joined(surface, split, error);
+        result = computed(surface, split, error);
     if (result)
         render_split_free(split);
     return result;

@@ -63,5 +63,9 @@ enum render_result render_fail(render_error *error, enum render_result result, c
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
-enum render_result render_fail_memory(render_error *error);
+/* Here, so that whoever reads the callers, an analyser too, sees that it fails. */
+static inline enum render_result render_fail_memory(render_error *error) {
+    (void)render_fail(error, RENDER_ERROR_MEMORY, "out of memory");
+    return RENDER_ERROR_MEMORY;
+}
 #endif
