@@ -52,8 +52,8 @@ static int rehash(bake_cache *cache, size_t head_count) {
 }
 
 int norma_gltf_bake_cache_add(bake_cache *cache, const bake_entry *entry) {
-    bake_entry *grown = norma_io_grow(cache->entries, &cache->capacity, cache->count + 1, sizeof *grown);
-    if (!grown || cache->count >= GLTF_NONE - 1)
+    bake_entry *grown = cache->count < GLTF_NONE - 1 ? norma_io_grow(cache->entries, &cache->capacity, cache->count + 1, sizeof *grown) : NULL;
+    if (!grown)
         return 0;
     cache->entries = grown;
     if (cache->count >= cache->head_count && !rehash(cache, 2 * cache->head_count + 64))

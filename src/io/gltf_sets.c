@@ -305,9 +305,9 @@ static uint32_t take_vertex(gltf_set *set, uint32_t vertex, const float normal[3
     if (set->taken[vertex]) {
         number = set->vertices + set->added_count;
         uint32_t *added = number >= UINT32_MAX - 1 ? NULL : norma_io_grow(set->added, &set->added_capacity, set->added_count + 1, sizeof *added);
+        set->added = added ? added : set->added;
         if (!added || !make_room(set, number + 1))
             return GLTF_NONE;
-        set->added = added;
         set->added[set->added_count++] = vertex;
     }
     set->taken[vertex] = 1;
@@ -453,7 +453,7 @@ norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set)
 {
     size_t missing = 0, count;
     gltf_array positions;
-    uint32_t *corners;
+    uint32_t *corners = NULL;
     if (!begin_vertices(set))
         return out_of_memory(job);
     for (size_t v = 0; v < set->vertices; ++v)
@@ -463,8 +463,10 @@ norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set)
     norma_document_result result = norma_gltf_array(job->g, job->g->primitives[set->lead].base.position, &positions, job->error);
     if (!result)
         result = own_corners(job, set, &corners, &count);
-    if (result)
+    if (result) {
+        free(corners);
         return result;
+    }
     float *normals = norma_io_allocate(set->vertices, 3 * sizeof *normals);
     uint8_t *reasons = norma_io_allocate(set->vertices, 1);
     const norma_mesh mesh = {.positions = norma_gltf_vec3_view(&positions), .corners = corners, .corner_count = count};

@@ -196,8 +196,10 @@ static int visit_list(void *user, int property, int64_t item, const char *text, 
     if (norma_number_parse_integer(text, end, &value) != end)
         return 1;
     if (item == COUNT_ITEM) {
+        if (value < 0 || value > UINT32_MAX)
+            return 1;
         int64_t *grown = norma_io_grow(lists->items, &lists->item_capacity, lists->item_count + (size_t)value, sizeof *grown);
-        if (!grown || value > UINT32_MAX)
+        if (!grown)
             return 1;
         lists->items = grown;
         lists->counts[reader->row++] = (uint32_t)value;
