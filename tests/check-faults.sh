@@ -18,6 +18,7 @@ mkdir -p "$disk" "$fast"
 # ---- judging one outcome
 
 files_of() { (cd "$1" && find . -type f ! -name '.norma-*.tmp' | sort); }
+folders_of() { (cd "$1" && find . -type d | sort); }
 content() { [ -f "$1" ] && md5sum <"$1" || echo none; }
 # What an asset holds, wherever in its buffers: all of it as one text with data URIs.
 asset() { [ -f "$1" ] && { "$NORMA" transform "$1" --scale 2 -o - --quiet 2>/dev/null || echo "unreadable $1"; } | md5sum || echo none; }
@@ -75,6 +76,10 @@ one() {
     for state in "$place/states"/*; do
         why=$(judge "$state" "$fast/sets/$set" "$place/states/$new") || { bad=1; printf 'not ok %s: %s; after %s\n' "$name" "$why" "$(awk -F' [|] ' -v state="$(basename "$state")" '$3 == state' "$lines" | head -n 1)"; }
         [ -z "${FAULT_SHOW:-}" ] || echo "state $state new $new"
+        # After an ordinary failure no folder stays that was made on the way (but where that it is taken away fails).
+        call=$(awk -F' [|] ' -v state="$(basename "$state")" '$3 == state' "$lines" | head -n 1)
+        [ "$kind" != fail ] || [[ $call == *rmdir* ]] || [ "$(folders_of "$state")" = "$(folders_of "$fast/sets/$set")" ] || [ "$(folders_of "$state")" = "$(folders_of "$place/states/$new")" ] ||
+            { bad=1; echo "not ok $name: folders $(folders_of "$state" | tr '\n' ' ') after $call"; }
     done
     while IFS= read -r line; do
         [[ $line == *' | '*' | '* ]] || continue
@@ -107,6 +112,10 @@ sets() {
     cp "$from/roof.gltf" "$set/shared/other.gltf"
     cp "$from/roof.bin" "$set/shared/"
     cp "$from"/{cube.obj,roof.ply,corner.stl,roof.gltf,roof.bin,roof.glb} "$set/mixed/"
+    mkdir -p "$set/images/img/deep" "$set/images/out"
+    cp "$set/gltf/roof.bin" "$set/images/"
+    echo picture >"$set/images/img/deep/a.png"
+    sed '0,/{/s//{"images":[{"uri":"img\/deep\/a.png"}],/' "$set/gltf/in.gltf" >"$set/images/in.gltf"
     # An older output is there already.
     cp "$set"/{obj/in.obj,ply/in.ply,stl/in.stl,gltf/in.gltf,gltf/roof.bin,glb/in.glb} "$set/again/"
     for format in obj ply stl gltf glb; do (cd "$set/again" && "$NORMA" transform "in.$format" --translate 1,0,0 --bake --quiet -o "out.$format" 2>/dev/null || "$NORMA" transform "in.$format" --translate 1,0,0 --quiet -o "out.$format"); done
@@ -142,6 +151,7 @@ cases() {
         [[ -z ${FAULT_ALL:-} && $verb != compute ]] || echo "late-fail|fail: ${verb%% *} to --out-dir|mixed|$NORMA $verb $all --out-dir out --threads 1"
     done
     echo "late-kill|kill: compute all in place on the disk|disk|$NORMA compute $all --in-place --threads 1"
+    for kind in late-kill late-fail trace; do echo "$kind|${kind#late-}: a .gltf and its images into another folder|images|$NORMA compute in.gltf -o out/in.gltf --threads 1"; done
     echo "late-kill|kill: compute through a symbolic link|linked|$NORMA compute in.obj --in-place --threads 1"
     for kind in late-kill late-fail trace; do
         echo "$kind|${kind#late-}: one .bin of two assets, in place|shared|$NORMA compute in.gltf --in-place --threads 1"

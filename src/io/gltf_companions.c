@@ -90,7 +90,7 @@ static norma_document_result add_buffer(companions *c, uint32_t number)
     return add(c, one);
 }
 
-/* A file of the asset's folder under its own name: one that does not exist, or lies outside, stays where it is. */
+/* A file of the asset's folder under its own name: one that does not exist, or lies outside, stays where it is; one that cannot be read is an error. */
 static norma_document_result add_file(companions *c, const char *name)
 {
     companion one = {.path = NULL};
@@ -98,10 +98,12 @@ static norma_document_result add_file(companions *c, const char *name)
     struct stat status;
     if (!norma_gltf_path_inside(c->document->folder, name, &source))
         return errno == ENOMEM ? out_of_memory(c) : norma_document_add_note(c->document, "%s lies outside the asset's folder and was not copied", name), NORMA_DOCUMENT_OK;
-    int there = stat(source, &status) == 0 && S_ISREG(status.st_mode) && norma_file_open(source, c->document->copied, &one.file) == 0;
+    int failed = stat(source, &status) ? errno : S_ISREG(status.st_mode) ? norma_file_open(source, c->document->copied, &one.file) : ENOENT;
+    const int absent = failed == ENOENT || failed == ENOTDIR || failed == ENAMETOOLONG || failed == ELOOP;
+    norma_document_result result = failed && !absent ? norma_document_fail_file(source, c->error, "cannot be read", failed) : NORMA_DOCUMENT_OK;
     free(source);
-    if (!there)
-        return NORMA_DOCUMENT_OK;
+    if (failed)
+        return result;
     one.bytes = one.file.data;
     one.size = one.file.size;
     one.path = norma_gltf_join(c->folder, name);
