@@ -1,5 +1,5 @@
 /* test_cancel.c: opening, computing, transforming and saving of every format, stopped at each call of the progress function in turn: the answer is that it was cancelled, no file is
- * there, the fractions never fell, and what is not stopped gives the bytes that it gives unwatched. */
+ * there, the fractions never fell, and what is not stopped gives the bytes that it gives unwatched. On the calling thread alone, and on three. */
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
 #include "document_bytes.h"
@@ -13,6 +13,7 @@ typedef struct watcher {
     size_t calls, stop_at;               /* 0: never */
     double last;
     int    fell;
+    uint32_t threads;
 } watcher;
 
 static int watch(void *user, double fraction)
@@ -109,9 +110,9 @@ typedef enum verb { COMPUTE, COMPUTE_CREASES, TRANSFORM, VERBS } verb;
 
 static norma_document_result change(norma_document *document, verb what, int is_stl, watcher *w, norma_document_error *error)
 {
-    const norma_compute_options compute = {.struct_size = sizeof compute, .shading = what == COMPUTE || is_stl ? NORMA_SHADING_DEFAULT : NORMA_SHADING_CREASE, .crease_angle_rad = .3, .morphs = 1,
+    const norma_compute_options compute = {.struct_size = sizeof compute, .shading = what == COMPUTE || is_stl ? NORMA_SHADING_DEFAULT : NORMA_SHADING_CREASE, .crease_angle_rad = .3, .morphs = 1, .threads = w ? w->threads : 1,
                                            .progress = w ? watch : NULL, .progress_user = w};
-    const norma_transform_options transform = {.struct_size = sizeof transform, .matrix = {0, 2, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1}, .bake = 1, .progress = w ? watch : NULL, .progress_user = w};
+    const norma_transform_options transform = {.struct_size = sizeof transform, .matrix = {0, 2, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1}, .bake = 1, .threads = w ? w->threads : 1, .progress = w ? watch : NULL, .progress_user = w};
     return what == TRANSFORM ? norma_document_transform(document, &transform, NULL, error) : norma_document_compute(document, &compute, NULL, error);
 }
 
@@ -127,11 +128,11 @@ static document_bytes result_of(document_bytes file, const char *name, verb what
 /* Every call of the first few, then ever farther apart. */
 static size_t next_stop(size_t stop) { return stop < 6 ? stop + 1 : stop + stop / 3; }
 
-static void check_change(document_bytes file, const char *name, verb what)
+static void check_change(document_bytes file, const char *name, verb what, uint32_t threads)
 {
     document_bytes expected = result_of(file, name, what);
     for (size_t stop = 1;; stop = next_stop(stop)) {
-        watcher w = {.stop_at = stop};
+        watcher w = {.stop_at = stop, .threads = threads};
         norma_document_error error = {0};
         norma_document *document = bytes_open(file, name);
         const norma_document_result result = change(document, what, strstr(name, ".stl") != NULL, &w, &error);
@@ -156,11 +157,11 @@ static void check_change(document_bytes file, const char *name, verb what)
     bytes_free(&expected);
 }
 
-static void check_opening(document_bytes file, const char *name)
+static void check_opening(document_bytes file, const char *name, uint32_t threads)
 {
     for (size_t stop = 1;; stop = next_stop(stop)) {
-        watcher w = {.stop_at = stop};
-        const norma_document_options options = {.struct_size = sizeof options, .progress = watch, .progress_user = &w};
+        watcher w = {.stop_at = stop, .threads = threads};
+        const norma_document_options options = {.struct_size = sizeof options, .threads = threads, .progress = watch, .progress_user = &w};
         norma_document *document = NULL;
         norma_document_error error = {0};
         const norma_document_result result = norma_document_open_memory(file.data, file.size, name, &options, &document, &error);
@@ -206,8 +207,10 @@ static void check_saving(document_bytes file, const char *name)
 
 static void check_format(document_bytes file, const char *name)
 {
-    check_opening(file, name);
-    for (int v = 0; v < VERBS; ++v) check_change(file, name, (verb)v);
+    for (uint32_t threads = 1; threads <= 3; threads += 2) {
+        check_opening(file, name, threads);
+        for (int v = 0; v < VERBS; ++v) check_change(file, name, (verb)v, threads);
+    }
     check_saving(file, name);
     bytes_free(&file);
 }
