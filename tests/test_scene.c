@@ -222,6 +222,66 @@ static void test_instances(void **state) {
     asset_free(&a);
 }
 
+/* Matrices of integers, some near to singular beyond what doubles tell, at sizes up to the ends of their range: the sign of the determinant is that of integer arithmetic. */
+__extension__ typedef __int128 wide;
+
+static wide determinant(const int64_t m[3][3]) {
+    wide sum = 0;
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        sum += (wide)m[0][i] * ((wide)m[1][j] * m[2][k] - (wide)m[1][k] * m[2][j]);
+    }
+    return sum;
+}
+
+static int64_t random_below(uint64_t *seed, int64_t bound) {
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (int64_t)(*seed >> 33) % (2 * bound + 1) - bound;
+}
+
+static void random_matrix(uint64_t *seed, int kind, int64_t m[3][3]) {
+    const int64_t times = random_below(seed, 1 << 18);
+    for (int i = 0; i < 3; i++) {
+        m[0][i] = random_below(seed, 1 << 20);
+        m[1][i] = kind < 2 ? random_below(seed, 1 << 20) : times * m[0][i] + random_below(seed, 3);
+        m[2][i] = kind == 0 ? random_below(seed, 1 << 20) : kind == 1 ? m[0][i] - m[1][i] : m[0][i] + m[1][i] + random_below(seed, 1);
+    }
+}
+
+static void test_mirrors(void **state) {
+    (void)state;
+    enum { NODES = 3000 };
+    gltf_asset a = {0};
+    uint64_t seed = 7;
+    char *rest = malloc((size_t)NODES * 512), *at = rest;
+    uint8_t *expected = malloc(NODES);
+    size_t signs[3] = {0};
+    assert_true(rest && expected);
+    add_square(&a);
+    at += sprintf(at, "%s,\"nodes\":[", MESH);
+    for (int n = 0; n < NODES; n++) {
+        int64_t m[3][3];
+        random_matrix(&seed, n % 3, m);
+        const wide d = determinant((const int64_t(*)[3])m);
+        expected[n] = d < 0;
+        signs[d < 0 ? 0 : d > 0 ? 2 : 1]++;
+        at += sprintf(at, "%s{\"mesh\":0,\"matrix\":[", n ? "," : "");
+        for (int c = 0; c < 3; c++) {
+            for (int r = 0; r < 3; r++) at += sprintf(at, "%.17g,", ldexp((double)m[c][r], n % 5 == 0 ? -340 : n % 5 == 1 ? 270 : 0));
+            at += sprintf(at, "0,");
+        }
+        at += sprintf(at, "0,0,0,1]}");
+    }
+    strcpy(at, "]");
+    assert_true(signs[0] > NODES / 4 && signs[1] > NODES / 4 && signs[2] > NODES / 4);
+    norma_document *document = asset_open(&a, rest, 0);
+    for (size_t n = 0; n < NODES; n++) assert_int_equal(node_info(document, n).mirrored_instances, expected[n]);
+    norma_document_close(document);
+    free(rest);
+    free(expected);
+    asset_free(&a);
+}
+
 /* ---- skins */
 
 static norma_skin_info skin_of(const char *rest, const float *times, size_t time_count, const float *values, size_t value_count, int width) {
@@ -534,6 +594,7 @@ int main(void) {
         cmocka_unit_test(test_obj),           cmocka_unit_test(test_after_a_change),
         cmocka_unit_test(test_obj_line_ends), cmocka_unit_test(test_many_materials),
         cmocka_unit_test(test_ply),           cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_mirrors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

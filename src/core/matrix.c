@@ -37,6 +37,27 @@ scaled_number norma_exact_determinant(const double upper[9])
     return norma_exact_round(&sum);
 }
 
+/* Neither products of three nor their parts leave the range of doubles. */
+static int is_mild(const double upper[9])
+{
+    int mild = 1;
+    for (int i = 0; i < 9; i++) mild &= upper[i] == 0.0 || (fabs(upper[i]) > 0x1p-300 && fabs(upper[i]) < 0x1p300);
+    return mild;
+}
+
+int norma_matrix_mirrors(const double upper[9])
+{
+    double sum = 0, sizes = 0;         /* of six products, each twice rounded, and five sums: wrong by less than 8 * 2^-53 of their sizes */
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const double with = upper[i] * upper[3 + j] * upper[6 + k], against = upper[i] * upper[3 + k] * upper[6 + j];
+        sum += with - against;
+        sizes += fabs(with) + fabs(against);
+    }
+    if (is_mild(upper) && (sizes == 0.0 || fabs(sum) > 0x1p-48 * sizes)) return sum < 0.0;
+    return norma_exact_determinant(upper).mantissa < 0.0;
+}
+
 /* Column c of the cofactor matrix is the cross product of the two columns after c. */
 void norma_exact_cofactors(const double upper[9], scaled_number cofactors[9])
 {

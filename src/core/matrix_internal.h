@@ -12,6 +12,9 @@ int norma_matrix_upper_double(const double model[16], double upper[9]);
 scaled_number norma_exact_determinant(const double upper[9]);
 void          norma_exact_cofactors(const double upper[9], scaled_number cofactors[9]);
 
+/* Whether a finite 3x3's determinant is below zero, exactly: by doubles where their rounding cannot turn the sign, else by exact sums, which take a hundred times as long. */
+int norma_matrix_mirrors(const double upper[9]);
+
 /* The common power of two of nine numbers that are to be floats or doubles, as norma.h tells it under norma_normal_matrix: 0 where they
  * fit as they are. lowest, highest: exponents of the smallest and largest normal number of the type, whose last value is largest. */
 typedef struct number_range {

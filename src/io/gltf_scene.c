@@ -2,6 +2,7 @@
  * where a node stands, and what of the file was not read. */
 #include "gltf_scene.h"
 #include "gltf_matrix.h"
+#include "../core/matrix_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -337,11 +338,9 @@ static const char *ignored_by_node(gltf *g, uint32_t node) {
     return list;
 }
 
-/* Exactly: the sign of the determinant of the 3x3. */
 static int mirrors(const double world[16]) {
-    double normal_matrix[9];
-    norma_matrix_info info;
-    return norma_normal_matrix_double(world, NORMA_WINDING_KEPT, normal_matrix, &info) == NORMA_OK && info.mirrored;
+    double upper[9];
+    return norma_matrix_upper_double(world, upper) && norma_matrix_mirrors(upper);
 }
 
 static norma_document_result count_mirrored(gltf *g, uint32_t node, size_t *mirrored) {
