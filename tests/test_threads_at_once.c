@@ -2,6 +2,7 @@
  * reading to writing, give each caller what it gets alone. Run under the thread sanitizer too. And a caller's jobs that run out of order and in threads of its own. */
 #include "bits/bits.h"
 #include "check.h"
+#include <io/number.h>
 #include <pthread.h>
 #include <stdio.h>
 
@@ -33,6 +34,24 @@ static uint64_t of_file(size_t index, const bits_way *way) {
     bits_file(files[index], bytes, size, way, &hash);
     free(bytes);
     return hash.state;
+}
+
+/* The many small calls under those of files, so often that two callers are surely within one at once: numbers as text and back. */
+static uint64_t of_numbers(size_t index, const bits_way *way) {
+    uint64_t hash = 0xCBF29CE484222325u, state = index;
+    (void)way;
+    for (size_t i = 0; i < 300000 / SLOWER; ++i) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        const double value = ldexp((double)(state >> 11), (int)(state % 61) - 80);
+        char text[3][32];
+        const size_t length[3] = {norma_number_format_double(value, text[0]), norma_number_format_float((float)value, text[1]), norma_number_format_normal((float)(value - floor(value)), text[2])};
+        double back = 0;
+        if (norma_number_parse(text[0], text[0] + length[0], &back) != text[0] + length[0] || back != value)
+            return 0;
+        for (size_t k = 0; k < 3; ++k)
+            for (size_t b = 0; b < length[k]; ++b) hash = (hash ^ (unsigned char)text[k][b]) * 0x100000001B3u;
+    }
+    return hash;
 }
 
 typedef struct caller {
@@ -80,6 +99,11 @@ static void files_at_once(void **state) {
     at_once(of_file, sizeof files / sizeof *files);
 }
 
+static void numbers_at_once(void **state) {
+    (void)state;
+    at_once(of_numbers, MESHES);
+}
+
 /* ---- a caller's jobs */
 
 typedef struct crew {
@@ -115,6 +139,6 @@ static void jobs(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(meshes_at_once), cmocka_unit_test(files_at_once), cmocka_unit_test(jobs)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(meshes_at_once), cmocka_unit_test(files_at_once), cmocka_unit_test(numbers_at_once), cmocka_unit_test(jobs)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
