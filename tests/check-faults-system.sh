@@ -120,6 +120,11 @@ for command in 'compute cube.obj -o o.obj' 'compute cube.obj -o -' 'info cube.ob
     says 3 "full standard output: $command" "\"\$NORMA\" $command >/dev/full"
 done
 says 0 "closed standard output does not become a file: the output is whole" '"$NORMA" compute cube.obj -o closed.obj >&-; "$NORMA" compute cube.obj -o open.obj >/dev/null; cmp closed.obj open.obj'
+# The first file that is opened would get a closed stream's number; its name leads to /dev/null, which has no faces, where that was put there first, and else to nothing.
+if [ -d /proc/self/fd ]; then
+    says 0 "closed standard output is taken before any file is opened" '"$NORMA" info /proc/self/fd/1 --input-format obj --quiet >&- 2>taken; ! grep -q "No such file" taken'
+    says 0 "closed standard input is taken before any file is opened" '"$NORMA" info /proc/self/fd/0 --input-format obj --quiet <&- 2>taken; ! grep -q "No such file" taken'
+fi
 says 3 "closed standard input" '"$NORMA" info - --input-format obj <&-'
 says 3 "all streams closed" '"$NORMA" info cube.obj <&- >&- 2>&-'
 says 0 "a reader that leaves early, SIGPIPE" '"$NORMA" compute large/grid.obj -o - --quiet | head -c 10 >/dev/null; [ ${PIPESTATUS[0]} = 141 ]'

@@ -40,7 +40,7 @@ static uint64_t of_file(size_t index, const bits_way *way) {
 static uint64_t of_numbers(size_t index, const bits_way *way) {
     uint64_t hash = 0xCBF29CE484222325u, state = index;
     (void)way;
-    for (size_t i = 0; i < 300000 / SLOWER; ++i) {
+    for (size_t i = 0; i < 100000 / SLOWER; ++i) {
         state = state * 6364136223846793005u + 1442695040888963407u;
         const double value = ldexp((double)(state >> 11), (int)(state % 61) - 80);
         char text[3][32];
