@@ -134,6 +134,10 @@ static void test_bytes(void **state)
          "/bufferViews/0: expected a view that ends inside its buffer"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'byteOffset':4,'type':'VEC3'}]," BUFFERS, "/accessors/0: expected elements that end inside their view"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':9007199254740991,'type':'VEC3'}]," BUFFERS, "/accessors/0: expected elements that end inside their view"},
+        {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}],'buffers':[{'byteLength':36,'uri':'data:;base64," ZEROS_36 "'}],"
+         "'bufferViews':[{'buffer':0,'byteLength':36,'byteStride':8}]",
+         "/accessors/0: expected elements no longer than their view's byteStride"},
+        {MESH(",'NORMAL':0,'NORMAL':0") ",'accessors':[" POSITION "]," BUFFERS, "/meshes/0/primitives/0/attributes/NORMAL: expected each name only once"},
         {MESH("") ",'accessors':[{'componentType':5126,'count':4294967296,'type':'VEC3'}]", "/accessors/0: expected a count without bytes that is not beyond all that the file holds"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}],'accessors':[" POSITION ",{'bufferView':0,'componentType':5126,'count':3,'type':'SCALAR'}]," BUFFERS,
          "/accessors/1: expected indices as unsigned whole numbers"},

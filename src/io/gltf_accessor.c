@@ -100,6 +100,8 @@ static norma_document_result locate(gltf *g, uint32_t token, uint32_t view_numbe
     if (result)
         return result;
     *stride = view->stride ? view->stride : size;
+    if (*stride < size)      /* such elements share bytes, and none could be changed alone */
+        return norma_gltf_malformed(g, error, token, "elements no longer than their view's byteStride");
     if (offset > view->length || size > view->length - offset || count - 1 > (view->length - offset - size) / *stride)
         return norma_gltf_malformed(g, error, token, "elements that end inside their view");
     *data += offset;

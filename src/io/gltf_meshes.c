@@ -74,9 +74,11 @@ static norma_document_result read_attributes(gltf *g, uint32_t token, gltf_attri
             return norma_gltf_malformed(g, error, value, "the number of an accessor");
         *attribute = (gltf_attribute){.name = norma_json_string(j, value - 1), .token = value, .accessor = (uint32_t)accessor};
         ++g->attribute_count;
-        ++set->count;
         if (!attribute->name)
             return norma_document_fail_memory(g->document, error);
+        if (norma_gltf_find(g, set, attribute->name) != GLTF_NONE)       /* which of them others read is anybody's guess */
+            return norma_gltf_malformed(g, error, value, "each name only once");
+        ++set->count;
         if (strcmp(attribute->name, "POSITION") == 0)
             set->position = attribute->accessor;
         else if (strcmp(attribute->name, "NORMAL") == 0)
