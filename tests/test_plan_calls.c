@@ -290,6 +290,29 @@ static void creases_stay(void **state) {
 }
 
 /* A report of some is of what was written. */
+/* A vertex of no face lies beyond what squares reach in doubles, and comes nearer, or goes there: no normal hangs on that. */
+static void far_vertices(void **state) {
+    (void)state;
+    static const uint32_t faces[] = {0, 1, 2, 0, 2, 3}, moved[] = {4};
+    static const double   sizes[] = {0x1p984, 0x1p-984, 1}, fars[] = {0, 0x1p984, 0x1p-984, 0x1p300};
+    float                 some[15], all[15];
+    for (int weight = NORMA_WEIGHT_ANGLE; weight <= NORMA_WEIGHT_ANGLE_LENGTHS; weight++)
+        for (size_t size = 0; size < 3; size++)
+            for (size_t far = 0; far < 4; far++) {
+                double        p[5][3] = {{0, 0, 0}, {5, 0, 1}, {5, 5, 0}, {0, 5, 2}, {sizes[size], 1, 1}};
+                norma_mesh    mesh = {.positions = {p, 5, 0, NORMA_FORMAT_DOUBLE}, .corners = faces, .corner_count = 6};
+                norma_options options = {.weight = (norma_weight)weight};
+                norma_plan   *plan;
+                assert_ok(norma_plan_create(&mesh, NORMA_PER_VERTEX, 4, &options, &plan));
+                assert_ok(norma_plan_update(plan, mesh.positions, NULL, 0, &options, some, 5, NULL));
+                p[4][0] = fars[far];
+                assert_ok(norma_plan_update(plan, mesh.positions, moved, 1, &options, some, 5, NULL));
+                assert_ok(norma_plan_update(plan, mesh.positions, NULL, 0, &options, all, 5, NULL));
+                assert_memory_equal(some, all, sizeof all);
+                norma_plan_destroy(plan);
+            }
+}
+
 static void reports(void **state) {
     (void)state;
     float          p[21] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 7, 0, 0, 9, 9, 9};
@@ -317,6 +340,7 @@ static void reports(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_arguments_of_creation), cmocka_unit_test(wrong_arguments_of_updates), cmocka_unit_test(empty_meshes),
                                        cmocka_unit_test(failing_allocations),         cmocka_unit_test(cancelled),                  cmocka_unit_test(nearest_as_in_the_full_calls),
-                                       cmocka_unit_test(formats_and_strides),         cmocka_unit_test(creases_stay),               cmocka_unit_test(reports)};
+                                       cmocka_unit_test(formats_and_strides),         cmocka_unit_test(creases_stay),               cmocka_unit_test(reports),
+                                       cmocka_unit_test(far_vertices)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -26,7 +26,7 @@ static norma_plan *new_plan(const core_surface *surface, norma_element of)
 {
     norma_plan *plan = norma_core_allocate(surface->call, 1, sizeof *plan);
     if (!plan) return NULL;
-    *plan = (norma_plan){.of = of, .vertex_count = surface->mesh.positions.count, .corner_count = surface->mesh.corner_count, .face_count = surface->mesh.face_count};
+    *plan = (norma_plan){.of = of, .vertex_count = surface->mesh.positions.count, .corner_count = surface->mesh.corner_count, .face_count = surface->mesh.face_count, .scale = surface->mesh.scale};
     plan->memory.options.allocator = surface->call->options.allocator;
     plan->bytes = sizeof *plan;
     return plan;

@@ -36,6 +36,7 @@ struct norma_plan {
     core_call     memory;              /* of the creation's allocator, and of nothing else */
     norma_element of;
     size_t        vertex_count, corner_count, face_count;
+    double        scale;               /* core_mesh's, of the positions that it was made with, for all updates by doubles: one of their own would hang on vertices that are not near */
     uint32_t     *weld;                /* NULL where every vertex is its own position */
     uint32_t     *lonely;              /* vertices without corners, ascending */
     size_t        lonely_count;

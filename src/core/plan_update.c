@@ -171,7 +171,7 @@ static norma_result open_work(const norma_plan *plan, norma_vec3_view positions,
     norma_result result = norma_core_mesh_shape(&points, &work->mesh);
     if (result == NORMA_OK && positions.count != plan->vertex_count) result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK && moved) result = check_moved(plan, &moved, moved_count);
-    if (result == NORMA_OK) result = norma_core_mesh_content(call, &work->mesh);
+    if (positions.format == NORMA_FORMAT_DOUBLE) work->mesh.scale = plan->scale;
     work->plan = plan;
     work->call = call;
     work->moved = moved;
