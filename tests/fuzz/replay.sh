@@ -24,7 +24,7 @@ esac
 quietly() {
     local name=$1 said
     shift
-    if said=$("$program" -artifact_prefix="$scratch/" "$@" 2>&1); then pass "$name"; else fail "$name" "$(printf '%s\n' "$said" | grep -avE '^(Running|Executed|INFO)' | head -40)"; fi
+    if said=$("$program" -artifact_prefix="$scratch/" "$@" 2>&1); then pass "$name"; else fail "$name" "$(printf '%s\n' "$said" | grep -aE '^fuzz:|ERROR:|SUMMARY:|^ *#[0-9]+ 0x' | head -40)"; fi
 }
 
 mapfile -t seeds < <(find "corpus/$target" -type f 2>/dev/null | LC_ALL=C sort)
