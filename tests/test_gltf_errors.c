@@ -161,6 +161,35 @@ static void test_bytes(void **state)
     expect_each(texts, COUNT_OF(texts), VERSION_2, NORMA_DOCUMENT_ERROR_MALFORMED, NORMA_DOCUMENT_WHOLE);
 }
 
+/* Each within the count that a file without bytes may have, together far more than the file. */
+static norma_document_result open_without_bytes(int meshes, norma_document_error *error)
+{
+    enum { COUNT = 3300 };
+    char members[4000], *at = members;
+    for (int list = 0; list < 2; ++list) {
+        at += sprintf(at, list ? "],'accessors':[" : "'meshes':[");
+        for (int i = 0; i < meshes; ++i)
+            at += list ? sprintf(at, "%s{'componentType':5126,'count':%d,'type':'VEC3'}", i ? "," : "", COUNT) : sprintf(at, "%s{'primitives':[{'attributes':{'POSITION':%d}}]}", i ? "," : "", i);
+    }
+    strcpy(at, "]");
+    document_bytes bytes = gltf_text(members, VERSION_2);
+    norma_document *document = NULL;
+    norma_document_result result = norma_document_open_memory(bytes.data, bytes.size, "a.gltf", NULL, &document, error);
+    norma_document_close(document);
+    bytes_free(&bytes);
+    return result;
+}
+
+static void test_accessors_without_bytes(void **state)
+{
+    (void)state;
+    norma_document_error error = {0};
+    assert_int_equal(open_without_bytes(36, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);        /* 256 KiB, and 256 times 3,500 bytes, hold 30 or so of them */
+    assert_non_null(strstr(error.message, ": 3300 elements from here, with all before them, would take far more room than the file; expected at most 256 bytes for each byte of it"));
+    assert_int_equal(open_without_bytes(36 / 2, &error), NORMA_DOCUMENT_ERROR_MALFORMED);      /* of half as many a file is too short for the count of one */
+    assert_non_null(strstr(error.message, "expected a count without bytes that is not beyond all that the file holds"));
+}
+
 static void test_normals_fewer_than_positions(void **state)
 {
     static const bad_text texts[] = {
@@ -275,7 +304,7 @@ static void test_json_and_glb(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_schema), cmocka_unit_test(test_bytes), cmocka_unit_test(test_normals_fewer_than_positions), cmocka_unit_test(test_fewer_normals_named),
+        cmocka_unit_test(test_schema), cmocka_unit_test(test_bytes), cmocka_unit_test(test_accessors_without_bytes), cmocka_unit_test(test_normals_fewer_than_positions), cmocka_unit_test(test_fewer_normals_named),
         cmocka_unit_test(test_versions), cmocka_unit_test(test_meshopt),
         cmocka_unit_test(test_json_and_glb),
     };
