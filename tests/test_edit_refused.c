@@ -190,9 +190,18 @@ static void test_stl(void **state) {
     refuse_text(STL, "a.stl", &both, NORMA_DOCUMENT_ERROR_ARGUMENT, "a.stl: facets are to be reversed and moved at once; expected one after the other");
 }
 
+/* Faces of no corner, all there are, the other way round: the same bytes. */
+static void test_ply_empty_faces(void **state) {
+    static const char text[] = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+                               "end_header\n0 0 0\n0\n0\n";
+    const norma_mesh_edit reversed = {.reverse_faces = ALL};
+    (void)state;
+    expect_edit(text, "a.ply", &reversed, text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gltf_positions), cmocka_unit_test(test_gltf_strips_targets), cmocka_unit_test(test_gltf_refuses), cmocka_unit_test(test_obj), cmocka_unit_test(test_obj_reads_what_it_wrote), cmocka_unit_test(test_obj_renumbers_what_refers),
+        cmocka_unit_test(test_ply_empty_faces), cmocka_unit_test(test_gltf_positions), cmocka_unit_test(test_gltf_strips_targets), cmocka_unit_test(test_gltf_refuses), cmocka_unit_test(test_obj), cmocka_unit_test(test_obj_reads_what_it_wrote), cmocka_unit_test(test_obj_renumbers_what_refers),
         cmocka_unit_test(test_ply), cmocka_unit_test(test_ply_drops_first_rows), cmocka_unit_test(test_ply_adds_rows_at_the_end), cmocka_unit_test(test_stl),
     };
     return cmocka_run_group_tests_name("edits, rare or refused", tests, NULL, NULL);
