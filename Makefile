@@ -27,7 +27,7 @@ help:
 	@echo "make web      the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
 	@echo "make figures  draws the figures of the guide and of the README into docs/figures again"
 	@echo "make single   $(BUILD)/single/norma.c and norma.h: the core as two files to copy"
-	@echo "make format   clang-format over src, tests and examples"
+	@echo "make format   clang-format over src/check, src/cli and src/render"
 	@echo "make lint     clang-tidy, shellcheck and mandoc -T lint, whichever are installed"
 	@echo "make analyse  clang-tidy with .clang-tidy and gcc -fanalyzer; what is no fault stands in scripts/analysed.txt"
 	@echo "make portable the same bits from gcc and clang at every level, WebAssembly, 64-bit ARM (qemu) and Windows (Wine); installs them"
