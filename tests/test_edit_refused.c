@@ -114,6 +114,9 @@ static void test_obj(void **state) {
     refuse_text(OBJ, "a.obj", &both, NORMA_DOCUMENT_ERROR_ARGUMENT, "a.obj: vertices and other things are to change at once; expected one after the other");
     refuse_text("v 0 0 0\nv 2 0 0\nv 0 1 0\ncstype bezier\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 1\nend\nf 1 2 3\n", "a.obj", &backwards, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
                 "a.obj: vertices cannot get other numbers, which its free-form curves or surfaces may name");
+    static const float normal[3] = {0, 0, 1};
+    const norma_mesh_edit numbers = {.normals = normal, .set_normals = ALL}; /* of the two normals here no face names one, so that the document tells of none */
+    refuse_text("v 0 0 0\nv 2 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nf 1 2 3\n", "a.obj", &numbers, NORMA_DOCUMENT_ERROR_ARGUMENT, "a.obj: has no normals that could be replaced");
 }
 
 /* A position that is not finite is written and read as that. */

@@ -23,6 +23,8 @@ norma_document_result norma_obj_edit(norma_document *document, const norma_mesh_
     if (result)
         return result;
     obj_state *state = document->state;
+    if (edit->set_normals && !state->has_normals)        /* there may be vn lines, but none that a face names, so none that the caller was told of */
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "has no normals that could be replaced");
     result = edit->source_vertices ? norma_obj_edit_vertices(document, edit, error) : NORMA_DOCUMENT_OK;
     if (result)
         return result;
