@@ -22,6 +22,6 @@ printf '%s\n' "$files" | xargs -P "$(nproc)" -I{} bash -c 'one "$0"' {}
 sort -u "$out"/found/* >"$out/all"
 awk -v said="$out/said" '
     FNR == NR { if ($0 !~ /^[#=]/ && NF == 2) known[$1 " " $2] = 1; next }
-    { key = $1 " " $2; if (known[key] || known["* " $2]) { explained++; used[known[key] ? key : "* " $2] = 1 } else { print; other++ } }
+    { key = $1 " " $2; if (key in known || "* " $2 in known) { explained++; used[key in known ? key : "* " $2] = 1 } else { print; other++ } }
     END { for (k in known) if (!used[k]) print "scripts/analysed.txt explains what is no longer found: " k
           printf "%d findings, %d of them explained in scripts/analysed.txt\n", explained + other, explained; exit other > 0 }' scripts/analysed.txt "$out/all"

@@ -86,7 +86,9 @@ static int explain(const cli_verb *verb, const cli_words *words, int json) {
     size_t count, told = 0;
     const norma_rule *rules = norma_rules(&count);
     uint8_t *mask = calloc(count + 1, 1);
-    int status = mask ? CLI_OK : cli_out_of_memory();
+    int status = CLI_OK;
+    if (!mask)
+        return cli_out_of_memory();
     for (size_t i = 0; i < words->count && !status; ++i) {
         char unknown[64] = "";
         if (norma_rules_select(words->words[i], mask, unknown) != NORMA_OK)
