@@ -21,6 +21,22 @@ void output_free(gltf_output *output) {
     bytes_free(&output->bytes);
 }
 
+gltf_output output_transformed(gltf_asset *a, const char *rest, int bake, const double *matrix) {
+    norma_transform_options options = {.struct_size = sizeof options, .bake = bake};
+    norma_document_error error;
+    norma_document *document = asset_open(a, rest, 0);
+    if (matrix)
+        memcpy(options.matrix, matrix, sizeof options.matrix);
+    if (norma_document_transform(document, &options, NULL, &error))
+        fail_msg("%s", error.message);
+    return output_of(document);
+}
+
+void output_finish(gltf_output *output, gltf_asset *a) {
+    output_free(output);
+    asset_free(a);
+}
+
 const char *output_text(const gltf_output *output, const char *path) {
     static char text[4000];
     uint32_t token = 0;

@@ -3,6 +3,7 @@
 #define NORMA_TESTS_GLTF_OUTPUT_H
 #include <norma/document.h>
 #include "document_bytes.h"
+#include "gltf_asset.h"
 #include "io/json.h"
 
 typedef struct gltf_output {
@@ -15,6 +16,10 @@ typedef struct gltf_output {
 /* Writes the document and closes it. */
 gltf_output output_of(norma_document *document);
 void output_free(gltf_output *output);
+/* What the asset with rest, see asset_open, becomes under a matrix; NULL: the identity. */
+gltf_output output_transformed(gltf_asset *a, const char *rest, int bake, const double *matrix);
+/* Frees both. */
+void output_finish(gltf_output *output, gltf_asset *a);
 
 /* The text of a value: a path of members and elements, "nodes/0/mesh"; "" where it is not there. Lasts until the next call. */
 const char *output_text(const gltf_output *output, const char *path);

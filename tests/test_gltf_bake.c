@@ -10,22 +10,6 @@ enum { BYTE = 5120, UBYTE, SHORT, USHORT, UINT = 5125, FLOAT };
 #define QUANTIZED "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"],"
 static const double TRIANGLE[3][3] = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
 
-static gltf_output bake_with(gltf_asset *a, const char *rest, const double *matrix) {
-    norma_transform_options options = {.struct_size = sizeof options, .bake = 1};
-    norma_document_error error;
-    norma_document *document = asset_open(a, rest, 0);
-    if (matrix)
-        memcpy(options.matrix, matrix, sizeof options.matrix);
-    if (norma_document_transform(document, &options, NULL, &error))
-        fail_msg("%s", error.message);
-    return output_of(document);
-}
-
-static void finish(gltf_output *b, gltf_asset *a) {
-    output_free(b);
-    asset_free(a);
-}
-
 static void assert_world_is_identity(const gltf_output *b, size_t node) {
     norma_node_info info;
     assert_int_equal(norma_document_node_info(b->document, node, &info), NORMA_DOCUMENT_OK);
@@ -60,9 +44,9 @@ static void test_instances_beside_other_extensions(void **state) {
     asset_floats(&a, places[0], 2, 3);
     asset_floats(&a, sizes[0], 2, 3);
     asset_numbers(&a, numbers, 2, 1, FLOAT, 0);
-    gltf_output b = bake_with(&a, SCENE "\"extensionsUsed\":[\"KHR_node_visibility\",\"EXT_mesh_gpu_instancing\",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\",\"EXT_mesh_gpu_instancing\"],"
+    gltf_output b = output_transformed(&a, SCENE "\"extensionsUsed\":[\"KHR_node_visibility\",\"EXT_mesh_gpu_instancing\",\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\",\"EXT_mesh_gpu_instancing\"],"
                             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"KHR_node_visibility\":{\"visible\":true},\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":3,\"SCALE\":4,\"_ID\":5}}}}],"
-                            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2}]}]", NULL);
+                            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2}]}]", 1, NULL);
     assert_string_equal(output_text(&b, "extensionsUsed"), "[\"KHR_node_visibility\",\"KHR_mesh_quantization\"]");
     assert_string_equal(output_text(&b, "extensionsRequired"), "[\"KHR_mesh_quantization\"]");
     assert_string_equal(output_text(&b, "nodes/0/extensions"), "{\"KHR_node_visibility\":{\"visible\":true}}");
@@ -90,7 +74,7 @@ static void test_instances_beside_other_extensions(void **state) {
         assert_true(corners[0] == 0 && corners[1] == (m ? 2 : 1) && corners[2] == (m ? 1 : 2));
     }
     assert_int_equal(norma_json_size(&b.json, norma_json_member(&b.json, 0, "accessors")), 6); /* three for each mesh: none new, none left over */
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 /* One morph target, animated through KHR_animation_pointer, of a node with two instances: they would have to share one animation. The node stays, and says so. */
@@ -107,22 +91,22 @@ static void test_weights_of_several_meshes(void **state) {
     snprintf(rest, sizeof rest, SCENE "\"extensionsUsed\":[\"KHR_animation_pointer\",\"EXT_mesh_gpu_instancing\"],\"nodes\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},"
              "\"targets\":[{\"POSITION\":0}]}]}],\"animations\":[{\"samplers\":[{\"input\":2,\"output\":3}],\"channels\":[{\"sampler\":0,\"target\":{\"path\":\"pointer\","
              "\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/nodes/0/weights\"}}}}]}]", node);
-    gltf_output b = bake_with(&a, rest, NULL);
+    gltf_output b = output_transformed(&a, rest, 1, NULL);
     assert_string_equal(output_text(&b, "nodes/0"), node);
     assert_string_equal(b.notes, "node 0 \"two\" is not baked: its morph weights are animated, and it holds more than one mesh at one place\n");
-    finish(&b, &a);
+    output_finish(&b, &a);
     asset_numbers(&a, TRIANGLE[0], 3, 3, FLOAT, 0); /* of a node with one mesh they stay where they are */
     asset_floats(&a, places[0], 2, 3);
     asset_floats(&a, times, 2, 1);
     asset_floats(&a, weights, 2, 1);
     memcpy(strstr(rest, "EXT_mesh_gpu_instancing\":{"), "NOT_mesh_gpu_instancing", 23);
     memcpy(strstr(rest, "\"extensions\":{\"NOT"), "\"extras\":{    \"NOT", 18);
-    b = bake_with(&a, rest, NULL);
+    b = output_transformed(&a, rest, 1, NULL);
     assert_world_is_identity(&b, 0);
     assert_string_equal(b.notes, "");
     norma_mesh_data data = output_mesh(&b, 0);
     assert_vector(&data.mesh.positions, 1, (const double[]){4, 0, 0}, 0);
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 /* ---- winding under a mirror */
@@ -134,10 +118,10 @@ static void test_a_strip_with_stitches(void **state) {
     (void)state;
     asset_numbers(&a, points[0], 5, 3, FLOAT, 0);
     asset_uint16(&a, (const uint16_t[]){0, 1, 2, 2, 3, 4}, 6);
-    gltf_output b = bake_with(&a, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[1,-1,1]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"mode\":5}]}]", NULL);
+    gltf_output b = output_transformed(&a, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[1,-1,1]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"mode\":5}]}]", 1, NULL);
     assert_corners(&b, 0, (const uint32_t[]){0, 2, 1, 2, 3, 4}, 6);
     assert_string_equal(output_text(&b, "meshes/0/primitives/0/mode"), "4");
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 /* Lines have no winding, and two corners make no triangle: both keep their indices; the triangle beside them turns. */
@@ -148,8 +132,8 @@ static void test_what_has_no_winding(void **state) {
     asset_uint16(&a, (const uint16_t[]){0, 1, 2}, 3);
     asset_uint16(&a, (const uint16_t[]){2, 1, 0}, 3);
     asset_uint16(&a, (const uint16_t[]){1, 2}, 2);
-    gltf_output b = bake_with(&a, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0},\"indices\":2,\"mode\":3},"
-                            "{\"attributes\":{\"POSITION\":0},\"indices\":3}]}]", NULL);
+    gltf_output b = output_transformed(&a, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0},\"indices\":2,\"mode\":3},"
+                            "{\"attributes\":{\"POSITION\":0},\"indices\":3}]}]", 1, NULL);
     assert_corners(&b, 0, (const uint32_t[]){0, 2, 1}, 3);
     for (long i = 1; i < 3; ++i) {
         const uint16_t expected[2][4] = {{2, 1, 0}, {1, 2}};
@@ -159,7 +143,7 @@ static void test_what_has_no_winding(void **state) {
     }
     norma_mesh_data data = output_mesh(&b, 0);
     assert_vector(&data.mesh.positions, 1, (const double[]){-2, 0, 0}, 0);
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 /* ---- vectors */
@@ -171,7 +155,7 @@ static void test_a_tangent_without_an_image(void **state) {
     (void)state;
     asset_numbers(&a, TRIANGLE[0], 3, 3, FLOAT, 0);
     asset_floats(&a, tangents[0], 3, 4);
-    gltf_output b = bake_with(&a, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[0,0,3]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TANGENT\":1}}]}]", NULL);
+    gltf_output b = output_transformed(&a, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[0,0,3]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TANGENT\":1}}]}]", 1, NULL);
     norma_mesh_attributes attributes;
     assert_int_equal(norma_document_mesh_attributes(b.document, 0, &attributes, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(attributes.tangent_count, 3);
@@ -181,7 +165,7 @@ static void test_a_tangent_without_an_image(void **state) {
         assert_true(t[3] == tangents[v][3]);
     }
     assert_true(attributes.tangents[10] == 1); /* along z it has its image */
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 /* Unsigned numbers that a whole step moves are what they were, exactly; min and max follow. */
@@ -191,13 +175,13 @@ static void test_whole_numbers_stay(void **state) {
     for (int type = UBYTE; type <= USHORT; type += USHORT - UBYTE) {
         gltf_asset a = {0};
         asset_numbers(&a, points[0], 3, 3, type, 0);
-        gltf_output b = bake_with(&a, SCENE QUANTIZED "\"nodes\":[{\"mesh\":0,\"translation\":[55,30,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", NULL);
+        gltf_output b = output_transformed(&a, SCENE QUANTIZED "\"nodes\":[{\"mesh\":0,\"translation\":[55,30,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 1, NULL);
         assert_int_equal(output_number(&b, "accessors/%ld/componentType", 0), type);
         assert_string_equal(output_text(&b, "accessors/0/min"), "[55,30,0]");
         assert_string_equal(output_text(&b, "accessors/0/max"), "[255,130,255]");
         norma_mesh_data data = output_mesh(&b, 0);
         for (size_t v = 0; v < 3; ++v) assert_vector(&data.mesh.positions, v, (const double[]){points[v][0] + 55, points[v][1] + 30, points[v][2]}, 0);
-        finish(&b, &a);
+        output_finish(&b, &a);
     }
 }
 
@@ -227,15 +211,15 @@ static void test_a_root_listed_twice(void **state) {
     norma_node_info info;
     (void)state;
     asset_numbers(&a, TRIANGLE[0], 3, 3, FLOAT, 0);
-    gltf_output b = bake_with(&a, "\"scene\":0,\"scenes\":[{\"nodes\":[0,2,1,0]}],\"nodes\":[{\"camera\":0},{\"camera\":0},{\"mesh\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}],"
-                            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", up);
+    gltf_output b = output_transformed(&a, "\"scene\":0,\"scenes\":[{\"nodes\":[0,2,1,0]}],\"nodes\":[{\"camera\":0},{\"camera\":0},{\"mesh\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}],"
+                            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 1, up);
     assert_string_equal(output_text(&b, "nodes/3/children"), "[0,1]");
     assert_string_equal(output_text(&b, "nodes/4"), "");
     assert_int_equal(norma_document_node_info(b.document, 0, &info), NORMA_DOCUMENT_OK);
     assert_world_is_identity(&b, 0);
     norma_mesh_data data = output_mesh(&b, 0);
     assert_vector(&data.mesh.positions, 0, (const double[]){0, 0, 5}, 0);
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 int main(void) {

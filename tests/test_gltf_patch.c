@@ -9,27 +9,11 @@ enum { BYTE = 5120, UBYTE, SHORT, USHORT, UINT = 5125, FLOAT };
 
 static const double TRIANGLE[3][3] = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
 
-static gltf_output transformed(gltf_asset *a, const char *rest, int bake, const double matrix[16]) {
-    norma_transform_options options = {.struct_size = sizeof options, .bake = bake};
-    norma_document_error error;
-    norma_document *document = asset_open(a, rest, 0);
-    if (matrix)
-        memcpy(options.matrix, matrix, sizeof options.matrix);
-    if (norma_document_transform(document, &options, NULL, &error))
-        fail_msg("%s", error.message);
-    return output_of(document);
-}
-
 static gltf_output edited(norma_document *document, const norma_mesh_edit *edits) {
     norma_document_error error;
     if (norma_document_edit(document, edits, &error))
         fail_msg("%s", error.message);
     return output_of(document);
-}
-
-static void finish(gltf_output *out, gltf_asset *a) {
-    output_free(out);
-    asset_free(a);
 }
 
 /* ---- accessors */
@@ -41,7 +25,7 @@ static void test_shared_normals_part(void **state) {
     (void)state;
     asset_numbers(&a, TRIANGLE[0], 3, 3, FLOAT, 0);
     asset_snorm8(&a, normals[0], 3, 3);
-    gltf_output b = transformed(&a, "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+    gltf_output b = output_transformed(&a, "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
                                 "\"nodes\":[{\"mesh\":0,\"rotation\":[1,0,0,0]},{\"mesh\":0,\"rotation\":[0,0,1,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 1, NULL);
     assert_int_equal(norma_document_mesh_count(b.document), 2);
     for (size_t m = 0; m < 2; ++m) { /* half turns about x and about z */
@@ -55,7 +39,7 @@ static void test_shared_normals_part(void **state) {
         assert_string_equal(output_text(&b, path), "true");
         assert_int_equal(output_number(&b, "accessors/%ld/componentType", normal), BYTE);
     }
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 /* A target's displacements, zero but for one vertex: sparse over no base. They are carried and stay so: no base is written. */
@@ -71,14 +55,14 @@ static void test_sparse_over_nothing(void **state) {
     snprintf(text, sizeof text, "{\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[0,0,3],\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":%d,\"componentType\":5123},"
              "\"values\":{\"bufferView\":%d}}}", indices, values);
     asset_accessor(&a, text);
-    gltf_output b = transformed(&a, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}]}]", 1, larger);
+    gltf_output b = output_transformed(&a, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}]}]", 1, larger);
     assert_int_equal(norma_document_morph_data(b.document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
     for (size_t v = 0; v < 3; ++v) assert_vector(&morph.positions, v, (const double[]){0, 0, v == 1 ? 6 : 0}, 0);
     assert_int_equal(output_number(&b, "accessors/%ld/bufferView", 1), -1);
     assert_int_equal(output_number(&b, "accessors/%ld/sparse/count", 1), 1);
     assert_string_equal(output_text(&b, "accessors/1/max"), "[0,0,6]");
     assert_int_equal(norma_json_size(&b.json, norma_json_member(&b.json, 0, "bufferViews")), 3);
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 /* Fewer vertices than before, and sparse accessors, over one list of indices, that name the last: what they now hold is what those vertices had. */
@@ -122,7 +106,7 @@ static void expect_fewer_vertices(const uint32_t *sources, size_t count, const u
     }
     norma_mesh_data data = output_mesh(&b, 0);
     for (size_t v = 0; v < count; ++v) assert_vector(&data.mesh.positions, v, points[sources[v]], 0);
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 static void test_sparse_of_fewer_vertices(void **state) {
@@ -154,7 +138,7 @@ static void test_a_glb_without_bytes(void **state) {
     assert_int_equal(data.normals.count, 4);
     for (size_t v = 0; v < 4; ++v) assert_vector(&data.normals, v, (const double[]){0, 0, 1}, 0);
     bytes_free(&in);
-    finish(&b, &a);
+    output_finish(&b, &a);
 }
 
 /* A buffer that says more bytes than the binary chunk has. */
