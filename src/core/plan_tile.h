@@ -71,6 +71,12 @@ static inline uint32_t norma_core_tile_slot_of(const tile_view *t, uint32_t own)
 
 /* ---- one tile, measured and summed; on the stack */
 
+/* What later tiles will read and this one will write, asked for little by little while this one is measured: asked for all at once it fills the list of what is under way, and every read
+ * waits behind it (10 million triangles: 11.5 instead of 9.8 ns). */
+typedef struct tile_list { const unsigned char *at, *end; } tile_list;
+typedef struct tile_elements { const uint32_t *vertices; size_t count; const unsigned char *data; size_t stride; } tile_elements;
+typedef struct tile_ahead { tile_list lists[3]; tile_elements read, written; } tile_ahead;
+
 typedef struct tile_room {
     _Alignas(64) double positions[TILE_VERTICES][4];  /* of each vertex; the fourth: 0 */
     double   normals[TILE_FACES][4];   /* of each face; the fourth: 1; zero where there is no direction */
@@ -80,8 +86,19 @@ typedef struct tile_room {
     uint16_t doubted[TILE_FACES];      /* triangles that doubles do not decide */
     uint16_t degenerate[TILE_FACES];   /* faces, finite and without a direction */
     uint32_t doubted_count, degenerate_count;
+    tile_ahead ahead;
     int      all_finite, all_normal;   /* each position; each slot summed has a normal */
 } tile_room;
+
+/* As much as eight triangles take of a tile, and a little more. */
+static inline void norma_core_ask_ahead(tile_ahead *a)
+{
+    enum { LINE = 64, LINES = 2, VERTICES = 6 };
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < LINES && a->lists[k].at < a->lists[k].end; i++, a->lists[k].at += LINE) __builtin_prefetch(a->lists[k].at);
+    for (int i = 0; i < VERTICES && a->read.count; i++, a->read.count--) __builtin_prefetch(a->read.data + *a->read.vertices++ * a->read.stride);
+    for (int i = 0; i < VERTICES && a->written.count; i++, a->written.count--) __builtin_prefetch(a->written.data + *a->written.vertices++ * a->written.stride, 1);
+}
 
 typedef struct tile_some { const uint16_t *numbers; uint32_t count; } tile_some;   /* numbers NULL: 0, 1, 2, ... */
 

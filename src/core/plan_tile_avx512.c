@@ -157,6 +157,7 @@ CORE_FOR_AVX512 void norma_core_tile_angles_avx512(const tile_view *t, tile_some
         opened_eight opened;
         slope_eight(&o, &s);
         open_eight(rows, t->corners + (size_t)3 * CORE_LANES * next, &opened);
+        norma_core_ask_ahead(&room->ahead);
         close_eight(&o, &s, number * CORE_LANES, room);
         if (o.sure != UINT8_MAX) list_doubted(t, number * CORE_LANES, o.sure, room);
         o = opened;

@@ -144,6 +144,7 @@ CORE_INLINE void measure_weighted(const tile_view *t, tile_some eights, norma_we
         for (uint32_t i = 0; i < count; i++) {
             batches[i].eight = number_at(eights, begin + i);
             read_batch((const double(*)[4])room->positions, t->corners + (size_t)3 * CORE_LANES * batches[i].eight, &batches[i].measured);
+            norma_core_ask_ahead(&room->ahead);
         }
         measure_batches(batches, count, weight, room);
         if (!all_sure(batches, count)) list_doubted(t, batches, count, room);

@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* With fewer to do than FEWEST_TILES_TO_SHARE nobody is called for help; tasks are small, so that all end at about the same time. */
-enum { FEWEST_TILES_TO_SHARE = 16, TILES_IN_TASK = 4, FEWEST_VERTICES_TO_ASK_FOR = 1 << 16 };
+enum { FEWEST_TILES_TO_SHARE = 16, TILES_IN_TASK = 4 };
 
 typedef struct tiles_work {
     plan_work     *work;
@@ -42,21 +42,21 @@ static void load_positions(const tiles_work *w, const tile_view *t, tile_some fa
     else room->all_finite = w->kernels.load(t, eights, from->data, from->stride, room->positions);
 }
 
-static void ask_for(const void *memory, size_t bytes)
-{
-    for (size_t at = 0; at < bytes; at += 64) __builtin_prefetch((const unsigned char *)memory + at);
-}
+static tile_list list_of(const void *begin, const void *end) { return (tile_list){begin, end}; }
 
-/* What the next tile will read, and this one write, and the names of the vertices of the one after; meshes that the nearer caches hold have no need of it. */
-static void look_ahead(const plan_work *work, const tile_view *t, const tile_view *next, const tile_view *after)
+/* What will be read of the next tile, and written of this one, and the names of the vertices of the one after. */
+static tile_ahead look_ahead(const tiles_work *w, const tile_view *t, size_t number)
 {
-    const unsigned char *data = work->mesh.positions.data;
-    ask_for(after->vertices, after->vertex_count * sizeof *after->vertices);
-    ask_for(next->corners, next->corner_count * sizeof *next->corners);
-    if (next->fours) ask_for(next->four_counts, (size_t)((const unsigned char *)(next->fours + next->four_count) - (const unsigned char *)next->four_counts));
-    for (uint32_t v = 0; v < next->vertex_count; v++) __builtin_prefetch(data + next->vertices[v] * work->mesh.positions.stride);
-    if (work->plan->of != NORMA_PER_VERTEX) return;
-    for (uint32_t v = 0; v < t->own_count; v++) __builtin_prefetch(work->output->normals + t->vertices[v] * work->output->stride, 1);
+    const plan_work *work = w->work;
+    const size_t last = w->first + w->count - 1;
+    const tile_view next = norma_core_tile(work->plan, number < last ? number + 1 : last), after = norma_core_tile(work->plan, number + 1 < last ? number + 2 : last);
+    tile_ahead ahead = {
+        .lists = {list_of(after.vertices, after.vertices + after.vertex_count), list_of(next.corners, next.corners + next.corner_count)},
+        .read = {next.vertices, next.vertex_count, work->mesh.positions.data, work->mesh.positions.stride},
+    };
+    if (next.fours) ahead.lists[2] = list_of(next.four_counts, next.fours + next.four_count);
+    if (work->plan->of == NORMA_PER_VERTEX) ahead.written = (tile_elements){t->vertices, t->own_count, work->output->normals, work->output->stride};
+    return ahead;
 }
 
 static core_mesh local_mesh(const tile_view *t, const tile_room *room)
@@ -231,9 +231,10 @@ static void count_degenerate(const tiles_work *w, const tile_view *t, const tile
 
 /* ---- tiles */
 
-static void update_tile(const tiles_work *w, const tile_view *t, const tile_touch *touch, core_tally *tally)
+static void update_tile(const tiles_work *w, const tile_view *t, const tile_touch *touch, const tile_ahead *ahead, core_tally *tally)
 {
     tile_room room;
+    room.ahead = *ahead;
     const tile_some faces = {touch ? touch->faces : NULL, touch ? touch->face_count : t->corner_faces ? t->face_count : norma_core_tile_eights(t->face_count)};
     const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
     load_positions(w, t, faces, &room);
@@ -246,33 +247,29 @@ static void update_tile(const tiles_work *w, const tile_view *t, const tile_touc
     if (room.degenerate_count) count_degenerate(w, t, &room, touch ? touch->slot_is_touched : NULL, tally);
 }
 
-static void update_one(const tiles_work *w, size_t i, size_t end, core_tally *tally)
+static void update_whole(const tiles_work *w, size_t i, core_tally *tally)
 {
-    const norma_plan *plan = w->work->plan;
-    const tile_view t = norma_core_tile(plan, i);
-    if (plan->vertex_count >= FEWEST_VERTICES_TO_ASK_FOR) {
-        const tile_view next = norma_core_tile(plan, i + 1 < end ? i + 1 : i), after = norma_core_tile(plan, i + 2 < end ? i + 2 : i);
-        look_ahead(w->work, &t, &next, &after);
-    }
-    update_tile(w, &t, NULL, tally);
+    const tile_view t = norma_core_tile(w->work->plan, i);
+    const tile_ahead ahead = look_ahead(w, &t, i);
+    update_tile(w, &t, NULL, &ahead, tally);
 }
 
 static void update_part(const tiles_work *w, size_t i, core_tally *tally)
 {
     const tile_view t = norma_core_tile(w->work->plan, i);
+    const tile_ahead nothing = {0};
     tile_touch touch;
     norma_core_tile_touch(&w->marks, &t, w->work->plan->of, &touch);
-    if (touch.slot_count) update_tile(w, &t, &touch, tally);
+    if (touch.slot_count) update_tile(w, &t, &touch, &nothing, tally);
 }
 
 static void update_some(void *context, size_t task)
 {
     tiles_work *w = context;
     const plan_range range = norma_core_plan_range(w->count, w->tasks, task);
-    const size_t end = w->first + range.end;
-    for (size_t i = w->first + range.begin; i < end; i++) {
+    for (size_t i = w->first + range.begin; i < w->first + range.end; i++) {
         const tile_moved moved = w->work->moved ? norma_core_tile_moved(&w->marks, &w->work->plan->tiles[i]) : TILE_ALL_MOVED;
-        if (moved == TILE_ALL_MOVED) update_one(w, i, end, &w->tallies[task]);
+        if (moved == TILE_ALL_MOVED) update_whole(w, i, &w->tallies[task]);
         else if (moved == TILE_PARTLY_MOVED) update_part(w, i, &w->tallies[task]);
     }
 }
