@@ -6,6 +6,7 @@
  * floats' range is done again one by one. What limits is instructions, not memory: stores past the cache, which spare reading the output's lines, took a fifth longer. */
 #include "isa.h"
 #include "stream.h"
+#include "transform_normals_avx512.h"
 
 enum { BLOCK = 64 };
 
@@ -145,16 +146,12 @@ CORE_FOR_AVX2 static size_t units_avx2(const double m[9], const float *in, size_
 {
     return units_of_blocks(m, in, count, out);
 }
-CORE_FOR_AVX512 static size_t units_avx512(const double m[9], const float *in, size_t count, float *out)
-{
-    return units_of_blocks(m, in, count, out);
-}
 #endif
 
 static block_kernel *choose_kernel(void)
 {
 #if defined(CORE_HAS_X86)
-    static block_kernel *const kernels[] = {units_portable, units_avx2, units_avx512};
+    static block_kernel *const kernels[] = {units_portable, units_avx2, norma_core_units_avx512};
     return kernels[norma_core_level(NORMA_ISA_BEST)];
 #else
     return units_portable;
