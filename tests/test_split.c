@@ -163,10 +163,77 @@ static void strided_normals(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* ---- more corners than one block of numbers holds */
+
+typedef struct numbering {
+    uint32_t *corners, *sources, *next, *last;  /* as expected: next: of each new vertex the one before it of the same old vertex; last: of each old vertex */
+    float    *normals;
+    size_t    count;
+} numbering;
+
+/* One after the other, from the normals of corners: a corner is the new vertex of its old one that has its normal, or another one. */
+static void number_by_hand(const norma_mesh *mesh, const float *by_corner, numbering *n) {
+    const uint32_t *corners = mesh->corners;
+    memset(n->last, 0xff, mesh->positions.count * sizeof *n->last);
+    n->count = 0;
+    for (size_t c = 0; c < mesh->corner_count; ++c) {
+        uint32_t v = n->last[corners[c]];
+        while (v != UINT32_MAX && memcmp(n->normals + 3 * (size_t)v, by_corner + 3 * c, 12)) v = n->next[v];
+        if (v == UINT32_MAX) {
+            v = (uint32_t)n->count++;
+            n->sources[v] = corners[c];
+            n->next[v] = n->last[corners[c]];
+            n->last[corners[c]] = v;
+            memcpy(n->normals + 3 * (size_t)v, by_corner + 3 * c, 12);
+        }
+        n->corners[c] = v;
+    }
+}
+
+static void check_large(const norma_mesh *mesh, float crease, norma_options options) {
+    const size_t corners = mesh->corner_count, room = corners;
+    float       *by_corner = test_calloc(corners, 12), *normals = test_calloc(room, 12);
+    uint32_t    *found = test_calloc(corners, 4), *sources = test_calloc(room, 4);
+    numbering    n = {test_calloc(corners, 4), test_calloc(corners, 4), test_calloc(corners, 4), test_calloc(mesh->positions.count, 4), test_calloc(corners, 12), 0};
+    assert_ok(norma_corner_normals(mesh, crease, &options, by_corner, corners, NULL));
+    number_by_hand(mesh, by_corner, &n);
+    for (int parts = 1; parts < 8; ++parts) {
+        size_t count = 0;
+        assert_ok(norma_split(mesh, crease, &options, parts & 1 ? found : NULL, corners, parts & 2 ? sources : NULL, parts & 4 ? normals : NULL, room, &count, NULL));
+        assert_int_equal(count, n.count);
+        if (parts & 1) assert_memory_equal(found, n.corners, 4 * corners);
+        if (parts & 2) assert_memory_equal(sources, n.sources, 4 * count);
+        if (parts & 4) assert_memory_equal(normals, n.normals, 12 * count);
+        memset(found, 0xa5, 4 * corners);
+        memset(sources, 0xa5, 4 * room);
+        memset(normals, 0xa5, 12 * room);
+        if (n.count > 1) assert_int_equal(norma_split(mesh, crease, &options, parts & 1 ? found : NULL, corners, sources, normals, n.count - 1, &count, NULL), NORMA_ERROR_CAPACITY);
+    }
+    void *const blocks[] = {by_corner, normals, found, sources, n.corners, n.sources, n.next, n.last, n.normals};
+    for (size_t i = 0; i < COUNT_OF(blocks); ++i) test_free(blocks[i]);
+}
+
+static void many_blocks(void **state) {
+    (void)state;
+    for (int quads = 0; quads < 2; ++quads) {
+        mesh_file mesh = {0};
+        shape_wavy_grid(&mesh, 150, quads);
+        for (size_t i = 0; i < mesh.position_count; i += 97) mesh.positions[i][2] += .3;        /* peaks: creases here and there */
+        for (size_t i = 1; i < mesh.position_count; i += 1009) memcpy(mesh.positions[i], mesh.positions[i - 1], sizeof mesh.positions[i]);
+        const norma_mesh view = mesh_file_view(&mesh);
+        for (uint32_t threads = 1; threads <= 3; threads += 2)
+            for (int weld = NORMA_WELD_EXACT; weld <= NORMA_WELD_NONE; ++weld)
+                for (int crease = 0; crease < 3; ++crease)
+                    check_large(&view, (float)crease * .4f, (norma_options){.threads = threads, .weld = (norma_weld)weld, .fallback = crease == 1 ? NORMA_FALLBACK_NEAREST : NORMA_FALLBACK_GIVEN,
+                                                                             .fallback_normal = {0, 0, 1}});
+        mesh_file_free(&mesh);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces), cmocka_unit_test(heaps), cmocka_unit_test(no_corners), cmocka_unit_test(known_counts), cmocka_unit_test(parts_alone),
-        cmocka_unit_test(strided_normals),
+        cmocka_unit_test(strided_normals), cmocka_unit_test(many_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
