@@ -171,13 +171,13 @@ static void signed_integers(void **state)
 static void same_bits_however_called(void **state)
 {
     (void)state;
-    enum { COUNT = 203 };
+    enum { COUNT = 203 };                              /* blocks of 16 and 64, then one in which two are done by themselves */
     static float in[COUNT][3], apart[COUNT][3], in_place[COUNT][3], interleaved[COUNT][8];
     uint64_t seed = 5;
     float m[9];
     for (int i = 0; i < 9; i++) m[i] = (float)random_unit(&seed);
     for (int i = 0; i < COUNT; i++)
-        for (int k = 0; k < 3; k++) in[i][k] = i % 17 == 5 ? 0.0f : (float)random_unit(&seed);
+        for (int k = 0; k < 3; k++) in[i][k] = i / 2 == 75 ? 0.0f : (float)random_unit(&seed);
     assert_ok(norma_transform_normals(m, (norma_vec3_view){in, COUNT, 0, NORMA_FORMAT_FLOAT}, apart[0], 0, COUNT));
     memcpy(in_place, in, sizeof in);
     assert_ok(norma_transform_normals(m, (norma_vec3_view){in_place, COUNT, 0, NORMA_FORMAT_FLOAT}, in_place[0], 0, COUNT));
