@@ -41,6 +41,7 @@ struct norma_document {
     char                  **notes;
     size_t                  note_count, note_capacity;
     int                     failed;        /* a change went wrong half-way: it can only be closed */
+    int                     lean;          /* what is read of the source while it is saved leaves memory again: what was computed takes enough */
     int                     copied;        /* files are read into memory, not mapped */
     int                     lenient;       /* what norma check judges is read instead of refused */
     struct norma_scene     *scene;         /* what else is told of it (scene.h) */

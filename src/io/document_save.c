@@ -38,7 +38,7 @@ static norma_document_result check_target(const norma_document *document, const 
 typedef struct file_sink {
     const norma_document *document;
     file_writer *writer;
-    uint64_t written;
+    uint64_t written, forgotten; /* up to where in the output what is copied from the source has left memory */
     int error, cancelled;
 } file_sink;
 
@@ -55,6 +55,10 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
             return 1;
         sink->error = norma_file_writer_write(sink->writer, at, part);
         sink->written += part;
+        if (document->lean && sink->written - sink->forgotten >= slice) {
+            norma_file_forget(&document->source);
+            sink->forgotten = sink->written;
+        }
         at += part;
         size -= part;
     }

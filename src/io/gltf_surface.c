@@ -211,11 +211,12 @@ norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surfa
 
 /* ---- points */
 
-/* Room for most points; what is not used is never touched. */
-static int make_room(gltf_surface *s, size_t most, int with_points)
+/* Room for most points, of which many may not come to be; what is not used is never touched. */
+static int make_room(gltf_surface *s, size_t most, int with_points, int many_unused)
 {
-    s->sources = norma_io_block(most, sizeof *s->sources);
-    s->normals = norma_io_block(most, 3 * sizeof *s->normals);
+    void *(*const allocate)(size_t, size_t) = many_unused ? norma_io_room : norma_io_block;
+    s->sources = allocate(most, sizeof *s->sources);
+    s->normals = allocate(most, 3 * sizeof *s->normals);
     s->reasons = norma_io_allocate(most, 1);
     s->points = with_points ? norma_io_block(s->core.corner_count, sizeof *s->points) : NULL;
     return s->sources && s->normals && s->reasons && (s->points || !with_points);
@@ -225,7 +226,7 @@ static norma_document_result find_creased(gltf_job *job, gltf_surface *s, norma_
 {
     norma_edges edges = {0};
     size_t most = s->core.corner_count;
-    if (!make_room(s, most, 1))
+    if (!make_room(s, most, 1, 1))
         return out_of_memory(job);
     job->core.edges = &edges;
     job->core.reasons = s->reasons;
@@ -239,7 +240,7 @@ static norma_document_result find_creased(gltf_job *job, gltf_surface *s, norma_
 static norma_document_result find_smooth(gltf_job *job, gltf_surface *s, norma_report *report)
 {
     size_t count = s->core.positions.count;
-    if (!make_room(s, count, 0))
+    if (!make_room(s, count, 0, 0))
         return out_of_memory(job);
     job->core.reasons = s->reasons;
     norma_result result = norma_vertex_normals(&s->core, &job->core, s->normals, count, report);
@@ -289,7 +290,7 @@ static norma_document_result find_flat(gltf_job *job, gltf_surface *s, norma_rep
     size_t faces = s->core.corner_count / 3;
     float *normals = norma_io_allocate(faces, 3 * sizeof *normals);
     uint8_t *reasons = norma_io_allocate(faces, 1);
-    norma_document_result result = normals && reasons && make_room(s, s->core.corner_count, 1) ? NORMA_DOCUMENT_OK : out_of_memory(job);
+    norma_document_result result = normals && reasons && make_room(s, s->core.corner_count, 1, 0) ? NORMA_DOCUMENT_OK : out_of_memory(job);
     if (!result) {
         job->core.reasons = reasons;
         norma_result core = norma_face_normals(&s->core, &job->core, normals, faces, report);

@@ -111,7 +111,7 @@ static norma_result compute_points(computation *c)
 {
     const size_t most = c->state->corner_count;
     c->points = norma_io_block(most, sizeof *c->points);
-    c->computed = norma_io_block(most, 3 * sizeof *c->computed); /* what is not used is never touched */
+    c->computed = norma_io_room(most, 3 * sizeof *c->computed);
     if (!c->points || !c->computed)
         return NORMA_ERROR_MEMORY;
     norma_result result =
@@ -365,6 +365,7 @@ static norma_document_result run(computation *c, const norma_compute_options *op
         result = compute_elements(c);
     if (result)
         return norma_document_fail_core(c->document, c->error, result);
+    c->document->lean = 1;
     return wanted ? store(c) : NORMA_DOCUMENT_OK;
 }
 

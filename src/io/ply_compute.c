@@ -188,8 +188,8 @@ static norma_document_result run_split(ply_job *job, split_mesh *split, double c
     const size_t most = split->mesh.corner_count;
     norma_edges edges = {0};
     split->corners = norma_io_block(most, sizeof *split->corners);
-    split->sources = norma_io_block(most, sizeof *split->sources);
-    split->normals = norma_io_block(most, 3 * sizeof *split->normals); /* what is not used is never touched */
+    split->sources = norma_io_room(most, sizeof *split->sources);
+    split->normals = norma_io_room(most, 3 * sizeof *split->normals);
     split->reasons = norma_io_allocate(most, 1);
     if (!split->corners || !split->sources || !split->normals || !split->reasons)
         return fail_memory(job);
@@ -207,16 +207,12 @@ static norma_document_result run_split(ply_job *job, split_mesh *split, double c
     return NORMA_DOCUMENT_OK;
 }
 
-/* The first copy of a vertex keeps its number, all further ones go to the end; a vertex whose normal is not wanted has no further ones. */
-static norma_document_result place_vertices(ply_job *job, const split_mesh *split)
+/* The first copy of a vertex keeps its number, all further ones go to the end; a vertex whose normal is not wanted has no further ones. 0: out of memory. */
+static int number_places(ply_job *job, const split_mesh *split, uint32_t *place)
 {
     const size_t vertices = job->state->vertices;
     uint8_t *taken = norma_io_allocate(vertices, 1);
-    uint32_t *place = norma_io_allocate(split->count, sizeof *place);
-    job->added = norma_io_allocate(split->count, sizeof *job->added);
-    job->corners = malloc(job->state->mesh.corner_count * sizeof *job->corners);
-    int ok = taken && place && job->added && job->corners;
-    for (size_t i = 0; ok && i < split->count; ++i) {
+    for (size_t i = 0; taken && i < split->count; ++i) {
         const uint32_t source = split->sources[i];
         if (taken[source] && (!job->wanted || job->wanted[source])) {
             place[i] = (uint32_t)(vertices + job->added_count);
@@ -226,16 +222,52 @@ static norma_document_result place_vertices(ply_job *job, const split_mesh *spli
         }
         taken[source] = 1;
     }
-    job->normals = ok ? norma_io_allocate(vertices + job->added_count, 3 * sizeof *job->normals) : NULL;
-    job->reasons = norma_io_allocate(vertices + job->added_count, 1);
-    ok = ok && job->normals && job->reasons;
-    for (size_t i = 0; ok && i < split->count; ++i) {
+    free(taken);
+    return taken != NULL;
+}
+
+static int place_normals(ply_job *job, const split_mesh *split, const uint32_t *place)
+{
+    const size_t count = job->state->vertices + job->added_count;
+    job->normals = norma_io_allocate(count, 3 * sizeof *job->normals);
+    job->reasons = norma_io_allocate(count, 1);
+    if (!job->normals || !job->reasons)
+        return 0;
+    for (size_t i = 0; i < split->count; ++i) {
         memcpy(job->normals + 3 * (size_t)place[i], split->normals + 3 * i, 3 * sizeof(float));
         job->reasons[place[i]] = split->reasons[i];
     }
-    for (size_t i = 0; ok && i < job->state->mesh.corner_count; ++i)
-        job->corners[i] = place[split->corners[i]];
-    free(taken);
+    return 1;
+}
+
+enum { LEAST_SLICE = 1 << 16 };
+
+typedef struct placing {
+    const uint32_t *place;
+    uint32_t       *corners;             /* they get their places where they stand */
+    size_t          count, slices;
+} placing;
+
+static void place_slice(void *context, size_t slice)
+{
+    const placing *p = context;
+    const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
+    for (size_t i = norma_io_slice(p->count, p->slices, slice); i < end; ++i)
+        p->corners[i] = p->place[p->corners[i]];
+}
+
+static norma_document_result place_vertices(ply_job *job, split_mesh *split)
+{
+    uint32_t *place = norma_io_allocate(split->count, sizeof *place);
+    job->added = norma_io_allocate(split->count, sizeof *job->added);
+    const int ok = place && job->added && number_places(job, split, place) && place_normals(job, split, place);
+    if (ok) {
+        placing p = {.place = place, .corners = split->corners, .count = job->state->mesh.corner_count};
+        p.slices = norma_io_slices(p.count, LEAST_SLICE);
+        norma_io_tasks(job->core.threads, p.slices, place_slice, &p);
+        job->corners = split->corners;
+        split->corners = NULL;
+    }
     free(place);
     return ok ? NORMA_DOCUMENT_OK : fail_memory(job);
 }
@@ -265,15 +297,18 @@ static void report_reasons(const ply_job *job)
 static norma_document_result compute_split(ply_job *job, double crease)
 {
     split_mesh split = {0};
+    norma_file_forget(&job->document->source); /* its faces are copied; what is needed of its vertices comes back */
     norma_document_result result = gather_split_mesh(job, &split);
     if (!result && job->state->vertices + split.mesh.corner_count > UINT32_MAX)
         result = norma_document_fail(job->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "splitting could need more than 4294967295 vertices");
     if (!result)
         result = run_split(job, &split, crease);
+    norma_file_forget(&job->document->source); /* and again: all that follows needs no positions */
     if (!result)
         result = place_vertices(job, &split);
     if (!result)
         report_reasons(job);
+    job->document->lean = 1;
     free_split(&split);
     return result;
 }

@@ -25,6 +25,7 @@ typedef struct row_writer {
     norma_sink      *sink;
     row_step        *steps;
     size_t           step_count;
+    int              spliced;            /* the steps only copy, skip and take from the side */
     const uint32_t  *next_index;         /* of faces */
     const uint32_t  *triangle;           /* of the face that is cut, which this row is; or NULL */
     const int64_t   *next_item;          /* of strips */
@@ -57,6 +58,21 @@ static void add_value(row_writer *writer, const ply_item *item)
         add_step(writer, (row_step){.kind = STEP_VALUE, .item = item});
 }
 
+/* Triangles alone whose new corners are stored as they are in memory: their count stays, the corners come from the side. 0: they are no such. */
+static int add_triangle(row_writer *writer, const ply_item *item)
+{
+    const ply_plan *plan = writer->plan;
+    const size_t size = sizeof(uint32_t);
+    if (plan->lists || plan->cut_rows || plan->element->triangle_row != 1 + 3 * size || !norma_ply_is_native(writer->state->header.encoding))
+        return 0;
+    if (norma_ply_type_size(item->type) != size || norma_ply_type_size(item->source->type) != size)
+        return 0;
+    add_step(writer, (row_step){.kind = STEP_COPY, .size = 1});
+    add_step(writer, (row_step){.kind = STEP_SIDE, .size = 3 * size, .stride = 3 * size, .side = (const unsigned char *)plan->indices});
+    add_step(writer, (row_step){.kind = STEP_SKIP, .size = 3 * size});
+    return 1;
+}
+
 /* Skips move behind the values that neighbour them, so that three replaced numbers are one step each way. */
 static void compile(row_writer *writer)
 {
@@ -71,6 +87,8 @@ static void compile(row_writer *writer)
         if (skipped > 0)
             add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
         skipped = 0;
+        if (item->action == PLY_INDICES && add_triangle(writer, item))
+            continue;
         if (item->action == PLY_INDICES)
             add_step(writer, (row_step){.kind = STEP_INDICES, .item = item});
         else if (item->action == PLY_CORNERS)
@@ -82,6 +100,9 @@ static void compile(row_writer *writer)
     }
     if (skipped > 0)
         add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
+    writer->spliced = 1;
+    for (size_t i = 0; i < writer->step_count; ++i)
+        writer->spliced &= writer->steps[i].kind <= STEP_SIDE;
 }
 
 /* ---- its steps */
@@ -89,7 +110,9 @@ static void compile(row_writer *writer)
 /* Sizes that stand for one vector of floats or doubles are copied in line. */
 static void put_bytes(norma_sink *sink, const unsigned char *bytes, size_t size)
 {
-    if (size == 12)
+    if (size == 1)
+        *norma_sink_room(sink, 1) = *bytes;
+    else if (size == 12)
         memcpy(norma_sink_room(sink, 12), bytes, 12);
     else if (size == 24)
         memcpy(norma_sink_room(sink, 24), bytes, 24);
@@ -182,8 +205,20 @@ static const unsigned char *run_step(row_writer *writer, const row_step *step, c
     return at + size;
 }
 
+static const unsigned char *splice_row(const row_writer *writer, const unsigned char *at, size_t number)
+{
+    for (const row_step *step = writer->steps, *end = step + writer->step_count; step < end; ++step) {
+        if (step->kind != STEP_SKIP)
+            put_bytes(writer->sink, step->kind == STEP_COPY ? at : step->side + step->stride * number, step->size);
+        at += step->kind == STEP_SIDE ? 0 : step->size;
+    }
+    return at;
+}
+
 static const unsigned char *write_row(row_writer *writer, const unsigned char *at, size_t row, size_t number)
 {
+    if (writer->spliced)
+        return splice_row(writer, at, number);
     for (size_t i = 0; i < writer->step_count; ++i)
         at = run_step(writer, &writer->steps[i], at, row, number);
     return at;
