@@ -100,6 +100,40 @@ static void test_gltf_refuses(void **state) {
            "lines have no normals to compute");
     refuse(asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 1), &backwards, NORMA_DOCUMENT_ERROR_ARGUMENT,
            "vertices without a normal, or normals without a vertex, cannot be copied");
+    const norma_mesh_edit turned = {.normals = normals[0], .set_normals = ALL}, moved[2] = {{.positions = TRIANGLE[0], .set_positions = ALL}, {0}};
+    asset_accessor(&a, "{\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}"); /* normals without bytes: read leniently they are none */
+    refuse(asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":2}}]}]", 1), &turned, NORMA_DOCUMENT_ERROR_ARGUMENT,
+           "/meshes/0/primitives/0: has no NORMAL that could be replaced");
+    refuse(asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"mode\":0},{\"attributes\":{\"POSITION\":0}}]}]", 0), moved, NORMA_DOCUMENT_ERROR_ARGUMENT,
+           "points have no normals to compute");
+    asset_free(&a);
+}
+
+/* Two corners are no triangle: none runs the other way round, and four vertices made of them are none either. */
+static void test_gltf_without_triangles(void **state) {
+    static const uint32_t sources[4] = {0, 1, 2, 0};
+    const norma_mesh_edit reversed = {.reverse_faces = ALL, .drop_faces = ALL}, more = {.source_vertices = sources, .vertex_count = 4, .new_corners = CORNERS};
+    gltf_asset a = {0};
+    (void)state;
+    asset_numbers(&a, TRIANGLE[0], 3, 3, 5126, 0);
+    asset_uint16(&a, (const uint16_t[]){1, 2}, 2);
+    asset_numbers(&a, TRIANGLE[0], 2, 3, 5126, 0);
+    for (int indexed = 0; indexed < 2; ++indexed)
+        for (int strip = 0; strip < 2; ++strip)
+            for (int copies = 0; copies < 2; ++copies) {
+                char rest[200];
+                norma_document_error error;
+                snprintf(rest, sizeof rest, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d},\"mode\":%d%s}]}]", indexed ? 0 : 2, 4 + strip, indexed ? ",\"indices\":1" : "");
+                norma_document *document = asset_open(&a, rest, 0);
+                const norma_mesh_edit fewer = {.source_vertices = (const uint32_t[]){0, 1, 1, 0}, .vertex_count = 4, .new_corners = CORNERS};
+                if (norma_document_edit(document, copies ? (indexed ? &more : &fewer) : &reversed, &error))
+                    fail_msg("%s", error.message);
+                gltf_output b = output_of(document);
+                norma_mesh_data data = output_mesh(&b, 0);
+                assert_int_equal(data.mesh.corner_count, 0);
+                assert_int_equal(data.mesh.positions.count, copies ? 4 : indexed ? 3 : 2);
+                output_free(&b);
+            }
     asset_free(&a);
 }
 
@@ -204,7 +238,7 @@ static void test_ply_empty_faces(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ply_empty_faces), cmocka_unit_test(test_gltf_positions), cmocka_unit_test(test_gltf_strips_targets), cmocka_unit_test(test_gltf_refuses), cmocka_unit_test(test_obj), cmocka_unit_test(test_obj_reads_what_it_wrote), cmocka_unit_test(test_obj_renumbers_what_refers),
+        cmocka_unit_test(test_ply_empty_faces), cmocka_unit_test(test_gltf_positions), cmocka_unit_test(test_gltf_strips_targets), cmocka_unit_test(test_gltf_refuses), cmocka_unit_test(test_gltf_without_triangles), cmocka_unit_test(test_obj), cmocka_unit_test(test_obj_reads_what_it_wrote), cmocka_unit_test(test_obj_renumbers_what_refers),
         cmocka_unit_test(test_ply), cmocka_unit_test(test_ply_drops_first_rows), cmocka_unit_test(test_ply_adds_rows_at_the_end), cmocka_unit_test(test_stl),
     };
     return cmocka_run_group_tests_name("edits, rare or refused", tests, NULL, NULL);

@@ -191,10 +191,67 @@ static void test_flattened(void **state)
     }
 }
 
+/* Two normals that a primitive of forty vertices and one of four share, read leniently: what follows them reaches for both, whichever comes first. */
+static void test_too_few_normals_shared(void **state) {
+    static const float normals[6] = {0, 0, 1, 0, 0, 1};
+    double places[40][3];
+    (void)state;
+    for (int i = 0; i < 40; ++i) places[i][0] = i % 3 == 1, places[i][1] = i % 3 == 2, places[i][2] = i / 3;
+    for (int few_first = 0; few_first < 2; ++few_first) {
+        const norma_compute_options broken = {.struct_size = sizeof broken, .only = NORMA_ONLY_BROKEN};
+        norma_compute_summary summary;
+        norma_document_error error;
+        gltf_asset a = {0};
+        asset_numbers(&a, places[0], 40, 3, FLOAT, 0);
+        asset_numbers(&a, places[0], 4, 3, FLOAT, 0);
+        asset_floats(&a, normals, 2, 3);
+        norma_document *document = asset_open(&a, few_first ? "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":1,\"NORMAL\":2}},{\"attributes\":{\"POSITION\":0,\"NORMAL\":2}}]}]"
+                                                            : "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":2}},{\"attributes\":{\"POSITION\":1,\"NORMAL\":2}}]}]", 1);
+        if (norma_document_compute(document, &broken, &summary, &error))
+            fail_msg("%s", error.message);
+        document_bytes out = bytes_of(document);
+        norma_document *after = bytes_open(out, "a.glb");
+        for (size_t m = 0; m < 2; ++m) {
+            norma_mesh_data data;
+            assert_int_equal(norma_document_mesh_data(after, m, &data, NULL), NORMA_DOCUMENT_OK);
+            assert_int_equal(data.normals.count, data.mesh.positions.count);
+            for (size_t v = 0; v < data.normals.count; ++v) {
+                const float *n = (const float *)data.normals.data + 3 * v;
+                assert_true(n[0] == 0 && n[1] == 0 && (n[2] == 1 || n[2] == -1));
+            }
+        }
+        norma_document_close(after);
+        norma_document_close(document);
+        bytes_free(&out);
+        asset_free(&a);
+    }
+}
+
+/* Indices of one primitive, sparse, that are the "normals" of another, of which there are too few: read leniently the corners stay what they are. */
+static void test_indices_as_normals(void **state) {
+    static const uint32_t indices[6] = {0, 1, 2, 2, 1, 0}, expected[6] = {0, 3, 2, 2, 1, 0};
+    static const float places[27] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    gltf_asset a = {0};
+    char text[400];
+    norma_mesh_data data;
+    (void)state;
+    asset_floats(&a, places, 9, 3);
+    const int base = asset_view(&a, indices, sizeof indices, ""), which = asset_view(&a, (const uint16_t[]){1}, 2, ""), value = asset_view(&a, (const uint32_t[]){3}, 4, "");
+    snprintf(text, sizeof text, "{\"bufferView\":%d,\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\",\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":%d,\"componentType\":5123},\"values\":{\"bufferView\":%d}}}",
+             base, which, value);
+    asset_accessor(&a, text);
+    norma_document *document = asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 1);
+    assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(data.mesh.corner_count, 6);
+    assert_memory_equal(data.mesh.corners, expected, sizeof expected);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_does_not_fit), cmocka_unit_test(test_what_stays), cmocka_unit_test(test_codes_below_the_least), cmocka_unit_test(test_encodings_are_told),
+        cmocka_unit_test(test_too_few_normals_shared), cmocka_unit_test(test_indices_as_normals), cmocka_unit_test(test_what_does_not_fit), cmocka_unit_test(test_what_stays), cmocka_unit_test(test_codes_below_the_least), cmocka_unit_test(test_encodings_are_told),
         cmocka_unit_test(test_flattened),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include "check.h"
 #include "gltf_asset.h"
 #include "document_bytes.h"
+#include "gltf_output.h"
 #include <meshoptimizer.h>
 
 enum { BYTE = 5120, UBYTE, SHORT, USHORT, UINT = 5125, FLOAT };
@@ -367,6 +368,42 @@ static void test_compressed(void **state)
         }
 }
 
+/* A view that is said to be compressed twice, under one name or under both there are: rewritten, it is not compressed, whichever of them a reader looks for. */
+static void test_compressed_twice(void **state)
+{
+    static const float positions[4][3] = {{0, 0, 0}, {1.5F, 0, 0}, {0, 2.25F, 0}, {-3, 0.125F, 7}};
+    static const uint8_t second[4] = {0, 1, 0, 0};
+    static const double moved[4][3] = {{0}, {4, 5, 6}};
+    const norma_mesh_edit edit = {.positions = moved[0], .set_positions = second};
+    (void)state;
+    for (int twice = 0; twice < 4; ++twice) {             /* the same name, both names, and either beside another extension */
+        gltf_asset a = {0};
+        char views[2000];
+        norma_mesh_data data;
+        float v[3];
+        compressed_view(&a, positions, 4, 12, "ATTRIBUTES", "NONE");
+        asset_accessor(&a, "{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}");
+        const char *said = strstr(a.views, "\"EXT_"), *end = strrchr(a.views, '}') - 1;
+        const int before = (int)(said - a.views), length = (int)(end - said);
+        snprintf(views, sizeof views, "%.*s%.*s,\"%s%.*s%s}}", before, a.views, length, said, twice & 1 ? "KHR" : "EXT", length - 4, said + 4, twice & 2 ? ",\"VENDOR_x\":{}" : "");
+        free(a.views);
+        a.views = malloc(strlen(views) + 1);
+        assert_non_null(a.views);
+        strcpy(a.views, views);
+        norma_document *document = asset_open(&a, "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_meshopt_compression\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 0);
+        assert_int_equal(norma_document_edit(document, &edit, NULL), NORMA_DOCUMENT_OK);
+        gltf_output b = output_of(document);
+        assert_string_equal(output_text(&b, "bufferViews/0/extensions"), twice & 2 ? "{\"VENDOR_x\":{}}" : "");
+        assert_string_equal(output_text(&b, "extensionsUsed"), twice & 1 ? "" : "[\"KHR_meshopt_compression\"]");
+        assert_int_equal(norma_document_mesh_data(b.document, 0, &data, NULL), NORMA_DOCUMENT_OK);
+        at(&data.mesh.positions, 1, v);
+        assert_true(v[0] == 4 && v[1] == 5 && v[2] == 6);
+        at(&data.mesh.positions, 3, v);
+        assert_true(v[0] == -3 && v[1] == 0.125F && v[2] == 7);
+        output_finish(&b, &a);
+    }
+}
+
 /* Instances turned by quaternions under the filter for them: a quarter about each axis. */
 static void test_compressed_rotations(void **state)
 {
@@ -502,7 +539,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_baked),      cmocka_unit_test(test_moved), cmocka_unit_test(test_too_large),           cmocka_unit_test(test_computed_deltas), cmocka_unit_test(test_indices),           cmocka_unit_test(test_sparse),
-        cmocka_unit_test(test_compressed), cmocka_unit_test(test_compressed_rotations), cmocka_unit_test(test_between_keys),    cmocka_unit_test(test_animations_refused), cmocka_unit_test(test_data_uris),
+        cmocka_unit_test(test_compressed), cmocka_unit_test(test_compressed_twice), cmocka_unit_test(test_compressed_rotations), cmocka_unit_test(test_between_keys),    cmocka_unit_test(test_animations_refused), cmocka_unit_test(test_data_uris),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

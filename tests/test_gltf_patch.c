@@ -117,6 +117,26 @@ static void test_sparse_of_fewer_vertices(void **state) {
     for (int fewer = 1; fewer < 4; ++fewer) expect_fewer_vertices((const uint32_t[]){3, 0, 1}, (size_t)fewer, (const uint32_t[]){0, 0, (uint32_t)fewer - 1}, 1);
 }
 
+/* Sparse values with a byteStride, which they must not have (glTF 2.0, 3.6.2.3): as they are read they are written. */
+static void test_sparse_values_apart(void **state) {
+    static const float values[2][4] = {{1, 0, 0, 7}, {0, 1, 0, 7}}, turned[3][3] = {{0}, {0}, {0, 0, 1}};
+    static const uint8_t last[3] = {0, 0, 1};
+    const norma_mesh_edit edit = {.normals = turned[0], .set_normals = last};
+    gltf_asset a = {0};
+    char text[400];
+    (void)state;
+    asset_numbers(&a, TRIANGLE[0], 3, 3, FLOAT, 0);
+    const int base = asset_view(&a, TRIANGLE, 36, ""), indices = asset_view(&a, (const uint16_t[]){0, 2}, 4, ""), spread = asset_view(&a, values, sizeof values, ",\"byteStride\":16");
+    snprintf(text, sizeof text, "{\"bufferView\":%d,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"sparse\":{\"count\":2,\"indices\":{\"bufferView\":%d,\"componentType\":5123},\"values\":{\"bufferView\":%d}}}",
+             base, indices, spread);
+    asset_accessor(&a, text);
+    gltf_output b = edited(asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 0), &edit);
+    norma_mesh_data data = output_mesh(&b, 0);
+    assert_vector(&data.normals, 0, (const double[]){1, 0, 0}, 0);
+    assert_vector(&data.normals, 2, (const double[]){0, 0, 1}, 0);
+    output_finish(&b, &a);
+}
+
 /* Positions without a view are zeros (glTF 2.0, 3.6.2.3), and a GLB with nothing else has no binary chunk. Normals need one: the first buffer, without a URI, right behind the JSON. A triangle of one point has
  * no normal, the vertex that no triangle uses none to take: +Z both, as everywhere where a mesh has no normal at all. */
 static void test_a_glb_without_bytes(void **state) {
@@ -306,6 +326,7 @@ int main(void) {
         cmocka_unit_test(test_shared_normals_part),
         cmocka_unit_test(test_sparse_over_nothing),
         cmocka_unit_test(test_sparse_of_fewer_vertices),
+        cmocka_unit_test(test_sparse_values_apart),
         cmocka_unit_test(test_a_glb_without_bytes),
         cmocka_unit_test(test_a_chunk_too_short),
         cmocka_unit_test_setup_teardown(test_settled_with_a_file_that_stays, make_folder, remove_folder),

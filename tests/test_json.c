@@ -146,6 +146,16 @@ static void removes_with_the_comma(void **state) {
     expect(&e, "{\"a\":[2, 3], \"b\":[4], \"c\":[], \"d\":1}");
 }
 
+/* The last of one name counts: without the others, one of them would count instead. */
+static void removes_all_of_one_name(void **state) {
+    editing e;
+    (void)state;
+    begin(&e, "{\"a\":[1], \"b\":2, \"\\u0061\":3, \"a\":4, \"c\":[5, 5]}");
+    norma_json_remove(e.edits, at(&e, "a"));
+    norma_json_remove(e.edits, norma_json_element(&e.j, at(&e, "c"), 0));
+    expect(&e, "{\"b\":2, \"c\":[5]}");
+}
+
 static void removes_and_appends_in_one_place(void **state) {
     editing e;
     (void)state;
@@ -211,6 +221,7 @@ int main(void) {
         cmocka_unit_test(replaces_values_alone),
         cmocka_unit_test(appends_in_the_style_of_the_last),
         cmocka_unit_test(removes_with_the_comma),
+        cmocka_unit_test(removes_all_of_one_name),
         cmocka_unit_test(removes_and_appends_in_one_place),
         cmocka_unit_test(edits_within_what_goes_are_dropped),
         cmocka_unit_test(writes_one_value_of_the_text),

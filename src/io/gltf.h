@@ -66,6 +66,7 @@ typedef struct gltf_accessor {
     int            resolved;
     gltf_array     array;
     unsigned char *owned;
+    size_t         padded;                /* elements that are there, zeros behind those of the file; 0: no more than count */
 } gltf_accessor;
 
 typedef struct gltf_attribute {

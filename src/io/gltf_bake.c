@@ -296,14 +296,9 @@ static norma_document_result bake_node(baking *b, uint32_t node, norma_document_
 static void unlist(gltf *g, const char *key, const char *extension) {
     const uint32_t list = norma_json_member(&g->json, 0, key);
     json_edits *edits = norma_gltf_edits(g, 0);
-    for (uint32_t value = norma_json_first(&g->json, list); edits && value != JSON_NONE; value = norma_json_next(&g->json, list, value)) {
-        if (!norma_json_equals(&g->json, value, extension))
-            continue;
-        if (norma_json_size(&g->json, list) == 1)
-            norma_json_unset(edits, 0, key);
-        else
-            norma_json_remove(edits, value);
-    }
+    for (uint32_t value = norma_json_first(&g->json, list); edits && value != JSON_NONE; value = norma_json_next(&g->json, list, value))
+        if (norma_json_equals(&g->json, value, extension))
+            norma_json_remove(edits, value); /* an empty list goes at the end: gltf_relocate.c */
 }
 
 static void unlist_instancing(baking *b) {

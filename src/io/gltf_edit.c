@@ -2,6 +2,7 @@
  * hold them. What is not named keeps its bytes wherever its encoding stays. */
 #include "edit.h"
 #include "gltf_bake_vectors.h"
+#include "gltf_scene.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -116,23 +117,25 @@ static size_t edit_corners(const norma_mesh_edit *edit, const uint32_t *corners,
     return count;
 }
 
-/* A primitive without one triangle is not valid (an accessor has at least one element): it keeps the last that was to go. */
+/* A primitive without one triangle is not valid (an accessor has at least one element): it keeps the last that was to go. One that never had any
+ * gets an index for its new vertices, which alone draws nothing. */
 static norma_document_result edit_faces(gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error)
 {
     const gltf_primitive *p = &g->primitives[primitive];
     const uint32_t *corners;
     norma_document_result result = norma_gltf_corners(g, primitive, &corners, error);
-    if (result)
+    if (result || (p->faces == 0 && !edit->source_vertices))
         return result;
-    uint32_t *kept = norma_io_allocate(p->faces, 3 * sizeof *kept);
+    uint32_t *kept = norma_io_allocate(p->faces ? p->faces : 1, 3 * sizeof *kept);
     if (!kept)
         return norma_document_fail_memory(g->document, error);
     if (edit->new_corners && edit->source_vertices)
         corners = edit->new_corners;
     size_t count = edit_corners(edit, corners, p->faces, kept);
-    if (count == 0 && p->faces > 0) {
-        memcpy(kept, corners + 3 * (p->faces - 1), 3 * sizeof *kept);
-        count = 3;
+    if (count == 0) {
+        if (p->faces)
+            memcpy(kept, corners + 3 * (p->faces - 1), 3 * sizeof *kept);
+        count = p->faces ? 3 : 1;
     }
     gltf_data data = {.component = component_for(g, p, edit->source_vertices ? edit->vertex_count : p->vertices), .width = 1, .count = count, .is_indices = 1};
     size_t size = norma_gltf_data_size(&data);
@@ -173,14 +176,25 @@ static void strip_normals(gltf *g, uint32_t primitive, int of_targets_alone)
     }
 }
 
+/* What the caller was told nothing of, it has no marks for: primitives that are not read, and normals without bytes, which are none where a document is read leniently. */
+static norma_document_result check_told(const gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error)
+{
+    const gltf_primitive *p = &g->primitives[primitive];
+    if (p->not_read && (norma_edit_has_faces(edit) || edit->set_normals || edit->set_tangents || edit->set_positions))
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, p->where, "%s", p->not_read);
+    if (edit->set_normals && g->document->lenient && p->base.normal != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.normal))
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, p->where, "has no NORMAL that could be replaced");
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result edit_primitive(gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error)
 {
     const gltf_attributes *base = &g->primitives[primitive].base;
     const vector_edit normals = {"NORMAL", BAKE_NORMALS, 3, edit->normals, NULL, edit->set_normals};
     const vector_edit tangents = {"TANGENT", BAKE_TANGENTS, 4, edit->tangents, NULL, edit->set_tangents};
     const vector_edit positions = {"POSITION", BAKE_POSITIONS, 3, NULL, edit->positions, edit->set_positions};
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    if (edit->source_vertices)
+    norma_document_result result = check_told(g, primitive, edit, error);
+    if (!result && edit->source_vertices)
         result = norma_gltf_put_vertices(g, primitive, edit, error);
     if (!result && edit->set_normals)
         result = edit_vectors(g, primitive, base->normal, edit, &normals, error);

@@ -190,13 +190,13 @@ static norma_document_result check_counts(gltf *g, const gltf_primitive *p, cons
     return NORMA_DOCUMENT_OK;
 }
 
-/* Where there are fewer normals than positions, zeros follow them, so that whoever reads one for each vertex reads memory that is there. */
+/* Where there are fewer normals than positions, zeros follow them, so that whoever reads one for each vertex reads memory that is there: of all primitives that share them. */
 static norma_document_result pad_normals(gltf *g, const gltf_primitive *p, norma_document_error *error)
 {
     gltf_accessor *a = &g->accessors[p->base.normal];
     gltf_array array;
     norma_document_result result = norma_gltf_array(g, p->base.normal, &array, error);
-    if (result || array.count >= p->vertices)
+    if (result || array.count >= p->vertices || a->padded >= p->vertices)
         return result;
     result = norma_gltf_spend(g, a->token, p->vertices, a->element_size, error);
     unsigned char *padded = result ? NULL : norma_io_allocate(p->vertices, a->element_size);
@@ -206,6 +206,7 @@ static norma_document_result pad_normals(gltf *g, const gltf_primitive *p, norma
         memcpy(padded + i * a->element_size, array.data + i * array.stride, a->element_size);
     free(a->owned);
     a->owned = padded;
+    a->padded = p->vertices;
     a->array.data = padded;
     a->array.stride = a->element_size;
     return NORMA_DOCUMENT_OK;
@@ -363,13 +364,13 @@ static int all_below(const gltf *g, const uint32_t *indices, size_t count, size_
     return count == 0 || greatest < limit;
 }
 
-/* A list of triangles whose indices lie in the file as this machine has them is used where it lies. */
+/* A list of triangles whose indices lie in the file as this machine has them is used where it lies; not so elements of the accessor's own, which may yet be made anew. */
 static const uint32_t *corners_in_place(const gltf *g, const gltf_primitive *p, const gltf_array *indices)
 {
     const uint32_t probe = 1;
     unsigned char first;
     memcpy(&first, &probe, 1);
-    if (!first || p->mode != GLTF_TRIANGLES || p->indices == GLTF_NONE || indices->component != GLTF_UINT || indices->stride != sizeof(uint32_t) ||
+    if (!first || p->mode != GLTF_TRIANGLES || p->indices == GLTF_NONE || g->accessors[p->indices].owned || indices->component != GLTF_UINT || indices->stride != sizeof(uint32_t) ||
         (uintptr_t)indices->data % sizeof(uint32_t) != 0)
         return NULL;
     const uint32_t *corners = (const uint32_t *)(const void *)indices->data;

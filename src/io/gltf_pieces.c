@@ -185,9 +185,11 @@ static int add_sparse_piece(gltf *g, const gltf_accessor *a, const char *member,
 {
     const int values = strcmp(member, "values") == 0;
     const size_t old_size = values ? a->element_size : norma_gltf_component_size(a->sparse.indices_component);
+    const uint32_t old_view = values ? a->sparse.values_view : a->sparse.indices_view;
     const patch_piece piece = {.token = norma_json_member(&g->json, norma_json_member(&g->json, a->token, "sparse"), member), .new_accessor = GLTF_NONE,
-                               .old_view = values ? a->sparse.values_view : a->sparse.indices_view, .old_offset = values ? a->sparse.values_offset : a->sparse.indices_offset,
-                               .old_stride = old_size, .old_size = old_size, .old_count = a->sparse.count, .bytes = bytes, .owned = bytes, .size = size, .count = count};
+                               .old_view = old_view, .old_offset = values ? a->sparse.values_offset : a->sparse.indices_offset,
+                               .old_stride = g->views[old_view].stride ? g->views[old_view].stride : old_size, .old_size = old_size,
+                               .old_count = a->sparse.count, .bytes = bytes, .owned = bytes, .size = size, .count = count};
     return bytes && add_piece(g->patch, &piece);
 }
 

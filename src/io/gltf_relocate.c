@@ -3,7 +3,29 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const char *const compressions[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
+enum { COMPRESSIONS = sizeof compressions / sizeof *compressions };
+
+static int is_compressed(const gltf *g, uint32_t view, const char *name)
+{
+    return norma_json_member(&g->json, norma_json_member(&g->json, g->views[view].token, "extensions"), name) != JSON_NONE;
+}
+
 /* ---- views */
+
+/* Whichever of them it was read by, none is true any more. */
+static void drop_compression(const gltf *g, json_edits *edits, uint32_t view)
+{
+    const json *j = &g->json;
+    const uint32_t extensions = norma_json_member(j, g->views[view].token, "extensions");
+    int others = 0;
+    for (uint32_t value = norma_json_first(j, extensions); value != JSON_NONE; value = norma_json_next(j, extensions, value))
+        others |= !norma_json_equals(j, value - 1, compressions[0]) && !norma_json_equals(j, value - 1, compressions[1]);
+    if (!others)
+        norma_json_remove(edits, extensions);
+    for (size_t i = 0; others && i < COMPRESSIONS; ++i)
+        norma_json_unset(edits, extensions, compressions[i]);
+}
 
 static void edit_view(gltf *g, uint32_t number)
 {
@@ -20,10 +42,8 @@ static void edit_view(gltf *g, uint32_t number)
         norma_json_set_uint(edits, old->token, "byteStride", view->stride);
     if (!view->stride && old->stride)
         norma_json_unset(edits, old->token, "byteStride");
-    if (old->meshopt.token != GLTF_NONE) {
-        uint32_t extensions = norma_json_member(&g->json, old->token, "extensions");
-        norma_json_remove(edits, norma_json_size(&g->json, extensions) == 1 ? extensions : old->meshopt.token);
-    }
+    if (old->meshopt.token != GLTF_NONE)
+        drop_compression(g, edits, number);
 }
 
 static void describe_view(json_text *text, const patch_view *view)
@@ -237,7 +257,7 @@ static void remove_placeholders(gltf *g)
 static int uses_extension(const gltf *g, const char *name)
 {
     for (uint32_t v = 0; v < g->view_count; ++v)
-        if (!g->patch->views[v].bytes && g->views[v].meshopt.token != GLTF_NONE && norma_json_equals(&g->json, g->views[v].meshopt.token - 1, name))
+        if (!g->patch->views[v].bytes && is_compressed(g, v, name))
             return 1;
     for (uint32_t b = 0; b < g->buffer_count; ++b)
         if (!g->patch->buffers[b].removed && norma_json_member(&g->json, norma_json_member(&g->json, g->buffers[b].token, "extensions"), name) != JSON_NONE)
@@ -251,21 +271,30 @@ static void drop_from_list(gltf *g, const char *list_name, const char *name)
     uint32_t list = norma_json_member(j, 0, list_name);
     for (uint32_t item = norma_json_first(j, list); item != JSON_NONE; item = norma_json_next(j, list, item))
         if (norma_json_equals(j, item, name))
-            norma_json_remove(g->patch->layout, norma_json_size(j, list) == 1 ? list : item);
+            norma_json_remove(g->patch->layout, item);
+}
+
+/* A list of nothing is not valid (glTF 2.0, 5.17). */
+static void drop_empty_list(gltf *g, const char *list_name)
+{
+    const uint32_t list = norma_json_member(&g->json, 0, list_name);
+    if (norma_json_size(&g->json, list) && !norma_json_keeps_any(g->patch->layout, list))
+        norma_json_remove(g->patch->layout, list);
 }
 
 static void drop_unused_extensions(gltf *g)
 {
-    static const char *const names[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
-    for (size_t i = 0; i < 2; ++i) {
+    for (size_t i = 0; i < COMPRESSIONS; ++i) {
         int decoded = 0;
         for (uint32_t v = 0; v < g->view_count; ++v)
-            decoded |= g->patch->views[v].bytes && g->views[v].meshopt.token != GLTF_NONE && norma_json_equals(&g->json, g->views[v].meshopt.token - 1, names[i]);
-        if (!decoded || uses_extension(g, names[i]))
+            decoded |= g->patch->views[v].bytes && is_compressed(g, v, compressions[i]);
+        if (!decoded || uses_extension(g, compressions[i]))
             continue;
-        drop_from_list(g, "extensionsUsed", names[i]);
-        drop_from_list(g, "extensionsRequired", names[i]);
+        drop_from_list(g, "extensionsUsed", compressions[i]);
+        drop_from_list(g, "extensionsRequired", compressions[i]);
     }
+    drop_empty_list(g, "extensionsUsed");
+    drop_empty_list(g, "extensionsRequired");
 }
 
 norma_document_result norma_gltf_edit_buffers(gltf *g, gltf_destination destination, norma_document_error *error)

@@ -70,12 +70,13 @@ int         norma_json_edits_any(const json_edits *edits);
 
 void norma_json_replace(json_edits *edits, uint32_t value, const char *text);     /* the whole value; again: the last one counts */
 void norma_json_replace_uint(json_edits *edits, uint32_t value, uint64_t number);
-void norma_json_remove(json_edits *edits, uint32_t value);                        /* the element, or the member with its key */
+void norma_json_remove(json_edits *edits, uint32_t value);                        /* the element; or the member with its key, and all of that name */
 void norma_json_append(json_edits *edits, uint32_t array, const char *text);
 /* Sets a member of an object that the text has: replaces it (also an earlier set), undoes its removal, or adds it behind the others. */
 void norma_json_set(json_edits *edits, uint32_t object, const char *key, const char *text);
 void norma_json_set_uint(json_edits *edits, uint32_t object, const char *key, uint64_t number);
 void norma_json_unset(json_edits *edits, uint32_t object, const char *key);       /* removes it where it is */
+int  norma_json_keeps_any(const json_edits *edits, uint32_t container);           /* whether any value that the text has there stays */
 
 /* The text of value (0: the root) with the edits applied. For the root also what stands before and behind it. */
 int norma_json_write(const json_edits *edits, uint32_t value, json_text *out);    /* 0: out of memory */

@@ -181,7 +181,7 @@ void norma_json_replace(json_edits *edits, uint32_t value, const char *text)
     set_text(edits, &e->replacement, text);
 }
 
-void norma_json_remove(json_edits *edits, uint32_t value)
+static void mark_removed(json_edits *edits, uint32_t value)
 {
     edit *e = edit_of(edits, value);
     if (!e)
@@ -241,7 +241,23 @@ void norma_json_unset(json_edits *edits, uint32_t object, const char *key)
 {
     for (uint32_t value = norma_json_first(edits->j, object); value != JSON_NONE; value = norma_json_next(edits->j, object, value))
         if (norma_json_equals(edits->j, value - 1, key))
-            norma_json_remove(edits, value);
+            mark_removed(edits, value);
+}
+
+/* With those of the same name before it, one of which would count instead. */
+void norma_json_remove(json_edits *edits, uint32_t value)
+{
+    const uint32_t parent = edits->j->tokens[value].parent;
+    if (parent == JSON_NONE || !norma_json_is(edits->j, parent, JSON_OBJECT)) {
+        mark_removed(edits, value);
+        return;
+    }
+    char *key = norma_json_string(edits->j, value - 1);
+    if (key)
+        norma_json_unset(edits, parent, key);
+    else
+        edits->failed = 1;
+    free(key);
 }
 
 static void uint_text(uint64_t number, char out[24])
@@ -359,7 +375,7 @@ static void collect(const json_edits *edits, uint32_t root, splices *s)
 
 static int is_space(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 
-static int any_kept(const json_edits *edits, uint32_t container)
+int norma_json_keeps_any(const json_edits *edits, uint32_t container)
 {
     for (uint32_t value = norma_json_first(edits->j, container); value != JSON_NONE; value = norma_json_next(edits->j, container, value)) {
         const edit *e = find_edit(edits, value);
@@ -373,7 +389,7 @@ static void write_additions(const json_edits *edits, const edit *e, json_text *o
 {
     const json *j = edits->j;
     uint32_t last = last_value(j, e->token);
-    int comma = any_kept(edits, e->token);
+    int comma = norma_json_keeps_any(edits, e->token);
     size_t space_end = last == JSON_NONE ? 0 : item_start(j, e->token, last), space = space_end;
     while (space > 0 && is_space(j->text[space - 1]))
         --space;
