@@ -111,7 +111,7 @@ static void fail_each_allocation(const norma_mesh *mesh, norma_options options) 
 }
 
 static void for_meshes(norma_options options) {
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 5; ++i) {
         mesh_file mesh = {0};
         uint64_t  seed = 3;
         if (i == 0) shape_box(&mesh, 1, 1, 1, 1);
@@ -120,6 +120,10 @@ static void for_meshes(norma_options options) {
         if (i == 3) {
             for (int v = 0; v < 40; ++v) mesh_file_add_position(&mesh, shape_random(&seed) % 3, shape_random(&seed) % 3, shape_random(&seed) % 3);
             for (int f = 0; f < 100; ++f) mesh_file_add_face(&mesh, (uint32_t[]){shape_random(&seed) % 40, shape_random(&seed) % 40, shape_random(&seed) % 40, shape_random(&seed) % 40}, 4);
+        }
+        if (i == 4) { /* a ring of a hundred corners, and an edge of seventy faces */
+            shape_cone(&mesh, 100, .6);
+            for (int f = 0; f < 70; ++f) mesh_file_add_face(&mesh, (uint32_t[]){0, 1, 2 + shape_random(&seed) % 90}, 3);
         }
         const norma_mesh view = mesh_file_view(&mesh);
         fail_each_allocation(&view, options);
@@ -177,10 +181,27 @@ static void scratch_memory(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* One ring of all triangles takes no more than meshes of the usual kind may: nothing is kept of it that can be read or measured again. */
+static void scratch_of_one_ring(void **state) {
+    (void)state;
+    enum { AROUND = 20000 };
+    mesh_file mesh = {0};
+    shape_fan(&mesh, AROUND);
+    const norma_mesh view    = mesh_file_view(&mesh);
+    float           *normals = test_malloc(12 * mesh.corner_count);
+    accountant      *a       = test_calloc(1, sizeof *a);
+    assert_ok(norma_corner_normals(&view, 1, &(norma_options){.allocator = {take, give, a}}, normals, mesh.corner_count, NULL));
+    printf("# scratch of %.1f bytes a triangle for corners of one ring\n", (double)a->most_bytes / AROUND);
+    assert_true(a->most_bytes <= 40 * (size_t)AROUND);
+    test_free(a);
+    test_free(normals);
+    mesh_file_free(&mesh);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults), cmocka_unit_test(nearest_fallback), cmocka_unit_test(weld_by_distance), cmocka_unit_test(no_weld), cmocka_unit_test(visible_with_threads),
-        cmocka_unit_test(scratch_memory),
+        cmocka_unit_test(scratch_memory), cmocka_unit_test(scratch_of_one_ring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,6 +76,23 @@ static void book_mesh(mesh_file *mesh, uint64_t *seed) {
     }
 }
 
+/* Some hundred triangles round one vertex, most in order, as a cone with folds; twins, copies, turned and torn ones, fins on one edge, and some without area. */
+static void hub_mesh(mesh_file *mesh, uint64_t *seed) {
+    const uint32_t around = 66 + shape_random(seed) % 120, faces = around + shape_random(seed) % 60, fold = 1 + shape_random(seed) % 40;
+    mesh_file_add_position(mesh, 0, 0, 0.5);
+    for (uint32_t i = 0; i < around; ++i) {
+        const double angle = 6.283185307179586 * i / around, *before = mesh->positions[i];
+        if (chance(seed, 40)) mesh_file_add_position(mesh, before[0], before[1], before[2]);
+        else mesh_file_add_position(mesh, cos(angle), sin(angle), i % fold ? 0 : 0.3);
+    }
+    for (uint32_t f = 0; f < faces; ++f) {
+        const uint32_t at = chance(seed, 20) ? shape_random(seed) % around : f % around, a = 1 + at, b = chance(seed, 12) ? shape_random(seed) % (around + 1) : 1 + (at + 1) % around;
+        const uint32_t turn = shape_random(seed) % 3, corners[3] = {0, chance(seed, 15) ? 1 : a, b};
+        mesh_file_add_face(mesh, (uint32_t[]){corners[turn], corners[(turn + 1) % 3], corners[(turn + 2) % 3]}, 3);
+        if (chance(seed, 12)) copy_face(mesh, mesh->face_count - 1, chance(seed, 2), shape_random(seed) % 3);
+    }
+}
+
 static size_t compare_random(const char *name, void make(mesh_file *, uint64_t *), uint64_t seed) {
     static const norma_weld welds[] = {NORMA_WELD_EXACT, NORMA_WELD_NONE, NORMA_WELD_DISTANCE};
     mesh_file mesh = {0};
@@ -128,7 +145,14 @@ static void books(void **state) {
     assert_int_equal(wrong, 0);
 }
 
+static void hubs(void **state) {
+    (void)state;
+    size_t wrong = 0;
+    for (uint64_t seed = 1; seed <= 60 / SLOWER && wrong < 20; ++seed) wrong += compare_random("hub", hub_mesh, seed);
+    assert_int_equal(wrong, 0);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(books), cmocka_unit_test(lattices), cmocka_unit_test(damaged_surfaces)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(hubs), cmocka_unit_test(books), cmocka_unit_test(lattices), cmocka_unit_test(damaged_surfaces)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

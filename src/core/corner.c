@@ -10,7 +10,7 @@ typedef struct corner_work {
 static void see_fan_by_fan(const corner_work *work, const core_fans *fans, core_tally *tally)
 {
     for (size_t i = 0; i < fans->count; i++) {
-        const core_fan *fan = &fans->fans[fans->fan_of[i]];
+        const core_fan *fan = &fans->fans[fans->fan_of ? fans->fan_of[i] : 0];
         norma_core_write_element(work->output, fans->corners[i], (int)fan->reason, fan->normal, tally);
         if (work->reasons) work->reasons[fans->corners[i]] = (uint8_t)fan->reason;
     }
@@ -57,7 +57,7 @@ static norma_result compute(core_surface *surface, const core_output *output, no
     const size_t count = surface->mesh.corner_count;
     corner_work work = {.output = output};
     rings_part sum = {0};
-    const ring_visit visit = {.join = CORE_JOIN_FANS, .counting = report || call->options.edges, .see = see_fans, .context = &work,
+    const ring_visit visit = {.join = CORE_JOIN_FANS, .counting = report || call->options.edges, .by_fan = 1, .see = see_fans, .context = &work,
                               .target = output->normals, .target_size = output->stride};
     if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1))) return NORMA_ERROR_MEMORY;
     norma_core_stage(call, 0.5, 0.97);

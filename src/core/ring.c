@@ -141,29 +141,40 @@ static void load_triangle_corners(const core_surface *surface, int with_weights,
     }
 }
 
-void norma_core_ring_load(const core_surface *surface, uint32_t position, int with_weights, core_ring *ring)
+void norma_core_ring_begin(const core_surface *surface, uint32_t position, core_ring *ring)
 {
-    const core_around *around = &surface->around;
-    const uint32_t begin = around->starts[position], end = around->starts[position + 1];
     double p[3];
     norma_core_position(&surface->mesh, position, p);
     ring->finite = norma_core_finite(p);
     ring->position = position;
-    ring->count = end - begin;
+    ring->count = 0;
     ring->edge_count = 0;
     ring->waits = 0;
     ring->degenerate = (norma_count){0, 0};
-    for (uint32_t i = 0; i < ring->count; i++) {
+}
+
+void norma_core_ring_fill(const core_surface *surface, const uint32_t *corners, size_t count, int with_weights, core_ring *ring)
+{
+    ring->count = count;
+    for (uint32_t i = 0; i < count; i++) {
         ring_corner *c = &ring->corners[i];
-        c->corner = around->corners[begin + i];
-        c->face = (uint32_t)norma_core_face_of(around, c->corner);
+        c->corner = corners[i];
+        c->face = (uint32_t)norma_core_face_of(&surface->around, c->corner);
         c->fan = i;
         c->flags = 0;
         if (surface->faces) load_polygon_corner(surface, with_weights, ring, c);
     }
     if (surface->faces) return;
-    for (size_t i = 0; i < ring->count; i += CORE_LANES)
-        load_triangle_corners(surface, with_weights, ring, ring->corners + i, ring->count - i < CORE_LANES ? ring->count - i : CORE_LANES);
+    for (size_t i = 0; i < count; i += CORE_LANES)
+        load_triangle_corners(surface, with_weights, ring, ring->corners + i, count - i < CORE_LANES ? count - i : CORE_LANES);
+}
+
+void norma_core_ring_load(const core_surface *surface, uint32_t position, int with_weights, core_ring *ring)
+{
+    const core_around *around = &surface->around;
+    const uint32_t begin = around->starts[position];
+    norma_core_ring_begin(surface, position, ring);
+    norma_core_ring_fill(surface, around->corners + begin, around->starts[position + 1] - begin, with_weights, ring);
 }
 
 void norma_core_ring_join_all(core_ring *ring)
@@ -171,8 +182,9 @@ void norma_core_ring_join_all(core_ring *ring)
     for (size_t i = 0; i < ring->count; i++) ring->corners[i].fan = 0;
 }
 
-static void add_vote(ring_sum *sum, const ring_corner *c)
+void norma_core_ring_vote(const ring_corner *c, ring_sum *sum)
 {
+    if (!(c->flags & RING_VOTES)) return;
     for (int k = 0; k < 3; k++) sum->sum[k] += c->weight * c->normal[k];
     sum->weight += c->weight;
     sum->votes++;
@@ -231,8 +243,7 @@ static void number_fans(core_ring *ring)
 void norma_core_ring_sum(const core_surface *surface, core_ring *ring)
 {
     number_fans(ring);
-    for (size_t i = 0; i < ring->count; i++)
-        if (ring->corners[i].flags & RING_VOTES) add_vote(&ring->sums[ring->fan_of[i]], &ring->corners[i]);
+    for (size_t i = 0; i < ring->count; i++) norma_core_ring_vote(&ring->corners[i], &ring->sums[ring->fan_of[i]]);
     if (!ring->finite) return;
     if (surface->call->options.weight == NORMA_WEIGHT_VISIBLE) {
         decide_cones(ring);

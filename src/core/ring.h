@@ -59,11 +59,19 @@ void         norma_core_ring_in_room(core_ring *ring, ring_room *room);
 norma_result norma_core_ring_allocate(const core_call *call, core_ring *ring, size_t corners);
 void         norma_core_ring_release(const core_call *call, core_ring *ring, size_t corners);
 
-/* Loads the corners at position; weights only where asked, since joining needs none. */
+/* Of a position, no corners yet. */
+void norma_core_ring_begin(const core_surface *surface, uint32_t position, core_ring *ring);
+/* Fills the ring with some of the corners at its position, ascending, whatever it held before; weights only where asked, since joining needs none. */
+void norma_core_ring_fill(const core_surface *surface, const uint32_t *corners, size_t count, int with_weights, core_ring *ring);
+/* With all of them. */
 void norma_core_ring_load(const core_surface *surface, uint32_t position, int with_weights, core_ring *ring);
 /* One fan of each; or fans by smooth edges, counts (may be NULL) of the edges to positions of higher number. */
 void norma_core_ring_join_all(core_ring *ring);
 void norma_core_ring_join_fans(const core_surface *surface, core_ring *ring, ring_counts *counts);
+/* The edges that are listed in the ring, sorted. */
+void norma_core_ring_join_listed(const core_surface *surface, core_ring *ring, ring_counts *counts);
+/* Adds a corner's vote, if it has one. */
+void norma_core_ring_vote(const ring_corner *corner, ring_sum *sum);
 /* Sums each fan in ascending order of corners, and gives it a normal or the reason why it has none. */
 void norma_core_ring_sum(const core_surface *surface, core_ring *ring);
 /* The normal of a fan of voters, or that they cancel. */

@@ -38,7 +38,7 @@ enum { SORTED_RUN = 16 };
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 /* Sorts ring->edges; merging from runs that insertion has sorted, O(n log n) for any ring. */
-static void sort_edges(core_ring *ring)
+void norma_core_sort_edges(core_ring *ring)
 {
     const size_t count = ring->edge_count;
     for (size_t begin = 0; begin < count; begin += SORTED_RUN) insertion_sort(ring->edges + begin, least(SORTED_RUN, count - begin));
@@ -59,7 +59,7 @@ void norma_core_list_edges(core_ring *ring)
         ring->edges[ring->edge_count++] = (ring_edge){.key = c->next_key, .other = c->next, .corner = i};
         ring->edges[ring->edge_count++] = (ring_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
     }
-    sort_edges(ring);
+    norma_core_sort_edges(ring);
 }
 
 /* ---- one edge */

@@ -8,6 +8,8 @@ typedef struct edge { edge_side out, back; } edge;
 
 /* ring_edges.c: sorts the ring's edges by the position at the other end, direction, key. O(n log n). */
 void norma_core_list_edges(core_ring *ring);
+/* Sorts those that are listed already. */
+void norma_core_sort_edges(core_ring *ring);
 /* The edge that begins at edges[begin]; *end is where the next one does. */
 edge norma_core_edge_at(const core_ring *ring, size_t begin, size_t *end);
 

@@ -209,6 +209,16 @@ static void settle_fans(core_ring *ring)
     for (uint32_t i = 0; i < ring->count; i++) ring->corners[i].fan = norma_core_fan_of(ring, i);
 }
 
+void norma_core_ring_join_listed(const core_surface *surface, core_ring *ring, ring_counts *counts)
+{
+    for (size_t begin = 0, end; begin < ring->edge_count; begin = end) {
+        const edge e = norma_core_edge_at(ring, begin, &end);
+        const pairs pair = join_only_partners(surface, ring, &e);
+        if (surface->call->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH && end - begin > 2) join_all_partners(surface, ring, &e, ring->edges[begin].other);
+        if (counts && ring->position < ring->edges[begin].other) count_edge(ring, &e, pair, counts);
+    }
+}
+
 void norma_core_ring_join_fans(const core_surface *surface, core_ring *ring, ring_counts *counts)
 {
     if (join_ordinary(surface, ring, counts)) {
@@ -216,12 +226,7 @@ void norma_core_ring_join_fans(const core_surface *surface, core_ring *ring, rin
         return;
     }
     norma_core_list_edges(ring);
-    for (size_t begin = 0, end; begin < ring->edge_count; begin = end) {
-        const edge e = norma_core_edge_at(ring, begin, &end);
-        const pairs pair = join_only_partners(surface, ring, &e);
-        if (surface->call->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH && end - begin > 2) join_all_partners(surface, ring, &e, ring->edges[begin].other);
-        if (counts && ring->position < ring->edges[begin].other) count_edge(ring, &e, pair, counts);
-    }
+    norma_core_ring_join_listed(surface, ring, counts);
     join_repeated(surface, ring);
     settle_fans(ring);
 }

@@ -119,19 +119,29 @@ static void visit_chunk(void *context, size_t chunk)
     else visit_chunk_singly(v, begin, end, &v->parts[chunk]);
 }
 
+/* Where fans may come one by one, the memory for them all can be had for a tenth. */
+static int go_by_fan(const visit_all *v)
+{
+    return v->visit->by_fan && v->visit->join == CORE_JOIN_FANS && !v->surface->faces && v->surface->call->options.weight != NORMA_WEIGHT_VISIBLE;
+}
+
 static norma_result visit_large_rings(const visit_all *v, rings_part *part)
 {
-    core_ring ring;
+    core_call *call = v->surface->call;
+    core_ring ring = {0};
+    large_ring large = {0};
     const size_t most = v->surface->around.most;
+    const int by_fan = go_by_fan(v);
     if (most <= RING_ROOM) return NORMA_OK;
-    if (norma_core_ring_allocate(v->surface->call, &ring, most) != NORMA_OK) return NORMA_ERROR_MEMORY;
-    norma_result result = NORMA_OK;
+    norma_result result = by_fan ? norma_core_large_ring_allocate(call, &large, most) : norma_core_ring_allocate(call, &ring, most);
     for (size_t p = 0; p < v->surface->mesh.positions.count && result == NORMA_OK; p++) {
         if (ring_size(v, p) <= RING_ROOM) continue;
-        visit_position(v, (uint32_t)p, &ring, part);
-        if (norma_core_progress(v->surface->call, 1)) result = NORMA_CANCELLED;
+        if (by_fan) result = norma_core_visit_large_ring(v->surface, v->visit, (uint32_t)p, &large, part);
+        else visit_position(v, (uint32_t)p, &ring, part);
+        if (result == NORMA_OK && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
     }
-    norma_core_ring_release(v->surface->call, &ring, most);
+    norma_core_ring_release(call, &ring, most);
+    norma_core_large_ring_release(call, &large);
     return result;
 }
 

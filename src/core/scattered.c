@@ -5,24 +5,35 @@ enum { IN_CHUNK = 1 << 16, FEWEST_TO_COPY = 1 << 19 };    /* fewer are found in 
 
 static const size_t TIGHT = 3 * sizeof(float);
 
-/* Of faces in a row in a mesh in some order, the positions span little of it; of one in none, nearly all. */
+static uint32_t distance(uint32_t a, uint32_t b) { return a < b ? b - a : a - b; }
+
+/* How far the corners of some faces in a row lie from the nearest of the faces before: two to four corners back, so that one vertex of all faces is not far from itself. */
+static double look_at(const core_mesh *mesh, size_t begin, size_t count)
+{
+    uint32_t at[4];
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t here = norma_core_corner(mesh, begin + i);
+        uint32_t nearest = i < 4 ? 0 : UINT32_MAX;
+        for (size_t back = 2; back <= 4 && i >= 4; back++) {
+            const uint32_t found = distance(here, at[(i - back) % 4]);
+            nearest = found < nearest ? found : nearest;
+        }
+        at[i % 4] = here;
+        sum += (double)nearest;
+    }
+    return sum;
+}
+
+/* Of faces in a row in a mesh in some order, corners lie near those before; in one in none, an eighth of all positions away. The bound is an eighth of that. */
 int norma_core_is_scattered(const core_mesh *mesh)
 {
-    enum { LOOKS = 32, CORNERS_IN_LOOK = 96, FEWEST_SPANS = 8 };
+    enum { LOOKS = 32, CORNERS_IN_LOOK = 96, FARTHEST = 64 };
     const size_t count = mesh->corner_count;
     double sum = 0;
     if (mesh->face_starts || count < (size_t)LOOKS * CORNERS_IN_LOOK) return 0;
-    for (size_t look = 0; look < LOOKS; look++) {
-        const size_t begin = (count - CORNERS_IN_LOOK) / LOOKS * look;
-        uint32_t least = UINT32_MAX, most = 0;
-        for (size_t c = begin; c < begin + CORNERS_IN_LOOK; c++) {
-            const uint32_t at = norma_core_corner(mesh, c);
-            least = at < least ? at : least;
-            most = at > most ? at : most;
-        }
-        sum += (double)(most - least);
-    }
-    return FEWEST_SPANS * sum > (double)LOOKS * (double)mesh->positions.count;
+    for (size_t look = 0; look < LOOKS; look++) sum += look_at(mesh, (count - CORNERS_IN_LOOK) / LOOKS * look, CORNERS_IN_LOOK);
+    return FARTHEST * sum > (double)LOOKS * CORNERS_IN_LOOK * (double)mesh->positions.count;
 }
 
 /* ---- copies */
