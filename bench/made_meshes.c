@@ -103,10 +103,11 @@ made_mesh made_soup(size_t triangles)
 
 made_mesh made_tips(size_t triangles)
 {
+    const size_t turns = 4099;                     /* a prime: no point comes twice, and no triangle is so thin that doubles would not do */
     made_mesh mesh = room_for(2 * triangles, 3 * triangles, 1);
     for (size_t i = 0; i < triangles; i++) {
         set(mesh.positions[i], 0, 0, 0.5);
-        set_on_circle(mesh.positions[triangles + i], i, triangles);
+        set_on_circle(mesh.positions[triangles + i], i * turns % triangles, triangles);
         memcpy(mesh.corners + 3 * i, (uint32_t[]){(uint32_t)i, (uint32_t)(triangles + i), (uint32_t)(triangles + (i + 1) % triangles)}, 3 * sizeof *mesh.corners);
     }
     return mesh;

@@ -17,7 +17,7 @@ void       made_shuffle(made_mesh *mesh);
 made_mesh  made_fan(size_t triangles);
 /* Triangles that share nothing. */
 made_mesh  made_soup(size_t triangles);
-/* The same number of vertices all at one position, the tips of triangles round it. */
+/* The same number of vertices all at one position, the tips of triangles that go round it many times. */
 made_mesh  made_tips(size_t triangles);
 void       made_free(made_mesh *mesh);
 norma_mesh made_view(const made_mesh *mesh);
