@@ -30,7 +30,7 @@ static norma_document_result do_it(norma_document *document, act what, norma_doc
     }
 }
 
-/* Accessors: 0 three positions, 1 three pairs, 2 three vectors of 32-bit numbers, 3 three vectors, 4 two vectors, 5 three vectors of four. */
+/* Accessors: 0 three positions, 1 three pairs, 2 three vectors of 32-bit numbers, 3 three vectors, 4 two vectors, 5 three vectors of four, 6 sixty thousand vectors without bytes. */
 /* attributes: what follows POSITION in the primitive, the closing brace of its attributes included. */
 static norma_document *open_corners(gltf_asset *a, const char *attributes, const char *more)
 {
@@ -41,6 +41,7 @@ static norma_document *open_corners(gltf_asset *a, const char *attributes, const
     asset_floats(a, CORNERS, 3, 3);
     asset_floats(a, CORNERS, 2, 3);
     asset_numbers(a, ZEROS, 3, 4, FLOAT, 0);
+    asset_accessor(a, "{\"componentType\":5126,\"count\":60000,\"type\":\"VEC3\"}");
     snprintf(rest, sizeof rest, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0%s}]}],%s", attributes, more);
     return asset_open(a, rest, 0);
 }
@@ -59,6 +60,8 @@ static void test_what_does_not_fit(void **state)
          "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: expected one vector for each instance"},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}", "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"ROTATION\":3}}}}]",
          "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION: expected one vector for each instance"},
+        {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}", "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"_ID\":6}}}}]",
+         "/accessors/6: expected a count without bytes that is not beyond all that the file holds"},
         {SKIN, NORMA_DOCUMENT_ERROR_MALFORMED, "}", "\"nodes\":[{}],\"skins\":[{\"joints\":{}}]", "/skins/0/joints: expected an array"},
         {SKIN, NORMA_DOCUMENT_ERROR_MALFORMED, "}", "\"nodes\":[{}],\"skins\":[{\"joints\":[0,1]}]", "/skins/0/joints/1: expected the number of a node"},
         {EDIT_NORMALS, NORMA_DOCUMENT_ERROR_ARGUMENT, "}", NODE, "/meshes/0/primitives/0: has no NORMAL that could be replaced"},

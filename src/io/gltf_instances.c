@@ -20,6 +20,16 @@ static norma_document_result read_instance_array(gltf *g, uint32_t attributes, c
                : norma_gltf_malformed(g, error, token, "one vector for each instance");
 }
 
+/* Instances that have no place of their own are as many as the first attribute has elements: those must be there then, or a few bytes would draw a mesh any number of times. */
+static norma_document_result read_first(gltf *g, uint32_t attributes, norma_document_error *error) {
+    const uint32_t first = norma_json_is(&g->json, attributes, JSON_OBJECT) ? norma_json_first(&g->json, attributes) : JSON_NONE;
+    uint64_t accessor;
+    gltf_array array;
+    if (first == JSON_NONE || !norma_json_uint(&g->json, first, &accessor) || accessor >= g->accessor_count)
+        return NORMA_DOCUMENT_OK; /* one instance: gltf_nodes.c */
+    return norma_gltf_array(g, (uint32_t)accessor, &array, error);
+}
+
 norma_document_result norma_gltf_read_instances(gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error) {
     const uint32_t extensions = norma_json_member(&g->json, g->nodes[node].token, "extensions");
     const uint32_t attributes = norma_json_member(&g->json, norma_json_member(&g->json, extensions, "EXT_mesh_gpu_instancing"), "attributes");
@@ -30,6 +40,8 @@ norma_document_result norma_gltf_read_instances(gltf *g, uint32_t node, gltf_ins
         result = read_instance_array(g, attributes, "ROTATION", 4, count, &instances->rotation, &instances->has_rotation, error);
     if (!result)
         result = read_instance_array(g, attributes, "SCALE", 3, count, &instances->scale, &instances->has_scale, error);
+    if (!result && !instances->has_translation && !instances->has_rotation && !instances->has_scale)
+        result = read_first(g, attributes, error);
     return result;
 }
 
