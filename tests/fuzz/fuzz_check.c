@@ -165,6 +165,12 @@ static void fill_edit(norma_document *document, size_t mesh, fuzz_random *random
         edit->set_normals = edit->set_positions = NULL;
     } else
         edit->strip_normals = kinds & 64 && kinds & 128 ? NORMA_STRIP_ALL : NORMA_STRIP_NOTHING;
+    if ((kinds & 0x300) == 0x300 && !edit->source_vertices && norma_document_format(document) >= NORMA_FILE_GLTF) {
+        float *tangents = calloc(4 * data.mesh.positions.count + 4, sizeof *tangents);
+        for (size_t i = 0; i < data.mesh.positions.count; ++i) tangents[4 * i + fuzz_random_below(random, 3)] = tangents[4 * i + 3] = 1;
+        edit->tangents = tangents;
+        edit->set_tangents = marks(random, data.mesh.positions.count, 2);
+    }
 }
 
 static void edit(norma_document *document, norma_file_format format, uint8_t seed) {
@@ -176,7 +182,8 @@ static void edit(norma_document *document, norma_file_format format, uint8_t see
     if (!norma_document_edit(document, edits, &error))
         write_and_read(document, format);
     for (size_t i = 0; i < count; ++i) {
-        const void *const blocks[] = {edits[i].reverse_faces, edits[i].drop_faces, edits[i].normals, edits[i].set_normals, edits[i].positions, edits[i].set_positions, edits[i].source_vertices, edits[i].new_corners};
+        const void *const blocks[] = {edits[i].reverse_faces, edits[i].drop_faces, edits[i].normals, edits[i].set_normals, edits[i].positions, edits[i].set_positions, edits[i].source_vertices, edits[i].new_corners,
+                                      edits[i].tangents,      edits[i].set_tangents};
         for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) free((void *)(uintptr_t)blocks[k]);
     }
     free(edits);
