@@ -58,14 +58,13 @@ static void add_value(row_writer *writer, const ply_item *item)
         add_step(writer, (row_step){.kind = STEP_VALUE, .item = item});
 }
 
-/* Triangles alone whose new corners are stored as they are in memory: their count stays, the corners come from the side. 0: they are no such. */
-static int add_triangle(row_writer *writer, const ply_item *item)
+/* Triangles alone whose new corners are stored as they are in memory (rows of 13 bytes: a count of one, three numbers of four): their count stays, the corners come from the
+ * side. 0: they are no such. */
+static int add_triangle(row_writer *writer)
 {
     const ply_plan *plan = writer->plan;
     const size_t size = sizeof(uint32_t);
     if (plan->lists || plan->cut_rows || plan->element->triangle_row != 1 + 3 * size || !norma_ply_is_native(writer->state->header.encoding))
-        return 0;
-    if (norma_ply_type_size(item->type) != size || norma_ply_type_size(item->source->type) != size)
         return 0;
     add_step(writer, (row_step){.kind = STEP_COPY, .size = 1});
     add_step(writer, (row_step){.kind = STEP_SIDE, .size = 3 * size, .stride = 3 * size, .side = (const unsigned char *)plan->indices});
@@ -87,7 +86,7 @@ static void compile(row_writer *writer)
         if (skipped > 0)
             add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
         skipped = 0;
-        if (item->action == PLY_INDICES && add_triangle(writer, item))
+        if (item->action == PLY_INDICES && add_triangle(writer))
             continue;
         if (item->action == PLY_INDICES)
             add_step(writer, (row_step){.kind = STEP_INDICES, .item = item});
