@@ -79,7 +79,7 @@ static void book_mesh(mesh_file *mesh, uint64_t *seed) {
 /* Some hundred triangles round one vertex, most in order, as a cone with folds; twins, copies, turned and torn ones, fins on one edge, and some without area. */
 static void hub_mesh(mesh_file *mesh, uint64_t *seed) {
     const uint32_t around = 66 + shape_random(seed) % 120, faces = around + shape_random(seed) % 60, fold = 1 + shape_random(seed) % 40;
-    mesh_file_add_position(mesh, 0, 0, 0.5);
+    mesh_file_add_position(mesh, 0, 0, chance(seed, 12) ? (double)NAN : 0.5);
     for (uint32_t i = 0; i < around; ++i) {
         const double angle = 6.283185307179586 * i / around, *before = mesh->positions[i];
         if (chance(seed, 40)) mesh_file_add_position(mesh, before[0], before[1], before[2]);
