@@ -230,6 +230,19 @@ static void test_too_few_normals_shared(void **state) {
     }
 }
 
+/* Too few normals are told of, and mended; what else names them would keep them, and is refused. */
+static void test_too_few_normals_elsewhere(void **state) {
+    static const float normals[6] = {0, 0, 1, 0, 0, 1};
+    gltf_asset a = {0};
+    (void)state;
+    asset_floats(&a, CORNERS, 3, 3);
+    asset_floats(&a, normals, 2, 3);
+    assert_string_equal(asset_refused(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"_OLD\":1}}]}]", 1),
+                        "asset.glb:/meshes/0/primitives/0/attributes/_OLD: expected an accessor with as many elements as POSITION has");
+    norma_document_close(asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 1));
+    asset_free(&a);
+}
+
 /* Indices of one primitive, sparse, that are the "normals" of another, of which there are too few: read leniently the corners stay what they are. */
 static void test_indices_as_normals(void **state) {
     static const uint32_t indices[6] = {0, 1, 2, 2, 1, 0}, expected[6] = {0, 3, 2, 2, 1, 0};
@@ -254,7 +267,7 @@ static void test_indices_as_normals(void **state) {
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_too_few_normals_shared), cmocka_unit_test(test_indices_as_normals), cmocka_unit_test(test_what_does_not_fit), cmocka_unit_test(test_what_stays), cmocka_unit_test(test_codes_below_the_least), cmocka_unit_test(test_encodings_are_told),
+        cmocka_unit_test(test_too_few_normals_shared), cmocka_unit_test(test_indices_as_normals), cmocka_unit_test(test_too_few_normals_elsewhere), cmocka_unit_test(test_what_does_not_fit), cmocka_unit_test(test_what_stays), cmocka_unit_test(test_codes_below_the_least), cmocka_unit_test(test_encodings_are_told),
         cmocka_unit_test(test_flattened),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

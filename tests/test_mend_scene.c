@@ -382,8 +382,38 @@ static void test_baked(void **state) {
     finish(&o);
 }
 
+/* A sheared node whose mesh has numbers that do not fit under it cannot be baked: the fault lies in the file, not in the call. */
+static void test_too_large_to_bake(void **state) {
+    static const float positions[3][3] = {{0, 0, 0}, {3e38F, 0, 0}, {0, 3e38F, 0}}, normals[3][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+    gltf_asset a = {0};
+    norma_document_error error;
+    const norma_check_options options = {.struct_size = sizeof options};
+    (void)state;
+    asset_floats(&a, positions[0], 3, 3);
+    asset_floats(&a, normals[0], 3, 3);
+    norma_document *document = asset_open(&a, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"matrix\":[2,0,0,0,0.5,1,0,0,0,0,1,0,0,0,0,1]}],"
+                                              "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 1);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_mend_summary summary = {.again = 1};
+    for (int i = 0; i < 4 && !result && summary.again; ++i) {
+        result = norma_mend_document(document, &options, 1, &summary, &error);
+        if (!result && summary.again) {
+            norma_document *settled;
+            assert_int_equal(norma_document_settle(document, NULL, NULL, &settled, NULL), NORMA_DOCUMENT_OK);
+            norma_document_close(document);
+            document = settled;
+        }
+    }
+    assert_int_equal(result, NORMA_DOCUMENT_ERROR_MALFORMED);
+    assert_int_equal(error.result, result);
+    assert_non_null(strstr(error.message, "its numbers become larger than floats are"));
+    norma_document_close(document);
+    asset_free(&a);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_too_large_to_bake),
         cmocka_unit_test(test_bad_tangents),
         cmocka_unit_test(test_leaning_tangents),
         cmocka_unit_test(test_signs),

@@ -359,10 +359,16 @@ static norma_document_result replace_placeholders(mender *m) {
     return result;
 }
 
+/* The matrix is none that the caller gave: what does not fit is the file's own. */
 static norma_document_result bake(mender *m) {
     norma_transform_summary summary;
     const norma_transform_options options = {.struct_size = sizeof options, .bake = 1, .threads = m->options.threads};
     norma_document_result result = norma_document_transform(m->document, &options, &summary, m->error);
+    if (result == NORMA_DOCUMENT_ERROR_ARGUMENT) {
+        result = NORMA_DOCUMENT_ERROR_MALFORMED;
+        if (m->error)
+            m->error->result = result;
+    }
     m->summary->changed |= !result && summary.changed;
     return result;
 }
