@@ -125,6 +125,28 @@ static document_bytes cube(int text)
     return bytes;
 }
 
+/* A vertex that no face uses takes part in a split as a face of its own, of which no count tells. */
+static void test_what_is_idle_is_not_counted(void **state)
+{
+    (void)state;
+    static const char text[] = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+                               "end_header\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n5 5 5\n-inf 1 1\n3 0 1 2\n3 0 1 1\n";
+    for (int creases = 0; creases < 2; ++creases) {
+        const norma_compute_options options = {.struct_size = sizeof options, .shading = creases ? NORMA_SHADING_CREASE : NORMA_SHADING_SMOOTH, .crease_angle_rad = 0.5};
+        norma_compute_summary summary;
+        document_bytes in = {0};
+        add(&in, text, sizeof text - 1);
+        document_bytes out = bytes_computed(in, "idle.ply", &options, &summary);
+        assert_int_equal(summary.faces, 2);
+        assert_int_equal(summary.report.degenerate_faces.count, 1);
+        assert_int_equal(summary.report.degenerate_faces.first, 1);
+        assert_int_equal(summary.report.non_finite.count, 2);
+        assert_int_equal(summary.report.unreferenced.count, 1);
+        bytes_free(&in);
+        bytes_free(&out);
+    }
+}
+
 static void test_a_crease_splits_with_all_properties(void **state)
 {
     (void)state;
@@ -523,6 +545,7 @@ int main(void)
         cmocka_unit_test(test_normals_stand_after_z),
         cmocka_unit_test(test_crlf_and_no_last_line_break),
         cmocka_unit_test(test_bodies_that_begin_with_a_line_end),
+        cmocka_unit_test(test_what_is_idle_is_not_counted),
         cmocka_unit_test(test_a_crease_splits_with_all_properties),
         cmocka_unit_test(test_lists_widen_only_where_needed),
         cmocka_unit_test(test_strips),

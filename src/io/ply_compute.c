@@ -183,6 +183,15 @@ static norma_document_result gather_split_mesh(const ply_job *job, split_mesh *s
     return ok ? NORMA_DOCUMENT_OK : fail_memory(job);
 }
 
+/* How many of the faces appended count as degenerate: a vertex that is not finite makes none. */
+static size_t degenerate_idle(const split_mesh *split)
+{
+    size_t count = 0;
+    for (size_t c = split->mesh.corner_count - 3 * split->idle; c < split->mesh.corner_count; c += 3)
+        count += split->reasons[split->corners[c]] != NORMA_REASON_NON_FINITE;
+    return count;
+}
+
 static norma_document_result run_split(ply_job *job, split_mesh *split, double crease)
 {
     const size_t most = split->mesh.corner_count;
@@ -200,7 +209,7 @@ static norma_document_result run_split(ply_job *job, split_mesh *split, double c
     if (result)
         return norma_document_fail_core(job->document, job->error, result);
     norma_count *degenerate = &job->summary->report.degenerate_faces;
-    degenerate->count -= split->idle;
+    degenerate->count -= degenerate_idle(split);
     degenerate->first = degenerate->count ? degenerate->first : SIZE_MAX;
     job->summary->edges_counted = 1;
     job->summary->hard_edges = edges.hard;

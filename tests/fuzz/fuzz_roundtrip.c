@@ -149,6 +149,8 @@ static norma_document_result change(norma_document *document, const verb *v, nor
         result = norma_document_compute(document, &v->compute, summary, &error);
     if (result && !error.message[0])
         fuzz_fail("result %d without a message", (int)result);
+    if (!result && !v->transforms && summary->report.degenerate_faces.count > summary->faces)
+        fuzz_fail("%zu of %zu faces are degenerate", summary->report.degenerate_faces.count, summary->faces);
     return result;
 }
 
