@@ -230,6 +230,30 @@ static void test_too_few_normals_shared(void **state) {
     }
 }
 
+/* Instancing without an attribute: one instance, where the node is. With one that is no place: as many as it has elements, all there. */
+static void test_instances_without_places(void **state) {
+    static const uint16_t ids[4] = {7, 8, 9, 10};
+    gltf_asset a = {0};
+    (void)state;
+    asset_floats(&a, CORNERS, 3, 3);
+    asset_uint16(&a, ids, 4);
+    for (int named = 0; named < 2; ++named) {
+        char rest[300];
+        double world[16];
+        norma_node_info info;
+        snprintf(rest, sizeof rest, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1],\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{%s}}}}]",
+                 named ? "\"_ID\":1" : "");
+        norma_document *document = asset_open(&a, rest, 0);
+        assert_int_equal(norma_document_node_info(document, 0, &info), NORMA_DOCUMENT_OK);
+        assert_int_equal(info.instances, named ? 4 : 1);
+        assert_int_equal(info.mirrored_instances, info.instances);
+        assert_int_equal(norma_document_instance_world(document, 0, info.instances - 1, world, NULL), NORMA_DOCUMENT_OK);
+        assert_true(world[0] == -1 && world[5] == 1 && world[10] == 1 && world[12] == 0);
+        norma_document_close(document);
+    }
+    asset_free(&a);
+}
+
 /* Too few normals are told of, and mended; what else names them would keep them, and is refused. */
 static void test_too_few_normals_elsewhere(void **state) {
     static const float normals[6] = {0, 0, 1, 0, 0, 1};
@@ -267,7 +291,7 @@ static void test_indices_as_normals(void **state) {
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_too_few_normals_shared), cmocka_unit_test(test_indices_as_normals), cmocka_unit_test(test_too_few_normals_elsewhere), cmocka_unit_test(test_what_does_not_fit), cmocka_unit_test(test_what_stays), cmocka_unit_test(test_codes_below_the_least), cmocka_unit_test(test_encodings_are_told),
+        cmocka_unit_test(test_too_few_normals_shared), cmocka_unit_test(test_indices_as_normals), cmocka_unit_test(test_instances_without_places), cmocka_unit_test(test_too_few_normals_elsewhere), cmocka_unit_test(test_what_does_not_fit), cmocka_unit_test(test_what_stays), cmocka_unit_test(test_codes_below_the_least), cmocka_unit_test(test_encodings_are_told),
         cmocka_unit_test(test_flattened),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
