@@ -200,8 +200,50 @@ static void test_a_node_is_its_own_instance(void **state) {
     asset_free(&a);
 }
 
+/* ---- how much a file may stand for */
+
+enum { GRID = 30 };
+
+/* A sheet whose triangles all face elsewhere; so many attributes beside the positions, all of one accessor. */
+static norma_document_result computed_flat(int attributes, norma_document_error *error) {
+    float positions[GRID * GRID][3];
+    uint16_t corners[6 * (GRID - 1) * (GRID - 1)];
+    size_t count = 0;
+    for (int i = 0; i < GRID * GRID; i++) {
+        const float x = (float)(i % GRID), y = (float)(i / GRID);
+        memcpy(positions[i], (const float[]){x, y, x * x * 0.01f + x * y * 0.02f + y * y * y * 0.001f}, sizeof positions[i]);
+    }
+    for (int y = 0; y < GRID - 1; y++)
+        for (int x = 0; x < GRID - 1; x++)
+            for (int k = 0; k < 6; k++) corners[count++] = (uint16_t)(GRID * y + x + (const int[]){0, 1, GRID, 1, GRID + 1, GRID}[k]);
+    gltf_asset a = {0};
+    char *rest = malloc(100 + 20 * (size_t)attributes), *at = rest;
+    assert_non_null(rest);
+    const int numbers[] = {asset_floats(&a, positions[0], (size_t)GRID * GRID, 3), asset_uint16(&a, corners, count)};
+    at += sprintf(at, "\"meshes\":[{\"primitives\":[{\"indices\":%d,\"attributes\":{\"POSITION\":%d", numbers[1], numbers[0]);
+    for (int i = 0; i < attributes; i++) at += sprintf(at, ",\"_%d\":%d", i, numbers[0]);
+    strcpy(at, "}}]}]");
+    norma_document *document = asset_open(&a, rest, 0);
+    const norma_compute_options flat = {.struct_size = sizeof flat, .shading = NORMA_SHADING_FLAT};
+    const norma_document_result result = norma_document_compute(document, &flat, NULL, error);
+    norma_document_close(document);
+    asset_free(&a);
+    free(rest);
+    return result;
+}
+
+static void test_copies_are_measured_by_the_file(void **state) {
+    (void)state;
+    norma_document_error error = {0};
+    assert_int_equal(computed_flat(100, &error), NORMA_DOCUMENT_OK);
+    assert_int_equal(computed_flat(1000, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(error.message, "/meshes/0/primitives/0: "));
+    assert_non_null(strstr(error.message, "vertices of 12012 bytes each, with those of all primitives before, would take far more room than the file; expected at most 512 bytes for each byte of it"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_copies_are_measured_by_the_file),
         cmocka_unit_test(test_two_encodings),      cmocka_unit_test(test_some_share_positions), cmocka_unit_test(test_morphed_beside_a_line), cmocka_unit_test(test_deltas_outgrow_their_encoding),
         cmocka_unit_test(test_too_many_vertices),  cmocka_unit_test(test_wide_numbers),         cmocka_unit_test(test_a_long_list_of_rules),  cmocka_unit_test(test_a_node_is_its_own_instance),
     };

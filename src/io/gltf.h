@@ -90,6 +90,7 @@ typedef struct gltf_primitive {
     uint32_t       *corners;              /* cached by norma_gltf_corners, 3 * faces */
     const uint32_t *direct_corners;       /* the same where the file itself has them so */
     uint32_t       *corner_normals;       /* of each corner its normal, where there are fewer than positions; made on first use */
+    size_t          copied;               /* bytes of the vertices that it got last (gltf_limits.c) */
 } gltf_primitive;
 
 typedef struct gltf_mesh {
@@ -137,7 +138,7 @@ typedef struct gltf {
     uint32_t        *drawing;             /* nodes that draw a mesh, in order */
     uint32_t         buffer_count, view_count, accessor_count, mesh_count, primitive_count, target_count, attribute_count, node_count, drawing_count, material_count, skin_count;
     size_t           held;                /* bytes that the file and its buffers may hold: what counts without bytes behind them are measured by */
-    size_t           decoded, corners_drawn, vertices_drawn, vertices_moved, instances_placed; /* so far, measured by held (gltf_limits.c) */
+    size_t           decoded, copied, corners_drawn, vertices_drawn, vertices_moved, instances_placed; /* so far, measured by held (gltf_limits.c) */
     int              changed;             /* something was put or edited */
     json_edits      *edits;               /* of the asset's JSON */
     gltf_patch      *patch;
@@ -163,6 +164,7 @@ norma_document_result norma_gltf_array(gltf *g, uint32_t accessor, gltf_array *a
 /* gltf_limits.c: before count elements of size bytes (not 0) are decoded for what token says, before a primitive's corners are read. */
 norma_document_result norma_gltf_spend(gltf *g, uint32_t token, size_t count, size_t size, norma_document_error *error);
 norma_document_result norma_gltf_draw(gltf *g, const gltf_primitive *p, norma_document_error *error);
+norma_document_result norma_gltf_copy_vertices(gltf *g, gltf_primitive *p, size_t count, size_t size, norma_document_error *error); /* before it gets so many, of size bytes, instead of its own */
 norma_document_result norma_gltf_place_instances(gltf *g, const gltf_node *node, norma_document_error *error); /* of a node that has any */
 
 size_t norma_gltf_component_size(int component);                                           /* 0: unknown */
@@ -231,6 +233,7 @@ norma_document_result norma_gltf_transform(norma_document *document, const norma
 /* gltf_vertices.c: the elements of an accessor as the edit's new vertices have them (*owned: to be freed; NULL: as stored); all attributes that the edit does not set, put. */
 norma_document_result norma_gltf_copy_array(gltf *g, uint32_t accessor, const norma_mesh_edit *edit, gltf_array *array, unsigned char **owned, norma_document_error *error);
 norma_document_result norma_gltf_put_vertices(gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error);
+size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p);                     /* bytes, those of all targets among them */
 norma_document_result norma_gltf_equal_vertices(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
 norma_document_result norma_gltf_mesh_data(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
 #endif

@@ -328,9 +328,15 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number)
     const gltf_attributes *base = &g->primitives[set->lead].base;
     contents c = {.job = job, .set = set, .count = set->vertices + set->added_count};
     const int tangents = base->tangent != GLTF_NONE;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (set->added_count)
+        result = norma_gltf_copy_vertices(job->g, &job->g->primitives[set->lead], c.count, norma_gltf_vertex_size(g, &g->primitives[set->lead]), job->error);
+    if (result)
+        return result;
     c.stored = tangents ? norma_io_allocate(c.count, 3 * sizeof *c.stored) : NULL;
     c.changed = norma_io_allocate(c.count, 1);
-    norma_document_result result = (c.stored || !tangents) && c.changed ? NORMA_DOCUMENT_OK : out_of_memory(&c);
+    if ((!c.stored && tangents) || !c.changed)
+        result = out_of_memory(&c);
     if (!result) {
         report_reasons(&c);
         result = put_normals(&c);

@@ -1,8 +1,8 @@
 /* gltf_limits.c: how much a file may stand for. Elements that share bytes (many primitives of one accessor, accessors that overlap, accessors without bytes) let a few kilobytes
- * name more triangles than a machine holds; so what is decoded and what is drawn is measured by the bytes that the file and its buffers hold. */
+ * name more triangles than a machine holds; so what is decoded, copied and drawn is measured by the bytes that the file and its buffers hold. */
 #include "gltf.h"
 
-enum { DECODED_A_BYTE = 256, CORNERS_A_BYTE = 16, VERTICES_A_BYTE = 64, MOVES_A_BYTE = 16, INSTANCES_A_BYTE = 4, FREE = 1 << 18, FREE_INSTANCES = 1 << 16 };
+enum { DECODED_A_BYTE = 256, CORNERS_A_BYTE = 16, VERTICES_A_BYTE = 64, MOVES_A_BYTE = 16, INSTANCES_A_BYTE = 4, COPIED_A_BYTE = 512, FREE = 1 << 18, FREE_INSTANCES = 1 << 16 };
 
 /* Whether sum stays within the bound when more is added to it; never wraps. */
 static int add_within(size_t *sum, size_t more, size_t held, size_t a_byte, size_t granted)
@@ -35,6 +35,18 @@ norma_document_result norma_gltf_draw(gltf *g, const gltf_primitive *p, norma_do
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
                                    "%zu vertices in each of %zu morph targets, with those of all primitives before, are far more than the file has bytes; expected at most %d for each", p->vertices,
                                    targets, MOVES_A_BYTE);
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_copy_vertices(gltf *g, gltf_primitive *p, size_t count, size_t size, norma_document_error *error)
+{
+    g->copied -= p->copied;
+    p->copied = 0;
+    if ((size && count > SIZE_MAX / size) || !add_within(&g->copied, count * size, g->held, COPIED_A_BYTE, FREE))
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
+                                   "%zu vertices of %zu bytes each, with those of all primitives before, would take far more room than the file; expected at most %d bytes for each byte of it", count,
+                                   size, COPIED_A_BYTE);
+    p->copied = count * size;
     return NORMA_DOCUMENT_OK;
 }
 

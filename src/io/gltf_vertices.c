@@ -6,6 +6,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- a vertex's bytes */
+
+static size_t size_of(const gltf *g, uint32_t accessor) { return g->accessors[accessor].width * norma_gltf_component_size(g->accessors[accessor].component); }
+
+static size_t set_size(const gltf *g, const gltf_attributes *set)
+{
+    size_t size = 0;
+    for (uint32_t i = set->first; i < set->first + set->count; ++i)
+        size += size_of(g, g->attributes[i].accessor);
+    return size;
+}
+
+size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p)
+{
+    size_t size = set_size(g, &p->base);
+    for (uint32_t t = 0; t < p->target_count; ++t)
+        size += set_size(g, &g->targets[p->first_target + t]);
+    return size;
+}
+
 /* ---- copies */
 
 norma_document_result norma_gltf_copy_array(gltf *g, uint32_t accessor, const norma_mesh_edit *edit, gltf_array *array, unsigned char **owned, norma_document_error *error)
@@ -81,13 +101,15 @@ static int keeps_numbers(const gltf_primitive *p, const norma_mesh_edit *edit)
 
 norma_document_result norma_gltf_put_vertices(gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error)
 {
-    const gltf_primitive *p = &g->primitives[primitive];
+    gltf_primitive *p = &g->primitives[primitive];
     const gltf_attributes *base = &p->base;
     if (!keeps_numbers(p, edit) && !names_no_vertices(g, p))
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where, "vertices cannot get other numbers, which one of its extensions may name");
     if (base->normal != GLTF_NONE && g->accessors[base->normal].count != p->vertices)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, p->where, "vertices without a normal, or normals without a vertex, cannot be copied");
-    norma_document_result result = copy_attributes(g, primitive, GLTF_SLOT_BASE, base, edit, error);
+    norma_document_result result = norma_gltf_copy_vertices(g, p, edit->vertex_count, norma_gltf_vertex_size(g, p), error);
+    if (!result)
+        result = copy_attributes(g, primitive, GLTF_SLOT_BASE, base, edit, error);
     for (uint32_t t = 0; !result && t < p->target_count; ++t)
         result = copy_attributes(g, primitive, (int32_t)t, &g->targets[p->first_target + t], edit, error);
     return result;
@@ -107,8 +129,6 @@ static const unsigned char *row_of(const void *context, size_t row, size_t *leng
     return rows->bytes + row * rows->size;
 }
 
-static size_t size_of(const gltf *g, uint32_t accessor) { return g->accessors[accessor].width * norma_gltf_component_size(g->accessors[accessor].component); }
-
 static norma_document_result gather_set(gltf *g, const gltf_primitive *p, const gltf_attributes *set, vertex_rows *rows, size_t *at, norma_document_error *error)
 {
     for (uint32_t i = set->first; i < set->first + set->count; ++i) {
@@ -125,31 +145,24 @@ static norma_document_result gather_set(gltf *g, const gltf_primitive *p, const 
     return NORMA_DOCUMENT_OK;
 }
 
-static size_t set_size(const gltf *g, const gltf_attributes *set)
-{
-    size_t size = 0;
-    for (uint32_t i = set->first; i < set->first + set->count; ++i)
-        size += size_of(g, g->attributes[i].accessor);
-    return size;
-}
-
 norma_document_result norma_gltf_equal_vertices(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error)
 {
     gltf *g = norma_gltf_of(document);
-    const gltf_primitive *p = &g->primitives[mesh];
-    vertex_rows rows = {.size = set_size(g, &p->base)};
-    for (uint32_t t = 0; t < p->target_count; ++t)
-        rows.size += set_size(g, &g->targets[p->first_target + t]);
+    gltf_primitive *p = &g->primitives[mesh];
+    vertex_rows rows = {.size = norma_gltf_vertex_size(g, p)};
     if (!names_no_vertices(g, p)) {
         for (size_t v = 0; v < p->vertices; ++v)
             first[v] = (uint32_t)v;
         return NORMA_DOCUMENT_OK;
     }
+    norma_document_result result = norma_gltf_copy_vertices(g, p, p->vertices, rows.size, error);      /* as much room as if it got them anew */
+    if (result)
+        return result;
     rows.bytes = norma_io_allocate(p->vertices, rows.size);
     if (!rows.bytes)
         return norma_document_fail_memory(document, error);
     size_t at = 0;
-    norma_document_result result = gather_set(g, p, &p->base, &rows, &at, error);
+    result = gather_set(g, p, &p->base, &rows, &at, error);
     for (uint32_t t = 0; !result && t < p->target_count; ++t)
         result = gather_set(g, p, &g->targets[p->first_target + t], &rows, &at, error);
     if (!result && !norma_equal_rows(row_of, &rows, p->vertices, first))
