@@ -236,9 +236,18 @@ static void test_ply_empty_faces(void **state) {
     expect_edit(text, "a.ply", &reversed, text);
 }
 
+/* Rows of an element "face" that have no list of corners are no faces: what is done to faces leaves them as they are. */
+static void test_ply_rows_without_a_list(void **state) {
+    static const char text[] = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty uchar red\nend_header\n0 0 0\n1\n2\n3\n4\n";
+    static const uint32_t triangles[1] = {0};
+    const norma_mesh_edit edits[] = {{.drop_faces = ALL}, {.reverse_faces = ALL}, {.cut_faces = ALL, .cut_corners = triangles}};
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(edits); i++) expect_edit(text, "a.ply", &edits[i], text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ply_empty_faces), cmocka_unit_test(test_gltf_positions), cmocka_unit_test(test_gltf_strips_targets), cmocka_unit_test(test_gltf_refuses), cmocka_unit_test(test_gltf_without_triangles), cmocka_unit_test(test_obj), cmocka_unit_test(test_obj_reads_what_it_wrote), cmocka_unit_test(test_obj_renumbers_what_refers),
+        cmocka_unit_test(test_ply_empty_faces),      cmocka_unit_test(test_ply_rows_without_a_list), cmocka_unit_test(test_gltf_positions), cmocka_unit_test(test_gltf_strips_targets), cmocka_unit_test(test_gltf_refuses), cmocka_unit_test(test_gltf_without_triangles), cmocka_unit_test(test_obj), cmocka_unit_test(test_obj_reads_what_it_wrote), cmocka_unit_test(test_obj_renumbers_what_refers),
         cmocka_unit_test(test_ply), cmocka_unit_test(test_ply_drops_first_rows), cmocka_unit_test(test_ply_adds_rows_at_the_end), cmocka_unit_test(test_stl),
     };
     return cmocka_run_group_tests_name("edits, rare or refused", tests, NULL, NULL);

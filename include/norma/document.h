@@ -273,7 +273,8 @@ typedef struct norma_mesh_edit {
 norma_document_result norma_document_edit(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 
 /* glTF, PLY, OBJ: of each vertex of a mesh the first that equals it bit for bit in all that the file gives it (attributes, morph targets; PLY: the whole row, of a text its
- * words; OBJ: the words of the v line); itself where something in the file may name vertices by their numbers. first: room for norma_mesh_info.vertices. Argument error for other formats. Expected O(vertices). */
+ * words; OBJ: the words of the v line); itself where something in the file may name vertices by their numbers. first: room for norma_mesh_info.vertices. Argument error for other formats; unsupported
+ * where a glTF's vertices, which may share their bytes, would take far more room than the file. Expected O(vertices). */
 norma_document_result norma_document_equal_vertices(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
 
 /* ---- writing */

@@ -1,5 +1,6 @@
 /* mend_polygons.c: polygons that readers would cut wrong or differently (N404, N405), cut into triangles that do not fold: ears are clipped (Meisters 1975) in the plane of the
- * polygon's vector area, each time the one with the shortest cut of those that leave no triangle looking far off. What crosses itself has no such triangles and stays. */
+ * polygon's vector area, each time the one with the shortest cut of those that leave no triangle looking far off. What crosses itself has no such triangles and stays; so does what would
+ * take longer than polygons of some thousand corners do: time grows with the square of their number. */
 #include "mend_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +12,14 @@ typedef struct polygon {
     double area[3];
     uint32_t *ring;       /* corners that are left */
     size_t left;
+    uint8_t *gone;        /* of each corner: cut off */
+    uint32_t *seen;       /* of each corner: up to which one nobody who is left lies in the triangle that cuts it off */
+    size_t work;          /* how many looks are left, for all polygons of the mesh */
 } polygon;
+
+enum { LEAST_WORK = 1 << 25, WORK_A_CORNER = 1 << 12, AGREEMENT_WORK = 8 };
+
+static void take_work(polygon *p, size_t looks) { p->work -= looks < p->work ? looks : p->work; }
 
 static double cross2(const double a[2], const double b[2], const double c[2]) { return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]); }
 
@@ -43,15 +51,19 @@ static int is_inside(const double a[2], const double b[2], const double c[2], co
 
 static int same_point(const double a[2], const double b[2]) { return a[0] == b[0] && a[1] == b[1]; }
 
-/* Whether the corner at place i of the ring can be cut off: convex, and no other corner in the triangle. */
-static int is_ear(const polygon *p, size_t i) {
-    uint32_t before = p->ring[(i + p->left - 1) % p->left], at = p->ring[i], after = p->ring[(i + 1) % p->left];
+/* Whether the corner at place i of the ring can be cut off: convex, and no other corner in the triangle. Who was looked at stays so as long as the triangle is the same one. */
+static int is_ear(polygon *p, size_t i) {
+    const uint32_t before = p->ring[(i + p->left - 1) % p->left], at = p->ring[i], after = p->ring[(i + 1) % p->left];
     const double *a = p->flat[before], *b = p->flat[at], *c = p->flat[after];
     if (!(cross2(a, b, c) > 0))
         return 0;
-    for (size_t k = 0; k < p->left; k++) {
-        const double *q = p->flat[p->ring[k]];
-        if (p->ring[k] != before && p->ring[k] != at && p->ring[k] != after && !same_point(q, a) && !same_point(q, b) && !same_point(q, c) && is_inside(a, b, c, q))
+    for (; p->seen[at] < p->count; p->seen[at]++) {
+        const uint32_t k = p->seen[at];
+        const double *q = p->flat[k];
+        if (!p->work)
+            return 0;
+        take_work(p, 1);
+        if (!p->gone[k] && k != before && k != at && k != after && !same_point(q, a) && !same_point(q, b) && !same_point(q, c) && is_inside(a, b, c, q))
             return 0;
     }
     return 1;
@@ -82,12 +94,13 @@ static double cut_length(const polygon *p, size_t i) {
 }
 
 /* The place of the best ear; p->left: there is none. */
-static size_t find_ear(const polygon *p) {
+static size_t find_ear(polygon *p) {
     size_t best = p->left;
     double best_agreement = 0, best_length = 0;
     for (size_t i = 0; i < p->left; i++) {
         if (!is_ear(p, i))
             continue;
+        take_work(p, AGREEMENT_WORK);
         const double how = cut_agreement(p, i), length = cut_length(p, i);
         if (best < p->left && (how < best_agreement || (how == best_agreement && !(length < best_length))))
             continue;
@@ -98,18 +111,27 @@ static size_t find_ear(const polygon *p) {
     return best;
 }
 
-/* Corners of count - 2 triangles; 0: it cannot be cut so. */
+static void cut_off(polygon *p, size_t place, uint32_t triangle[3]) {
+    triangle[0] = p->ring[(place + p->left - 1) % p->left];
+    triangle[1] = p->ring[place];
+    triangle[2] = p->ring[(place + 1) % p->left];
+    p->gone[triangle[1]] = 1;
+    p->seen[triangle[0]] = p->seen[triangle[2]] = 0; /* they have other triangles now */
+    memmove(p->ring + place, p->ring + place + 1, (p->left - place - 1) * sizeof *p->ring);
+    p->left--;
+}
+
+/* Corners of count - 2 triangles; 0: it cannot be cut so, or not in time. */
 static int clip_ears(polygon *p, uint32_t *triangles) {
     for (p->left = 0; p->left < p->count; p->left++) p->ring[p->left] = (uint32_t)p->left;
+    memset(p->gone, 0, p->count);
+    memset(p->seen, 0, p->count * sizeof *p->seen);
     for (size_t done = 0; p->left >= 3; done++) {
         const size_t best = find_ear(p);
-        if (best == p->left)
+        take_work(p, p->left);
+        if (best == p->left || !p->work)
             return 0;
-        triangles[3 * done] = p->ring[(best + p->left - 1) % p->left];
-        triangles[3 * done + 1] = p->ring[best];
-        triangles[3 * done + 2] = p->ring[(best + 1) % p->left];
-        memmove(p->ring + best, p->ring + best + 1, (p->left - best - 1) * sizeof *p->ring);
-        p->left--;
+        cut_off(p, best, triangles + 3 * done);
     }
     return 1;
 }
@@ -135,9 +157,12 @@ static norma_result cut_named(mend_mesh *m, const uint8_t *marks) {
         largest = corners > largest ? corners : largest;
     }
     polygon p = {.points = malloc((largest + 1) * sizeof *p.points), .flat = malloc((largest + 1) * sizeof *p.flat), .ring = malloc((largest + 1) * sizeof *p.ring)};
+    p.gone = malloc(largest + 1);
+    p.seen = malloc((largest + 1) * sizeof *p.seen);
+    p.work = LEAST_WORK + (m->mesh.corner_count < SIZE_MAX / 2 / WORK_A_CORNER ? WORK_A_CORNER * m->mesh.corner_count : SIZE_MAX / 2);
     uint8_t *cut = calloc(m->mesh.face_count + 1, 1);
     uint32_t *triangles = calloc(3 * m->mesh.corner_count + 1, sizeof *triangles);
-    int any = 0, fine = p.points && p.flat && p.ring && cut && triangles;
+    int any = 0, fine = p.points && p.flat && p.ring && p.gone && p.seen && cut && triangles;
     for (size_t face = 0; face < m->mesh.face_count && fine; face++)
         if (marks[face] && !(m->edit->drop_faces && m->edit->drop_faces[face]))
             any |= cut[face] = (uint8_t)cut_face(m, face, &p, triangles + 3 * norma_core_face_begin(&m->mesh, face));
@@ -151,6 +176,8 @@ static norma_result cut_named(mend_mesh *m, const uint8_t *marks) {
     free(p.points);
     free(p.flat);
     free(p.ring);
+    free(p.gone);
+    free(p.seen);
     return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 

@@ -74,8 +74,9 @@ static norma_result weld(mend_mesh *m) {
     const size_t count = m->data.mesh.positions.count;
     uint32_t *first = malloc((count + 1) * sizeof *first);
     vertex_sum *sums = calloc(count + 1, sizeof *sums);
-    norma_result result = NORMA_ERROR_MEMORY;
-    if (first && sums && norma_document_equal_vertices(m->document, m->index, first, NULL) == NORMA_DOCUMENT_OK) {
+    const norma_document_result compared = first && sums ? norma_document_equal_vertices(m->document, m->index, first, NULL) : NORMA_DOCUMENT_ERROR_MEMORY;
+    norma_result result = compared == NORMA_DOCUMENT_ERROR_UNSUPPORTED ? NORMA_OK : NORMA_ERROR_MEMORY; /* more than such a file may stand for: the soup stays */
+    if (compared == NORMA_DOCUMENT_OK) {
         add_corners(m, first, sums);
         size_t gone = part_cancelled(sums, count, first);
         result = gone ? put_welded(m, count, count - gone, first) : NORMA_OK;

@@ -1,4 +1,4 @@
-/* ring_large.c: a ring of very many corners, to the same fans, counts and bits as any ring, in 20 bytes for each corner instead of 240. Nothing that can be read or measured again is kept:
+/* ring_large.c: a ring of very many corners, to the same fans, counts and bits as any ring, in 20 bytes for each corner instead of 260. Nothing that can be read or measured again is kept:
  * its edges are two sorted lists of numbers, joined some at a time in a ring of ordinary size; its fans are summed one after the other, and each is seen at once. */
 #include "ring_edges.h"
 #include "rings.h"

@@ -99,8 +99,9 @@ static int goes_with_corners(const ply_state *state, const ply_property *propert
 
 static void plan_faces(const ply_state *state, ply_plan *plan)
 {
+    const ply_edit nothing = {0};
     const ply_header *header = &state->header;
-    const ply_edit *edit = &state->edit;
+    const ply_edit *edit = header->face_list == PLY_NONE ? &nothing : &state->edit; /* rows without a list of corners are no faces */
     for (int i = 0; i < (int)plan->element->property_count; ++i) {
         const ply_property *property = norma_ply_property(header, plan->element, i);
         const int normal = axis_of(header->face_normal, i);
@@ -111,7 +112,7 @@ static void plan_faces(const ply_state *state, ply_plan *plan)
             item->type = edit->added_count ? widen(property->type, highest_index(state), 0) : property->type;
         } else if (edit->face_normals && normal != PLY_NONE) {
             *item = value_item(property, edit->face_normal_types[normal], (ply_column){.floats = edit->face_normals + normal, .unit = 1});
-        } else if ((edit->reversed || edit->cut_rows) && header->face_list != PLY_NONE && goes_with_corners(state, property)) {
+        } else if ((edit->reversed || edit->cut_rows) && goes_with_corners(state, property)) {
             item->action = PLY_CORNERS;
         }
         plan->changed |= item->action != PLY_COPY;

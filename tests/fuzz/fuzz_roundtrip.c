@@ -132,7 +132,11 @@ static void judge_normals(norma_document *document, size_t mesh, int has_summary
         return;
     double factor = strcmp(info.encoding, "snorm8") == 0 ? 127 : strcmp(info.encoding, "snorm16") == 0 ? 32767 : 1, bound = factor == 127 ? 0.00674 : factor == 32767 ? 0.0001 : 1e-5;
     factor = data.normals.format == NORMA_FORMAT_FLOAT || data.normals.format == NORMA_FORMAT_DOUBLE ? 1 : factor;
-    for (size_t i = 0; i < data.normals.count; ++i) {
+    size_t count = data.corner_normals ? data.mesh.corner_count : data.normals.count; /* an OBJ may have more, which its lines name, and which stay */
+    for (size_t k = 0; k < count; ++k) {
+        const size_t i = data.corner_normals ? data.corner_normals[k] : k;
+        if (i >= data.normals.count)
+            continue;
         double x = component(&data.normals, i, 0) / factor, y = component(&data.normals, i, 1) / factor, z = component(&data.normals, i, 2) / factor, length = sqrt(x * x + y * y + z * z);
         if (!(fabs(length - 1) <= bound))
             fuzz_fail("mesh %zu: normal %zu has length %.9g as %s", mesh, i, length, info.encoding);
