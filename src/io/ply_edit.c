@@ -87,6 +87,8 @@ static norma_document_result cut_faces(norma_document *document, const norma_mes
     ply_state *state = document->state;
     const ply_mesh *mesh = &state->mesh;
     ply_edit *change = &state->edit;
+    if (mesh->polygon_corners == 0)
+        return NORMA_DOCUMENT_OK;
     change->cut_rows = copy_marks(edit->cut_faces, mesh->polygon_count);
     change->cut_corners = norma_io_allocate(mesh->polygon_corners, 3 * sizeof *change->cut_corners);
     if (!change->corners)
