@@ -3,9 +3,10 @@
 #pragma GCC optimize("no-tree-slp-vectorize")    /* this compiler gathers neighbouring addresses into vectors, only to take them out again one by one */
 #endif
 #include "vertex_add.h"
+#include "vertex_add_avx512.h"
+#include "vertex_add_eight.h"
 #include "vertex_add_simd128.h"
 #include "finish_lanes.h"
-#include "lanes.h"
 #include "measure_lanes.h"
 
 enum { AHEAD = 32, BATCHES_AT_ONCE = 8 };  /* triangles between asking for memory and using it */
@@ -71,37 +72,11 @@ CORE_INLINE void look_ahead(const core_adder *adder, size_t f)
 
 /* ---- adding */
 
-/* What a triangle adds to the sums of its corners: its normal and 1 times the weight of each; where all corners weigh the same, the product itself. */
-CORE_INLINE int weighs_evenly(norma_weight weight) { return weight == NORMA_WEIGHT_AREA || weight == NORMA_WEIGHT_UNIFORM; }
-
 CORE_INLINE void measure_batch(core_batch *m, norma_weight weight)
 {
-    core_lanes_measure(m, weight, weighs_evenly(weight) ? CORE_NO_CORNER : CORE_ALL_CORNERS);
+    core_lanes_measure(m, weight, core_weighs_evenly(weight) ? CORE_NO_CORNER : CORE_ALL_CORNERS);
     for (int i = 0; i < CORE_LANES && weight == NORMA_WEIGHT_AREA; i++)
         for (int x = 0; x < 3; x++) m->normal[x][i] *= m->twice_area[i];
-}
-
-CORE_INLINE void add_corner(vertex_sum *sum, const triangle_batch *t, const core_rows *rows, int lane, int corner, norma_weight weight)
-{
-    if (weighs_evenly(weight)) core_add_whole(&sum->x, rows->row[lane]);
-    else core_add_row(&sum->x, rows->row[lane], t->measured.weight[corner][lane]);
-}
-
-/* Corners of a range that is another's are passed over. */
-CORE_INLINE void add_lane(const core_adder *adder, const triangle_batch *t, const core_rows *rows, int lane, norma_weight weight)
-{
-    for (int k = 0; k < 3; k++) {
-        const uint32_t sum = t->at[3 * lane + k] - adder->first;
-        if (sum < adder->count) add_corner(&adder->sums[sum], t, rows, lane, k, weight);
-    }
-}
-
-/* The same of all lanes, for those who own all their corners. */
-CORE_INLINE void add_all_lanes(const core_adder *adder, const triangle_batch *t, const core_rows *rows, norma_weight weight)
-{
-    const uintptr_t origin = (uintptr_t)adder->sums - adder->first * sizeof *adder->sums;
-    for (int i = 0; i < CORE_LANES; i++)
-        for (int k = 0; k < 3; k++) add_corner((vertex_sum *)(origin + t->at[3 * i + k] * sizeof *adder->sums), t, rows, i, k, weight);
 }
 
 CORE_INLINE int all_sure(const core_batch *m)
@@ -111,22 +86,27 @@ CORE_INLINE int all_sure(const core_batch *m)
     return sure == CORE_LANES;
 }
 
-static int has_three_places(const uint32_t *at) { return at[0] != at[1] && at[1] != at[2] && at[2] != at[0]; }
+CORE_INLINE unsigned which_are_sure(const core_batch *m)
+{
+    unsigned sure = 0;
+    if (all_sure(m)) return CORE_ALL_SURE;
+    for (int i = 0; i < CORE_LANES; i++) sure |= m->sure[i] != 0 ? 1U << i : 0;
+    return sure;
+}
 
-CORE_INLINE void add_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes, norma_weight weight)
+CORE_INLINE core_eight batch_to_rows(const triangle_batch *t, norma_weight weight, core_rows *rows)
 {
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
     const core_batch *m = &t->measured;
+    core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2], weight == NORMA_WEIGHT_AREA ? m->twice_area : ones, rows);
+    return (core_eight){(const double(*)[4])rows->row, m->weight, (const unsigned char *)t->at, which_are_sure(m)};
+}
+
+CORE_INLINE void add_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes, norma_weight weight)
+{
     core_rows rows;
-    core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2], weight == NORMA_WEIGHT_AREA ? m->twice_area : ones, &rows);
-    if (adder->owns_all && lanes == CORE_LANES && !adder->by_distance && all_sure(m)) {
-        add_all_lanes(adder, t, &rows, weight);
-        return;
-    }
-    for (int i = 0; i < lanes; i++) {
-        if (m->sure[i] != 0 && has_three_places(t->at + 3 * i)) add_lane(adder, t, &rows, i, weight);
-        else adder->add_face(adder->context, f + (size_t)i);
-    }
+    const core_eight eight = batch_to_rows(t, weight, &rows);
+    core_add_eight(adder, &eight, f, lanes, weight);
 }
 
 /* One batch after the other from end to end is a chain of some 200 steps that each wait for the one before, too long for the processor to see the next one's beginning. So
@@ -181,15 +161,14 @@ CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end
 CORE_INLINE void queue_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes, size_t in_chunk, core_queue *queue, norma_weight weight)
 {
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
-    const core_batch *m = &t->measured;
+    const core_eight eight = batch_to_rows(t, weight, (core_rows *)(void *)queue->row[in_chunk]);
     const double *w[3];
-    for (int k = 0; k < 3; k++) w[k] = weighs_evenly(weight) ? ones : m->weight[k];
-    core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2], weight == NORMA_WEIGHT_AREA ? m->twice_area : ones, (core_rows *)(void *)queue->row[in_chunk]);
+    for (int k = 0; k < 3; k++) w[k] = core_weighs_evenly(weight) ? ones : eight.weight[k];
     core_lanes_to_rows(w[0], w[1], w[2], ones, (core_rows *)(void *)queue->weight[in_chunk]);
     memcpy(queue->at + 3 * in_chunk, t->at, sizeof t->at);
-    if (lanes == CORE_LANES && !adder->by_distance && all_sure(m)) return;
+    if (core_all_are_decided(adder, &eight, lanes)) return;
     for (int i = 0; i < lanes; i++)
-        if (m->sure[i] == 0 || !has_three_places(t->at + 3 * i)) adder->add_face(adder->context, f + (size_t)i);
+        if (!core_is_decided(&eight, i)) adder->add_face(adder->context, f + (size_t)i);
 }
 
 CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale)
@@ -269,7 +248,7 @@ static int finish_portable(const vertex_sum *sums, float (*normals)[3]) { return
 
 #if defined(CORE_HAS_X86)
 CORE_FOR_AVX2 static void add_avx2(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, begin, end); }
-CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, begin, end); }
+CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, norma_core_add_eights_avx512(adder, begin, end), end); }
 CORE_FOR_AVX2 static void queue_avx2(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) { queue_triangles(adder, begin, end, scale, queue); }
 CORE_FOR_AVX512 static void queue_avx512(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) { queue_triangles(adder, begin, end, scale, queue); }
 CORE_FOR_AVX2 static void drain_avx2(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
