@@ -26,5 +26,6 @@ core_level norma_core_level(norma_isa isa);        /* the highest that the machi
 #else
 #define CORE_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")))
 #endif
+#define CORE_IN_REGISTERS CORE_FOR_AVX512 CORE_INLINE   /* a step of a loop that is written for AVX-512 */
 #endif
 #endif

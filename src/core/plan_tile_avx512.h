@@ -1,4 +1,4 @@
-/* plan_tile_avx512.h: the one loop that is written for an instruction set. */
+/* plan_tile_avx512.h: the one loop of plans that is written for an instruction set. */
 #ifndef NORMA_CORE_PLAN_TILE_AVX512_H
 #define NORMA_CORE_PLAN_TILE_AVX512_H
 #include "plan_tile.h"

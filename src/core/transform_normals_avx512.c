@@ -5,21 +5,19 @@
 #if defined(CORE_HAS_X86)
 #include <immintrin.h>
 
-#define IN_REGISTERS CORE_FOR_AVX512 CORE_INLINE
-
 /* Of 48 numbers in three registers, x y z x y z ..., those of one axis lie at places that are each another: one from each, then in order. */
 enum { FIRST = 0x9249, SECOND = 0x4924, THIRD = 0x2492 };   /* every third place, from 0, 2 and 1 on */
 
 /* Lane i of an axis is at place 3 i + axis, modulo 16; and back: what is at place j comes from lane 11 (j - axis), modulo 16. */
-IN_REGISTERS __m512i places(int factor, int from)
+CORE_IN_REGISTERS __m512i places(int factor, int from)
 {
     const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     return _mm512_and_si512(_mm512_add_epi32(_mm512_mullo_epi32(lane, _mm512_set1_epi32(factor)), _mm512_set1_epi32(from)), _mm512_set1_epi32(15));
 }
 
-IN_REGISTERS __m512 of_three(__m512 a, __m512 b, __mmask16 from_b, __m512 c, __mmask16 from_c) { return _mm512_mask_blend_ps(from_c, _mm512_mask_blend_ps(from_b, a, b), c); }
+CORE_IN_REGISTERS __m512 of_three(__m512 a, __m512 b, __mmask16 from_b, __m512 c, __mmask16 from_c) { return _mm512_mask_blend_ps(from_c, _mm512_mask_blend_ps(from_b, a, b), c); }
 
-IN_REGISTERS void take_apart(const float *from, __m512 axis[3])
+CORE_IN_REGISTERS void take_apart(const float *from, __m512 axis[3])
 {
     const __m512 a = _mm512_loadu_ps(from), b = _mm512_loadu_ps(from + 16), c = _mm512_loadu_ps(from + 32);
     axis[0] = _mm512_permutexvar_ps(places(3, 0), of_three(a, b, SECOND, c, THIRD));
@@ -27,7 +25,7 @@ IN_REGISTERS void take_apart(const float *from, __m512 axis[3])
     axis[2] = _mm512_permutexvar_ps(places(3, 2), of_three(a, b, THIRD, c, FIRST));
 }
 
-IN_REGISTERS void put_together(const __m512 axis[3], float *to)
+CORE_IN_REGISTERS void put_together(const __m512 axis[3], float *to)
 {
     const __m512 x = _mm512_permutexvar_ps(places(11, 0), axis[0]), y = _mm512_permutexvar_ps(places(11, 16 - 11), axis[1]), z = _mm512_permutexvar_ps(places(11, 32 - 22), axis[2]);
     _mm512_storeu_ps(to, of_three(x, y, THIRD, z, SECOND));
@@ -35,14 +33,14 @@ IN_REGISTERS void put_together(const __m512 axis[3], float *to)
     _mm512_storeu_ps(to + 32, of_three(x, y, SECOND, z, FIRST));
 }
 
-IN_REGISTERS __m512d low_as_doubles(__m512 v) { return _mm512_cvtps_pd(_mm512_castps512_ps256(v)); }
-IN_REGISTERS __m512d high_as_doubles(__m512 v) { return _mm512_cvtps_pd(_mm512_extractf32x8_ps(v, 1)); }
-IN_REGISTERS __m512 as_floats(__m512d low, __m512d high) { return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high), 1); }
+CORE_IN_REGISTERS __m512d low_as_doubles(__m512 v) { return _mm512_cvtps_pd(_mm512_castps512_ps256(v)); }
+CORE_IN_REGISTERS __m512d high_as_doubles(__m512 v) { return _mm512_cvtps_pd(_mm512_extractf32x8_ps(v, 1)); }
+CORE_IN_REGISTERS __m512 as_floats(__m512d low, __m512d high) { return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high), 1); }
 
 typedef struct product_eight { __m512d axis[3], square; } product_eight;
 
 /* The products of two floats are exact in doubles, so that one rounding of a product and a sum is the rounding of the sum. */
-IN_REGISTERS product_eight product(const __m512d m[9], __m512d x, __m512d y, __m512d z)
+CORE_IN_REGISTERS product_eight product(const __m512d m[9], __m512d x, __m512d y, __m512d z)
 {
     product_eight p;
     for (int r = 0; r < 3; r++) p.axis[r] = _mm512_fmadd_pd(m[6 + r], z, _mm512_fmadd_pd(m[3 + r], y, _mm512_mul_pd(m[r], x)));
@@ -51,7 +49,7 @@ IN_REGISTERS product_eight product(const __m512d m[9], __m512d x, __m512d y, __m
 }
 
 /* one_over_length */
-IN_REGISTERS __m512d one_over_length(__m512d exact_square, __m512d about)
+CORE_IN_REGISTERS __m512d one_over_length(__m512d exact_square, __m512d about)
 {
     const __m512d half = _mm512_mul_pd(_mm512_set1_pd(0.5), exact_square);
     return _mm512_mul_pd(about, _mm512_sub_pd(_mm512_set1_pd(1.5), _mm512_mul_pd(half, _mm512_mul_pd(about, about))));
@@ -60,7 +58,7 @@ IN_REGISTERS __m512d one_over_length(__m512d exact_square, __m512d about)
 /* Sixteen normals multiplied, and about one over their lengths. */
 typedef struct opened_sixteen { product_eight low, high; __m512 about; __mmask16 safe; } opened_sixteen;
 
-IN_REGISTERS void open_sixteen(const __m512d m[9], const float *in, opened_sixteen *o)
+CORE_IN_REGISTERS void open_sixteen(const __m512d m[9], const float *in, opened_sixteen *o)
 {
     __m512 v[3];
     take_apart(in, v);
@@ -71,7 +69,7 @@ IN_REGISTERS void open_sixteen(const __m512d m[9], const float *in, opened_sixte
     o->about = _mm512_div_ps(_mm512_set1_ps(1), _mm512_sqrt_ps(square));
 }
 
-IN_REGISTERS void close_sixteen(const opened_sixteen *o, float *out)
+CORE_IN_REGISTERS void close_sixteen(const opened_sixteen *o, float *out)
 {
     const __m512d low = one_over_length(o->low.square, low_as_doubles(o->about)), high = one_over_length(o->high.square, high_as_doubles(o->about));
     __m512 v[3];
