@@ -2,6 +2,7 @@
 #ifndef NORMA_CORE_CALL_H
 #define NORMA_CORE_CALL_H
 #include "measure.h"
+#include <stdatomic.h>
 
 typedef struct core_call {
     norma_options options;             /* every field valid; absent ones at their defaults */
@@ -27,4 +28,7 @@ size_t norma_core_workers(const core_call *call);
 /* Runs task for each index below count: by the caller's parallel_for, by threads, or here. Tasks share nothing but what they only read. Returns
  * NORMA_OK or NORMA_CANCELLED (then some tasks did not run). */
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context);
+
+/* Until value, which another task raises, is at least this. Only for tasks of threads of our own, which are begun in ascending order, and only for a task of a lower index. */
+void norma_core_wait(const atomic_size_t *value, size_t least);
 #endif

@@ -27,9 +27,10 @@ static norma_result run_in_callers_jobs(const crew *c)
 #if defined(__wasm__)
 static norma_result run_in_threads(const crew *c, size_t workers) { (void)workers; return run_here(c); }
 static size_t machine_threads(void) { return 1; }
+static void let_others_work(void) { }
 #else
 #include <pthread.h>
-#include <stdatomic.h>
+#include <sched.h>
 #include <unistd.h>
 
 enum { MOST_WORKERS = 256 };
@@ -82,6 +83,8 @@ static size_t machine_threads(void)
 #endif
     return online > 0 ? (size_t)online : 1;
 }
+
+static void let_others_work(void) { sched_yield(); }
 #endif
 
 size_t norma_core_workers(const core_call *call)
@@ -96,4 +99,12 @@ norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task
     if (call->options.parallel_for) return run_in_callers_jobs(&c);
     const size_t most = count > 1 ? norma_core_workers(call) : 1, workers = most < count ? most : count; /* asking the system takes longer than a small mesh */
     return workers > 1 ? run_in_threads(&c, workers) : run_here(&c);
+}
+
+/* Most waits are shorter than it takes to sleep and be woken. */
+void norma_core_wait(const atomic_size_t *value, size_t least)
+{
+    enum { LOOKS = 1000 };
+    for (int looks = 0; atomic_load_explicit(value, memory_order_acquire) < least; looks += looks < LOOKS)
+        if (looks == LOOKS) let_others_work();
 }

@@ -1,9 +1,13 @@
 /* vertex_queue.c: sums of a mesh whose faces name positions far apart, by several at once. Each measures chunks of faces of its own and leaves what they add in queues; then each takes
  * what waits for a part of the positions, from the first face to the last. So no face is measured twice, and every sum is taken in ascending order of faces, whoever takes it. A segment of
- * the faces is queued and drained at a time, so that the queues stay in the cache. */
+ * the faces is queued and drained at a time, so that the queues stay in the cache; the next segment is queued into others, so that nobody waits for the last to be drained.
+ *
+ * All jobs are tasks of one call: of each segment those that queue a chunk, then those that drain a part. Tasks are begun in order, so that one that waits for others waits for some that are
+ * at work. Jobs of the caller's need not be: they get the tasks that wait for nothing, stage by stage. */
 #include "vertex_queue.h"
+#include <stdatomic.h>
 
-enum { MOST_CHUNKS = 64, LEAST_CHUNKS = 16, BYTES_FOR_EIGHT_FACES = 15 };
+enum { MOST_CHUNKS = 64, LEAST_CHUNKS = 16, BYTES_FOR_EIGHT_FACES = 15, SETS = 2 };
 
 typedef struct queue_work {
     const core_surface   *surface;
@@ -11,11 +15,13 @@ typedef struct queue_work {
     core_queue_triangles *queue_faces;
     core_drain_queue     *drain;
     vertex_sum           *sums;
-    core_queue           *queues;                      /* of the chunks of a segment */
+    core_queue           *queues;                      /* of the chunks of two segments */
     norma_count           degenerate[MOST_CHUNKS];     /* met by each of them, in all segments */
-    size_t                first, chunks;               /* the segment: its first face, its chunks */
-    size_t                parts;
+    size_t                chunks, parts;               /* jobs of a segment */
+    size_t                segments, first_job;         /* first_job: of the tasks that run now */
     uint64_t              scale;                       /* of positions to parts */
+    atomic_size_t        *queued;                      /* of each segment, its chunks */
+    atomic_size_t         drained[CORE_PARTS];         /* of each part, the segments */
 } queue_work;
 
 /* ---- queueing */
@@ -45,14 +51,17 @@ static void queue_face(void *context, size_t f)
     q->queue->row[in_chunk][3] = 1;
 }
 
-static void queue_chunk(void *context, size_t chunk)
+/* The chunk's queue is free when the last segment but one is drained. */
+static void queue_chunk(queue_work *work, size_t segment, size_t number)
 {
-    queue_work *work = context;
-    const size_t begin = work->first + chunk * CORE_FACES_IN_CHUNK, faces = work->mesh->face_count, end = faces - begin < CORE_FACES_IN_CHUNK ? faces : begin + CORE_FACES_IN_CHUNK;
-    face_queuer queuer = {work->surface, &work->queues[chunk], begin, &work->degenerate[chunk]};
+    const size_t begin = (segment * work->chunks + number) * CORE_FACES_IN_CHUNK, faces = work->mesh->face_count, queue = segment % SETS * work->chunks + number;
+    const size_t end = begin + CORE_FACES_IN_CHUNK < faces ? begin + CORE_FACES_IN_CHUNK : faces;
+    face_queuer queuer = {work->surface, &work->queues[queue], begin, &work->degenerate[queue]};
     const norma_options *o = &work->surface->call->options;
     const core_adder adder = {work->mesh, o->weight, work->sums, 0, 0, 0, 1, o->weld == NORMA_WELD_DISTANCE, queue_face, &queuer};
-    work->queue_faces(&adder, begin, end, work->scale, &work->queues[chunk]);
+    for (size_t part = 0; part < work->parts && segment >= SETS; part++) norma_core_wait(&work->drained[part], segment - SETS + 1);
+    if (begin < faces) work->queue_faces(&adder, begin, end, work->scale, &work->queues[queue]);
+    atomic_fetch_add_explicit(&work->queued[segment], 1, memory_order_release);
 }
 
 /* ---- draining */
@@ -64,26 +73,47 @@ static void clear_part(void *context, size_t part)
     norma_core_clear_sums(work->sums + begin, (size_t)(end - begin));
 }
 
-static void drain_part(void *context, size_t part)
+static void drain_part(queue_work *work, size_t segment, size_t part)
 {
-    const queue_work *work = context;
-    for (size_t chunk = 0; chunk < work->chunks; chunk++) work->drain(&work->queues[chunk], part, work->sums);
+    norma_core_wait(&work->queued[segment], work->chunks);
+    norma_core_wait(&work->drained[part], segment);
+    for (size_t chunk = 0; chunk < work->chunks && (segment * work->chunks + chunk) * CORE_FACES_IN_CHUNK < work->mesh->face_count; chunk++)
+        work->drain(&work->queues[segment % SETS * work->chunks + chunk], part, work->sums);
+    atomic_store_explicit(&work->drained[part], segment + 1, memory_order_release);
 }
 
-static norma_result run(core_call *call, queue_work *work, size_t chunks_at_once)
+/* ---- jobs */
+
+static void run_job(void *context, size_t task)
 {
-    const size_t faces = work->mesh->face_count, chunks = faces / CORE_FACES_IN_CHUNK + (faces % CORE_FACES_IN_CHUNK != 0);
+    queue_work *work = context;
+    const size_t job = work->first_job + task, jobs = work->chunks + work->parts, segment = job / jobs, number = job % jobs;
+    if (number < work->chunks) queue_chunk(work, segment, number);
+    else drain_part(work, segment, number - work->chunks);
+}
+
+static norma_result run_staged(core_call *call, queue_work *work)
+{
     const double from = call->progress_from, to = call->progress_to;
-    norma_result result = norma_core_parallel(call, work->parts, clear_part, work);
-    for (size_t chunk = 0; chunk < chunks && result == NORMA_OK; chunk += work->chunks) {
-        work->first = chunk * CORE_FACES_IN_CHUNK;
-        work->chunks = chunks - chunk < chunks_at_once ? chunks - chunk : chunks_at_once;
-        norma_core_stage(call, from + (to - from) * (double)chunk / (double)chunks, from + (to - from) * (double)(chunk + work->chunks) / (double)chunks);
-        result = norma_core_parallel(call, work->chunks, queue_chunk, work);
-        if (result == NORMA_OK) result = norma_core_parallel(call, work->parts, drain_part, work);
+    norma_result result = NORMA_OK;
+    for (size_t segment = 0; segment < work->segments && result == NORMA_OK; segment++) {
+        norma_core_stage(call, from + (to - from) * (double)segment / (double)work->segments, from + (to - from) * (double)(segment + 1) / (double)work->segments);
+        work->first_job = segment * (work->chunks + work->parts);
+        result = norma_core_parallel(call, work->chunks, run_job, work);
+        work->first_job += work->chunks;
+        if (result == NORMA_OK) result = norma_core_parallel(call, work->parts, run_job, work);
     }
     norma_core_stage(call, from, to);
     return result;
+}
+
+static norma_result run(core_call *call, queue_work *work)
+{
+    const norma_result result = norma_core_parallel(call, work->parts, clear_part, work);
+    for (size_t i = 0; i < work->segments; i++) atomic_init(&work->queued[i], 0);
+    for (size_t i = 0; i < work->parts; i++) atomic_init(&work->drained[i], 0);
+    if (result != NORMA_OK) return result;
+    return call->options.parallel_for ? run_staged(call, work) : norma_core_parallel(call, work->segments * (work->chunks + work->parts), run_job, work);
 }
 
 /* No more than there are at work: each part reads most of the queues. */
@@ -94,7 +124,6 @@ static size_t parts_for(const core_call *call)
     return parts;
 }
 
-
 norma_result norma_core_queue_vertices(const core_surface *surface, const core_mesh *mesh, vertex_sum *sums, norma_count *degenerate, int *done)
 {
     core_call *call = surface->call;
@@ -102,14 +131,18 @@ norma_result norma_core_queue_vertices(const core_surface *surface, const core_m
     *done = 0;
     if (chunks < LEAST_CHUNKS) return NORMA_OK;
     if (chunks > MOST_CHUNKS) chunks = MOST_CHUNKS;
+    const size_t chunks_in_all = mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);
     queue_work work = {.surface = surface, .mesh = mesh, .sums = sums, .queue_faces = norma_core_choose_queue(call->options.isa), .drain = norma_core_choose_drain(call->options.isa),
-                       .parts = parts_for(call)};
+                       .chunks = chunks / SETS, .parts = parts_for(call)};
+    work.segments = chunks_in_all / work.chunks + (chunks_in_all % work.chunks != 0);
     work.scale = ((uint64_t)work.parts << CORE_PART_BITS) / mesh->positions.count;
     work.queues = norma_core_allocate(call, chunks, sizeof *work.queues);
-    if (!work.queues) return NORMA_OK;
-    const norma_result result = run(call, &work, chunks);
+    work.queued = norma_core_allocate(call, work.segments, sizeof *work.queued);
+    const int has_memory = work.queues && work.queued;
+    const norma_result result = has_memory ? run(call, &work) : NORMA_OK;
     norma_core_release(call, work.queues, chunks, sizeof *work.queues);
+    norma_core_release(call, work.queued, work.segments, sizeof *work.queued);
     for (size_t i = 0; i < chunks; i++) norma_core_count_add(degenerate, &work.degenerate[i]);
-    *done = 1;
+    *done = has_memory;
     return result;
 }
