@@ -25,10 +25,11 @@ int  norma_core_progress(core_call *call, double fraction_of_stage);
 /* How many may work, where the caller has no parallel_for: at least 1. */
 size_t norma_core_workers(const core_call *call);
 
-/* Runs task for each index below count: by the caller's parallel_for, by threads, or here. Tasks share nothing but what they only read. Returns
+/* Runs task for each index below count: by the caller's parallel_for, by threads, or here. Tasks share nothing but what they only read, and what is atomic. Returns
  * NORMA_OK or NORMA_CANCELLED (then some tasks did not run). */
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context);
 
-/* Until value, which another task raises, is at least this. Only for tasks of threads of our own, which are begun in ascending order, and only for a task of a lower index. */
+/* Until value, which another task raises, is at least this. Only for a task of a lower index, and never in the caller's parallel_for: tasks of our own threads are begun in ascending
+ * order, so that one of a lower index is at work or done. */
 void norma_core_wait(const atomic_size_t *value, size_t least);
 #endif

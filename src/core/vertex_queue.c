@@ -51,16 +51,32 @@ static void queue_face(void *context, size_t f)
     q->queue->row[in_chunk][3] = 1;
 }
 
-/* The chunk's queue is free when the last segment but one is drained. */
-static void queue_chunk(queue_work *work, size_t segment, size_t number)
+/* Stage by stage there is nothing to wait for. */
+static void wait_for(const queue_work *work, const atomic_size_t *value, size_t least)
 {
-    const size_t begin = (segment * work->chunks + number) * CORE_FACES_IN_CHUNK, faces = work->mesh->face_count, queue = segment % SETS * work->chunks + number;
-    const size_t end = begin + CORE_FACES_IN_CHUNK < faces ? begin + CORE_FACES_IN_CHUNK : faces;
+    if (!work->surface->call->options.parallel_for) norma_core_wait(value, least);
+}
+
+/* The queues of a segment are those of the last but one, when that is drained. */
+static void wait_until_free(const queue_work *work, size_t segment)
+{
+    if (segment < SETS) return;
+    for (size_t part = 0; part < work->parts; part++) wait_for(work, &work->drained[part], segment - SETS + 1);
+}
+
+static void queue_faces(queue_work *work, size_t queue, size_t begin, size_t end)
+{
     face_queuer queuer = {work->surface, &work->queues[queue], begin, &work->degenerate[queue]};
     const norma_options *o = &work->surface->call->options;
     const core_adder adder = {work->mesh, o->weight, work->sums, 0, 0, 0, 1, o->weld == NORMA_WELD_DISTANCE, queue_face, &queuer};
-    for (size_t part = 0; part < work->parts && segment >= SETS; part++) norma_core_wait(&work->drained[part], segment - SETS + 1);
-    if (begin < faces) work->queue_faces(&adder, begin, end, work->scale, &work->queues[queue]);
+    work->queue_faces(&adder, begin, end, work->scale, &work->queues[queue]);
+}
+
+static void queue_chunk(queue_work *work, size_t segment, size_t number)
+{
+    const size_t begin = (segment * work->chunks + number) * CORE_FACES_IN_CHUNK, faces = work->mesh->face_count;
+    wait_until_free(work, segment);
+    if (begin < faces) queue_faces(work, segment % SETS * work->chunks + number, begin, faces - begin < CORE_FACES_IN_CHUNK ? faces : begin + CORE_FACES_IN_CHUNK);
     atomic_fetch_add_explicit(&work->queued[segment], 1, memory_order_release);
 }
 
@@ -75,8 +91,8 @@ static void clear_part(void *context, size_t part)
 
 static void drain_part(queue_work *work, size_t segment, size_t part)
 {
-    norma_core_wait(&work->queued[segment], work->chunks);
-    norma_core_wait(&work->drained[part], segment);
+    wait_for(work, &work->queued[segment], work->chunks);
+    wait_for(work, &work->drained[part], segment);
     for (size_t chunk = 0; chunk < work->chunks && (segment * work->chunks + chunk) * CORE_FACES_IN_CHUNK < work->mesh->face_count; chunk++)
         work->drain(&work->queues[segment % SETS * work->chunks + chunk], part, work->sums);
     atomic_store_explicit(&work->drained[part], segment + 1, memory_order_release);
@@ -109,11 +125,15 @@ static norma_result run_staged(core_call *call, queue_work *work)
 
 static norma_result run(core_call *call, queue_work *work)
 {
-    const norma_result result = norma_core_parallel(call, work->parts, clear_part, work);
+    const double from = call->progress_from, to = call->progress_to, cleared = from + 0.1 * (to - from);
     for (size_t i = 0; i < work->segments; i++) atomic_init(&work->queued[i], 0);
     for (size_t i = 0; i < work->parts; i++) atomic_init(&work->drained[i], 0);
-    if (result != NORMA_OK) return result;
-    return call->options.parallel_for ? run_staged(call, work) : norma_core_parallel(call, work->segments * (work->chunks + work->parts), run_job, work);
+    norma_core_stage(call, from, cleared);
+    norma_result result = norma_core_parallel(call, work->parts, clear_part, work);
+    norma_core_stage(call, cleared, to);
+    if (result == NORMA_OK) result = call->options.parallel_for ? run_staged(call, work) : norma_core_parallel(call, work->segments * (work->chunks + work->parts), run_job, work);
+    norma_core_stage(call, from, to);
+    return result;
 }
 
 /* No more than there are at work: each part reads most of the queues. */

@@ -105,7 +105,7 @@ static void leave_out_stitches(corners *c) {
     c->count = 3 * kept;
 }
 
-/* A glTF that names no mode, nor anything in other letters than its own, has neither. */
+/* A glTF that names no mode, nor anything in other letters than its own, has no strips and no fans. */
 static int may_be_sewn(const verb *v, const fuzz_bytes *file) {
     static const char mode[] = "mode";
     int found = 0;
