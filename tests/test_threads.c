@@ -316,6 +316,16 @@ static void many_triangles_apart(void **state) {
     mesh_file_free(&mesh);
 }
 
+typedef struct watched { double last; size_t midway; } watched;
+
+/* How often something is told while sums are taken. */
+static int watch_midway(void *user, double fraction) {
+    watched *w = user;
+    w->midway += fraction > w->last && fraction > 0.55 && fraction < 0.89;
+    w->last = fraction;
+    return 0;
+}
+
 /* So many faces with corners anywhere that several threads hand what they measure to each other; some of them, and some positions, are not what they should be. Most sums cancel but for
  * some hundred-thousandth, so that their order shows. */
 static void faces_in_no_order(void **state) {
@@ -348,13 +358,17 @@ static void faces_in_no_order(void **state) {
         assert_true(expected.report.degenerate_faces.count > TRIANGLES / 1000 && expected.report.degenerate_faces.first == 0);
         for (size_t i = 0; i <= COUNT_OF(threads); ++i) {
             size_t        used = 0;
+            watched       seen = {0};
             norma_options own = options;
             if (i < COUNT_OF(threads)) own.threads = threads[i];
             else own.parallel_for = run_shuffled;
             own.parallel_for_user = &used;
+            own.progress = watch_midway;
+            own.progress_user = &seen;
             answer_create(&got, POSITIONS);
             assert_ok(call(VERTICES, &mesh, own, &got));
             if (!same(&got, &expected)) fail_msg("weld %d, setting %zu: other bits", weld, i);
+            if (seen.midway < 8) fail_msg("weld %d, setting %zu: progress told %zu times midway", weld, i, seen.midway);
             answer_free(&got);
         }
         answer_free(&expected);

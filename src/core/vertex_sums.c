@@ -224,13 +224,24 @@ int norma_core_resolve_record(const core_mesh *mesh, const vertex_sum *s, size_t
 }
 
 /* Triangles are measured from positions in memory of our own where they are scattered; polygons are measured already. */
+static norma_result copy_positions(sum_work *work)
+{
+    core_surface *surface = work->vertices->surface;
+    core_call *call = surface->call;
+    const double from = call->progress_from, to = call->progress_to, copied = from + 0.1 * (to - from);
+    work->mesh = surface->mesh;
+    if (!work->scattered || surface->faces) return NORMA_OK;
+    norma_core_stage(call, from, copied);
+    const norma_result result = norma_core_copy_scattered(call, &surface->mesh, &work->mesh);
+    norma_core_stage(call, copied, to);
+    return result;
+}
+
 static norma_result sum_all(sum_work *work)
 {
     core_surface *surface = work->vertices->surface;
-    norma_result result = NORMA_OK;
+    norma_result result = copy_positions(work);
     int done = 0;
-    work->mesh = surface->mesh;
-    if (work->scattered && !surface->faces) result = norma_core_copy_scattered(surface->call, &surface->mesh, &work->mesh);
     if (result == NORMA_OK && work->scattered && !surface->faces && work->ranges > 1) result = norma_core_queue_vertices(surface, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
     if (result == NORMA_OK && !done) result = work->ranges > 1 ? sum_shared(work) : sum_alone(work);
     norma_core_release_scattered(surface->call, &surface->mesh, &work->mesh);
