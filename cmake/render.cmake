@@ -28,6 +28,6 @@ file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/shaders.h CONTENT "${shader_
 
 file(GLOB render_sources CONFIGURE_DEPENDS src/render/*.c)
 add_library(norma-render STATIC ${render_sources})
-target_include_directories(norma-render PRIVATE ${CMAKE_BINARY_DIR}/generated)
+target_include_directories(norma-render PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_BINARY_DIR}/generated)
 target_include_directories(norma-render SYSTEM PRIVATE ${NORMA_EGL_INCLUDE} ${NORMA_GLES_INCLUDE})
 target_link_libraries(norma-render PUBLIC norma-static PRIVATE PNG::PNG m ${CMAKE_DL_LIBS})

@@ -19,7 +19,7 @@ set(web_objects_dir ${web_dir}/objects)
 file(MAKE_DIRECTORY ${web_objects_dir} ${web_dir}/npm)
 # No SLP vectoriser: clang 14's, for WebAssembly, stores a product into its own factor before that is read (norma_gltf_matrix_multiply in place, nodes at wrong places).
 set(web_flags --target=wasm32-wasi -std=c11 -O3 -DNDEBUG -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math
-              -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${CMAKE_SOURCE_DIR}/include)
+              -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${CMAKE_SOURCE_DIR}/include -I${CMAKE_SOURCE_DIR}/src)
 if(NORMA_WERROR)
   list(APPEND web_flags -Werror)
 endif()
@@ -48,19 +48,19 @@ endfunction()
 
 set(web_core_sources ${core_sources})
 list(TRANSFORM web_core_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
-file(GLOB web_call_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/src/*.c)
+file(GLOB web_call_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/package/wasm/*.c)
 web_objects(web_core_objects ${web_core_sources} ${web_call_sources})
 web_module(norma.wasm ${web_core_objects})
 
 # The page's module: the readers as well, without what a page has not.
 set(web_page_sources ${io_sources})
-list(FILTER web_page_sources EXCLUDE REGEX "/(file|file_writer|folder|gltf_meshopt)\\.c$")
+list(FILTER web_page_sources EXCLUDE REGEX "/(file/mapped_file|file/atomic_write|file/folder|meshopt_views)\\.c$")
 list(APPEND web_page_sources ${check_sources})
-list(FILTER web_page_sources EXCLUDE REGEX "/mend[a-z_]*\\.c$")
+list(FILTER web_page_sources EXCLUDE REGEX "/check/fix/")
 list(TRANSFORM web_page_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
-file(GLOB web_model_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/model/*.c)
-set(web_flags_here -isystem ${CMAKE_SOURCE_DIR}/web/model/posix -include ${CMAKE_SOURCE_DIR}/web/model/missing.h)
-web_objects(web_page_objects ${web_page_sources} ${web_model_sources} ${CMAKE_SOURCE_DIR}/src/cli/view_pack.c ${CMAKE_SOURCE_DIR}/src/cli/view_findings.c)
+file(GLOB web_model_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/page/model/*.c)
+set(web_flags_here -isystem ${CMAKE_SOURCE_DIR}/web/page/model/posix -include ${CMAKE_SOURCE_DIR}/web/page/model/missing.h)
+web_objects(web_page_objects ${web_page_sources} ${web_model_sources})
 web_module(page.wasm ${web_core_objects} ${web_page_objects})
 
 file(GLOB web_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/package/* ${CMAKE_SOURCE_DIR}/web/*.mjs)
@@ -74,5 +74,5 @@ add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
 add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/norma.html)
 
 # norma view: the page lies in the tool.
-set_source_files_properties(src/cli/view_page.c PROPERTIES COMPILE_DEFINITIONS "NORMA_PAGE_FILE=\"${web_dir}/page.html\"" OBJECT_DEPENDS ${web_dir}/page.html)
+set_source_files_properties(src/cli/view/embedded_page.c PROPERTIES COMPILE_DEFINITIONS "NORMA_PAGE_FILE=\"${web_dir}/page.html\"" OBJECT_DEPENDS ${web_dir}/page.html)
 add_dependencies(norma-cli web)

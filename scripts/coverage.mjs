@@ -1,6 +1,6 @@
-// coverage.mjs: what gcov counted, per file and in all, and whether tests/uncovered.txt names every line that did not run.
+// coverage.mjs: what gcov counted, per file and in all, and whether tests/repo/uncovered.txt names every line that did not run.
 //   node scripts/coverage.mjs TREE [--lines] [--branches] [--refresh]      (scripts/coverage.sh makes TREE and runs the tests in it)
-// --refresh writes the table of docs/trust.md, and lists in tests/uncovered.txt what is not in it under "# to be explained".
+// --refresh writes the table of docs/trust.md, and lists in tests/repo/uncovered.txt what is not in it under "# to be explained".
 // Lines are those that hold code. A branch is one way out of a condition of the compiled code (each of && and || has its own two, a switch one for each target). What a header or a
 // kernel compiled for several instruction sets holds is there several times: the copies for instruction sets count each by itself, those of several source files are added up.
 import { execFileSync } from "node:child_process";
@@ -69,14 +69,14 @@ const row = (name, s) => table.push(`| ${name.startsWith("all") ? `**${name}**` 
 const add = (a, b) => ({ lines: a.lines + b.lines, run: a.run + b.run, branches: a.branches + b.branches, taken: a.taken + b.taken });
 const none = { lines: 0, run: 0, branches: 0, taken: 0 };
 
-// tests/uncovered.txt: "# reason" above the lines it stands for, each "FILE FUNCTION: the line's text". What stands below a reason that begins with "Depends" may run or not.
+// tests/repo/uncovered.txt: "# reason" above the lines it stands for, each "FILE FUNCTION: the line's text". What stands below a reason that begins with "Depends" may run or not.
 function listed() {
-    const path = join(root, "tests/uncovered.txt"), keys = new Map();
+    const path = join(root, "tests/repo/uncovered.txt"), keys = new Map();
     if (!existsSync(path)) return keys;
     let reason = "";
     for (const line of readFileSync(path, "utf8").split("\n")) {
         if (line.startsWith("#")) reason = line.slice(1).trim();
-        else if (line.trim() && !reason) throw new Error(`tests/uncovered.txt: no reason above "${line}"`);
+        else if (line.trim() && !reason) throw new Error(`tests/repo/uncovered.txt: no reason above "${line}"`);
         else if (line.trim()) keys.set(line.trim(), reason);
     }
     return keys;
@@ -111,9 +111,9 @@ if (flags.includes("--refresh")) {
     const page = join(root, "docs/trust.md"), text = readFileSync(page, "utf8");
     writeFileSync(page, text.replace(/(<!-- coverage -->\n)[^]*(<!-- end of coverage -->)/, (_, begin, end) => begin + table.join("\n") + "\n" + end));
     const missing = [...uncovered.keys()].filter(key => !list.has(key));
-    if (missing.length) appendFileSync(join(root, "tests/uncovered.txt"), "\n# to be explained\n" + missing.join("\n") + "\n");
+    if (missing.length) appendFileSync(join(root, "tests/repo/uncovered.txt"), "\n# to be explained\n" + missing.join("\n") + "\n");
 }
-for (const [key, number] of uncovered) if (!list.has(key)) bad++, console.log(`not run and not in tests/uncovered.txt: ${key} (line ${number})`);
-for (const [key, reason] of list) if (!uncovered.has(key) && !reason.startsWith("Depends")) bad++, console.log(`in tests/uncovered.txt, but it ran or is not there: ${key}`);
-console.log(`${uncovered.size} kinds of line did not run, ${list.size} are listed in tests/uncovered.txt`);
+for (const [key, number] of uncovered) if (!list.has(key)) bad++, console.log(`not run and not in tests/repo/uncovered.txt: ${key} (line ${number})`);
+for (const [key, reason] of list) if (!uncovered.has(key) && !reason.startsWith("Depends")) bad++, console.log(`in tests/repo/uncovered.txt, but it ran or is not there: ${key}`);
+console.log(`${uncovered.size} kinds of line did not run, ${list.size} are listed in tests/repo/uncovered.txt`);
 process.exit(bad ? 1 : 0);

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Which lines and branches of src/core and src/io the tests run (the fuzzers aside), counted by gcov: a table per file, then what did not run and is not explained in
-# tests/uncovered.txt. Fails below 95 % of the lines or 85 % of the branches, and where that list is not what was found.
+# tests/repo/uncovered.txt. Fails below 95 % of the lines or 85 % of the branches, and where that list is not what was found.
 #   scripts/coverage.sh                 builds build/coverage, runs every test in it that can count, reports
 #   scripts/coverage.sh report ...      reports what was counted so far; --lines and --branches name what did not run; --refresh writes the table of docs/trust.md
 #   scripts/coverage.sh more NAME...    runs these tests (test_obj, golden.sh, ...) as well and reports
@@ -37,7 +37,7 @@ export -f one
 # writes its counts leaves the file of them broken.
 tests() {
     (cd "$tree" && ctest -N -L unit) | sed -n 's/^ *Test *#[0-9]*: //p'
-    grep -l NORMA_BIN tests/golden.sh tests/check-*.sh | xargs -n 1 basename | grep -vE 'web|hygiene|portable|interrupt|faults'
+    grep -l NORMA_BIN tests/cli/golden.sh tests/check-*.sh | xargs -n 1 basename | grep -vE 'web|hygiene|portable|interrupt|faults'
 }
 
 run() {

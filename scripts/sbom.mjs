@@ -47,7 +47,7 @@ for (const [name, [licence, from, relation, use, debian]] of Object.entries(know
         externalRefs: debian.split(", ").map((one) => ({ referenceCategory: "PACKAGE-MANAGER", referenceType: "purl", referenceLocator: `pkg:deb/debian/${one}` })),
     }, relation);
 
-for (const folder of ["tests/validator", "tests/web", "bench"]) {
+for (const folder of ["tests/cli/validator", "tests/web", "bench"]) {
     if (!existsSync(join(root, folder, "package-lock.json"))) continue;
     for (const [path, entry] of Object.entries(JSON.parse(read(`${folder}/package-lock.json`)).packages)) {
         if (!path) continue;

@@ -77,8 +77,8 @@ run_scripts() {
     say "scripts: the command line, arrows between layers, headers, README, examples, install, single file, manual"
     export NORMA_TREE=$out/gcc
     export NORMA_BIN=$out/gcc/bin/norma
-    find tests -maxdepth 1 \( -name 'check-*.sh' -o -name 'golden.sh' \) -printf '%f\n' | sort |
-        xargs -P "$jobs" -I{} bash -c 'one "scripts.${0%.sh}" "tests/$0"' {}
+    find tests/cli tests/repo tests/web -maxdepth 1 -name '*.sh' ! -name threads.sh | sort |
+        xargs -P "$jobs" -I{} bash -c 'name=${0#tests/}; name=${name%.sh}; one "${name/\//.}" "$0"' {}
 }
 
 run_asan() {
@@ -86,8 +86,8 @@ run_asan() {
     build asan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
     say "asan: unit tests"
     units asan unit
-    one asan.golden tests/golden.sh
-    NORMA_BITS_WAYS=one one asan.bits tests/check-portable.sh
+    one asan.golden tests/cli/golden.sh
+    NORMA_BITS_WAYS=one one asan.bits tests/repo/portable.sh
 }
 
 run_tsan() {
@@ -95,7 +95,7 @@ run_tsan() {
     build tsan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_SANITIZE=thread -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
     say "tsan: the tests that use threads"
     units tsan parallel
-    one tsan.programs tests/threads.sh
+    one tsan.programs tests/cli/threads.sh
 }
 
 # The seeds of the fuzz targets, what they ever found, and a fixed number of runs from a fixed seed; `make fuzz` is for the rest.

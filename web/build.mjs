@@ -10,7 +10,7 @@ const here = dirname(fileURLToPath(import.meta.url));
 function buildPackage(folder) {
   const out = join(folder, "npm");
   mkdirSync(out, { recursive: true });
-  for (const name of readdirSync(join(here, "package"))) copyFileSync(join(here, "package", name), join(out, name));
+  for (const name of readdirSync(join(here, "package"))) if (name !== "wasm") copyFileSync(join(here, "package", name), join(out, name));
   copyFileSync(join(here, "..", "LICENSE"), join(out, "LICENSE"));
   const wasm = readFileSync(join(folder, "norma.wasm"));
   writeFileSync(join(out, "wasm.js"), `/* norma.wasm in base64. */\nexport default "${wasm.toString("base64")}";\n`);

@@ -1,5 +1,5 @@
 /* main.c: finds the verb. Every verb has a file of its own, with its options, its help and its report. */
-#include "cli.h"
+#include "cli/common/cli.h"
 #include <string.h>
 
 static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix, &cli_verb_check, &cli_verb_explain, &cli_verb_info, &cli_verb_render, &cli_verb_view};

@@ -1,5 +1,5 @@
 /* device.c: opening and closing a renderer. */
-#include "device.h"
+#include "render/device.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,10 @@
 /* device.h: the renderer's state: programs that are compiled when they are first used, surfaces that are uploaded once, the framebuffer. */
 #ifndef NORMA_RENDER_DEVICE_H
 #define NORMA_RENDER_DEVICE_H
-#include "gl.h"
-#include "lines.h"
-#include "picture.h"
-#include "vertices.h"
+#include "render/gl.h"
+#include "render/hedgehog.h"
+#include "render/picture.h"
+#include "render/surface_vertices.h"
 
 /* ---- programs */
 

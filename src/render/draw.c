@@ -1,5 +1,5 @@
 /* draw.c: a panel's picture: each surface with the matrices of its pipeline, its normal matrix beside them, then the lines. */
-#include "draw.h"
+#include "render/draw.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* draw.h: one panel: where its scene lies, how its camera stands, and its picture. */
 #ifndef NORMA_RENDER_DRAW_H
 #define NORMA_RENDER_DRAW_H
-#include "ball.h"
-#include "device.h"
+#include "render/bounding_ball.h"
+#include "render/device.h"
 
 typedef struct render_placed { /* one draw of a scene, ready */
     const render_surface *surface;

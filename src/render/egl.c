@@ -1,6 +1,6 @@
 /* egl.c: OpenGL ES 3.0 without a window: EGL on a device of its own, a GPU before Mesa's software renderer, in a context without a surface. */
-#include "gl.h"
-#include "vertices.h"
+#include "render/gl.h"
+#include "render/surface_vertices.h"
 #include <dlfcn.h>
 #include <string.h>
 

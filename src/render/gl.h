@@ -1,7 +1,7 @@
 /* gl.h: EGL and OpenGL ES 3.0, found when a picture is drawn and not before: the tool starts, and does all else, where neither is installed. */
 #ifndef NORMA_RENDER_GL_H
 #define NORMA_RENDER_GL_H
-#include "render.h"
+#include "render/render.h"
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GLES3/gl3.h>

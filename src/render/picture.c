@@ -1,5 +1,5 @@
 /* picture.c: a picture in memory: freeing, comparing, and the two directions of sRGB. */
-#include "picture.h"
+#include "render/picture.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* picture.h: what makes and letters pictures, within the renderer. */
 #ifndef NORMA_RENDER_PICTURE_H
 #define NORMA_RENDER_PICTURE_H
-#include "render.h"
+#include "render/render.h"
 
 typedef struct render_srgb { /* IEC 61966-2-1, both ways; a level that is decoded and encoded is itself again */
     uint16_t linear[256];    /* of 65535 */

@@ -1,5 +1,5 @@
 /* pipeline.c: the way of a vertex: local, world, view, clip, viewport. The normals' way beside it is norma_normal_matrix of the first step (draw.c). */
-#include "pipeline.h"
+#include "render/pipeline.h"
 #include <math.h>
 #include <string.h>
 

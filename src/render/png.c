@@ -1,6 +1,6 @@
 /* png.c: a picture as PNG bytes in memory (libpng). Its chunk sRGB says what the numbers mean. */
-#include "render.h"
-#include "vertices.h"
+#include "render/render.h"
+#include "render/surface_vertices.h"
 #include <png.h>
 #include <setjmp.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* program.c: the shaders, put together as shaders/colour.glsl says, compiled when they are first used. */
-#include "device.h"
+#include "render/device.h"
 #include "shaders.h"
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* sheet.c: panels side by side, words above and below them, and the legend of the error's colours. */
-#include "draw.h"
+#include "render/draw.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

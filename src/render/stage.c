@@ -1,5 +1,5 @@
 /* stage.c: where the surfaces of a panel lie, and how its camera stands: as close as shows all of them. */
-#include "draw.h"
+#include "render/draw.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* target.c: the framebuffer that is drawn into, and how its samples become the pixels of a picture. */
-#include "device.h"
+#include "render/device.h"
 #include <stdlib.h>
 
 void render_target_free(render_device *device) {

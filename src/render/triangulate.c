@@ -1,6 +1,6 @@
-/* triangulate.c: polygons cut into triangles. Convex ones fan out from their first corner; concave ones lose an ear at a time (Meisters 1975), looked at along the
+/* page_triangles.c: polygons cut into triangles. Convex ones fan out from their first corner; concave ones lose an ear at a time (Meisters 1975), looked at along the
  * polygon's normal. An ear is a corner that turns left and whose triangle holds no other corner that turns right. */
-#include "vertices.h"
+#include "render/surface_vertices.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

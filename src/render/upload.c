@@ -1,5 +1,5 @@
 /* upload.c: surfaces and lines in the memory of the graphics processor, each made and sent once however many panels show it. */
-#include "device.h"
+#include "render/device.h"
 #include <stdlib.h>
 
 static void *grown(void *list, size_t *room, size_t count, size_t size) {

@@ -23,7 +23,7 @@ void fuzz_fail(const char *format, ...);
  * megabyte, times eight for the sanitizers. Time is that of the processor, so a busy or a stopped machine is no finding.
  *
  * Readers of OBJ, PLY and STL: 64 KiB and 32 bytes a byte. Files made to need most need 8, 20 (a strip of bytes, of which each is a triangle) and 2.
- * All else, the readers of glTF among it: 2 MiB and 512. A glTF's elements may share their bytes, and what it may stand for is bounded by the reader itself (src/io/gltf_limits.c): 256 bytes
+ * All else, the readers of glTF among it: 2 MiB and 512. A glTF's elements may share their bytes, and what it may stand for is bounded by the reader itself (src/io/gltf/read/limits.c): 256 bytes
  * a byte for what is decoded and 16 corners a byte, of 4 bytes each, twice where normals are missing; and an empty node, of three bytes of JSON, takes 121 bytes for each of them. That
  * is 505 together. Files made to need most need 309 (decoded and corners), the largest of the data set 6. */
 enum { FUZZ_MEMORY_BASE = 1 << 21, FUZZ_MEMORY_TIMES = 512, FUZZ_PLAIN_BASE = 1 << 16, FUZZ_PLAIN_TIMES = 32, FUZZ_SECONDS = 2 };

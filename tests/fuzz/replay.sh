@@ -1,8 +1,8 @@
 #!/bin/bash
 # replay.sh TARGET: every committed seed and every case that was ever found (tests/fuzz/found) once more, and then a fixed number of runs from a fixed seed: no clock and no
 # address takes part, so the same commit always gives the same answer. TAP.
-# shellcheck source=tests/tap.sh
-source "$(dirname "$0")/../tap.sh"
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
 target=$1
 program=$tree/fuzz/fuzz_$target
 cd "$root/tests/fuzz" || exit 1

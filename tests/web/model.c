@@ -1,6 +1,6 @@
 /* model.c: what the page makes of files, natively and under the address sanitizer: packed, opened, computed, held against what is stored; and packs with bytes changed at
  * random, which must be refused or drawn, never read beyond.   model FILE... */
-#include "../../web/model/model.h"
+#include "../../web/page/model/model.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -223,7 +223,7 @@ await attempt("200,000 triangles are computed anew as the slider moves", async (
 
 /* ---- files */
 
-const FILES = [["assets/goathead.obj", 5522, /OBJ, no normals/], ["assets/spider.stl", 1368, /STL, normals per facet/], ["tests/golden/files/roof.ply", 0, /PLY/], ["tests/golden/files/roof.glb", 4, /GLB/]];
+const FILES = [["assets/goathead.obj", 5522, /OBJ, no normals/], ["assets/spider.stl", 1368, /STL, normals per facet/], ["tests/cli/golden/files/roof.ply", 0, /PLY/], ["tests/cli/golden/files/roof.glb", 4, /GLB/]];
 for (const [index, [file, triangles, words]] of FILES.entries())
   await attempt(`a file that is ${index % 2 ? "chosen" : "dropped"} appears: ${file}`, async () => {
     const bytes = readFileSync(join(root, file)), name = file.split("/").pop();
@@ -462,7 +462,7 @@ await attempt("norma view: findings to click, in the dark and in the light", asy
 
 await attempt("norma view: glTF nodes stand where they stand, polygons are whole", async () => {
   const out = join(shots, "view-roof.html");
-  execFileSync(tool, ["view", join(root, "tests/golden/files/roof.gltf"), "-o", out, "--quiet"]);
+  execFileSync(tool, ["view", join(root, "tests/cli/golden/files/roof.gltf"), "-o", out, "--quiet"]);
   const view = await visit(pathToFileURL(out).href);
   expect(/drawn 2 times/.test(await view.text("model-facts")), await view.text("model-facts"));
   await view.close();

@@ -1,4 +1,4 @@
-/* Checks as TAP lines, as tests/tap.sh has them. */
+/* Checks as TAP lines, as tests/support/tap.sh has them. */
 let number = 0, failed = 0;
 
 export function check(name, holds, detail) {

@@ -122,7 +122,7 @@ export async function startEngine(bytes) {
   return { norma, openBytes, openFile };
 }
 
-/* Triangles as a pack: src/cli/view_pack.h. */
+/* Triangles as a pack: web/page/model/model_pack.h. */
 export function packTriangles(positions, indices, colour = [0.8, 0.8, 0.8]) {
   const HEAD = 40, MESH = 72, DRAW = 136, NONE = 0xffffffff;
   const eight = (size) => Math.ceil(size / 8) * 8;

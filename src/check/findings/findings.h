@@ -1,0 +1,21 @@
+/* findings.h: what stands behind norma_findings. */
+#ifndef NORMA_CHECK_FINDINGS_H
+#define NORMA_CHECK_FINDINGS_H
+#include "check/findings/check_run.h"
+
+typedef struct findings_entry {
+    norma_finding finding;
+    size_t        order;                  /* of its place, then of its addition */
+    size_t        number;
+} findings_entry;
+
+struct norma_findings {
+    norma_check_profile profile;
+    int                 partly;
+    findings_entry     *entries;
+    size_t              count, room;
+};
+
+norma_findings *norma_findings_new(norma_check_profile profile);   /* NULL: out of memory */
+void            norma_findings_sort(norma_findings *findings);     /* by place, rule, severity */
+#endif

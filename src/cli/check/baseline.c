@@ -1,0 +1,206 @@
+/* baseline.c: findings of old, kept in a file, so that a repository with many can begin to check today: what is in it, no graver and no more often, is not
+ * told again. Paths are as they were named, so the check is run from the same folder. Read by jansson.
+ *
+ *   {"schema": "norma-baseline/1", "findings": [{"path", "rule", "where", "severity", "count"}, ...]} */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/check/check_command.h"
+#include <errno.h>
+#include <jansson.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct known_finding {
+    char fingerprint[17];
+    size_t count;
+    char *path, *rule, *where;
+    norma_severity severity;
+} known_finding;
+
+struct check_baseline {
+    const char *path;
+    int is_new, incomplete; /* incomplete: memory was out, findings are missing */
+    pthread_mutex_t lock; /* of a new one, which all threads fill */
+    known_finding *known;
+    size_t count, capacity;
+};
+
+const char *check_severity_name(norma_severity severity) {
+    switch (severity) {
+    case NORMA_SEVERITY_ERROR:
+        return "error";
+    case NORMA_SEVERITY_WARNING:
+        return "warning";
+    case NORMA_SEVERITY_INFO:
+        return "info";
+    case NORMA_SEVERITY_NONE:
+        break;
+    }
+    return "none";
+}
+
+/* FNV-1a (Fowler, Noll, Vo), 64 bits, over the parts and a zero after each. */
+void check_fingerprint(const char *path, const char *rule, const char *where, norma_severity severity, char text[17]) {
+    const char *parts[] = {path, rule, where, check_severity_name(severity)};
+    uint64_t hash = 14695981039346656037u;
+    for (size_t i = 0; i < CLI_COUNT(parts); ++i)
+        for (const char *at = parts[i];; ++at) {
+            hash = (hash ^ (unsigned char)*at) * 1099511628211u;
+            if (!*at)
+                break;
+        }
+    snprintf(text, 17, "%016llx", (unsigned long long)hash);
+}
+
+static int compare_known(const void *a, const void *b) { return strcmp(((const known_finding *)a)->fingerprint, ((const known_finding *)b)->fingerprint); }
+
+static void free_known(known_finding *known) {
+    free(known->path);
+    free(known->rule);
+    free(known->where);
+}
+
+static int add_known(check_baseline *baseline, const char *path, const char *rule, const char *where, norma_severity severity, size_t count) {
+    if (baseline->count == baseline->capacity) {
+        size_t capacity = baseline->capacity ? 2 * baseline->capacity : 64;
+        known_finding *grown = realloc(baseline->known, capacity * sizeof *grown);
+        if (!grown)
+            return 0;
+        baseline->known = grown;
+        baseline->capacity = capacity;
+    }
+    known_finding *known = &baseline->known[baseline->count];
+    *known = (known_finding){.count = count, .severity = severity, .path = strdup(path), .rule = strdup(rule), .where = strdup(where)};
+    if (!known->path || !known->rule || !known->where) {
+        free_known(known);
+        return 0;
+    }
+    check_fingerprint(path, rule, where, severity, known->fingerprint);
+    ++baseline->count;
+    return 1;
+}
+
+check_baseline *check_baseline_new(const char *path) {
+    check_baseline *baseline = calloc(1, sizeof *baseline);
+    if (!baseline) {
+        cli_out_of_memory();
+        return NULL;
+    }
+    baseline->path = path;
+    baseline->is_new = 1;
+    pthread_mutex_init(&baseline->lock, NULL);
+    return baseline;
+}
+
+void check_baseline_free(check_baseline *baseline) {
+    if (!baseline)
+        return;
+    for (size_t i = 0; i < baseline->count; ++i) free_known(&baseline->known[i]);
+    free(baseline->known);
+    pthread_mutex_destroy(&baseline->lock);
+    free(baseline);
+}
+
+int check_baseline_is_new(const check_baseline *baseline) { return baseline->is_new; }
+
+static norma_severity severity_of(const char *name) {
+    for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
+        if (name && strcmp(name, check_severity_name((norma_severity)severity)) == 0)
+            return (norma_severity)severity;
+    return NORMA_SEVERITY_NONE;
+}
+
+static int read_known(check_baseline *baseline, const json_t *root) {
+    const json_t *list = json_object_get(root, "findings"), *schema = json_object_get(root, "schema");
+    size_t i;
+    json_t *entry;
+    if (!json_is_array(list) || !json_is_string(schema) || strcmp(json_string_value(schema), "norma-baseline/1") != 0)
+        return 0;
+    json_array_foreach(list, i, entry) {
+        const char *path = json_string_value(json_object_get(entry, "path")), *rule = json_string_value(json_object_get(entry, "rule"));
+        const char *where = json_string_value(json_object_get(entry, "where"));
+        norma_severity severity = severity_of(json_string_value(json_object_get(entry, "severity")));
+        json_int_t count = json_integer_value(json_object_get(entry, "count"));
+        if (!path || !rule || !where || !severity || count < 0 || !add_known(baseline, path, rule, where, severity, (size_t)count))
+            return 0;
+    }
+    qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_known);
+    return 1;
+}
+
+check_baseline *check_baseline_read(const char *path) {
+    check_baseline *baseline = check_baseline_new(path);
+    json_error_t error;
+    json_t *root = baseline ? json_load_file(path, 0, &error) : NULL;
+    if (root && read_known(baseline, root)) {
+        baseline->is_new = 0;
+        json_decref(root);
+        return baseline;
+    }
+    if (!baseline)
+        return NULL;
+    if (!root)
+        fprintf(stderr, "norma: %s:%d: %s; expected a baseline as --write-baseline writes it\n", path, error.line, error.text);
+    else
+        fprintf(stderr, "norma: %s: expected a baseline as --write-baseline writes it\n", path);
+    json_decref(root);
+    check_baseline_free(baseline);
+    return NULL;
+}
+
+int check_baseline_knows(const check_baseline *baseline, const char *path, const norma_finding *finding, norma_severity severity) {
+    known_finding key;
+    check_fingerprint(path, finding->rule->id, finding->where, severity, key.fingerprint);
+    const known_finding *known = baseline->count ? bsearch(&key, baseline->known, baseline->count, sizeof *baseline->known, compare_known) : NULL;
+    return known && finding->count <= known->count;
+}
+
+int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding, norma_severity severity) {
+    pthread_mutex_lock(&baseline->lock);
+    int fine = add_known(baseline, path, finding->rule->id, finding->where, severity, finding->count);
+    baseline->incomplete |= !fine;
+    pthread_mutex_unlock(&baseline->lock);
+    return fine;
+}
+
+static int compare_places(const void *a, const void *b) {
+    const known_finding *one = a, *other = b;
+    int order = strcmp(one->path, other->path);
+    if (!order)
+        order = strcmp(one->where, other->where);
+    if (!order)
+        order = strcmp(one->rule, other->rule);
+    return order ? order : (int)one->severity - (int)other->severity;
+}
+
+static void write_known(FILE *out, const check_baseline *baseline) {
+    cli_json json = {.out = out};
+    fputs("{\"schema\": \"norma-baseline/1\", \"findings\": [", out);
+    for (size_t i = 0; i < baseline->count; ++i) {
+        const known_finding *known = &baseline->known[i];
+        fputs(i ? ",\n" : "\n", out);
+        json.needs_comma = 0;
+        cli_json_open(&json, NULL, '{');
+        cli_json_string(&json, "path", known->path);
+        cli_json_string(&json, "rule", known->rule);
+        cli_json_string(&json, "where", known->where);
+        cli_json_string(&json, "severity", check_severity_name(known->severity));
+        cli_json_size(&json, "count", known->count);
+        cli_json_close(&json, '}');
+    }
+    fputs("\n]}\n", out);
+}
+
+int check_baseline_write(check_baseline *baseline) {
+    cli_output output;
+    if (baseline->incomplete) {
+        fprintf(stderr, "norma: %s: not written: out of memory\n", baseline->path);
+        return CLI_FILE;
+    }
+    if (baseline->count)
+        qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_places);
+    if (!cli_output_begin(&output, baseline->path))
+        return CLI_FILE;
+    write_known(output.out, baseline);
+    return cli_output_end(&output);
+}

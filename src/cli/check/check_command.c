@@ -1,0 +1,326 @@
+/* check_command.c: norma check: the rules over files, and the report. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/check/check_command.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "norma check IN...: compares normals with the surface, the winding, the seams and the transforms\n"
+    "\n"
+    "Examples\n"
+    "  norma check chair.glb\n"
+    "  norma check models/ --fail-on warning           every OBJ, PLY, STL, glTF and GLB file in it and below\n"
+    "  norma check 'models/**/*.glb' --ignore N4,N503  ids of rules, their beginnings, or names\n"
+    "  git diff --name-only | norma check --files-from - --format sarif -o norma.sarif\n"
+    "  norma check part.stl --format html -o part.html\n"
+    "  norma explain N301                              what a rule means, why it matters, what to do\n"
+    "\n"
+    "Rules\n"
+    "  --select RULES        only these: ids (N301), their beginnings (N3) or names, with commas\n"
+    "  --ignore RULES        all but these\n"
+    "  --profile render|print\n"
+    "                        what the meshes are for (print for STL, render for all else)\n"
+    "  --strict              normals must be of unit length within 1e-4\n"
+    "  --config FILE         instead of .norma.json in the file's folder or the nearest one above; --no-config: none\n"
+    "  --baseline FILE       what it holds, no graver and no more often, is not told again\n"
+    "  --write-baseline FILE writes one of what is found now\n"
+    "\n"
+    "Report\n"
+    "  --format text|json|sarif|html\n"
+    "                        (text); --json is the same as --format json\n"
+    "  -o, --output FILE     where the report goes (standard output); with a fix where the mended file goes\n"
+    "  --fail-on error|warning|info|never\n"
+    "                        from which severity on the exit status is 1 (error)\n"
+    "  --max-samples N       places named in each finding (10)\n"
+    "  --quiet               the verdict alone, in a report for people\n"
+    "\n"
+    "Fixes\n"
+    "  --fix                 mends what can be mended safely: lengths, NaN, zeros, facet normals, tangents\n"
+    "  --fix-unsafe          also what an artist may have meant: windings, sides, missing normals, transforms, ...;\n"
+    "                        with --select that alone\n"
+    "  -o, --output FILE     the mended file (-: standard output; the report is on standard error then); --out-dir FOLDER\n"
+    "                        for several; --in-place replaces each, whole or not at all\n"
+    "  --open-by-rays        with --fix-unsafe: open surfaces (N304) are turned outward by a majority of rays; tells the\n"
+    "                        confidence, 1 where all rays agree\n"
+    "  --dry-run             tells what a fix would leave, and writes nothing\n"
+    "                        The report and the exit status are then about what is left. What would become worse is not written.\n"
+    "\n"
+    "Files\n"
+    "  --files-from FILE     names, one a line; - is standard input\n"
+    "  --input-format obj|ply|stl|gltf|glb\n"
+    "                        needed for standard input, which is called -\n"
+    "  --threads N           how many may work (all)\n"
+    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
+    "\n"
+    "Exit status: 0 fine, 1 findings at or above --fail-on, 2 usage, 3 a file could not be read, 130 interrupted.\n";
+
+typedef struct check_work {
+    check_settings settings;
+    const check_format *format;
+    const char *config, *baseline, *new_baseline;
+    cli_words lists;
+    int no_config;
+    cli_files files;  /* the words, --input-format, and where the report or what is mended goes */
+    cli_common common;
+} check_work;
+
+/* ---- options */
+
+static const char *set_rules(const char *value, uint8_t *mask) {
+    static const char expected[] = "ids of rules (N301), their beginnings (N3) or names, with commas";
+    char unknown[64] = "";
+    return norma_rules_select(value, mask, unknown) == NORMA_OK ? NULL : expected;
+}
+
+static const char *set_select(void *settings, const char *value) {
+    check_work *work = settings;
+    work->settings.has_select = 1;
+    return set_rules(value, work->settings.select);
+}
+
+static const char *set_ignore(void *settings, const char *value) { return set_rules(value, ((check_work *)settings)->settings.ignore); }
+
+static const char *set_profile(void *settings, const char *value) {
+    check_settings *check = &((check_work *)settings)->settings;
+    if (strcmp(value, "render") == 0)
+        check->profile = NORMA_CHECK_PROFILE_RENDER;
+    else if (strcmp(value, "print") == 0)
+        check->profile = NORMA_CHECK_PROFILE_PRINT;
+    else
+        return "render or print";
+    return NULL;
+}
+
+static const char *set_strict(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->settings.strict = 1;
+    return NULL;
+}
+
+static const char *set_config(void *settings, const char *value) {
+    ((check_work *)settings)->config = value;
+    return value[0] ? NULL : "the name of a file";
+}
+
+static const char *set_no_config(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->no_config = 1;
+    return NULL;
+}
+
+static const char *set_baseline(void *settings, const char *value) {
+    ((check_work *)settings)->baseline = value;
+    return value[0] ? NULL : "the name of a file";
+}
+
+static const char *set_new_baseline(void *settings, const char *value) {
+    ((check_work *)settings)->new_baseline = value;
+    return value[0] ? NULL : "the name of a file";
+}
+
+static const char *set_format(void *settings, const char *value) {
+    static const check_format *const formats[] = {&check_format_text, &check_format_json, &check_format_sarif, &check_format_html};
+    for (size_t i = 0; i < CLI_COUNT(formats); ++i)
+        if (strcmp(value, formats[i]->name) == 0) {
+            ((check_work *)settings)->format = formats[i];
+            return NULL;
+        }
+    return "text, json, sarif or html";
+}
+
+static const char *set_fail_on(void *settings, const char *value) {
+    check_settings *check = &((check_work *)settings)->settings;
+    for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
+        if (strcmp(value, check_severity_name((norma_severity)severity)) == 0) {
+            check->fail_on = severity;
+            return NULL;
+        }
+    check->fail_on = CHECK_FAIL_NEVER;
+    return strcmp(value, "never") ? "error, warning, info or never" : NULL;
+}
+
+static const char *set_max_samples(void *settings, const char *value) {
+    double number;
+    if (!cli_number(value, &number) || number < 1 || number > 1e9 || number != floor(number))
+        return "a whole number from 1 up";
+    ((check_work *)settings)->settings.max_samples = (size_t)number;
+    return NULL;
+}
+
+static const char *set_fix(void *settings, const char *value) {
+    check_settings *check = &((check_work *)settings)->settings;
+    (void)value;
+    check->fix = check->fix ? check->fix : CHECK_FIX_SAFE;
+    return NULL;
+}
+
+static const char *set_fix_unsafe(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->settings.fix = CHECK_FIX_UNSAFE;
+    return NULL;
+}
+
+static const char *set_dry_run(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->settings.dry_run = 1;
+    return NULL;
+}
+
+static const char *set_open_by_rays(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->settings.open_by_rays = 1;
+    return NULL;
+}
+
+static const char *set_files_from(void *settings, const char *value) {
+    check_work *work = settings;
+    work->lists.words[work->lists.count++] = value;
+    return value[0] ? NULL : "the name of a file, or -";
+}
+
+static const cli_option options[] = {
+    {"select", 0, 1, set_select},
+    {"ignore", 0, 1, set_ignore},
+    {"profile", 0, 1, set_profile},
+    {"strict", 0, 0, set_strict},
+    {"config", 0, 1, set_config},
+    {"no-config", 0, 0, set_no_config},
+    {"baseline", 0, 1, set_baseline},
+    {"write-baseline", 0, 1, set_new_baseline},
+    {"format", 0, 1, set_format},
+    {"fix", 0, 0, set_fix},
+    {"fix-unsafe", 0, 0, set_fix_unsafe},
+    {"dry-run", 0, 0, set_dry_run},
+    {"open-by-rays", 0, 0, set_open_by_rays},
+    {"fail-on", 0, 1, set_fail_on},
+    {"max-samples", 0, 1, set_max_samples},
+    {"files-from", 0, 1, set_files_from},
+};
+
+/* ---- the verb */
+
+static int read_options(const cli_verb *verb, check_work *work, int count, char **arguments, int *wants_help) {
+    const cli_table tables[] = {
+        {options, CLI_COUNT(options), work},
+        {cli_output_options, cli_output_option_count, &work->files},
+        {cli_input_options, cli_input_option_count, &work->files},
+        {cli_common_options, cli_common_option_count, &work->common},
+    };
+    int status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &work->files.inputs, wants_help);
+    if (status || *wants_help)
+        return status;
+    if (work->common.json && work->format != &check_format_text && work->format != &check_format_json)
+        return cli_usage(verb, "--json and --format %s exclude each other", work->format->name);
+    if (work->common.json)
+        work->format = &check_format_json;
+    if (work->config && work->no_config)
+        return cli_usage(verb, "--config and --no-config exclude each other");
+    if (work->baseline && work->new_baseline)
+        return cli_usage(verb, "--baseline and --write-baseline exclude each other");
+    if (!work->settings.fix && (work->files.folder || work->files.in_place || work->settings.dry_run))
+        return cli_usage(verb, "--%s needs --fix or --fix-unsafe", work->settings.dry_run ? "dry-run" : work->files.folder ? "out-dir" : "in-place");
+    if (work->settings.open_by_rays && work->settings.fix != CHECK_FIX_UNSAFE)
+        return cli_usage(verb, "--open-by-rays needs --fix-unsafe");
+    work->settings.files = &work->files;
+    work->settings.threads = work->common.threads;
+    if (work->common.quiet && work->format == &check_format_text)
+        work->format = &check_format_quiet;
+    work->settings.input_format = work->files.format;
+    return CLI_OK;
+}
+
+/* A folder that cannot be read does not stop the others. */
+static int gather_inputs(const cli_verb *verb, const check_work *work, check_inputs *inputs) {
+    int status = CLI_OK;
+    size_t standard = 0;
+    for (size_t i = 0; i < work->lists.count && status != CLI_USAGE; ++i) {
+        standard += strcmp(work->lists.words[i], "-") == 0;
+        status = cli_worse(status, check_inputs_add_list(verb, inputs, work->lists.words[i]));
+    }
+    for (size_t i = 0; i < work->files.inputs.count && status != CLI_USAGE; ++i) {
+        const char *word = work->files.inputs.words[i];
+        if (strcmp(word, "-") == 0 && ++standard && !work->files.format)
+            return cli_usage(verb, "standard input has no name that tells its format; expected --input-format obj, ply, stl, gltf or glb");
+        status = cli_worse(status, check_inputs_add(verb, inputs, word));
+    }
+    if (standard > 1)
+        return cli_usage(verb, "standard input can be read only once");
+    if (work->files.inputs.count + work->lists.count == 0)
+        return cli_usage(verb, "no input file was given");
+    return status;
+}
+
+static int check_files(const check_work *work, const check_inputs *inputs, check_configs *configs) {
+    cli_output output;
+    check_totals totals = {0};
+    const int streams = work->settings.fix && !work->settings.dry_run && work->files.output && strcmp(work->files.output, "-") == 0;
+    if (!cli_output_begin(&output, work->files.output && !work->settings.fix ? work->files.output : "-"))
+        return CLI_FILE;
+    if (streams) /* the mended file has standard output */
+        output.out = stderr;
+    work->format->begin(output.out);
+    int status = check_all_files(&work->settings, configs, work->format, inputs, output.out, &totals);
+    if (status == CLI_USAGE || cli_interrupted()) {
+        if (!streams)
+            cli_output_drop(&output);
+        return status;
+    }
+    work->format->end(output.out, &totals);
+    return cli_worse(status, streams ? cli_finish(CLI_OK) : cli_output_end(&output));
+}
+
+static int open_baseline(check_work *work) {
+    if (work->new_baseline)
+        work->settings.baseline = check_baseline_new(work->new_baseline);
+    else if (work->baseline)
+        work->settings.baseline = check_baseline_read(work->baseline);
+    return !(work->new_baseline || work->baseline) || work->settings.baseline;
+}
+
+/* Where mended files are to go: of all inputs that words, folders and lists named. */
+static int check_places(const cli_verb *verb, check_work *work, const check_inputs *inputs) {
+    const cli_common common = {.json = 0};
+    cli_files files = work->files;
+    files.inputs = (cli_words){(const char **)inputs->paths, inputs->count};
+    if (files.output && strcmp(files.output, "-") == 0 && strcmp(work->format->name, "text") != 0)
+        return cli_usage(verb, "-o - and --format %s both want standard output", work->format->name);
+    return cli_check_outputs(verb, &common, &files);
+}
+
+static int check_all(const cli_verb *verb, check_work *work) {
+    check_inputs inputs = {0};
+    check_configs *configs = check_configs_new(work->config, work->no_config);
+    int status = !configs ? cli_out_of_memory() : open_baseline(work) ? gather_inputs(verb, work, &inputs) : CLI_FILE;
+    if (status != CLI_USAGE && inputs.count && work->settings.fix && !work->settings.dry_run)
+        status = cli_worse(status, check_places(verb, work, &inputs));
+    if (configs && status != CLI_USAGE && (!status || inputs.count))
+        status = cli_worse(status, check_files(work, &inputs, configs));
+    if (work->new_baseline && work->settings.baseline && status != CLI_USAGE && !cli_interrupted())
+        status = cli_worse(status == CLI_FINDINGS ? CLI_OK : status, check_baseline_write(work->settings.baseline));
+    check_baseline_free(work->settings.baseline);
+    check_configs_free(configs);
+    check_inputs_free(&inputs);
+    return status;
+}
+
+static int run(const cli_verb *verb, int count, char **arguments) {
+    check_work work = {.settings = {.fail_on = -1}, .format = &check_format_text, .common.threads = NORMA_ALL_THREADS};
+    int wants_help = 0, status = CLI_FILE;
+    work.files.inputs.words = calloc((size_t)count + 1, sizeof(char *));
+    work.lists.words = calloc((size_t)count + 1, sizeof(char *));
+    if (work.files.inputs.words && work.lists.words)
+        status = read_options(verb, &work, count, arguments, &wants_help);
+    else
+        cli_out_of_memory();
+    if (wants_help) {
+        fputs(verb->help, stdout);
+        status = cli_finish(status);
+    } else if (!status)
+        status = check_all(verb, &work);
+    free(work.files.inputs.words);
+    free(work.lists.words);
+    return status;
+}
+
+const cli_verb cli_verb_check = {"check", "compares normals with the surface, the winding, the seams and the transforms", help, run};

@@ -1,0 +1,323 @@
+/* finding_picture.c: the surface round a finding's worst place, as SVG: its nearest faces seen along the normals of those that are meant, from far to near (the painter's
+ * algorithm; Newell, Newell, Sancha 1972), grey by their slope to the light, those that are named red, the stored normals of vertices that are named as lines. */
+#include "cli/check/finding_picture.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 220, MOST_FACES = 400, MOST_SAMPLES = 10 };
+
+typedef struct near_face {
+    size_t face;
+    double distance; /* from the place, then along the view */
+} near_face;
+
+typedef struct picture {
+    const norma_mesh_data *data;
+    const norma_finding *finding;
+    double place[3], radius;
+    double right[3], up[3], view[3]; /* view: towards the eye */
+    near_face *faces;
+    size_t count;
+} picture;
+
+/* ---- reading the mesh */
+
+static size_t face_count(const norma_mesh *mesh) { return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3; }
+static size_t face_begin(const norma_mesh *mesh, size_t face) { return mesh->face_starts ? mesh->face_starts[face] : 3 * face; }
+static size_t face_end(const norma_mesh *mesh, size_t face) { return face_begin(mesh, face + 1); }
+
+static size_t corner_position(const norma_mesh *mesh, size_t corner) {
+    if (!mesh->corners)
+        return corner;
+    switch (mesh->corner_size) {
+    case 1:
+        return ((const uint8_t *)mesh->corners)[corner];
+    case 2:
+        return ((const uint16_t *)mesh->corners)[corner];
+    default:
+        return ((const uint32_t *)mesh->corners)[corner];
+    }
+}
+
+static double component(const norma_vec3_view *view, const char *at, int axis) {
+    switch (view->format) {
+    case NORMA_FORMAT_FLOAT: {
+        float number;
+        memcpy(&number, at + 4 * axis, sizeof number);
+        return (double)number;
+    }
+    case NORMA_FORMAT_DOUBLE: {
+        double number;
+        memcpy(&number, at + 8 * axis, sizeof number);
+        return number;
+    }
+    case NORMA_FORMAT_INT8:
+        return ((const int8_t *)at)[axis];
+    case NORMA_FORMAT_UINT8:
+        return ((const uint8_t *)at)[axis];
+    case NORMA_FORMAT_INT16: {
+        int16_t number;
+        memcpy(&number, at + 2 * axis, sizeof number);
+        return number;
+    }
+    case NORMA_FORMAT_UINT16: {
+        uint16_t number;
+        memcpy(&number, at + 2 * axis, sizeof number);
+        return number;
+    }
+    }
+    return 0;
+}
+
+static size_t tight(norma_format format) {
+    static const size_t sizes[] = {12, 24, 3, 3, 6, 6};
+    return sizes[format];
+}
+
+static int read_vector(const norma_vec3_view *view, size_t index, double vector[3]) {
+    if (index >= view->count)
+        return 0;
+    const char *at = (const char *)view->data + index * (view->stride ? view->stride : tight(view->format));
+    for (int axis = 0; axis < 3; ++axis) vector[axis] = component(view, at, axis);
+    return isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]);
+}
+
+/* ---- small vectors */
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    out[0] = x, out[1] = y, out[2] = z;
+}
+
+static int normalise(double v[3]) {
+    double length = sqrt(dot(v, v));
+    if (!(length > 0) || !isfinite(length))
+        return 0;
+    for (int axis = 0; axis < 3; ++axis) v[axis] /= length;
+    return 1;
+}
+
+/* The vector area of a face relative to its first corner; 0: it has none. */
+static int face_normal(const norma_mesh *mesh, size_t face, double normal[3]) {
+    size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
+    double first[3], a[3], b[3], part[3];
+    memset(normal, 0, 3 * sizeof *normal);
+    if (end - begin < 3 || !read_vector(&mesh->positions, corner_position(mesh, begin), first))
+        return 0;
+    for (size_t corner = begin + 1; corner + 1 < end; ++corner) {
+        if (!read_vector(&mesh->positions, corner_position(mesh, corner), a) || !read_vector(&mesh->positions, corner_position(mesh, corner + 1), b))
+            return 0;
+        for (int axis = 0; axis < 3; ++axis) a[axis] -= first[axis], b[axis] -= first[axis];
+        cross(a, b, part);
+        for (int axis = 0; axis < 3; ++axis) normal[axis] += part[axis];
+    }
+    return normalise(normal);
+}
+
+/* ---- what is meant */
+
+static int is_sampled_face(const norma_finding *finding, size_t face) {
+    for (size_t i = 0; i < finding->sample_count; ++i)
+        if (finding->samples[i].face == face)
+            return 1;
+    return finding->worst.face == face;
+}
+
+static int is_sampled_vertex(const norma_finding *finding, size_t vertex) {
+    for (size_t i = 0; i < finding->sample_count; ++i)
+        if (finding->samples[i].vertex == vertex)
+            return 1;
+    return finding->worst.vertex == vertex;
+}
+
+static int is_meant(const picture *drawn, size_t face) {
+    const norma_mesh *mesh = &drawn->data->mesh;
+    if (is_sampled_face(drawn->finding, face))
+        return 1;
+    if (drawn->finding->worst.face != SIZE_MAX)
+        return 0;
+    size_t end = face_end(mesh, face);
+    for (size_t corner = face_begin(mesh, face); corner < end; ++corner)
+        if (is_sampled_vertex(drawn->finding, corner_position(mesh, corner)))
+            return 1;
+    return 0;
+}
+
+static int find_place(picture *drawn) {
+    const norma_sample *sample = drawn->finding->worst.has_position ? &drawn->finding->worst : drawn->finding->sample_count ? drawn->finding->samples : NULL;
+    if (!sample || !sample->has_position)
+        return 0;
+    memcpy(drawn->place, sample->position, sizeof drawn->place);
+    return isfinite(dot(drawn->place, drawn->place));
+}
+
+/* ---- which faces */
+
+static int compare_distance(const void *a, const void *b) {
+    const near_face *one = a, *other = b;
+    if (one->distance != other->distance)
+        return one->distance < other->distance ? -1 : 1;
+    return one->face < other->face ? -1 : one->face > other->face;
+}
+
+/* By the nearest corner; infinite: a corner is not finite. */
+static double distance_of(const picture *drawn, size_t face) {
+    const norma_mesh *mesh = &drawn->data->mesh;
+    size_t end = face_end(mesh, face);
+    double nearest = INFINITY, at[3];
+    for (size_t corner = face_begin(mesh, face); corner < end; ++corner) {
+        if (!read_vector(&mesh->positions, corner_position(mesh, corner), at))
+            return INFINITY;
+        for (int axis = 0; axis < 3; ++axis) at[axis] -= drawn->place[axis];
+        nearest = fmin(nearest, dot(at, at));
+    }
+    return nearest;
+}
+
+/* The nearest MOST_FACES, kept as a heap would: the list is cut back whenever it is twice as long. */
+static int gather(picture *drawn) {
+    const norma_mesh *mesh = &drawn->data->mesh;
+    drawn->faces = malloc(2 * MOST_FACES * sizeof *drawn->faces);
+    if (!drawn->faces)
+        return 0;
+    for (size_t face = 0; face < face_count(mesh); ++face) {
+        double distance = distance_of(drawn, face);
+        if (!isfinite(distance))
+            continue;
+        drawn->faces[drawn->count++] = (near_face){face, distance};
+        if (drawn->count == 2 * MOST_FACES) {
+            qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
+            drawn->count = MOST_FACES;
+        }
+    }
+    qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
+    drawn->count = drawn->count < MOST_FACES ? drawn->count : MOST_FACES;
+    return drawn->count > 0;
+}
+
+/* ---- the view: along what is meant, a little from the side, so that depth shows */
+
+static void look(picture *drawn) {
+    double sum[3] = {0, 0, 0}, normal[3], helper[3] = {0, 1, 0};
+    for (size_t i = 0; i < drawn->count; ++i) {
+        if (!face_normal(&drawn->data->mesh, drawn->faces[i].face, normal))
+            continue;
+        double weight = 1.0 / (1.0 + (double)i);
+        for (int axis = 0; axis < 3; ++axis) sum[axis] += weight * normal[axis];
+    }
+    if (!normalise(sum))
+        sum[0] = sum[1] = 0, sum[2] = 1;
+    if (fabs(sum[1]) > 0.9)
+        helper[1] = 0, helper[2] = 1;
+    cross(helper, sum, drawn->right);
+    normalise(drawn->right);
+    cross(sum, drawn->right, drawn->up);
+    for (int axis = 0; axis < 3; ++axis) drawn->view[axis] = sum[axis] + 0.35 * drawn->right[axis] + 0.3 * drawn->up[axis];
+    normalise(drawn->view);
+    cross(drawn->up, drawn->view, drawn->right);
+    normalise(drawn->right);
+    cross(drawn->view, drawn->right, drawn->up);
+}
+
+/* So far that some two dozen faces show. */
+static void choose_radius(picture *drawn) {
+    size_t last = drawn->count < 24 ? drawn->count - 1 : 23;
+    double far_squared = drawn->faces[last].distance, at[3];
+    const norma_mesh *mesh = &drawn->data->mesh;
+    size_t nearest = drawn->faces[0].face;
+    for (size_t corner = face_begin(mesh, nearest); corner < face_end(mesh, nearest); ++corner)
+        if (read_vector(&mesh->positions, corner_position(mesh, corner), at)) {
+            for (int axis = 0; axis < 3; ++axis) at[axis] -= drawn->place[axis];
+            far_squared = fmax(far_squared, dot(at, at));
+        }
+    drawn->radius = 1.3 * sqrt(far_squared);
+}
+
+static void project(const picture *drawn, const double at[3], double *x, double *y, double *depth) {
+    double local[3] = {at[0] - drawn->place[0], at[1] - drawn->place[1], at[2] - drawn->place[2]};
+    double scale = SIDE / 2.0 / drawn->radius;
+    *x = SIDE / 2.0 + scale * dot(local, drawn->right);
+    *y = SIDE / 2.0 - scale * dot(local, drawn->up);
+    *depth = dot(local, drawn->view);
+}
+
+/* ---- drawing */
+
+static void sort_by_depth(picture *drawn) {
+    const norma_mesh *mesh = &drawn->data->mesh;
+    for (size_t i = 0; i < drawn->count; ++i) {
+        size_t face = drawn->faces[i].face, begin = face_begin(mesh, face), end = face_end(mesh, face);
+        double sum = 0, at[3], x, y, depth;
+        for (size_t corner = begin; corner < end; ++corner)
+            if (read_vector(&mesh->positions, corner_position(mesh, corner), at)) {
+                project(drawn, at, &x, &y, &depth);
+                sum += depth;
+            }
+        drawn->faces[i].distance = end > begin ? sum / (double)(end - begin) : 0;
+    }
+    qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
+}
+
+static void draw_face(FILE *out, const picture *drawn, size_t face) {
+    const norma_mesh *mesh = &drawn->data->mesh;
+    size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
+    double normal[3] = {0, 0, 0}, at[3], x, y, depth;
+    double slope = face_normal(mesh, face, normal) ? fabs(dot(normal, drawn->view)) : 1;
+    int grey = (int)(90 + 140 * slope), meant = is_meant(drawn, face);
+    if (meant)
+        fprintf(out, "<path class='m' fill='rgb(%d,%d,%d)' d='M", grey, grey / 4, grey / 4);
+    else
+        fprintf(out, "<path fill='rgb(%d,%d,%d)' d='M", grey, grey, grey);
+    for (size_t corner = begin; corner < end; ++corner) {
+        if (!read_vector(&mesh->positions, corner_position(mesh, corner), at))
+            continue;
+        project(drawn, at, &x, &y, &depth);
+        fprintf(out, "%s%.1f %.1f", corner > begin ? "L" : "", x, y);
+    }
+    fputs("z'/>\n", out);
+}
+
+/* Stored normals of the vertices that are named, a quarter of the picture long. */
+static void draw_normals(FILE *out, const picture *drawn) {
+    if (drawn->data->corner_normals)
+        return;
+    for (size_t i = 0; i < drawn->finding->sample_count && i < MOST_SAMPLES; ++i) {
+        const norma_sample *sample = &drawn->finding->samples[i];
+        double normal[3], from[3], to[3], x0, y0, x1, y1, depth;
+        if (sample->vertex == SIZE_MAX || !sample->has_position || !read_vector(&drawn->data->normals, sample->vertex, normal) || !normalise(normal))
+            continue;
+        memcpy(from, sample->position, sizeof from);
+        for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis] + 0.5 * drawn->radius * normal[axis];
+        project(drawn, from, &x0, &y0, &depth);
+        project(drawn, to, &x1, &y1, &depth);
+        fprintf(out, "<path class='n' d='M%.1f %.1fL%.1f %.1f'/><circle cx='%.1f' cy='%.1f' r='2.5'/>\n", x0, y0, x1, y1, x0, y0);
+    }
+}
+
+static int find_mesh(norma_document *document, const char *where, norma_mesh_data *data) {
+    norma_mesh_info info;
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
+        if (!norma_document_mesh_info(document, i, &info) && strcmp(info.where, where) == 0)
+            return !info.not_read && !norma_document_mesh_data(document, i, data, NULL);
+    return 0;
+}
+
+void check_draw_finding(FILE *out, norma_document *document, const norma_finding *finding) {
+    norma_mesh_data data;
+    picture drawn = {.data = &data, .finding = finding};
+    if (document && find_place(&drawn) && find_mesh(document, finding->where, &data) && gather(&drawn)) {
+        look(&drawn);
+        choose_radius(&drawn);
+        if (drawn.radius > 0 && isfinite(drawn.radius)) {
+            sort_by_depth(&drawn);
+            fprintf(out, "<svg viewBox='0 0 %d %d' role='img' aria-label='the place of the worst'>\n", SIDE, SIDE);
+            for (size_t i = 0; i < drawn.count; ++i) draw_face(out, &drawn, drawn.faces[i].face);
+            draw_normals(out, &drawn);
+            fputs("</svg>\n", out);
+        }
+    }
+    free(drawn.faces);
+}

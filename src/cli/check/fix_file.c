@@ -1,0 +1,164 @@
+/* fix_file.c: a document mended, judged again, and written where it was asked for; a result that is worse than the file was is not written. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/check/fix_file.h"
+#include <stdlib.h>
+#include <string.h>
+
+static int is_standard(const char *output) { return strcmp(output, "-") == 0; }
+
+/* The document as it would be read after it is written to output. */
+static norma_document_result settle(const check_settings *settings, norma_document *document, const char *output, check_mended *mended, norma_document **settled,
+                                    norma_document_error *error) {
+    const norma_document_options options = {.struct_size = sizeof options, .threads = settings->threads, .lenient = 1, .progress = cli_stop_when_interrupted};
+    norma_document_result result = norma_document_settle(document, is_standard(output) ? NULL : output, &options, settled, error);
+    if (!result)
+        mended->steps[mended->step_count++] = *settled;
+    return result;
+}
+
+/* What could not be mended, and why, is a note of the last step. */
+static void tell_notes(const char *path, norma_document *document, size_t before) {
+    for (size_t i = before; i < norma_document_note_count(document); ++i)
+        fprintf(stderr, "norma: %s: %s\n", cli_input_name(path), norma_document_note(document, i));
+}
+
+/* ---- worse or better */
+
+typedef struct verdict {
+    size_t errors, warnings, bad_elements, of_rule[CHECK_RULES];
+} verdict;
+
+static verdict weigh(const norma_findings *findings) {
+    verdict sum = {0};
+    size_t count;
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        sum.errors += finding->severity == NORMA_SEVERITY_ERROR;
+        sum.warnings += finding->severity == NORMA_SEVERITY_WARNING;
+        const size_t bad = finding->severity >= NORMA_SEVERITY_WARNING ? finding->count : 0;
+        sum.bad_elements += bad;
+        sum.of_rule[finding->rule - norma_rules(&count)] += bad;
+    }
+    return sum;
+}
+
+/* Rules that have more to say, with commas. */
+static void tell_what_is_worse(const verdict *now, const verdict *before, char text[200]) {
+    size_t count, length = 0;
+    const norma_rule *rules = norma_rules(&count);
+    text[0] = 0;
+    for (size_t i = 0; i < count && length < 190; ++i)
+        if (now->of_rule[i] > before->of_rule[i])
+            length += (size_t)snprintf(text + length, 200 - length, "%s%s", length ? ", " : "", rules[i].id);
+}
+
+static int is_worse(const verdict *now, const verdict *before) {
+    if (now->errors != before->errors)
+        return now->errors > before->errors;
+    if (now->warnings != before->warnings)
+        return now->warnings > before->warnings;
+    return now->bad_elements > before->bad_elements;
+}
+
+/* By all rules, whichever were to be mended. */
+static norma_document_result judge_all(const check_settings *settings, norma_document *document, verdict *sum, norma_document_error *error) {
+    const norma_check_options options = {.struct_size = sizeof options, .max_samples = 1, .threads = settings->threads, .progress = cli_stop_when_interrupted};
+    norma_findings *findings = NULL;
+    norma_document_result result = norma_check_document(document, &options, &findings, error);
+    if (!result)
+        *sum = weigh(findings);
+    norma_findings_free(findings);
+    return result;
+}
+
+/* ---- the table */
+
+static size_t count_of(const norma_findings *findings, const norma_rule *rule) {
+    size_t sum = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
+        if (norma_findings_get(findings, i)->rule == rule)
+            sum += norma_findings_get(findings, i)->count;
+    return sum;
+}
+
+static char *make_table(const norma_findings *before, const norma_findings *now) {
+    size_t count;
+    cli_memory_stream table;
+    const norma_rule *rules = norma_rules(&count);
+    if (!cli_memory_open(&table))
+        return NULL;
+    fprintf(table.out, "    %-32s %10s %10s\n", "rule", "before", "after");
+    for (size_t i = 0; i < count; ++i) {
+        size_t old = count_of(before, &rules[i]), left = count_of(now, &rules[i]);
+        if (old || left)
+            fprintf(table.out, "    %s %-27s %10zu %10zu\n", rules[i].id, rules[i].name, old, left);
+    }
+    (void)cli_memory_close(&table);
+    return table.text;
+}
+
+/* ---- mending and writing */
+
+/* Mends, and what it becomes again until nothing more changes: one fix may uncover what another one mends, and a glTF takes one change at a time. mended->document is what
+ * it is in the end, as it would be read. */
+static norma_document_result mend_steps(const check_settings *settings, norma_document *document, const norma_check_options *options, const char *path, const char *output,
+                                        check_mended *mended, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    mended->document = document;
+    while (!result && mended->step_count < CLI_COUNT(mended->steps)) {
+        const size_t notes = norma_document_note_count(mended->document);
+        result = norma_mend_document(mended->document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->last, error);
+        if (!result && !mended->last.changed)
+            tell_notes(path, mended->document, notes);
+        if (result || !mended->last.changed)
+            return result;
+        mended->changed = 1;
+        result = settle(settings, mended->document, output, mended, &mended->document, error);
+    }
+    return result;
+}
+
+static norma_document_result save(const check_settings *settings, const char *output, check_mended *mended, norma_document_error *error) {
+    if (settings->dry_run || (settings->files->in_place && !mended->changed))
+        return NORMA_DOCUMENT_OK;
+    const norma_save_options options = {.struct_size = sizeof options, .in_place = settings->files->in_place, .progress = cli_stop_when_interrupted};
+    norma_document_result result = is_standard(output) ? cli_write_standard(mended->document, error) : norma_document_save(mended->document, output, &options, error);
+    mended->written = !result;
+    return result;
+}
+
+norma_document_result check_mend(const check_settings *settings, norma_document *document, const norma_findings *before, const norma_check_options *options, const char *path,
+                                 check_mended *mended, norma_document_error *error) {
+    verdict was = {0}, is = {0};
+    *mended = (check_mended){0};
+    char *output = cli_output_of(settings->files, path);
+    if (!output) {
+        *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+        return error->result;
+    }
+    norma_document_result result = judge_all(settings, document, &was, error);
+    if (!result)
+        result = mend_steps(settings, document, options, path, output, mended, error);
+    if (!result && mended->changed)
+        result = norma_check_document(mended->document, options, &mended->findings, error);
+    if (!result && mended->changed)
+        result = judge_all(settings, mended->document, &is, error);
+    mended->worse = !result && mended->changed && is_worse(&is, &was);
+    if (mended->worse)
+        tell_what_is_worse(&is, &was, mended->worse_by);
+    if (!result && mended->changed && !(mended->table = make_table(before, mended->findings))) {
+        *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+        result = error->result;
+    }
+    if (!result && !mended->worse)
+        result = save(settings, output, mended, error);
+    free(output);
+    return result;
+}
+
+void check_mended_free(check_mended *mended) {
+    norma_findings_free(mended->findings);
+    while (mended->step_count) norma_document_close(mended->steps[--mended->step_count]);
+    free(mended->table);
+    *mended = (check_mended){0};
+}

@@ -1,0 +1,394 @@
+/* info_command.c: norma info: what is in a file: meshes, counts, normals, the kinds of the transforms. */
+#include "cli/common/cli.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] = "norma info IN...: what is in a file: meshes, counts, normals, transforms and their kinds\n"
+                           "\n"
+                           "Examples\n"
+                           "  norma info chair.glb\n"
+                           "  norma info *.obj --json                    one object a line\n"
+                           "  norma info chair.glb --deep                also which weight and crease explain the stored normals\n"
+                           "  cat a.stl | norma info - --input-format stl\n"
+                           "\n"
+                           "Options\n"
+                           "  --deep                reads everything and tries weights and creases against the stored normals\n"
+                           "  --input-format obj|ply|stl|gltf|glb\n"
+                           "                        needed for standard input, which is called -\n"
+                           "  --threads N           how many may work (all)\n"
+                           "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
+                           "  --json                for programs, on standard output\n"
+                           "  --quiet               no notes\n"
+                           "\n"
+                           "glTF is counted per primitive, not per instance; the kind of a node is that of its world matrix.\n"
+                           "Exit status: 0 fine, 2 usage, 3 a file could not be read, 130 interrupted.\n";
+
+/* One primitive, or a whole OBJ, PLY or STL. */
+typedef struct mesh_part {
+    norma_mesh_info info;
+    int is_explained;
+    cli_explained explained;
+} mesh_part;
+
+typedef struct contents {
+    const char *path;
+    const norma_document *document;
+    mesh_part *parts;
+    size_t part_count, vertices, faces, triangles;
+    norma_node_info *nodes;
+    size_t node_count;
+} contents;
+
+typedef struct info_work {
+    cli_common common;
+    cli_files files;
+    int deep;
+} info_work;
+
+static const char *set_deep(void *settings, const char *value) {
+    (void)value;
+    ((info_work *)settings)->deep = 1;
+    return NULL;
+}
+
+static const cli_option options[] = {{"deep", 0, 0, set_deep}};
+
+/* ---- meshes: the primitives of one glTF mesh follow each other */
+
+static size_t mesh_end(const contents *found, size_t first) {
+    size_t end = first + 1;
+    while (end < found->part_count && found->parts[end].info.mesh == found->parts[first].info.mesh) ++end;
+    return end;
+}
+
+static const char *storage_name(norma_normal_storage storage) {
+    switch (storage) {
+    case NORMA_NORMALS_NONE:
+        return "none";
+    case NORMA_NORMALS_PER_VERTEX:
+        return "vertex";
+    case NORMA_NORMALS_PER_CORNER:
+        return "corner";
+    case NORMA_NORMALS_PER_FACET:
+        return "facet";
+    }
+    return "none";
+}
+
+/* What a mesh has is what every part of it with faces has. */
+static norma_normal_storage storage_of(const contents *found, size_t first, size_t end, const char **encoding) {
+    norma_normal_storage storage = NORMA_NORMALS_NONE;
+    *encoding = "";
+    for (size_t i = first; i < end; ++i) {
+        const norma_mesh_info *info = &found->parts[i].info;
+        if (info->faces == 0 && end - first > 1)
+            continue;
+        if (info->normals == NORMA_NORMALS_NONE) {
+            *encoding = "";
+            return NORMA_NORMALS_NONE;
+        }
+        storage = info->normals;
+        *encoding = **encoding == '\0' || strcmp(*encoding, info->encoding) == 0 ? info->encoding : "mixed";
+    }
+    return storage;
+}
+
+static void kind_of(const norma_node_info *node, norma_matrix_info *matrix) {
+    double normal_matrix[9];
+    *matrix = (norma_matrix_info){.kind = NORMA_KIND_SINGULAR, .anisotropy = INFINITY};
+    norma_normal_matrix_double(node->world, NORMA_WINDING_REVERSED, normal_matrix, matrix);
+}
+
+/* ---- for programs */
+
+static void write_explained(cli_json *json, const cli_explained *explained) {
+    cli_json_open(json, "explained_by", '{');
+    cli_json_string(json, "shading", explained->flat ? "flat" : isnan(explained->crease_deg) ? "smooth" : "crease");
+    cli_json_string(json, "weight", explained->flat ? NULL : cli_weight_name(explained->weight));
+    cli_json_number(json, "crease_deg", explained->flat ? NAN : explained->crease_deg);
+    cli_json_number(json, "p50_deg", explained->p50_deg);
+    cli_json_number(json, "p99_deg", explained->p99_deg);
+    cli_json_number(json, "max_deg", explained->max_deg);
+    cli_json_close(json, '}');
+}
+
+static void write_part(cli_json *json, const mesh_part *part) {
+    const norma_mesh_info *info = &part->info;
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "where", info->where);
+    cli_json_size(json, "vertices", info->vertices);
+    cli_json_size(json, "faces", info->faces);
+    cli_json_size(json, "triangles", info->triangles);
+    cli_json_string(json, "normals", storage_name(info->normals));
+    cli_json_string(json, "encoding", info->encoding);
+    cli_json_bool(json, "tangents", info->has_tangents);
+    cli_json_bool(json, "smoothing_groups", info->has_smoothing_groups);
+    cli_json_size(json, "morph_targets", info->morph_targets);
+    cli_json_string(json, "not_read", info->not_read);
+    if (part->is_explained)
+        write_explained(json, &part->explained);
+    cli_json_close(json, '}');
+}
+
+static void write_mesh(cli_json *json, const contents *found, size_t first, size_t end) {
+    size_t vertices = 0, faces = 0;
+    const char *encoding;
+    norma_normal_storage storage = storage_of(found, first, end, &encoding);
+    for (size_t i = first; i < end; ++i) {
+        vertices += found->parts[i].info.vertices;
+        faces += found->parts[i].info.faces;
+    }
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "name", found->parts[first].info.name);
+    cli_json_size(json, "vertices", vertices);
+    cli_json_size(json, "faces", faces);
+    cli_json_string(json, "normals", storage_name(storage));
+    cli_json_string(json, "encoding", encoding);
+    cli_json_open(json, "primitives", '[');
+    for (size_t i = first; i < end; ++i) write_part(json, &found->parts[i]);
+    cli_json_close(json, ']');
+    cli_json_close(json, '}');
+}
+
+static void write_nodes(cli_json *json, const contents *found) {
+    norma_matrix_info matrix;
+    cli_json_open(json, "nodes", '[');
+    for (size_t i = 0; i < found->node_count; ++i) {
+        const norma_node_info node = found->nodes[i];
+        kind_of(&node, &matrix);
+        cli_json_open(json, NULL, '{');
+        cli_json_string(json, "name", node.name);
+        cli_json_string(json, "kind", cli_kind_name(matrix.kind));
+        cli_json_bool(json, "mirrored", matrix.mirrored);
+        cli_json_number(json, "anisotropy", matrix.anisotropy);
+        cli_json_size(json, "node", node.node);
+        cli_json_size(json, "mesh", node.mesh);
+        cli_json_size(json, "instances", node.instances);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+static void write_json(const contents *found) {
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "path", found->path);
+    cli_json_string(&json, "format", norma_file_format_name(norma_document_format(found->document)));
+    cli_json_size(&json, "vertices", found->vertices);
+    cli_json_size(&json, "faces", found->faces);
+    cli_json_size(&json, "triangles", found->triangles);
+    cli_json_open(&json, "meshes", '[');
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) write_mesh(&json, found, first, mesh_end(found, first));
+    cli_json_close(&json, ']');
+    write_nodes(&json, found);
+    cli_json_notes(&json, found->document);
+    cli_json_close(&json, '}');
+    fputc('\n', stdout);
+}
+
+static void write_failure(const char *path, const norma_document_error *error) {
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "path", path);
+    cli_json_string(&json, "error", error->message);
+    cli_json_close(&json, '}');
+    fputc('\n', stdout);
+}
+
+/* ---- for people */
+
+/* A name as the file has it, without what would move the cursor of a terminal. */
+static void print_name(const char *name) {
+    if (!name[0])
+        return;
+    fputs(" \"", stdout);
+    for (const char *at = name; *at; ++at) fputc((unsigned char)*at < 0x20 || *at == 0x7F ? '?' : *at, stdout);
+    fputc('"', stdout);
+}
+
+static void print_explained(const cli_explained *explained) {
+    char crease[32], p50[32], p99[32], most[32];
+    cli_decimals(p50, explained->p50_deg, 3);
+    cli_decimals(p99, explained->p99_deg, 3);
+    cli_decimals(most, explained->max_deg, 3);
+    fputs("      stored normals are best explained by ", stdout);
+    if (explained->flat)
+        fputs("flat shading", stdout);
+    else if (isnan(explained->crease_deg))
+        printf("%s weights, smooth", cli_weight_name(explained->weight));
+    else
+        printf("%s weights, crease %s\302\260", cli_weight_name(explained->weight), cli_decimals(crease, explained->crease_deg, 3));
+    printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most\n", p50, p99, most);
+}
+
+static void print_part(const mesh_part *part) {
+    const norma_mesh_info *info = &part->info;
+    cli_counted(stdout, info->vertices, "vertex", "vertices");
+    fputs(", ", stdout);
+    cli_counted(stdout, info->faces, "face", "faces");
+    if (info->triangles != info->faces) {
+        fputs(" (", stdout);
+        cli_counted(stdout, info->triangles, "triangle", "triangles");
+        fputs(")", stdout);
+    }
+    if (info->normals == NORMA_NORMALS_NONE)
+        fputs(", no normals", stdout);
+    else
+        printf(", normals per %s (%s)", storage_name(info->normals), info->encoding);
+    fputs(info->has_tangents ? ", tangents" : "", stdout);
+    fputs(info->has_smoothing_groups ? ", smoothing groups" : "", stdout);
+    if (info->morph_targets) {
+        fputs(", ", stdout);
+        cli_counted(stdout, info->morph_targets, "morph target", "morph targets");
+    }
+    fputs("\n", stdout);
+    if (info->not_read)
+        printf("      cannot be computed or transformed: %s\n", info->not_read);
+    if (part->is_explained)
+        print_explained(&part->explained);
+}
+
+/* Of a glTF file. */
+static void print_mesh(const contents *found, size_t first, size_t end) {
+    const norma_mesh_info *info = &found->parts[first].info;
+    for (size_t i = first; i < end; ++i) {
+        printf("  mesh %zu", info->mesh);
+        print_name(info->name);
+        if (end - first > 1)
+            printf(" primitive %zu", found->parts[i].info.primitive);
+        fputs(": ", stdout);
+        print_part(&found->parts[i]);
+    }
+}
+
+static void print_nodes(const contents *found) {
+    norma_matrix_info matrix;
+    for (size_t i = 0; i < found->node_count; ++i) {
+        const norma_node_info node = found->nodes[i];
+        kind_of(&node, &matrix);
+        printf("  node %zu", node.node);
+        print_name(node.name);
+        printf(" draws mesh %zu", node.mesh);
+        if (node.instances != 1) {
+            fputs(" in ", stdout);
+            cli_counted(stdout, node.instances, "instance", "instances");
+        }
+        printf(": %s", cli_kind_name(matrix.kind));
+        if (!isfinite(matrix.anisotropy))
+            fputs(", flattened", stdout);
+        else if (matrix.kind == NORMA_KIND_NON_UNIFORM_SCALE || matrix.kind == NORMA_KIND_SHEAR)
+            printf(", anisotropy %.4g", matrix.anisotropy);
+        fputs(matrix.mirrored ? ", mirrored\n" : "\n", stdout);
+    }
+}
+
+static void print_text(const contents *found) {
+    size_t meshes = 0;
+    printf("%s: %s", cli_input_name(found->path), norma_file_format_name(norma_document_format(found->document)));
+    if (found->part_count == 1 && !found->parts[0].info.where[0]) {
+        print_name(found->parts[0].info.name);
+        fputs(", ", stdout);
+        print_part(&found->parts[0]);
+        return;
+    }
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) ++meshes;
+    fputs(", ", stdout);
+    cli_counted(stdout, meshes, "mesh", "meshes");
+    fputs(", ", stdout);
+    cli_counted(stdout, found->vertices, "vertex", "vertices");
+    fputs(", ", stdout);
+    cli_counted(stdout, found->faces, "face", "faces");
+    fputs("\n", stdout);
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) print_mesh(found, first, mesh_end(found, first));
+    print_nodes(found);
+}
+
+/* ---- one file */
+
+static norma_document_result collect(const info_work *work, norma_document *document, contents *found, norma_document_error *error) {
+    found->document = document;
+    found->part_count = norma_document_mesh_count(document);
+    found->parts = calloc(found->part_count + 1, sizeof *found->parts);
+    norma_document_result result = found->parts ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
+    for (size_t i = 0; i < found->part_count && !result; ++i) {
+        mesh_part *part = &found->parts[i];
+        if (work->deep)
+            part->is_explained = cli_explain_normals(document, i, work->common.threads, &part->explained, &result, error);
+        if (!result)
+            result = norma_document_mesh_info(document, i, &part->info);
+        found->vertices += part->info.vertices;
+        found->faces += part->info.faces;
+        found->triangles += part->info.triangles;
+    }
+    found->node_count = norma_document_node_count(document);
+    found->nodes = calloc(found->node_count + 1, sizeof *found->nodes);
+    result = result || found->nodes ? result : NORMA_DOCUMENT_ERROR_MEMORY;
+    for (size_t i = 0; i < found->node_count && !result; ++i) result = norma_document_node_info(document, i, &found->nodes[i]);
+    if (result && !error->message[0])
+        snprintf(error->message, sizeof error->message, "%s: %s", found->path, result == NORMA_DOCUMENT_ERROR_MEMORY ? "out of memory" : "cannot be described");
+    return result;
+}
+
+static int run_file(const info_work *work, const char *path) {
+    cli_progress progress;
+    norma_document *document;
+    norma_document_error error = {0};
+    void *memory;
+    contents found = {.path = path};
+    cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
+    const norma_document_options opening = {.struct_size = sizeof opening,
+                                            .format = work->files.format,
+                                            .depth = work->deep ? NORMA_DOCUMENT_WHOLE : NORMA_DOCUMENT_SUMMARY,
+                                            .threads = work->common.threads,
+                                            .progress = cli_progress_report,
+                                            .progress_user = &progress};
+    norma_document_result result = cli_open(path, &opening, &document, &memory, &error);
+    if (!result)
+        result = collect(work, document, &found, &error);
+    cli_progress_stop(&progress);
+    error.result = result;
+    cli_name_error(&error, path);
+    if (result) {
+        cli_print_error(&error);
+        if (work->common.json && result != NORMA_DOCUMENT_CANCELLED)
+            write_failure(path, &error);
+    } else if (work->common.json) {
+        write_json(&found);
+    } else {
+        print_text(&found);
+        fflush(stdout);
+        if (!work->common.quiet)
+            cli_print_notes(path, document);
+    }
+    free(found.parts);
+    free(found.nodes);
+    norma_document_close(document);
+    free(memory);
+    return cli_status_of(result);
+}
+
+/* ---- the verb */
+
+static int run(const cli_verb *verb, int count, char **arguments) {
+    info_work work = {.common = {.threads = NORMA_ALL_THREADS}, .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
+    const cli_table tables[] = {
+        {options, CLI_COUNT(options), &work},
+        {cli_input_options, cli_input_option_count, &work.files},
+        {cli_common_options, cli_common_option_count, &work.common},
+    };
+    int wants_help, status;
+    if (!work.files.inputs.words)
+        return cli_out_of_memory();
+    status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
+    if (wants_help)
+        fputs(help, stdout);
+    else if (!status)
+        status = cli_check_inputs(verb, &work.files);
+    for (size_t i = 0; i < work.files.inputs.count && !wants_help && status != CLI_USAGE; ++i)
+        status = cli_interrupted() ? cli_interrupted() : cli_worse(status, run_file(&work, work.files.inputs.words[i]));
+    free(work.files.inputs.words);
+    return cli_finish(status);
+}
+
+const cli_verb cli_verb_info = {"info", "what is in a file: meshes, normals, transforms and their kinds", help, run};

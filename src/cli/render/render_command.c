@@ -1,0 +1,337 @@
+/* render_command.c: norma render: pictures of meshes, drawn without a display. */
+#include "cli/render/render_command.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "norma render IN -o OUT.png: a picture of a mesh, drawn without a display\n"
+    "\n"
+    "Examples\n"
+    "  norma render chair.glb -o chair.png\n"
+    "  norma render chair.glb -o wrong.png --compare --scale 2,0.5,1\n"
+    "                                                  plain M beside the normal matrix, with the largest error\n"
+    "  norma render chair.obj -o shadings.png --compare=flat,gouraud,phong\n"
+    "  norma render chair.obj -o creases.png --compare=30,60,180\n"
+    "  norma render scan.ply -o lines.png --show hedgehog\n"
+    "  norma render chair.glb -o error.png --show error      stored against computed normals, in degrees\n"
+    "  norma render chair.glb -o sheet.png --views front,right,top,three-quarter\n"
+    "  norma render chair.glb -o turn.png --turntable 36     turn-000.png to turn-035.png\n"
+    "  norma render *.glb --out-dir pictures\n"
+    "\n"
+    "What is drawn\n"
+    "  --shading flat|gouraud|phong\n"
+    "                        light by face; by vertex, interpolated; by pixel, from interpolated normals (phong)\n"
+    "  --show LIST           normals (as colours), winding (front green, back red), error (stored against computed),\n"
+    "                        findings (of norma check); over these, or alone: hedgehog (normals as lines), wireframe\n"
+    "  --lines LIST          of a hedgehog: vertices,faces (both); edges (normals interpolated along edges)\n"
+    "  --line-length N (0.7 of the edges nearby)  --line-width PIXELS (1.6)  --most-lines N of each kind (4000)\n"
+    "  --error-top DEG       the top of the error's colour scale (by the largest error)\n"
+    "\n"
+    "Side by side\n"
+    "  --compare             plain M beside the normal matrix, under the file's transforms and the matrix below\n"
+    "  --compare=LIST        shadings, normals (before,plain,right), weights (angle,area) or creases (30,60,180)\n"
+    "  --views LIST|N        front, right, back, left, top, bottom, three-quarter; or N about the vertical\n"
+    "  --sheet               several inputs in one picture    --columns N    --label WORDS for each panel\n"
+    "  --turntable N         N pictures about the vertical: OUT-000.png and on\n"
+    "\n"
+    "Normals\n"
+    "  --normals stored|computed\n"
+    "                        those in the file, missing ones computed (stored); or all computed\n"
+    "  --weight, --crease    as for norma compute, where they are computed; glTF without normals is flat without\n"
+    "  --space view|world    where light is computed (world); the picture is the same\n"
+    "\n"
+    "Camera and light, in degrees\n"
+    "  --camera AZIMUTH,ELEVATION\n"
+    "                        0,0 is the front, 90,0 the right side, 0,90 above (35,22)\n"
+    "  --fov DEG (28; 0: orthographic)    --up y|z (y)\n"
+    "  --light AZIMUTH,ELEVATION[,STRENGTH]\n"
+    "                        seen from the camera, up to four (-40,42,0.85 and 60,8,0.18)\n"
+    "  --phong AMBIENT,DIFFUSE,SPECULAR,EXPONENT (0.1,0.95,0.18,40)\n"
+    "\n"
+    "The picture\n"
+    "  --size WIDTHxHEIGHT   of each panel (512x512)    --samples N each way in a pixel, 1 to 4 (2)\n"
+    "  --background paper|white|black|grey|transparent|#RRGGBB\n"
+    "  --renderer auto|software\n"
+    "                        the GPU where there is one (auto), or Mesa's software renderer\n"
+    "\n"
+    CLI_MATRIX_HELP
+    "\n"
+    "Files\n"
+    "  -o, --output OUT.png  the picture; - is standard output, unless that is a terminal\n"
+    "  --out-dir FOLDER      for several inputs: FOLDER/NAME.png each\n"
+    "  --input-format obj|ply|stl|gltf|glb for standard input, which is called -\n"
+    "  --json  --quiet  --threads N  --max-memory SIZE\n"
+    "\n"
+    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, or nothing can be drawn here.\n";
+
+/* ---- one picture */
+
+typedef struct picture_job {
+    const cli_verb *verb;
+    const render_settings *settings;
+    render_device *device;
+    const char *input; /* as it is told of */
+    char *output;
+    render_plan plan;
+    render_sheet sheet;
+    size_t width, height;
+} picture_job;
+
+static int fail_drawing(const picture_job *job, const render_error *error) {
+    fprintf(stderr, "norma: %s: %s\n", cli_input_name(job->input), error->message);
+    return error->result == RENDER_ERROR_ARGUMENT ? CLI_USAGE : CLI_FILE;
+}
+
+static int write_picture(picture_job *job, const render_picture *picture) {
+    cli_output output;
+    render_png png;
+    render_error error;
+    if (render_png_encode(picture, &png, &error))
+        return fail_drawing(job, &error);
+    int status = cli_output_begin(&output, job->output) ? CLI_OK : CLI_FILE;
+    if (!status) {
+        const size_t written = fwrite(png.bytes, 1, png.size, output.out);
+        if (cli_interrupted()) {
+            cli_output_drop(&output);
+            status = cli_interrupted();
+        } else {
+            status = cli_output_end(&output);
+            if (!status && written != png.size)
+                status = CLI_FILE;
+        }
+    }
+    free(png.bytes);
+    return status;
+}
+
+static int draw_picture(picture_job *job) {
+    render_picture picture;
+    render_error error;
+    job->sheet = (render_sheet){.panels = job->plan.panels, .panel_count = job->plan.count, .columns = job->settings->columns};
+    if (job->settings->views && !job->settings->columns)
+        job->sheet.columns = (size_t)ceil(sqrt((double)job->plan.count));
+    job->plan.difference = -1;
+    job->sheet.below = job->settings->show == RENDER_SHOW_ERROR || (job->settings->compare == 2 && job->plan.count == 2) ? "" : NULL;
+    if (render_sheet_draw(job->device, &job->settings->look, &job->sheet, render_plan_tell, &job->plan, &picture, &error))
+        return fail_drawing(job, &error);
+    job->width = picture.width;
+    job->height = picture.height;
+    int status = write_picture(job, &picture);
+    render_picture_free(&picture);
+    return status;
+}
+
+/* ---- telling */
+
+/* Of plain M, or of the stored normals; NaN: neither was asked for. */
+static double worst_error(const picture_job *job) {
+    double worst = NAN;
+    for (size_t i = 0; i < job->plan.count; ++i) {
+        const render_panel *panel = &job->plan.panels[i];
+        worst = fmax(worst, panel->measured ? panel->worst_plain_rad : panel->show == RENDER_SHOW_ERROR ? panel->worst_error_rad : NAN);
+    }
+    return cli_to_degrees(worst);
+}
+
+static size_t lines_left_out(const picture_job *job) {
+    size_t left_out = 0;
+    for (size_t i = 0; i < job->plan.count; ++i) left_out += job->plan.panels[i].lines_left_out;
+    return left_out;
+}
+
+static void report_json(const picture_job *job, const render_scene_file *file, int pictures) {
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "input", job->input);
+    cli_json_string(&json, "output", job->output);
+    cli_json_size(&json, "pictures", (size_t)pictures);
+    cli_json_size(&json, "width", job->width);
+    cli_json_size(&json, "height", job->height);
+    cli_json_size(&json, "panels", job->plan.count);
+    cli_json_size(&json, "triangles", job->plan.panels[0].triangles);
+    cli_json_string(&json, "renderer", render_device_name(job->device));
+    cli_json_number(&json, "worst_error_deg", worst_error(job));
+    if (job->plan.difference >= 0)
+        cli_json_size(&json, "largest_difference", (size_t)job->plan.difference);
+    else
+        cli_json_null(&json, "largest_difference");
+    cli_json_size(&json, "lines_left_out", lines_left_out(job));
+    cli_json_notes(&json, file->document);
+    cli_json_close(&json, '}');
+    fputc('\n', stdout);
+}
+
+static void report_text(const picture_job *job, const render_scene_file *file, int pictures) {
+    FILE *out = render_is_standard(job->output) ? stderr : stdout;
+    const double worst = worst_error(job);
+    char number[32];
+    fprintf(out, "%s -> %s: ", cli_input_name(job->input), render_is_standard(job->output) ? "standard output" : job->output);
+    cli_counted(out, job->plan.panels[0].triangles, "triangle", "triangles");
+    if (pictures > 1)
+        fprintf(out, ", %d pictures of %zux%zu", pictures, job->width, job->height);
+    else
+        fprintf(out, ", %zux%zu", job->width, job->height);
+    if (isfinite(worst) && job->settings->compare)
+        fprintf(out, ", plain M errs by up to %s degrees", cli_decimals(number, worst, 2));
+    else if (isfinite(worst))
+        fprintf(out, ", stored normals differ from computed ones by up to %s degrees", cli_decimals(number, worst, 2));
+    if (job->plan.difference >= 0)
+        fprintf(out, ", the two differ by up to %d of 255 levels", job->plan.difference);
+    if (lines_left_out(job)) {
+        fputs(", ", out);
+        cli_count(out, lines_left_out(job));
+        fputs(" lines left out (--most-lines)", out);
+    }
+    fputc('\n', out);
+    fflush(out);
+    if (file->document)
+        cli_print_notes(job->input, file->document);
+}
+
+static void report(const picture_job *job, const render_scene_file *file, int pictures) {
+    if (job->settings->common.json)
+        report_json(job, file, pictures);
+    else if (!job->settings->common.quiet)
+        report_text(job, file, pictures);
+}
+
+/* ---- files */
+
+static int fail_input(const render_settings *settings, const char *input, norma_document_error *error) {
+    cli_name_error(error, input);
+    cli_print_error(error);
+    if (settings->common.json && error->result != NORMA_DOCUMENT_CANCELLED) {
+        cli_json json = {.out = stdout};
+        cli_json_open(&json, NULL, '{');
+        cli_json_string(&json, "input", input);
+        cli_json_null(&json, "output");
+        cli_json_string(&json, "error", error->message);
+        cli_json_close(&json, '}');
+        fputc('\n', stdout);
+    }
+    return cli_status_of(error->result);
+}
+
+/* All pictures of a turntable, or the one. */
+static int draw_pictures(picture_job *job, const render_scene_file *file) {
+    const render_settings *settings = job->settings;
+    const int pictures = settings->turns ? settings->turns : 1;
+    double azimuths[RENDER_MOST_PANELS];
+    int status = CLI_OK;
+    for (size_t i = 0; i < job->plan.count; ++i) azimuths[i] = job->plan.panels[i].azimuth_deg;
+    for (int turn = 0; turn < pictures && !status; ++turn) {
+        if (cli_interrupted())
+            return cli_interrupted();
+        free(job->output);
+        job->output = render_output_of(settings, job->input, settings->turns ? turn : -1);
+        for (size_t i = 0; i < job->plan.count; ++i) job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
+        status = job->output ? draw_picture(job) : cli_out_of_memory();
+    }
+    if (!status)
+        report(job, file, pictures);
+    return status;
+}
+
+static int draw_file(picture_job *job) {
+    const render_settings *settings = job->settings;
+    render_scene_file file;
+    norma_document_error error = {0};
+    job->plan = (render_plan){.settings = settings, .difference = -1};
+    int status = CLI_OK;
+    if (render_file_open(settings, job->input, &file, &error))
+        status = fail_input(settings, job->input, &error);
+    if (!status) {
+        status = render_plan_add(job->verb, &job->plan, &file, NULL, &error);
+        if (status && error.result)
+            status = fail_input(settings, job->input, &error);
+    }
+    if (!status)
+        status = draw_pictures(job, &file);
+    render_device_forget(job->device);
+    render_file_close(&file);
+    free(job->output);
+    job->output = NULL;
+    return status;
+}
+
+/* The name of an input as a title: without folder and extension. */
+static void title_of(const char *input, char *title, size_t room) {
+    const char *name = render_base_name(input), *dot = strrchr(name, '.');
+    snprintf(title, room, "%.*s", dot && dot > name ? (int)(dot - name) : (int)strlen(name), name);
+}
+
+static int draw_sheet(picture_job *job) {
+    const render_settings *settings = job->settings;
+    const cli_words *inputs = &settings->files.inputs;
+    render_scene_file *files = calloc(inputs->count + 1, sizeof *files);
+    int status = files ? CLI_OK : cli_out_of_memory();
+    job->plan = (render_plan){.settings = settings, .difference = -1};
+    for (size_t i = 0; i < inputs->count && !status; ++i) {
+        norma_document_error error = {0};
+        char title[128];
+        title_of(inputs->words[i], title, sizeof title);
+        status = render_file_open(settings, inputs->words[i], &files[i], &error) ? CLI_FILE : render_plan_add(job->verb, &job->plan, &files[i], title, &error);
+        if (status && error.result)
+            status = fail_input(settings, inputs->words[i], &error);
+    }
+    job->input = inputs->words[0];
+    if (!status)
+        status = draw_pictures(job, &files[0]);
+    render_device_forget(job->device);
+    for (size_t i = 0; files && i < inputs->count; ++i) render_file_close(&files[i]);
+    free(files);
+    free(job->output);
+    job->output = NULL;
+    return status;
+}
+
+static int draw_all(const cli_verb *verb, const render_settings *settings) {
+    picture_job *job = calloc(1, sizeof *job);
+    render_error error = {.message = "out of memory"};
+    if (!job || render_device_open(settings->software, &job->device, &error)) {
+        fprintf(stderr, "norma: %s\n", error.message);
+        free(job);
+        return CLI_FILE;
+    }
+    int status = CLI_OK;
+    job->verb = verb;
+    job->settings = settings;
+    if (settings->sheet)
+        status = draw_sheet(job);
+    for (size_t i = 0; i < settings->files.inputs.count && !settings->sheet && !cli_interrupted(); ++i) {
+        job->input = settings->files.inputs.words[i];
+        status = cli_worse(status, draw_file(job));
+    }
+    render_device_close(job->device);
+    free(job);
+    return cli_interrupted() ? cli_interrupted() : status;
+}
+
+static int run(const cli_verb *verb, int count, char **arguments) {
+    render_settings settings;
+    render_settings_default(&settings);
+    settings.files.inputs.words = calloc((size_t)count + 1, sizeof(char *));
+    const cli_table tables[] = {
+        {render_options, render_option_count, &settings},
+        {cli_matrix_options, cli_matrix_option_count, &settings.matrix},
+        {cli_input_options, cli_input_option_count, &settings.files},
+        {cli_common_options, cli_common_option_count, &settings.common},
+    };
+    int wants_help;
+    if (!settings.files.inputs.words)
+        return cli_out_of_memory();
+    int status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &settings.files.inputs, &wants_help);
+    if (wants_help)
+        fputs(verb->help, stdout), status = cli_finish(status);
+    else if (!status)
+        status = cli_check_inputs(verb, &settings.files);
+    if (!status && !wants_help)
+        status = render_settings_check(verb, &settings);
+    if (!status && !wants_help)
+        status = cli_finish(draw_all(verb, &settings));
+    free((void *)settings.files.inputs.words);
+    return status;
+}
+
+const cli_verb cli_verb_render = {"render", "draws a picture: shaded, wrong beside right, errors, findings", help, run};

@@ -1,0 +1,284 @@
+/* large_star.c: a ring of very many corners, to the same fans, counts and bits as any ring, in 20 bytes for each corner instead of 260. Nothing that can be read or measured again is kept:
+ * its edges are two sorted lists of numbers, joined some at a time in a ring of ordinary size; its fans are summed one after the other, and each is seen at once. */
+#include "core/corner/star_edges.h"
+#include "core/corner/visit_positions.h"
+
+enum { CORNERS_BETWEEN_TELLING = 1 << 17 };
+
+norma_result norma_core_large_ring_allocate(const core_call *call, large_ring *large, size_t corners)
+{
+    large->room = corners;
+    large->out = norma_core_allocate(call, corners, sizeof *large->out);
+    large->back = norma_core_allocate(call, corners, sizeof *large->back);
+    large->fan = norma_core_allocate(call, corners, sizeof *large->fan);
+    return large->out && large->back && large->fan ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+void norma_core_large_ring_release(const core_call *call, large_ring *large)
+{
+    norma_core_release(call, large->out, large->room, sizeof *large->out);
+    norma_core_release(call, large->back, large->room, sizeof *large->back);
+    norma_core_release(call, large->fan, large->room, sizeof *large->fan);
+    *large = (large_ring){0};
+}
+
+typedef struct large_visit {
+    const core_surface *surface;
+    const ring_visit   *visit;
+    const large_ring   *large;
+    const uint32_t     *corners;               /* of the ring, count of them */
+    size_t              count, listed[2];      /* in out and in back: corners that have edges */
+    core_ring          *ring;                  /* for some of them */
+    rings_part         *part;
+} large_visit;
+
+/* ---- sorting without further memory: dealt by the highest byte in which any two differ, in place, and each part again (McIlroy, Bostic, McIlroy 1993, American flag sort) */
+
+enum { FEW_ENTRIES = 24, BYTE_VALUES = 256 };
+
+static void insertion_sort(uint64_t *entries, size_t count)
+{
+    for (size_t i = 1; i < count; i++) {
+        const uint64_t moved = entries[i];
+        size_t at = i;
+        for (; at > 0 && moved < entries[at - 1]; at--) entries[at] = entries[at - 1];
+        entries[at] = moved;
+    }
+}
+
+/* The bits in which they differ; 0 where they are in order already. */
+static uint64_t disorder(const uint64_t *entries, size_t count)
+{
+    uint64_t differ = 0;
+    int ordered = 1;
+    for (size_t i = 1; i < count; i++) {
+        differ |= entries[i] ^ entries[0];
+        ordered &= entries[i - 1] < entries[i];
+    }
+    return ordered ? 0 : differ;
+}
+
+static size_t byte_of(uint64_t entry, int shift) { return (size_t)(entry >> shift) & (BYTE_VALUES - 1); }
+
+static void deal(uint64_t *entries, size_t count, int shift, uint32_t ends[BYTE_VALUES])
+{
+    uint32_t next[BYTE_VALUES], sum = 0;
+    memset(ends, 0, BYTE_VALUES * sizeof *ends);
+    for (size_t i = 0; i < count; i++) ends[byte_of(entries[i], shift)]++;
+    for (size_t value = 0; value < BYTE_VALUES; value++) {
+        next[value] = sum;
+        ends[value] = sum += ends[value];
+    }
+    for (size_t value = 0; value < BYTE_VALUES; value++)
+        while (next[value] < ends[value]) {
+            const uint64_t entry = entries[next[value]];
+            const size_t to = byte_of(entry, shift);
+            entries[next[value]] = entries[next[to]];
+            entries[next[to]++] = entry;
+        }
+}
+
+/* Eight deep at most, as each is about a lower byte. */
+static void sort_entries(uint64_t *entries, size_t count)
+{
+    uint32_t ends[BYTE_VALUES], begin = 0;
+    if (count <= FEW_ENTRIES) {
+        insertion_sort(entries, count);
+        return;
+    }
+    const uint64_t differ = disorder(entries, count);
+    int shift = 56;
+    if (!differ) return;
+    while (!byte_of(differ, shift)) shift -= 8;
+    deal(entries, count, shift, ends);
+    for (size_t value = 0; value < BYTE_VALUES && shift; begin = ends[value++])
+        if (ends[value] - begin > 1) sort_entries(entries + begin, ends[value] - begin);
+}
+
+/* ---- the edges */
+
+static uint64_t entry_of(uint32_t other, size_t number) { return (uint64_t)other << 32 | number; }
+
+/* Nonzero where a caller who is told of progress wants to stop. */
+static int stops(const large_visit *l, size_t at)
+{
+    return at % CORNERS_BETWEEN_TELLING == 0 && norma_core_progress(l->surface->call, 1);
+}
+
+static norma_result list_corners(large_visit *l)
+{
+    for (size_t begin = 0; begin < l->count; begin += RING_ROOM) {
+        if (stops(l, begin)) return NORMA_CANCELLED;
+        norma_core_ring_fill(l->surface, l->corners + begin, l->count - begin < RING_ROOM ? l->count - begin : RING_ROOM, 0, l->ring);
+        for (size_t i = 0; i < l->ring->count; i++) {
+            const ring_corner *c = &l->ring->corners[i];
+            l->large->fan[begin + i] = (uint32_t)(begin + i);
+            if (!(c->flags & RING_KEPT)) continue;
+            l->large->out[l->listed[0]++] = entry_of(c->next, begin + i);
+            l->large->back[l->listed[1]++] = entry_of(c->previous, begin + i);
+        }
+    }
+    return NORMA_OK;
+}
+
+/* How far the entries of the same other position go. */
+static size_t run_end(const uint64_t *entries, size_t begin, size_t count, uint32_t other)
+{
+    while (begin < count && entries[begin] >> 32 == other) begin++;
+    return begin;
+}
+
+typedef struct edge_run { size_t begin[2], end[2]; } edge_run;      /* in out and in back: one edge, or some in a row */
+
+static size_t run_length(const edge_run *run) { return run->end[0] - run->begin[0] + run->end[1] - run->begin[1]; }
+
+static edge_run next_edge(const large_visit *l, const size_t at[2])
+{
+    const uint64_t *const lists[2] = {l->large->out, l->large->back};
+    uint32_t other = UINT32_MAX;
+    edge_run run = {{at[0], at[1]}, {0, 0}};
+    for (int side = 0; side < 2; side++)
+        if (at[side] < l->listed[side] && lists[side][at[side]] >> 32 < other) other = (uint32_t)(lists[side][at[side]] >> 32);
+    for (int side = 0; side < 2; side++) run.end[side] = run_end(lists[side], at[side], l->listed[side], other);
+    return run;
+}
+
+static uint32_t large_fan_of(uint32_t *fan, uint32_t number)
+{
+    while (fan[number] != number) number = fan[number] = fan[fan[number]];
+    return number;
+}
+
+static void join_large(uint32_t *fan, uint32_t a, uint32_t b)
+{
+    const uint32_t fan_a = large_fan_of(fan, a), fan_b = large_fan_of(fan, b);
+    if (fan_a < fan_b) fan[fan_b] = fan_a;
+    else fan[fan_a] = fan_b;
+}
+
+/* What the ring found joined is joined. numbers: of its corners in the large one. */
+static void carry_over(const large_visit *l, core_ring *ring, const uint32_t *numbers)
+{
+    for (uint32_t i = 0; i < ring->count; i++) {
+        const uint32_t fan = norma_core_fan_of(ring, i);
+        if (fan != i) join_large(l->large->fan, numbers[i], numbers[fan]);
+    }
+}
+
+/* A corner that is at two of the edges comes twice. fan_of serves for the corners' numbers, since this ring's fans are never numbered. */
+static void join_run(const large_visit *l, const edge_run *run, core_ring *ring)
+{
+    uint32_t *numbers = ring->fan_of, *corners = (uint32_t *)(void *)ring->sorted;
+    size_t count = 0;
+    for (size_t i = run->begin[0]; i < run->end[0]; i++) numbers[count++] = (uint32_t)l->large->out[i];
+    for (size_t i = run->begin[1]; i < run->end[1]; i++) numbers[count++] = (uint32_t)l->large->back[i];
+    for (size_t i = 0; i < count; i++) corners[i] = l->corners[numbers[i]];
+    norma_core_ring_fill(l->surface, corners, count, 0, ring);
+    ring->edge_count = count;
+    for (uint32_t i = 0; i < count; i++) {
+        const ring_corner *c = &ring->corners[i];
+        if (i < run->end[0] - run->begin[0]) ring->edges[i] = (ring_edge){.key = c->next_key, .other = c->next, .corner = i};
+        else ring->edges[i] = (ring_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
+    }
+    norma_core_sort_edges(ring);
+    norma_core_ring_join_listed(l->surface, ring, l->visit->counting ? &l->part->counts : NULL);
+    carry_over(l, ring, numbers);
+}
+
+/* An edge of more faces than an ordinary ring has room for. */
+static norma_result join_large_run(const large_visit *l, const edge_run *run)
+{
+    core_ring ring;
+    const size_t count = run_length(run);
+    if (norma_core_ring_allocate(l->surface->call, &ring, count) != NORMA_OK) return NORMA_ERROR_MEMORY;
+    norma_core_ring_begin(l->surface, l->ring->position, &ring);
+    join_run(l, run, &ring);
+    norma_core_ring_release(l->surface->call, &ring, count);
+    return NORMA_OK;
+}
+
+static norma_result join_edges(const large_visit *l)
+{
+    edge_run some = {{0, 0}, {0, 0}};
+    for (size_t edges = 0; some.end[0] < l->listed[0] || some.end[1] < l->listed[1]; edges++) {
+        const edge_run run = next_edge(l, some.end);
+        if (stops(l, edges)) return NORMA_CANCELLED;
+        if (run_length(&run) + run_length(&some) > RING_ROOM && run_length(&some)) {
+            join_run(l, &some, l->ring);
+            some = (edge_run){{run.begin[0], run.begin[1]}, {run.begin[0], run.begin[1]}};
+        }
+        if (run_length(&run) > RING_ROOM) {
+            if (join_large_run(l, &run) != NORMA_OK) return NORMA_ERROR_MEMORY;
+            memcpy(some.begin, run.end, sizeof some.begin);
+        }
+        memcpy(some.end, run.end, sizeof some.end);
+    }
+    join_run(l, &some, l->ring);
+    return NORMA_OK;
+}
+
+/* ---- the fans */
+
+/* The mesh's corners, fan by fan in the order of their first ones, each ascending; ends: at each fan's first corner where it ends. Both in memory that the edges no longer need. */
+static void order_by_fan(const large_visit *l, uint32_t *ends, uint32_t *ordered)
+{
+    uint32_t *fan = l->large->fan, sum = 0;
+    memset(ends, 0, l->count * sizeof *ends);
+    for (size_t i = 0; i < l->count; i++) {
+        fan[i] = fan[fan[i]];
+        ends[fan[i]]++;
+    }
+    for (size_t i = 0; i < l->count; i++) {
+        if (fan[i] != i) continue;
+        const uint32_t count = ends[i];
+        ends[i] = sum;
+        sum += count;
+    }
+    for (size_t i = 0; i < l->count; i++) ordered[ends[fan[i]]++] = l->corners[i];
+}
+
+static void see_fan(const large_visit *l, const ring_sum *sum, const uint32_t *corners, size_t count)
+{
+    core_fan fan = {.reason = l->ring->finite ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE};
+    if (l->ring->finite && sum->votes) norma_core_decide_sum(sum->sum, sum->weight, &fan);
+    const core_fans fans = {.position = l->ring->position, .count = (uint32_t)count, .fan_count = 1, .corners = corners, .fans = &fan};
+    l->visit->see(l->visit->context, &fans, &l->part->tally);
+}
+
+static norma_result see_fans(const large_visit *l)
+{
+    uint32_t *ends = (uint32_t *)(void *)l->large->out, *ordered = (uint32_t *)(void *)l->large->back;
+    size_t at = 0;
+    order_by_fan(l, ends, ordered);
+    for (size_t first = 0; first < l->count; first++) {
+        ring_sum sum = {.votes = 0};
+        const size_t begin = at;
+        if (l->large->fan[first] != first) continue;
+        for (; at < ends[first]; at++) {
+            if (stops(l, at)) return NORMA_CANCELLED;
+            if (at % RING_ROOM == 0) norma_core_ring_fill(l->surface, ordered + at, l->count - at < RING_ROOM ? l->count - at : RING_ROOM, 1, l->ring);
+            norma_core_ring_vote(&l->ring->corners[at % RING_ROOM], &sum);
+        }
+        see_fan(l, &sum, ordered + begin, at - begin);
+    }
+    return NORMA_OK;
+}
+
+norma_result norma_core_visit_large_ring(const core_surface *surface, const ring_visit *visit, uint32_t position, large_ring *large, rings_part *part)
+{
+    ring_room room;
+    core_ring ring;
+    const core_around *around = &surface->around;
+    const uint32_t begin = around->starts[position];
+    large_visit l = {.surface = surface, .visit = visit, .large = large, .corners = around->corners + begin, .count = around->starts[position + 1] - begin, .ring = &ring, .part = part};
+    norma_core_ring_in_room(&ring, &room);
+    norma_core_ring_begin(surface, position, &ring);
+    norma_result result = list_corners(&l);
+    if (result == NORMA_OK && ring.waits) part->waiting++;
+    if (result != NORMA_OK || ring.waits) return result;
+    norma_core_count_add(&part->tally.degenerate, &ring.degenerate);
+    sort_entries(large->out, l.listed[0]);
+    sort_entries(large->back, l.listed[1]);
+    result = join_edges(&l);
+    return result == NORMA_OK ? see_fans(&l) : result;
+}

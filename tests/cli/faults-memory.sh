@@ -1,0 +1,87 @@
+#!/bin/bash
+# Memory that runs out: every allocation of every verb fails once, and from there on, each in a run of its own. The tool then says so, exits with 3 and has written nothing, or
+# it can do without, and does and says what it always does.
+#   tests/cli/faults-memory.sh [PATTERN]
+# FAULT_ALL=1: also with all allocations failing from the n-th on for the long cases.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+export NORMA=${NORMA_BIN:-$tree/bin/norma}
+calls=$tree/tests/fault_calls
+export MESA_SHADER_CACHE_DISABLE=true LC_ALL=C.UTF-8
+fast=$scratch/fast
+if [ -d /dev/shm ] && [ -w /dev/shm ]; then fast=$(mktemp -d /dev/shm/norma-faults-XXXXXX); trap 'rm -rf "$fast"; [ -n "${NORMA_SCRATCH:-}" ] || rm -rf "$scratch"' EXIT; fi
+mkdir -p "$fast/from"
+
+# one PLACE NAME COMMAND...: prints its verdict.
+one() {
+    local place=$1 name=$2 final bad number
+    shift 2
+    [[ $name != *render ]] || export FAULT_PROGRAM=1 # what the graphics libraries do without memory is theirs
+    # shellcheck disable=SC2086  # words
+    "$calls" "memory=$place/fail.so" "$place/from" "$place/$$" "$place/$$-states" -- $1 >"$place/$$.lines" 2>&1 || { echo "not ok $name: $(tail -n 1 "$place/$$.lines")"; return; }
+    final=$(grep ' | ' "$place/$$.lines" | tail -n 1)
+    bad=$(awk -F' [|] ' -v final="$final" '
+        BEGIN { split(final, end, " [|] ") }
+        !/ \| / { next }
+        $2 == end[2] && $3 == end[3] && $4 == 0 && $5 == end[5] { next }
+        html && $2 == end[2] && $4 == 0 { next } # a picture may be missing
+        # Of several files some may be done, each whole; a baseline of what could be looked at is whole as well.
+        $2 == 3 && $4 == 0 && ($3 == first || first == "" || $3 == end[3] || may_half) && tolower($6) ~ /memory/ { if (first == "") first = $3; next }
+        { print }' may_half="$([[ $name == *baseline* || $name == *folder ]] && echo 1)" html="$([[ $name == *html ]] && echo 1)" "$place/$$.lines" | head -n 12)
+    number=$(sed -nE 's/^runs ([0-9]+) .*/\1/p' "$place/$$.lines")
+    if [ -z "$bad" ] && [ "$(sed -E 's/^0 [^|]*\| ([0-9-]+) .*/\1/' <<<"$final")" -le 1 ]; then echo "ok $name: $((number - 1)) failed allocations"; else printf 'not ok %s: in the end: %s\n' "$name" "$final"; sed "s/^/# /" <<<"$bad"; fi
+}
+
+cases() {
+    local format
+    for format in cube.obj roof.ply corner.stl roof.gltf roof.glb; do
+        echo "compute $format|$NORMA compute $format -o out.${format##*.} --threads 1"
+        echo "compute $format in place, flat, json|$NORMA compute $format --in-place --flat --json --threads 2"
+        echo "transform $format|$NORMA transform $format -o out.${format##*.} --scale 2,1,1 --threads 1"
+        echo "info $format|$NORMA info $format --deep --threads 1"
+        echo "check $format|$NORMA check $format --threads 1"
+        echo "check --fix $format|$NORMA check --fix $format -o out.${format##*.} --threads 1"
+        [ -z "${has_page:-}" ] || echo "view $format|$NORMA view $format -o out.html --threads 1"
+    done
+    echo "transform --bake, an asset in place|$NORMA transform roof.gltf --in-place --rotate 0,0,1,30 --bake --threads 1"
+    echo "check --fix-unsafe, an asset in place|$NORMA check --fix-unsafe roof.gltf --in-place --threads 1"
+    echo "check --fix-unsafe glb|$NORMA check --fix-unsafe roof.glb --in-place --threads 1"
+    for format in json sarif html; do echo "check --format $format|$NORMA check cube.obj roof.gltf broken.obj --format $format --threads 1"; done
+    echo "check of a folder, two threads|$NORMA check . --threads 2"
+    echo "check --write-baseline|$NORMA check cube.obj roof.ply --write-baseline=base.json --threads 1"
+    echo "info --json|$NORMA info cube.obj roof.gltf --json"
+    echo "compute to standard output|$NORMA compute cube.obj -o - --threads 1"
+    echo "compute to a folder|$NORMA compute cube.obj roof.ply --out-dir out --threads 1"
+    echo "matrix|$NORMA matrix --scale 2,0.5,1 --rotate 0,1,0,30"
+    echo "explain|$NORMA explain N501"
+    [ -z "$has_renderer" ] || echo "render|$NORMA render cube.obj -o picture.png --size 16x16 --renderer software --threads 1"
+}
+
+if [ "${1:-}" = --one ]; then
+    one "$FAULT_PLACE" "${2%%|*}" "${2#*|}"
+    exit
+fi
+[ -x "$NORMA" ] && [ -x "$calls" ] || { fail "the tools are there" "no program at $NORMA or $calls"; finish; exit 1; }
+"${CC:-cc}" -O1 -shared -fPIC -o "$fast/fail.so" "$root/tests/cli/faults/fail_allocation.c" -ldl 2>/dev/null && LD_PRELOAD=$fast/fail.so "$NORMA" --version >/dev/null 2>&1 ||
+    { skip "allocations cannot be made to fail here: not glibc, or no preloading"; finish; exit; }
+has_page=$("$NORMA" view "$root/tests/cli/golden/files/cube.obj" -o "$scratch/page.html" >/dev/null 2>&1 && echo yes)
+has_renderer=$("$NORMA" render "$root/tests/cli/golden/files/cube.obj" -o "$scratch/picture.png" --size 16x16 >/dev/null 2>&1 && echo yes)
+[ -n "$has_renderer" ] || skip "render: nothing can be drawn here"
+cp "$root"/tests/cli/golden/files/* "$fast/from/"
+rm "$fast/from/malformed.obj"
+chmod u+w "$fast/from"/*
+cases | grep -E -- "${1:-.}" >"$scratch/cases"
+FAULT_PLACE=$fast xargs -P "${JOBS:-$(nproc)}" -d '\n' -n 1 bash "$0" --one <"$scratch/cases" >"$scratch/verdicts" 2>"$scratch/errors"
+grep -vE '^(check --fix-unsafe|transform --bake)' "$scratch/cases" | grep -E "${FAULT_ALL:+.|}(gltf|ply|broken|folder)" | sed 's/^/from there on: /' >"$scratch/cases-on"
+FAULT_FROM_THERE_ON=1 FAULT_PLACE=$fast xargs -r -P "${JOBS:-$(nproc)}" -d '\n' -n 1 bash "$0" --one <"$scratch/cases-on" >>"$scratch/verdicts" 2>>"$scratch/errors"
+total=0
+while IFS= read -r line; do
+    case $line in
+    'ok '*) pass "${line#ok }"; number=$(sed -nE 's/.*: ([0-9]+) failed.*/\1/p' <<<"$line"); total=$((total + ${number:-0})) ;;
+    'not ok '*) fail "${line#not ok }" ;;
+    *) echo "$line" ;;
+    esac
+done <"$scratch/verdicts"
+[ "$(grep -cE '^(ok|not ok) ' "$scratch/verdicts")" -ge "$(cat "$scratch/cases" "$scratch/cases-on" | wc -l)" ] || fail "every case gave a verdict" "$(cat "$scratch/errors")"
+echo "# $total failed allocations"
+finish

@@ -1,0 +1,97 @@
+#!/bin/bash
+# Ctrl-C at any time: the tool ends soon with status 130, and neither an output nor a temporary file is left; a file that was there stays as it was. Large inputs are made
+# here. Soon is 0.2 seconds where the machine has nothing else to do; a busy one may take longer, so what fails the test is ten times that, and the best of some tries is told.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+norma=${NORMA_BIN:-$tree/bin/norma}
+# A memory file system, so that the disk is not what is measured.
+folder=$scratch
+[ -w /dev/shm ] && folder=$(mktemp -d /dev/shm/norma-interrupt-XXXXXX)
+trap 'rm -rf "$folder"; [ -n "${NORMA_SCRATCH:-}" ] || rm -rf "$scratch"' EXIT
+
+if ! ${CC:-cc} -std=c11 -O2 "$root/bench/make_meshes.c" -o "$scratch/make_meshes" -lm 2>"$scratch/log"; then
+    fail "the maker of meshes compiles" "$(cat "$scratch/log")"
+    finish
+    exit
+fi
+set -m # children hear SIGINT
+
+# run ARGUMENTS...: in the background.
+run() { "$norma" "$@" >/dev/null 2>"$folder/err" & child=$!; }
+
+# interrupt SECONDS ARGUMENTS...: how long it lived on after the signal, in $delay (microseconds), and its status.
+interrupt() {
+    local after=$1 from
+    shift
+    run "$@"
+    sleep "$after"
+    from=${EPOCHREALTIME/./}
+    kill -INT "$child" 2>/dev/null
+    wait "$child"
+    status=$?
+    delay=$((${EPOCHREALTIME/./} - from))
+}
+
+# at NAME PERCENT OUTPUT ARGUMENTS...: interrupted at that part of the whole time; some other time it may have ended before: then it is tried a little earlier.
+at() {
+    local name=$1 percent=$2 output=$3 best="" part=$((whole * $2 / 100)) left
+    shift 3
+    for _ in 1 2 3 4 5 6 7 8; do
+        rm -f "$output"
+        interrupt "$((part / 1000000)).$(printf %06d $((part % 1000000)))" "$@"
+        left=$(find "$folder/out" -type f)
+        if [ -n "$left" ] && [ "$status" != 0 ]; then fail "$name" "left behind: $left"; return; fi
+        rm -f "$output"
+        if [ "$status" = 0 ]; then
+            part=$((part * 7 / 10))
+            continue
+        fi
+        if [ "$status" != 130 ]; then fail "$name" "status $status; expected 130: $(cat "$folder/err")"; return; fi
+        if [ -z "$best" ] || [ "$delay" -lt "$best" ]; then best=$delay; fi
+        [ "$best" -le 200000 ] && break
+    done
+    if [ -z "$best" ]; then
+        fail "$name" "it ended before the signal each time"
+    elif [ "$best" -le 2000000 ]; then
+        echo "# $name: ended after $best microseconds"
+        pass "$name"
+    else
+        fail "$name" "ended after $best microseconds; expected some 200000"
+    fi
+}
+
+mkdir "$folder/out"
+for kind in obj ply stl glb; do
+    "$scratch/make_meshes" "$kind" 1500000 "$folder/in.$kind"
+    from=${EPOCHREALTIME/./}
+    "$norma" compute "$folder/in.$kind" -o "$folder/out/whole.$kind" --quiet
+    whole=$((${EPOCHREALTIME/./} - from))
+    rm -f "$folder/out/whole.$kind"
+    for percent in 10 50 85; do
+        at "$kind: interrupted after $percent % of its time" "$percent" "$folder/out/cut.$kind" compute "$folder/in.$kind" -o "$folder/out/cut.$kind"
+    done
+    [ "$kind" = obj ] || rm -f "$folder/in.$kind"
+done
+
+# In the middle of writing: the reader of standard output takes a little and then waits, so that the tool hangs in a write.
+mkfifo "$folder/pipe"
+(exec 3<"$folder/pipe"; head -c 100000 <&3 >/dev/null; exec sleep 20) &
+reader=$!
+"$norma" compute "$folder/in.obj" -o - >"$folder/pipe" 2>"$folder/err" &
+child=$!
+sleep 1.5
+from=${EPOCHREALTIME/./}
+kill -INT "$child" 2>/dev/null
+wait "$child"
+status=$?
+delay=$((${EPOCHREALTIME/./} - from))
+kill -- "-$reader" 2>/dev/null
+if [ "$status" = 130 ] && [ "$delay" -le 1000000 ]; then pass "interrupted while nobody reads its standard output"; else fail "interrupted while nobody reads its standard output" "status $status after $delay microseconds"; fi
+
+# What was there stays.
+head -c 100000 "$folder/in.obj" >"$folder/out/old.obj"
+cp "$folder/out/old.obj" "$folder/old"
+interrupt 0.05 compute "$folder/in.obj" -o "$folder/out/old.obj"
+if [ "$status" = 130 ]; then check "the file of before stays" cmp "$folder/old" "$folder/out/old.obj"; else skip "the file of before stays (it was too quick: status $status)"; fi
+if [ -z "$(find "$folder/out" -name '.norma-*')" ]; then pass "no temporary file"; else fail "no temporary file" "$(ls -A "$folder/out")"; fi
+finish

@@ -1,0 +1,122 @@
+#!/bin/bash
+# norma render as people run it: files, numbers, errors, and a few pictures against references in tests/cli/pictures (mean difference at most half a level, at most one pixel
+# in a hundred off by more than 8). tests/cli/render.sh --refresh draws the references again: look at them before you commit them.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+norma=${NORMA_BIN:-$tree/bin/norma}
+compare=$tree/tests/picture_compare
+pictures=$root/tests/cli/pictures
+cd "$root" || exit 1
+[ -x "$norma" ] || { fail "the tool is there" "no program at $norma"; finish; exit 1; }
+
+printf 'v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n' >"$scratch/square.obj"
+if ! "$norma" render "$scratch/square.obj" -o "$scratch/square.png" --renderer software --quiet 2>"$scratch/message"; then
+    skip "nothing can be drawn here: $(cat "$scratch/message")"
+    finish
+    exit
+fi
+
+# A unit ball by meridians and parallels, its normals exact to nine digits: vertices at 45 degrees between the axes, where plain M errs most.
+awk 'BEGIN {
+    pi = 4 * atan2(1, 1)
+    for (j = 0; j <= 16; j++) for (i = 0; i < 32; i++) {
+        p = sprintf("%.12g %.12g %.12g", sin(pi * j / 16) * cos(pi * i / 16), cos(pi * j / 16), -sin(pi * j / 16) * sin(pi * i / 16)); print "v", p; print "vn", p
+    }
+    for (j = 0; j < 16; j++) for (i = 0; i < 32; i++) {
+        a = 32 * j + i + 1; b = 32 * j + (i + 1) % 32 + 1; c = a + 32; d = b + 32
+        if (j > 0) printf "f %d//%d %d//%d %d//%d\n", a, a, c, c, b, b
+        if (j < 15) printf "f %d//%d %d//%d %d//%d\n", b, b, c, c, d, d
+    }
+}' >"$scratch/ball.obj"
+
+# value KEY: of the JSON line on standard input.
+value() { sed -nE "s/.*\"$1\": (\"[^\"]*\"|[^,}]*).*/\1/p"; }
+# near A B: within a ten-thousandth.
+near() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a - b < 1e-4 && b - a < 1e-4) }'; }
+# size FILE: width and height as its IHDR has them.
+size() { od -An -tu1 -j16 -N8 "$1" | awk '{ print $3 * 256 + $4 "x" $7 * 256 + $8 }'; }
+
+for s in 1.5 2 4 10; do
+    expected=$(awk -v s="$s" 'BEGIN { x = (s * s - 1) / (s * s + 1); print atan2(x, sqrt(1 - x * x)) * 45 / atan2(1, 1) }')
+    said=$("$norma" render "$scratch/ball.obj" -o "$scratch/a.png" --compare --scale "$s",1,1 --size 64x64 --json | value worst_error_deg)
+    if near "$said" "$expected"; then pass "plain M at scale $s errs by asin((s^2-1)/(s^2+1)) = $expected"; else fail "plain M at scale $s" "$said, expected $expected"; fi
+done
+said=$("$norma" render "$scratch/ball.obj" -o "$scratch/a.png" --compare --scale 3 --rotate 1,2,3,40 --size 64x64 --json | value worst_error_deg)
+if near "$said" 0; then pass "and by nothing under a uniform scale and a rotation"; else fail "a uniform scale and a rotation" "$said"; fi
+check "two panels side by side, words above and below" test "$(size "$scratch/a.png")" = 128x108
+
+"$norma" render "$scratch/ball.obj" -o "$scratch/b.png" --compare=gouraud,phong --size 64x64 --json >"$scratch/json"
+difference=$(value largest_difference <"$scratch/json")
+check "--compare=gouraud,phong tells the largest difference" test "$difference" -gt 0
+"$norma" render "$scratch/ball.obj" -o "$scratch/b.png" --compare=phong,phong --size 64x64 --json >"$scratch/json"
+check "which is 0 between a picture and itself" test "$(value largest_difference <"$scratch/json")" = 0
+
+"$norma" render assets/goathead.obj -o "$scratch/one.png" --quiet --show hedgehog,wireframe --renderer software
+"$norma" render assets/goathead.obj -o "$scratch/two.png" --quiet --show hedgehog,wireframe --renderer software
+check "two pictures of one input are the same to the bit" cmp "$scratch/one.png" "$scratch/two.png"
+"$norma" render assets/goathead.obj -o - --quiet --show hedgehog,wireframe --renderer software | cat >"$scratch/three.png"
+check "and so is the one on standard output" cmp "$scratch/one.png" "$scratch/three.png"
+"$norma" render - --input-format obj -o "$scratch/three.png" --quiet --show hedgehog,wireframe --renderer software <assets/goathead.obj
+check "and the one of standard input" cmp "$scratch/one.png" "$scratch/three.png"
+"$norma" render assets/goathead.obj -o "$scratch/view.png" --quiet --space view --renderer software --matrix "1 0.5 0 0  0 0.4 0.1 0  0.2 0 2 0  0 0 0 1"
+"$norma" render assets/goathead.obj -o "$scratch/world.png" --quiet --space world --renderer software --matrix "1 0.5 0 0  0 0.4 0.1 0  0.2 0 2 0  0 0 0 1"
+check "light in view space and in world space: one picture" "$compare" "$scratch/view.png" "$scratch/world.png" 0.02 0
+
+check "PNG: the chunk sRGB is there" grep -aq sRGB "$scratch/one.png"
+"$norma" render "$scratch/square.obj" -o "$scratch/t.png" --turntable 3 --size 40x30 --quiet
+check "a turntable writes NAME-000.png and on" test -s "$scratch/t-000.png" -a -s "$scratch/t-001.png" -a -s "$scratch/t-002.png" -a ! -e "$scratch/t-003.png" -a ! -e "$scratch/t.png"
+"$norma" render "$scratch/square.obj" assets/spider.stl --out-dir "$scratch/all" --size 40x30 --json >"$scratch/json"
+check "several inputs: a picture and a line each" test -s "$scratch/all/square.png" -a -s "$scratch/all/spider.png" -a "$(wc -l <"$scratch/json")" = 2
+"$norma" render "$scratch/square.obj" -o "$scratch/v.png" --views front,right,top,back --size 40x30 --quiet
+check "four views are a sheet of two by two" test "$(size "$scratch/v.png")" = "80x$((2 * (30 + 22)))"
+"$norma" render "$scratch/square.obj" assets/spider.stl -o "$scratch/s.png" --sheet --size 40x30 --quiet
+check "--sheet: several inputs in one picture" test "$(size "$scratch/s.png")" = 80x52
+
+# refused STATUS NAME COMMAND...: its exit status, one line of error, and no picture left.
+refused() {
+    local wanted=$1 name=$2 status=0
+    shift 2
+    rm -f "$scratch"/no.png*
+    "$@" >"$scratch/stdout" 2>"$scratch/stderr" || status=$?
+    if [ "$status" = "$wanted" ] && [ "$(wc -l <"$scratch/stderr")" = 1 ] && [ -z "$(ls "$scratch"/no.png* 2>/dev/null)" ]; then pass "$name"
+    else fail "$name" "status $status; $(cat "$scratch/stderr")"; fi
+}
+printf 'v 0 0 0\nv 1 0 0\nl 1 2\n' >"$scratch/lines.obj"
+refused 2 "a file without a surface is told of" "$norma" render "$scratch/lines.obj" -o "$scratch/no.png"
+refused 3 "a file that is not there" "$norma" render "$scratch/nothing.obj" -o "$scratch/no.png"
+refused 3 "a folder that is not there" "$norma" render "$scratch/square.obj" -o "$scratch/nowhere/no.png"
+refused 3 "a full disk" "$norma" render "$scratch/square.obj" -o /dev/full
+refused 2 "more pixels than the renderer draws" "$norma" render "$scratch/square.obj" -o "$scratch/no.png" --size 16000x16 --samples 4
+refused 3 "no EGL that could start: one clear error" env __EGL_VENDOR_LIBRARY_DIRS="$scratch/none" "$norma" render "$scratch/square.obj" -o "$scratch/no.png"
+
+# reference NAME OPTIONS...
+reference() {
+    local name=$1 said
+    shift
+    "$norma" render "$@" -o "$scratch/$name.png" --quiet --renderer software 2>"$scratch/message" || { fail "$name.png" "$(cat "$scratch/message")"; return; }
+    if [ "$refresh" = 1 ]; then mkdir -p "$pictures" && cp "$scratch/$name.png" "$pictures/"; fi
+    if said=$("$compare" "$scratch/$name.png" "$pictures/$name.png"); then pass "$name.png is as it was: $said"; else fail "$name.png is as it was" "$said"; fi
+}
+refresh=0
+[ "${1:-}" != --refresh ] || refresh=1
+reference shadings assets/dodecahedron.obj --compare=flat,gouraud,phong --crease 180 --size 96x96
+reference compare assets/goathead.obj --compare --scale 2,0.5,1 --size 128x96
+reference hedgehog assets/dodecahedron.obj --show hedgehog --size 128x128
+reference wireframe assets/box-rotated.obj --show winding,wireframe --size 128x128
+reference normals assets/goathead.obj --views front,right,top,three-quarter --show normals --size 80x80
+reference error assets/spider.stl --show error --size 128x128
+reference concave assets/concave-66gon.obj --shading flat --camera 60,20 --size 128x128
+reference clear assets/goathead.obj --background transparent --size 96x96
+
+# The guide's figures are what scripts/figures.sh draws, and the guide shows them all.
+if NORMA_BIN=$norma scripts/figures.sh "$scratch/figures" >"$scratch/message" 2>&1; then
+    for file in "$scratch"/figures/*.png; do
+        name=$(basename "$file")
+        if said=$("$compare" "$file" "docs/figures/$name"); then pass "docs/figures/$name is what is drawn now: $said"; else fail "docs/figures/$name is what is drawn now" "$said"; fi
+    done
+else
+    fail "scripts/figures.sh" "$(cat "$scratch/message")"
+fi
+unseen=$(for file in docs/figures/*; do grep -q "figures/$(basename "$file")" docs/*.md README.md || echo "$file"; done)
+if [ -z "$unseen" ]; then pass "every figure is shown somewhere"; else fail "every figure is shown somewhere" "$unseen"; fi
+finish

@@ -1,0 +1,62 @@
+#!/bin/bash
+# Installs into an empty prefix, moves it, and builds programs in C and C++ against it: with CMake and with pkg-config, shared and static.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+cd "$root" || exit 1
+
+check "installs" cmake --install "$tree" --prefix "$scratch/first"
+mv "$scratch/first" "$scratch/usr"
+prefix=$scratch/usr
+lib=$prefix/$(cd "$prefix" && find lib -name libnorma.a -printf '%h')
+
+for file in bin/norma include/norma/norma.h include/norma/document.h share/doc/norma/LICENSE; do
+    check "has $file" test -f "$prefix/$file"
+done
+missing=$({ scripts/public-symbols.sh | sed 's#.*#man3/&.3#'; find docs/man -name '*.[1357]' -printf '%f\n' | sed -E 's#.*\.(.)$#man\1/&#'; } |
+    while read -r page; do [ -e "$prefix/share/man/$page" ] || echo "$page"; done)
+if [ -z "$missing" ]; then pass "has a manual page for every public function and every verb"; else fail "has a manual page for every public function and every verb" "$missing"; fi
+for file in bash-completion/completions/norma zsh/site-functions/_norma fish/vendor_completions.d/norma.fish; do
+    check "has share/$file" test -s "$prefix/share/$file"
+done
+check "the installed tool runs" "$prefix/bin/norma" --version
+
+# What the shared library exports is what the headers declare, with a version each.
+exported=$(nm -D --defined-only "$lib/libnorma.so" | awk '$2 == "T" { print $3 }' | sort)
+declared=$(scripts/public-symbols.sh)
+difference=$(diff <(sed 's/@@.*//' <<<"$exported") <(printf '%s\n' "$declared"))
+if [ -z "$difference" ]; then pass "libnorma.so exports what the public headers declare"; else fail "libnorma.so exports what the public headers declare" "$difference"; fi
+check "every exported symbol has a version" test -z "$(printf '%s\n' "$exported" | grep -v '@@NORMA_[0-9.]*$')"
+check "libnorma.so has the soname libnorma.so.0" bash -c 'readelf -d "$0" | grep -q "SONAME.*\[libnorma.so.0\]"' "$lib/libnorma.so"
+# In a static library all names meet those of the program.
+strangers=$(nm --defined-only "$lib/libnorma.a" 2>/dev/null | awk 'NF == 3 && $2 ~ /[A-Z]/ && $3 !~ /^norma_/ { print $3 }')
+if [ -z "$strangers" ]; then pass "every symbol of libnorma.a begins with norma_"; else fail "every symbol of libnorma.a begins with norma_" "$strangers"; fi
+hardened=$(readelf -lW "$prefix/bin/norma"; readelf -dW "$prefix/bin/norma"; readelf -hW "$prefix/bin/norma")
+check "the tool is position independent, with relro and bindings resolved at once" bash -c 'grep -q "DYN" <<<"$0" && grep -q GNU_RELRO <<<"$0" && grep -qE "BIND_NOW|Flags:.*NOW" <<<"$0"' "$hardened"
+
+# CMake
+check "CMake: find_package(norma) configures" cmake -S tests/repo/consumer -B "$scratch/consumer" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release
+check "CMake: consumers build" cmake --build "$scratch/consumer"
+for kind in shared static; do
+    check "CMake: C, core, $kind, runs" "$scratch/consumer/core-$kind"
+    check "CMake: C, documents, $kind, runs" bash -c '"$0" | grep -q "^vn 0 0 1$"' "$scratch/consumer/document-$kind"
+    check "CMake: C++, $kind, runs" "$scratch/consumer/cpp-$kind"
+done
+check "shared and static give the same bits" cmp <("$scratch/consumer/core-shared") <("$scratch/consumer/core-static")
+check "norma::norma is the shared library" bash -c 'readelf -d "$0" | grep -q libnorma.so.0' "$scratch/consumer/core-default"
+
+# pkg-config
+export PKG_CONFIG_PATH=$lib/pkgconfig
+check "pkg-config knows the version" test "$(pkg-config --modversion norma)" = "$(sed -nE 's/^project\(norma VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)"
+# shellcheck disable=SC2046  # lists of flags
+check "pkg-config: C, shared, builds" gcc -std=c11 -Wall -Werror tests/repo/consumer/document.c -o "$scratch/pc-shared" $(pkg-config --cflags --libs norma)
+check "pkg-config: C, shared, runs" env LD_LIBRARY_PATH="$lib" "$scratch/pc-shared"
+# Static: only libnorma.a to be found; what it needs comes from Libs.private.
+mkdir "$scratch/static"
+cp "$lib/libnorma.a" "$scratch/static"
+# shellcheck disable=SC2046
+check "pkg-config: C, static, builds" gcc -std=c11 -Wall -Werror tests/repo/consumer/document.c -o "$scratch/pc-static" -L"$scratch/static" $(pkg-config --static --cflags --libs-only-l --libs-only-other norma)
+check "pkg-config: C, static, runs" bash -c '"$0" | grep -q "^vn 0 0 1$" && ! readelf -d "$0" | grep -q libnorma' "$scratch/pc-static"
+# shellcheck disable=SC2046
+check "pkg-config: C++, shared, builds" clang++ -std=c++17 -Wall -Werror tests/repo/consumer/consumer.cpp -o "$scratch/pc-cpp" $(pkg-config --cflags --libs norma)
+check "pkg-config: C++, shared, runs" env LD_LIBRARY_PATH="$lib" "$scratch/pc-cpp"
+finish

@@ -1,0 +1,361 @@
+/* test_file.c: files are written whole or not at all: a full disk, a folder that cannot be written, an abandoned writer leave the old file and no temporary. */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include "io/file/file.h"
+
+typedef struct place {
+    char folder[128], path[160];
+} place;
+
+static int set_up(void **state) {
+    place *made = calloc(1, sizeof *made);
+    const char *temporary = getenv("TMPDIR");
+    snprintf(made->folder, sizeof made->folder, "%.90s/norma-file-XXXXXX", temporary ? temporary : "/tmp");
+    if (!mkdtemp(made->folder))
+        return -1;
+    snprintf(made->path, sizeof made->path, "%s/mesh.obj", made->folder);
+    umask(022);
+    *state = made;
+    return 0;
+}
+
+static int tear_down(void **state) {
+    place *here = *state;
+    char command[400];
+    snprintf(command, sizeof command, "chmod -R u+w '%s' && rm -rf '%s'", here->folder, here->folder);
+    int status = system(command);
+    free(here);
+    return status;
+}
+
+static void put(const char *path, const char *text) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
+    assert_int_equal(fclose(file), 0);
+}
+
+static void assert_holds(const char *path, const char *text) {
+    file_bytes bytes;
+    assert_int_equal(norma_file_open(path, 0, &bytes), 0);
+    assert_int_equal(bytes.size, strlen(text));
+    assert_memory_equal(bytes.data, text, bytes.size);
+    norma_file_close(&bytes);
+}
+
+static size_t count_entries(const char *path) {
+    DIR *folder = opendir(path);
+    size_t count = 0;
+    assert_non_null(folder);
+    for (const struct dirent *entry; (entry = readdir(folder));) count += entry->d_name[0] != '.' || strncmp(entry->d_name, ".norma", 6) == 0;
+    closedir(folder);
+    return count;
+}
+
+static int write_text(const char *path, const char *text) {
+    file_writer *writer;
+    int error = norma_file_writer_open(path, &writer);
+    if (error)
+        return error;
+    error = norma_file_writer_write(writer, text, strlen(text));
+    if (error) {
+        norma_file_writer_abandon(writer);
+        return error;
+    }
+    return norma_file_writer_commit(writer);
+}
+
+static mode_t mode_of(const char *path) {
+    struct stat status;
+    assert_int_equal(stat(path, &status), 0);
+    return status.st_mode & 07777;
+}
+
+/* ---- reading */
+
+static void reads_what_is_there(void **state) {
+    const place *here = *state;
+    file_bytes bytes;
+    put(here->path, "v 0 0 0\n");
+    assert_holds(here->path, "v 0 0 0\n");
+    put(here->path, "");
+    assert_int_equal(norma_file_open(here->path, 0, &bytes), 0);
+    assert_non_null(bytes.data);
+    assert_int_equal(bytes.size, 0);
+    norma_file_close(&bytes);
+    assert_int_equal(norma_file_open(here->folder, 0, &bytes), EISDIR);
+    unlink(here->path);
+    assert_int_equal(norma_file_open(here->path, 0, &bytes), ENOENT);
+}
+
+static void reads_a_pipe_to_its_end(void **state) {
+    const place *here = *state;
+    const size_t size = 300000;
+    assert_int_equal(mkfifo(here->path, 0600), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        int descriptor = open(here->path, O_WRONLY);
+        for (size_t i = 0; i < size; ++i)
+            if (write(descriptor, i % 2 ? "b" : "a", 1) != 1)
+                _exit(1);
+        _exit(0);
+    }
+    file_bytes bytes;
+    assert_int_equal(norma_file_open(here->path, 0, &bytes), 0);
+    assert_int_equal(bytes.size, size);
+    assert_int_equal(bytes.data[0], 'a');
+    assert_int_equal(bytes.data[size - 1], 'b');
+    norma_file_close(&bytes);
+    assert_int_equal(waitpid(child, NULL, 0), child);
+}
+
+/* ---- writing */
+
+static void writes_a_new_file(void **state) {
+    const place *here = *state;
+    assert_int_equal(write_text(here->path, "v 1 2 3\n"), 0);
+    assert_holds(here->path, "v 1 2 3\n");
+    assert_int_equal(mode_of(here->path), 0644); /* 0666 less the umask */
+    assert_int_equal(count_entries(here->folder), 1);
+}
+
+static void writes_more_than_its_buffer(void **state) {
+    const place *here = *state;
+    const size_t size = 1000003, part = 777;
+    unsigned char *text = malloc(size);
+    for (size_t i = 0; i < size; ++i) text[i] = (unsigned char)(i * 2654435761u >> 13);
+    file_writer *writer;
+    assert_int_equal(norma_file_writer_open(here->path, &writer), 0);
+    size_t at = 0;
+    for (; at < size / 2; at += part) assert_int_equal(norma_file_writer_write(writer, text + at, part), 0);
+    assert_int_equal(norma_file_writer_write(writer, text + at, size - at), 0);
+    assert_int_equal(norma_file_writer_commit(writer), 0);
+    file_bytes bytes;
+    assert_int_equal(norma_file_open(here->path, 0, &bytes), 0);
+    assert_int_equal(bytes.size, size);
+    assert_memory_equal(bytes.data, text, size);
+    norma_file_close(&bytes);
+    free(text);
+}
+
+static void replaces_only_at_the_end(void **state) {
+    const place *here = *state;
+    put(here->path, "old");
+    file_writer *writer;
+    assert_int_equal(norma_file_writer_open(here->path, &writer), 0);
+    assert_int_equal(norma_file_writer_write(writer, "new", 3), 0);
+    assert_int_equal(norma_file_writer_prepare(writer), 0);
+    assert_holds(here->path, "old");
+    assert_int_equal(norma_file_writer_commit(writer), 0);
+    assert_holds(here->path, "new");
+    assert_int_equal(count_entries(here->folder), 1);
+}
+
+static void keeps_a_mapped_source_whole(void **state) {
+    const place *here = *state;
+    file_bytes source;
+    put(here->path, "old bytes");
+    assert_int_equal(norma_file_open(here->path, 0, &source), 0);
+    assert_int_equal(write_text(here->path, "n"), 0);
+    assert_memory_equal(source.data, "old bytes", source.size);
+    norma_file_close(&source);
+    assert_holds(here->path, "n");
+}
+
+static void abandoning_leaves_nothing(void **state) {
+    const place *here = *state;
+    put(here->path, "old");
+    file_writer *writer;
+    assert_int_equal(norma_file_writer_open(here->path, &writer), 0);
+    assert_int_equal(norma_file_writer_write(writer, "new", 3), 0);
+    assert_int_equal(norma_file_writer_prepare(writer), 0);
+    assert_in_range(count_entries(here->folder), 1, 2); /* the temporary may have no name */
+    norma_file_writer_abandon(writer);
+    norma_file_writer_abandon(NULL);
+    assert_holds(here->path, "old");
+    assert_int_equal(count_entries(here->folder), 1);
+}
+
+static void a_full_disk_keeps_the_old_file(void **state) {
+    const place *here = *state;
+    static char text[400000];
+    struct rlimit old, small;
+    memset(text, 'x', sizeof text - 1);
+    put(here->path, "old");
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
+    small = old;
+    small.rlim_cur = 100000;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    int error = write_text(here->path, text), again = 0;
+    text[150000] = '\0'; /* fits the buffer, and fails only when that is flushed, at the end */
+    again = write_text(here->path, text);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
+    signal(SIGXFSZ, SIG_DFL);
+    assert_int_equal(error, EFBIG);
+    assert_int_equal(again, EFBIG);
+    assert_holds(here->path, "old");
+    assert_int_equal(count_entries(here->folder), 1);
+}
+
+static void an_error_is_remembered(void **state) {
+    (void)state;
+    file_writer *writer;
+    if (norma_file_writer_open("/dev/full", &writer))
+        skip();
+    static const char text[300000];
+    assert_int_equal(norma_file_writer_write(writer, text, sizeof text), ENOSPC);
+    assert_int_equal(norma_file_writer_write(writer, "a", 1), ENOSPC);
+    assert_int_equal(norma_file_writer_commit(writer), ENOSPC);
+    struct stat status;
+    assert_int_equal(stat("/dev/full", &status), 0);
+    assert_true(S_ISCHR(status.st_mode)); /* a device is written, not replaced */
+}
+
+static void keeps_permissions(void **state) {
+    const place *here = *state;
+    put(here->path, "old");
+    assert_int_equal(chmod(here->path, 0640), 0);
+    assert_int_equal(write_text(here->path, "new"), 0);
+    assert_int_equal(mode_of(here->path), 0640);
+    assert_int_equal(chmod(here->path, 0600), 0);
+    assert_int_equal(write_text(here->path, "newer"), 0);
+    assert_int_equal(mode_of(here->path), 0600);
+}
+
+/* Root may write anywhere, so a child gives its rights up. Returns the error that it met. */
+static int write_as_nobody(const char *path) {
+    pid_t child = fork();
+    if (child == 0) {
+        if (geteuid() == 0 && (setgid(65534) || setuid(65534)))
+            _exit(255);
+        _exit(write_text(path, "new"));
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static void a_read_only_folder_is_an_error(void **state) {
+    const place *here = *state;
+    put(here->path, "old");
+    assert_int_equal(chmod(here->path, 0666), 0);
+    assert_int_equal(chmod(here->folder, 0555), 0);
+    int error = write_as_nobody(here->path);
+    assert_int_equal(chmod(here->folder, 0755), 0);
+    assert_int_equal(error, EACCES);
+    assert_holds(here->path, "old");
+    assert_int_equal(count_entries(here->folder), 1);
+}
+
+static void a_read_only_file_is_not_replaced(void **state) {
+    const place *here = *state;
+    put(here->path, "old");
+    assert_int_equal(chmod(here->path, 0444), 0);
+    assert_int_equal(chmod(here->folder, 0777), 0);
+    assert_int_equal(write_as_nobody(here->path), EACCES);
+    assert_holds(here->path, "old");
+    assert_int_equal(count_entries(here->folder), 1);
+}
+
+static void a_symbolic_link_stays(void **state) {
+    const place *here = *state;
+    char link[200], folder[200], target[240];
+    struct stat status;
+    snprintf(folder, sizeof folder, "%s/deep", here->folder);
+    snprintf(link, sizeof link, "%s/link.obj", here->folder);
+    snprintf(target, sizeof target, "%s/target.obj", folder);
+    assert_int_equal(mkdir(folder, 0755), 0);
+    assert_int_equal(symlink("deep/target.obj", link), 0);
+    assert_int_equal(write_text(link, "first"), 0); /* to a file that is not there yet */
+    assert_holds(target, "first");
+    assert_int_equal(write_text(link, "second"), 0);
+    assert_holds(target, "second");
+    assert_int_equal(lstat(link, &status), 0);
+    assert_true(S_ISLNK(status.st_mode));
+    assert_int_equal(count_entries(folder), 1);
+}
+
+static void a_circle_of_links_is_an_error(void **state) {
+    const place *here = *state;
+    assert_int_equal(symlink("mesh.obj", here->path), 0);
+    assert_int_equal(write_text(here->path, "new"), ELOOP);
+    assert_int_equal(count_entries(here->folder), 1);
+}
+
+static void folders_are_refused(void **state) {
+    const place *here = *state;
+    char missing[240];
+    snprintf(missing, sizeof missing, "%s/none/mesh.obj", here->folder);
+    assert_int_equal(write_text(here->folder, "new"), EISDIR);
+    assert_int_equal(write_text(missing, "new"), ENOENT);
+}
+
+static void a_temporary_in_the_way_is_left_alone(void **state) {
+    const place *here = *state;
+    char other[200];
+    snprintf(other, sizeof other, "%s/.norma-%ld-0.tmp", here->folder, (long)getpid());
+    put(other, "someone else's");
+    assert_int_equal(write_text(here->path, "new"), 0);
+    assert_holds(here->path, "new");
+    assert_holds(other, "someone else's");
+}
+
+static void knows_one_file_by_two_names(void **state) {
+    const place *here = *state;
+    char other[200], link[200];
+    snprintf(other, sizeof other, "%s/./mesh.obj", here->folder);
+    snprintf(link, sizeof link, "%s/hard.obj", here->folder);
+    assert_int_equal(norma_file_same(here->path, other), 0);
+    put(here->path, "v");
+    assert_int_equal(norma_file_same(here->path, other), 1);
+    put(link, "v");
+    assert_int_equal(norma_file_same(here->path, link), 0);
+    unlink(link);
+    assert_int_equal(symlink(here->path, link), 0);
+    assert_int_equal(norma_file_same(here->path, link), 1);
+    assert_int_equal(norma_file_is_stream("/dev/null"), 1);
+    assert_int_equal(norma_file_is_stream(here->path), 0);
+    assert_int_equal(norma_file_is_stream(here->folder), 0);
+}
+
+#define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        TEST(reads_what_is_there),
+        TEST(reads_a_pipe_to_its_end),
+        TEST(writes_a_new_file),
+        TEST(writes_more_than_its_buffer),
+        TEST(replaces_only_at_the_end),
+        TEST(keeps_a_mapped_source_whole),
+        TEST(abandoning_leaves_nothing),
+        TEST(a_full_disk_keeps_the_old_file),
+        TEST(an_error_is_remembered),
+        TEST(keeps_permissions),
+        TEST(a_read_only_folder_is_an_error),
+        TEST(a_read_only_file_is_not_replaced),
+        TEST(a_symbolic_link_stays),
+        TEST(a_circle_of_links_is_an_error),
+        TEST(folders_are_refused),
+        TEST(a_temporary_in_the_way_is_left_alone),
+        TEST(knows_one_file_by_two_names),
+    };
+    return cmocka_run_group_tests_name("files", tests, NULL, NULL);
+}

@@ -1,0 +1,33 @@
+#!/bin/bash
+# The playground and `norma view` in headless Chromium: what tests/web/page.mjs does there. Screenshots are left in the tree under test, in web/screenshots.
+# shellcheck disable=SC2016  # single quotes hold what inner shells expand
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+cd "$root" || exit 1
+tool=${NORMA_BIN:-$tree/bin/norma}
+
+if [ ! -f "$tree/web/norma.html" ]; then
+    skip "the page (this tree is built without -DNORMA_WEB=ON)"
+    finish
+    exit
+fi
+check "the page is one file that names no address to load from" bash -c '! grep -qE "(src|href)=\"?(https?:)?//|@import|url\(" "$0"' "$tree/web/norma.html"
+check "norma view writes to standard output" bash -c '"$0" view assets/dodecahedron.obj -o - 2>/dev/null | tail -n 1 | grep -q "</html>"' "$tool"
+check "norma view leaves nothing behind where it fails" bash -c '! "$0" view tests/cli/golden/files/malformed.obj -o "$1/x.html" 2>/dev/null && [ -z "$(ls -A "$1")" ]' "$tool" "$(mkdir -p "$scratch/empty" && echo "$scratch/empty")"
+if ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null && [ -z "${NORMA_CHROME:-}" ]; then
+    skip "the page in a browser (chromium is not installed: scripts/install-deps.sh)"
+    finish
+    exit
+fi
+status=0
+output=$(node tests/web/page.mjs "$tree/web" "$tool" "$tree/web/screenshots" 2>"$scratch/page.err") || status=$?
+cases=0
+while IFS= read -r line; do
+    case $line in
+    "ok "*) pass "${line#* - }"; cases=$((cases + 1)) ;;
+    "not ok "*) fail "${line#* - }"; cases=$((cases + 1)) ;;
+    "# "*) echo "$line" ;;
+    esac
+done <<<"$output"
+if ! grep -qx "1\.\.$cases" <<<"$output"; then fail "the browser's tests ran to their end" "exit status $status after $cases cases: $(cat "$scratch/page.err")"; fi
+finish
