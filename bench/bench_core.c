@@ -1,5 +1,7 @@
-/* bench_core.c: the core against memcpy, in one process. 1x is the least traffic of a call on a mesh of two triangles a vertex, at memcpy's rate: 24 bytes a triangle read or
- * written, which is what copying 12 bytes a triangle moves. Prints, for each case, ns per triangle, multiples of 1x beside what is asked, and scratch bytes. */
+/* bench_core.c: the core against memcpy, in one process. 1x is the least traffic of a call on a
+ * mesh of two triangles a vertex, at memcpy's rate: 24 bytes a triangle read or written, which is
+ * what copying 12 bytes a triangle moves. Prints, for each case, ns per triangle, multiples of 1x
+ * beside what is asked, and scratch bytes. */
 #include "made_meshes.h"
 #include "timing.h"
 #include <math.h>
@@ -11,17 +13,18 @@ typedef enum bench_call { FACES, VERTICES, CORNERS, SPLIT } bench_call;
 typedef enum bench_shape { ROWS, SHUFFLED } bench_shape;
 
 typedef struct bench_case {
-    const char  *name;
-    bench_call   call;
+    const char *name;
+    bench_call call;
     norma_weight weight;
-    norma_weld   weld;
-    double       asked[2][2];            /* multiples of 1x: [shape][threads - 1]; 0: nothing was asked */
-    double       asked_scratch;          /* bytes per triangle */
+    norma_weld weld;
+    double asked[2][2];   /* multiples of 1x: [shape][threads - 1]; 0: nothing was asked */
+    double asked_scratch; /* bytes per triangle */
 } bench_case;
 
 static const bench_case CASES[] = {
     {"faces", FACES, NORMA_WEIGHT_ANGLE, NORMA_WELD_NONE, {{0, 0}, {0, 0}}, 0},
-    {"vertices-index-angle", VERTICES, NORMA_WEIGHT_ANGLE, NORMA_WELD_NONE, {{8.5, 5.2}, {25, 14}}, 24},
+    {"vertices-index-angle", VERTICES, NORMA_WEIGHT_ANGLE, NORMA_WELD_NONE, {{8.5, 5.2}, {25, 14}},
+        24},
     {"vertices-index-area", VERTICES, NORMA_WEIGHT_AREA, NORMA_WELD_NONE, {{6.5, 4.5}, {0, 0}}, 24},
     {"vertices-default", VERTICES, NORMA_WEIGHT_ANGLE, NORMA_WELD_EXACT, {{24, 14}, {41, 23}}, 24},
     {"vertices-default-area", VERTICES, NORMA_WEIGHT_AREA, NORMA_WELD_EXACT, {{0, 0}, {0, 0}}, 24},
@@ -31,16 +34,15 @@ static const bench_case CASES[] = {
 enum { CASES_COUNT = sizeof CASES / sizeof *CASES };
 
 typedef struct bench {
-    size_t      triangles, runs;
-    norma_isa   isa;
-    const char *only;                     /* cases whose name holds this */
-    double      nanoseconds_1x;           /* per triangle */
+    size_t triangles, runs;
+    norma_isa isa;
+    const char *only;      /* cases whose name holds this */
+    double nanoseconds_1x; /* per triangle */
 } bench;
 
 static const float CREASE_60 = 1.0471975512F;
 
-static void stop_at(norma_result result, const char *what)
-{
+static void stop_at(norma_result result, const char *what) {
     if (result == NORMA_OK) return;
     fprintf(stderr, "bench: %s: %s\n", what, norma_result_text(result));
     exit(3);
@@ -49,36 +51,40 @@ static void stop_at(norma_result result, const char *what)
 /* ---- meshes */
 
 typedef struct outputs {
-    float    *normals;
+    float *normals;
     uint32_t *corners, *sources;
-    size_t    capacity;
+    size_t capacity;
 } outputs;
 
-static outputs outputs_for(const made_mesh *mesh)
-{
-    const size_t capacity = mesh->corner_count > mesh->position_count ? mesh->corner_count : mesh->position_count;
-    return (outputs){bench_memory(3 * capacity, sizeof(float)), bench_memory(capacity, sizeof(uint32_t)), bench_memory(capacity, sizeof(uint32_t)), capacity};
+static outputs outputs_for(const made_mesh *mesh) {
+    const size_t capacity =
+        mesh->corner_count > mesh->position_count ? mesh->corner_count : mesh->position_count;
+    return (outputs){bench_memory(3 * capacity, sizeof(float)),
+        bench_memory(capacity, sizeof(uint32_t)), bench_memory(capacity, sizeof(uint32_t)),
+        capacity};
 }
 
-static void free_outputs(outputs *out)
-{
+static void free_outputs(outputs *out) {
     free(out->normals);
     free(out->corners);
     free(out->sources);
 }
 
-static norma_result call_once(bench_call call, const norma_mesh *mesh, const norma_options *options, const outputs *out)
-{
+static norma_result call_once(
+    bench_call call, const norma_mesh *mesh, const norma_options *options, const outputs *out) {
     size_t count;
     if (call == FACES) return norma_face_normals(mesh, options, out->normals, out->capacity, NULL);
-    if (call == VERTICES) return norma_vertex_normals(mesh, options, out->normals, out->capacity, NULL);
-    if (call == CORNERS) return norma_corner_normals(mesh, CREASE_60, options, out->normals, out->capacity, NULL);
-    return norma_split(mesh, CREASE_60, options, out->corners, out->capacity, out->sources, out->normals, out->capacity, &count, NULL);
+    if (call == VERTICES)
+        return norma_vertex_normals(mesh, options, out->normals, out->capacity, NULL);
+    if (call == CORNERS)
+        return norma_corner_normals(mesh, CREASE_60, options, out->normals, out->capacity, NULL);
+    return norma_split(mesh, CREASE_60, options, out->corners, out->capacity, out->sources,
+        out->normals, out->capacity, &count, NULL);
 }
 
 /* Nanoseconds per triangle: the median of runs. */
-static double time_call(const bench_case *c, const norma_mesh *mesh, const norma_options *options, const outputs *out, size_t runs)
-{
+static double time_call(const bench_case *c, const norma_mesh *mesh, const norma_options *options,
+    const outputs *out, size_t runs) {
     double *times = bench_memory(runs, sizeof *times);
     for (size_t run = 0; run < runs; run++) {
         const double begun = bench_now();
@@ -90,22 +96,27 @@ static double time_call(const bench_case *c, const norma_mesh *mesh, const norma
     return 1e9 * median / (double)(mesh->corner_count / 3);
 }
 
-static void print_asked(double value, double asked)
-{
-    if (asked > 0) printf("%7.1fx asked %5.1fx %-4s", value, asked, value <= asked ? "ok" : "over");
-    else printf("%7.1fx%17s", value, "");
+static void print_asked(double value, double asked) {
+    if (asked > 0)
+        printf("%7.1fx asked %5.1fx %-4s", value, asked, value <= asked ? "ok" : "over");
+    else
+        printf("%7.1fx%17s", value, "");
 }
 
-static void bench_one(const bench *b, const bench_case *c, bench_shape shape, const norma_mesh *mesh, const outputs *out)
-{
+static void bench_one(const bench *b, const bench_case *c, bench_shape shape,
+    const norma_mesh *mesh, const outputs *out) {
     for (uint32_t threads = 1; threads <= 2; threads++) {
         bench_pool pool = {0};
-        norma_options options = {.weight = c->weight, .weld = c->weld, .threads = threads, .isa = b->isa};
-        const double first = time_call(c, mesh, &options, out, b->runs > 3 ? 3 : b->runs);   /* scratch from the system, its pages not there yet */
+        norma_options options = {
+            .weight = c->weight, .weld = c->weld, .threads = threads, .isa = b->isa};
+        const double first = time_call(c, mesh, &options, out,
+            b->runs > 3 ? 3 : b->runs); /* scratch from the system, its pages not there yet */
         options.allocator = bench_pool_allocator(&pool);
         (void)time_call(c, mesh, &options, out, 1);
-        const double warm = time_call(c, mesh, &options, out, b->runs), scratch = (double)pool.most_in_use / (double)(mesh->corner_count / 3);
-        printf("%-22s %-8s %u thread%s %7.2f ns", c->name, shape == ROWS ? "rows" : "shuffled", threads, threads > 1 ? "s" : " ", warm);
+        const double warm = time_call(c, mesh, &options, out, b->runs),
+                     scratch = (double)pool.most_in_use / (double)(mesh->corner_count / 3);
+        printf("%-22s %-8s %u thread%s %7.2f ns", c->name, shape == ROWS ? "rows" : "shuffled",
+            threads, threads > 1 ? "s" : " ", warm);
         print_asked(warm / b->nanoseconds_1x, c->asked[shape][threads - 1]);
         printf("  fresh %7.2f ns (%.2f)  scratch %5.1f bytes\n", first, first / warm, scratch);
         fflush(stdout);
@@ -115,8 +126,7 @@ static void bench_one(const bench *b, const bench_case *c, bench_shape shape, co
 
 static int is_wanted(const bench *b, const char *name) { return !b->only || strstr(name, b->only); }
 
-static void bench_meshes(const bench *b)
-{
+static void bench_meshes(const bench *b) {
     int any = 0;
     for (size_t i = 0; i < CASES_COUNT; i++) any |= is_wanted(b, CASES[i].name);
     if (!any) return;
@@ -126,7 +136,8 @@ static void bench_meshes(const bench *b)
         if (shape == SHUFFLED) made_shuffle(&mesh);
         const norma_mesh view = made_view(&mesh);
         for (size_t i = 0; i < CASES_COUNT; i++)
-            if (is_wanted(b, CASES[i].name)) bench_one(b, &CASES[i], (bench_shape)shape, &view, &out);
+            if (is_wanted(b, CASES[i].name))
+                bench_one(b, &CASES[i], (bench_shape)shape, &view, &out);
     }
     free_outputs(&out);
     made_free(&mesh);
@@ -134,8 +145,7 @@ static void bench_meshes(const bench *b)
 
 /* ---- small meshes: microseconds a call, default options, memory from malloc */
 
-static void bench_small(const bench *b)
-{
+static void bench_small(const bench *b) {
     enum { SMALL = 160, CALLS = 2000 };
     static const double asked[] = {0, 2, 5, 0};
     static const char *const names[] = {"faces", "vertices", "corners", "split"};
@@ -147,10 +157,12 @@ static void bench_small(const bench *b)
         double times[9];
         for (int run = 0; run < 9; run++) {
             const double begun = bench_now();
-            for (int i = 0; i < CALLS; i++) stop_at(call_once((bench_call)call, &view, NULL, &out), names[call]);
+            for (int i = 0; i < CALLS; i++)
+                stop_at(call_once((bench_call)call, &view, NULL, &out), names[call]);
             times[run] = 1e6 * (bench_now() - begun) / CALLS;
         }
-        printf("small-%-16s %zu triangles %7.2f us a call", names[call], mesh.corner_count / 3, bench_median(times, 9));
+        printf("small-%-16s %zu triangles %7.2f us a call", names[call], mesh.corner_count / 3,
+            bench_median(times, 9));
         if (asked[call] > 0) printf("  asked %.0f us", asked[call]);
         printf("\n");
     }
@@ -160,18 +172,20 @@ static void bench_small(const bench *b)
 
 /* ---- transforms and matrices, against memcpy of the bytes that they read */
 
-static void print_against_copy(const char *name, double seconds, double copy, double count, double asked)
-{
-    printf("%-36s %7.2f ns each %7.2f of memcpy, asked %.2f %s\n", name, 1e9 * seconds / count, seconds / copy, asked, seconds <= asked * copy ? "ok" : "over");
+static void print_against_copy(
+    const char *name, double seconds, double copy, double count, double asked) {
+    printf("%-36s %7.2f ns each %7.2f of memcpy, asked %.2f %s\n", name, 1e9 * seconds / count,
+        seconds / copy, asked, seconds <= asked * copy ? "ok" : "over");
 }
 
-static void bench_transforms(const bench *b)
-{
+static void bench_transforms(const bench *b) {
     enum { NORMALS = 10000000 };
     if (!is_wanted(b, "transform-normals")) return;
     const float matrix[9] = {0.5F, 0.1F, 0, -0.2F, 1.5F, 0.3F, 0, 0.25F, 2};
-    float *in = bench_memory(3 * (size_t)NORMALS, sizeof *in), *out = bench_memory(3 * (size_t)NORMALS, sizeof *out);
-    double *apart = bench_memory(b->runs, sizeof *apart), *in_place = bench_memory(b->runs, sizeof *in_place);
+    float *in = bench_memory(3 * (size_t)NORMALS, sizeof *in),
+          *out = bench_memory(3 * (size_t)NORMALS, sizeof *out);
+    double *apart = bench_memory(b->runs, sizeof *apart),
+           *in_place = bench_memory(b->runs, sizeof *in_place);
     for (size_t i = 0; i < NORMALS; i++) {
         const double a = (double)i * 0.7, z = cos((double)i * 0.3), r = sqrt(1 - z * z);
         in[3 * i] = (float)(r * cos(a));
@@ -181,43 +195,53 @@ static void bench_transforms(const bench *b)
     const double copy = bench_memcpy_seconds(12 * (size_t)NORMALS, b->runs);
     for (size_t run = 0; run < b->runs; run++) {
         double begun = bench_now();
-        stop_at(norma_transform_normals(matrix, (norma_vec3_view){in, NORMALS, 0, NORMA_FORMAT_FLOAT}, out, 0, NORMALS), "transform");
+        stop_at(norma_transform_normals(
+                    matrix, (norma_vec3_view){in, NORMALS, 0, NORMA_FORMAT_FLOAT}, out, 0, NORMALS),
+            "transform");
         apart[run] = bench_now() - begun;
     }
     for (size_t run = 0; run < b->runs; run++) {
         double begun = bench_now();
-        stop_at(norma_transform_normals(matrix, (norma_vec3_view){in, NORMALS, 0, NORMA_FORMAT_FLOAT}, in, 0, NORMALS), "transform");
+        stop_at(norma_transform_normals(
+                    matrix, (norma_vec3_view){in, NORMALS, 0, NORMA_FORMAT_FLOAT}, in, 0, NORMALS),
+            "transform");
         in_place[run] = bench_now() - begun;
     }
     print_against_copy("transform-normals", bench_median(apart, b->runs), copy, NORMALS, 0.9);
-    print_against_copy("transform-normals in place", bench_median(in_place, b->runs), copy, NORMALS, 0.85);
+    print_against_copy(
+        "transform-normals in place", bench_median(in_place, b->runs), copy, NORMALS, 0.85);
     free(in);
     free(out);
     free(apart);
     free(in_place);
 }
 
-/* Models as scenes have them: turned, scaled unevenly, sheared, some mirrored. A copy moves what a call must: 64 bytes in and 36 out, so 50 of each. */
-static void bench_matrices(const bench *b)
-{
+/* Models as scenes have them: turned, scaled unevenly, sheared, some mirrored. A copy moves what a
+ * call must: 64 bytes in and 36 out, so 50 of each. */
+static void bench_matrices(const bench *b) {
     enum { MODELS = 1000000 };
     if (!is_wanted(b, "normal-matrices")) return;
-    float *models = bench_memory(16 * (size_t)MODELS, sizeof *models), *matrices = bench_memory(9 * (size_t)MODELS, sizeof *matrices);
+    float *models = bench_memory(16 * (size_t)MODELS, sizeof *models),
+          *matrices = bench_memory(9 * (size_t)MODELS, sizeof *matrices);
     double *times = bench_memory(b->runs, sizeof *times);
     uint32_t state = 1;
     for (size_t i = 0; i < 16 * (size_t)MODELS; i++) {
         state = state * 1664525U + 1013904223U;
         models[i] = (float)(state >> 8) * 0x1p-23F - 1;
     }
-    const double copy = bench_memcpy_seconds(50 * (size_t)MODELS, b->runs), copy_models = bench_memcpy_seconds(64 * (size_t)MODELS, b->runs);
+    const double copy = bench_memcpy_seconds(50 * (size_t)MODELS, b->runs),
+                 copy_models = bench_memcpy_seconds(64 * (size_t)MODELS, b->runs);
     for (int winding = NORMA_WINDING_KEPT; winding <= NORMA_WINDING_REVERSED; winding++) {
         for (size_t run = 0; run < b->runs; run++) {
             const double begun = bench_now();
-            stop_at(norma_normal_matrices(models, MODELS, (norma_winding)winding, matrices, MODELS), "matrices");
+            stop_at(norma_normal_matrices(models, MODELS, (norma_winding)winding, matrices, MODELS),
+                "matrices");
             times[run] = bench_now() - begun;
         }
         const double median = bench_median(times, b->runs);
-        print_against_copy(winding == NORMA_WINDING_KEPT ? "normal-matrices kept" : "normal-matrices reversed", median, copy, MODELS, 1.05);
+        print_against_copy(
+            winding == NORMA_WINDING_KEPT ? "normal-matrices kept" : "normal-matrices reversed",
+            median, copy, MODELS, 1.05);
         printf("%36s %.2f of copying the models\n", "", median / copy_models);
     }
     free(models);
@@ -225,27 +249,33 @@ static void bench_matrices(const bench *b)
     free(times);
 }
 
-/* ---- cost grows with the mesh, whatever its shape: beside the smallest of the same shape, from which a straight line would be 1 */
+/* ---- cost grows with the mesh, whatever its shape: beside the smallest of the same shape, from
+ * which a straight line would be 1 */
 
 typedef struct growth_shape {
     const char *name;
     made_mesh (*make)(size_t triangles);
-    size_t      triangles[3];
+    size_t triangles[3];
 } growth_shape;
 
 static const growth_shape GROWTH[] = {
     {"linear-rows", made_grid, {1000000, 10000000, 50000000}},
-    {"linear-valence", made_fan, {100000, 1000000}},              /* all round one vertex; ten million would be needles, which doubles do not measure */
+    {"linear-valence", made_fan, {100000, 1000000}}, /* all round one vertex; ten million would be
+                                                        needles, which doubles do not measure */
     {"linear-position", made_tips, {100000, 1000000, 10000000}},
     {"linear-apart", made_soup, {100000, 1000000, 10000000}},
 };
 static const bench_case GROWTH_CASES[] = {
-    {.name = "index", .call = VERTICES, .weld = NORMA_WELD_NONE}, {.name = "default", .call = VERTICES}, {.name = "corners 60", .call = CORNERS}};
-enum { GROWTH_COUNT = sizeof GROWTH / sizeof *GROWTH, GROWTH_CASE_COUNT = sizeof GROWTH_CASES / sizeof *GROWTH_CASES };
+    {.name = "index", .call = VERTICES, .weld = NORMA_WELD_NONE},
+    {.name = "default", .call = VERTICES}, {.name = "corners 60", .call = CORNERS}};
+enum {
+    GROWTH_COUNT = sizeof GROWTH / sizeof *GROWTH,
+    GROWTH_CASE_COUNT = sizeof GROWTH_CASES / sizeof *GROWTH_CASES
+};
 
 /* The least of runs after one that brings the memory. */
-static double least_time(const bench_case *c, const norma_mesh *view, const norma_options *options, const outputs *out, size_t runs)
-{
+static double least_time(const bench_case *c, const norma_mesh *view, const norma_options *options,
+    const outputs *out, size_t runs) {
     double least = time_call(c, view, options, out, 1);
     for (size_t run = 0; run < runs; run++) {
         const double time = time_call(c, view, options, out, 1);
@@ -255,8 +285,8 @@ static double least_time(const bench_case *c, const norma_mesh *view, const norm
 }
 
 /* first: the times of the shape's smallest mesh, set where triangles are the first of all. */
-static void bench_growth(const bench *b, const growth_shape *shape, size_t triangles, double first[GROWTH_CASE_COUNT][2])
-{
+static void bench_growth(const bench *b, const growth_shape *shape, size_t triangles,
+    double first[GROWTH_CASE_COUNT][2]) {
     made_mesh mesh = shape->make(triangles);
     outputs out = outputs_for(&mesh);
     const norma_mesh view = made_view(&mesh);
@@ -265,10 +295,17 @@ static void bench_growth(const bench *b, const growth_shape *shape, size_t trian
         printf("%-16s %8.0f triangles  %-11s", shape->name, made, GROWTH_CASES[i].name);
         for (uint32_t threads = 1; threads <= 2; threads++) {
             bench_pool pool = {0};
-            const norma_options options = {.weld = GROWTH_CASES[i].weld, .threads = threads, .isa = b->isa, .allocator = bench_pool_allocator(&pool)};
-            const double ns = least_time(&GROWTH_CASES[i], &view, &options, &out, triangles < 5000000 ? 2 * b->runs : b->runs < 3 ? b->runs : 3);
+            const norma_options options = {.weld = GROWTH_CASES[i].weld,
+                .threads = threads,
+                .isa = b->isa,
+                .allocator = bench_pool_allocator(&pool)};
+            const double ns = least_time(&GROWTH_CASES[i], &view, &options, &out,
+                triangles < 5000000 ? 2 * b->runs
+                : b->runs < 3       ? b->runs
+                                    : 3);
             if (triangles == shape->triangles[0]) first[i][threads - 1] = ns;
-            printf("  %u thread%s %7.2f ns (%.2f)", threads, threads > 1 ? "s" : " ", ns, ns / first[i][threads - 1]);
+            printf("  %u thread%s %7.2f ns (%.2f)", threads, threads > 1 ? "s" : " ", ns,
+                ns / first[i][threads - 1]);
             if (threads == 2) printf("  scratch %5.1f bytes\n", (double)pool.most_in_use / made);
             fflush(stdout);
             bench_pool_free(&pool);
@@ -278,45 +315,50 @@ static void bench_growth(const bench *b, const growth_shape *shape, size_t trian
     made_free(&mesh);
 }
 
-static void bench_linear(const bench *b)
-{
-    if (!b->only || strncmp(b->only, "linear", 6) != 0) return;         /* only when asked for: it takes long */
+static void bench_linear(const bench *b) {
+    if (!b->only || strncmp(b->only, "linear", 6) != 0)
+        return; /* only when asked for: it takes long */
     for (size_t i = 0; i < GROWTH_COUNT; i++) {
         double first[GROWTH_CASE_COUNT][2] = {{0}};
-        for (size_t k = 0; k < 3 && GROWTH[i].triangles[k] && is_wanted(b, GROWTH[i].name); k++) bench_growth(b, &GROWTH[i], GROWTH[i].triangles[k], first);
+        for (size_t k = 0; k < 3 && GROWTH[i].triangles[k] && is_wanted(b, GROWTH[i].name); k++)
+            bench_growth(b, &GROWTH[i], GROWTH[i].triangles[k], first);
     }
 }
 
 /* ---- */
 
-static norma_isa isa_named(const char *name)
-{
-    static const char *const names[] = {"best", "portable", "sse2", "avx2", "avx512", "neon", "simd128"};
+static norma_isa isa_named(const char *name) {
+    static const char *const names[] = {
+        "best", "portable", "sse2", "avx2", "avx512", "neon", "simd128"};
     for (int i = 0; i < (int)(sizeof names / sizeof *names); i++)
         if (!strcmp(name, names[i])) return (norma_isa)i;
     fprintf(stderr, "bench: %s is no instruction set\n", name);
     exit(2);
 }
 
-static bench read_arguments(int count, char **arguments)
-{
+static bench read_arguments(int count, char **arguments) {
     bench b = {.triangles = 10000000, .runs = 7};
     for (int i = 1; i < count; i++) {
         const char *value = i + 1 < count ? arguments[i + 1] : NULL;
-        if (value && !strcmp(arguments[i], "--triangles")) b.triangles = strtoull(value, NULL, 10);
-        else if (value && !strcmp(arguments[i], "--runs")) b.runs = strtoull(value, NULL, 10);
-        else if (value && !strcmp(arguments[i], "--isa")) b.isa = isa_named(value);
-        else if (value && !strcmp(arguments[i], "--only")) b.only = value;
-        else b.runs = 0;
+        if (value && !strcmp(arguments[i], "--triangles"))
+            b.triangles = strtoull(value, NULL, 10);
+        else if (value && !strcmp(arguments[i], "--runs"))
+            b.runs = strtoull(value, NULL, 10);
+        else if (value && !strcmp(arguments[i], "--isa"))
+            b.isa = isa_named(value);
+        else if (value && !strcmp(arguments[i], "--only"))
+            b.only = value;
+        else
+            b.runs = 0;
         i++;
     }
     if (b.runs && b.triangles) return b;
-    fprintf(stderr, "usage: bench_core [--triangles 10000000] [--runs 7] [--isa best|portable|sse2|avx2|avx512] [--only PART OF A NAME|linear]\n");
+    fprintf(stderr, "usage: bench_core [--triangles 10000000] [--runs 7] [--isa "
+                    "best|portable|sse2|avx2|avx512] [--only PART OF A NAME|linear]\n");
     exit(2);
 }
 
-int main(int count, char **arguments)
-{
+int main(int count, char **arguments) {
     bench b = read_arguments(count, arguments);
     b.nanoseconds_1x = 1e9 * bench_memcpy_seconds(12 * b.triangles, b.runs) / (double)b.triangles;
     printf("1x = %.3f ns per triangle (memcpy of 12 bytes)\n", b.nanoseconds_1x);

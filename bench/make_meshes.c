@@ -1,7 +1,9 @@
-/* make_meshes.c: large meshes for measuring: a grid of triangles, row by row, displaced by waves, with a step every 64 rows so that some edges are hard.
- *   make_meshes KIND TRIANGLES FILE
- * KIND: obj (v and f alone), obj-full (v, vt, vn and f v/vt/vn, as exporters write), ply, stl (binary), glb, glb-normals; ply-vertices writes no triangles but
- * a binary PLY of TRIANGLES bytes of vertices, as a file with a hole. Files are the same on every machine: no libm result is printed with all its digits. */
+/* make_meshes.c: large meshes for measuring: a grid of triangles, row by row, displaced by waves,
+ * with a step every 64 rows so that some edges are hard. make_meshes KIND TRIANGLES FILE KIND: obj
+ * (v and f alone), obj-full (v, vt, vn and f v/vt/vn, as exporters write), ply, stl (binary), glb,
+ * glb-normals; ply-vertices writes no triangles but a binary PLY of TRIANGLES bytes of vertices, as
+ * a file with a hole. Files are the same on every machine: no libm result is printed with all its
+ * digits. */
 #define _FILE_OFFSET_BITS 64
 #include <math.h>
 #include <stdint.h>
@@ -13,26 +15,24 @@
 #endif
 
 typedef struct grid {
-    uint32_t side;                       /* quads along each side */
-    size_t   vertices, triangles;
+    uint32_t side; /* quads along each side */
+    size_t vertices, triangles;
 } grid;
 
-static void put(FILE *out, const void *bytes, size_t size)
-{
+static void put(FILE *out, const void *bytes, size_t size) {
     if (fwrite(bytes, 1, size, out) != size) {
         perror("make_meshes");
         exit(1);
     }
 }
 
-static void put_u32(FILE *out, uint32_t value)
-{
-    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8), (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
+static void put_u32(FILE *out, uint32_t value) {
+    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
+        (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
     put(out, bytes, 4);
 }
 
-static void put_floats(FILE *out, const float *values, size_t count)
-{
+static void put_floats(FILE *out, const float *values, size_t count) {
     for (size_t i = 0; i < count; ++i) {
         uint32_t bits;
         memcpy(&bits, values + i, sizeof bits);
@@ -43,9 +43,9 @@ static void put_floats(FILE *out, const float *values, size_t count)
 /* Rounded to six decimals, as text files have it, so that every format holds the same surface. */
 static float rounded(double value) { return (float)(floor(value * 1e6 + 0.5) / 1e6); }
 
-static void position(const grid *g, size_t vertex, float out[3])
-{
-    const double row = (double)(vertex / (g->side + 1)), column = (double)(vertex % (g->side + 1)), x = column / g->side, y = row / g->side;
+static void position(const grid *g, size_t vertex, float out[3]) {
+    const double row = (double)(vertex / (g->side + 1)), column = (double)(vertex % (g->side + 1)),
+                 x = column / g->side, y = row / g->side;
     const double step = floor(row / 64) - floor((row - 1) / 64) > 0 ? 4.0 / g->side : 0;
     out[0] = rounded(10 * x - 5);
     out[1] = rounded(10 * y - 5);
@@ -53,26 +53,26 @@ static void position(const grid *g, size_t vertex, float out[3])
 }
 
 /* Of the smooth surface; near enough for stored normals that are to be replaced. */
-static void normal(const grid *g, size_t vertex, float out[3])
-{
-    const double x = (double)(vertex % (g->side + 1)) / g->side, y = (double)(vertex / (g->side + 1)) / g->side;
-    const double dx = -0.6 * cos(12 * x) * cos(9 * y), dy = 0.45 * sin(12 * x) * sin(9 * y), length = sqrt(dx * dx + dy * dy + 1);
+static void normal(const grid *g, size_t vertex, float out[3]) {
+    const double x = (double)(vertex % (g->side + 1)) / g->side,
+                 y = (double)(vertex / (g->side + 1)) / g->side;
+    const double dx = -0.6 * cos(12 * x) * cos(9 * y), dy = 0.45 * sin(12 * x) * sin(9 * y),
+                 length = sqrt(dx * dx + dy * dy + 1);
     out[0] = (float)(dx / length);
     out[1] = (float)(dy / length);
     out[2] = (float)(1 / length);
 }
 
-static void corners(const grid *g, size_t triangle, uint32_t out[3])
-{
+static void corners(const grid *g, size_t triangle, uint32_t out[3]) {
     const size_t quad = triangle / 2, row = quad / g->side, column = quad % g->side;
-    const uint32_t a = (uint32_t)(row * (g->side + 1) + column), b = a + 1, c = a + g->side + 1, d = c + 1;
+    const uint32_t a = (uint32_t)(row * (g->side + 1) + column), b = a + 1, c = a + g->side + 1,
+                   d = c + 1;
     out[0] = triangle % 2 ? b : a;
     out[1] = triangle % 2 ? d : b;
     out[2] = c;
 }
 
-static void write_obj(const grid *g, FILE *out, int full)
-{
+static void write_obj(const grid *g, FILE *out, int full) {
     float p[3];
     uint32_t c[3];
     fprintf(out, "# %zu vertices, %zu triangles\no grid\n", g->vertices, g->triangles);
@@ -81,7 +81,8 @@ static void write_obj(const grid *g, FILE *out, int full)
         fprintf(out, "v %.6f %.6f %.6f\n", (double)p[0], (double)p[1], (double)p[2]);
     }
     for (size_t i = 0; i < g->vertices && full; ++i)
-        fprintf(out, "vt %.6f %.6f\n", (double)(i % (g->side + 1)) / g->side, (double)(i / (g->side + 1)) / g->side);
+        fprintf(out, "vt %.6f %.6f\n", (double)(i % (g->side + 1)) / g->side,
+            (double)(i / (g->side + 1)) / g->side);
     for (size_t i = 0; i < g->vertices && full; ++i) {
         normal(g, i, p);
         fprintf(out, "vn %.4f %.4f %.4f\n", (double)p[0], (double)p[1], (double)p[2]);
@@ -89,20 +90,22 @@ static void write_obj(const grid *g, FILE *out, int full)
     for (size_t i = 0; i < g->triangles; ++i) {
         corners(g, i, c);
         if (full)
-            fprintf(out, "f %u/%u/%u %u/%u/%u %u/%u/%u\n", c[0] + 1, c[0] + 1, c[0] + 1, c[1] + 1, c[1] + 1, c[1] + 1, c[2] + 1, c[2] + 1, c[2] + 1);
+            fprintf(out, "f %u/%u/%u %u/%u/%u %u/%u/%u\n", c[0] + 1, c[0] + 1, c[0] + 1, c[1] + 1,
+                c[1] + 1, c[1] + 1, c[2] + 1, c[2] + 1, c[2] + 1);
         else
             fprintf(out, "f %u %u %u\n", c[0] + 1, c[1] + 1, c[2] + 1);
     }
 }
 
-static void write_ply_header(FILE *out, size_t vertices, size_t faces)
-{
-    fprintf(out, "ply\nformat binary_little_endian 1.0\nelement vertex %zu\nproperty float x\nproperty float y\nproperty float z\n", vertices);
+static void write_ply_header(FILE *out, size_t vertices, size_t faces) {
+    fprintf(out,
+        "ply\nformat binary_little_endian 1.0\nelement vertex %zu\nproperty float x\nproperty "
+        "float y\nproperty float z\n",
+        vertices);
     fprintf(out, "element face %zu\nproperty list uchar int vertex_indices\nend_header\n", faces);
 }
 
-static void write_ply(const grid *g, FILE *out)
-{
+static void write_ply(const grid *g, FILE *out) {
     float p[3];
     uint32_t c[3];
     write_ply_header(out, g->vertices, g->triangles);
@@ -113,13 +116,11 @@ static void write_ply(const grid *g, FILE *out)
     for (size_t i = 0; i < g->triangles; ++i) {
         corners(g, i, c);
         put(out, "\3", 1);
-        for (int k = 0; k < 3; ++k)
-            put_u32(out, c[k]);
+        for (int k = 0; k < 3; ++k) put_u32(out, c[k]);
     }
 }
 
-static void write_stl(const grid *g, FILE *out)
-{
+static void write_stl(const grid *g, FILE *out) {
     const char header[80] = "a grid of triangles";
     const float none[3] = {0, 0, 0};
     float p[3];
@@ -137,11 +138,12 @@ static void write_stl(const grid *g, FILE *out)
     }
 }
 
-static void write_glb(const grid *g, FILE *out, int normals)
-{
-    const size_t vectors = 12 * g->vertices, indices = 12 * g->triangles, bin = vectors * (normals ? 2 : 1) + indices;
+static void write_glb(const grid *g, FILE *out, int normals) {
+    const size_t vectors = 12 * g->vertices, indices = 12 * g->triangles,
+                 bin = vectors * (normals ? 2 : 1) + indices;
     char json[2000], own_view[200] = "", own_accessor[200] = "";
-    float p[3], least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {-INFINITY, -INFINITY, -INFINITY};
+    float p[3], least[3] = {INFINITY, INFINITY, INFINITY},
+                most[3] = {-INFINITY, -INFINITY, -INFINITY};
     uint32_t c[3];
     for (size_t i = 0; i < g->vertices; ++i) {
         position(g, i, p);
@@ -151,19 +153,27 @@ static void write_glb(const grid *g, FILE *out, int normals)
         }
     }
     if (normals) {
-        snprintf(own_view, sizeof own_view, ",{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":34962}", vectors + indices, vectors);
-        snprintf(own_accessor, sizeof own_accessor, ",{\"bufferView\":2,\"componentType\":5126,\"count\":%zu,\"type\":\"VEC3\"}", g->vertices);
+        snprintf(own_view, sizeof own_view,
+            ",{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":34962}",
+            vectors + indices, vectors);
+        snprintf(own_accessor, sizeof own_accessor,
+            ",{\"bufferView\":2,\"componentType\":5126,\"count\":%zu,\"type\":\"VEC3\"}",
+            g->vertices);
     }
     int length = snprintf(json, sizeof json,
-                          "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
-                          "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0%s},\"indices\":1}]}],\"buffers\":[{\"byteLength\":%zu}],"
-                          "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu,\"target\":34962},{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":34963}%s],"
-                          "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%zu,\"type\":\"VEC3\",\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]},"
-                          "{\"bufferView\":1,\"componentType\":5125,\"count\":%zu,\"type\":\"SCALAR\"}%s]}",
-                          normals ? ",\"NORMAL\":2" : "", bin, vectors, vectors, indices, own_view, g->vertices, (double)least[0], (double)least[1], (double)least[2],
-                          (double)most[0], (double)most[1], (double)most[2], 3 * g->triangles, own_accessor);
-    while (length % 4)
-        json[length++] = ' ';
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
+        "\"mesh\":0}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0%s},\"indices\":1}]}],"
+        "\"buffers\":[{\"byteLength\":%zu}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu,\"target\":34962},{\"buffer\":0,"
+        "\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":34963}%s],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%zu,\"type\":\"VEC3\","
+        "\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]},"
+        "{\"bufferView\":1,\"componentType\":5125,\"count\":%zu,\"type\":\"SCALAR\"}%s]}",
+        normals ? ",\"NORMAL\":2" : "", bin, vectors, vectors, indices, own_view, g->vertices,
+        (double)least[0], (double)least[1], (double)least[2], (double)most[0], (double)most[1],
+        (double)most[2], 3 * g->triangles, own_accessor);
+    while (length % 4) json[length++] = ' ';
     put(out, "glTF", 4);
     put_u32(out, 2);
     put_u32(out, (uint32_t)(12 + 8 + (size_t)length + 8 + bin));
@@ -178,8 +188,7 @@ static void write_glb(const grid *g, FILE *out, int normals)
     }
     for (size_t i = 0; i < g->triangles; ++i) {
         corners(g, i, c);
-        for (int k = 0; k < 3; ++k)
-            put_u32(out, c[k]);
+        for (int k = 0; k < 3; ++k) put_u32(out, c[k]);
     }
     for (size_t i = 0; i < g->vertices && normals; ++i) {
         normal(g, i, p);
@@ -187,8 +196,7 @@ static void write_glb(const grid *g, FILE *out, int normals)
     }
 }
 
-static void write_hole(FILE *out, size_t bytes)
-{
+static void write_hole(FILE *out, size_t bytes) {
     write_ply_header(out, bytes / 12, 0);
     if (fseek(out, (long)(bytes / 12 * 12 - 1), SEEK_CUR)) {
         perror("make_meshes");
@@ -197,10 +205,10 @@ static void write_hole(FILE *out, size_t bytes)
     put(out, "", 1);
 }
 
-int main(int count, char **arguments)
-{
+int main(int count, char **arguments) {
     if (count != 4) {
-        fprintf(stderr, "usage: make_meshes obj|obj-full|ply|stl|glb|glb-normals|ply-vertices TRIANGLES FILE\n");
+        fprintf(stderr, "usage: make_meshes obj|obj-full|ply|stl|glb|glb-normals|ply-vertices "
+                        "TRIANGLES FILE\n");
         return 2;
     }
     const char *kind = arguments[1];

@@ -1,5 +1,5 @@
 /* timing.c: the clock, the memory and the baseline of the benchmarks. */
-#define _DEFAULT_SOURCE               /* clock_gettime, madvise */
+#define _DEFAULT_SOURCE /* clock_gettime, madvise */
 #include "timing.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,28 +9,24 @@
 #include <sys/mman.h>
 #endif
 
-double bench_now(void)
-{
+double bench_now(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static int ascending(const void *one, const void *other)
-{
+static int ascending(const void *one, const void *other) {
     const double a = *(const double *)one, b = *(const double *)other;
     return (a > b) - (a < b);
 }
 
-double bench_median(double *times, size_t count)
-{
+double bench_median(double *times, size_t count) {
     qsort(times, count, sizeof *times, ascending);
     return times[count / 2];
 }
 
 /* What the library does for its own scratch: pages of 2 MiB, where the system has them. */
-static void *large_pages(size_t bytes)
-{
+static void *large_pages(size_t bytes) {
     const size_t page = (size_t)1 << 21, rounded = (bytes + page - 1) / page * page;
     if (bytes < page) return aligned_alloc(64, (bytes + 63) / 64 * 64);
     void *memory = aligned_alloc(page, rounded);
@@ -41,8 +37,7 @@ static void *large_pages(size_t bytes)
 }
 
 /* What a caller has: whatever pages come. */
-void *bench_memory(size_t count, size_t size)
-{
+void *bench_memory(size_t count, size_t size) {
     void *memory = malloc(count && size ? count * size : 1);
     if (!memory) {
         fprintf(stderr, "bench: no memory for %zu times %zu bytes\n", count, size);
@@ -51,15 +46,14 @@ void *bench_memory(size_t count, size_t size)
     return memset(memory, 0, count * size);
 }
 
-double bench_memcpy_seconds(size_t bytes, size_t runs)
-{
+double bench_memcpy_seconds(size_t bytes, size_t runs) {
     unsigned char *from = bench_memory(bytes, 1), *to = bench_memory(bytes, 1);
     double *times = bench_memory(runs, sizeof *times);
     for (size_t i = 0; i < bytes; i++) from[i] = (unsigned char)i;
     for (size_t run = 0; run < runs; run++) {
         const double begun = bench_now();
         memcpy(to, from, bytes);
-        __asm__ volatile("" : : "r"(to) : "memory");        /* the copy is wanted, whoever reads it */
+        __asm__ volatile("" : : "r"(to) : "memory"); /* the copy is wanted, whoever reads it */
         times[run] = bench_now() - begun;
     }
     const double median = bench_median(times, runs);
@@ -71,11 +65,10 @@ double bench_memcpy_seconds(size_t bytes, size_t runs)
 
 /* ---- the pool */
 
-static void *pool_allocate(void *user, size_t size, size_t alignment)
-{
+static void *pool_allocate(void *user, size_t size, size_t alignment) {
     bench_pool *pool = user;
     bench_block *block = NULL;
-    (void)alignment;                                         /* all are of 64 bytes at least */
+    (void)alignment; /* all are of 64 bytes at least */
     for (size_t i = 0; i < pool->count && !block; i++)
         if (!pool->blocks[i].used && pool->blocks[i].size == size) block = &pool->blocks[i];
     if (!block) {
@@ -90,18 +83,18 @@ static void *pool_allocate(void *user, size_t size, size_t alignment)
     return block->memory;
 }
 
-static void pool_release(void *user, void *memory, size_t size)
-{
+static void pool_release(void *user, void *memory, size_t size) {
     bench_pool *pool = user;
     for (size_t i = 0; i < pool->count; i++)
         if (pool->blocks[i].memory == memory) pool->blocks[i].used = 0;
     pool->in_use -= size;
 }
 
-norma_allocator bench_pool_allocator(bench_pool *pool) { return (norma_allocator){pool_allocate, pool_release, pool}; }
+norma_allocator bench_pool_allocator(bench_pool *pool) {
+    return (norma_allocator){pool_allocate, pool_release, pool};
+}
 
-void bench_pool_free(bench_pool *pool)
-{
+void bench_pool_free(bench_pool *pool) {
     for (size_t i = 0; i < pool->count; i++) free(pool->blocks[i].memory);
     *pool = (bench_pool){0};
 }

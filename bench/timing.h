@@ -1,4 +1,5 @@
-/* timing.h: what every benchmark needs: a clock, medians, memory that is counted and kept warm, and the rate of memcpy to compare with. */
+/* timing.h: what every benchmark needs: a clock, medians, memory that is counted and kept warm, and
+ * the rate of memcpy to compare with. */
 #ifndef NORMA_BENCH_TIMING_H
 #define NORMA_BENCH_TIMING_H
 #include <norma/norma.h>
@@ -9,18 +10,24 @@ double bench_now(void);
 /* Sorts the times and gives the one in the middle. */
 double bench_median(double *times, size_t count);
 
-/* Seconds that memcpy takes for bytes, from one warm block to another: the median of runs. 0 where there is no memory for it. */
+/* Seconds that memcpy takes for bytes, from one warm block to another: the median of runs. 0 where
+ * there is no memory for it. */
 double bench_memcpy_seconds(size_t bytes, size_t runs);
 
-/* An allocator that counts, and keeps what is released for the next call: what scratch costs once its pages are there. */
+/* An allocator that counts, and keeps what is released for the next call: what scratch costs once
+ * its pages are there. */
 enum { BENCH_MOST_BLOCKS = 64 };
-typedef struct bench_block { void *memory; size_t size; int used; } bench_block;
+typedef struct bench_block {
+    void *memory;
+    size_t size;
+    int used;
+} bench_block;
 typedef struct bench_pool {
     bench_block blocks[BENCH_MOST_BLOCKS];
-    size_t      count, in_use, most_in_use;    /* bytes */
+    size_t count, in_use, most_in_use; /* bytes */
 } bench_pool;
 norma_allocator bench_pool_allocator(bench_pool *pool);
-void            bench_pool_free(bench_pool *pool);
+void bench_pool_free(bench_pool *pool);
 
 /* calloc that ends the program where there is no memory. */
 void *bench_memory(size_t count, size_t size);

@@ -1,22 +1,30 @@
-/* cloth.c: a cloth that hangs by two corners and swings, its normals kept right by a plan: each step names the vertices that moved, and no others are looked at.
+/* cloth.c: a cloth that hangs by two corners and swings, its normals kept right by a plan: each
+ * step names the vertices that moved, and no others are looked at.
  *
  *     cloth [FOLDER]       with a folder, writes pictures there: cloth-000.pgm, cloth-020.pgm, ...
  *
- * The cloth is a grid of points that keep their distances (Jakobsen 2001); pixels are shaded by the angle between their interpolated normal and the light. */
+ * The cloth is a grid of points that keep their distances (Jakobsen 2001); pixels are shaded by the
+ * angle between their interpolated normal and the light. */
 #include <math.h>
 #include <norma/norma.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { SIDE = 41, POINTS = SIDE * SIDE, QUADS = (SIDE - 1) * (SIDE - 1), CORNERS = 6 * QUADS, FRAMES = 61, PIXELS = 320 };
+enum {
+    SIDE = 41,
+    POINTS = SIDE * SIDE,
+    QUADS = (SIDE - 1) * (SIDE - 1),
+    CORNERS = 6 * QUADS,
+    FRAMES = 61,
+    PIXELS = 320
+};
 
 typedef struct cloth {
-    float    now[POINTS][3], before[POINTS][3], normals[POINTS][3];
+    float now[POINTS][3], before[POINTS][3], normals[POINTS][3];
     uint32_t corners[CORNERS], moved[POINTS];
 } cloth;
 
-static void hang(cloth *c)
-{
+static void hang(cloth *c) {
     uint32_t *corner = c->corners;
     for (uint32_t i = 0; i < POINTS; i++) {
         const float x = (float)(i % SIDE) / (SIDE - 1), y = (float)(i / SIDE) / (SIDE - 1);
@@ -24,16 +32,19 @@ static void hang(cloth *c)
         memcpy(c->now[i], place, sizeof place);
         memcpy(c->before[i], place, sizeof place);
         if (i % SIDE == SIDE - 1 || i / SIDE == SIDE - 1) continue;
-        for (uint32_t k = 0; k < 6; k++) *corner++ = i + (uint32_t[]){0, SIDE, 1, 1, SIDE, SIDE + 1}[k];
+        for (uint32_t k = 0; k < 6; k++)
+            *corner++ = i + (uint32_t[]){0, SIDE, 1, 1, SIDE, SIDE + 1}[k];
     }
 }
 
 static int is_pinned(uint32_t i) { return i == 0 || i == SIDE - 1; }
-static void keep_distance(cloth *c, uint32_t i, uint32_t j)
-{
+static void keep_distance(cloth *c, uint32_t i, uint32_t j) {
     const float rest = 1.0F / (SIDE - 1);
     const float *a = c->now[i], *b = c->now[j], d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    const float length = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), pull = length > rest ? (length - rest) / length / (float)(2 - is_pinned(i) - is_pinned(j)) : 0;
+    const float length = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]),
+                pull = length > rest
+                           ? (length - rest) / length / (float)(2 - is_pinned(i) - is_pinned(j))
+                           : 0;
     for (int k = 0; k < 3; k++) {
         if (!is_pinned(i)) c->now[i][k] += pull * d[k];
         if (!is_pinned(j)) c->now[j][k] -= pull * d[k];
@@ -41,13 +52,13 @@ static void keep_distance(cloth *c, uint32_t i, uint32_t j)
 }
 
 /* Returns how many points are listed as moved: those that did by more than nobody sees. */
-static size_t step(cloth *c)
-{
+static size_t step(cloth *c) {
     size_t count = 0;
     for (uint32_t i = 0; i < POINTS; i++)
         for (int k = 0; k < 3; k++) {
             const float here = c->now[i][k];
-            c->now[i][k] += is_pinned(i) ? 0 : 0.985F * (here - c->before[i][k]) - (k == 1 ? 0.0012F : 0);
+            c->now[i][k] +=
+                is_pinned(i) ? 0 : 0.985F * (here - c->before[i][k]) - (k == 1 ? 0.0012F : 0);
             c->before[i][k] = here;
         }
     for (int pass = 0; pass < 40; pass++)
@@ -63,26 +74,32 @@ static size_t step(cloth *c)
 static int column_of(float x) { return (int)((x + 0.7F) / 1.4F * PIXELS); }
 static int row_of(float y) { return (int)((0.6F - y) / 1.4F * PIXELS); }
 /* One triangle, seen along z: nearer pixels hide those behind them. */
-static void draw(const cloth *c, const uint32_t *at, unsigned char *image, float *depth)
-{
-    const float *a = c->now[at[0]], *b = c->now[at[1]], *d = c->now[at[2]], area = (b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0]);
-    const int top = row_of(fmaxf(a[1], fmaxf(b[1], d[1]))), bottom = row_of(fminf(a[1], fminf(b[1], d[1])));
-    const int left = column_of(fminf(a[0], fminf(b[0], d[0]))), right = column_of(fmaxf(a[0], fmaxf(b[0], d[0])));
+static void draw(const cloth *c, const uint32_t *at, unsigned char *image, float *depth) {
+    const float *a = c->now[at[0]], *b = c->now[at[1]], *d = c->now[at[2]],
+                area = (b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0]);
+    const int top = row_of(fmaxf(a[1], fmaxf(b[1], d[1]))),
+              bottom = row_of(fminf(a[1], fminf(b[1], d[1])));
+    const int left = column_of(fminf(a[0], fminf(b[0], d[0]))),
+              right = column_of(fmaxf(a[0], fmaxf(b[0], d[0])));
     for (int y = top > 0 ? top : 0; y <= bottom && y < PIXELS && area != 0; y++)
         for (int x = left > 0 ? left : 0; x <= right && x < PIXELS; x++) {
-            const float px = 1.4F * ((float)x + 0.5F) / PIXELS - 0.7F, py = 0.6F - 1.4F * ((float)y + 0.5F) / PIXELS;
-            const float v = ((px - a[0]) * (d[1] - a[1]) - (py - a[1]) * (d[0] - a[0])) / area, w = ((b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0])) / area;
+            const float px = 1.4F * ((float)x + 0.5F) / PIXELS - 0.7F,
+                        py = 0.6F - 1.4F * ((float)y + 0.5F) / PIXELS;
+            const float v = ((px - a[0]) * (d[1] - a[1]) - (py - a[1]) * (d[0] - a[0])) / area,
+                        w = ((b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0])) / area;
             const float weights[3] = {1 - v - w, v, w}, z = weights[0] * a[2] + v * b[2] + w * d[2];
             float normal[3];
             if (weights[0] < 0 || v < 0 || w < 0 || z < depth[PIXELS * y + x]) continue;
-            norma_interpolate_normal(c->normals[at[0]], c->normals[at[1]], c->normals[at[2]], weights, normal);
+            norma_interpolate_normal(
+                c->normals[at[0]], c->normals[at[1]], c->normals[at[2]], weights, normal);
             depth[PIXELS * y + x] = z;
-            image[PIXELS * y + x] = (unsigned char)(30 + 220 * fabsf(0.4F * normal[0] + 0.5F * normal[1] + 0.768F * normal[2]));
+            image[PIXELS * y + x] =
+                (unsigned char)(30 + 220 * fabsf(0.4F * normal[0] + 0.5F * normal[1] +
+                                                 0.768F * normal[2]));
         }
 }
 
-static int write_picture(const cloth *c, const char *folder, int frame)
-{
+static int write_picture(const cloth *c, const char *folder, int frame) {
     static unsigned char image[PIXELS * PIXELS];
     static float depth[PIXELS * PIXELS];
     char path[512];
@@ -97,22 +114,29 @@ static int write_picture(const cloth *c, const char *folder, int frame)
     return fclose(file) == 0 && written;
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
     static cloth c;
     norma_plan *plan;
     hang(&c);
-    const norma_mesh mesh = {.positions = {.data = c.now, .count = POINTS}, .corners = c.corners, .corner_count = CORNERS};
+    const norma_mesh mesh = {.positions = {.data = c.now, .count = POINTS},
+        .corners = c.corners,
+        .corner_count = CORNERS};
     norma_result result = norma_plan_create(&mesh, NORMA_PER_VERTEX, 3.2F, NULL, &plan);
-    if (result == NORMA_OK) result = norma_plan_update(plan, mesh.positions, NULL, 0, NULL, c.normals[0], POINTS, NULL);
+    if (result == NORMA_OK)
+        result = norma_plan_update(plan, mesh.positions, NULL, 0, NULL, c.normals[0], POINTS, NULL);
     for (int frame = 0; frame < FRAMES && result == NORMA_OK; frame++) {
         const uint32_t hem = POINTS - 1 - SIDE / 2;
-        if (frame % 20 == 0) printf("frame %2d: the hem's middle is at height %5.2f, its normal at %5.2f\n", frame, (double)c.now[hem][1], (double)c.normals[hem][1]);
+        if (frame % 20 == 0)
+            printf("frame %2d: the hem's middle is at height %5.2f, its normal at %5.2f\n", frame,
+                (double)c.now[hem][1], (double)c.normals[hem][1]);
         if (frame % 20 == 0 && argc > 1 && !write_picture(&c, argv[1], frame)) return 3;
         const size_t moved = step(&c);
-        result = norma_plan_update(plan, mesh.positions, c.moved, moved, NULL, c.normals[0], POINTS, NULL);
+        result = norma_plan_update(
+            plan, mesh.positions, c.moved, moved, NULL, c.normals[0], POINTS, NULL);
     }
-    if (result == NORMA_OK) norma_plan_destroy(plan);
-    else fprintf(stderr, "cloth: %s\n", norma_result_text(result));
+    if (result == NORMA_OK)
+        norma_plan_destroy(plan);
+    else
+        fprintf(stderr, "cloth: %s\n", norma_result_text(result));
     return result == NORMA_OK ? 0 : 1;
 }

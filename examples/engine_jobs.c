@@ -1,7 +1,8 @@
-/* engine_jobs.c: Norma inside an engine: its jobs instead of threads of Norma's own, its memory instead of malloc.
+/* engine_jobs.c: Norma inside an engine: its jobs instead of threads of Norma's own, its memory
+ * instead of malloc.
  *
- * The jobs here are four POSIX threads that take indices from a counter; the memory is one block that is cut from the front. The normals have the
- * same bits as those of a single thread. */
+ * The jobs here are four POSIX threads that take indices from a counter; the memory is one block
+ * that is cut from the front. The normals have the same bits as those of a single thread. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <norma/norma.h>
@@ -12,22 +13,20 @@
 #include <string.h>
 
 typedef struct job {
-    norma_task   *task;
-    void         *context;
-    size_t        count;
+    norma_task *task;
+    void *context;
+    size_t count;
     atomic_size_t next;
 } job;
 
-static void *work(void *argument)
-{
+static void *work(void *argument) {
     job *j = argument;
     for (size_t i; (i = atomic_fetch_add(&j->next, 1)) < j->count;) j->task(j->context, i);
     return NULL;
 }
 
 /* Each index once, in any order; returns when all are done. */
-static void run_jobs(void *user, size_t count, norma_task *task, void *context)
-{
+static void run_jobs(void *user, size_t count, norma_task *task, void *context) {
     pthread_t threads[4];
     int started = 0;
     job j = {.task = task, .context = context, .count = count};
@@ -39,12 +38,11 @@ static void run_jobs(void *user, size_t count, norma_task *task, void *context)
 
 typedef struct arena {
     unsigned char *block;
-    size_t         size, used;
+    size_t size, used;
 } arena;
 
 /* The calling thread alone allocates. */
-static void *take(void *user, size_t size, size_t alignment)
-{
+static void *take(void *user, size_t size, size_t alignment) {
     arena *a = user;
     const uintptr_t at = ((uintptr_t)a->block + a->used + alignment - 1) / alignment * alignment;
     const size_t from = (size_t)(at - (uintptr_t)a->block);
@@ -55,8 +53,7 @@ static void *take(void *user, size_t size, size_t alignment)
 
 static void give_back(void *user, void *block, size_t size) { (void)user, (void)block, (void)size; }
 
-int main(void)
-{
+int main(void) {
     enum { SIDE = 200, VERTICES = SIDE * SIDE, CORNERS = 6 * (SIDE - 1) * (SIDE - 1) };
     static float positions[VERTICES][3], alone[VERTICES][3], with_jobs[VERTICES][3];
     static uint32_t corners[CORNERS];
@@ -68,22 +65,27 @@ int main(void)
             p[1] = 0.05F * (float)y;
             p[2] = sinf(p[0]) * cosf(p[1]);
             if (x + 1 == SIDE || y + 1 == SIDE) continue;
-            const uint32_t a = y * SIDE + x, two[6] = {a, a + 1, a + SIDE + 1, a, a + SIDE + 1, a + SIDE};
+            const uint32_t a = y * SIDE + x,
+                           two[6] = {a, a + 1, a + SIDE + 1, a, a + SIDE + 1, a + SIDE};
             for (int i = 0; i < 6; i++) corners[c++] = two[i];
         }
 
     size_t rounds = 0;
     arena memory = {.block = malloc(16 << 20), .size = 16 << 20};
     if (!memory.block) return 1;
-    const norma_mesh mesh = {.positions = {.data = positions, .count = VERTICES}, .corners = corners, .corner_count = CORNERS};
+    const norma_mesh mesh = {.positions = {.data = positions, .count = VERTICES},
+        .corners = corners,
+        .corner_count = CORNERS};
     const norma_options options = {.struct_size = sizeof options,
-                                   .allocator = {.allocate = take, .release = give_back, .user = &memory},
-                                   .parallel_for = run_jobs,
-                                   .parallel_for_user = &rounds};
+        .allocator = {.allocate = take, .release = give_back, .user = &memory},
+        .parallel_for = run_jobs,
+        .parallel_for_user = &rounds};
     if (norma_vertex_normals(&mesh, NULL, alone[0], VERTICES, NULL) != NORMA_OK) return 1;
     if (norma_vertex_normals(&mesh, &options, with_jobs[0], VERTICES, NULL) != NORMA_OK) return 1;
-    printf("%d vertices: %s\n", VERTICES, memcmp(alone, with_jobs, sizeof alone) ? "different bits" : "the same bits");
-    printf("jobs ran: %s; scratch memory from the arena: %s\n", rounds ? "yes" : "no", memory.used ? "yes" : "no");
+    printf("%d vertices: %s\n", VERTICES,
+        memcmp(alone, with_jobs, sizeof alone) ? "different bits" : "the same bits");
+    printf("jobs ran: %s; scratch memory from the arena: %s\n", rounds ? "yes" : "no",
+        memory.used ? "yes" : "no");
     free(memory.block);
     return 0;
 }

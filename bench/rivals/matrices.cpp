@@ -1,4 +1,5 @@
-// Normal matrices of a million models, and ten million normals through one: Norma, glm, cglm, Eigen.
+// Normal matrices of a million models, and ten million normals through one: Norma, glm, cglm,
+// Eigen.
 #include "rival.hpp"
 #include <Eigen/Dense>
 #include <cglm/cglm.h>
@@ -24,8 +25,15 @@ static void many_matrices() {
     const std::vector<float> models = make_models();
     std::vector<float> out(9 * MODELS);
     const double copy = copy_seconds(50 * MODELS);
-    auto tell = [&](const char *library, const char *call, const std::function<void()> &work) { print(library, call, "-", "-", MODELS, median(7, [] {}, work), copy, -1); };
-    tell("Norma", "normal matrices", [&] { norma_normal_matrices(models.data(), MODELS, NORMA_WINDING_REVERSED, out.data(), MODELS); });
+    auto tell = [&](const char *library, const char *call, const std::function<void()> &work) {
+        print(library, call, "-", "-", MODELS,
+            median(
+                7, [] {}, work),
+            copy, -1);
+    };
+    tell("Norma", "normal matrices", [&] {
+        norma_normal_matrices(models.data(), MODELS, NORMA_WINDING_REVERSED, out.data(), MODELS);
+    });
     tell("glm", "inverseTranspose(mat3)", [&] {
         for (size_t i = 0; i < MODELS; ++i) {
             const glm::mat3 m = glm::inverseTranspose(glm::mat3(glm::make_mat4(&models[16 * i])));
@@ -45,7 +53,11 @@ static void many_matrices() {
     });
     tell("Eigen", "inverse().transpose()", [&] {
         for (size_t i = 0; i < MODELS; ++i)
-            Eigen::Map<Eigen::Matrix3f>{&out[9 * i]} = Eigen::Map<const Eigen::Matrix4f>{&models[16 * i]}.topLeftCorner<3, 3>().inverse().transpose();
+            Eigen::Map<Eigen::Matrix3f>{&out[9 * i]} =
+                Eigen::Map<const Eigen::Matrix4f>{&models[16 * i]}
+                    .topLeftCorner<3, 3>()
+                    .inverse()
+                    .transpose();
     });
 }
 
@@ -54,11 +66,20 @@ static void many_normals() {
     std::vector<float> in(3 * NORMALS), out(3 * NORMALS);
     for (size_t i = 0; i < NORMALS; ++i) {
         const double z = std::cos(double(i) * 0.3), r = std::sqrt(1 - z * z), a = double(i) * 0.7;
-        in[3 * i] = float(r * std::cos(a)), in[3 * i + 1] = float(r * std::sin(a)), in[3 * i + 2] = float(z);
+        in[3 * i] = float(r * std::cos(a)), in[3 * i + 1] = float(r * std::sin(a)),
+               in[3 * i + 2] = float(z);
     }
     const double copy = copy_seconds(12 * NORMALS);
-    auto tell = [&](const char *library, const char *call, const std::function<void()> &work) { print(library, call, "-", "-", NORMALS, median(5, [] {}, work), copy, -1); };
-    tell("Norma", "transform normals", [&] { norma_transform_normals(matrix, {in.data(), NORMALS, 0, NORMA_FORMAT_FLOAT}, out.data(), 0, NORMALS); });
+    auto tell = [&](const char *library, const char *call, const std::function<void()> &work) {
+        print(library, call, "-", "-", NORMALS,
+            median(
+                5, [] {}, work),
+            copy, -1);
+    };
+    tell("Norma", "transform normals", [&] {
+        norma_transform_normals(
+            matrix, {in.data(), NORMALS, 0, NORMA_FORMAT_FLOAT}, out.data(), 0, NORMALS);
+    });
     const glm::mat3 glm_matrix = glm::make_mat3(matrix);
     tell("glm", "normalize(mat3 * vec3)", [&] {
         for (size_t i = 0; i < NORMALS; ++i) {
@@ -76,7 +97,9 @@ static void many_normals() {
     });
     const Eigen::Matrix3f eigen_matrix = Eigen::Map<const Eigen::Matrix3f>(matrix);
     tell("Eigen", "(M * n).normalized()", [&] {
-        for (size_t i = 0; i < NORMALS; ++i) Eigen::Map<Eigen::Vector3f>{&out[3 * i]} = (eigen_matrix * Eigen::Map<const Eigen::Vector3f>{&in[3 * i]}).normalized();
+        for (size_t i = 0; i < NORMALS; ++i)
+            Eigen::Map<Eigen::Vector3f>{&out[3 * i]} =
+                (eigen_matrix * Eigen::Map<const Eigen::Vector3f>{&in[3 * i]}).normalized();
     });
 }
 

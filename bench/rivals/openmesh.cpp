@@ -11,13 +11,19 @@ int main(int count, char **arguments) {
         OpenMesh::TriMesh_ArrayKernelT<> their;
         std::vector<OpenMesh::VertexHandle> handles;
         for (size_t v = 0; v < mesh.vertex_count(); ++v)
-            handles.push_back(their.add_vertex({mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]}));
-        for (size_t t = 0; t < mesh.triangles.size(); t += 3) their.add_face(handles[mesh.triangles[t]], handles[mesh.triangles[t + 1]], handles[mesh.triangles[t + 2]]);
+            handles.push_back(their.add_vertex(
+                {mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]}));
+        for (size_t t = 0; t < mesh.triangles.size(); t += 3)
+            their.add_face(handles[mesh.triangles[t]], handles[mesh.triangles[t + 1]],
+                handles[mesh.triangles[t + 2]]);
         their.request_face_normals();
         their.request_vertex_normals();
-        const double seconds = median(5, [] {}, [&] { their.update_normals(); });
-        const double off = largest_angle(reference(mesh, Weight::uniform), [&](size_t v, int k) { return double(their.normal(handles[v])[size_t(k)]); });
-        print("OpenMesh", "update_normals", "uniform", mesh.shape, mesh.triangle_count(), seconds, copy, off);
+        const double seconds = median(
+            5, [] {}, [&] { their.update_normals(); });
+        const double off = largest_angle(reference(mesh, Weight::uniform),
+            [&](size_t v, int k) { return double(their.normal(handles[v])[size_t(k)]); });
+        print("OpenMesh", "update_normals", "uniform", mesh.shape, mesh.triangle_count(), seconds,
+            copy, off);
     }
     return 0;
 }

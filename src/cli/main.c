@@ -1,35 +1,42 @@
-/* main.c: finds the verb. Every verb has a file of its own, with its options, its help and its report. */
+/* main.c: finds the verb. Every verb has a file of its own, with its options, its help and its
+ * report. */
 #include "cli/common/cli.h"
 #include <string.h>
 
-static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix, &cli_verb_check, &cli_verb_explain, &cli_verb_info, &cli_verb_render, &cli_verb_view};
+static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix,
+    &cli_verb_check, &cli_verb_explain, &cli_verb_info, &cli_verb_render, &cli_verb_view};
 
-static const char introduction[] = "Norma keeps surface normals right: computes them, carries them through transforms and checks them, in OBJ,\n"
-                                   "PLY, STL and glTF files, leaving everything else in the file as it was.\n"
-                                   "\n"
-                                   "Examples\n"
-                                   "  norma info chair.obj                             what is in it\n"
-                                   "  norma compute chair.obj -o out.obj               normals, creases at 60 degrees\n"
-                                   "  norma transform chair.glb -o out.glb --scale 2,1,1\n"
-                                   "  norma matrix --scale 2,0.5,1                     how wrong plain M is, and what is right\n"
-                                   "  norma check models/                              what is wrong with normals, windings, seams, transforms\n"
-                                   "\n"
-                                   "Verbs\n";
+static const char introduction[] =
+    "Norma keeps surface normals right: computes them, carries them through transforms and checks "
+    "them, in OBJ,\n"
+    "PLY, STL and glTF files, leaving everything else in the file as it was.\n"
+    "\n"
+    "Examples\n"
+    "  norma info chair.obj                             what is in it\n"
+    "  norma compute chair.obj -o out.obj               normals, creases at 60 degrees\n"
+    "  norma transform chair.glb -o out.glb --scale 2,1,1\n"
+    "  norma matrix --scale 2,0.5,1                     how wrong plain M is, and what is right\n"
+    "  norma check models/                              what is wrong with normals, windings, "
+    "seams, transforms\n"
+    "\n"
+    "Verbs\n";
 
-static const char ending[] = "\n"
-                             "'norma help VERB' or 'norma VERB --help' tells more. 'norma --version' tells the version.\n"
-                             "Exit status: 0 fine, 1 findings (check), 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+static const char ending[] =
+    "\n"
+    "'norma help VERB' or 'norma VERB --help' tells more. 'norma --version' tells the version.\n"
+    "Exit status: 0 fine, 1 findings (check), 2 usage, 3 a file could not be read or written, 130 "
+    "interrupted.\n";
 
 static void print_help(FILE *out) {
     fputs(introduction, out);
-    for (size_t i = 0; i < CLI_COUNT(verbs); ++i) fprintf(out, "  %-11s %s\n", verbs[i]->name, verbs[i]->summary);
+    for (size_t i = 0; i < CLI_COUNT(verbs); ++i)
+        fprintf(out, "  %-11s %s\n", verbs[i]->name, verbs[i]->summary);
     fputs(ending, out);
 }
 
 static const cli_verb *find_verb(const char *name) {
     for (size_t i = 0; i < CLI_COUNT(verbs); ++i)
-        if (strcmp(verbs[i]->name, name) == 0)
-            return verbs[i];
+        if (strcmp(verbs[i]->name, name) == 0) return verbs[i];
     return NULL;
 }
 
@@ -37,8 +44,7 @@ static int unknown_verb(const char *name) {
     const char *names[CLI_COUNT(verbs)], *meant;
     for (size_t i = 0; i < CLI_COUNT(verbs); ++i) names[i] = verbs[i]->name;
     meant = cli_suggest(name, names, CLI_COUNT(names), sizeof *names);
-    if (meant)
-        return cli_usage(NULL, "unknown verb '%s'; did you mean %s?", name, meant);
+    if (meant) return cli_usage(NULL, "unknown verb '%s'; did you mean %s?", name, meant);
     return cli_usage(NULL, "unknown verb '%s'", name);
 }
 
@@ -48,8 +54,7 @@ static int help_about(int count, char **names) {
         return cli_finish(CLI_OK);
     }
     const cli_verb *verb = find_verb(names[0]);
-    if (!verb)
-        return unknown_verb(names[0]);
+    if (!verb) return unknown_verb(names[0]);
     fputs(verb->help, stdout);
     return cli_finish(CLI_OK);
 }
@@ -62,16 +67,13 @@ int main(int count, char **arguments) {
         return CLI_USAGE;
     }
     const char *word = arguments[1];
-    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
-        return help_about(0, NULL);
-    if (strcmp(word, "help") == 0)
-        return help_about(count - 2, arguments + 2);
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) return help_about(0, NULL);
+    if (strcmp(word, "help") == 0) return help_about(count - 2, arguments + 2);
     if (strcmp(word, "--version") == 0) {
         printf("norma %s\n", norma_version());
         return cli_finish(CLI_OK);
     }
-    if (word[0] == '-')
-        return cli_usage(NULL, "unknown option '%s'; a verb comes first", word);
+    if (word[0] == '-') return cli_usage(NULL, "unknown option '%s'; a verb comes first", word);
     const cli_verb *verb = find_verb(word);
     return verb ? verb->run(verb, count - 2, arguments + 2) : unknown_verb(word);
 }

@@ -6,8 +6,7 @@
 
 enum render_result render_device_open(int software, render_device **device, render_error *error) {
     render_device *made = *device = calloc(1, sizeof *made);
-    if (!made)
-        return render_fail_memory(error);
+    if (!made) return render_fail_memory(error);
     enum render_result result = render_egl_open(software, &made->egl, &made->gl, error);
     if (result) {
         free(made);
@@ -22,8 +21,7 @@ enum render_result render_device_open(int software, render_device **device, rend
 }
 
 void render_device_close(render_device *device) {
-    if (!device)
-        return;
+    if (!device) return;
     render_device_forget(device);
     render_target_free(device);
     device->gl.DeleteVertexArrays(1, &device->empty_array);

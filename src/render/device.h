@@ -1,4 +1,5 @@
-/* device.h: the renderer's state: programs that are compiled when they are first used, surfaces that are uploaded once, the framebuffer. */
+/* device.h: the renderer's state: programs that are compiled when they are first used, surfaces
+ * that are uploaded once, the framebuffer. */
 #ifndef NORMA_RENDER_DEVICE_H
 #define NORMA_RENDER_DEVICE_H
 #include "render/gl.h"
@@ -21,10 +22,12 @@ enum render_program {
     RENDER_PROGRAMS
 };
 
-#define RENDER_UNIFORMS(U)                                                                                                                            \
-    U(local_to_world)                                                                                                                                 \
-    U(world_to_view) U(view_to_clip) U(normal_matrix) U(base_colour) U(two_sided) U(scale_top) U(eye) U(light_count) U(light_direction) U(light_colour) \
-        U(phong) U(viewport) U(width) U(head) U(lift) U(reach_scale)
+#define RENDER_UNIFORMS(U)                                                                         \
+    U(local_to_world)                                                                              \
+    U(world_to_view)                                                                               \
+    U(view_to_clip) U(normal_matrix) U(base_colour) U(two_sided) U(scale_top) U(eye)               \
+        U(light_count) U(light_direction) U(light_colour) U(phong) U(viewport) U(width) U(head)    \
+            U(lift) U(reach_scale)
 
 typedef struct render_uniforms {
 #define RENDER_UNIFORM_MEMBER(name) GLint name;
@@ -44,7 +47,8 @@ enum { RENDER_BUFFERS = 5, RENDER_LINE_KINDS = 5 };
 typedef struct render_upload {
     const render_surface *surface;
     enum render_kind kind;
-    render_vertices vertices; /* kept: cameras are fitted to positions, errors are measured on normals */
+    render_vertices
+        vertices; /* kept: cameras are fitted to positions, errors are measured on normals */
     GLuint array, buffers[RENDER_BUFFERS];
 } render_upload;
 
@@ -70,15 +74,19 @@ struct render_device {
     render_srgb srgb;
 };
 
-enum render_result render_program_use(render_device *device, enum render_program program, enum render_space space, const render_compiled **compiled, render_error *error);
-enum render_result render_upload_of(render_device *device, const render_surface *surface, enum render_kind kind, const render_upload **upload, render_error *error);
-enum render_result render_lines_of(render_device *device, const render_surface *surface, unsigned kind, const render_look *look, const render_line_upload **lines,
-                                   render_error *error);
+enum render_result render_program_use(render_device *device, enum render_program program,
+    enum render_space space, const render_compiled **compiled, render_error *error);
+enum render_result render_upload_of(render_device *device, const render_surface *surface,
+    enum render_kind kind, const render_upload **upload, render_error *error);
+enum render_result render_lines_of(render_device *device, const render_surface *surface,
+    unsigned kind, const render_look *look, const render_line_upload **lines, render_error *error);
 
 /* ---- the target: a framebuffer of its own, several samples wide and high for each pixel */
 
-enum render_result render_target_begin(render_device *device, size_t width, size_t height, const float clear[4], render_error *error);
+enum render_result render_target_begin(
+    render_device *device, size_t width, size_t height, const float clear[4], render_error *error);
 /* What was drawn as pixels: the mean of each pixel's samples, in linear light. */
-enum render_result render_target_read(render_device *device, int samples, render_picture *picture, size_t x, size_t y, size_t width, size_t height, render_error *error);
+enum render_result render_target_read(render_device *device, int samples, render_picture *picture,
+    size_t x, size_t y, size_t width, size_t height, render_error *error);
 void render_target_free(render_device *device);
 #endif

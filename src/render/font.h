@@ -1,17 +1,25 @@
 /* font.h: the strokes of letters. Futura light of the Hershey Fonts.
  *
- * The Hershey Fonts were originally created by Dr. A. V. Hershey while working at the U. S. National Bureau of Standards. The format of the font data in this
- * distribution was originally created by James Hurt, Cognition, Inc., 900 Technology Park Drive, Billerica, MA 01821 (mit-eddie!ci-dandelion!hurt). They may be used by
- * anyone for any purpose, commercial or otherwise, provided that these acknowledgements are distributed with the font data; the data may be converted into any format
- * except the one distributed by the U.S. NTIS.
+ * The Hershey Fonts were originally created by Dr. A. V. Hershey while working at the U. S.
+ * National Bureau of Standards. The format of the font data in this distribution was originally
+ * created by James Hurt, Cognition, Inc., 900 Technology Park Drive, Billerica, MA 01821
+ * (mit-eddie!ci-dandelion!hurt). They may be used by anyone for any purpose, commercial or
+ * otherwise, provided that these acknowledgements are distributed with the font data; the data may
+ * be converted into any format except the one distributed by the U.S. NTIS.
  *
- * A glyph is pairs of letters, each a number as its distance from R: first its left and right border, then points, x to the right and y downwards; " R" lifts the pen.
- * Capitals stand from -12 to 9. The last three are ours. */
+ * A glyph is pairs of letters, each a number as its distance from R: first its left and right
+ * border, then points, x to the right and y downwards; " R" lifts the pen. Capitals stand from -12
+ * to 9. The last three are ours. */
 #ifndef NORMA_RENDER_FONT_H
 #define NORMA_RENDER_FONT_H
 #include <stdint.h>
 
-enum { RENDER_FIRST_GLYPH = 32, RENDER_GLYPHS = 95, RENDER_GLYPH_TOP = -12, RENDER_GLYPH_BOTTOM = 9 };
+enum {
+    RENDER_FIRST_GLYPH = 32,
+    RENDER_GLYPHS = 95,
+    RENDER_GLYPH_TOP = -12,
+    RENDER_GLYPH_BOTTOM = 9
+};
 
 static const char *const render_glyphs[RENDER_GLYPHS] = {
     "JZ",
@@ -46,7 +54,8 @@ static const char *const render_glyphs[RENDER_GLYPHS] = {
     "E_IO[O RIU[U",
     "F^JIZRJ[",
     "I[LKLJMHNGPFTFVGWHXJXLWNVORQRT RRYQZR[SZRY",
-    "E`WNVLTKQKOLNMMPMSNUPVSVUUVS RQKOMNPNSOUPV RWKVSVUXVZV\\T]Q]O\\L[JYHWGTFQFNGLHJJILHOHRIUJWLYNZQ[T[WZYYZX RXKWSWUXV",
+    "E`WNVLTKQKOLNMMPMSNUPVSVUUVS RQKOMNPNSOUPV "
+    "RWKVSVUXVZV\\T]Q]O\\L[JYHWGTFQFNGLHJJILHOHRIUJWLYNZQ[T[WZYYZX RXKWSWUXV",
     "I[RFJ[ RRFZ[ RMTWT",
     "G\\KFK[ RKFTFWGXHYJYLXNWOTP RKPTPWQXRYTYWXYWZT[K[",
     "H]ZKYIWGUFQFOGMILKKNKSLVMXOZQ[U[WZYXZV",
@@ -116,7 +125,7 @@ static const struct render_extra_glyph {
     const char *glyph;
 } render_extra_glyphs[] = {
     {0xB0, "MWUITGRFPGOIPKRLTKUI"}, /* degree */
-    {0xD7, "H\\LNXZ RXNLZ"}, /* times */
-    {0x2212, "E_IR[R"}, /* minus */
+    {0xD7, "H\\LNXZ RXNLZ"},        /* times */
+    {0x2212, "E_IR[R"},             /* minus */
 };
 #endif

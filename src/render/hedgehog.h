@@ -11,7 +11,9 @@ typedef struct render_line_set {
     size_t count, left_out;
 } render_line_set;
 
-/* kind: one of enum render_lines. reach: in parts of the local edge's length. most: of more lines than that, every so many is kept. */
+/* kind: one of enum render_lines. reach: in parts of the local edge's length. most: of more lines
+ * than that, every so many is kept. */
 void render_lines_free(render_line_set *set);
-enum render_result render_lines_make(const render_surface *surface, unsigned kind, double reach, size_t most, render_line_set *set, render_error *error);
+enum render_result render_lines_make(const render_surface *surface, unsigned kind, double reach,
+    size_t most, render_line_set *set, render_error *error);
 #endif

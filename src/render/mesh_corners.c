@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum render_result render_fail(render_error *error, enum render_result result, const char *format, ...) {
+enum render_result render_fail(
+    render_error *error, enum render_result result, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(error->message, sizeof error->message, format, arguments);
@@ -15,15 +16,13 @@ enum render_result render_fail(render_error *error, enum render_result result, c
     return result;
 }
 
-
 float render_linear(uint32_t level) {
     const double c = level / 255.0;
     return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
 }
 
 uint32_t render_corner(const norma_mesh *mesh, size_t corner) {
-    if (!mesh->corners)
-        return (uint32_t)corner;
+    if (!mesh->corners) return (uint32_t)corner;
     switch (mesh->corner_size) {
     case 1:
         return ((const uint8_t *)mesh->corners)[corner];
@@ -35,22 +34,23 @@ uint32_t render_corner(const norma_mesh *mesh, size_t corner) {
 }
 
 static size_t bytes_of(norma_format format) {
-    return format == NORMA_FORMAT_DOUBLE                                    ? 24
-           : format == NORMA_FORMAT_FLOAT                                   ? 12
+    return format == NORMA_FORMAT_DOUBLE                                   ? 24
+           : format == NORMA_FORMAT_FLOAT                                  ? 12
            : format == NORMA_FORMAT_INT16 || format == NORMA_FORMAT_UINT16 ? 6
-                                                                            : 3;
+                                                                           : 3;
 }
 
-#define READ_THREE(type)                                   \
-    do {                                                   \
-        type three[3];                                     \
-        memcpy(three, at, sizeof three);                   \
-        for (int i = 0; i < 3; ++i) p[i] = (double)three[i]; \
+#define READ_THREE(type)                                                                           \
+    do {                                                                                           \
+        type three[3];                                                                             \
+        memcpy(three, at, sizeof three);                                                           \
+        for (int i = 0; i < 3; ++i) p[i] = (double)three[i];                                       \
     } while (0)
 
 int render_position(const norma_mesh *mesh, uint32_t index, double p[3]) {
     const norma_vec3_view *view = &mesh->positions;
-    const unsigned char *at = (const unsigned char *)view->data + index * (view->stride ? view->stride : bytes_of(view->format));
+    const unsigned char *at = (const unsigned char *)view->data +
+                              index * (view->stride ? view->stride : bytes_of(view->format));
     p[0] = p[1] = p[2] = NAN; /* what no format is */
     switch (view->format) {
     case NORMA_FORMAT_FLOAT:
@@ -75,14 +75,17 @@ int render_position(const norma_mesh *mesh, uint32_t index, double p[3]) {
     return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
 }
 
-size_t render_face_count(const norma_mesh *mesh) { return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3; }
+size_t render_face_count(const norma_mesh *mesh) {
+    return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
+}
 
 void render_face(const norma_mesh *mesh, size_t face, size_t *first, size_t *count) {
     *first = mesh->face_starts ? mesh->face_starts[face] : 3 * face;
     *count = mesh->face_starts ? mesh->face_starts[face + 1] - mesh->face_starts[face] : 3;
 }
 
-/* Positions that no face uses may lie anywhere, and are left out: they would take the others' precision. */
+/* Positions that no face uses may lie anywhere, and are left out: they would take the others'
+ * precision. */
 static uint8_t *used_positions(const norma_mesh *mesh) {
     uint8_t *used = calloc(mesh->positions.count + 1, 1);
     for (size_t i = 0; used && i < mesh->corner_count; ++i) used[render_corner(mesh, i)] = 1;
@@ -91,12 +94,12 @@ static uint8_t *used_positions(const norma_mesh *mesh) {
 
 render_box render_box_of(const norma_mesh *mesh) {
     uint8_t *used = used_positions(mesh);
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
+           half = 0;
     render_box box = {.scale = 1};
     for (size_t i = 0; i < mesh->positions.count; ++i) {
         double p[3];
-        if ((used && !used[i]) || !render_position(mesh, (uint32_t)i, p))
-            continue;
+        if ((used && !used[i]) || !render_position(mesh, (uint32_t)i, p)) continue;
         for (int k = 0; k < 3; ++k) {
             low[k] = p[k] < low[k] ? p[k] : low[k];
             high[k] = p[k] > high[k] ? p[k] : high[k];
@@ -106,8 +109,7 @@ render_box render_box_of(const norma_mesh *mesh) {
         box.origin[k] = 0.5 * low[k] + 0.5 * high[k];
         half = fmax(half, 0.5 * high[k] - 0.5 * low[k]);
     }
-    if (half > 0 && isfinite(1 / half))
-        box.scale = 1 / half;
+    if (half > 0 && isfinite(1 / half)) box.scale = 1 / half;
     free(used);
     return box;
 }

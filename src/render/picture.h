@@ -3,13 +3,16 @@
 #define NORMA_RENDER_PICTURE_H
 #include "render/render.h"
 
-typedef struct render_srgb { /* IEC 61966-2-1, both ways; a level that is decoded and encoded is itself again */
+typedef struct render_srgb { /* IEC 61966-2-1, both ways; a level that is decoded and encoded is
+                                itself again */
     uint16_t linear[256];    /* of 65535 */
     uint8_t encoded[65536];
 } render_srgb;
 void render_srgb_make(render_srgb *table);
 
-/* Words in strokes of the Hershey fonts, drawn with their own smooth borders. size: the height of capitals in pixels; (x, y): where the line of writing begins. */
+/* Words in strokes of the Hershey fonts, drawn with their own smooth borders. size: the height of
+ * capitals in pixels; (x, y): where the line of writing begins. */
 double render_text_width(const char *text, double size);
-void render_text_draw(render_picture *picture, const char *text, double x, double y, double size, const uint8_t ink[3]);
+void render_text_draw(render_picture *picture, const char *text, double x, double y, double size,
+    const uint8_t ink[3]);
 #endif

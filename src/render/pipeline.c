@@ -1,4 +1,5 @@
-/* pipeline.c: the way of a vertex: local, world, view, clip, viewport. The normals' way beside it is norma_normal_matrix of the first step (draw.c). */
+/* pipeline.c: the way of a vertex: local, world, view, clip, viewport. The normals' way beside it
+ * is norma_normal_matrix of the first step (draw.c). */
 #include "render/pipeline.h"
 #include <math.h>
 #include <string.h>
@@ -16,10 +17,13 @@ void render_multiply(const double a[16], const double b[16], double product[16])
 
 void render_point(const double m[16], const double p[3], double out[3]) {
     const double x = p[0], y = p[1], z = p[2];
-    for (int row = 0; row < 3; ++row) out[row] = m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row];
+    for (int row = 0; row < 3; ++row)
+        out[row] = m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row];
 }
 
-void render_local_to_world(const double node[16], const double given[16], double matrix[16]) { render_multiply(given, node, matrix); }
+void render_local_to_world(const double node[16], const double given[16], double matrix[16]) {
+    render_multiply(given, node, matrix);
+}
 
 /* Quarter turns are exact: a view from the side is a view from the side. */
 static void sine_cosine(double degrees, double *sine, double *cosine) {
@@ -34,7 +38,8 @@ static void sine_cosine(double degrees, double *sine, double *cosine) {
     *cosine = cos(turned * DEGREE);
 }
 
-void render_camera_axes(const render_camera *camera, double right[3], double up[3], double back[3]) {
+void render_camera_axes(
+    const render_camera *camera, double right[3], double up[3], double back[3]) {
     double sa, ca, se, ce;
     sine_cosine(camera->azimuth_deg, &sa, &ca);
     sine_cosine(camera->elevation_deg, &se, &ce);
@@ -63,7 +68,8 @@ void render_world_to_view(const render_camera *camera, double m[16]) {
 }
 
 void render_view_to_clip(const render_camera *camera, double m[16]) {
-    const double farthest = camera->distance + camera->depth, nearest = fmax(camera->distance - camera->depth, farthest * 1e-3);
+    const double farthest = camera->distance + camera->depth,
+                 nearest = fmax(camera->distance - camera->depth, farthest * 1e-3);
     memset(m, 0, 16 * sizeof *m);
     if (camera->half_height > 0) {
         m[0] = 1 / (camera->half_height * camera->aspect);

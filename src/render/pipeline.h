@@ -1,21 +1,25 @@
-/* pipeline.h: the way of a vertex, one function for each step: local -> world -> view -> clip -> viewport. Matrices are column-major, for column vectors. */
+/* pipeline.h: the way of a vertex, one function for each step: local -> world -> view -> clip ->
+ * viewport. Matrices are column-major, for column vectors. */
 #ifndef NORMA_RENDER_PIPELINE_H
 #define NORMA_RENDER_PIPELINE_H
 #include <stddef.h>
 
 typedef struct render_camera {
-    double azimuth_deg, elevation_deg; /* 0, 0: from the front, looking along -z; azimuth 90 from the right (+x); elevation 90 from above */
+    double azimuth_deg, elevation_deg; /* 0, 0: from the front, looking along -z; azimuth 90 from
+                                          the right (+x); elevation 90 from above */
     int z_up;                          /* front is then from -y, above is +z */
     double centre[3];                  /* in the middle of the picture, world */
     double distance;                   /* of the eye from it */
-    double half_height;                /* orthographic: world units from the middle to the upper border; 0: perspective */
-    double tangent;                    /* perspective: of half the angle of view, of the height */
-    double aspect;                     /* width over height */
-    double depth;                      /* everything lies within this distance of the centre, along the view */
+    double half_height; /* orthographic: world units from the middle to the upper border; 0:
+                           perspective */
+    double tangent;     /* perspective: of half the angle of view, of the height */
+    double aspect;      /* width over height */
+    double depth;       /* everything lies within this distance of the centre, along the view */
 } render_camera;
 
-void render_multiply(const double a[16], const double b[16], double product[16]); /* a b; product may be neither */
-void render_point(const double m[16], const double p[3], double out[3]);          /* the upper 3x4 */
+void render_multiply(
+    const double a[16], const double b[16], double product[16]); /* a b; product may be neither */
+void render_point(const double m[16], const double p[3], double out[3]); /* the upper 3x4 */
 
 /* Local to world: the node's matrix, then the one that the command line gives. */
 void render_local_to_world(const double node[16], const double given[16], double matrix[16]);
@@ -23,7 +27,8 @@ void render_local_to_world(const double node[16], const double given[16], double
 void render_world_to_view(const render_camera *camera, double matrix[16]);
 /* View to clip: perspective, or orthographic where half_height is above 0. */
 void render_view_to_clip(const render_camera *camera, double matrix[16]);
-/* Clip to viewport: pixels from the upper left corner, depth from 0 to 1. What glViewport and the division by w do, for words and tests. */
+/* Clip to viewport: pixels from the upper left corner, depth from 0 to 1. What glViewport and the
+ * division by w do, for words and tests. */
 void render_clip_to_viewport(const double clip[4], size_t width, size_t height, double pixel[3]);
 
 /* The unit axes of the camera in the world: right, up, and back (to the eye). */

@@ -1,4 +1,5 @@
-/* target.c: the framebuffer that is drawn into, and how its samples become the pixels of a picture. */
+/* target.c: the framebuffer that is drawn into, and how its samples become the pixels of a picture.
+ */
 #include "render/device.h"
 #include <stdlib.h>
 
@@ -11,37 +12,43 @@ void render_target_free(render_device *device) {
     device->target_width = device->target_height = 0;
 }
 
-static enum render_result make_target(render_device *device, size_t width, size_t height, render_error *error) {
+static enum render_result make_target(
+    render_device *device, size_t width, size_t height, render_error *error) {
     const render_gl *gl = &device->gl;
     GLint most = 0;
     render_target_free(device);
     gl->GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
     if (width > (size_t)most || height > (size_t)most)
-        return render_fail(error, RENDER_ERROR_ARGUMENT, "%s draws at most %d samples each way, and %zux%zu are wanted; expected a smaller --size or fewer --samples", device->name,
-                           most, width, height);
+        return render_fail(error, RENDER_ERROR_ARGUMENT,
+            "%s draws at most %d samples each way, and %zux%zu are wanted; expected a smaller "
+            "--size or fewer --samples",
+            device->name, most, width, height);
     gl->GenFramebuffers(1, &device->framebuffer);
     gl->GenRenderbuffers(1, &device->colour);
     gl->GenRenderbuffers(1, &device->depth);
     gl->BindFramebuffer(GL_FRAMEBUFFER, device->framebuffer);
     gl->BindRenderbuffer(GL_RENDERBUFFER, device->colour);
     gl->RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, (GLsizei)width, (GLsizei)height);
-    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, device->colour);
+    gl->FramebufferRenderbuffer(
+        GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, device->colour);
     gl->BindRenderbuffer(GL_RENDERBUFFER, device->depth);
     gl->RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, (GLsizei)width, (GLsizei)height);
-    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, device->depth);
+    gl->FramebufferRenderbuffer(
+        GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, device->depth);
     if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-        return render_fail(error, RENDER_ERROR_DEVICE, "%s has no memory for a picture of %zux%zu samples", device->name, width, height);
+        return render_fail(error, RENDER_ERROR_DEVICE,
+            "%s has no memory for a picture of %zux%zu samples", device->name, width, height);
     device->target_width = width;
     device->target_height = height;
     return RENDER_OK;
 }
 
-enum render_result render_target_begin(render_device *device, size_t width, size_t height, const float clear[4], render_error *error) {
+enum render_result render_target_begin(
+    render_device *device, size_t width, size_t height, const float clear[4], render_error *error) {
     const render_gl *gl = &device->gl;
     if (width != device->target_width || height != device->target_height) {
         enum render_result result = make_target(device, width, height, error);
-        if (result)
-            return result;
+        if (result) return result;
     }
     gl->BindFramebuffer(GL_FRAMEBUFFER, device->framebuffer);
     gl->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
@@ -51,8 +58,10 @@ enum render_result render_target_begin(render_device *device, size_t width, size
     return RENDER_OK;
 }
 
-/* One pixel of samples * samples. Samples that nothing covers have no say in its colour; a partly covered one's colour is multiplied by its alpha in the framebuffer. */
-static void resolve(const render_srgb *srgb, const uint8_t *samples, size_t stride, size_t each_way, uint8_t pixel[4]) {
+/* One pixel of samples * samples. Samples that nothing covers have no say in its colour; a partly
+ * covered one's colour is multiplied by its alpha in the framebuffer. */
+static void resolve(const render_srgb *srgb, const uint8_t *samples, size_t stride, size_t each_way,
+    uint8_t pixel[4]) {
     uint64_t light[3] = {0}, alpha = 0;
     for (size_t y = 0; y < each_way; ++y)
         for (size_t x = 0; x < each_way; ++x) {
@@ -64,26 +73,30 @@ static void resolve(const render_srgb *srgb, const uint8_t *samples, size_t stri
                 light[k] += (uint64_t)srgb->linear[level < 255 ? level : 255] * a;
             }
         }
-    for (int k = 0; k < 3; ++k) pixel[k] = alpha ? srgb->encoded[(light[k] + alpha / 2) / alpha] : 0;
+    for (int k = 0; k < 3; ++k)
+        pixel[k] = alpha ? srgb->encoded[(light[k] + alpha / 2) / alpha] : 0;
     const uint64_t count = each_way * each_way;
     pixel[3] = (uint8_t)((alpha + count / 2) / count);
 }
 
-enum render_result render_target_read(render_device *device, int samples, render_picture *picture, size_t x, size_t y, size_t width, size_t height, render_error *error) {
+enum render_result render_target_read(render_device *device, int samples, render_picture *picture,
+    size_t x, size_t y, size_t width, size_t height, render_error *error) {
     const render_gl *gl = &device->gl;
     const size_t each_way = (size_t)samples, stride = 4 * width * each_way;
     uint8_t *all = malloc(stride * height * each_way);
-    if (!all)
-        return render_fail_memory(error);
+    if (!all) return render_fail_memory(error);
     gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
-    gl->ReadPixels(0, 0, (GLsizei)(width * each_way), (GLsizei)(height * each_way), GL_RGBA, GL_UNSIGNED_BYTE, all);
+    gl->ReadPixels(0, 0, (GLsizei)(width * each_way), (GLsizei)(height * each_way), GL_RGBA,
+        GL_UNSIGNED_BYTE, all);
     for (size_t row = 0; row < height; ++row) /* the framebuffer's rows run upwards */
         for (size_t column = 0; column < width; ++column)
-            resolve(&device->srgb, all + (height - 1 - row) * each_way * stride + 4 * column * each_way, stride, each_way,
-                    picture->pixels + 4 * ((y + row) * picture->width + x + column));
+            resolve(&device->srgb,
+                all + (height - 1 - row) * each_way * stride + 4 * column * each_way, stride,
+                each_way, picture->pixels + 4 * ((y + row) * picture->width + x + column));
     free(all);
     const GLenum trouble = gl->GetError();
     if (trouble != GL_NO_ERROR)
-        return render_fail(error, RENDER_ERROR_DEVICE, "%s: OpenGL error 0x%x%s", device->name, trouble, trouble == GL_OUT_OF_MEMORY ? " (out of memory)" : "");
+        return render_fail(error, RENDER_ERROR_DEVICE, "%s: OpenGL error 0x%x%s", device->name,
+            trouble, trouble == GL_OUT_OF_MEMORY ? " (out of memory)" : "");
     return RENDER_OK;
 }

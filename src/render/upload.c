@@ -1,25 +1,27 @@
-/* upload.c: surfaces and lines in the memory of the graphics processor, each made and sent once however many panels show it. */
+/* upload.c: surfaces and lines in the memory of the graphics processor, each made and sent once
+ * however many panels show it. */
 #include "render/device.h"
 #include <stdlib.h>
 
 static void *grown(void *list, size_t *room, size_t count, size_t size) {
-    if (count < *room)
-        return list;
+    if (count < *room) return list;
     const size_t wanted = *room ? 2 * *room : 8;
     void *larger = wanted <= SIZE_MAX / size ? realloc(list, wanted * size) : NULL;
-    if (larger)
-        *room = wanted;
+    if (larger) *room = wanted;
     return larger;
 }
 
-static void send(const render_gl *gl, GLenum target, GLuint buffer, const void *data, size_t bytes) {
+static void send(
+    const render_gl *gl, GLenum target, GLuint buffer, const void *data, size_t bytes) {
     gl->BindBuffer(target, buffer);
     gl->BufferData(target, (GLsizeiptr)bytes, data, GL_STATIC_DRAW);
 }
 
-static void attribute(const render_gl *gl, GLuint location, GLint floats, size_t stride, size_t offset) {
+static void attribute(
+    const render_gl *gl, GLuint location, GLint floats, size_t stride, size_t offset) {
     gl->EnableVertexAttribArray(location);
-    gl->VertexAttribPointer(location, floats, GL_FLOAT, GL_FALSE, (GLsizei)stride, (const void *)(uintptr_t)offset);
+    gl->VertexAttribPointer(
+        location, floats, GL_FLOAT, GL_FALSE, (GLsizei)stride, (const void *)(uintptr_t)offset);
 }
 
 static void send_vertices(const render_gl *gl, render_upload *u) {
@@ -32,27 +34,29 @@ static void send_vertices(const render_gl *gl, render_upload *u) {
     gl->BindVertexArray(u->array);
     gl->GenBuffers(RENDER_BUFFERS, u->buffers);
     for (GLuint i = 0; i < sizeof streams / sizeof *streams; ++i) {
-        if (!streams[i].data)
-            continue;
-        send(gl, GL_ARRAY_BUFFER, u->buffers[i], streams[i].data, v->count * (size_t)streams[i].floats * sizeof(float));
+        if (!streams[i].data) continue;
+        send(gl, GL_ARRAY_BUFFER, u->buffers[i], streams[i].data,
+            v->count * (size_t)streams[i].floats * sizeof(float));
         attribute(gl, i, streams[i].floats, 0, 0);
     }
     if (v->indices)
-        send(gl, GL_ELEMENT_ARRAY_BUFFER, u->buffers[RENDER_BUFFERS - 1], v->indices, v->index_count * sizeof *v->indices);
+        send(gl, GL_ELEMENT_ARRAY_BUFFER, u->buffers[RENDER_BUFFERS - 1], v->indices,
+            v->index_count * sizeof *v->indices);
     gl->BindVertexArray(0);
 }
 
-enum render_result render_upload_of(render_device *device, const render_surface *surface, enum render_kind kind, const render_upload **upload, render_error *error) {
+enum render_result render_upload_of(render_device *device, const render_surface *surface,
+    enum render_kind kind, const render_upload **upload, render_error *error) {
     for (size_t i = 0; i < device->upload_count; ++i)
         if (device->uploads[i]->surface == surface && device->uploads[i]->kind == kind) {
             *upload = device->uploads[i];
             return RENDER_OK;
         }
-    render_upload **list = grown(device->uploads, &device->upload_room, device->upload_count, sizeof *list);
+    render_upload **list =
+        grown(device->uploads, &device->upload_room, device->upload_count, sizeof *list);
     render_upload *made = list ? calloc(1, sizeof *made) : NULL;
     device->uploads = list ? list : device->uploads;
-    if (!made)
-        return render_fail_memory(error);
+    if (!made) return render_fail_memory(error);
     made->surface = surface;
     made->kind = kind;
     enum render_result result = render_vertices_make(surface, kind, &made->vertices, error);
@@ -88,22 +92,23 @@ static void send_lines(const render_gl *gl, render_line_upload *u) {
     gl->BindVertexArray(0);
 }
 
-enum render_result render_lines_of(render_device *device, const render_surface *surface, unsigned kind, const render_look *look, const render_line_upload **lines,
-                                   render_error *error) {
+enum render_result render_lines_of(render_device *device, const render_surface *surface,
+    unsigned kind, const render_look *look, const render_line_upload **lines, render_error *error) {
     for (size_t i = 0; i < device->line_count; ++i)
         if (device->lines[i]->surface == surface && device->lines[i]->kind == kind) {
             *lines = device->lines[i];
             return RENDER_OK;
         }
-    render_line_upload **list = grown(device->lines, &device->line_room, device->line_count, sizeof *list);
+    render_line_upload **list =
+        grown(device->lines, &device->line_room, device->line_count, sizeof *list);
     render_line_upload *made = list ? calloc(1, sizeof *made) : NULL;
     device->lines = list ? list : device->lines;
-    if (!made)
-        return render_fail_memory(error);
+    if (!made) return render_fail_memory(error);
     made->surface = surface;
     made->kind = kind;
     made->box = render_box_of(&surface->mesh);
-    enum render_result result = render_lines_make(surface, kind, look->reach, look->most_lines, &made->set, error);
+    enum render_result result =
+        render_lines_make(surface, kind, look->reach, look->most_lines, &made->set, error);
     if (result) {
         free(made);
         return result;

@@ -1,4 +1,5 @@
-/* hash.c: results to 64 bits. Not a cryptographic hash: nobody makes collisions here, and a changed bit anywhere changes half of the hash. */
+/* hash.c: results to 64 bits. Not a cryptographic hash: nobody makes collisions here, and a changed
+ * bit anywhere changes half of the hash. */
 #include "bits.h"
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +16,9 @@ void bits_add(bits_hash *hash, uint64_t value) {
     hash->state = z ^ (z >> 31);
 }
 
-void bits_size(bits_hash *hash, size_t value) { bits_add(hash, value == SIZE_MAX ? UINT64_MAX : value); }
+void bits_size(bits_hash *hash, size_t value) {
+    bits_add(hash, value == SIZE_MAX ? UINT64_MAX : value);
+}
 
 void bits_bytes(bits_hash *hash, const void *bytes, size_t size) {
     const unsigned char *at = bytes;
@@ -32,14 +35,12 @@ void bits_bytes(bits_hash *hash, const void *bytes, size_t size) {
 
 void bits_text(bits_hash *hash, const char *text) {
     bits_add(hash, text != NULL);
-    if (text)
-        bits_bytes(hash, text, strlen(text));
+    if (text) bits_bytes(hash, text, strlen(text));
 }
 
 void bits_double(bits_hash *hash, double value) {
     uint64_t word = 0x7FF8000000000000u;
-    if (!isnan(value))
-        memcpy(&word, &value, 8);
+    if (!isnan(value)) memcpy(&word, &value, 8);
     bits_add(hash, word);
 }
 
@@ -52,8 +53,7 @@ void bits_floats(bits_hash *hash, const float *values, size_t count) {
     bits_add(hash, count);
     for (size_t i = 0; i < count; ++i) {
         uint32_t word = 0x7FC00000u;
-        if (!isnan(values[i]))
-            memcpy(&word, values + i, 4);
+        if (!isnan(values[i])) memcpy(&word, values + i, 4);
         bits_add(hash, word);
     }
 }
@@ -88,7 +88,8 @@ uint64_t bits_random(uint64_t *seed) {
 double bits_random_unit(uint64_t *seed) { return (double)(bits_random(seed) >> 32) * 0x1p-32; }
 
 void *bits_room(size_t count, size_t size) {
-    void *block = count <= SIZE_MAX / (size ? size : 1) ? malloc(count && size ? count * size : 1) : NULL;
+    void *block =
+        count <= SIZE_MAX / (size ? size : 1) ? malloc(count && size ? count * size : 1) : NULL;
     if (!block) {
         fprintf(stderr, "out of memory\n");
         exit(2);
@@ -98,5 +99,8 @@ void *bits_room(size_t count, size_t size) {
 }
 
 norma_options bits_options(const bits_way *way) {
-    return (norma_options){.struct_size = sizeof(norma_options), .threads = way->threads, .isa = way->isa, .parallel_for = way->jobs};
+    return (norma_options){.struct_size = sizeof(norma_options),
+        .threads = way->threads,
+        .isa = way->isa,
+        .parallel_for = way->jobs};
 }

@@ -1,15 +1,19 @@
-/* fault_calls.c: a program run again and again, each time with one fault at its n-th system call, and the folders that it leaves behind, gathered for a script to judge.
- * Linux's ptrace sees every call of every thread, whatever library makes it.
- *   fault_calls kill     FROM WORK STATES -- command...      stopped for good (SIGKILL) before its n-th call
- *   fault_calls fail     FROM WORK STATES -- command...      its n-th call fails, once for each error that the call may have
- *   fault_calls short    FROM WORK STATES -- command...      its n-th read or write moves fewer bytes
- *   fault_calls shrink=F FROM WORK STATES -- command...      file F of WORK is emptied before the n-th call; grow=, scribble=, halve= likewise
- *   fault_calls memory=S FROM WORK STATES -- command...      its n-th allocation fails, by the library S (tests/cli/faults/fail_allocation.c), which is preloaded
- *   fault_calls trace    FROM WORK STATES -- command...      no fault; what it did to files, in order
- * For each n, the folder FROM is copied to WORK, where the command runs; calls count from its first rt_sigaction, with which our tool's main begins. Each different outcome of
- * WORK is kept as STATES/1, /2, ...; temporary files count as one more outcome, whatever is in them. A line for each run:
- *   n call error | exit status, or the signal that ended it, negative | state | temporary files | a number for what it printed | first line of stderr
- * and a last one, "runs N states M". FAULT_ONLY_WRITING=1: from the first call on that makes a file or a folder. */
+/* fault_calls.c: a program run again and again, each time with one fault at its n-th system call,
+ * and the folders that it leaves behind, gathered for a script to judge. Linux's ptrace sees every
+ * call of every thread, whatever library makes it. fault_calls kill     FROM WORK STATES --
+ * command...      stopped for good (SIGKILL) before its n-th call fault_calls fail     FROM WORK
+ * STATES -- command...      its n-th call fails, once for each error that the call may have
+ *   fault_calls short    FROM WORK STATES -- command...      its n-th read or write moves fewer
+ * bytes fault_calls shrink=F FROM WORK STATES -- command...      file F of WORK is emptied before
+ * the n-th call; grow=, scribble=, halve= likewise fault_calls memory=S FROM WORK STATES --
+ * command...      its n-th allocation fails, by the library S (tests/cli/faults/fail_allocation.c),
+ * which is preloaded fault_calls trace    FROM WORK STATES -- command...      no fault; what it did
+ * to files, in order For each n, the folder FROM is copied to WORK, where the command runs; calls
+ * count from its first rt_sigaction, with which our tool's main begins. Each different outcome of
+ * WORK is kept as STATES/1, /2, ...; temporary files count as one more outcome, whatever is in
+ * them. A line for each run: n call error | exit status, or the signal that ended it, negative |
+ * state | temporary files | a number for what it printed | first line of stderr and a last one,
+ * "runs N states M". FAULT_ONLY_WRITING=1: from the first call on that makes a file or a folder. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #if !defined(__linux__) || !(defined(__x86_64__) || defined(__aarch64__))
@@ -35,7 +39,12 @@ int main(void) {
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { MOST_THREADS = 256, MOST_STATES = 4000, PATH_ROOM = 4096, TELLS_HIT = 199 /* a descriptor */ };
+enum {
+    MOST_THREADS = 256,
+    MOST_STATES = 4000,
+    PATH_ROOM = 4096,
+    TELLS_HIT = 199 /* a descriptor */
+};
 
 static _Noreturn void die(const char *what) {
     fprintf(stderr, "fault_calls: %s: %s\n", what, strerror(errno));
@@ -44,7 +53,8 @@ static _Noreturn void die(const char *what) {
 
 /* ---- folders */
 
-static void walk(const char *path, void (*act)(const char *path, const char *name, void *user), void *user) {
+static void walk(
+    const char *path, void (*act)(const char *path, const char *name, void *user), void *user) {
     struct dirent **entries;
     const int count = scandir(path, &entries, NULL, alphasort);
     for (int i = 0; i < count; ++i) {
@@ -52,11 +62,12 @@ static void walk(const char *path, void (*act)(const char *path, const char *nam
             act(path, entries[i]->d_name, user);
         free(entries[i]);
     }
-    if (count >= 0)
-        free(entries);
+    if (count >= 0) free(entries);
 }
 
-static void join(char out[PATH_ROOM], const char *folder, const char *name) { snprintf(out, PATH_ROOM, "%s/%s", folder, name); }
+static void join(char out[PATH_ROOM], const char *folder, const char *name) {
+    snprintf(out, PATH_ROOM, "%s/%s", folder, name);
+}
 
 static void remove_entry(const char *folder, const char *name, void *user) {
     char path[PATH_ROOM];
@@ -70,11 +81,9 @@ static void remove_entry(const char *folder, const char *name, void *user) {
 static void copy_file(const char *from, const char *to, mode_t mode) {
     char block[65536];
     const int in = open(from, O_RDONLY), out = open(to, O_WRONLY | O_CREAT | O_TRUNC, mode);
-    if (in < 0 || out < 0)
-        die(to);
+    if (in < 0 || out < 0) die(to);
     for (ssize_t got; (got = read(in, block, sizeof block)) > 0;)
-        if (write(out, block, (size_t)got) != got)
-            die(to);
+        if (write(out, block, (size_t)got) != got) die(to);
     close(in);
     close(out);
 }
@@ -84,8 +93,7 @@ static void copy_entry(const char *folder, const char *name, void *user) {
     struct stat status;
     join(from, folder, name);
     join(to, user, name);
-    if (lstat(from, &status))
-        die(from);
+    if (lstat(from, &status)) die(from);
     if (S_ISDIR(status.st_mode)) {
         mkdir(to, status.st_mode & 07777);
         walk(from, copy_entry, to);
@@ -93,16 +101,14 @@ static void copy_entry(const char *folder, const char *name, void *user) {
         char link[PATH_ROOM];
         const ssize_t length = readlink(from, link, sizeof link - 1);
         link[length > 0 ? length : 0] = '\0';
-        if (symlink(link, to))
-            die(to);
+        if (symlink(link, to)) die(to);
     } else {
         copy_file(from, to, status.st_mode & 07777);
     }
 }
 
 static void reset(const char *from, const char *work) {
-    if (mkdir(work, 0777) && errno != EEXIST)
-        die(work);
+    if (mkdir(work, 0777) && errno != EEXIST) die(work);
     walk(work, remove_entry, NULL);
     walk(from, copy_entry, (void *)(uintptr_t)work);
 }
@@ -133,14 +139,11 @@ static void add_entry(const char *folder, const char *name, void *user) {
         return;
     }
     join(path, folder, name);
-    if (lstat(path, &status))
-        die(path);
+    if (lstat(path, &status)) die(path);
     mix(all, name, strlen(name) + 1);
     mix(all, &status.st_mode, sizeof status.st_mode);
-    if (S_ISDIR(status.st_mode))
-        walk(path, add_entry, all);
-    if (!S_ISREG(status.st_mode))
-        return;
+    if (S_ISDIR(status.st_mode)) walk(path, add_entry, all);
+    if (!S_ISREG(status.st_mode)) return;
     const int in = open(path, O_RDONLY);
     for (ssize_t got; (got = read(in, block, sizeof block)) > 0;) mix(all, block, (size_t)got);
     close(in);
@@ -209,30 +212,29 @@ static const call_kind kinds[] = {
 };
 
 static const char *error_name(int error) {
-    static const struct { int error; const char *name; } names[] = {
-        {EINTR, "EINTR"}, {EIO, "EIO"}, {ENOSPC, "ENOSPC"}, {EDQUOT, "EDQUOT"}, {EFBIG, "EFBIG"}, {EACCES, "EACCES"}, {EPERM, "EPERM"}, {ENOENT, "ENOENT"},
-        {ENFILE, "ENFILE"}, {ENOMEM, "ENOMEM"}, {EAGAIN, "EAGAIN"}, {EINVAL, "EINVAL"}, {EBADF, "EBADF"}};
+    static const struct {
+        int error;
+        const char *name;
+    } names[] = {{EINTR, "EINTR"}, {EIO, "EIO"}, {ENOSPC, "ENOSPC"}, {EDQUOT, "EDQUOT"},
+        {EFBIG, "EFBIG"}, {EACCES, "EACCES"}, {EPERM, "EPERM"}, {ENOENT, "ENOENT"},
+        {ENFILE, "ENFILE"}, {ENOMEM, "ENOMEM"}, {EAGAIN, "EAGAIN"}, {EINVAL, "EINVAL"},
+        {EBADF, "EBADF"}};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        if (names[i].error == error)
-            return names[i].name;
+        if (names[i].error == error) return names[i].name;
     return "another";
 }
 
 static const call_kind *kind_of(long number) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
-        if (kinds[i].number == number)
-            return &kinds[i];
+        if (kinds[i].number == number) return &kinds[i];
     return NULL;
 }
 
 static int makes_a_file(long number, const uint64_t *args) {
-    if (number == SYS_openat)
-        return (args[2] & O_CREAT) != 0 || (args[2] & O_TMPFILE) == O_TMPFILE;
+    if (number == SYS_openat) return (args[2] & O_CREAT) != 0 || (args[2] & O_TMPFILE) == O_TMPFILE;
 #if defined(SYS_open)
-    if (number == SYS_open)
-        return (args[1] & O_CREAT) != 0;
-    if (number == SYS_mkdir)
-        return 1;
+    if (number == SYS_open) return (args[1] & O_CREAT) != 0;
+    if (number == SYS_mkdir) return 1;
 #endif
     return number == SYS_mkdirat;
 }
@@ -249,30 +251,27 @@ typedef struct thread {
 
 typedef struct run {
     mode mode;
-    size_t at;         /* the call that is hit; 0: none */
+    size_t at; /* the call that is hit; 0: none */
     int error_index, error;
     void (*change)(const char *file);
     const char *file;
     int only_writing;
-    size_t counted;    /* calls so far; 0: its main has not begun */
+    size_t counted; /* calls so far; 0: its main has not begun */
     int begun, hit, more_errors;
-    int tell[2];       /* of a preloaded library: that it was hit */
-    const char *call;  /* the name of the one that was hit */
+    int tell[2];      /* of a preloaded library: that it was hit */
+    const char *call; /* the name of the one that was hit */
     pid_t child;
-    int status;        /* exit status, or minus the signal */
+    int status; /* exit status, or minus the signal */
     thread threads[MOST_THREADS];
 } run;
 
 static thread *thread_of(run *r, pid_t id) {
     thread *empty = NULL;
     for (size_t i = 0; i < MOST_THREADS; ++i) {
-        if (r->threads[i].id == id)
-            return &r->threads[i];
-        if (!r->threads[i].id && !empty)
-            empty = &r->threads[i];
+        if (r->threads[i].id == id) return &r->threads[i];
+        if (!r->threads[i].id && !empty) empty = &r->threads[i];
     }
-    if (!empty)
-        die("too many threads");
+    if (!empty) die("too many threads");
     *empty = (thread){.id = id};
     return empty;
 }
@@ -280,14 +279,10 @@ static thread *thread_of(run *r, pid_t id) {
 #if defined(__x86_64__)
 static void set_registers(pid_t id, long call, long result, long third, int change_third) {
     struct user_regs_struct regs;
-    if (ptrace(PTRACE_GETREGS, id, NULL, &regs))
-        return;
-    if (call < 0)
-        regs.orig_rax = (unsigned long long)call;
-    if (result)
-        regs.rax = (unsigned long long)result;
-    if (change_third)
-        regs.rdx = (unsigned long long)third;
+    if (ptrace(PTRACE_GETREGS, id, NULL, &regs)) return;
+    if (call < 0) regs.orig_rax = (unsigned long long)call;
+    if (result) regs.rax = (unsigned long long)result;
+    if (change_third) regs.rdx = (unsigned long long)third;
     ptrace(PTRACE_SETREGS, id, NULL, &regs);
 }
 #else
@@ -299,14 +294,10 @@ static void set_registers(pid_t id, long call, long result, long third, int chan
         struct iovec one = {&number, sizeof number};
         ptrace(PTRACE_SETREGSET, id, (void *)NT_ARM_SYSTEM_CALL, &one);
     }
-    if (!result && !change_third)
-        return;
-    if (ptrace(PTRACE_GETREGSET, id, (void *)NT_PRSTATUS, &part))
-        return;
-    if (result)
-        regs.regs[0] = (unsigned long long)result;
-    if (change_third)
-        regs.regs[2] = (unsigned long long)third;
+    if (!result && !change_third) return;
+    if (ptrace(PTRACE_GETREGSET, id, (void *)NT_PRSTATUS, &part)) return;
+    if (result) regs.regs[0] = (unsigned long long)result;
+    if (change_third) regs.regs[2] = (unsigned long long)third;
     ptrace(PTRACE_SETREGSET, id, (void *)NT_PRSTATUS, &part);
 }
 #endif
@@ -327,33 +318,64 @@ static void tell(const thread *t, long result) {
     char a[PATH_ROOM] = "", b[PATH_ROOM] = "";
     const uint64_t *args = t->entry.entry.args;
     const long number = (long)t->entry.entry.nr;
-    if (result < 0)
-        return;
+    if (result < 0) return;
     switch (number) {
-    case SYS_openat: read_text(t->id, args[1], a); printf("open %ld %s%s%s\n", result, a, args[2] & O_CREAT ? " create" : "", (args[2] & O_TMPFILE) == O_TMPFILE ? " nameless" : ""); break;
-    case SYS_write: printf("write %d %ld\n", (int)args[0], result); break;
-    case SYS_fsync: case SYS_fdatasync: printf("fsync %d\n", (int)args[0]); break;
-    case SYS_close: printf("close %d\n", (int)args[0]); break;
+    case SYS_openat:
+        read_text(t->id, args[1], a);
+        printf("open %ld %s%s%s\n", result, a, args[2] & O_CREAT ? " create" : "",
+            (args[2] & O_TMPFILE) == O_TMPFILE ? " nameless" : "");
+        break;
+    case SYS_write:
+        printf("write %d %ld\n", (int)args[0], result);
+        break;
+    case SYS_fsync:
+    case SYS_fdatasync:
+        printf("fsync %d\n", (int)args[0]);
+        break;
+    case SYS_close:
+        printf("close %d\n", (int)args[0]);
+        break;
 #if defined(SYS_rename)
-    case SYS_rename: read_text(t->id, args[0], a), read_text(t->id, args[1], b); printf("rename %s %s\n", a, b); break;
-    case SYS_unlink: read_text(t->id, args[0], a); printf("unlink %s\n", a); break;
-    case SYS_mkdir: read_text(t->id, args[0], a); printf("mkdir %s\n", a); break;
+    case SYS_rename:
+        read_text(t->id, args[0], a), read_text(t->id, args[1], b);
+        printf("rename %s %s\n", a, b);
+        break;
+    case SYS_unlink:
+        read_text(t->id, args[0], a);
+        printf("unlink %s\n", a);
+        break;
+    case SYS_mkdir:
+        read_text(t->id, args[0], a);
+        printf("mkdir %s\n", a);
+        break;
 #endif
-    case SYS_renameat: case SYS_renameat2: read_text(t->id, args[1], a), read_text(t->id, args[3], b); printf("rename %s %s\n", a, b); break;
-    case SYS_linkat: read_text(t->id, args[1], a), read_text(t->id, args[3], b); printf("link %s %s\n", a, b); break;
-    case SYS_unlinkat: read_text(t->id, args[1], a); printf("unlink %s\n", a); break;
-    case SYS_mkdirat: read_text(t->id, args[1], a); printf("mkdir %s\n", a); break;
-    default: break;
+    case SYS_renameat:
+    case SYS_renameat2:
+        read_text(t->id, args[1], a), read_text(t->id, args[3], b);
+        printf("rename %s %s\n", a, b);
+        break;
+    case SYS_linkat:
+        read_text(t->id, args[1], a), read_text(t->id, args[3], b);
+        printf("link %s %s\n", a, b);
+        break;
+    case SYS_unlinkat:
+        read_text(t->id, args[1], a);
+        printf("unlink %s\n", a);
+        break;
+    case SYS_mkdirat:
+        read_text(t->id, args[1], a);
+        printf("mkdir %s\n", a);
+        break;
+    default:
+        break;
     }
 }
 
 /* Whether this kind of fault can hit this call. */
 static int can_hit(run *r, long number) {
     const call_kind *kind = kind_of(number);
-    if (r->mode == KILL || r->mode == CHANGE)
-        return 1;
-    if (r->mode == SHORT)
-        return number == SYS_read || number == SYS_write || number == SYS_pread64;
+    if (r->mode == KILL || r->mode == CHANGE) return 1;
+    if (r->mode == SHORT) return number == SYS_read || number == SYS_write || number == SYS_pread64;
     return r->mode == FAIL && kind && kind->errors[0];
 }
 
@@ -373,52 +395,44 @@ static void hit(run *r, thread *t) {
         set_registers(t->id, 0, 0, size > 1 ? size / 2 : size, 1);
     } else if (r->mode == FAIL) {
         t->error = r->error = kind->errors[r->error_index];
-        r->more_errors = r->error_index + 1 < (int)(sizeof kind->errors / sizeof *kind->errors) && kind->errors[r->error_index + 1];
+        r->more_errors = r->error_index + 1 < (int)(sizeof kind->errors / sizeof *kind->errors) &&
+                         kind->errors[r->error_index + 1];
         set_registers(t->id, -1, 0, 0, 0);
     }
 }
 
 static void on_call(run *r, thread *t) {
     struct __ptrace_syscall_info info = {0};
-    if (ptrace(PTRACE_GET_SYSCALL_INFO, t->id, sizeof info, &info) <= 0)
-        return;
+    if (ptrace(PTRACE_GET_SYSCALL_INFO, t->id, sizeof info, &info) <= 0) return;
     if (info.op == PTRACE_SYSCALL_INFO_ENTRY) {
         t->entry = info;
         const long number = (long)info.entry.nr;
-        if (number == SYS_rt_sigaction && !r->only_writing)
-            r->begun = 1;
-        if (r->only_writing && makes_a_file(number, info.entry.args))
-            r->begun = 1;
-        if (r->begun && can_hit(r, number) && ++r->counted == r->at)
-            hit(r, t);
+        if (number == SYS_rt_sigaction && !r->only_writing) r->begun = 1;
+        if (r->only_writing && makes_a_file(number, info.entry.args)) r->begun = 1;
+        if (r->begun && can_hit(r, number) && ++r->counted == r->at) hit(r, t);
     } else if (info.op == PTRACE_SYSCALL_INFO_EXIT) {
-        if (t->error)
-            set_registers(t->id, 0, -t->error, 0, 0);
+        if (t->error) set_registers(t->id, 0, -t->error, 0, 0);
         t->error = 0;
-        if (r->mode == TRACE && r->begun)
-            tell(t, (long)info.exit.rval);
+        if (r->mode == TRACE && r->begun) tell(t, (long)info.exit.rval);
     }
 }
 
 static void start(run *r, const char *work, char **command) {
     char out[PATH_ROOM], err[PATH_ROOM];
-    if (r->mode == MEMORY && pipe2(r->tell, O_NONBLOCK | O_CLOEXEC))
-        die("pipe");
+    if (r->mode == MEMORY && pipe2(r->tell, O_NONBLOCK | O_CLOEXEC)) die("pipe");
     snprintf(out, sizeof out, "%s.out", work);
     snprintf(err, sizeof err, "%s.err", work);
     fflush(stdout);
     r->child = fork();
-    if (r->child < 0)
-        die("fork");
-    if (r->child > 0)
-        return;
-    const int to_out = open(out, O_WRONLY | O_CREAT | O_TRUNC, 0666), to_err = open(err, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    if (r->child < 0) die("fork");
+    if (r->child > 0) return;
+    const int to_out = open(out, O_WRONLY | O_CREAT | O_TRUNC, 0666),
+              to_err = open(err, O_WRONLY | O_CREAT | O_TRUNC, 0666);
     dup2(to_out, 1);
     dup2(to_err, 2);
     close(to_out);
     close(to_err);
-    if (chdir(work) || (r->mode != MEMORY && ptrace(PTRACE_TRACEME, 0, NULL, NULL)))
-        _exit(98);
+    if (chdir(work) || (r->mode != MEMORY && ptrace(PTRACE_TRACEME, 0, NULL, NULL))) _exit(98);
     if (r->mode == MEMORY) {
         char number[32];
         snprintf(number, sizeof number, "%zu", r->at);
@@ -435,8 +449,7 @@ static void start(run *r, const char *work, char **command) {
 static void wait_for(run *r) {
     int status;
     char byte;
-    if (waitpid(r->child, &status, 0) != r->child)
-        die("the command did not start");
+    if (waitpid(r->child, &status, 0) != r->child) die("the command did not start");
     r->status = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
     r->hit = read(r->tell[0], &byte, 1) == 1;
     r->call = "allocation";
@@ -449,12 +462,12 @@ static void follow(run *r) {
     int status;
     if (waitpid(r->child, &status, __WALL) != r->child || !WIFSTOPPED(status))
         die("the command did not start");
-    ptrace(PTRACE_SETOPTIONS, r->child, NULL, PTRACE_O_EXITKILL | PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_TRACEEXEC);
+    ptrace(PTRACE_SETOPTIONS, r->child, NULL,
+        PTRACE_O_EXITKILL | PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_TRACEEXEC);
     ptrace(PTRACE_SYSCALL, r->child, NULL, NULL);
     for (;;) {
         const pid_t id = waitpid(-1, &status, __WALL);
-        if (id < 0)
-            return;
+        if (id < 0) return;
         if (WIFEXITED(status) || WIFSIGNALED(status)) {
             if (id == r->child)
                 r->status = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
@@ -476,20 +489,17 @@ static void follow(run *r) {
 /* ---- changes to a file while it is read */
 
 static void shrink(const char *file) {
-    if (truncate(file, 0))
-        die(file);
+    if (truncate(file, 0)) die(file);
 }
 
 static void halve(const char *file) {
     struct stat status;
-    if (stat(file, &status) || truncate(file, status.st_size / 2))
-        die(file);
+    if (stat(file, &status) || truncate(file, status.st_size / 2)) die(file);
 }
 
 static void grow(const char *file) {
     struct stat status;
-    if (stat(file, &status) || truncate(file, status.st_size * 3 + 8192))
-        die(file);
+    if (stat(file, &status) || truncate(file, status.st_size * 3 + 8192)) die(file);
 }
 
 /* Other numbers, far beyond every array, in the second half: the header stays as it is. */
@@ -498,10 +508,12 @@ static void scribble(const char *file) {
     struct stat status;
     const int out = open(file, O_WRONLY);
     memset(block, 0x7f, sizeof block);
-    if (out < 0 || fstat(out, &status))
-        die(file);
+    if (out < 0 || fstat(out, &status)) die(file);
     for (off_t at = status.st_size / 2; at < status.st_size; at += (off_t)sizeof block)
-        if (pwrite(out, block, (size_t)(status.st_size - at < (off_t)sizeof block ? status.st_size - at : (off_t)sizeof block), at) < 0)
+        if (pwrite(out, block,
+                (size_t)(status.st_size - at < (off_t)sizeof block ? status.st_size - at
+                                                                   : (off_t)sizeof block),
+                at) < 0)
             die(file);
     close(out);
 }
@@ -515,10 +527,8 @@ typedef struct states {
 
 static size_t state_of(states *all, const content *now, const char *work, const char *folder) {
     for (size_t i = 0; i < all->count; ++i)
-        if (all->seen[i] == now->hash)
-            return i + 1;
-    if (all->count == MOST_STATES)
-        die("too many outcomes");
+        if (all->seen[i] == now->hash) return i + 1;
+    if (all->count == MOST_STATES) die("too many outcomes");
     char kept[PATH_ROOM];
     all->seen[all->count++] = now->hash;
     snprintf(kept, sizeof kept, "%s/%zu", folder, all->count);
@@ -534,8 +544,7 @@ static uint64_t printed(const char *work) {
     const int in = open(path, O_RDONLY);
     for (ssize_t got; in >= 0 && (got = read(in, block, sizeof block)) > 0;)
         for (ssize_t i = 0; i < got; ++i)
-            if (block[i] != ' ' && block[i] != '\n')
-                mix(&all, &block[i], 1);
+            if (block[i] != ' ' && block[i] != '\n') mix(&all, &block[i], 1);
     close(in);
     return all.hash;
 }
@@ -547,15 +556,15 @@ static int find_line(const char *work, const char *ending, const char *words, ch
     snprintf(path, sizeof path, "%s%s", work, ending);
     FILE *in = fopen(path, "r");
     while (in && !found && fgets(line, 400, in)) found = !words || strcasestr(line, words);
-    if (in)
-        fclose(in);
+    if (in) fclose(in);
     line[found ? strcspn(line, "\n") : 0] = '\0';
     return found;
 }
 
 /* What was said, wherever: reports of files that could not be read go to standard output. */
 static void find_message(const run *r, const char *work, char line[400]) {
-    static const char *const words[] = {"out of memory", "cannot allocate memory", "memory could not be allocated"};
+    static const char *const words[] = {
+        "out of memory", "cannot allocate memory", "memory could not be allocated"};
     for (size_t i = 0; r->mode == MEMORY && i < sizeof words / sizeof *words; ++i)
         if (find_line(work, ".err", words[i], line) || find_line(work, ".out", words[i], line))
             return;
@@ -563,7 +572,10 @@ static void find_message(const run *r, const char *work, char line[400]) {
 }
 
 static mode mode_of(const char *word, run *r) {
-    static const struct { const char *name; void (*change)(const char *); } changes[] = {{"shrink", shrink}, {"halve", halve}, {"grow", grow}, {"scribble", scribble}};
+    static const struct {
+        const char *name;
+        void (*change)(const char *);
+    } changes[] = {{"shrink", shrink}, {"halve", halve}, {"grow", grow}, {"scribble", scribble}};
     const char *equals = strchr(word, '=');
     if (strncmp(word, "memory=", 7) == 0) {
         r->file = word + 7;
@@ -614,11 +626,11 @@ int main(int count, char **words) {
             follow(&r);
         const content now = look(work);
         find_message(&r, work, line);
-        printf("%zu %s %s | %d | %zu | %d | %016" PRIx64 " | %s\n", r.hit ? at : 0, r.call, r.error ? error_name(r.error) : "-", r.status, state_of(&all, &now, work, folder),
-               now.temporary, printed(work), line);
+        printf("%zu %s %s | %d | %zu | %d | %016" PRIx64 " | %s\n", r.hit ? at : 0, r.call,
+            r.error ? error_name(r.error) : "-", r.status, state_of(&all, &now, work, folder),
+            now.temporary, printed(work), line);
         ++runs;
-        if (!r.hit)
-            break;
+        if (!r.hit) break;
         error_index = r.more_errors ? error_index + 1 : 0;
         at += !r.more_errors;
     }

@@ -33,7 +33,8 @@ static double worst_ratio;
 static void on_malloc(const volatile void *block, size_t size) {
     (void)block;
     size_t now = atomic_fetch_add(&live, size) + size, seen = atomic_load(&peak);
-    while (now > seen && !atomic_compare_exchange_weak(&peak, &seen, now)) {}
+    while (now > seen && !atomic_compare_exchange_weak(&peak, &seen, now)) {
+    }
 }
 
 static void on_free(const volatile void *block) {
@@ -84,8 +85,7 @@ void fuzz_meter_begin_plain(size_t size) { begin(size, FUZZ_PLAIN_BASE, FUZZ_PLA
 void fuzz_meter_end(void) {
     set_timer(0);
     size_t used = atomic_load(&peak) - atomic_load(&at_begin);
-    if (used > most)
-        fuzz_fail("%zu bytes of memory for an input of %zu", used, input_size);
+    if (used > most) fuzz_fail("%zu bytes of memory for an input of %zu", used, input_size);
     double ratio = (double)used / (double)(input_size + 1024);
     if (ratio > worst_ratio && getenv("FUZZ_TELL_MEMORY")) {
         worst_ratio = ratio;
@@ -97,10 +97,8 @@ void fuzz_meter_end(void) {
 
 void fuzz_take(fuzz_bytes *bytes, void *out, size_t size) {
     size_t there = size < bytes->left ? size : bytes->left;
-    if (size)
-        memset(out, 0, size);
-    if (there)
-        memcpy(out, bytes->at, there);
+    if (size) memset(out, 0, size);
+    if (there) memcpy(out, bytes->at, there);
     bytes->at += there;
     bytes->left -= there;
 }
@@ -118,22 +116,22 @@ uint32_t fuzz_u32(fuzz_bytes *bytes) {
 }
 
 uint32_t fuzz_below(fuzz_bytes *bytes, uint32_t bound) {
-    if (bound <= 1)
-        return 0;
+    if (bound <= 1) return 0;
     return (bound <= 256 ? fuzz_u8(bytes) : fuzz_u32(bytes)) % bound;
 }
 
-/* One byte for most numbers, so that equal positions, flat faces and right angles come about; any bits behind a byte of 255. */
+/* One byte for most numbers, so that equal positions, flat faces and right angles come about; any
+ * bits behind a byte of 255. */
 float fuzz_float(fuzz_bytes *bytes) {
-    static const float special[] = {0.f, -0.f, 1e-45f, -1e-38f, 1.17549435e-38f, 1e-20f, 1e20f, -3.4e38f, 3.40282347e38f, INFINITY, -INFINITY, NAN, 0.1f, 1e-7f, 16777217.f, 0.5f};
+    static const float special[] = {0.f, -0.f, 1e-45f, -1e-38f, 1.17549435e-38f, 1e-20f, 1e20f,
+        -3.4e38f, 3.40282347e38f, INFINITY, -INFINITY, NAN, 0.1f, 1e-7f, 16777217.f, 0.5f};
     uint8_t kind = fuzz_u8(bytes);
     if (kind == 255) {
         float any;
         fuzz_take(bytes, &any, sizeof any);
         return any;
     }
-    if (kind >= 240)
-        return special[kind - 240];
+    if (kind >= 240) return special[kind - 240];
     return (float)(kind % 16) - 7.f + (float)(kind / 16) * 0.0625f;
 }
 
@@ -154,7 +152,9 @@ uint32_t fuzz_random_u32(fuzz_random *random) { /* Vigna 2015, splitmix64 */
     return (uint32_t)((z ^ z >> 31) >> 32);
 }
 
-size_t fuzz_random_below(fuzz_random *random, size_t bound) { return bound ? fuzz_random_u32(random) % bound : 0; }
+size_t fuzz_random_below(fuzz_random *random, size_t bound) {
+    return bound ? fuzz_random_u32(random) % bound : 0;
+}
 
 /* ---- the allocator */
 
@@ -162,8 +162,7 @@ static void *counted_allocate(void *user, size_t size, size_t alignment) {
     fuzz_allocator *counts = user;
     if (alignment == 0 || alignment > 64 || (alignment & (alignment - 1)) != 0)
         fuzz_fail("an alignment of %zu was asked for", alignment);
-    if (++counts->calls == counts->fail_at)
-        return NULL;
+    if (++counts->calls == counts->fail_at) return NULL;
     size_t rounded = (size + 63) / 64 * 64;
     void *block = rounded < size ? NULL : aligned_alloc(64, rounded ? rounded : 64);
     if (block) {
@@ -176,21 +175,19 @@ static void *counted_allocate(void *user, size_t size, size_t alignment) {
 
 static void counted_release(void *user, void *block, size_t size) {
     fuzz_allocator *counts = user;
-    if (!block)
-        return;
-    if (size > counts->live)
-        fuzz_fail("%zu bytes are given back, of %zu", size, counts->live);
+    if (!block) return;
+    if (size > counts->live) fuzz_fail("%zu bytes are given back, of %zu", size, counts->live);
     counts->live -= size;
     free(block);
 }
 
 void fuzz_allocator_start(fuzz_allocator *counts, size_t fail_at) {
-    *counts = (fuzz_allocator){.allocator = {counted_allocate, counted_release, counts}, .fail_at = fail_at};
+    *counts = (fuzz_allocator){
+        .allocator = {counted_allocate, counted_release, counts}, .fail_at = fail_at};
 }
 
 void fuzz_allocator_finish(fuzz_allocator *counts) {
-    if (counts->live)
-        fuzz_fail("%zu bytes were not given back", counts->live);
+    if (counts->live) fuzz_fail("%zu bytes were not given back", counts->live);
 }
 
 void fuzz_backwards(void *user, size_t count, norma_task *task, void *context) {

@@ -1,5 +1,6 @@
-/* fuzz_document.c: asks a document for everything that its public header lets one ask, and touches every number of every array that it hands out, so that the address
- * sanitizer sees what lies outside; and judges whether the answers agree with each other. */
+/* fuzz_document.c: asks a document for everything that its public header lets one ask, and touches
+ * every number of every array that it hands out, so that the address sanitizer sees what lies
+ * outside; and judges whether the answers agree with each other. */
 #include "fuzz.h"
 #include <math.h>
 #include <stdlib.h>
@@ -15,8 +16,7 @@ static void touch(const void *data, size_t size) {
 }
 
 static void touch_text(const char *text) {
-    if (!text)
-        fuzz_fail("a text that is NULL");
+    if (!text) fuzz_fail("a text that is NULL");
     touch(text, strlen(text));
 }
 
@@ -31,9 +31,11 @@ static void read_mesh(const norma_mesh *mesh, const norma_mesh_info *info) {
     const size_t faces = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
     touch_view(&mesh->positions);
     if (mesh->positions.count != info->vertices || faces != info->faces)
-        fuzz_fail("%zu positions, %zu faces; the info says %zu, %zu", mesh->positions.count, faces, info->vertices, info->faces);
+        fuzz_fail("%zu positions, %zu faces; the info says %zu, %zu", mesh->positions.count, faces,
+            info->vertices, info->faces);
     for (size_t f = 0; mesh->face_starts && f < faces; ++f)
-        if (mesh->face_starts[f] > mesh->face_starts[f + 1] || mesh->face_starts[f + 1] > mesh->corner_count)
+        if (mesh->face_starts[f] > mesh->face_starts[f + 1] ||
+            mesh->face_starts[f + 1] > mesh->corner_count)
             fuzz_fail("face %zu begins behind its end", f);
     for (size_t c = 0; c < mesh->corner_count; ++c) {
         size_t position = c;
@@ -48,31 +50,29 @@ static void read_mesh(const norma_mesh *mesh, const norma_mesh_info *info) {
     }
     if (mesh->smoothing_groups)
         touch(mesh->smoothing_groups, faces * sizeof *mesh->smoothing_groups);
-    if (mesh->hard_edges)
-        touch(mesh->hard_edges, mesh->corner_count);
+    if (mesh->hard_edges) touch(mesh->hard_edges, mesh->corner_count);
 }
 
 static void read_attributes(norma_document *document, size_t index, const norma_mesh_data *data) {
     norma_mesh_attributes a;
-    if (norma_document_mesh_attributes(document, index, &a, NULL))
-        return;
-    const size_t vertices = data->mesh.positions.count, faces = data->mesh.face_starts ? data->mesh.face_count : data->mesh.corner_count / 3;
+    if (norma_document_mesh_attributes(document, index, &a, NULL)) return;
+    const size_t vertices = data->mesh.positions.count, faces = data->mesh.face_starts
+                                                                    ? data->mesh.face_count
+                                                                    : data->mesh.corner_count / 3;
     if (a.material != SIZE_MAX && a.material >= norma_document_material_count(document))
         fuzz_fail("material %zu is not there", a.material);
     for (size_t f = 0; a.face_materials && f < faces; ++f)
-        if (a.face_materials[f] != UINT32_MAX && a.face_materials[f] >= norma_document_material_count(document))
+        if (a.face_materials[f] != UINT32_MAX &&
+            a.face_materials[f] >= norma_document_material_count(document))
             fuzz_fail("material %u of face %zu is not there", (unsigned)a.face_materials[f], f);
-    if (a.texcoords)
-        touch(a.texcoords, a.texcoord_count * 2 * sizeof(float));
+    if (a.texcoords) touch(a.texcoords, a.texcoord_count * 2 * sizeof(float));
     for (size_t c = 0; a.corner_texcoords && c < data->mesh.corner_count; ++c)
         if (a.corner_texcoords[c] != UINT32_MAX && a.corner_texcoords[c] >= a.texcoord_count)
-            fuzz_fail("corner %zu names UV %u of %zu", c, (unsigned)a.corner_texcoords[c], a.texcoord_count);
-    if (a.colors)
-        touch(a.colors, vertices * 4 * sizeof(float));
-    if (a.tangents)
-        touch(a.tangents, a.tangent_count * 4 * sizeof(float));
-    if (a.face_faults)
-        touch(a.face_faults, faces);
+            fuzz_fail("corner %zu names UV %u of %zu", c, (unsigned)a.corner_texcoords[c],
+                a.texcoord_count);
+    if (a.colors) touch(a.colors, vertices * 4 * sizeof(float));
+    if (a.tangents) touch(a.tangents, a.tangent_count * 4 * sizeof(float));
+    if (a.face_faults) touch(a.face_faults, faces);
     touch_text(a.tangent_encoding);
     touch_text(a.ignore);
 }
@@ -80,8 +80,7 @@ static void read_attributes(norma_document *document, size_t index, const norma_
 static void read_morphs(norma_document *document, size_t index, size_t targets) {
     for (size_t t = 0; t < targets && t < 8; ++t) {
         norma_morph_data morph;
-        if (norma_document_morph_data(document, index, t, &morph, NULL))
-            continue;
+        if (norma_document_morph_data(document, index, t, &morph, NULL)) continue;
         touch_view(&morph.positions);
         touch_view(&morph.normals);
         touch_view(&morph.tangents);
@@ -106,8 +105,10 @@ static void read_meshes(norma_document *document) {
         read_mesh(&data.mesh, &info);
         touch_view(&data.normals);
         for (size_t c = 0; data.corner_normals && c < data.mesh.corner_count; ++c)
-            if (data.corner_normals[c] != UINT32_MAX && data.corner_normals[c] >= data.normals.count)
-                fuzz_fail("corner %zu names normal %u of %zu", c, (unsigned)data.corner_normals[c], data.normals.count);
+            if (data.corner_normals[c] != UINT32_MAX &&
+                data.corner_normals[c] >= data.normals.count)
+                fuzz_fail("corner %zu names normal %u of %zu", c, (unsigned)data.corner_normals[c],
+                    data.normals.count);
         read_attributes(document, i, &data);
         read_morphs(document, i, info.morph_targets);
     }
@@ -117,7 +118,8 @@ static void read_nodes(norma_document *document) {
     for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info node;
         double world[16];
-        if (norma_document_node_info(document, i, &node)) /* its instances may lie in a file that is not here */
+        if (norma_document_node_info(
+                document, i, &node)) /* its instances may lie in a file that is not here */
             continue;
         touch_text(node.name);
         touch_text(node.where);
@@ -129,29 +131,26 @@ static void read_nodes(norma_document *document) {
 }
 
 static void read_others(norma_document *document) {
-    for (size_t i = 0; i < norma_document_note_count(document); ++i) touch_text(norma_document_note(document, i));
+    for (size_t i = 0; i < norma_document_note_count(document); ++i)
+        touch_text(norma_document_note(document, i));
     for (size_t i = 0; i < norma_document_material_count(document); ++i) {
         norma_material_info material;
-        if (norma_document_material_info(document, i, &material))
-            continue;
+        if (norma_document_material_info(document, i, &material)) continue;
         touch_text(material.name);
         touch_text(material.where);
         touch_text(material.ignore);
     }
     for (size_t i = 0; i < norma_document_skin_count(document); ++i) {
         norma_skin_info skin;
-        if (norma_document_skin_info(document, i, &skin, NULL))
-            continue;
+        if (norma_document_skin_info(document, i, &skin, NULL)) continue;
         touch_text(skin.name);
         touch_text(skin.where);
         touch_text(skin.ignore);
-        if (isnan(skin.anisotropy))
-            fuzz_fail("skin %zu: an anisotropy that is no number", i);
+        if (isnan(skin.anisotropy)) fuzz_fail("skin %zu: an anisotropy that is no number", i);
     }
     for (size_t i = 0; i < norma_document_unread_count(document); ++i) {
         norma_unread unread;
-        if (norma_document_unread(document, i, &unread))
-            continue;
+        if (norma_document_unread(document, i, &unread)) continue;
         touch_text(unread.where);
         touch_text(unread.why);
     }
@@ -163,10 +162,12 @@ void fuzz_read_all(norma_document *document) {
     read_others(document);
 }
 
-static norma_document_result open_and_read(const uint8_t *bytes, size_t size, const norma_document_options *options) {
+static norma_document_result open_and_read(
+    const uint8_t *bytes, size_t size, const norma_document_options *options) {
     norma_document *document;
     norma_document_error error;
-    norma_document_result result = norma_document_open_memory(bytes, size, NULL, options, &document, &error);
+    norma_document_result result =
+        norma_document_open_memory(bytes, size, NULL, options, &document, &error);
     if (result) {
         if (document || error.result != result || !error.message[0] || strchr(error.message, '\n'))
             fuzz_fail("result %d with the message \"%s\"", (int)result, error.message);
@@ -178,8 +179,12 @@ static norma_document_result open_and_read(const uint8_t *bytes, size_t size, co
 }
 
 int fuzz_reader(const uint8_t *bytes, size_t size, norma_file_format format) {
-    norma_document_options options = {.struct_size = sizeof options, .format = format, .depth = NORMA_DOCUMENT_SUMMARY, .threads = 1};
-    const int shares = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB; /* elements share bytes */
+    norma_document_options options = {.struct_size = sizeof options,
+        .format = format,
+        .depth = NORMA_DOCUMENT_SUMMARY,
+        .threads = 1};
+    const int shares =
+        format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB; /* elements share bytes */
     shares ? fuzz_meter_begin(size) : fuzz_meter_begin_plain(size);
     (void)open_and_read(bytes, size, &options);
     options.depth = NORMA_DOCUMENT_WHOLE;
@@ -197,13 +202,11 @@ int fuzz_blob_write(void *user, const void *bytes, size_t size) {
     if (size > blob->capacity - blob->size) {
         size_t capacity = 2 * (blob->size + size);
         uint8_t *larger = realloc(blob->bytes, capacity);
-        if (!larger)
-            return 1;
+        if (!larger) return 1;
         blob->bytes = larger;
         blob->capacity = capacity;
     }
-    if (size)
-        memcpy(blob->bytes + blob->size, bytes, size);
+    if (size) memcpy(blob->bytes + blob->size, bytes, size);
     blob->size += size;
     return 0;
 }

@@ -1,4 +1,6 @@
 /* fuzz_stl.c: any bytes as STL. */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) { return fuzz_reader(bytes, size, NORMA_FILE_STL); }
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
+    return fuzz_reader(bytes, size, NORMA_FILE_STL);
+}

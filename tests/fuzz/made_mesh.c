@@ -1,4 +1,5 @@
-/* made_mesh.c: meshes and options from bytes: small, mostly right, wrong in every way that arguments can be. */
+/* made_mesh.c: meshes and options from bytes: small, mostly right, wrong in every way that
+ * arguments can be. */
 #include "made_mesh.h"
 #include <math.h>
 #include <stdlib.h>
@@ -8,8 +9,7 @@ static const size_t component_sizes[] = {4, 8, 1, 1, 2, 2};
 
 static void *block_of(const void *bytes, size_t size) {
     void *block = malloc(size ? size : 1);
-    if (size)
-        memcpy(block, bytes, size);
+    if (size) memcpy(block, bytes, size);
     return block;
 }
 
@@ -28,13 +28,16 @@ static void put_component(fuzz_bytes *bytes, norma_format format, uint8_t *at) {
 }
 
 norma_vec3_view made_view(fuzz_bytes *bytes, size_t count, void **block) {
-    static const norma_format formats[] = {NORMA_FORMAT_FLOAT, NORMA_FORMAT_FLOAT, NORMA_FORMAT_DOUBLE, NORMA_FORMAT_INT8, NORMA_FORMAT_UINT8, NORMA_FORMAT_INT16, NORMA_FORMAT_UINT16, NORMA_FORMAT_FLOAT};
+    static const norma_format formats[] = {NORMA_FORMAT_FLOAT, NORMA_FORMAT_FLOAT,
+        NORMA_FORMAT_DOUBLE, NORMA_FORMAT_INT8, NORMA_FORMAT_UINT8, NORMA_FORMAT_INT16,
+        NORMA_FORMAT_UINT16, NORMA_FORMAT_FLOAT};
     uint8_t kind = fuzz_u8(bytes);
     norma_vec3_view view = {.count = count, .format = formats[kind % 8]};
     size_t size = 3 * component_sizes[view.format], stride = kind & 8 ? size + (kind >> 4) : size;
     uint8_t *data = calloc(count ? (count - 1) * stride + size : 1, 1);
     for (size_t i = 0; i < count; ++i)
-        for (size_t k = 0; k < 3; ++k) put_component(bytes, view.format, data + i * stride + k * (size / 3));
+        for (size_t k = 0; k < 3; ++k)
+            put_component(bytes, view.format, data + i * stride + k * (size / 3));
     view.stride = kind & 8 ? stride : 0;
     view.data = *block = data;
     return view;
@@ -49,7 +52,9 @@ static void take_corners(fuzz_bytes *bytes, made_mesh *made, size_t corner_count
     /* One in 256 may name a position that is not there. */
     for (size_t c = 0; c < corner_count; ++c) {
         uint8_t byte = fuzz_u8(bytes);
-        uint32_t index = byte == 255 ? fuzz_u32(bytes) : (uint32_t)(mesh->positions.count ? byte % mesh->positions.count : byte);
+        uint32_t index =
+            byte == 255 ? fuzz_u32(bytes)
+                        : (uint32_t)(mesh->positions.count ? byte % mesh->positions.count : byte);
         memcpy(corners + c * size, &index, size);
     }
     mesh->corners = made->blocks[made->block_count++] = block_of(corners, corner_count * size);
@@ -65,18 +70,27 @@ static void take_faces(fuzz_bytes *bytes, made_mesh *made, size_t corner_count) 
         at = corners == 255 ? fuzz_u32(bytes) : at + corners % 8;
         starts[++faces] = corners < 250 && at > corner_count ? (uint32_t)corner_count : at;
     }
-    made->mesh.face_starts = made->blocks[made->block_count++] = block_of(starts, (faces + 1) * sizeof *starts);
+    made->mesh.face_starts = made->blocks[made->block_count++] =
+        block_of(starts, (faces + 1) * sizeof *starts);
     made->mesh.face_count = made->faces = faces;
 }
 
 /* Counts for which no memory is there: they must be refused before anything is read. */
 static void make_huge(fuzz_bytes *bytes, norma_mesh *mesh) {
-    static const size_t huge[] = {UINT32_MAX, (size_t)UINT32_MAX + 1, SIZE_MAX, SIZE_MAX / 2, SIZE_MAX / 3 * 3, SIZE_MAX / 12 * 12};
+    static const size_t huge[] = {UINT32_MAX, (size_t)UINT32_MAX + 1, SIZE_MAX, SIZE_MAX / 2,
+        SIZE_MAX / 3 * 3, SIZE_MAX / 12 * 12};
     size_t count = huge[fuzz_below(bytes, 6)];
     switch (fuzz_below(bytes, 3)) {
-    case 0: mesh->positions.count = count; break;
-    case 1: mesh->corner_count = count; break;
-    default: mesh->positions.stride = SIZE_MAX - fuzz_below(bytes, 64); mesh->positions.count = mesh->positions.count > 2 ? mesh->positions.count : 3; break;
+    case 0:
+        mesh->positions.count = count;
+        break;
+    case 1:
+        mesh->corner_count = count;
+        break;
+    default:
+        mesh->positions.stride = SIZE_MAX - fuzz_below(bytes, 64);
+        mesh->positions.count = mesh->positions.count > 2 ? mesh->positions.count : 3;
+        break;
     }
 }
 
@@ -89,25 +103,26 @@ made_mesh *made_mesh_take(fuzz_bytes *bytes) {
     if (!(kind & 4)) /* triangles, but for one in eight */
         corners = extras >= 224 ? corners : corners / 3 * 3;
     made->mesh.corner_count = corners;
-    if (kind & 4)
-        take_faces(bytes, made, corners);
+    if (kind & 4) take_faces(bytes, made, corners);
     if (kind & 8 && !(extras & 16))
         made->mesh.corner_count = corners = corners < positions ? corners : positions / 3 * 3;
     else
         take_corners(bytes, made, corners, kind);
-    made->faces = kind & 4 ? made->mesh.face_count : corners / 3; /* face_starts that no longer end where the corners do are an error to be found */
+    made->faces =
+        kind & 4 ? made->mesh.face_count : corners / 3; /* face_starts that no longer end where the
+                                                           corners do are an error to be found */
     if (extras & 1) {
         uint32_t groups[256];
         for (size_t f = 0; f < made->faces; ++f) groups[f] = fuzz_u8(bytes) & 7;
-        made->mesh.smoothing_groups = made->blocks[made->block_count++] = block_of(groups, made->faces * sizeof *groups);
+        made->mesh.smoothing_groups = made->blocks[made->block_count++] =
+            block_of(groups, made->faces * sizeof *groups);
     }
     if (extras & 2) {
         uint8_t hard[256] = {0};
         for (size_t c = 0; c < corners; ++c) hard[c] = fuzz_u8(bytes) > 200;
         made->mesh.hard_edges = made->blocks[made->block_count++] = block_of(hard, corners);
     }
-    if (extras == 15)
-        make_huge(bytes, &made->mesh);
+    if (extras == 15) make_huge(bytes, &made->mesh);
     return made;
 }
 
@@ -127,11 +142,11 @@ void made_options_take(fuzz_bytes *bytes, made_options *made) {
     o->weld_distance = o->weld == NORMA_WELD_DISTANCE ? fuzz_double(bytes) : 0;
     o->non_manifold = a & 32 ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD;
     o->fallback = (norma_fallback)(b % 4 == 3 && b < 250 ? 0 : b % 4);
-    for (int k = 0; o->fallback == NORMA_FALLBACK_GIVEN && k < 3; ++k) o->fallback_normal[k] = fuzz_float(bytes);
+    for (int k = 0; o->fallback == NORMA_FALLBACK_GIVEN && k < 3; ++k)
+        o->fallback_normal[k] = fuzz_float(bytes);
     o->normal_stride = b & 4 ? 12 + (b >> 4) : 0;
     o->threads = c & 2 ? threads[c >> 6] : 0;
-    if (c & 4)
-        o->parallel_for = fuzz_backwards;
+    if (c & 4) o->parallel_for = fuzz_backwards;
     o->isa = c & 8 && c & 16 ? NORMA_ISA_PORTABLE : NORMA_ISA_BEST;
     fuzz_allocator_start(&made->allocator, c & 32 ? 1 + fuzz_u8(bytes) % 40 : 0);
     o->allocator = made->allocator.allocator;

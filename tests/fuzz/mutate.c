@@ -1,7 +1,8 @@
 /* mutate.c: which mutation a format gets. */
 #include "mutate.h"
 
-size_t fuzz_mutate(norma_file_format format, uint8_t *bytes, size_t size, size_t capacity, unsigned seed) {
+size_t fuzz_mutate(
+    norma_file_format format, uint8_t *bytes, size_t size, size_t capacity, unsigned seed) {
     fuzz_random random = {seed};
     size_t mutated = 0;
     if (fuzz_random_below(&random, 16) != 0) {

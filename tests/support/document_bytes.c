@@ -3,8 +3,7 @@
 #include "check.h"
 #include "mesh_files.h"
 
-document_bytes bytes_load(const char *path)
-{
+document_bytes bytes_load(const char *path) {
     document_bytes bytes = {0};
     FILE *file = fopen(path, "rb");
     if (!file) fail_msg("%s cannot be opened", path);
@@ -19,8 +18,7 @@ document_bytes bytes_load(const char *path)
     return bytes;
 }
 
-document_bytes bytes_copy(const void *data, size_t size)
-{
+document_bytes bytes_copy(const void *data, size_t size) {
     document_bytes bytes = {malloc(size + 1), size};
     assert_non_null(bytes.data);
     memcpy(bytes.data, data, size);
@@ -28,29 +26,28 @@ document_bytes bytes_copy(const void *data, size_t size)
     return bytes;
 }
 
-void bytes_free(document_bytes *bytes)
-{
+void bytes_free(document_bytes *bytes) {
     free(bytes->data);
     *bytes = (document_bytes){0};
 }
 
-int bytes_equal(document_bytes a, document_bytes b) { return a.size == b.size && memcmp(a.data, b.data, a.size) == 0; }
+int bytes_equal(document_bytes a, document_bytes b) {
+    return a.size == b.size && memcmp(a.data, b.data, a.size) == 0;
+}
 
-static void check(norma_document_result result, const norma_document_error *error)
-{
+static void check(norma_document_result result, const norma_document_error *error) {
     if (result != NORMA_DOCUMENT_OK) fail_msg("%s", error->message);
 }
 
-norma_document *bytes_open(document_bytes bytes, const char *name)
-{
+norma_document *bytes_open(document_bytes bytes, const char *name) {
     norma_document *document = NULL;
     norma_document_error error = {0};
-    check(norma_document_open_memory(bytes.data, bytes.size, name, NULL, &document, &error), &error);
+    check(
+        norma_document_open_memory(bytes.data, bytes.size, name, NULL, &document, &error), &error);
     return document;
 }
 
-static int append(void *user, const void *data, size_t size)
-{
+static int append(void *user, const void *data, size_t size) {
     document_bytes *bytes = user;
     bytes->data = realloc(bytes->data, bytes->size + size + 1);
     assert_non_null(bytes->data);
@@ -60,16 +57,15 @@ static int append(void *user, const void *data, size_t size)
     return 0;
 }
 
-document_bytes bytes_of(norma_document *document)
-{
+document_bytes bytes_of(norma_document *document) {
     document_bytes bytes = bytes_copy("", 0);
     norma_document_error error = {0};
     check(norma_document_write(document, append, &bytes, &error), &error);
     return bytes;
 }
 
-document_bytes bytes_computed(document_bytes bytes, const char *name, const norma_compute_options *options, norma_compute_summary *summary)
-{
+document_bytes bytes_computed(document_bytes bytes, const char *name,
+    const norma_compute_options *options, norma_compute_summary *summary) {
     norma_document *document = bytes_open(bytes, name);
     norma_document_error error = {0};
     check(norma_document_compute(document, options, summary, &error), &error);
@@ -78,8 +74,8 @@ document_bytes bytes_computed(document_bytes bytes, const char *name, const norm
     return out;
 }
 
-document_bytes bytes_transformed(document_bytes bytes, const char *name, const double matrix[16], norma_transform_summary *summary)
-{
+document_bytes bytes_transformed(document_bytes bytes, const char *name, const double matrix[16],
+    norma_transform_summary *summary) {
     norma_document *document = bytes_open(bytes, name);
     norma_document_error error = {0};
     norma_transform_options options = {.struct_size = sizeof options};
@@ -90,19 +86,19 @@ document_bytes bytes_transformed(document_bytes bytes, const char *name, const d
     return out;
 }
 
-norma_document_result bytes_try(document_bytes bytes, const char *name, norma_mesh_info *info, char *message)
-{
+norma_document_result bytes_try(
+    document_bytes bytes, const char *name, norma_mesh_info *info, char *message) {
     norma_document *document = NULL;
     norma_document_error error = {0};
-    norma_document_result result = norma_document_open_memory(bytes.data, bytes.size, name, NULL, &document, &error);
+    norma_document_result result =
+        norma_document_open_memory(bytes.data, bytes.size, name, NULL, &document, &error);
     if (message) memcpy(message, error.message, sizeof error.message);
     if (!result && info) norma_document_mesh_info(document, 0, info);
     norma_document_close(document);
     return result;
 }
 
-static const char *field(char *line, int index)
-{
+static const char *field(char *line, int index) {
     for (; index > 0 && line; --index) {
         line = strchr(line, '\t');
         line = line ? line + 1 : NULL;
@@ -110,10 +106,13 @@ static const char *field(char *line, int index)
     return line ? line : "";
 }
 
-static int field_is(const char *at, const char *text) { return strncmp(at, text, strlen(text)) == 0 && (at[strlen(text)] == '\t' || at[strlen(text)] == '\n'); }
+static int field_is(const char *at, const char *text) {
+    return strncmp(at, text, strlen(text)) == 0 &&
+           (at[strlen(text)] == '\t' || at[strlen(text)] == '\n');
+}
 
-size_t data_for_each_format(const char *format, void (*visit)(const char *path, const char *name, const char *expect))
-{
+size_t data_for_each_format(
+    const char *format, void (*visit)(const char *path, const char *name, const char *expect)) {
     char line[8192], path[9216], expect[64];
     size_t count = 0;
     if (!data_folder()) return 0;

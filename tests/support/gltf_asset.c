@@ -24,9 +24,9 @@ int asset_view(gltf_asset *a, const void *bytes, size_t size, const char *member
     a->bin = realloc(a->bin, room + 4);
     assert_non_null(a->bin);
     memset(a->bin + a->bin_size, 0, room - a->bin_size);
-    if (size)
-        memcpy(a->bin + a->bin_size, bytes, size);
-    snprintf(text, sizeof text, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu%s}", a->views ? "," : "", a->bin_size, size, members);
+    if (size) memcpy(a->bin + a->bin_size, bytes, size);
+    snprintf(text, sizeof text, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu%s}",
+        a->views ? "," : "", a->bin_size, size, members);
     a->views = append(a->views, text);
     a->bin_size = room;
     return a->view_count++;
@@ -37,13 +37,16 @@ int asset_accessor(gltf_asset *a, const char *json) {
     return a->accessor_count++;
 }
 
-static int add(gltf_asset *a, const void *bytes, size_t size, int component, int normalized, size_t stride, size_t count, int width, const char *bounds) {
+static int add(gltf_asset *a, const void *bytes, size_t size, int component, int normalized,
+    size_t stride, size_t count, int width, const char *bounds) {
     static const char *const types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
     char text[400];
     snprintf(text, sizeof text, ",\"byteStride\":%zu", stride);
     const int view = asset_view(a, bytes, size, stride ? text : "");
-    snprintf(text, sizeof text, "{\"bufferView\":%d,\"componentType\":%d,\"normalized\":%s,\"count\":%zu,\"type\":\"%s\"%s}", view, component, normalized ? "true" : "false", count,
-             types[width], bounds);
+    snprintf(text, sizeof text,
+        "{\"bufferView\":%d,\"componentType\":%d,\"normalized\":%s,\"count\":%zu,\"type\":\"%s\"%"
+        "s}",
+        view, component, normalized ? "true" : "false", count, types[width], bounds);
     return asset_accessor(a, text);
 }
 
@@ -51,13 +54,17 @@ int asset_floats(gltf_asset *a, const float *values, size_t count, int width) {
     return add(a, values, count * (size_t)width * 4, 5126, 0, 0, count, width, "");
 }
 
-int asset_uint16(gltf_asset *a, const uint16_t *values, size_t count) { return add(a, values, count * 2, 5123, 0, 0, count, 1, ""); }
+int asset_uint16(gltf_asset *a, const uint16_t *values, size_t count) {
+    return add(a, values, count * 2, 5123, 0, 0, count, 1, "");
+}
 
 int asset_snorm8(gltf_asset *a, const float *values, size_t count, int width) {
     signed char *codes = calloc(count, 4);
     assert_non_null(codes);
     for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < width; k++) codes[4 * i + (size_t)k] = (signed char)lround(127 * (double)values[(size_t)width * i + (size_t)k]);
+        for (int k = 0; k < width; k++)
+            codes[4 * i + (size_t)k] =
+                (signed char)lround(127 * (double)values[(size_t)width * i + (size_t)k]);
     int number = add(a, codes, count * 4, 5120, 1, 4, count, width, "");
     free(codes);
     return number;
@@ -66,24 +73,36 @@ int asset_snorm8(gltf_asset *a, const float *values, size_t count, int width) {
 static size_t put_number(unsigned char *at, double value, int component) {
     const long code = lround(value);
     const float single = (float)value;
-    if (component == 5126)
-        memcpy(at, &single, 4);
-    for (size_t i = 0; component != 5126 && i < 4; i++) at[i] = (unsigned char)((unsigned long)code >> 8 * i); /* what is too much is written over by the next */
-    return component == 5120 || component == 5121 ? 1 : component == 5122 || component == 5123 ? 2 : 4;
+    if (component == 5126) memcpy(at, &single, 4);
+    for (size_t i = 0; component != 5126 && i < 4; i++)
+        at[i] = (unsigned char)((unsigned long)code >>
+                                8 * i); /* what is too much is written over by the next */
+    return component == 5120 || component == 5121   ? 1
+           : component == 5122 || component == 5123 ? 2
+                                                    : 4;
 }
 
-int asset_numbers(gltf_asset *a, const double *values, size_t count, int width, int component, int normalized) {
-    const double largest = !normalized || component == 5126 ? 1 : component == 5120 ? 127 : component == 5121 ? 255 : component == 5122 ? 32767 : 65535;
+int asset_numbers(
+    gltf_asset *a, const double *values, size_t count, int width, int component, int normalized) {
+    const double largest = !normalized || component == 5126 ? 1
+                           : component == 5120              ? 127
+                           : component == 5121              ? 255
+                           : component == 5122              ? 32767
+                                                            : 65535;
     unsigned char probe[4], *bytes = calloc(count, 20);
-    const size_t size = put_number(probe, 0, component), stride = (size * (size_t)width + 3) / 4 * 4;
+    const size_t size = put_number(probe, 0, component),
+                 stride = (size * (size_t)width + 3) / 4 * 4;
     assert_non_null(bytes);
     for (size_t i = 0; i < count; i++) {
         unsigned char element[24] = {0};
-        for (int k = 0; k < width; k++) put_number(element + (size_t)k * size, largest * values[(size_t)width * i + (size_t)k], component);
+        for (int k = 0; k < width; k++)
+            put_number(element + (size_t)k * size, largest * values[(size_t)width * i + (size_t)k],
+                component);
         memset(element + (size_t)width * size, 0, sizeof element - (size_t)width * size);
         memcpy(bytes + i * stride, element, stride);
     }
-    int number = add(a, bytes, count * stride, component, normalized && component != 5126, width == 1 ? 0 : stride, count, width, "");
+    int number = add(a, bytes, count * stride, component, normalized && component != 5126,
+        width == 1 ? 0 : stride, count, width, "");
     free(bytes);
     return number;
 }
@@ -96,7 +115,8 @@ void asset_bytes(gltf_asset *a, const char *rest, size_t *size) {
     char text[200];
     char *json = append(NULL, "{\"asset\":{\"version\":\"2.0\"}");
     if (a->accessor_count) {
-        snprintf(text, sizeof text, ",\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[", a->bin_size);
+        snprintf(text, sizeof text, ",\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[",
+            a->bin_size);
         json = append(json, text);
         json = append(json, a->views);
         json = append(json, "],\"accessors\":[");
@@ -125,18 +145,19 @@ void asset_bytes(gltf_asset *a, const char *rest, size_t *size) {
     free(json);
 }
 
-static norma_document_result try_open(gltf_asset *a, const char *rest, int lenient, norma_document **document, norma_document_error *error) {
+static norma_document_result try_open(gltf_asset *a, const char *rest, int lenient,
+    norma_document **document, norma_document_error *error) {
     size_t size;
     asset_bytes(a, rest, &size);
-    const norma_document_options options = {.struct_size = sizeof options, .format = NORMA_FILE_GLB, .lenient = lenient};
+    const norma_document_options options = {
+        .struct_size = sizeof options, .format = NORMA_FILE_GLB, .lenient = lenient};
     return norma_document_open_memory(a->glb, size, "asset.glb", &options, document, error);
 }
 
 norma_document *asset_open(gltf_asset *a, const char *rest, int lenient) {
     norma_document *document;
     norma_document_error error;
-    if (try_open(a, rest, lenient, &document, &error))
-        fail_msg("%s", error.message);
+    if (try_open(a, rest, lenient, &document, &error)) fail_msg("%s", error.message);
     return document;
 }
 

@@ -1,4 +1,5 @@
-/* gltf_asset.h: GLB files put together in memory: accessors one by one, the rest of the JSON as text. Each call fails the test where it cannot do its part. */
+/* gltf_asset.h: GLB files put together in memory: accessors one by one, the rest of the JSON as
+ * text. Each call fails the test where it cannot do its part. */
 #ifndef NORMA_TESTS_GLTF_ASSET_H
 #define NORMA_TESTS_GLTF_ASSET_H
 #include <norma/document.h>
@@ -15,8 +16,10 @@ int asset_floats(gltf_asset *a, const float *values, size_t count, int width);
 int asset_uint16(gltf_asset *a, const uint16_t *values, size_t count);
 /* Normalised, each element padded to four bytes. */
 int asset_snorm8(gltf_asset *a, const float *values, size_t count, int width);
-/* Of any component type, each element padded to four bytes; normalized: 1 is the type's largest number. */
-int asset_numbers(gltf_asset *a, const double *values, size_t count, int width, int component, int normalized);
+/* Of any component type, each element padded to four bytes; normalized: 1 is the type's largest
+ * number. */
+int asset_numbers(
+    gltf_asset *a, const double *values, size_t count, int width, int component, int normalized);
 /* A view of these bytes alone; members (", ..." or "") go into its JSON. Its number. */
 int asset_view(gltf_asset *a, const void *bytes, size_t size, const char *members);
 /* An accessor as it is written. Its number. */

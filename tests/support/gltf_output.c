@@ -7,10 +7,12 @@ gltf_output output_of(norma_document *document) {
     json_error failed;
     out.bytes = bytes_of(document);
     for (size_t i = 0; i < norma_document_note_count(document); ++i)
-        snprintf(out.notes + strlen(out.notes), sizeof out.notes - strlen(out.notes), "%s\n", norma_document_note(document, i));
+        snprintf(out.notes + strlen(out.notes), sizeof out.notes - strlen(out.notes), "%s\n",
+            norma_document_note(document, i));
     norma_document_close(document);
     out.document = bytes_open(out.bytes, "out.glb");
-    const size_t length = out.bytes.data[12] | (size_t)out.bytes.data[13] << 8 | (size_t)out.bytes.data[14] << 16;
+    const size_t length =
+        out.bytes.data[12] | (size_t)out.bytes.data[13] << 8 | (size_t)out.bytes.data[14] << 16;
     assert_true(norma_json_parse((const char *)out.bytes.data + 20, length, &out.json, &failed));
     return out;
 }
@@ -25,10 +27,8 @@ gltf_output output_transformed(gltf_asset *a, const char *rest, int bake, const 
     norma_transform_options options = {.struct_size = sizeof options, .bake = bake};
     norma_document_error error;
     norma_document *document = asset_open(a, rest, 0);
-    if (matrix)
-        memcpy(options.matrix, matrix, sizeof options.matrix);
-    if (norma_document_transform(document, &options, NULL, &error))
-        fail_msg("%s", error.message);
+    if (matrix) memcpy(options.matrix, matrix, sizeof options.matrix);
+    if (norma_document_transform(document, &options, NULL, &error)) fail_msg("%s", error.message);
     return output_of(document);
 }
 
@@ -44,12 +44,15 @@ const char *output_text(const gltf_output *output, const char *path) {
         char part[60];
         const size_t length = strcspn(at, "/");
         snprintf(part, sizeof part, "%.*s", (int)length, at);
-        token = *part >= '0' && *part <= '9' ? norma_json_element(&output->json, token, (uint32_t)strtoul(part, NULL, 10)) : norma_json_member(&output->json, token, part);
+        token = *part >= '0' && *part <= '9'
+                    ? norma_json_element(&output->json, token, (uint32_t)strtoul(part, NULL, 10))
+                    : norma_json_member(&output->json, token, part);
         at += length + (at[length] == '/');
     }
-    if (token == JSON_NONE)
-        return "";
-    snprintf(text, sizeof text, "%.*s", (int)(output->json.tokens[token].end - output->json.tokens[token].start), output->json.text + output->json.tokens[token].start);
+    if (token == JSON_NONE) return "";
+    snprintf(text, sizeof text, "%.*s",
+        (int)(output->json.tokens[token].end - output->json.tokens[token].start),
+        output->json.text + output->json.tokens[token].start);
     return text;
 }
 
@@ -63,8 +66,11 @@ long output_number(const gltf_output *output, const char *path, long number) {
 }
 
 const unsigned char *output_bytes(const gltf_output *output, long accessor) {
-    const unsigned char *file = output->bytes.data, *bin = file + 28 + (file[12] | (size_t)file[13] << 8 | (size_t)file[14] << 16);
-    const long view = output_number(output, "accessors/%ld/bufferView", accessor), offset = output_number(output, "bufferViews/%ld/byteOffset", view);
+    const unsigned char *file = output->bytes.data,
+                        *bin =
+                            file + 28 + (file[12] | (size_t)file[13] << 8 | (size_t)file[14] << 16);
+    const long view = output_number(output, "accessors/%ld/bufferView", accessor),
+               offset = output_number(output, "bufferViews/%ld/byteOffset", view);
     return bin + (offset < 0 ? 0 : offset);
 }
 
@@ -76,22 +82,27 @@ norma_mesh_data output_mesh(const gltf_output *output, size_t mesh) {
     return data;
 }
 
-void assert_vector(const norma_vec3_view *view, size_t index, const double expected[3], double tolerance) {
+void assert_vector(
+    const norma_vec3_view *view, size_t index, const double expected[3], double tolerance) {
     const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     static const size_t sizes[] = {12, 24, 3, 3, 6, 6};
     double is[3];
     norma_vec3_view one = *view;
     assert_true(index < view->count);
-    one.data = (const unsigned char *)view->data + index * (view->stride ? view->stride : sizes[view->format]);
+    one.data = (const unsigned char *)view->data +
+               index * (view->stride ? view->stride : sizes[view->format]);
     one.count = 1;
     assert_ok(norma_transform_positions_double(same, one, is, 0, 1));
     for (int k = 0; k < 3; ++k)
         if (!(fabs(is[k] - expected[k]) <= tolerance))
-            fail_msg("vector %zu is %g %g %g, expected %g %g %g", index, is[0], is[1], is[2], expected[0], expected[1], expected[2]);
+            fail_msg("vector %zu is %g %g %g, expected %g %g %g", index, is[0], is[1], is[2],
+                expected[0], expected[1], expected[2]);
 }
 
-void assert_corners(const gltf_output *output, size_t mesh, const uint32_t *expected, size_t count) {
+void assert_corners(
+    const gltf_output *output, size_t mesh, const uint32_t *expected, size_t count) {
     norma_mesh_data data = output_mesh(output, mesh);
     assert_int_equal(data.mesh.corner_count, count);
-    for (size_t i = 0; i < count; ++i) assert_int_equal(((const uint32_t *)data.mesh.corners)[i], expected[i]);
+    for (size_t i = 0; i < count; ++i)
+        assert_int_equal(((const uint32_t *)data.mesh.corners)[i], expected[i]);
 }

@@ -1,4 +1,5 @@
-/* gltf_scene.c: a glTF's triangles in world space, gathered with plain arithmetic of the tests' own. */
+/* gltf_scene.c: a glTF's triangles in world space, gathered with plain arithmetic of the tests'
+ * own. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,7 +26,8 @@ static void normalise(double a[3]) {
 static void vector_at(norma_vec3_view view, size_t index, double out[3]) {
     static const size_t sizes[] = {4, 8, 1, 1, 2, 2};
     const size_t size = sizes[view.format];
-    const unsigned char *at = (const unsigned char *)view.data + index * (view.stride ? view.stride : 3 * size);
+    const unsigned char *at =
+        (const unsigned char *)view.data + index * (view.stride ? view.stride : 3 * size);
     for (int k = 0; k < 3; k++, at += size) {
         float f;
         int16_t s;
@@ -57,8 +59,7 @@ static void vector_at(norma_vec3_view view, size_t index, double out[3]) {
 }
 
 static size_t corner_at(const norma_mesh *mesh, size_t corner) {
-    if (!mesh->corners)
-        return corner;
+    if (!mesh->corners) return corner;
     switch (mesh->corner_size) {
     case 1:
         return ((const uint8_t *)mesh->corners)[corner];
@@ -79,23 +80,28 @@ static scene_triangle *new_triangle(drawn_scene *scene) {
     return &scene->triangles[scene->count++];
 }
 
-/* Positions by the matrix; normals by its cofactors, and a mirror reverses the winding: so glTF's renderers do. */
-static void add_corner(const double world[16], const norma_mesh_data *data, size_t vertex, double position[3], double normal[3], int mirrored) {
+/* Positions by the matrix; normals by its cofactors, and a mirror reverses the winding: so glTF's
+ * renderers do. */
+static void add_corner(const double world[16], const norma_mesh_data *data, size_t vertex,
+    double position[3], double normal[3], int mirrored) {
     double p[3], n[3];
     vector_at(data->mesh.positions, vertex, p);
-    for (int k = 0; k < 3; k++) position[k] = world[k] * p[0] + world[4 + k] * p[1] + world[8 + k] * p[2] + world[12 + k];
-    if (data->normals.count == 0)
-        return;
+    for (int k = 0; k < 3; k++)
+        position[k] = world[k] * p[0] + world[4 + k] * p[1] + world[8 + k] * p[2] + world[12 + k];
+    if (data->normals.count == 0) return;
     double cofactor[9];
     vector_at(data->normals, vertex, n);
     cross(world + 4, world + 8, cofactor);
     cross(world + 8, world, cofactor + 3);
     cross(world, world + 4, cofactor + 6);
-    for (int k = 0; k < 3; k++) normal[k] = (cofactor[k] * n[0] + cofactor[3 + k] * n[1] + cofactor[6 + k] * n[2]) * (mirrored ? -1 : 1);
+    for (int k = 0; k < 3; k++)
+        normal[k] = (cofactor[k] * n[0] + cofactor[3 + k] * n[1] + cofactor[6 + k] * n[2]) *
+                    (mirrored ? -1 : 1);
     normalise(normal);
 }
 
-static void add_mesh(drawn_scene *scene, const double world[16], size_t node, const norma_mesh_data *data) {
+static void add_mesh(
+    drawn_scene *scene, const double world[16], size_t node, const norma_mesh_data *data) {
     double normal[3];
     cross(world + 4, world + 8, normal);
     const int mirrored = world[0] * normal[0] + world[1] * normal[1] + world[2] * normal[2] < 0;
@@ -103,7 +109,8 @@ static void add_mesh(drawn_scene *scene, const double world[16], size_t node, co
         scene_triangle *triangle = new_triangle(scene);
         triangle->node = node;
         for (size_t k = 0; k < 3; k++)
-            add_corner(world, data, corner_at(&data->mesh, corner + (mirrored && k ? 3 - k : k)), triangle->position[k], triangle->normal[k], mirrored);
+            add_corner(world, data, corner_at(&data->mesh, corner + (mirrored && k ? 3 - k : k)),
+                triangle->position[k], triangle->normal[k], mirrored);
     }
 }
 
@@ -117,11 +124,11 @@ void scene_read(norma_document *document, drawn_scene *scene) {
             norma_mesh_info info;
             norma_mesh_data data;
             assert_int_equal(norma_document_mesh_info(document, k, &info), NORMA_DOCUMENT_OK);
-            if (info.mesh != node.mesh || info.not_read)
-                continue;
+            if (info.mesh != node.mesh || info.not_read) continue;
             if (norma_document_mesh_data(document, k, &data, &error) != NORMA_DOCUMENT_OK)
                 fail_msg("%s", error.message);
-            scene->integers |= data.mesh.positions.format != NORMA_FORMAT_FLOAT && data.mesh.positions.format != NORMA_FORMAT_DOUBLE;
+            scene->integers |= data.mesh.positions.format != NORMA_FORMAT_FLOAT &&
+                               data.mesh.positions.format != NORMA_FORMAT_DOUBLE;
             add_mesh(scene, node.world, node.node, &data);
         }
     }
@@ -178,7 +185,8 @@ norma_document *scene_reopen(const unsigned char *bytes, size_t size, const char
 double scene_largest(const drawn_scene *scene) {
     double largest = 0;
     for (size_t i = 0; i < scene->count; i++)
-        for (int k = 0; k < 9; k++) largest = fmax(largest, fabs(scene->triangles[i].position[k / 3][k % 3]));
+        for (int k = 0; k < 9; k++)
+            largest = fmax(largest, fabs(scene->triangles[i].position[k / 3][k % 3]));
     return largest;
 }
 

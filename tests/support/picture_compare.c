@@ -1,6 +1,8 @@
-/* picture_compare.c: a picture against a reference, or two parts of one: picture_compare A.png B.png [MEAN [PART]]. Fails where they differ in size, where the mean
- * difference of a level (of 255) is above MEAN (0.5), or where more than PART (0.01) of the pixels differ by more than 8 levels. Another renderer may decide otherwise which
- * side of an edge the middle of a pixel lies on. */
+/* picture_compare.c: a picture against a reference, or two parts of one: picture_compare A.png
+ * B.png [MEAN [PART]]. Fails where they differ in size, where the mean difference of a level (of
+ * 255) is above MEAN (0.5), or where more than PART (0.01) of the pixels differ by more than 8
+ * levels. Another renderer may decide otherwise which side of an edge the middle of a pixel lies
+ * on. */
 #include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +25,8 @@ int main(int count, char **arguments) {
     unsigned char *x = NULL, *y = NULL;
     if (count < 3 || !read_picture(arguments[1], &a, &x) || !read_picture(arguments[2], &b, &y))
         return 2;
-    const double most_mean = count > 3 ? strtod(arguments[3], NULL) : 0.5, most_part = count > 4 ? strtod(arguments[4], NULL) : 0.01;
+    const double most_mean = count > 3 ? strtod(arguments[3], NULL) : 0.5,
+                 most_part = count > 4 ? strtod(arguments[4], NULL) : 0.01;
     if (a.width != b.width || a.height != b.height) {
         printf("%ux%u against %ux%u\n", a.width, a.height, b.width, b.height);
         return 1;

@@ -2,13 +2,15 @@
 #include "render_scenes.h"
 #include "check.h"
 
-/* The leak sanitizer looks while the driver is still loaded: what that keeps until its end is not lost yet, and later no one could tell whose it was. */
+/* The leak sanitizer looks while the driver is still loaded: what that keeps until its end is not
+ * lost yet, and later no one could tell whose it was. */
 #if defined(__GNUC__)
 __attribute__((weak)) void __lsan_do_leak_check(void);
 #endif
 
 static test_mesh room_for(size_t vertices, size_t triangles) {
-    return (test_mesh){malloc(3 * vertices * sizeof(double)), malloc(3 * vertices * sizeof(float)), malloc(3 * triangles * sizeof(uint32_t)), vertices, triangles};
+    return (test_mesh){malloc(3 * vertices * sizeof(double)), malloc(3 * vertices * sizeof(float)),
+        malloc(3 * triangles * sizeof(uint32_t)), vertices, triangles};
 }
 
 void free_test_mesh(test_mesh *mesh) {
@@ -23,16 +25,19 @@ test_mesh sphere_mesh(size_t around, size_t down) {
     uint32_t *corner = mesh.corners;
     for (size_t j = 0; j <= down; ++j)
         for (size_t i = 0; i <= around; ++i) {
-            const double polar = pi * (double)j / (double)down, turn = 2 * pi * (double)(i % around) / (double)around;
+            const double polar = pi * (double)j / (double)down,
+                         turn = 2 * pi * (double)(i % around) / (double)around;
             double *p = mesh.positions + 3 * (j * (around + 1) + i);
             p[0] = j % down ? sin(polar) * cos(turn) : 0;
             p[1] = cos(polar);
             p[2] = j % down ? -sin(polar) * sin(turn) : 0;
-            for (int k = 0; k < 3; ++k) mesh.normals[3 * (j * (around + 1) + i) + (size_t)k] = (float)p[k];
+            for (int k = 0; k < 3; ++k)
+                mesh.normals[3 * (j * (around + 1) + i) + (size_t)k] = (float)p[k];
         }
     for (size_t j = 0; j < down; ++j)
         for (size_t i = 0; i < around; ++i) {
-            const uint32_t a = (uint32_t)(j * (around + 1) + i), b = a + 1, c = a + (uint32_t)around + 1, d = c + 1;
+            const uint32_t a = (uint32_t)(j * (around + 1) + i), b = a + 1,
+                           c = a + (uint32_t)around + 1, d = c + 1;
             const uint32_t six[6] = {a, c, b, b, c, d};
             memcpy(corner, six, sizeof six);
             corner += 6;
@@ -53,21 +58,24 @@ test_mesh cube_mesh(void) {
             p[u] = (k == 1 || k == 2 ? 1 : -1) * sign;
             p[v] = k >= 2 ? 1 : -1;
         }
-        const uint32_t first = (uint32_t)(4 * face), six[6] = {first, first + 1, first + 2, first, first + 2, first + 3};
+        const uint32_t first = (uint32_t)(4 * face),
+                       six[6] = {first, first + 1, first + 2, first, first + 2, first + 3};
         memcpy(mesh.corners + 6 * face, six, sizeof six);
     }
     return mesh;
 }
 
 render_surface surface_of(const test_mesh *mesh) {
-    return (render_surface){.mesh = {.positions = {.data = mesh->positions, .count = mesh->vertices, .format = NORMA_FORMAT_DOUBLE},
-                                     .corners = mesh->corners,
-                                     .corner_count = 3 * mesh->triangles},
-                            .stored = RENDER_NORMALS_PER_VERTEX,
-                            .normals = {.data = mesh->normals, .count = mesh->vertices},
-                            .crease_rad = 1,
-                            .base_colour = {0.6F, 0.5F, 0.4F},
-                            .two_sided = 1};
+    return (render_surface){.mesh = {.positions = {.data = mesh->positions,
+                                         .count = mesh->vertices,
+                                         .format = NORMA_FORMAT_DOUBLE},
+                                .corners = mesh->corners,
+                                .corner_count = 3 * mesh->triangles},
+        .stored = RENDER_NORMALS_PER_VERTEX,
+        .normals = {.data = mesh->normals, .count = mesh->vertices},
+        .crease_rad = 1,
+        .base_colour = {0.6F, 0.5F, 0.4F},
+        .two_sided = 1};
 }
 
 render_scene scene_of(const render_surface *surface, render_draw *draw, const double *world) {
@@ -79,38 +87,37 @@ render_scene scene_of(const render_surface *surface, render_draw *draw, const do
 
 render_look plain_look(size_t width, size_t height) {
     return (render_look){.width = width,
-                         .height = height,
-                         .samples = 1,
-                         .background = {255, 255, 255, 255},
-                         .lights = {{-35, 40, 0.9}},
-                         .light_count = 1,
-                         .ambient = 0.1,
-                         .diffuse = 0.8,
-                         .specular = 0.3,
-                         .exponent = 20,
-                         .line_pixels = 1.5,
-                         .reach = 0.5,
-                         .most_lines = 1000};
+        .height = height,
+        .samples = 1,
+        .background = {255, 255, 255, 255},
+        .lights = {{-35, 40, 0.9}},
+        .light_count = 1,
+        .ambient = 0.1,
+        .diffuse = 0.8,
+        .specular = 0.3,
+        .exponent = 20,
+        .line_pixels = 1.5,
+        .reach = 0.5,
+        .most_lines = 1000};
 }
 
 render_panel panel_of(const render_scene *scene) {
-    return (render_panel){.scene = scene, .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .shading = RENDER_PHONG};
+    return (render_panel){.scene = scene,
+        .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+        .shading = RENDER_PHONG};
 }
 
 static render_device *device;
 
 render_device *test_device(void) {
     render_error error;
-    if (device)
-        return device;
-    if (render_device_open(1, &device, &error))
-        fprintf(stderr, "%s\n", error.message);
+    if (device) return device;
+    if (render_device_open(1, &device, &error)) fprintf(stderr, "%s\n", error.message);
     return device;
 }
 
 void close_test_device(void) {
-    if (__lsan_do_leak_check)
-        __lsan_do_leak_check();
+    if (__lsan_do_leak_check) __lsan_do_leak_check();
     render_device_close(device);
     device = NULL;
 }

@@ -18,8 +18,10 @@ surface surface_torus(size_t around, size_t across) {
     surface s = allocate((around + 1) * (across + 1), 2 * around * across);
     for (size_t i = 0, v = 0; i <= around; i++)
         for (size_t k = 0; k <= across; k++, v++) {
-            const double a = 2 * PI * (double)(i % around) / (double)around, b = 2 * PI * (double)(k % across) / (double)across;
-            const double normal[3] = {cos(a) * cos(b), sin(a) * cos(b), sin(b)}, centre[3] = {3 * cos(a), 3 * sin(a), 0};
+            const double a = 2 * PI * (double)(i % around) / (double)around,
+                         b = 2 * PI * (double)(k % across) / (double)across;
+            const double normal[3] = {cos(a) * cos(b), sin(a) * cos(b), sin(b)},
+                         centre[3] = {3 * cos(a), 3 * sin(a), 0};
             for (int d = 0; d < 3; d++) {
                 s.normals[3 * v + (size_t)d] = (float)normal[d];
                 s.positions[3 * v + (size_t)d] = (float)(centre[d] + normal[d]);
@@ -29,7 +31,8 @@ surface surface_torus(size_t around, size_t across) {
         }
     for (size_t i = 0, c = 0; i < around; i++)
         for (size_t k = 0; k < across; k++) {
-            const uint32_t here = (uint32_t)(i * (across + 1) + k), next = here + (uint32_t)across + 1;
+            const uint32_t here = (uint32_t)(i * (across + 1) + k),
+                           next = here + (uint32_t)across + 1;
             const uint32_t two[6] = {here, next, next + 1, here, next + 1, here + 1};
             for (size_t j = 0; j < 6; j++) s.corners[c++] = two[j];
         }
@@ -67,7 +70,8 @@ surface surface_join(surface a, surface b) {
     memcpy(s.texcoords, a.texcoords, 8 * a.vertices);
     memcpy(s.texcoords + 2 * a.vertices, b.texcoords, 8 * b.vertices);
     memcpy(s.corners, a.corners, 12 * a.faces);
-    for (size_t c = 0; c < 3 * b.faces; c++) s.corners[3 * a.faces + c] = b.corners[c] + (uint32_t)a.vertices;
+    for (size_t c = 0; c < 3 * b.faces; c++)
+        s.corners[3 * a.faces + c] = b.corners[c] + (uint32_t)a.vertices;
     surface_free(&a);
     surface_free(&b);
     return s;
@@ -118,19 +122,27 @@ void surface_free(surface *s) {
     *s = (surface){0};
 }
 
-norma_findings *surface_findings(surface *s, const norma_check_options *options, norma_file_format format) {
+norma_findings *surface_findings(
+    surface *s, const norma_check_options *options, norma_file_format format) {
     norma_check_mesh *m = &s->mesh;
     norma_findings *findings = NULL;
     m->info.name = "";
     m->info.where = "";
     m->info.vertices = s->vertices;
     m->info.faces = s->faces;
-    if (!m->info.encoding)
-        m->info.encoding = "float";
+    if (!m->info.encoding) m->info.encoding = "float";
     if (m->info.normals == NORMA_NORMALS_NONE && s->normals)
         m->info.normals = NORMA_NORMALS_PER_VERTEX;
-    m->data.mesh = (norma_mesh){.positions = {s->positions, s->vertices, 0, NORMA_FORMAT_FLOAT}, .corners = s->corners, .corner_count = s->starts ? s->starts[s->faces] : 3 * s->faces, .face_starts = s->starts, .face_count = s->faces};
-    m->data.normals = s->normals ? (norma_vec3_view){s->normals, m->info.normals == NORMA_NORMALS_PER_FACET ? s->faces : s->vertices, 0, NORMA_FORMAT_FLOAT} : (norma_vec3_view){0};
+    m->data.mesh = (norma_mesh){.positions = {s->positions, s->vertices, 0, NORMA_FORMAT_FLOAT},
+        .corners = s->corners,
+        .corner_count = s->starts ? s->starts[s->faces] : 3 * s->faces,
+        .face_starts = s->starts,
+        .face_count = s->faces};
+    m->data.normals = s->normals
+                          ? (norma_vec3_view){s->normals,
+                                m->info.normals == NORMA_NORMALS_PER_FACET ? s->faces : s->vertices,
+                                0, NORMA_FORMAT_FLOAT}
+                          : (norma_vec3_view){0};
     m->attributes.material = SIZE_MAX;
     m->attributes.texcoords = s->texcoords;
     m->attributes.texcoord_count = s->texcoords ? s->vertices : 0;
@@ -139,10 +151,12 @@ norma_findings *surface_findings(surface *s, const norma_check_options *options,
     return findings;
 }
 
-const norma_finding *finding_of(const norma_findings *findings, const char *id, norma_severity severity) {
+const norma_finding *finding_of(
+    const norma_findings *findings, const char *id, norma_severity severity) {
     for (size_t i = 0; i < norma_findings_count(findings); i++) {
         const norma_finding *finding = norma_findings_get(findings, i);
-        if (!strcmp(finding->rule->id, id) && (severity == NORMA_SEVERITY_NONE || finding->severity == severity))
+        if (!strcmp(finding->rule->id, id) &&
+            (severity == NORMA_SEVERITY_NONE || finding->severity == severity))
             return finding;
     }
     return NULL;
@@ -152,8 +166,7 @@ int findings_trouble(const norma_findings *findings) {
     int trouble = 0;
     for (size_t i = 0; i < norma_findings_count(findings); i++) {
         const norma_finding *finding = norma_findings_get(findings, i);
-        if (finding->severity <= NORMA_SEVERITY_INFO)
-            continue;
+        if (finding->severity <= NORMA_SEVERITY_INFO) continue;
         print_error("%s %s: %s\n", finding->rule->id, finding->where, finding->message);
         trouble = 1;
     }

@@ -1,4 +1,5 @@
-/* explain_sample.c: a part of a mesh small enough to try many ways of computing normals on, with whole rings around the positions that are looked at. */
+/* explain_sample.c: a part of a mesh small enough to try many ways of computing normals on, with
+ * whole rings around the positions that are looked at. */
 #include "core/call/sort.h"
 #include "check/explain/explain_normals.h"
 #include <string.h>
@@ -22,14 +23,15 @@ static int is_chosen(const choice *c, uint32_t position) {
     return count > 0 && count <= MOST_AT_POSITION && mix(position) % c->one_in == 0;
 }
 
-static int number_is_less(const void *a, const void *b) { return *(const uint32_t *)a < *(const uint32_t *)b; }
+static int number_is_less(const void *a, const void *b) {
+    return *(const uint32_t *)a < *(const uint32_t *)b;
+}
 
 static size_t sort_unique(uint32_t *numbers, size_t count) {
     size_t kept = 0;
     norma_core_sort(numbers, count, sizeof *numbers, number_is_less);
     for (size_t i = 0; i < count; i++)
-        if (!kept || numbers[kept - 1] != numbers[i])
-            numbers[kept++] = numbers[i];
+        if (!kept || numbers[kept - 1] != numbers[i]) numbers[kept++] = numbers[i];
     return kept;
 }
 
@@ -50,11 +52,9 @@ static size_t list_faces(const choice *c, uint32_t *faces) {
     const core_topology *t = c->topology;
     size_t count = 0;
     for (uint32_t p = 0; p < t->around.position_count; p++) {
-        if (!is_chosen(c, p))
-            continue;
+        if (!is_chosen(c, p)) continue;
         for (uint32_t i = t->around.starts[p]; i < t->around.starts[p + 1]; i++, count++)
-            if (faces)
-                faces[count] = (uint32_t)norma_core_topology_face(t, t->around.corners[i]);
+            if (faces) faces[count] = (uint32_t)norma_core_topology_face(t, t->around.corners[i]);
     }
     return faces ? sort_unique(faces, count) : count;
 }
@@ -65,63 +65,70 @@ static int allocate(const core_call *call, const core_mesh *mesh, explain_sample
     s->sources = norma_core_allocate(call, s->corner_count, sizeof *s->sources);
     s->whole = norma_core_allocate(call, s->corner_count, 1);
     s->starts = norma_core_allocate(call, s->face_count + 1, sizeof *s->starts);
-    s->groups = mesh->smoothing_groups ? norma_core_allocate(call, s->face_count, sizeof *s->groups) : NULL;
+    s->groups =
+        mesh->smoothing_groups ? norma_core_allocate(call, s->face_count, sizeof *s->groups) : NULL;
     s->hard_edges = mesh->hard_edges ? norma_core_allocate(call, s->corner_count, 1) : NULL;
-    return s->positions && s->corners && s->sources && s->whole && s->starts && (s->groups || !mesh->smoothing_groups) && (s->hard_edges || !mesh->hard_edges);
+    return s->positions && s->corners && s->sources && s->whole && s->starts &&
+           (s->groups || !mesh->smoothing_groups) && (s->hard_edges || !mesh->hard_edges);
 }
 
 /* places: the positions that the faces use, ascending. */
-static void copy_faces(const choice *c, const uint32_t *faces, const uint32_t *places, explain_sample *s) {
+static void copy_faces(
+    const choice *c, const uint32_t *faces, const uint32_t *places, explain_sample *s) {
     const core_topology *t = c->topology;
     size_t at = 0;
     for (size_t i = 0; i < s->face_count; i++) {
         s->starts[i] = (uint32_t)at;
-        if (s->groups)
-            s->groups[i] = t->mesh.smoothing_groups[faces[i]];
-        for (size_t corner = norma_core_face_begin(&t->mesh, faces[i]); corner < norma_core_face_end(&t->mesh, faces[i]); corner++, at++) {
+        if (s->groups) s->groups[i] = t->mesh.smoothing_groups[faces[i]];
+        for (size_t corner = norma_core_face_begin(&t->mesh, faces[i]);
+             corner < norma_core_face_end(&t->mesh, faces[i]); corner++, at++) {
             s->corners[at] = (uint32_t)place_of(places, s->position_count, t->corners[corner]);
             s->sources[at] = (uint32_t)corner;
             s->whole[at] = (uint8_t)is_chosen(c, t->corners[corner]);
-            if (s->hard_edges)
-                s->hard_edges[at] = t->mesh.hard_edges[corner];
+            if (s->hard_edges) s->hard_edges[at] = t->mesh.hard_edges[corner];
         }
     }
     s->starts[s->face_count] = (uint32_t)at;
-    for (size_t i = 0; i < s->position_count; i++) norma_core_position(&t->mesh, places[i], s->positions[i]);
+    for (size_t i = 0; i < s->position_count; i++)
+        norma_core_position(&t->mesh, places[i], s->positions[i]);
     s->mesh = (norma_mesh){.positions = {s->positions, s->position_count, 0, NORMA_FORMAT_DOUBLE},
-                           .corners = s->corners,
-                           .corner_count = at,
-                           .face_starts = t->mesh.face_starts ? s->starts : NULL,
-                           .face_count = s->face_count,
-                           .smoothing_groups = s->groups,
-                           .hard_edges = s->hard_edges};
+        .corners = s->corners,
+        .corner_count = at,
+        .face_starts = t->mesh.face_starts ? s->starts : NULL,
+        .face_count = s->face_count,
+        .smoothing_groups = s->groups,
+        .hard_edges = s->hard_edges};
 }
 
-static norma_result copy_sample(core_call *call, const choice *c, const uint32_t *faces, explain_sample *s) {
+static norma_result copy_sample(
+    core_call *call, const choice *c, const uint32_t *faces, explain_sample *s) {
     const core_mesh *mesh = &c->topology->mesh;
     size_t at = 0;
-    for (size_t i = 0; i < s->face_count; i++) s->corner_count += norma_core_face_end(mesh, faces[i]) - norma_core_face_begin(mesh, faces[i]);
+    for (size_t i = 0; i < s->face_count; i++)
+        s->corner_count +=
+            norma_core_face_end(mesh, faces[i]) - norma_core_face_begin(mesh, faces[i]);
     uint32_t *places = norma_core_allocate(call, s->corner_count, sizeof *places);
     norma_result result = allocate(call, mesh, s) && places ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         for (size_t i = 0; i < s->face_count; i++)
-            for (size_t corner = norma_core_face_begin(mesh, faces[i]); corner < norma_core_face_end(mesh, faces[i]); corner++) places[at++] = c->topology->corners[corner];
+            for (size_t corner = norma_core_face_begin(mesh, faces[i]);
+                 corner < norma_core_face_end(mesh, faces[i]); corner++)
+                places[at++] = c->topology->corners[corner];
         s->position_count = sort_unique(places, at);
         copy_faces(c, faces, places, s);
     }
     norma_core_release(call, places, s->corner_count, sizeof *places);
-    if (result)
-        norma_explain_free_sample(call, s);
+    if (result) norma_explain_free_sample(call, s);
     return result;
 }
 
-norma_result norma_explain_take_sample(core_call *call, const core_topology *topology, explain_sample *sample) {
+norma_result norma_explain_take_sample(
+    core_call *call, const core_topology *topology, explain_sample *sample) {
     choice c = {topology, topology->mesh.corner_count / EXPLAIN_FACES + 1};
     *sample = (explain_sample){.face_count = 0};
     size_t room = list_faces(&c, NULL);
     uint32_t *faces = norma_core_allocate(call, room, sizeof *faces);
-    if (!faces)
-        return NORMA_ERROR_MEMORY;
+    if (!faces) return NORMA_ERROR_MEMORY;
     sample->face_count = list_faces(&c, faces);
     norma_result result = copy_sample(call, &c, faces, sample);
     norma_core_release(call, faces, room, sizeof *faces);

@@ -1,4 +1,5 @@
-/* check_mesh.c: the geometry that rules share: which positions are one, the direction and height of each face, the corners around each position. */
+/* check_mesh.c: the geometry that rules share: which positions are one, the direction and height of
+ * each face, the corners around each position. */
 #include "check/findings/check_run.h"
 #include <math.h>
 #include <string.h>
@@ -13,11 +14,13 @@ typedef struct block_loop {
 
 static void run_block(void *context, size_t block) {
     const block_loop *loop = context;
-    size_t begin = block * loop->size, end = loop->count - begin < loop->size ? loop->count : begin + loop->size;
+    size_t begin = block * loop->size,
+           end = loop->count - begin < loop->size ? loop->count : begin + loop->size;
     loop->task(loop->context, block, begin, end);
 }
 
-norma_result norma_check_blocks(check_run *run, size_t count, size_t size, check_block *task, void *context) {
+norma_result norma_check_blocks(
+    check_run *run, size_t count, size_t size, check_block *task, void *context) {
     block_loop loop = {task, context, count, size};
     return norma_core_parallel(&run->call, norma_check_block_count(count, size), run_block, &loop);
 }
@@ -25,8 +28,7 @@ norma_result norma_check_blocks(check_run *run, size_t count, size_t size, check
 /* ---- shared geometry */
 
 norma_result norma_check_weld(check_mesh *m) {
-    if (m->has_topology)
-        return NORMA_OK;
+    if (m->has_topology) return NORMA_OK;
     norma_result result = norma_core_topology_open(&m->run->call, &m->mesh, &m->topology);
     m->has_topology = !result;
     return result;
@@ -34,7 +36,9 @@ norma_result norma_check_weld(check_mesh *m) {
 
 norma_result norma_check_around(check_mesh *m) {
     norma_result result = norma_check_weld(m);
-    return result || m->topology.around.starts ? result : norma_core_around_build(&m->run->call, &m->topology.mesh, &m->topology.around);
+    return result || m->topology.around.starts
+               ? result
+               : norma_core_around_build(&m->run->call, &m->topology.mesh, &m->topology.around);
 }
 
 static double larger(double a, double b) { return a > b ? a : b; }
@@ -46,11 +50,13 @@ static double square_of(const double a[3], const double b[3]) {
 
 static double longest_of_triangle(const core_mesh *mesh, size_t face) {
     double p[3][3];
-    for (size_t k = 0; k < 3; k++) norma_core_position(mesh, norma_core_corner(mesh, 3 * face + k), p[k]);
+    for (size_t k = 0; k < 3; k++)
+        norma_core_position(mesh, norma_core_corner(mesh, 3 * face + k), p[k]);
     return larger(larger(square_of(p[0], p[1]), square_of(p[1], p[2])), square_of(p[2], p[0]));
 }
 
-/* The square of a polygon's longest edge, or of the distance of any corner from the first, so that one with many short edges is not taken for thick. */
+/* The square of a polygon's longest edge, or of the distance of any corner from the first, so that
+ * one with many short edges is not taken for thick. */
 static double longest_of_polygon(const core_mesh *mesh, size_t face) {
     size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double first[3], before[3], longest = 0;
@@ -69,13 +75,13 @@ static const double DEGENERATE = 1e-6;
 
 static check_face judge_face(const core_mesh *mesh, size_t f, const core_face *face) {
     check_face judged = {.height = 1};
-    if (!(face->flags & CORE_FACE_FINITE))
-        return judged;
+    if (!(face->flags & CORE_FACE_FINITE)) return judged;
     judged.height = 0;
-    if (!(face->flags & CORE_FACE_DIRECTED))
-        return judged;
-    double longest = mesh->face_starts ? longest_of_polygon(mesh, f) : longest_of_triangle(mesh, f), height = face->twice_area / longest;
-    if (!(longest > 0x1p-900 && longest < 0x1p900)) /* squares of doubles at the end of their range: judged by the area alone */
+    if (!(face->flags & CORE_FACE_DIRECTED)) return judged;
+    double longest = mesh->face_starts ? longest_of_polygon(mesh, f) : longest_of_triangle(mesh, f),
+           height = face->twice_area / longest;
+    if (!(longest > 0x1p-900 && longest < 0x1p900)) /* squares of doubles at the end of their range:
+                                                       judged by the area alone */
         height = 1;
     judged.height = height < 1 ? (float)height : 1;
     for (int k = 0; k < 3 && height >= DEGENERATE; k++) judged.normal[k] = (float)face->normal[k];
@@ -106,8 +112,7 @@ static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
 
 norma_result norma_check_faces(check_mesh *m) {
     norma_result result = m->faces ? NORMA_OK : norma_check_weld(m);
-    if (result || m->faces || !m->mesh.face_count)
-        return result;
+    if (result || m->faces || !m->mesh.face_count) return result;
     const core_call *call = &m->run->call;
     size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
     face_pass pass = {m, norma_core_allocate(call, blocks, sizeof *pass.degenerate)};
@@ -127,22 +132,20 @@ norma_result norma_check_faces(check_mesh *m) {
 norma_result norma_check_users(check_mesh *m) {
     size_t count = norma_check_normal_count(m);
     const uint32_t *numbers = m->given->data.corner_normals;
-    if (m->users || !numbers || !count)
-        return NORMA_OK;
+    if (m->users || !numbers || !count) return NORMA_OK;
     m->users = norma_core_allocate(&m->run->call, count, sizeof *m->users);
-    if (!m->users)
-        return NORMA_ERROR_MEMORY;
+    if (!m->users) return NORMA_ERROR_MEMORY;
     memset(m->users, 0xff, count * sizeof *m->users);
     for (size_t c = m->mesh.corner_count; c-- > 0;)
-        if (numbers[c] < count)
-            m->users[numbers[c]] = (uint32_t)c;
+        if (numbers[c] < count) m->users[numbers[c]] = (uint32_t)c;
     return NORMA_OK;
 }
 
 size_t norma_check_face_of(const check_mesh *m, size_t corner) {
-    if (!m->mesh.face_starts)
-        return corner / 3;
-    size_t low = 0, high = m->mesh.face_count; /* the last face that begins at or before it and is not empty */
+    if (!m->mesh.face_starts) return corner / 3;
+    size_t low = 0,
+           high =
+               m->mesh.face_count; /* the last face that begins at or before it and is not empty */
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
         if (m->mesh.face_starts[middle] <= corner)
@@ -154,14 +157,14 @@ size_t norma_check_face_of(const check_mesh *m, size_t corner) {
 }
 
 check_spot norma_check_normal_spot(const check_mesh *m, size_t number) {
-    if (m->given->info.normals == NORMA_NORMALS_PER_FACET)
-        return norma_check_face(number);
+    if (m->given->info.normals == NORMA_NORMALS_PER_FACET) return norma_check_face(number);
     if (m->users && m->users[number] < m->mesh.corner_count)
-        return (check_spot){norma_core_corner(&m->mesh, m->users[number]), norma_check_face_of(m, m->users[number]), number};
-    if (m->given->data.corner_normals)
-        return (check_spot){SIZE_MAX, SIZE_MAX, number};
+        return (check_spot){norma_core_corner(&m->mesh, m->users[number]),
+            norma_check_face_of(m, m->users[number]), number};
+    if (m->given->data.corner_normals) return (check_spot){SIZE_MAX, SIZE_MAX, number};
     if (m->given->info.normals == NORMA_NORMALS_PER_CORNER)
-        return (check_spot){norma_core_corner(&m->mesh, number), norma_check_face_of(m, number), number};
+        return (check_spot){
+            norma_core_corner(&m->mesh, number), norma_check_face_of(m, number), number};
     return norma_check_vertex(number);
 }
 
@@ -169,9 +172,9 @@ double norma_check_encoding_bound(const char *encoding) {
     static const struct {
         const char *name;
         double degrees;
-    } bounds[] = {{"snorm8", .3907}, {"int8", .3907}, {"snorm10", .0971}, {"snorm16", .00151}, {"int16", .00151}, {"oct8", .9570}, {"oct10", .2379}, {"oct12", .0594}, {"oct16", .00371}};
+    } bounds[] = {{"snorm8", .3907}, {"int8", .3907}, {"snorm10", .0971}, {"snorm16", .00151},
+        {"int16", .00151}, {"oct8", .9570}, {"oct10", .2379}, {"oct12", .0594}, {"oct16", .00371}};
     for (size_t i = 0; encoding && i < sizeof bounds / sizeof *bounds; i++)
-        if (!strcmp(encoding, bounds[i].name))
-            return bounds[i].degrees * (3.141592653589793 / 180);
+        if (!strcmp(encoding, bounds[i].name)) return bounds[i].degrees * (3.141592653589793 / 180);
     return 0;
 }

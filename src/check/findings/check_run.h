@@ -1,4 +1,5 @@
-/* check_run.h: what the files of src/check share: one run over a file, one mesh in it with the geometry that its rules have in common, and how findings are added. */
+/* check_run.h: what the files of src/check share: one run over a file, one mesh in it with the
+ * geometry that its rules have in common, and how findings are added. */
 #ifndef NORMA_CHECK_INTERNAL_H
 #define NORMA_CHECK_INTERNAL_H
 #include <norma/check.h>
@@ -13,57 +14,62 @@ typedef enum check_rule {
 
 /* ---- findings (findings.c) */
 
-typedef struct check_spot {               /* SIZE_MAX: does not apply */
+typedef struct check_spot { /* SIZE_MAX: does not apply */
     size_t vertex, face, normal;
 } check_spot;
 #define CHECK_NOWHERE ((check_spot){SIZE_MAX, SIZE_MAX, SIZE_MAX})
-static inline check_spot norma_check_vertex(size_t vertex) { return (check_spot){vertex, SIZE_MAX, SIZE_MAX}; }
-static inline check_spot norma_check_face(size_t face) { return (check_spot){SIZE_MAX, face, SIZE_MAX}; }
+static inline check_spot norma_check_vertex(size_t vertex) {
+    return (check_spot){vertex, SIZE_MAX, SIZE_MAX};
+}
+static inline check_spot norma_check_face(size_t face) {
+    return (check_spot){SIZE_MAX, face, SIZE_MAX};
+}
 
-/* What one finding is made of while it is gathered: each block of a loop has its own, and they are merged in ascending order. Zero-initialised. */
+/* What one finding is made of while it is gathered: each block of a loop has its own, and they are
+ * merged in ascending order. Zero-initialised. */
 typedef struct check_hits {
-    size_t      count;
-    int         least;                    /* the worst is the least value, not the greatest */
-    double      worst;                    /* of count > 0 */
-    check_spot  worst_spot;
-    check_spot *samples;                  /* the first ones, to be freed by norma_check_hits_free */
-    size_t      sample_count, sample_room;
-    int         failed;                   /* out of memory: told by norma_check_add */
+    size_t count;
+    int least;    /* the worst is the least value, not the greatest */
+    double worst; /* of count > 0 */
+    check_spot worst_spot;
+    check_spot *samples; /* the first ones, to be freed by norma_check_hits_free */
+    size_t sample_count, sample_room;
+    int failed; /* out of memory: told by norma_check_add */
 } check_hits;
 
-typedef struct check_member check_member; /* seams_joined.c */
+typedef struct check_member check_member;             /* seams_joined.c */
 typedef struct check_solid_member check_solid_member; /* solids_joined.c */
 
 typedef struct check_run {
-    norma_check_options options;          /* every field valid */
-    norma_check_profile profile;          /* render or print */
-    norma_file_format   format;
-    uint8_t             rules[CHECK_RULE_COUNT]; /* wanted: nonzero */
-    core_call           call;             /* memory, threads, progress */
-    norma_findings     *findings;
-    size_t              next_order;       /* places are numbered as they come */
-    const norma_mesh_info  *last;             /* of the mesh before; NULL: none */
-    check_member           *members;          /* primitives held for N501 */
-    size_t                  member_count, member_room;
-    check_solid_member     *solids;           /* primitives held for N302 and N304 */
-    size_t                  solid_count, solid_room;
+    norma_check_options options; /* every field valid */
+    norma_check_profile profile; /* render or print */
+    norma_file_format format;
+    uint8_t rules[CHECK_RULE_COUNT]; /* wanted: nonzero */
+    core_call call;                  /* memory, threads, progress */
+    norma_findings *findings;
+    size_t next_order;           /* places are numbered as they come */
+    const norma_mesh_info *last; /* of the mesh before; NULL: none */
+    check_member *members;       /* primitives held for N501 */
+    size_t member_count, member_room;
+    check_solid_member *solids; /* primitives held for N302 and N304 */
+    size_t solid_count, solid_room;
 } check_run;
 
 typedef struct check_place {
-    size_t      order;                    /* of run->next_order++ */
-    const char *where, *label;            /* copied when a finding is added */
+    size_t order;              /* of run->next_order++ */
+    const char *where, *label; /* copied when a finding is added */
 } check_place;
 
 typedef struct check_mesh check_mesh;
 
-typedef struct check_report {             /* one finding to be added */
-    check_rule             rule;
-    norma_severity         severity;
-    const char            *unit;          /* NULL: "" */
-    int                    no_value;      /* worst_value is NaN */
-    int                    no_fix;        /* else the rule's own */
-    check_hits            *hits;          /* count 0: nothing is added. Emptied */
-    const char            *message;
+typedef struct check_report { /* one finding to be added */
+    check_rule rule;
+    norma_severity severity;
+    const char *unit; /* NULL: "" */
+    int no_value;     /* worst_value is NaN */
+    int no_fix;       /* else the rule's own */
+    check_hits *hits; /* count 0: nothing is added. Emptied */
+    const char *message;
     const norma_deviation *deviation;
 } check_report;
 
@@ -73,39 +79,49 @@ void norma_check_hit(const check_run *run, check_hits *hits, double value, check
 void norma_check_hits_merge(const check_run *run, check_hits *into, check_hits *from);
 void norma_check_hits_free(check_hits *hits);
 /* mesh may be NULL: samples then have no positions. MEMORY. Frees the hits' samples in any case. */
-norma_result norma_check_add(check_run *run, const check_place *place, const check_mesh *mesh, check_report *report);
+norma_result norma_check_add(
+    check_run *run, const check_place *place, const check_mesh *mesh, check_report *report);
 /* A finding of count 1 without a value, and without a place but spot. */
-norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh, check_rule rule, norma_severity severity, check_spot spot, const char *message);
-void norma_check_partly(check_run *run);  /* something was not checked, whether N002 was asked for or not */
+norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
+    check_rule rule, norma_severity severity, check_spot spot, const char *message);
+void norma_check_partly(
+    check_run *run); /* something was not checked, whether N002 was asked for or not */
 
-/* ---- messages (message.c), without locale: %s text, %z size_t, %g double with three significant digits, %% a percent sign */
+/* ---- messages (message.c), without locale: %s text, %z size_t, %g double with three significant
+ * digits, %% a percent sign */
 enum { CHECK_MESSAGE = 1000 };
 void norma_check_message(char text[CHECK_MESSAGE], const char *format, ...);
 
 /* ---- one mesh */
 
 typedef struct check_face {
-    float normal[3];                      /* unit; zero: the face is degenerate, or not finite */
-    float height;                         /* over its longest edge: twice the area / longest edge squared; 1 where a position is not finite */
+    float normal[3]; /* unit; zero: the face is degenerate, or not finite */
+    float height;    /* over its longest edge: twice the area / longest edge squared; 1 where a
+                        position is not finite */
 } check_face;
 
 struct check_mesh {
-    check_run              *run;
+    check_run *run;
     const norma_check_mesh *given;
-    check_place             place;
-    uint8_t                 rules[CHECK_RULE_COUNT]; /* wanted here: without those that extras silence */
-    int                     siblings;     /* other primitives of the same mesh are checked too */
-    int                     on_purpose;   /* the material is double-sided or not opaque: normals and windings may be meant as they are */
-    core_mesh               mesh;         /* checked; as the file has it, not welded */
+    check_place place;
+    uint8_t rules[CHECK_RULE_COUNT]; /* wanted here: without those that extras silence */
+    int siblings;                    /* other primitives of the same mesh are checked too */
+    int on_purpose; /* the material is double-sided or not opaque: normals and windings may be meant
+                       as they are */
+    core_mesh mesh; /* checked; as the file has it, not welded */
     /* Made when first asked for, freed with the mesh. */
-    core_topology           topology;     /* topology.mesh: the same with corners that are welded positions, the least of those that are exactly equal */
-    int                     has_topology;
-    check_face             *faces;
-    uint32_t               *users;        /* where corners name normals (OBJ): of each normal the first corner that does; UINT32_MAX: none */
-    size_t                  degenerate_count;
+    core_topology topology; /* topology.mesh: the same with corners that are welded positions, the
+                               least of those that are exactly equal */
+    int has_topology;
+    check_face *faces;
+    uint32_t *users; /* where corners name normals (OBJ): of each normal the first corner that does;
+                        UINT32_MAX: none */
+    size_t degenerate_count;
 };
 
-static inline int norma_check_wants(const check_mesh *m, check_rule rule) { return m->rules[rule] != 0; }
+static inline int norma_check_wants(const check_mesh *m, check_rule rule) {
+    return m->rules[rule] != 0;
+}
 /* Whether any rule from first to last is wanted. */
 static inline int norma_check_wants_any(const check_mesh *m, check_rule first, check_rule last) {
     int wanted = 0;
@@ -114,77 +130,97 @@ static inline int norma_check_wants_any(const check_mesh *m, check_rule first, c
 }
 
 /* Each makes what is not there yet. OK, MEMORY or CANCELLED. */
-norma_result norma_check_weld(check_mesh *m);                  /* topology.mesh */
-norma_result norma_check_faces(check_mesh *m);                 /* faces, degenerate_count */
-norma_result norma_check_around(check_mesh *m);                /* topology.around: the corners at each position */
-norma_result norma_check_users(check_mesh *m);                 /* users, where data.corner_normals is given */
-size_t       norma_check_face_of(const check_mesh *m, size_t corner);
+norma_result norma_check_weld(check_mesh *m);   /* topology.mesh */
+norma_result norma_check_faces(check_mesh *m);  /* faces, degenerate_count */
+norma_result norma_check_around(check_mesh *m); /* topology.around: the corners at each position */
+norma_result norma_check_users(check_mesh *m);  /* users, where data.corner_normals is given */
+size_t norma_check_face_of(const check_mesh *m, size_t corner);
 
 /* How many normals are stored: of vertices, vn, facets. Of vn only those count that a face uses. */
-static inline size_t norma_check_normal_count(const check_mesh *m) { return m->given->info.normals == NORMA_NORMALS_NONE ? 0 : m->given->data.normals.count; }
+static inline size_t norma_check_normal_count(const check_mesh *m) {
+    return m->given->info.normals == NORMA_NORMALS_NONE ? 0 : m->given->data.normals.count;
+}
 
 /* The number of a corner's stored normal; SIZE_MAX: none. */
 static inline size_t norma_check_normal_of(const check_mesh *m, size_t face, size_t corner) {
     const norma_mesh_data *data = &m->given->data;
     size_t number = data->corner_normals ? data->corner_normals[corner]
                     : m->given->info.normals == NORMA_NORMALS_PER_FACET ? face
-                    : m->given->info.normals == NORMA_NORMALS_PER_CORNER ? corner
-                                                                         : norma_core_corner(&m->mesh, corner);
+                    : m->given->info.normals == NORMA_NORMALS_PER_CORNER
+                        ? corner
+                        : norma_core_corner(&m->mesh, corner);
     return number < norma_check_normal_count(m) ? number : SIZE_MAX;
 }
 
-static inline void norma_check_normal(const check_mesh *m, size_t number, double normal[3]) { norma_view_read(&m->given->data.normals, number, normal); }
+static inline void norma_check_normal(const check_mesh *m, size_t number, double normal[3]) {
+    norma_view_read(&m->given->data.normals, number, normal);
+}
 
-static inline double norma_check_dot(const float a[3], const double b[3]) { return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2]; }
-static inline int norma_check_directed(const check_face *face) { return face->normal[0] != 0 || face->normal[1] != 0 || face->normal[2] != 0; }
+static inline double norma_check_dot(const float a[3], const double b[3]) {
+    return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
+}
+static inline int norma_check_directed(const check_face *face) {
+    return face->normal[0] != 0 || face->normal[1] != 0 || face->normal[2] != 0;
+}
 
-/* The spot of a stored normal: a vertex in glTF and PLY, a vn with the first vertex and face that use it in OBJ (norma_check_users was called), a facet in STL. */
+/* The spot of a stored normal: a vertex in glTF and PLY, a vn with the first vertex and face that
+ * use it in OBJ (norma_check_users was called), a facet in STL. */
 check_spot norma_check_normal_spot(const check_mesh *m, size_t number);
 
 /* Greatest error of the normals' encoding in radians; 0: as good as none. */
 double norma_check_encoding_bound(const char *encoding);
 
-/* Calls task for blocks of size elements out of count; by threads where there is more than one block. What is gathered in a block is merged in their order. */
+/* Calls task for blocks of size elements out of count; by threads where there is more than one
+ * block. What is gathered in a block is merged in their order. */
 typedef void check_block(void *context, size_t block, size_t begin, size_t end);
-norma_result norma_check_blocks(check_run *run, size_t count, size_t size, check_block *task, void *context);
-static inline size_t norma_check_block_count(size_t count, size_t size) { return count / size + (count % size != 0); }
+norma_result norma_check_blocks(
+    check_run *run, size_t count, size_t size, check_block *task, void *context);
+static inline size_t norma_check_block_count(size_t count, size_t size) {
+    return count / size + (count % size != 0);
+}
 
-/* ---- a run (run.c): begin; for each mesh norma_check_run_mesh; rules on nodes and the like; finish or abandon */
+/* ---- a run (run.c): begin; for each mesh norma_check_run_mesh; rules on nodes and the like;
+ * finish or abandon */
 
 /* format decides the profile where options do not. ARGUMENT, MEMORY: nothing to abandon. */
-norma_result norma_check_begin(check_run *run, const norma_check_options *options, norma_file_format format);
-/* next: of the mesh that comes after it, or NULL. given stays as it is until the last primitive of its mesh was run. */
-norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given, const norma_mesh_info *next);
+norma_result norma_check_begin(
+    check_run *run, const norma_check_options *options, norma_file_format format);
+/* next: of the mesh that comes after it, or NULL. given stays as it is until the last primitive of
+ * its mesh was run. */
+norma_result norma_check_run_mesh(
+    check_run *run, const norma_check_mesh *given, const norma_mesh_info *next);
 void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]);
 norma_findings *norma_check_finish(check_run *run);
 void norma_check_abandon(check_run *run);
-/* Takes from mask what a list of extras' "ignore" names; words that name no rule are passed over. */
+/* Takes from mask what a list of extras' "ignore" names; words that name no rule are passed over.
+ */
 void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore);
 
 /* ---- families: each looks at its rules on one mesh */
-norma_result norma_check_lengths(check_mesh *m);               /* lengths.c: N101 to N103 */
-norma_result norma_check_facing(check_mesh *m);                /* facing.c: N201, N202 */
-norma_result norma_check_placeholder(check_mesh *m);           /* placeholder.c: N203 */
-norma_result norma_check_deviation(check_mesh *m);             /* deviation.c: N204 */
-norma_result norma_check_facets(check_mesh *m);                /* facets.c: N205 */
-norma_result norma_check_edges(check_mesh *m);                 /* edges.c: N301, N303, N305, N306 */
-norma_result norma_check_solids(check_mesh *m);                /* solids.c: N302, N304 */
-norma_result norma_check_shapes(check_mesh *m);                /* face_shapes.c: N401, N402 */
-norma_result norma_check_cancelled(check_mesh *m);             /* cancelled.c: N403 */
-norma_result norma_check_polygons(check_mesh *m);              /* polygons.c: N404, N405 */
-norma_result norma_check_seams(check_mesh *m);                 /* seams.c: N501 */
+norma_result norma_check_lengths(check_mesh *m);     /* lengths.c: N101 to N103 */
+norma_result norma_check_facing(check_mesh *m);      /* facing.c: N201, N202 */
+norma_result norma_check_placeholder(check_mesh *m); /* placeholder.c: N203 */
+norma_result norma_check_deviation(check_mesh *m);   /* deviation.c: N204 */
+norma_result norma_check_facets(check_mesh *m);      /* facets.c: N205 */
+norma_result norma_check_edges(check_mesh *m);       /* edges.c: N301, N303, N305, N306 */
+norma_result norma_check_solids(check_mesh *m);      /* solids.c: N302, N304 */
+norma_result norma_check_shapes(check_mesh *m);      /* face_shapes.c: N401, N402 */
+norma_result norma_check_cancelled(check_mesh *m);   /* cancelled.c: N403 */
+norma_result norma_check_polygons(check_mesh *m);    /* polygons.c: N404, N405 */
+norma_result norma_check_seams(check_mesh *m);       /* seams.c: N501 */
 /* seams.c, seams_joined.c. Angles in radians; 0: no seam there. */
-double       norma_check_seam_least(const char *encoding);
-double       norma_check_seam_angle(const check_mesh *m, size_t position, double least);
+double norma_check_seam_least(const char *encoding);
+double norma_check_seam_angle(const check_mesh *m, size_t position, double least);
 norma_result norma_check_add_seams(check_mesh *m, check_hits *hits);
 norma_result norma_check_seams_hold(check_mesh *m);
 norma_result norma_check_seams_joined(check_run *run);
-norma_result norma_check_solids_joined(check_run *run);        /* solids_joined.c */
-void         norma_check_solids_drop(check_run *run);
-int          norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second);
-norma_result norma_check_coincident(check_mesh *m);            /* coincident.c: N503 */
-norma_result norma_check_precision(check_mesh *m);             /* precision.c: N502, N701, N702 */
+norma_result norma_check_solids_joined(check_run *run); /* solids_joined.c */
+void norma_check_solids_drop(check_run *run);
+int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second);
+norma_result norma_check_coincident(check_mesh *m); /* coincident.c: N503 */
+norma_result norma_check_precision(check_mesh *m);  /* precision.c: N502, N701, N702 */
 
-/* edges.c: topology.partners; adds the findings of edges that are wanted when the edges are paired, once. */
+/* edges.c: topology.partners; adds the findings of edges that are wanted when the edges are paired,
+ * once. */
 norma_result norma_check_pairs(check_mesh *m);
 #endif

@@ -1,4 +1,5 @@
-/* findings.c: findings as they are gathered, and as they are read. Each owns its texts and its samples. */
+/* findings.c: findings as they are gathered, and as they are read. Each owns its texts and its
+ * samples. */
 #include "check/findings/findings.h"
 #include <math.h>
 #include <stdlib.h>
@@ -6,10 +7,13 @@
 
 /* ---- gathering */
 
-static int is_worse(const check_hits *hits, double value) { return hits->least ? value < hits->worst : value > hits->worst; }
+static int is_worse(const check_hits *hits, double value) {
+    return hits->least ? value < hits->worst : value > hits->worst;
+}
 
 static void keep_sample(const check_run *run, check_hits *hits, check_spot spot) {
-    if (hits->sample_count >= run->options.max_samples || (spot.vertex == SIZE_MAX && spot.face == SIZE_MAX && spot.normal == SIZE_MAX))
+    if (hits->sample_count >= run->options.max_samples ||
+        (spot.vertex == SIZE_MAX && spot.face == SIZE_MAX && spot.normal == SIZE_MAX))
         return;
     if (hits->sample_count == hits->sample_room) {
         size_t room = hits->sample_room ? 2 * hits->sample_room : 10;
@@ -64,9 +68,10 @@ static char *copy_text(const char *text) {
 static findings_entry *new_entry(norma_findings *findings) {
     if (findings->count == findings->room) {
         size_t room = findings->room ? 2 * findings->room : 8;
-        findings_entry *entries = room > SIZE_MAX / sizeof *entries ? NULL : realloc(findings->entries, room * sizeof *entries);
-        if (!entries)
-            return NULL;
+        findings_entry *entries = room > SIZE_MAX / sizeof *entries
+                                      ? NULL
+                                      : realloc(findings->entries, room * sizeof *entries);
+        if (!entries) return NULL;
         findings->entries = entries;
         findings->room = room;
     }
@@ -95,8 +100,7 @@ static int position_of_face(const core_mesh *mesh, size_t face, double position[
 
 static norma_sample sample_of(const check_mesh *m, check_spot spot) {
     norma_sample sample = {.vertex = spot.vertex, .face = spot.face, .normal = spot.normal};
-    if (!m)
-        return sample;
+    if (!m) return sample;
     if (spot.vertex < m->mesh.positions.count) {
         norma_view_read(&m->mesh.positions, spot.vertex, sample.position);
         sample.has_position = 1;
@@ -104,25 +108,25 @@ static norma_sample sample_of(const check_mesh *m, check_spot spot) {
         sample.has_position = position_of_face(&m->mesh, spot.face, sample.position);
     }
     sample.has_position = sample.has_position && norma_core_finite(sample.position);
-    if (!sample.has_position)
-        memset(sample.position, 0, sizeof sample.position);
+    if (!sample.has_position) memset(sample.position, 0, sizeof sample.position);
     return sample;
 }
 
 static norma_sample *copy_samples(const check_mesh *m, const check_hits *hits) {
     norma_sample *samples = malloc((hits->sample_count ? hits->sample_count : 1) * sizeof *samples);
-    for (size_t i = 0; samples && i < hits->sample_count; i++) samples[i] = sample_of(m, hits->samples[i]);
+    for (size_t i = 0; samples && i < hits->sample_count; i++)
+        samples[i] = sample_of(m, hits->samples[i]);
     return samples;
 }
 
 static const norma_deviation *copy_deviation(const norma_deviation *deviation) {
     norma_deviation *copy = malloc(sizeof *copy);
-    if (copy)
-        *copy = *deviation;
+    if (copy) *copy = *deviation;
     return copy;
 }
 
-static norma_result fill_finding(norma_finding *finding, const check_place *place, const check_mesh *mesh, const check_report *report) {
+static norma_result fill_finding(norma_finding *finding, const check_place *place,
+    const check_mesh *mesh, const check_report *report) {
     const check_hits *hits = report->hits;
     *finding = (norma_finding){
         .rule = &norma_rules(NULL)[report->rule],
@@ -138,15 +142,15 @@ static norma_result fill_finding(norma_finding *finding, const check_place *plac
         .message = copy_text(report->message),
     };
     finding->fix = report->no_fix ? NORMA_FIX_NONE : finding->rule->fix;
-    if (report->deviation)
-        finding->deviation = copy_deviation(report->deviation);
-    int complete = finding->where && finding->label && finding->samples && finding->message && (!report->deviation || finding->deviation);
-    if (!complete)
-        free_finding(finding);
+    if (report->deviation) finding->deviation = copy_deviation(report->deviation);
+    int complete = finding->where && finding->label && finding->samples && finding->message &&
+                   (!report->deviation || finding->deviation);
+    if (!complete) free_finding(finding);
     return complete ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-norma_result norma_check_add(check_run *run, const check_place *place, const check_mesh *mesh, check_report *report) {
+norma_result norma_check_add(
+    check_run *run, const check_place *place, const check_mesh *mesh, check_report *report) {
     norma_result result = report->hits->failed ? NORMA_ERROR_MEMORY : NORMA_OK;
     if (!result && report->hits->count) {
         findings_entry *entry = new_entry(run->findings);
@@ -154,18 +158,20 @@ norma_result norma_check_add(check_run *run, const check_place *place, const che
         if (!result) {
             entry->order = place->order;
             run->findings->count++;
-            if (report->rule == RULE_N002)
-                norma_check_partly(run);
+            if (report->rule == RULE_N002) norma_check_partly(run);
         }
     }
     norma_check_hits_free(report->hits);
     return result;
 }
 
-norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh, check_rule rule, norma_severity severity, check_spot spot, const char *message) {
+norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
+    check_rule rule, norma_severity severity, check_spot spot, const char *message) {
     check_hits hits = {0};
     norma_check_hit(run, &hits, 0, spot);
-    return norma_check_add(run, place, mesh, &(check_report){.rule = rule, .severity = severity, .no_value = 1, .hits = &hits, .message = message});
+    return norma_check_add(run, place, mesh,
+        &(check_report){
+            .rule = rule, .severity = severity, .no_value = 1, .hits = &hits, .message = message});
 }
 
 void norma_check_partly(check_run *run) { run->findings->partly = 1; }
@@ -174,17 +180,14 @@ void norma_check_partly(check_run *run) { run->findings->partly = 1; }
 
 norma_findings *norma_findings_new(norma_check_profile profile) {
     norma_findings *findings = malloc(sizeof *findings);
-    if (findings)
-        *findings = (norma_findings){.profile = profile};
+    if (findings) *findings = (norma_findings){.profile = profile};
     return findings;
 }
 
 static int by_place(const void *first, const void *second) {
     const findings_entry *a = first, *b = second;
-    if (a->order != b->order)
-        return a->order < b->order ? -1 : 1;
-    if (a->finding.rule != b->finding.rule)
-        return a->finding.rule < b->finding.rule ? -1 : 1;
+    if (a->order != b->order) return a->order < b->order ? -1 : 1;
+    if (a->finding.rule != b->finding.rule) return a->finding.rule < b->finding.rule ? -1 : 1;
     if (a->finding.severity != b->finding.severity)
         return a->finding.severity > b->finding.severity ? -1 : 1;
     return a->number < b->number ? -1 : a->number > b->number;
@@ -195,14 +198,19 @@ void norma_findings_sort(norma_findings *findings) {
         qsort(findings->entries, findings->count, sizeof *findings->entries, by_place);
 }
 
-size_t norma_findings_count(const norma_findings *findings) { return findings ? findings->count : 0; }
-const norma_finding *norma_findings_get(const norma_findings *findings, size_t index) { return findings && index < findings->count ? &findings->entries[index].finding : NULL; }
-norma_check_profile norma_findings_profile(const norma_findings *findings) { return findings ? findings->profile : NORMA_CHECK_PROFILE_AUTO; }
+size_t norma_findings_count(const norma_findings *findings) {
+    return findings ? findings->count : 0;
+}
+const norma_finding *norma_findings_get(const norma_findings *findings, size_t index) {
+    return findings && index < findings->count ? &findings->entries[index].finding : NULL;
+}
+norma_check_profile norma_findings_profile(const norma_findings *findings) {
+    return findings ? findings->profile : NORMA_CHECK_PROFILE_AUTO;
+}
 int norma_findings_partly(const norma_findings *findings) { return findings && findings->partly; }
 
 void norma_findings_free(norma_findings *findings) {
-    if (!findings)
-        return;
+    if (!findings) return;
     for (size_t i = 0; i < findings->count; i++) free_finding(&findings->entries[i].finding);
     free(findings->entries);
     free(findings);

@@ -5,17 +5,17 @@
 
 typedef struct findings_entry {
     norma_finding finding;
-    size_t        order;                  /* of its place, then of its addition */
-    size_t        number;
+    size_t order; /* of its place, then of its addition */
+    size_t number;
 } findings_entry;
 
 struct norma_findings {
     norma_check_profile profile;
-    int                 partly;
-    findings_entry     *entries;
-    size_t              count, room;
+    int partly;
+    findings_entry *entries;
+    size_t count, room;
 };
 
-norma_findings *norma_findings_new(norma_check_profile profile);   /* NULL: out of memory */
-void            norma_findings_sort(norma_findings *findings);     /* by place, rule, severity */
+norma_findings *norma_findings_new(norma_check_profile profile); /* NULL: out of memory */
+void norma_findings_sort(norma_findings *findings);              /* by place, rule, severity */
 #endif

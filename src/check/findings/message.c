@@ -1,4 +1,5 @@
-/* message.c: messages, put together without the C library's formats, whose numbers follow the locale. */
+/* message.c: messages, put together without the C library's formats, whose numbers follow the
+ * locale. */
 #include "check/findings/check_run.h"
 #include <math.h>
 #include <stdarg.h>
@@ -26,7 +27,8 @@ static void add_size(text *t, size_t value) {
     add(t, digits + at, sizeof digits - at);
 }
 
-/* Three digits as an integer below 1000 and the power of ten of the first. By divisions alone: the C library's log10 and pow differ between systems. */
+/* Three digits as an integer below 1000 and the power of ten of the first. By divisions alone: the
+ * C library's log10 and pow differ between systems. */
 static unsigned three_digits(double value, int *power) {
     static const double tens[] = {1e1, 1e2, 1e4, 1e8, 1e16, 1e32, 1e64, 1e128, 1e256};
     *power = 0;
@@ -50,11 +52,11 @@ static unsigned three_digits(double value, int *power) {
 
 /* digits with the point behind the first, zeros behind it left out: 1.02, 1.2, 1. */
 static void add_digits(text *t, unsigned digits, int before_point) {
-    char all[4] = {(char)('0' + digits / 100), (char)('0' + digits / 10 % 10), (char)('0' + digits % 10), 0};
+    char all[4] = {
+        (char)('0' + digits / 100), (char)('0' + digits / 10 % 10), (char)('0' + digits % 10), 0};
     int last = all[2] != '0' ? 3 : all[1] != '0' ? 2 : 1;
     for (int i = 0; i < 3 && (i < last || i < before_point); i++) {
-        if (i == before_point)
-            add(t, ".", 1);
+        if (i == before_point) add(t, ".", 1);
         add(t, &all[i], 1);
     }
 }
@@ -74,11 +76,18 @@ static void add_large(text *t, unsigned digits, int power) {
 static void add_number(text *t, double value) {
     int power;
     if (isnan(value) || isinf(value) || value == 0) {
-        add(t, isnan(value) ? "NaN" : value == 0 ? "0" : value < 0 ? "-infinity" : "infinity", strlen(isnan(value) ? "NaN" : value == 0 ? "0" : value < 0 ? "-infinity" : "infinity"));
+        add(t,
+            isnan(value) ? "NaN"
+            : value == 0 ? "0"
+            : value < 0  ? "-infinity"
+                         : "infinity",
+            strlen(isnan(value) ? "NaN"
+                   : value == 0 ? "0"
+                   : value < 0  ? "-infinity"
+                                : "infinity"));
         return;
     }
-    if (value < 0)
-        add(t, "-", 1);
+    if (value < 0) add(t, "-", 1);
     unsigned digits = three_digits(fabs(value), &power);
     if (power >= 0 && power < 3) {
         add_digits(t, digits, power + 1);

@@ -3,15 +3,15 @@
 #include <string.h>
 
 static const norma_rule rules[] = {
-#define RULE(id, name, render, print, fix, verb, validator, what, why, how) \
-    {#id, name, NORMA_SEVERITY_##render, NORMA_SEVERITY_##print, NORMA_FIX_##fix, verb, what, why, how, validator},
+#define RULE(id, name, render, print, fix, verb, validator, what, why, how)                        \
+    {#id, name, NORMA_SEVERITY_##render, NORMA_SEVERITY_##print, NORMA_FIX_##fix, verb, what, why, \
+        how, validator},
 #include "check/findings/rules.def"
 #undef RULE
 };
 
 const norma_rule *norma_rules(size_t *count) {
-    if (count)
-        *count = sizeof rules / sizeof *rules;
+    if (count) *count = sizeof rules / sizeof *rules;
     return rules;
 }
 
@@ -20,24 +20,22 @@ static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') 
 /* How many characters of text the word begins with: its length where it does. */
 static int begins_with(const char *text, const char *word, size_t length) {
     for (size_t i = 0; i < length; i++)
-        if (!text[i] || lower(text[i]) != lower(word[i]))
-            return 0;
+        if (!text[i] || lower(text[i]) != lower(word[i])) return 0;
     return 1;
 }
 
 /* A beginning of an id says at least its N, so that no word of another sense is taken for one. */
 static int names_rule(const norma_rule *rule, const char *word, size_t length) {
-    return (length > 0 && begins_with(rule->id, word, length)) || (begins_with(rule->name, word, length) && !rule->name[length]);
+    return (length > 0 && begins_with(rule->id, word, length)) ||
+           (begins_with(rule->name, word, length) && !rule->name[length]);
 }
 
 static size_t select_word(const char *word, size_t length, uint8_t *mask) {
     size_t named = 0;
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++) {
-        if (!names_rule(&rules[i], word, length))
-            continue;
+        if (!names_rule(&rules[i], word, length)) continue;
         named++;
-        if (mask)
-            mask[i] = 1;
+        if (mask) mask[i] = 1;
     }
     return named;
 }
@@ -58,16 +56,14 @@ static norma_result select_words(const char *list, uint8_t *mask, char unknown[6
     while (*list) {
         size_t length = 0;
         while (list[length] && !is_gap(list[length])) length++;
-        if (length && !select_word(list, length, mask))
-            return refuse(list, length, unknown);
+        if (length && !select_word(list, length, mask)) return refuse(list, length, unknown);
         list += length + (list[length] != 0);
     }
     return NORMA_OK;
 }
 
 norma_result norma_rules_select(const char *list, uint8_t *mask, char unknown[64]) {
-    if (!list || !mask)
-        return NORMA_ERROR_ARGUMENT;
+    if (!list || !mask) return NORMA_ERROR_ARGUMENT;
     norma_result result = select_words(list, NULL, unknown);
     return result ? result : select_words(list, mask, unknown);
 }

@@ -4,8 +4,7 @@
 
 int norma_mend_compare_points(const double a[3], const double b[3]) {
     for (int axis = 0; axis < 3; axis++)
-        if (a[axis] != b[axis])
-            return a[axis] < b[axis] ? -1 : 1;
+        if (a[axis] != b[axis]) return a[axis] < b[axis] ? -1 : 1;
     return 0;
 }
 
@@ -16,7 +15,8 @@ int norma_mend_compare_edges(const void *a, const void *b) {
     return order ? order : one->mesh != other->mesh ? (one->mesh < other->mesh ? -1 : 1) : 0;
 }
 
-size_t norma_mend_face_edges(const core_mesh *mesh, size_t face, uint32_t face_number, uint32_t mesh_number, mend_edge *edges) {
+size_t norma_mend_face_edges(const core_mesh *mesh, size_t face, uint32_t face_number,
+    uint32_t mesh_number, mend_edge *edges) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     size_t count = 0;
     for (size_t c = begin; c < end; c++) {
@@ -24,8 +24,7 @@ size_t norma_mend_face_edges(const core_mesh *mesh, size_t face, uint32_t face_n
         norma_core_position(mesh, norma_core_corner(mesh, c), from);
         norma_core_position(mesh, norma_core_corner(mesh, c + 1 < end ? c + 1 : begin), to);
         const int order = norma_mend_compare_points(from, to);
-        if (!norma_core_finite(from) || !norma_core_finite(to) || order == 0)
-            continue;
+        if (!norma_core_finite(from) || !norma_core_finite(to) || order == 0) continue;
         mend_edge *edge = &edges[count++];
         memcpy(edge->a, order < 0 ? from : to, sizeof from);
         memcpy(edge->b, order < 0 ? to : from, sizeof to);

@@ -1,4 +1,5 @@
-/* fix_faces.c: faces put right: windings made to agree (norma_orient), whole bodies turned (turn_bodies.c), faces left out that are there twice or have no area. */
+/* fix_faces.c: faces put right: windings made to agree (norma_orient), whole bodies turned
+ * (turn_bodies.c), faces left out that are there twice or have no area. */
 #include "check/fix/fix.h"
 #include "check/fix/edge_parts.h"
 #include <stdlib.h>
@@ -16,12 +17,14 @@ static uint32_t *find_parts(const core_mesh *mesh) {
     }
     for (size_t face = 0; face < mesh->face_count; face++) parents[face] = (uint32_t)face;
     size_t count = 0;
-    for (size_t face = 0; face < mesh->face_count; face++) count += norma_mend_face_edges(mesh, face, (uint32_t)face, 0, edges + count);
+    for (size_t face = 0; face < mesh->face_count; face++)
+        count += norma_mend_face_edges(mesh, face, (uint32_t)face, 0, edges + count);
     qsort(edges, count, sizeof *edges, norma_mend_compare_edges);
     for (size_t i = 1; i < count; i++)
         if (norma_mend_compare_edges(&edges[i - 1], &edges[i]) == 0)
             norma_mend_unite(parents, edges[i - 1].face, edges[i].face);
-    for (size_t face = 0; face < mesh->face_count; face++) parents[face] = norma_mend_root(parents, (uint32_t)face);
+    for (size_t face = 0; face < mesh->face_count; face++)
+        parents[face] = norma_mend_root(parents, (uint32_t)face);
     free(edges);
     return parents;
 }
@@ -32,8 +35,10 @@ typedef struct part_count {
     uint32_t faces, reversed;
 } part_count;
 
-/* Of two ways to make the faces of a part agree the one that turns fewer; to turn a whole part is not what N301 asks for. */
-static void turn_fewer(const core_mesh *mesh, const uint32_t *parts, const part_count *counts, uint8_t *reverse) {
+/* Of two ways to make the faces of a part agree the one that turns fewer; to turn a whole part is
+ * not what N301 asks for. */
+static void turn_fewer(
+    const core_mesh *mesh, const uint32_t *parts, const part_count *counts, uint8_t *reverse) {
     for (size_t face = 0; face < mesh->face_count; face++) {
         const part_count *part = &counts[parts[face]];
         if (part->reversed == part->faces)
@@ -47,13 +52,14 @@ static norma_result make_alike(const mend_mesh *m, uint8_t *reverse) {
     const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
     uint32_t *parts = find_parts(&m->mesh);
     part_count *counts = calloc(m->mesh.face_count + 1, sizeof *counts);
-    norma_result result = parts && counts ? norma_orient(&m->data.mesh, NORMA_ORIENT_OPEN_KEPT, &options, reverse, m->mesh.face_count, NULL) : NORMA_ERROR_MEMORY;
+    norma_result result = parts && counts ? norma_orient(&m->data.mesh, NORMA_ORIENT_OPEN_KEPT,
+                                                &options, reverse, m->mesh.face_count, NULL)
+                                          : NORMA_ERROR_MEMORY;
     for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
         counts[parts[face]].faces++;
         counts[parts[face]].reversed += reverse[face];
     }
-    if (!result)
-        turn_fewer(&m->mesh, parts, counts, reverse);
+    if (!result) turn_fewer(&m->mesh, parts, counts, reverse);
     free(parts);
     free(counts);
     return result;
@@ -61,8 +67,7 @@ static norma_result make_alike(const mend_mesh *m, uint8_t *reverse) {
 
 static norma_result reorient(mend_mesh *m) {
     int alike = norma_mend_has(m, RULE_N301), any = 0;
-    if (!alike && !m->turned)
-        return NORMA_OK;
+    if (!alike && !m->turned) return NORMA_OK;
     uint8_t *reverse = calloc(m->mesh.face_count + 1, 1);
     norma_result result = !reverse ? NORMA_ERROR_MEMORY : alike ? make_alike(m, reverse) : NORMA_OK;
     for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
@@ -81,7 +86,8 @@ static norma_result reorient(mend_mesh *m) {
 static norma_result drop_named(mend_mesh *m) {
     uint8_t *marks = NULL;
     int twice = norma_mend_mark(m, RULE_N305, MEND_FACE, m->mesh.face_count, &marks);
-    int flat = twice < 0 ? twice : norma_mend_mark(m, RULE_N401, MEND_FACE, m->mesh.face_count, &marks);
+    int flat =
+        twice < 0 ? twice : norma_mend_mark(m, RULE_N401, MEND_FACE, m->mesh.face_count, &marks);
     if (twice > 0 || flat > 0)
         m->edit->drop_faces = marks;
     else

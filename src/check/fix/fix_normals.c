@@ -1,53 +1,60 @@
-/* fix_normals.c: normals put right one by one: what is no unit vector, what lies on the wrong side, what is far from the surface, facets that differ from their winding,
- * seams. New ones come from the surface, by the weight and crease that the others show. */
+/* fix_normals.c: normals put right one by one: what is no unit vector, what lies on the wrong side,
+ * what is far from the surface, facets that differ from their winding, seams. New ones come from
+ * the surface, by the weight and crease that the others show. */
 #include "check/fix/fix.h"
 #include <stdlib.h>
 #include <string.h>
 
 /* What a rule names normals by: their own number in OBJ, the facet in STL, else the vertex. */
 static mend_element element_of(const mend_mesh *m) {
-    return m->data.corner_normals ? MEND_NORMAL : m->info.normals == NORMA_NORMALS_PER_FACET ? MEND_FACE : MEND_VERTEX;
+    return m->data.corner_normals                       ? MEND_NORMAL
+           : m->info.normals == NORMA_NORMALS_PER_FACET ? MEND_FACE
+                                                        : MEND_VERTEX;
 }
 
 /* ---- from the surface */
 
 typedef struct normal_sum {
-    double   normal[3];
+    double normal[3];
     uint32_t corners;
 } normal_sum;
 
-/* A vn that corners with quite different normals name cannot be right for all of them: where the old one is a direction at all, it stays. */
+/* A vn that corners with quite different normals name cannot be right for all of them: where the
+ * old one is a direction at all, it stays. */
 static int set_sum(mend_mesh *m, size_t number, const normal_sum *sum, int is_bad) {
     static const double up[3] = {0, 0, 1};
-    double squares = sum->normal[0] * sum->normal[0] + sum->normal[1] * sum->normal[1] + sum->normal[2] * sum->normal[2];
+    double squares = sum->normal[0] * sum->normal[0] + sum->normal[1] * sum->normal[1] +
+                     sum->normal[2] * sum->normal[2];
     if (squares > 0.25 * (double)sum->corners * (double)sum->corners)
         return norma_mend_set_normal(m, number, sum->normal);
     return !is_bad || norma_mend_set_normal(m, number, squares > 0 ? sum->normal : up);
 }
 
-/* Each marked normal becomes the sum of the surface's at its corners; marks of MEND_BAD: it is no direction now. */
+/* Each marked normal becomes the sum of the surface's at its corners; marks of MEND_BAD: it is no
+ * direction now. */
 enum { MEND_BAD = 1, MEND_WRONG = 2 };
 static norma_result recompute(mend_mesh *m, const uint8_t *marks) {
     size_t count = norma_mend_normal_count(m);
-    norma_result result = m->info.normals == NORMA_NORMALS_PER_FACET ? norma_mend_face_normals(m) : norma_mend_surface(m);
+    norma_result result = m->info.normals == NORMA_NORMALS_PER_FACET ? norma_mend_face_normals(m)
+                                                                     : norma_mend_surface(m);
     normal_sum *sums = result ? NULL : calloc(count + 1, sizeof *sums);
-    if (!sums)
-        return result ? result : NORMA_ERROR_MEMORY;
+    if (!sums) return result ? result : NORMA_ERROR_MEMORY;
     for (size_t face = 0; face < m->mesh.face_count; face++) {
-        size_t begin = norma_core_face_begin(&m->mesh, face), end = norma_core_face_end(&m->mesh, face);
+        size_t begin = norma_core_face_begin(&m->mesh, face),
+               end = norma_core_face_end(&m->mesh, face);
         int reversed = m->edit->reverse_faces && m->edit->reverse_faces[face];
         for (size_t c = begin; c < end; c++) {
-            size_t number = norma_mend_normal_of(m, face, c), now = reversed && c > begin ? end + begin - c : c;
+            size_t number = norma_mend_normal_of(m, face, c),
+                   now = reversed && c > begin ? end + begin - c : c;
             const float *normal = m->surface ? m->surface + 3 * now : m->face_normals + 3 * face;
-            if (number == SIZE_MAX || !marks[number])
-                continue;
-            for (size_t axis = 0; axis < 3; axis++) sums[number].normal[axis] += (double)normal[axis];
+            if (number == SIZE_MAX || !marks[number]) continue;
+            for (size_t axis = 0; axis < 3; axis++)
+                sums[number].normal[axis] += (double)normal[axis];
             sums[number].corners++;
         }
     }
     for (size_t i = 0; i < count && !result; i++)
-        if (marks[i] && !set_sum(m, i, &sums[i], marks[i] == MEND_BAD))
-            result = NORMA_ERROR_MEMORY;
+        if (marks[i] && !set_sum(m, i, &sums[i], marks[i] == MEND_BAD)) result = NORMA_ERROR_MEMORY;
     free(sums);
     return result;
 }
@@ -58,13 +65,12 @@ static norma_result recompute_named(mend_mesh *m) {
     int bad = norma_mend_mark(m, RULE_N101, element_of(m), count, &marks);
     int zero = norma_mend_mark(m, RULE_N102, element_of(m), count, &marks);
     int far = norma_mend_mark(m, RULE_N202, element_of(m), count, &wrong);
-    int all = norma_mend_has(m, RULE_N203) && !m->data.corner_normals, any = bad > 0 || zero > 0 || far > 0 || all;
-    if (any && !marks)
-        marks = calloc(count + 1, 1);
+    int all = norma_mend_has(m, RULE_N203) && !m->data.corner_normals,
+        any = bad > 0 || zero > 0 || far > 0 || all;
+    if (any && !marks) marks = calloc(count + 1, 1);
     int failed = bad < 0 || zero < 0 || far < 0 || (any && !marks);
     for (size_t i = 0; i < count && any && !failed; i++)
-        if (!marks[i] && (all || (wrong && wrong[i])))
-            marks[i] = MEND_WRONG;
+        if (!marks[i] && (all || (wrong && wrong[i]))) marks[i] = MEND_WRONG;
     norma_result result = failed ? NORMA_ERROR_MEMORY : any ? recompute(m, marks) : NORMA_OK;
     free(marks);
     free(wrong);
@@ -80,8 +86,7 @@ static norma_result normalise_named(mend_mesh *m) {
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
     for (size_t i = 0; i < count && any > 0 && !result; i++) {
         double normal[3];
-        if (!marks[i] || (m->edit->set_normals && m->edit->set_normals[i]))
-            continue;
+        if (!marks[i] || (m->edit->set_normals && m->edit->set_normals[i])) continue;
         norma_mend_normal(m, i, normal);
         result = norma_mend_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
     }
@@ -89,22 +94,24 @@ static norma_result normalise_named(mend_mesh *m) {
     return result;
 }
 
-/* ---- sides: after the windings have become what they will be, a normal that more of its faces oppose than not is turned round */
+/* ---- sides: after the windings have become what they will be, a normal that more of its faces
+ * oppose than not is turned round */
 
 typedef struct side_count {
     uint32_t with, against;
-    int      candidate;
+    int candidate;
 } side_count;
 
 static void count_sides(const mend_mesh *m, const uint8_t *named, side_count *sides) {
     for (size_t face = 0; face < m->mesh.face_count; face++) {
         const float *direction = m->face_normals + 3 * face;
-        int candidate = (named && named[face]) || (m->edit->reverse_faces && m->edit->reverse_faces[face]);
-        for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face); c++) {
+        int candidate =
+            (named && named[face]) || (m->edit->reverse_faces && m->edit->reverse_faces[face]);
+        for (size_t c = norma_core_face_begin(&m->mesh, face);
+             c < norma_core_face_end(&m->mesh, face); c++) {
             double normal[3];
             size_t number = norma_mend_normal_of(m, face, c);
-            if (number == SIZE_MAX)
-                continue;
+            if (number == SIZE_MAX) continue;
             norma_mend_normal(m, number, normal);
             double dot = norma_check_dot(direction, normal);
             sides[number].with += dot > 0;
@@ -122,12 +129,10 @@ static norma_result turn_sides(mend_mesh *m) {
     if (!result && count && (any || m->edit->reverse_faces)) {
         side_count *sides = calloc(count + 1, sizeof *sides);
         result = sides ? norma_mend_face_normals(m) : NORMA_ERROR_MEMORY;
-        if (!result)
-            count_sides(m, named, sides);
+        if (!result) count_sides(m, named, sides);
         for (size_t i = 0; i < count && !result; i++) {
             double normal[3];
-            if (!sides[i].candidate || sides[i].against <= sides[i].with)
-                continue;
+            if (!sides[i].candidate || sides[i].against <= sides[i].with) continue;
             norma_mend_normal(m, i, normal);
             for (int axis = 0; axis < 3; axis++) normal[axis] = -normal[axis];
             result = norma_mend_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
@@ -177,33 +182,32 @@ static seam_place *gather_places(const mend_mesh *m, size_t *count) {
                 ++*count;
             }
         }
-    if (places)
-        qsort(places, *count, sizeof *places, compare_places);
+    if (places) qsort(places, *count, sizeof *places, compare_places);
     return places;
 }
 
 /* A vn that corners elsewhere use as well cannot be changed without changing them. */
 static void find_shared(const mend_mesh *m, const uint8_t *at_seam, uint8_t *shared) {
     for (size_t face = 0; face < m->mesh.face_count; face++)
-        for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face); c++) {
+        for (size_t c = norma_core_face_begin(&m->mesh, face);
+             c < norma_core_face_end(&m->mesh, face); c++) {
             size_t number = norma_mend_normal_of(m, face, c);
-            if (number != SIZE_MAX && !at_seam[norma_core_corner(&m->mesh, c)])
-                shared[number] = 1;
+            if (number != SIZE_MAX && !at_seam[norma_core_corner(&m->mesh, c)]) shared[number] = 1;
         }
 }
 
 static norma_result set_seam_normals(mend_mesh *m, const uint8_t *at_seam, const float *smooth) {
     uint8_t *shared = calloc(norma_mend_normal_count(m) + 1, 1);
     norma_result result = shared ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (shared)
-        find_shared(m, at_seam, shared);
+    if (shared) find_shared(m, at_seam, shared);
     for (size_t face = 0; face < m->mesh.face_count && !result; face++)
-        for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face) && !result; c++) {
+        for (size_t c = norma_core_face_begin(&m->mesh, face);
+             c < norma_core_face_end(&m->mesh, face) && !result; c++) {
             uint32_t position = norma_core_corner(&m->mesh, c);
             size_t number = norma_mend_normal_of(m, face, c);
-            if (number == SIZE_MAX || !at_seam[position] || shared[number])
-                continue;
-            const double normal[3] = {(double)smooth[3 * (size_t)position], (double)smooth[3 * (size_t)position + 1], (double)smooth[3 * (size_t)position + 2]};
+            if (number == SIZE_MAX || !at_seam[position] || shared[number]) continue;
+            const double normal[3] = {(double)smooth[3 * (size_t)position],
+                (double)smooth[3 * (size_t)position + 1], (double)smooth[3 * (size_t)position + 2]};
             result = norma_mend_set_normal(m, number, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
         }
     free(shared);
@@ -213,33 +217,33 @@ static norma_result set_seam_normals(mend_mesh *m, const uint8_t *at_seam, const
 /* Seams that several primitives have in common: their normals are given. */
 static norma_result share_across(mend_mesh *m) {
     uint8_t *at_seam = calloc(m->mesh.positions.count + 1, 1);
-    for (size_t i = 0; at_seam && i < m->mesh.positions.count; i++) at_seam[i] = isfinite(m->smooth[3 * i]) != 0;
+    for (size_t i = 0; at_seam && i < m->mesh.positions.count; i++)
+        at_seam[i] = isfinite(m->smooth[3 * i]) != 0;
     norma_result result = at_seam ? set_seam_normals(m, at_seam, m->smooth) : NORMA_ERROR_MEMORY;
     free(at_seam);
     return result;
 }
 
 static norma_result share_seams(mend_mesh *m) {
-    if (m->smooth)
-        return share_across(m);
-    if (!norma_mend_has(m, RULE_N501))
-        return NORMA_OK;
+    if (m->smooth) return share_across(m);
+    if (!norma_mend_has(m, RULE_N501)) return NORMA_OK;
     size_t count, positions = m->mesh.positions.count;
     seam_place *places = gather_places(m, &count), key;
     uint8_t *at_seam = calloc(positions + 1, 1);
     float *smooth = malloc((positions + 1) * 3 * sizeof *smooth);
-    norma_result result = places && at_seam && smooth ? norma_mend_surface(m) : NORMA_ERROR_MEMORY; /* for the weight */
+    norma_result result = places && at_seam && smooth ? norma_mend_surface(m)
+                                                      : NORMA_ERROR_MEMORY; /* for the weight */
     if (!result) {
         const norma_mesh now = norma_mend_mesh_now(m);
-        const norma_options options = {.struct_size = sizeof options, .weight = m->deviation.weight, .threads = m->threads};
+        const norma_options options = {
+            .struct_size = sizeof options, .weight = m->deviation.weight, .threads = m->threads};
         result = norma_vertex_normals(&now, &options, smooth, positions, NULL);
     }
     for (size_t i = 0; i < positions && !result && count; i++) {
         norma_core_position(&m->mesh, (uint32_t)i, key.position);
         at_seam[i] = bsearch(&key, places, count, sizeof *places, compare_places) != NULL;
     }
-    if (!result)
-        result = set_seam_normals(m, at_seam, smooth);
+    if (!result) result = set_seam_normals(m, at_seam, smooth);
     free(places);
     free(at_seam);
     free(smooth);
@@ -248,11 +252,8 @@ static norma_result share_seams(mend_mesh *m) {
 
 norma_result norma_mend_normals(mend_mesh *m) {
     norma_result result = norma_mend_normal_count(m) ? recompute_named(m) : NORMA_OK;
-    if (!result && norma_mend_normal_count(m))
-        result = normalise_named(m);
-    if (!result)
-        result = turn_sides(m);
-    if (!result && m->info.normals == NORMA_NORMALS_PER_FACET)
-        result = rewrite_facets(m);
+    if (!result && norma_mend_normal_count(m)) result = normalise_named(m);
+    if (!result) result = turn_sides(m);
+    if (!result && m->info.normals == NORMA_NORMALS_PER_FACET) result = rewrite_facets(m);
     return result ? result : share_seams(m);
 }

@@ -1,4 +1,5 @@
-/* fix_positions.c: positions that are almost equal made equal (N503): all of a cluster become the one of the least number. */
+/* fix_positions.c: positions that are almost equal made equal (N503): all of a cluster become the
+ * one of the least number. */
 #include "core/mesh/weld.h"
 #include "check/fix/fix.h"
 #include <stdlib.h>
@@ -7,7 +8,8 @@
 static const double NEAR = 1e-6; /* of the diagonal, as the rule has it */
 
 static double diagonal_of(const core_mesh *mesh) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, squares = 0;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
+           squares = 0;
     for (size_t i = 0; i < mesh->positions.count; i++) {
         double p[3];
         norma_core_position(mesh, (uint32_t)i, p);
@@ -32,8 +34,7 @@ static norma_result snap(mend_mesh *m, const core_mesh *mesh, const uint8_t *mar
         return NORMA_ERROR_MEMORY;
     }
     for (size_t i = 0; i < count; i++)
-        if (marks[i])
-            meant[norma_core_welded(mesh, (uint32_t)i)] = 1;
+        if (marks[i]) meant[norma_core_welded(mesh, (uint32_t)i)] = 1;
     for (size_t i = 0; i < count; i++) {
         double own[3];
         uint32_t least = norma_core_welded(mesh, (uint32_t)i);
@@ -50,14 +51,15 @@ norma_result norma_mend_positions(mend_mesh *m) {
     core_mesh mesh = m->mesh;
     core_call call;
     int any = norma_mend_mark(m, RULE_N503, MEND_VERTEX, mesh.positions.count, &marks);
-    const norma_options options = {.struct_size = sizeof options, .weld = NORMA_WELD_DISTANCE, .weld_distance = any > 0 ? NEAR * diagonal_of(&mesh) : 0, .threads = m->threads};
+    const norma_options options = {.struct_size = sizeof options,
+        .weld = NORMA_WELD_DISTANCE,
+        .weld_distance = any > 0 ? NEAR * diagonal_of(&mesh) : 0,
+        .threads = m->threads};
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : norma_core_begin(&call, &options);
     if (!result && any > 0) {
         result = norma_core_weld(&call, &mesh);
-        if (!result)
-            result = snap(m, &mesh, marks);
-        if (mesh.weld)
-            norma_core_unweld(&call, &mesh);
+        if (!result) result = snap(m, &mesh, marks);
+        if (mesh.weld) norma_core_unweld(&call, &mesh);
     }
     free(marks);
     return result;

@@ -1,6 +1,7 @@
-/* fix_vertices.c: vertices put right: those of a soup that are equal in everything become one (N502), where the faces around them do not look so many ways that their average
- * would be no direction; where they do (N403), the corners of each fan get a vertex of their own, a copy in all but the normal. A step of its own, when nothing else is left
- * to edit in the mesh. */
+/* fix_vertices.c: vertices put right: those of a soup that are equal in everything become one
+ * (N502), where the faces around them do not look so many ways that their average would be no
+ * direction; where they do (N403), the corners of each fan get a vertex of their own, a copy in all
+ * but the normal. A step of its own, when nothing else is left to edit in the mesh. */
 #include "check/fix/fix.h"
 #include "core/call/sort.h"
 #include <math.h>
@@ -9,7 +10,8 @@
 
 /* What N403 minds, and what a weld keeps away from. */
 static const double CANCELLED = 1e-3, NEARLY_CANCELLED = 2e-3;
-static const float SHARPEST_FAN_RAD = 1.0471976f; /* 60 degrees: with no crease at all some fans would cancel as their vertex does */
+static const float SHARPEST_FAN_RAD =
+    1.0471976f; /* 60 degrees: with no crease at all some fans would cancel as their vertex does */
 
 typedef struct vertex_sum {
     double normals[3], weights;
@@ -22,20 +24,23 @@ static void add_corners(const mend_mesh *m, const uint32_t *first, vertex_sum *s
     for (size_t face = 0; face < m->mesh.face_count; face++) {
         core_face geometry;
         norma_core_face_geometry(&m->mesh, face, &geometry);
-        if (!(norma_core_dot(geometry.normal, geometry.normal) > 0))
-            continue;
-        for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face); c++) {
-            vertex_sum *sum = &sums[first ? first[norma_core_corner(&m->mesh, c)] : norma_core_corner(&m->mesh, c)];
-            if (!norma_core_is_kept(&m->mesh, face, c))
-                continue;
-            double weight = norma_core_corner_weight(&m->mesh, NORMA_WEIGHT_ANGLE, face, &geometry, c);
+        if (!(norma_core_dot(geometry.normal, geometry.normal) > 0)) continue;
+        for (size_t c = norma_core_face_begin(&m->mesh, face);
+             c < norma_core_face_end(&m->mesh, face); c++) {
+            vertex_sum *sum = &sums[first ? first[norma_core_corner(&m->mesh, c)]
+                                          : norma_core_corner(&m->mesh, c)];
+            if (!norma_core_is_kept(&m->mesh, face, c)) continue;
+            double weight =
+                norma_core_corner_weight(&m->mesh, NORMA_WEIGHT_ANGLE, face, &geometry, c);
             for (int k = 0; k < 3; k++) sum->normals[k] += weight * geometry.normal[k];
             sum->weights += weight;
         }
     }
 }
 
-static int cancels(const vertex_sum *sum, double limit) { return sum->weights > 0 && !(norma_core_length(sum->normals) >= limit * sum->weights); }
+static int cancels(const vertex_sum *sum, double limit) {
+    return sum->weights > 0 && !(norma_core_length(sum->normals) >= limit * sum->weights);
+}
 
 /* ---- weld */
 
@@ -43,15 +48,15 @@ static int cancels(const vertex_sum *sum, double limit) { return sum->weights > 
 static size_t part_cancelled(const vertex_sum *sums, size_t count, uint32_t *first) {
     size_t gone = 0;
     for (size_t v = 0; v < count; v++) {
-        if (cancels(&sums[first[v]], NEARLY_CANCELLED))
-            first[v] = (uint32_t)v;
+        if (cancels(&sums[first[v]], NEARLY_CANCELLED)) first[v] = (uint32_t)v;
         gone += first[v] != v;
     }
     return gone;
 }
 
 static norma_result put_welded(mend_mesh *m, size_t count, size_t left, uint32_t *first) {
-    uint32_t *sources = malloc((left + 1) * sizeof *sources), *corners = malloc((m->mesh.corner_count + 1) * sizeof *corners);
+    uint32_t *sources = malloc((left + 1) * sizeof *sources),
+             *corners = malloc((m->mesh.corner_count + 1) * sizeof *corners);
     size_t next = 0;
     if (!sources || !corners) {
         free(sources);
@@ -59,11 +64,14 @@ static norma_result put_welded(mend_mesh *m, size_t count, size_t left, uint32_t
         return NORMA_ERROR_MEMORY;
     }
     for (size_t v = 0; v < count; v++) {
-        if (first[v] == v)
-            sources[next++] = (uint32_t)v;
-        first[v] = first[v] == v ? (uint32_t)next - 1 : first[first[v]]; /* its new number; the least comes before those that equal it */
+        if (first[v] == v) sources[next++] = (uint32_t)v;
+        first[v] =
+            first[v] == v
+                ? (uint32_t)next - 1
+                : first[first[v]]; /* its new number; the least comes before those that equal it */
     }
-    for (size_t c = 0; c < m->mesh.corner_count; c++) corners[c] = first[norma_core_corner(&m->mesh, c)];
+    for (size_t c = 0; c < m->mesh.corner_count; c++)
+        corners[c] = first[norma_core_corner(&m->mesh, c)];
     m->edit->source_vertices = sources;
     m->edit->vertex_count = left;
     m->edit->new_corners = corners;
@@ -74,8 +82,13 @@ static norma_result weld(mend_mesh *m) {
     const size_t count = m->data.mesh.positions.count;
     uint32_t *first = malloc((count + 1) * sizeof *first);
     vertex_sum *sums = calloc(count + 1, sizeof *sums);
-    const norma_document_result compared = first && sums ? norma_document_equal_vertices(m->document, m->index, first, NULL) : NORMA_DOCUMENT_ERROR_MEMORY;
-    norma_result result = compared == NORMA_DOCUMENT_ERROR_UNSUPPORTED ? NORMA_OK : NORMA_ERROR_MEMORY; /* more than such a file may stand for: the soup stays */
+    const norma_document_result compared =
+        first && sums ? norma_document_equal_vertices(m->document, m->index, first, NULL)
+                      : NORMA_DOCUMENT_ERROR_MEMORY;
+    norma_result result =
+        compared == NORMA_DOCUMENT_ERROR_UNSUPPORTED
+            ? NORMA_OK
+            : NORMA_ERROR_MEMORY; /* more than such a file may stand for: the soup stays */
     if (compared == NORMA_DOCUMENT_OK) {
         add_corners(m, first, sums);
         size_t gone = part_cancelled(sums, count, first);
@@ -95,45 +108,60 @@ typedef struct fan_corner {
 
 static int compare_normals(const float a[3], const float b[3]) {
     for (int k = 0; k < 3; k++)
-        if (a[k] != b[k])
-            return a[k] < b[k] ? -1 : 1;
+        if (a[k] != b[k]) return a[k] < b[k] ? -1 : 1;
     return 0;
 }
 
 static int fan_corner_is_less(const void *first, const void *second) {
     const fan_corner *a = first, *b = second;
     int order = compare_normals(a->normal, b->normal);
-    return a->vertex != b->vertex ? a->vertex < b->vertex : order ? order < 0 : a->corner < b->corner;
+    return a->vertex != b->vertex ? a->vertex < b->vertex
+           : order                ? order < 0
+                                  : a->corner < b->corner;
 }
 
-static int same_fan(const fan_corner *a, const fan_corner *b) { return a->vertex == b->vertex && compare_normals(a->normal, b->normal) == 0; }
+static int same_fan(const fan_corner *a, const fan_corner *b) {
+    return a->vertex == b->vertex && compare_normals(a->normal, b->normal) == 0;
+}
 
-/* The normal of each corner's fan: with the crease that the stored normals show, where it is sharp enough. */
+/* The normal of each corner's fan: with the crease that the stored normals show, where it is sharp
+ * enough. */
 static norma_result find_fans(mend_mesh *m, float *normals) {
     norma_result result = norma_mend_surface(m); /* for what they show */
-    const norma_options options = {
-        .struct_size = sizeof options, .weight = m->deviation.weight, .non_manifold = NORMA_NON_MANIFOLD_HARD, .fallback = NORMA_FALLBACK_NEAREST, .threads = m->threads};
-    const int sharp = m->deviation.shading == NORMA_SHADING_CREASE && m->deviation.crease_angle_rad < (double)SHARPEST_FAN_RAD;
-    const float crease = m->deviation.shading == NORMA_SHADING_FLAT ? -1.0f : sharp ? (float)m->deviation.crease_angle_rad : SHARPEST_FAN_RAD;
+    const norma_options options = {.struct_size = sizeof options,
+        .weight = m->deviation.weight,
+        .non_manifold = NORMA_NON_MANIFOLD_HARD,
+        .fallback = NORMA_FALLBACK_NEAREST,
+        .threads = m->threads};
+    const int sharp = m->deviation.shading == NORMA_SHADING_CREASE &&
+                      m->deviation.crease_angle_rad < (double)SHARPEST_FAN_RAD;
+    const float crease = m->deviation.shading == NORMA_SHADING_FLAT ? -1.0f
+                         : sharp ? (float)m->deviation.crease_angle_rad
+                                 : SHARPEST_FAN_RAD;
     const norma_mesh now = norma_mend_mesh_now(m);
-    return result ? result : norma_corner_normals(&now, crease, &options, normals, m->mesh.corner_count, NULL);
+    return result
+               ? result
+               : norma_corner_normals(&now, crease, &options, normals, m->mesh.corner_count, NULL);
 }
 
-/* Those that are named, and, since a position is named but once, all others of which the same is so. NULL: out of memory. */
+/* Those that are named, and, since a position is named but once, all others of which the same is
+ * so. NULL: out of memory. */
 static uint8_t *mark_cancelled(const mend_mesh *m) {
     const size_t count = m->data.mesh.positions.count;
     vertex_sum *sums = calloc(count + 1, sizeof *sums);
     uint8_t *marks = NULL;
     if (sums && norma_mend_mark(m, RULE_N403, MEND_VERTEX, count, &marks) >= 0) {
         add_corners(m, NULL, sums);
-        for (size_t v = 0; marks && v < count; v++) marks[v] = (uint8_t)(marks[v] || cancels(&sums[v], CANCELLED));
+        for (size_t v = 0; marks && v < count; v++)
+            marks[v] = (uint8_t)(marks[v] || cancels(&sums[v], CANCELLED));
     }
     free(sums);
     return marks;
 }
 
 /* The corners at marked vertices, fan by fan. NULL: out of memory. */
-static fan_corner *gather_fans(const mend_mesh *m, const uint8_t *marks, const float *normals, size_t *count) {
+static fan_corner *gather_fans(
+    const mend_mesh *m, const uint8_t *marks, const float *normals, size_t *count) {
     size_t room = 0;
     for (size_t c = 0; c < m->mesh.corner_count; c++) room += marks[norma_core_corner(&m->mesh, c)];
     fan_corner *fans = malloc((room + 1) * sizeof *fans);
@@ -141,37 +169,40 @@ static fan_corner *gather_fans(const mend_mesh *m, const uint8_t *marks, const f
     for (size_t c = 0; fans && c < m->mesh.corner_count; c++) {
         fan_corner corner = {.vertex = norma_core_corner(&m->mesh, c), .corner = (uint32_t)c};
         memcpy(corner.normal, normals + 3 * c, sizeof corner.normal);
-        if (marks[corner.vertex])
-            fans[(*count)++] = corner;
+        if (marks[corner.vertex]) fans[(*count)++] = corner;
     }
-    if (fans)
-        norma_core_sort(fans, *count, sizeof *fans, fan_corner_is_less);
+    if (fans) norma_core_sort(fans, *count, sizeof *fans, fan_corner_is_less);
     return fans;
 }
 
 /* How many vertices are to be added: at each one less than it has fans. */
 static size_t count_added(const fan_corner *fans, size_t count) {
     size_t added = 0;
-    for (size_t i = 1; i < count; i++) added += fans[i].vertex == fans[i - 1].vertex && !same_fan(&fans[i], &fans[i - 1]);
+    for (size_t i = 1; i < count; i++)
+        added += fans[i].vertex == fans[i - 1].vertex && !same_fan(&fans[i], &fans[i - 1]);
     return added;
 }
 
 /* Its tangent is made perpendicular to the normal. */
-static void set_tangent(mend_mesh *m, size_t to, const fan_corner *from, float *tangents, uint8_t *set) {
+static void set_tangent(
+    mend_mesh *m, size_t to, const fan_corner *from, float *tangents, uint8_t *set) {
     const norma_vec3_view normal = {.data = from->normal, .count = 1, .format = NORMA_FORMAT_FLOAT};
-    norma_orthogonalise_tangents(m->attributes.tangents + 4 * (size_t)from->vertex, 0, normal, 1, tangents + 4 * to, 0, 1);
+    norma_orthogonalise_tangents(
+        m->attributes.tangents + 4 * (size_t)from->vertex, 0, normal, 1, tangents + 4 * to, 0, 1);
     set[to] = 1;
 }
 
 typedef struct split_arrays {
     uint32_t *sources, *corners;
     float *normals, *tangents;
-    uint8_t *set_normals, *set_tangents;  /* NULL, like their numbers, where there are none */
+    uint8_t *set_normals, *set_tangents; /* NULL, like their numbers, where there are none */
 } split_arrays;
 
 /* They are the edit's, also where some are missing. */
 static int make_arrays(mend_mesh *m, size_t count, split_arrays *to) {
-    const int has_normals = norma_mend_normal_count(m) > 0 && m->info.normals == NORMA_NORMALS_PER_VERTEX, has_tangents = has_normals && m->attributes.tangents != NULL;
+    const int has_normals =
+                  norma_mend_normal_count(m) > 0 && m->info.normals == NORMA_NORMALS_PER_VERTEX,
+              has_tangents = has_normals && m->attributes.tangents != NULL;
     norma_mesh_edit *edit = m->edit;
     edit->source_vertices = to->sources = malloc(count * sizeof *to->sources);
     edit->new_corners = to->corners = malloc((m->mesh.corner_count + 1) * sizeof *to->corners);
@@ -180,7 +211,8 @@ static int make_arrays(mend_mesh *m, size_t count, split_arrays *to) {
     edit->tangents = to->tangents = has_tangents ? calloc(count, 4 * sizeof *to->tangents) : NULL;
     edit->set_tangents = to->set_tangents = has_tangents ? calloc(count, 1) : NULL;
     edit->vertex_count = count;
-    return to->sources && to->corners && (!has_normals || (to->normals && to->set_normals)) && (!has_tangents || (to->tangents && to->set_tangents));
+    return to->sources && to->corners && (!has_normals || (to->normals && to->set_normals)) &&
+           (!has_tangents || (to->tangents && to->set_tangents));
 }
 
 /* The first fan of a vertex keeps its number, others follow behind all. */
@@ -188,11 +220,12 @@ static void fill_arrays(mend_mesh *m, const fan_corner *fans, size_t count, spli
     const size_t vertices = m->data.mesh.positions.count;
     size_t next = vertices, number = 0;
     for (size_t v = 0; v < vertices; v++) to->sources[v] = (uint32_t)v;
-    for (size_t c = 0; c < m->mesh.corner_count; c++) to->corners[c] = norma_core_corner(&m->mesh, c);
+    for (size_t c = 0; c < m->mesh.corner_count; c++)
+        to->corners[c] = norma_core_corner(&m->mesh, c);
     for (size_t i = 0; i < count; i++) {
-        const int another = i > 0 && fans[i].vertex == fans[i - 1].vertex, begins = i == 0 || !same_fan(&fans[i], &fans[i - 1]);
-        if (begins)
-            number = another ? next++ : fans[i].vertex;
+        const int another = i > 0 && fans[i].vertex == fans[i - 1].vertex,
+                  begins = i == 0 || !same_fan(&fans[i], &fans[i - 1]);
+        if (begins) number = another ? next++ : fans[i].vertex;
         to->corners[fans[i].corner] = (uint32_t)number;
         to->sources[number] = fans[i].vertex;
         if (begins && to->normals) {
@@ -209,9 +242,9 @@ static size_t drop_single(fan_corner *fans, size_t count) {
     size_t kept = 0;
     for (size_t begin = 0, end; begin < count; begin = end) {
         int several = 0;
-        for (end = begin + 1; end < count && fans[end].vertex == fans[begin].vertex; end++) several |= !same_fan(&fans[end], &fans[begin]);
-        if (several)
-            memmove(fans + kept, fans + begin, (end - begin) * sizeof *fans);
+        for (end = begin + 1; end < count && fans[end].vertex == fans[begin].vertex; end++)
+            several |= !same_fan(&fans[end], &fans[begin]);
+        if (several) memmove(fans + kept, fans + begin, (end - begin) * sizeof *fans);
         kept += several ? end - begin : 0;
     }
     return kept;
@@ -245,23 +278,24 @@ static norma_result split(mend_mesh *m) {
 
 static int has_vertices(const mend_mesh *m) {
     const norma_file_format format = norma_document_format(m->document);
-    return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB || format == NORMA_FILE_PLY || format == NORMA_FILE_OBJ;
+    return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB || format == NORMA_FILE_PLY ||
+           format == NORMA_FILE_OBJ;
 }
 
-/* Vertices without normals, or normals without vertices, are another rule's (N106), which comes first. */
+/* Vertices without normals, or normals without vertices, are another rule's (N106), which comes
+ * first. */
 norma_result norma_mend_vertices(mend_mesh *m) {
     const int soup = norma_mend_has(m, RULE_N502), cancelled = norma_mend_has(m, RULE_N403);
-    if ((!soup && !cancelled) || !has_vertices(m) || m->attributes.normals_missing || m->attributes.normals_surplus)
+    if ((!soup && !cancelled) || !has_vertices(m) || m->attributes.normals_missing ||
+        m->attributes.normals_surplus)
         return NORMA_OK;
     if (norma_mend_has_edit(m->edit)) {
         m->waits = 1;
         return NORMA_OK;
     }
     norma_result result = soup ? weld(m) : NORMA_OK;
-    if (result || !cancelled)
-        return result;
-    if (!m->edit->source_vertices)
-        return split(m);
+    if (result || !cancelled) return result;
+    if (!m->edit->source_vertices) return split(m);
     m->waits = 1;
     return NORMA_OK;
 }

@@ -1,16 +1,17 @@
-/* inward_bodies.c: bodies that N302 names, to be reversed as a whole. As the rule has it, what is closed in its own primitive is a body by itself, and the open parts of all primitives
- * of a glTF mesh are joined where their edges have equal positions. */
+/* inward_bodies.c: bodies that N302 names, to be reversed as a whole. As the rule has it, what is
+ * closed in its own primitive is a body by itself, and the open parts of all primitives of a glTF
+ * mesh are joined where their edges have equal positions. */
 #include "check/fix/fix.h"
 #include "check/fix/edge_parts.h"
 #include <stdlib.h>
 
 typedef struct bodies {
     const core_mesh *meshes;
-    size_t           count, face_count;
-    mend_edge       *edges;
-    size_t           edge_count;
-    uint32_t        *parts, *joined; /* of each face a face of the same part; of the same body */
-    uint8_t         *open;           /* at the face that stands for a part */
+    size_t count, face_count;
+    mend_edge *edges;
+    size_t edge_count;
+    uint32_t *parts, *joined; /* of each face a face of the same part; of the same body */
+    uint8_t *open;            /* at the face that stands for a part */
 } bodies;
 
 static int same_edge(const mend_edge *a, const mend_edge *b) {
@@ -26,11 +27,11 @@ static int gather(bodies *b) {
     for (size_t i = 0; b->edges && i < b->count; i++)
         for (size_t f = 0; f < b->meshes[i].face_count; f++, face++) {
             mend_edge *edges = b->edges + b->edge_count;
-            const size_t count = norma_mend_face_edges(&b->meshes[i], f, (uint32_t)face, (uint32_t)i, edges);
+            const size_t count =
+                norma_mend_face_edges(&b->meshes[i], f, (uint32_t)face, (uint32_t)i, edges);
             b->edge_count += count < 3 ? 0 : count;
         }
-    if (b->edges)
-        qsort(b->edges, b->edge_count, sizeof *b->edges, norma_mend_compare_edges);
+    if (b->edges) qsort(b->edges, b->edge_count, sizeof *b->edges, norma_mend_compare_edges);
     return b->edges != NULL;
 }
 
@@ -42,20 +43,23 @@ static void find_parts(bodies *b) {
         if (norma_mend_compare_edges(&e[i - 1], &e[i]) == 0)
             norma_mend_unite(b->parts, e[i - 1].face, e[i].face);
     for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
-        for (end = begin + 1; end < b->edge_count && norma_mend_compare_edges(&e[begin], &e[end]) == 0;) end++;
+        for (end = begin + 1;
+             end < b->edge_count && norma_mend_compare_edges(&e[begin], &e[end]) == 0;)
+            end++;
         if (end - begin != 2 || e[begin].way == e[begin + 1].way)
             b->open[norma_mend_root(b->parts, e[begin].face)] = 1;
     }
 }
 
 static void join_open(bodies *b) {
-    for (size_t f = 0; f < b->face_count; f++) b->joined[f] = norma_mend_root(b->parts, (uint32_t)f);
+    for (size_t f = 0; f < b->face_count; f++)
+        b->joined[f] = norma_mend_root(b->parts, (uint32_t)f);
     for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
         size_t first = SIZE_MAX;
-        for (end = begin; end < b->edge_count && same_edge(&b->edges[begin], &b->edges[end]); end++) {
+        for (end = begin; end < b->edge_count && same_edge(&b->edges[begin], &b->edges[end]);
+             end++) {
             const uint32_t part = norma_mend_root(b->parts, b->edges[end].face);
-            if (!b->open[part])
-                continue;
+            if (!b->open[part]) continue;
             if (first != SIZE_MAX)
                 norma_mend_unite(b->joined, b->edges[first].face, b->edges[end].face);
             first = end;
@@ -70,15 +74,16 @@ norma_result norma_mend_whole_bodies(const core_mesh *meshes, size_t count, uint
     b.joined = malloc((b.face_count + 1) * sizeof *b.joined);
     b.open = calloc(b.face_count + 1, 1);
     uint8_t *bodies_named = calloc(b.face_count + 1, 1);
-    const int fine = b.parts && b.joined && b.open && bodies_named && b.face_count < UINT32_MAX && gather(&b);
+    const int fine =
+        b.parts && b.joined && b.open && bodies_named && b.face_count < UINT32_MAX && gather(&b);
     if (fine) {
         for (size_t f = 0; f < b.face_count; f++) b.parts[f] = (uint32_t)f;
         find_parts(&b);
         join_open(&b);
         for (size_t f = 0; f < b.face_count; f++)
-            if (named[f])
-                bodies_named[norma_mend_root(b.joined, (uint32_t)f)] = 1;
-        for (size_t f = 0; f < b.face_count; f++) named[f] = bodies_named[norma_mend_root(b.joined, (uint32_t)f)];
+            if (named[f]) bodies_named[norma_mend_root(b.joined, (uint32_t)f)] = 1;
+        for (size_t f = 0; f < b.face_count; f++)
+            named[f] = bodies_named[norma_mend_root(b.joined, (uint32_t)f)];
     }
     free(b.edges);
     free(b.parts);

@@ -1,17 +1,19 @@
-/* joined_primitives.c: the primitives of a glTF mesh, or the one mesh of another file, side by side, and joined to one mesh where that is wanted. */
+/* joined_primitives.c: the primitives of a glTF mesh, or the one mesh of another file, side by
+ * side, and joined to one mesh where that is wanted. */
 #include "check/fix/fix.h"
 #include <stdlib.h>
 
-norma_document_result norma_mend_open_whole(const mend_group *group, mend_whole *whole, norma_result *how) {
+norma_document_result norma_mend_open_whole(
+    const mend_group *group, mend_whole *whole, norma_result *how) {
     norma_document_result result = NORMA_DOCUMENT_OK;
-    *whole = (mend_whole){.group = group, .meshes = calloc(group->count + 1, sizeof *whole->meshes)};
+    *whole =
+        (mend_whole){.group = group, .meshes = calloc(group->count + 1, sizeof *whole->meshes)};
     *how = whole->meshes ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < group->count && !result && !*how; i++) {
         norma_mesh_data data;
         core_mesh *mesh = &whole->meshes[i];
         result = norma_document_mesh_data(group->document, group->indices[i], &data, group->error);
-        if (result)
-            break;
+        if (result) break;
         *how = norma_core_mesh_shape(&data.mesh, mesh);
         mesh->scale = 1;
         whole->vertices += mesh->positions.count;
@@ -35,17 +37,23 @@ int norma_mend_join(mend_whole *whole) {
     whole->positions = malloc((whole->vertices + 1) * 3 * sizeof *whole->positions);
     whole->corners = malloc((whole->corner_count + 1) * sizeof *whole->corners);
     whole->starts = malloc((whole->face_count + 1) * sizeof *whole->starts);
-    if (!whole->positions || !whole->corners || !whole->starts)
-        return 0;
+    if (!whole->positions || !whole->corners || !whole->starts) return 0;
     for (size_t i = 0; i < whole->group->count; i++) {
         const core_mesh *mesh = &whole->meshes[i];
-        for (size_t v = 0; v < mesh->positions.count; v++) norma_view_read(&mesh->positions, v, whole->positions + 3 * (vertex + v));
-        for (size_t f = 0; f < mesh->face_count; f++) whole->starts[face++] = (uint32_t)(corner + norma_core_face_begin(mesh, f));
-        for (size_t c = 0; c < mesh->corner_count; c++) whole->corners[corner + c] = (uint32_t)vertex + norma_core_corner(mesh, c);
+        for (size_t v = 0; v < mesh->positions.count; v++)
+            norma_view_read(&mesh->positions, v, whole->positions + 3 * (vertex + v));
+        for (size_t f = 0; f < mesh->face_count; f++)
+            whole->starts[face++] = (uint32_t)(corner + norma_core_face_begin(mesh, f));
+        for (size_t c = 0; c < mesh->corner_count; c++)
+            whole->corners[corner + c] = (uint32_t)vertex + norma_core_corner(mesh, c);
         vertex += mesh->positions.count;
         corner += mesh->corner_count;
     }
     whole->starts[face] = (uint32_t)corner;
-    whole->mesh = (norma_mesh){.positions = {whole->positions, vertex, 0, NORMA_FORMAT_DOUBLE}, .corners = whole->corners, .corner_count = corner, .face_starts = whole->starts, .face_count = face};
+    whole->mesh = (norma_mesh){.positions = {whole->positions, vertex, 0, NORMA_FORMAT_DOUBLE},
+        .corners = whole->corners,
+        .corner_count = corner,
+        .face_starts = whole->starts,
+        .face_count = face};
     return 1;
 }

@@ -1,4 +1,5 @@
-/* seam_normals.c: the normals that both sides of a seam get where it runs between two primitives of a glTF mesh (N501): those of the whole mesh. */
+/* seam_normals.c: the normals that both sides of a seam get where it runs between two primitives of
+ * a glTF mesh (N501): those of the whole mesh. */
 #include "check/fix/fix.h"
 #include "check/fix/edge_parts.h"
 #include <stdlib.h>
@@ -17,7 +18,9 @@ static size_t count_samples(const mend_group *g) {
     size_t count, sum = 0;
     const norma_rule *rule = norma_rules(&count) + RULE_N501;
     for (size_t k = 0; k < norma_findings_count(g->findings); k++)
-        sum += norma_findings_get(g->findings, k)->rule == rule ? norma_findings_get(g->findings, k)->sample_count : 0;
+        sum += norma_findings_get(g->findings, k)->rule == rule
+                   ? norma_findings_get(g->findings, k)->sample_count
+                   : 0;
     return sum;
 }
 
@@ -31,47 +34,46 @@ static seam_place *gather_places(const mend_whole *w, size_t *count) {
     for (size_t i = 0; places && i < g->count; i++)
         for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
             const norma_finding *finding = norma_findings_get(g->findings, k);
-            if (finding->rule != rule || strcmp(finding->where, g->wheres[i]) != 0)
-                continue;
+            if (finding->rule != rule || strcmp(finding->where, g->wheres[i]) != 0) continue;
             for (size_t s = 0; s < finding->sample_count; s++)
                 if (finding->samples[s].vertex < w->meshes[i].positions.count)
-                    norma_core_position(&w->meshes[i], (uint32_t)finding->samples[s].vertex, places[(*count)++].position);
+                    norma_core_position(&w->meshes[i], (uint32_t)finding->samples[s].vertex,
+                        places[(*count)++].position);
         }
-    if (places)
-        qsort(places, *count, sizeof *places, compare_places);
+    if (places) qsort(places, *count, sizeof *places, compare_places);
     return places;
 }
 
 /* As the first primitive's stored normals show. */
-static norma_document_result find_weight(const mend_group *g, norma_weight *weight, norma_result *how) {
+static norma_document_result find_weight(
+    const mend_group *g, norma_weight *weight, norma_result *how) {
     const norma_options options = {.struct_size = sizeof options, .threads = g->threads};
     norma_mesh_info info;
     norma_mesh_data data;
     norma_deviation deviation;
     norma_document_result result = norma_document_mesh_info(g->document, g->indices[0], &info);
-    if (!result)
-        result = norma_document_mesh_data(g->document, g->indices[0], &data, g->error);
-    if (result)
-        return result;
+    if (!result) result = norma_document_mesh_data(g->document, g->indices[0], &data, g->error);
+    if (result) return result;
     *how = norma_explain_normals(&data, info.normals, &options, &deviation);
     *weight = !*how && deviation.corners ? deviation.weight : NORMA_WEIGHT_ANGLE;
     return NORMA_DOCUMENT_OK;
 }
 
 /* Of each primitive the normals at those places. */
-static norma_result share_out(const mend_whole *w, const seam_place *places, size_t count, const float *normals) {
+static norma_result share_out(
+    const mend_whole *w, const seam_place *places, size_t count, const float *normals) {
     size_t begin = 0;
     for (size_t i = 0; i < w->group->count; begin += w->meshes[i++].positions.count) {
         const size_t vertices = w->meshes[i].positions.count;
         float *smooth = malloc((vertices + 1) * 3 * sizeof *smooth);
-        if (!smooth)
-            return NORMA_ERROR_MEMORY;
+        if (!smooth) return NORMA_ERROR_MEMORY;
         w->group->smooth[w->group->indices[i]] = smooth;
         for (size_t v = 0; v < vertices; v++) {
             seam_place key;
             norma_core_position(&w->meshes[i], (uint32_t)v, key.position);
             const int named = bsearch(&key, places, count, sizeof *places, compare_places) != NULL;
-            for (size_t k = 0; k < 3; k++) smooth[3 * v + k] = named ? normals[3 * (begin + v) + k] : NAN;
+            for (size_t k = 0; k < 3; k++)
+                smooth[3 * v + k] = named ? normals[3 * (begin + v) + k] : NAN;
         }
     }
     return NORMA_OK;
@@ -84,16 +86,16 @@ norma_document_result norma_mend_seams(const mend_group *group, norma_result *ho
     float *normals = NULL;
     norma_document_result result = norma_mend_open_whole(group, &w, how);
     seam_place *places = !result && !*how ? gather_places(&w, &count) : NULL;
-    if (!result && !*how && !places)
-        *how = NORMA_ERROR_MEMORY;
-    if (!result && !*how && count)
-        result = find_weight(group, &weight, how);
+    if (!result && !*how && !places) *how = NORMA_ERROR_MEMORY;
+    if (!result && !*how && count) result = find_weight(group, &weight, how);
     if (!result && !*how && count) {
-        const norma_options options = {.struct_size = sizeof options, .weight = weight, .threads = group->threads};
+        const norma_options options = {
+            .struct_size = sizeof options, .weight = weight, .threads = group->threads};
         normals = malloc((w.vertices + 1) * 3 * sizeof *normals);
-        *how = normals && norma_mend_join(&w) ? norma_vertex_normals(&w.mesh, &options, normals, w.vertices, NULL) : NORMA_ERROR_MEMORY;
-        if (!*how)
-            *how = share_out(&w, places, count, normals);
+        *how = normals && norma_mend_join(&w)
+                   ? norma_vertex_normals(&w.mesh, &options, normals, w.vertices, NULL)
+                   : NORMA_ERROR_MEMORY;
+        if (!*how) *how = share_out(&w, places, count, normals);
     }
     norma_mend_close_whole(&w);
     free(places);

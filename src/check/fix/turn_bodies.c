@@ -1,5 +1,6 @@
-/* turn_bodies.c: which faces are reversed with the whole body that they belong to: bodies that look inward (N302), and, where that is asked for, open ones (N304) as a majority of rays
- * has it. The primitives of a glTF mesh are looked at together, as those rules do. */
+/* turn_bodies.c: which faces are reversed with the whole body that they belong to: bodies that look
+ * inward (N302), and, where that is asked for, open ones (N304) as a majority of rays has it. The
+ * primitives of a glTF mesh are looked at together, as those rules do. */
 #include "check/fix/fix.h"
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,9 @@ static int mark_named(const mend_whole *t, check_rule rule, uint8_t *marks) {
     for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count)
         for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
             const norma_finding *finding = norma_findings_get(g->findings, k);
-            if (finding->rule != norma_rules(&count) + rule || (rule == RULE_N302 && finding->fix == NORMA_FIX_NONE) || strcmp(finding->where, g->wheres[i]) != 0)
+            if (finding->rule != norma_rules(&count) + rule ||
+                (rule == RULE_N302 && finding->fix == NORMA_FIX_NONE) ||
+                strcmp(finding->where, g->wheres[i]) != 0)
                 continue;
             for (size_t s = 0; s < finding->sample_count; s++)
                 if (finding->samples[s].face < t->meshes[i].face_count)
@@ -24,24 +27,30 @@ static int mark_named(const mend_whole *t, check_rule rule, uint8_t *marks) {
 /* ---- rays */
 
 static void add_votes(norma_mend_summary *summary, const norma_orient_report *report) {
-    summary->least_confidence = summary->by_rays == 0 || report->least_confidence < summary->least_confidence ? report->least_confidence : summary->least_confidence;
+    summary->least_confidence =
+        summary->by_rays == 0 || report->least_confidence < summary->least_confidence
+            ? report->least_confidence
+            : summary->least_confidence;
     summary->by_rays += report->by_rays;
     summary->undecided += report->undecided;
 }
 
-/* What rays turn is what differs from winding alike alone. marks: in, the faces that are open; out, those of them to be reversed. */
+/* What rays turn is what differs from winding alike alone. marks: in, the faces that are open; out,
+ * those of them to be reversed. */
 static norma_result ask_rays(mend_whole *t, uint8_t *marks) {
     const norma_options options = {.struct_size = sizeof options, .threads = t->group->threads};
     norma_orient_report report;
     uint8_t *alike = malloc(t->face_count + 1), *rays = malloc(t->face_count + 1);
     norma_result result = alike && rays && norma_mend_join(t) ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result)
-        result = norma_orient(&t->mesh, NORMA_ORIENT_OPEN_KEPT, &options, alike, t->face_count, NULL);
+        result =
+            norma_orient(&t->mesh, NORMA_ORIENT_OPEN_KEPT, &options, alike, t->face_count, NULL);
     if (!result)
-        result = norma_orient(&t->mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
-    for (size_t f = 0; f < t->face_count && !result; f++) marks[f] = marks[f] && alike[f] != rays[f];
-    if (!result && report.open)
-        add_votes(t->group->summary, &report);
+        result = norma_orient(
+            &t->mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
+    for (size_t f = 0; f < t->face_count && !result; f++)
+        marks[f] = marks[f] && alike[f] != rays[f];
+    if (!result && report.open) add_votes(t->group->summary, &report);
     free(alike);
     free(rays);
     return result;
@@ -53,8 +62,7 @@ static norma_result turn(mend_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
     if (mark_named(t, RULE_N302, inward))
         result = norma_mend_whole_bodies(t->meshes, t->group->count, inward);
-    if (result || !t->group->open_by_rays || !mark_named(t, RULE_N304, open))
-        return result;
+    if (result || !t->group->open_by_rays || !mark_named(t, RULE_N304, open)) return result;
     result = norma_mend_whole_bodies(t->meshes, t->group->count, open);
     return result ? result : ask_rays(t, open);
 }
@@ -65,9 +73,9 @@ static norma_result share_out(const mend_whole *t, const uint8_t *inward, const 
     for (size_t i = 0; i < t->group->count; begin += t->meshes[i++].face_count) {
         uint8_t *marks = malloc(t->meshes[i].face_count + 1);
         int any = 0;
-        if (!marks)
-            return NORMA_ERROR_MEMORY;
-        for (size_t f = 0; f < t->meshes[i].face_count; f++) any |= marks[f] = inward[begin + f] ^ open[begin + f];
+        if (!marks) return NORMA_ERROR_MEMORY;
+        for (size_t f = 0; f < t->meshes[i].face_count; f++)
+            any |= marks[f] = inward[begin + f] ^ open[begin + f];
         if (any)
             t->group->turned[t->group->indices[i]] = marks;
         else
@@ -80,10 +88,8 @@ norma_document_result norma_mend_turn(const mend_group *group, norma_result *how
     mend_whole t;
     norma_document_result result = norma_mend_open_whole(group, &t, how);
     uint8_t *inward = calloc(t.face_count + 1, 1), *open = calloc(t.face_count + 1, 1);
-    if (!result && !*how)
-        *how = inward && open ? turn(&t, inward, open) : NORMA_ERROR_MEMORY;
-    if (!result && !*how)
-        *how = share_out(&t, inward, open);
+    if (!result && !*how) *how = inward && open ? turn(&t, inward, open) : NORMA_ERROR_MEMORY;
+    if (!result && !*how) *how = share_out(&t, inward, open);
     norma_mend_close_whole(&t);
     free(inward);
     free(open);

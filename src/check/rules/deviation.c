@@ -1,16 +1,22 @@
-/* deviation.c: N204: how far the stored normals are from the computed ones that explain them best. */
+/* deviation.c: N204: how far the stored normals are from the computed ones that explain them best.
+ */
 #include "core/face/triangle.h"
 #include "check/explain/explain_normals.h"
 #include <math.h>
 #include <string.h>
 
-/* ---- mean, percentiles and histogram of angles: those that are not negative, whose bits as integers have their order */
+/* ---- mean, percentiles and histogram of angles: those that are not negative, whose bits as
+ * integers have their order */
 
 enum { CORNERS_IN_BLOCK = 1 << 16, HALVES = 1 << 16 };
 
-static const double bounds_deg[NORMA_DEVIATION_BINS] = {.01, .02, .05, .1, .2, .5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 120, 180};
+static const double bounds_deg[NORMA_DEVIATION_BINS] = {
+    .01, .02, .05, .1, .2, .5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 120, 180};
 
-double norma_deviation_bound_rad(size_t bin) { return bounds_deg[bin < NORMA_DEVIATION_BINS ? bin : NORMA_DEVIATION_BINS - 1] * (NORMA_PI / 180); }
+double norma_deviation_bound_rad(size_t bin) {
+    return bounds_deg[bin < NORMA_DEVIATION_BINS ? bin : NORMA_DEVIATION_BINS - 1] *
+           (NORMA_PI / 180);
+}
 
 typedef struct angle_part {
     double sum, max;
@@ -33,11 +39,11 @@ static void sum_block(void *context, size_t block) {
     const angle_pass *pass = context;
     const explain_surface *s = pass->surface;
     angle_part *part = &pass->parts[block];
-    size_t count = s->checked.corner_count, begin = block * CORNERS_IN_BLOCK, end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
+    size_t count = s->checked.corner_count, begin = block * CORNERS_IN_BLOCK,
+           end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
     for (size_t c = begin; c < end; c++) {
         double angle = (double)s->angles[c];
-        if (angle < 0)
-            continue;
+        if (angle < 0) continue;
         part->sum += angle;
         part->max = fmax(part->max, angle);
         part->count++;
@@ -51,7 +57,8 @@ static uint32_t bits_of(float angle) {
     return bits;
 }
 
-/* The upper half of the bits of the angle of that rank, and the rank among those with the same upper half. */
+/* The upper half of the bits of the angle of that rank, and the rank among those with the same
+ * upper half. */
 static uint32_t find_half(const uint32_t *counts, size_t rank, size_t *left) {
     uint32_t half = 0;
     while (rank >= counts[half]) rank -= counts[half++];
@@ -67,21 +74,21 @@ static double join_halves(uint32_t upper, uint32_t lower) {
 }
 
 /* Two ranks at once. counts: room for three times HALVES. */
-static void find_percentiles(const explain_surface *s, uint32_t *counts, const size_t ranks[2], double angles[2]) {
+static void find_percentiles(
+    const explain_surface *s, uint32_t *counts, const size_t ranks[2], double angles[2]) {
     uint32_t upper[2], *lower[2] = {counts + HALVES, counts + 2 * HALVES};
     size_t left[2], none;
     memset(counts, 0, 3 * HALVES * sizeof *counts);
     for (size_t c = 0; c < s->checked.corner_count; c++)
-        if (s->angles[c] >= 0)
-            counts[bits_of(s->angles[c]) >> 16]++;
+        if (s->angles[c] >= 0) counts[bits_of(s->angles[c]) >> 16]++;
     for (int i = 0; i < 2; i++) upper[i] = find_half(counts, ranks[i], &left[i]);
     for (size_t c = 0; c < s->checked.corner_count; c++) {
         uint32_t bits = bits_of(s->angles[c]);
         for (int i = 0; i < 2; i++)
-            if (bits >> 16 == upper[i])
-                lower[i][bits & 0xffff]++;
+            if (bits >> 16 == upper[i]) lower[i][bits & 0xffff]++;
     }
-    for (int i = 0; i < 2; i++) angles[i] = join_halves(upper[i], find_half(lower[i], left[i], &none));
+    for (int i = 0; i < 2; i++)
+        angles[i] = join_halves(upper[i], find_half(lower[i], left[i], &none));
 }
 
 static void add_part(norma_deviation *d, const angle_part *part) {
@@ -91,14 +98,17 @@ static void add_part(norma_deviation *d, const angle_part *part) {
     for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++) d->histogram[i] += part->histogram[i];
 }
 
-norma_result norma_explain_summarise(core_call *call, const explain_surface *surface, norma_deviation *d) {
+norma_result norma_explain_summarise(
+    core_call *call, const explain_surface *surface, norma_deviation *d) {
     size_t blocks = norma_check_block_count(surface->checked.corner_count, CORNERS_IN_BLOCK);
     uint32_t *counts = norma_core_allocate(call, 3 * HALVES, sizeof *counts);
-    angle_pass pass = {.surface = surface, .parts = norma_core_allocate(call, blocks, sizeof *pass.parts)};
+    angle_pass pass = {
+        .surface = surface, .parts = norma_core_allocate(call, blocks, sizeof *pass.parts)};
     norma_result result = counts && pass.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
     *d = (norma_deviation){.crease_angle_rad = NAN};
     if (!result) {
-        for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++) pass.bounds[i] = norma_deviation_bound_rad(i);
+        for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++)
+            pass.bounds[i] = norma_deviation_bound_rad(i);
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
         result = norma_core_parallel(call, blocks, sum_block, &pass);
         for (size_t i = 0; i < blocks; i++) add_part(d, &pass.parts[i]);
@@ -106,7 +116,9 @@ norma_result norma_explain_summarise(core_call *call, const explain_surface *sur
     if (!result && d->corners) {
         d->mean_rad /= (double)d->corners;
         double angles[2];
-        find_percentiles(surface, counts, (const size_t[2]){(d->corners - 1) / 2, (size_t)(0.99 * (double)(d->corners - 1))}, angles);
+        find_percentiles(surface, counts,
+            (const size_t[2]){(d->corners - 1) / 2, (size_t)(0.99 * (double)(d->corners - 1))},
+            angles);
         d->p50_rad = angles[0];
         d->p99_rad = angles[1];
     }
@@ -118,11 +130,13 @@ norma_result norma_explain_summarise(core_call *call, const explain_surface *sur
 /* ---- N204 */
 
 static const char *weight_name(norma_weight weight) {
-    static const char *const names[] = {"angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"};
+    static const char *const names[] = {
+        "angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"};
     return names[weight];
 }
 
-static void describe_deviation(const norma_deviation *d, size_t count, char message[CHECK_MESSAGE]) {
+static void describe_deviation(
+    const norma_deviation *d, size_t count, char message[CHECK_MESSAGE]) {
     char how[CHECK_MESSAGE];
     double degrees = 180 / NORMA_PI;
     if (d->shading == NORMA_SHADING_FLAT)
@@ -130,8 +144,12 @@ static void describe_deviation(const norma_deviation *d, size_t count, char mess
     else if (d->shading == NORMA_SHADING_SMOOTH)
         norma_check_message(how, "%s weights, smooth", weight_name(d->weight));
     else
-        norma_check_message(how, "%s weights, crease %g", weight_name(d->weight), d->crease_angle_rad * degrees);
-    norma_check_message(message, "%z stored normals are best explained by %s: median %g, 99 %% within %g, at most %g degrees off", count, how, d->p50_rad * degrees, d->p99_rad * degrees, d->max_rad * degrees);
+        norma_check_message(
+            how, "%s weights, crease %g", weight_name(d->weight), d->crease_angle_rad * degrees);
+    norma_check_message(message,
+        "%z stored normals are best explained by %s: median %g, 99 %% within %g, at most %g "
+        "degrees off",
+        count, how, d->p50_rad * degrees, d->p99_rad * degrees, d->max_rad * degrees);
 }
 
 /* Normals that corners use: each vertex, each vn. */
@@ -144,18 +162,24 @@ static size_t count_normals(const check_mesh *m) {
 norma_result norma_check_deviation(check_mesh *m) {
     norma_deviation deviation;
     char message[CHECK_MESSAGE];
-    if (!norma_check_wants(m, RULE_N204) || !m->mesh.corner_count || !norma_check_normal_count(m) || m->given->info.normals == NORMA_NORMALS_PER_FACET)
+    if (!norma_check_wants(m, RULE_N204) || !m->mesh.corner_count || !norma_check_normal_count(m) ||
+        m->given->info.normals == NORMA_NORMALS_PER_FACET)
         return NORMA_OK;
     norma_result result = norma_check_users(m);
+    if (!result) result = norma_check_around(m);
     if (!result)
-        result = norma_check_around(m);
-    if (!result)
-        result = norma_explain_with(&m->run->call, &m->given->data, &m->mesh, &m->topology, &deviation);
-    if (result || !deviation.corners)
-        return result;
+        result =
+            norma_explain_with(&m->run->call, &m->given->data, &m->mesh, &m->topology, &deviation);
+    if (result || !deviation.corners) return result;
     check_hits hits = {0};
     norma_check_hit(m->run, &hits, deviation.max_rad * (180 / NORMA_PI), CHECK_NOWHERE);
     hits.count = count_normals(m);
     describe_deviation(&deviation, hits.count, message);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N204, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &hits, .message = message, .deviation = &deviation});
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N204,
+            .severity = NORMA_SEVERITY_INFO,
+            .unit = "deg",
+            .hits = &hits,
+            .message = message,
+            .deviation = &deviation});
 }

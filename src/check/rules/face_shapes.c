@@ -29,11 +29,12 @@ static double corner_angle(const double before[3], const double here[3], const d
 /* Over the kept corners of a face that has three or more. */
 static double least_angle(const core_topology *t, size_t face) {
     double least = NORMA_PI;
-    for (size_t c = norma_core_face_begin(&t->mesh, face); c < norma_core_face_end(&t->mesh, face); c++) {
+    for (size_t c = norma_core_face_begin(&t->mesh, face); c < norma_core_face_end(&t->mesh, face);
+         c++) {
         double before[3], here[3], after[3];
-        if (!norma_core_is_kept(&t->mesh, face, c))
-            continue;
-        norma_core_position(&t->mesh, t->corners[norma_core_previous_kept(&t->mesh, face, c)], before);
+        if (!norma_core_is_kept(&t->mesh, face, c)) continue;
+        norma_core_position(
+            &t->mesh, t->corners[norma_core_previous_kept(&t->mesh, face, c)], before);
         norma_core_position(&t->mesh, t->corners[c], here);
         norma_core_position(&t->mesh, t->corners[norma_core_next_kept(&t->mesh, face, c)], after);
         least = fmin(least, corner_angle(before, here, after));
@@ -41,7 +42,8 @@ static double least_angle(const core_topology *t, size_t face) {
     return least;
 }
 
-/* A triangle whose height is at least as many of its longest edge as the sine of the angle has no angle below it; a polygon may have one however large it is. */
+/* A triangle whose height is at least as many of its longest edge as the sine of the angle has no
+ * angle below it; a polygon may have one however large it is. */
 static int may_be_sliver(const check_mesh *m, size_t face) {
     size_t corners = norma_core_face_end(&m->mesh, face) - norma_core_face_begin(&m->mesh, face);
     return corners > 3 || (double)m->faces[face].height < 1.01 * SLIVER_RAD;
@@ -53,10 +55,12 @@ static void judge_shape(const shape_pass *pass, shape_part *part, size_t face) {
     if (height < DEGENERATE) {
         if (pass->wants_degenerate)
             norma_check_hit(m->run, &part->degenerate, height, norma_check_face(face));
-    } else if (pass->wants_slivers && norma_check_directed(&m->faces[face]) && may_be_sliver(m, face)) {
+    } else if (pass->wants_slivers && norma_check_directed(&m->faces[face]) &&
+               may_be_sliver(m, face)) {
         double angle = least_angle(&m->topology, face);
         if (angle < SLIVER_RAD)
-            norma_check_hit(m->run, &part->slivers, angle * (180 / NORMA_PI), norma_check_face(face));
+            norma_check_hit(
+                m->run, &part->slivers, angle * (180 / NORMA_PI), norma_check_face(face));
     }
 }
 
@@ -69,26 +73,42 @@ static void judge_shapes(void *context, size_t block, size_t begin, size_t end) 
 static norma_result add_findings(check_mesh *m, shape_part *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
-    norma_severity severity = m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
+    norma_severity severity =
+        m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
     if (sum->degenerate.count) {
-        norma_check_message(message, "%z of %z faces have no height to speak of, and so no direction", sum->degenerate.count, m->mesh.face_count);
-        result = norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N401, .severity = severity, .unit = "ratio", .hits = &sum->degenerate, .message = message});
+        norma_check_message(message,
+            "%z of %z faces have no height to speak of, and so no direction", sum->degenerate.count,
+            m->mesh.face_count);
+        result = norma_check_add(m->run, &m->place, m,
+            &(check_report){.rule = RULE_N401,
+                .severity = severity,
+                .unit = "ratio",
+                .hits = &sum->degenerate,
+                .message = message});
     }
     if (!result && sum->slivers.count) {
-        norma_check_message(message, "%z of %z faces have an angle below 0.1 degrees, the least %g; their direction hangs on the last digits", sum->slivers.count, m->mesh.face_count, sum->slivers.worst);
-        result = norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N402, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &sum->slivers, .message = message});
+        norma_check_message(message,
+            "%z of %z faces have an angle below 0.1 degrees, the least %g; their direction hangs "
+            "on the last digits",
+            sum->slivers.count, m->mesh.face_count, sum->slivers.worst);
+        result = norma_check_add(m->run, &m->place, m,
+            &(check_report){.rule = RULE_N402,
+                .severity = NORMA_SEVERITY_INFO,
+                .unit = "deg",
+                .hits = &sum->slivers,
+                .message = message});
     }
     return result;
 }
 
 norma_result norma_check_shapes(check_mesh *m) {
     size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
-    if (!blocks || !norma_check_wants_any(m, RULE_N401, RULE_N402))
-        return NORMA_OK;
+    if (!blocks || !norma_check_wants_any(m, RULE_N401, RULE_N402)) return NORMA_OK;
     norma_result result = norma_check_faces(m);
-    shape_pass pass = {m, result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts), norma_check_wants(m, RULE_N401), norma_check_wants(m, RULE_N402)};
-    if (!pass.parts)
-        return result ? result : NORMA_ERROR_MEMORY;
+    shape_pass pass = {m,
+        result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts),
+        norma_check_wants(m, RULE_N401), norma_check_wants(m, RULE_N402)};
+    if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_shapes, &pass);
     shape_part sum = {{.least = 1}, {.least = 1}};
@@ -97,8 +117,7 @@ norma_result norma_check_shapes(check_mesh *m) {
         norma_check_hits_merge(m->run, &sum.slivers, &pass.parts[i].slivers);
     }
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result)
-        result = add_findings(m, &sum);
+    if (!result) result = add_findings(m, &sum);
     norma_check_hits_free(&sum.degenerate);
     norma_check_hits_free(&sum.slivers);
     return result;

@@ -17,18 +17,21 @@ typedef struct facet_pass {
     facet_part *parts;
 } facet_pass;
 
-/* A facet that is degenerate has no direction to compare with; its zero normal is as right as any. */
+/* A facet that is degenerate has no direction to compare with; its zero normal is as right as any.
+ */
 static void judge_facet(const check_mesh *m, facet_part *part, size_t facet) {
     double n[3];
     norma_check_normal(m, facet, n);
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), cosine = norma_check_dot(m->faces[facet].normal, n) / length;
-    if (!norma_core_finite(n) || !norma_check_directed(&m->faces[facet]))
-        return;
+    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]),
+           cosine = norma_check_dot(m->faces[facet].normal, n) / length;
+    if (!norma_core_finite(n) || !norma_check_directed(&m->faces[facet])) return;
     if (length < 1e-6) {
         part->zeros++;
         norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {
-        norma_check_hit(m->run, &part->hits, norma_check_arc_cosine(fmax(cosine, -1)) * (180 / 3.141592653589793), norma_check_face(facet));
+        norma_check_hit(m->run, &part->hits,
+            norma_check_arc_cosine(fmax(cosine, -1)) * (180 / 3.141592653589793),
+            norma_check_face(facet));
     }
 }
 
@@ -40,24 +43,39 @@ static void judge_facets(void *context, size_t block, size_t begin, size_t end) 
 static norma_result add_facets(check_mesh *m, check_hits *hits, size_t zeros) {
     char message[CHECK_MESSAGE];
     if (zeros == hits->count)
-        norma_check_message(message, "%z of %z facets have a normal of no length; readers take the winding's", zeros, m->mesh.face_count);
+        norma_check_message(message,
+            "%z of %z facets have a normal of no length; readers take the winding's", zeros,
+            m->mesh.face_count);
     else if (zeros)
-        norma_check_message(message, "%z of %z facets disagree with their winding, by up to %g degrees; %z of them have a normal of no length", hits->count, m->mesh.face_count, hits->worst, zeros);
+        norma_check_message(message,
+            "%z of %z facets disagree with their winding, by up to %g degrees; %z of them have a "
+            "normal of no length",
+            hits->count, m->mesh.face_count, hits->worst, zeros);
     else
-        norma_check_message(message, "%z of %z facets disagree with their winding, by up to %g degrees; some readers believe the one, some the other", hits->count, m->mesh.face_count, hits->worst);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N205, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .no_value = zeros == hits->count, .hits = hits, .message = message});
+        norma_check_message(message,
+            "%z of %z facets disagree with their winding, by up to %g degrees; some readers "
+            "believe the one, some the other",
+            hits->count, m->mesh.face_count, hits->worst);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N205,
+            .severity = NORMA_SEVERITY_WARNING,
+            .unit = "deg",
+            .no_value = zeros == hits->count,
+            .hits = hits,
+            .message = message});
 }
 
 norma_result norma_check_facets(check_mesh *m) {
     size_t count = norma_check_normal_count(m), blocks, zeros = 0;
     count = count < m->mesh.face_count ? count : m->mesh.face_count;
     blocks = norma_check_block_count(count, FACETS_IN_BLOCK);
-    if (m->given->info.normals != NORMA_NORMALS_PER_FACET || !count || !norma_check_wants(m, RULE_N205))
+    if (m->given->info.normals != NORMA_NORMALS_PER_FACET || !count ||
+        !norma_check_wants(m, RULE_N205))
         return NORMA_OK;
     norma_result result = norma_check_faces(m);
-    facet_pass pass = {m, result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts)
-        return result ? result : NORMA_ERROR_MEMORY;
+    facet_pass pass = {
+        m, result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, count, FACETS_IN_BLOCK, judge_facets, &pass);
     check_hits hits = {0};
@@ -66,8 +84,7 @@ norma_result norma_check_facets(check_mesh *m) {
         zeros += pass.parts[i].zeros;
     }
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result && hits.count)
-        return add_facets(m, &hits, zeros);
+    if (!result && hits.count) return add_facets(m, &hits, zeros);
     norma_check_hits_free(&hits);
     return result;
 }

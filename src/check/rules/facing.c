@@ -4,14 +4,17 @@
 #include <math.h>
 #include <string.h>
 
-enum { FACES_IN_BLOCK = 1 << 13,
-       LARGEST_RING = 1 << 10 }; /* corners at one position: where more meet, each is held against its own faces only, or the work would grow with their square */
-static const double ACROSS = 1e-6;                   /* a normal along its face, up to rounding, opposes nothing */
+enum {
+    FACES_IN_BLOCK = 1 << 13,
+    LARGEST_RING = 1 << 10
+}; /* corners at one position: where more meet, each is held against its own faces only, or the work
+      would grow with their square */
+static const double ACROSS = 1e-6; /* a normal along its face, up to rounding, opposes nothing */
 static const double FAR_COSINE = 0.25881904510252074; /* of 75 degrees */
 
 typedef struct facing_part {
     check_hits opposed;
-    size_t far_corners;   /* more than 75 degrees from this face: their normals are looked at again */
+    size_t far_corners; /* more than 75 degrees from this face: their normals are looked at again */
 } facing_part;
 
 typedef struct facing_pass {
@@ -24,8 +27,7 @@ typedef struct facing_pass {
 /* Cosine between a face and a stored normal; NaN: there is none that has a direction. */
 static double cosine_to(const check_mesh *m, size_t face, size_t number) {
     double n[3];
-    if (number == SIZE_MAX)
-        return NAN;
+    if (number == SIZE_MAX) return NAN;
     norma_check_normal(m, number, n);
     double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
     if (!(square >= 1e-12 && square < INFINITY)) /* N101 and N102 tell of it */
@@ -39,8 +41,7 @@ static void judge_face(const facing_pass *pass, facing_part *part, size_t face) 
     size_t begin = norma_core_face_begin(&m->mesh, face), end = norma_core_face_end(&m->mesh, face);
     double greatest = -2;
     int all = end > begin;
-    if (!norma_check_directed(&m->faces[face]))
-        return;
+    if (!norma_check_directed(&m->faces[face])) return;
     for (size_t c = begin; c < end; c++) {
         double cosine = cosine_to(m, face, norma_check_normal_of(m, face, c));
         part->far_corners += cosine < FAR_COSINE;
@@ -48,7 +49,9 @@ static void judge_face(const facing_pass *pass, facing_part *part, size_t face) 
         greatest = fmax(greatest, cosine);
     }
     if (pass->wants_opposed && all)
-        norma_check_hit(m->run, &part->opposed, norma_check_arc_cosine(fmax(greatest, -1)) * (180 / 3.141592653589793), norma_check_face(face));
+        norma_check_hit(m->run, &part->opposed,
+            norma_check_arc_cosine(fmax(greatest, -1)) * (180 / 3.141592653589793),
+            norma_check_face(face));
 }
 
 static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
@@ -59,21 +62,32 @@ static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
 static norma_result add_opposed(check_mesh *m, check_hits *hits) {
     char message[CHECK_MESSAGE];
     double part = (double)hits->count / (double)m->mesh.face_count;
-    norma_severity severity = m->on_purpose ? NORMA_SEVERITY_INFO : part > .01 ? NORMA_SEVERITY_ERROR : NORMA_SEVERITY_WARNING;
-    norma_check_message(message, "%z of %z faces (%g %%) have normals on their other side at every corner; they are lit from behind", hits->count, m->mesh.face_count, 100 * part);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N201, .severity = severity, .unit = "deg", .hits = hits, .message = message});
+    norma_severity severity = m->on_purpose ? NORMA_SEVERITY_INFO
+                              : part > .01  ? NORMA_SEVERITY_ERROR
+                                            : NORMA_SEVERITY_WARNING;
+    norma_check_message(message,
+        "%z of %z faces (%g %%) have normals on their other side at every corner; they are lit "
+        "from behind",
+        hits->count, m->mesh.face_count, 100 * part);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N201,
+            .severity = severity,
+            .unit = "deg",
+            .hits = hits,
+            .message = message});
 }
 
 /* ---- N202 */
 
-/* The greatest cosine of each normal that some corner found far; -2: not far anywhere, or of no face that has a direction. */
+/* The greatest cosine of each normal that some corner found far; -2: not far anywhere, or of no
+ * face that has a direction. */
 static void find_nearest(const check_mesh *m, float *greatest) {
     size_t count = norma_check_normal_count(m);
     for (size_t i = 0; i < count; i++) greatest[i] = 2;
     for (size_t f = 0; f < m->mesh.face_count; f++) {
-        if (!norma_check_directed(&m->faces[f]))
-            continue;
-        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f); c++) {
+        if (!norma_check_directed(&m->faces[f])) continue;
+        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
+             c++) {
             size_t number = norma_check_normal_of(m, f, c);
             double cosine = cosine_to(m, f, number);
             if (!isnan(cosine) && (greatest[number] > 1.5f || cosine > (double)greatest[number]))
@@ -82,20 +96,25 @@ static void find_nearest(const check_mesh *m, float *greatest) {
     }
 }
 
-/* Those that are far from all faces of their own vertices are held against the other faces at their positions, too: where vertices are split, as in a
- * triangle soup, a smooth normal is the average of faces that use other vertices. */
+/* Those that are far from all faces of their own vertices are held against the other faces at their
+ * positions, too: where vertices are split, as in a triangle soup, a smooth normal is the average
+ * of faces that use other vertices. */
 static norma_result find_nearest_around(check_mesh *m, float *greatest) {
     norma_result result = norma_check_around(m);
     const core_topology *t = &m->topology;
     for (size_t f = 0; !result && f < m->mesh.face_count; f++)
-        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f); c++) {
+        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
+             c++) {
             size_t number = norma_check_normal_of(m, f, c), place = norma_core_corner(&t->mesh, c);
-            if (number == SIZE_MAX || (double)greatest[number] >= FAR_COSINE || t->around.starts[place + 1] - t->around.starts[place] > LARGEST_RING)
+            if (number == SIZE_MAX || (double)greatest[number] >= FAR_COSINE ||
+                t->around.starts[place + 1] - t->around.starts[place] > LARGEST_RING)
                 continue;
             for (size_t i = t->around.starts[place]; i < t->around.starts[place + 1]; i++) {
                 size_t face = norma_check_face_of(m, t->around.corners[i]);
-                double cosine = norma_check_directed(&m->faces[face]) ? cosine_to(m, face, number) : -2;
-                greatest[number] = cosine > (double)greatest[number] ? (float)cosine : greatest[number];
+                double cosine =
+                    norma_check_directed(&m->faces[face]) ? cosine_to(m, face, number) : -2;
+                greatest[number] =
+                    cosine > (double)greatest[number] ? (float)cosine : greatest[number];
             }
         }
     return result;
@@ -106,19 +125,27 @@ static norma_result check_far(check_mesh *m) {
     float *greatest = norma_core_allocate(&m->run->call, count, sizeof *greatest);
     check_hits hits = {0};
     char message[CHECK_MESSAGE];
-    if (!greatest)
-        return NORMA_ERROR_MEMORY;
+    if (!greatest) return NORMA_ERROR_MEMORY;
     find_nearest(m, greatest);
     norma_result result = find_nearest_around(m, greatest);
     for (size_t i = 0; !result && i < count; i++)
         if ((double)greatest[i] < FAR_COSINE)
-            norma_check_hit(m->run, &hits, norma_check_arc_cosine(fmax((double)greatest[i], -1)) * (180 / 3.141592653589793), norma_check_normal_spot(m, i));
+            norma_check_hit(m->run, &hits,
+                norma_check_arc_cosine(fmax((double)greatest[i], -1)) * (180 / 3.141592653589793),
+                norma_check_normal_spot(m, i));
     norma_core_release(&m->run->call, greatest, count, sizeof *greatest);
-    if (result)
-        return result;
+    if (result) return result;
     if (hits.count)
-        norma_check_message(message, "%z normals more than 75 degrees from every face at their vertices, up to %g; but at a knife's edge, no average of the faces gives such a normal", hits.count, hits.worst);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N202, .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, .unit = "deg", .hits = &hits, .message = message});
+        norma_check_message(message,
+            "%z normals more than 75 degrees from every face at their vertices, up to %g; but at a "
+            "knife's edge, no average of the faces gives such a normal",
+            hits.count, hits.worst);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N202,
+            .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
+            .unit = "deg",
+            .hits = &hits,
+            .message = message});
 }
 
 /* ---- both */
@@ -126,15 +153,15 @@ static norma_result check_far(check_mesh *m) {
 norma_result norma_check_facing(check_mesh *m) {
     size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK), far_corners = 0;
     int per_facet = m->given->info.normals == NORMA_NORMALS_PER_FACET; /* N205 judges those */
-    if (!norma_check_normal_count(m) || per_facet || !m->mesh.face_count || !norma_check_wants_any(m, RULE_N201, RULE_N202))
+    if (!norma_check_normal_count(m) || per_facet || !m->mesh.face_count ||
+        !norma_check_wants_any(m, RULE_N201, RULE_N202))
         return NORMA_OK;
     norma_result result = norma_check_faces(m);
-    if (!result)
-        result = norma_check_users(m);
-    facing_pass pass = {m, fmax(ACROSS, norma_check_encoding_bound(m->given->info.encoding)), NULL, norma_check_wants(m, RULE_N201)};
+    if (!result) result = norma_check_users(m);
+    facing_pass pass = {m, fmax(ACROSS, norma_check_encoding_bound(m->given->info.encoding)), NULL,
+        norma_check_wants(m, RULE_N201)};
     pass.parts = result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts);
-    if (!pass.parts)
-        return result ? result : NORMA_ERROR_MEMORY;
+    if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, &pass);
     check_hits opposed = {0};
@@ -143,8 +170,7 @@ norma_result norma_check_facing(check_mesh *m) {
         far_corners += pass.parts[i].far_corners;
     }
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result && opposed.count)
-        result = add_opposed(m, &opposed);
+    if (!result && opposed.count) result = add_opposed(m, &opposed);
     norma_check_hits_free(&opposed);
     return !result && far_corners && norma_check_wants(m, RULE_N202) ? check_far(m) : result;
 }

@@ -18,10 +18,8 @@ typedef struct length_pass {
 
 static double length_tolerance(const check_mesh *m) {
     const char *encoding = m->given->info.encoding ? m->given->info.encoding : "";
-    if (!strcmp(encoding, "snorm8") || !strcmp(encoding, "int8"))
-        return .00682;
-    if (!strcmp(encoding, "snorm10"))
-        return .0017;
+    if (!strcmp(encoding, "snorm8") || !strcmp(encoding, "int8")) return .00682;
+    if (!strcmp(encoding, "snorm10")) return .0017;
     return m->run->options.strict ? 1e-4 : 5e-4;
 }
 
@@ -32,8 +30,7 @@ static void judge_normal(const length_pass *pass, length_part *part, size_t numb
     double n[3];
     norma_check_normal(m, number, n);
     double length = length_of(n);
-    if (fabs(length - 1) <= pass->tolerance || (m->users && m->users[number] == UINT32_MAX))
-        return;
+    if (fabs(length - 1) <= pass->tolerance || (m->users && m->users[number] == UINT32_MAX)) return;
     check_spot spot = norma_check_normal_spot(m, number);
     if (!norma_core_finite(n))
         norma_check_hit(m->run, &part->non_finite, 0, spot);
@@ -49,24 +46,23 @@ static void judge_normals(void *context, size_t block, size_t begin, size_t end)
     for (size_t i = begin; i < end; i++) judge_normal(pass, &pass->parts[block], i);
 }
 
-/* ---- how many normals of no length belong to degenerate faces only: a word of comfort in the message, since recomputing takes the nearest normal for them */
+/* ---- how many normals of no length belong to degenerate faces only: a word of comfort in the
+ * message, since recomputing takes the nearest normal for them */
 
 static norma_result count_idle(check_mesh *m, size_t zeros, size_t *idle) {
     size_t count = norma_check_normal_count(m), busy_zeros = 0;
     *idle = 0;
     norma_result result = norma_check_faces(m);
     uint8_t *busy = result ? NULL : norma_core_allocate(&m->run->call, count, 1);
-    if (result || !busy)
-        return result ? result : NORMA_ERROR_MEMORY;
+    if (result || !busy) return result ? result : NORMA_ERROR_MEMORY;
     memset(busy, 0, count);
     for (size_t f = 0; f < m->mesh.face_count; f++) {
-        if (!norma_check_directed(&m->faces[f]))
-            continue;
-        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f); c++) {
+        if (!norma_check_directed(&m->faces[f])) continue;
+        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
+             c++) {
             size_t number = norma_check_normal_of(m, f, c);
             double n[3];
-            if (number == SIZE_MAX || busy[number])
-                continue;
+            if (number == SIZE_MAX || busy[number]) continue;
             norma_check_normal(m, number, n);
             busy[number] = 1;
             busy_zeros += norma_core_finite(n) && length_of(n) < NO_LENGTH;
@@ -80,29 +76,51 @@ static norma_result count_idle(check_mesh *m, size_t zeros, size_t *idle) {
 static norma_result add_zero(check_mesh *m, check_hits *hits) {
     char message[CHECK_MESSAGE];
     size_t idle = 0;
-    norma_result result = m->degenerate_count || !m->faces ? count_idle(m, hits->count, &idle) : NORMA_OK;
-    if (result)
-        return result;
+    norma_result result =
+        m->degenerate_count || !m->faces ? count_idle(m, hits->count, &idle) : NORMA_OK;
+    if (result) return result;
     if (idle)
-        norma_check_message(message, "%z normals of no length; %z belong to degenerate faces only (N401)", hits->count, idle);
+        norma_check_message(message,
+            "%z normals of no length; %z belong to degenerate faces only (N401)", hits->count,
+            idle);
     else
-        norma_check_message(message, "%z normals of no length; normalising them divides by zero", hits->count);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N102, .severity = NORMA_SEVERITY_ERROR, .unit = "length", .hits = hits, .message = message});
+        norma_check_message(
+            message, "%z normals of no length; normalising them divides by zero", hits->count);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N102,
+            .severity = NORMA_SEVERITY_ERROR,
+            .unit = "length",
+            .hits = hits,
+            .message = message});
 }
 
 static norma_result add_findings(check_mesh *m, length_part *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N101) && sum->non_finite.count) {
-        norma_check_message(message, "%z normals with a component that is not a finite number", sum->non_finite.count);
-        result = norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N101, .severity = NORMA_SEVERITY_ERROR, .no_value = 1, .hits = &sum->non_finite, .message = message});
+        norma_check_message(message, "%z normals with a component that is not a finite number",
+            sum->non_finite.count);
+        result = norma_check_add(m->run, &m->place, m,
+            &(check_report){.rule = RULE_N101,
+                .severity = NORMA_SEVERITY_ERROR,
+                .no_value = 1,
+                .hits = &sum->non_finite,
+                .message = message});
     }
     int facets = m->given->info.normals == NORMA_NORMALS_PER_FACET; /* their lengths are N205's */
     if (!result && !facets && norma_check_wants(m, RULE_N102) && sum->zero.count)
         result = add_zero(m, &sum->zero);
     if (!result && !facets && norma_check_wants(m, RULE_N103) && sum->non_unit.count) {
-        norma_check_message(message, "%z normals of a length other than 1, by up to %g; light is off by twice as much where a shader does not renormalise", sum->non_unit.count, sum->non_unit.worst);
-        result = norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N103, .severity = NORMA_SEVERITY_ERROR, .unit = "length", .hits = &sum->non_unit, .message = message});
+        norma_check_message(message,
+            "%z normals of a length other than 1, by up to %g; light is off by twice as much where "
+            "a shader does not renormalise",
+            sum->non_unit.count, sum->non_unit.worst);
+        result = norma_check_add(m->run, &m->place, m,
+            &(check_report){.rule = RULE_N103,
+                .severity = NORMA_SEVERITY_ERROR,
+                .unit = "length",
+                .hits = &sum->non_unit,
+                .message = message});
     }
     return result;
 }
@@ -114,23 +132,21 @@ static void free_part(length_part *part) {
 }
 
 norma_result norma_check_lengths(check_mesh *m) {
-    size_t count = norma_check_normal_count(m), blocks = norma_check_block_count(count, NORMALS_IN_BLOCK);
-    if (!count || !norma_check_wants_any(m, RULE_N101, RULE_N103))
-        return NORMA_OK;
+    size_t count = norma_check_normal_count(m),
+           blocks = norma_check_block_count(count, NORMALS_IN_BLOCK);
+    if (!count || !norma_check_wants_any(m, RULE_N101, RULE_N103)) return NORMA_OK;
     length_part sum = {.zero.least = 1};
-    length_pass pass = {m, length_tolerance(m), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    length_pass pass = {
+        m, length_tolerance(m), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     norma_result result = pass.parts ? norma_check_users(m) : NORMA_ERROR_MEMORY;
-    if (pass.parts)
-        memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    if (!result)
-        result = norma_check_blocks(m->run, count, NORMALS_IN_BLOCK, judge_normals, &pass);
+    if (pass.parts) memset(pass.parts, 0, blocks * sizeof *pass.parts);
+    if (!result) result = norma_check_blocks(m->run, count, NORMALS_IN_BLOCK, judge_normals, &pass);
     for (size_t i = 0; pass.parts && i < blocks; i++) {
         norma_check_hits_merge(m->run, &sum.non_finite, &pass.parts[i].non_finite);
         norma_check_hits_merge(m->run, &sum.zero, &pass.parts[i].zero);
         norma_check_hits_merge(m->run, &sum.non_unit, &pass.parts[i].non_unit);
     }
-    if (!result)
-        result = add_findings(m, &sum);
+    if (!result) result = add_findings(m, &sum);
     free_part(&sum);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;

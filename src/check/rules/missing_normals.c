@@ -1,15 +1,15 @@
-/* missing_normals.c: N104 to N106: normals that are not there, that nobody reads, that are too few, too many or named wrongly. */
+/* missing_normals.c: N104 to N106: normals that are not there, that nobody reads, that are too few,
+ * too many or named wrongly. */
 #include "check/rules/scene_rules.h"
 
 /* ---- N104: faces without any normal; a face that names one wrongly is N106's */
 
 static int lacks_normals(const check_mesh *m, size_t face) {
     const uint8_t *faults = m->given->attributes.face_faults;
-    if (faults && faults[face])
-        return 0;
-    for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face); c++)
-        if (norma_check_normal_of(m, face, c) != SIZE_MAX)
-            return 0;
+    if (faults && faults[face]) return 0;
+    for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
+         c++)
+        if (norma_check_normal_of(m, face, c) != SIZE_MAX) return 0;
     return 1;
 }
 
@@ -17,17 +17,22 @@ static norma_result add_missing(check_mesh *m) {
     char message[CHECK_MESSAGE];
     check_hits hits = {0};
     int some = m->given->info.normals != NORMA_NORMALS_NONE;
-    int too_few = m->given->attributes.normals_missing > 0 && !m->given->attributes.face_faults; /* of vertices: N106's */
+    int too_few = m->given->attributes.normals_missing > 0 &&
+                  !m->given->attributes.face_faults; /* of vertices: N106's */
     if (m->given->material.unlit || too_few || (some && !m->given->data.corner_normals))
         return NORMA_OK;
     for (size_t f = 0; f < m->mesh.face_count; f++)
-        if (!some || lacks_normals(m, f))
-            norma_check_hit(m->run, &hits, 0, norma_check_face(f));
+        if (!some || lacks_normals(m, f)) norma_check_hit(m->run, &hits, 0, norma_check_face(f));
     int gltf = m->run->format != NORMA_FILE_OBJ && m->run->format != NORMA_FILE_PLY;
-    norma_check_message(message, "%z face%s without normals; %s", hits.count, norma_check_plural(hits.count),
-                        gltf ? "readers make them flat" : "readers make them flat or smooth, as they like");
+    norma_check_message(message, "%z face%s without normals; %s", hits.count,
+        norma_check_plural(hits.count),
+        gltf ? "readers make them flat" : "readers make them flat or smooth, as they like");
     return norma_check_add(m->run, &m->place, m,
-                           &(check_report){.rule = RULE_N104, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits, .message = message});
+        &(check_report){.rule = RULE_N104,
+            .severity = NORMA_SEVERITY_INFO,
+            .no_value = 1,
+            .hits = &hits,
+            .message = message});
 }
 
 /* ---- N105 */
@@ -35,12 +40,16 @@ static norma_result add_missing(check_mesh *m) {
 static norma_result add_unused(check_mesh *m) {
     char message[CHECK_MESSAGE];
     check_hits hits = {.count = norma_check_normal_count(m)};
-    if (!m->given->material.unlit || !hits.count)
-        return NORMA_OK;
-    norma_check_message(message, "%z normal%s on an unlit material; nothing reads them", hits.count, norma_check_plural(hits.count));
+    if (!m->given->material.unlit || !hits.count) return NORMA_OK;
+    norma_check_message(message, "%z normal%s on an unlit material; nothing reads them", hits.count,
+        norma_check_plural(hits.count));
     hits.worst_spot = CHECK_NOWHERE;
     return norma_check_add(m->run, &m->place, m,
-                           &(check_report){.rule = RULE_N105, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = &hits, .message = message});
+        &(check_report){.rule = RULE_N105,
+            .severity = NORMA_SEVERITY_INFO,
+            .no_value = 1,
+            .hits = &hits,
+            .message = message});
 }
 
 /* ---- N106 */
@@ -50,12 +59,13 @@ static void hit_faults(const check_mesh *m, check_hits *hits) {
     size_t total = a->normals_missing + a->normals_surplus + a->normals_out_of_range;
     if (a->face_faults)
         for (size_t f = 0; f < m->mesh.face_count; f++)
-            if (a->face_faults[f])
-                norma_check_hit(m->run, hits, 0, norma_check_face(f));
-    for (size_t v = norma_check_normal_count(m); !a->face_faults && a->normals_missing && v < m->mesh.positions.count && hits->count < a->normals_missing; v++)
+            if (a->face_faults[f]) norma_check_hit(m->run, hits, 0, norma_check_face(f));
+    for (size_t v = norma_check_normal_count(m);
+         !a->face_faults && a->normals_missing && v < m->mesh.positions.count &&
+         hits->count < a->normals_missing;
+         v++)
         norma_check_hit(m->run, hits, 0, norma_check_vertex(v));
-    if (hits->count == 0)
-        hits->worst_spot = CHECK_NOWHERE;
+    if (hits->count == 0) hits->worst_spot = CHECK_NOWHERE;
     hits->count = total;
 }
 
@@ -64,24 +74,31 @@ static norma_result add_mismatch(check_mesh *m) {
     char message[CHECK_MESSAGE];
     check_hits hits = {0};
     hit_faults(m, &hits);
-    if (!hits.count)
-        return NORMA_OK;
+    if (!hits.count) return NORMA_OK;
     if (a->face_faults)
-        norma_check_message(message, "%z face%s with a vn that is not there, %z with normals at some corners only; readers differ on what to do with them",
-                            a->normals_out_of_range, norma_check_plural(a->normals_out_of_range), a->normals_missing);
+        norma_check_message(message,
+            "%z face%s with a vn that is not there, %z with normals at some corners only; readers "
+            "differ on what to do with them",
+            a->normals_out_of_range, norma_check_plural(a->normals_out_of_range),
+            a->normals_missing);
     else if (a->normals_missing)
-        norma_check_message(message, "%z normal%s fewer than positions; readers refuse the file, or read what is not there", a->normals_missing,
-                            norma_check_plural(a->normals_missing));
+        norma_check_message(message,
+            "%z normal%s fewer than positions; readers refuse the file, or read what is not there",
+            a->normals_missing, norma_check_plural(a->normals_missing));
     else
-        norma_check_message(message, "%z normal%s more than positions; readers refuse the file, or take the wrong ones", a->normals_surplus,
-                            norma_check_plural(a->normals_surplus));
+        norma_check_message(message,
+            "%z normal%s more than positions; readers refuse the file, or take the wrong ones",
+            a->normals_surplus, norma_check_plural(a->normals_surplus));
     return norma_check_add(m->run, &m->place, m,
-                           &(check_report){.rule = RULE_N106, .severity = NORMA_SEVERITY_ERROR, .no_value = 1, .hits = &hits, .message = message});
+        &(check_report){.rule = RULE_N106,
+            .severity = NORMA_SEVERITY_ERROR,
+            .no_value = 1,
+            .hits = &hits,
+            .message = message});
 }
 
 norma_result norma_check_presence(check_mesh *m) {
     norma_result result = norma_check_wants(m, RULE_N104) ? add_missing(m) : NORMA_OK;
-    if (!result && norma_check_wants(m, RULE_N105))
-        result = add_unused(m);
+    if (!result && norma_check_wants(m, RULE_N105)) result = add_unused(m);
     return !result && norma_check_wants(m, RULE_N106) ? add_mismatch(m) : result;
 }

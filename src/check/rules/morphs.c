@@ -1,4 +1,5 @@
-/* morphs.c: N901 to N903: morph targets that turn the surface and not its normals, that cancel normals, that have normals where the mesh has none. */
+/* morphs.c: N901 to N903: morph targets that turn the surface and not its normals, that cancel
+ * normals, that have normals where the mesh has none. */
 #include "check/rules/scene_rules.h"
 #include "check/findings/angle.h"
 #include "core/face/face_geometry.h"
@@ -12,7 +13,8 @@ static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[
 
 /* ---- N901 */
 
-static void moved_position(const check_mesh *m, const norma_vec3_view *deltas, uint32_t v, double p[3]) {
+static void moved_position(
+    const check_mesh *m, const norma_vec3_view *deltas, uint32_t v, double p[3]) {
     double delta[3];
     norma_core_position(&m->mesh, v, p);
     norma_view_read(deltas, v, delta);
@@ -21,16 +23,17 @@ static void moved_position(const check_mesh *m, const norma_vec3_view *deltas, u
 
 static int moves(const check_mesh *m, const norma_vec3_view *deltas, size_t face) {
     double delta[3];
-    for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face); c++) {
+    for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
+         c++) {
         norma_view_read(deltas, norma_core_corner(&m->mesh, c), delta);
-        if (delta[0] != 0 || delta[1] != 0 || delta[2] != 0)
-            return 1;
+        if (delta[0] != 0 || delta[1] != 0 || delta[2] != 0) return 1;
     }
     return 0;
 }
 
 /* A normal of the moved face; 0 where it has become degenerate. */
-static int moved_normal(const check_mesh *m, const norma_vec3_view *deltas, size_t face, double normal[3]) {
+static int moved_normal(
+    const check_mesh *m, const norma_vec3_view *deltas, size_t face, double normal[3]) {
     size_t begin = norma_core_face_begin(&m->mesh, face), end = norma_core_face_end(&m->mesh, face);
     double first[3], before[3], p[3], longest = 0;
     moved_position(m, deltas, norma_core_corner(&m->mesh, begin), first);
@@ -60,12 +63,17 @@ static double bend_deg(const check_mesh *m, const norma_vec3_view *deltas, size_
     static const double tangent = 0.08748866352592401; /* of BENDS_DEG */
     const check_face *at_rest = &m->faces[face];
     double moved[3];
-    if (!norma_check_directed(at_rest) || !moves(m, deltas, face) || !moved_normal(m, deltas, face, moved))
+    if (!norma_check_directed(at_rest) || !moves(m, deltas, face) ||
+        !moved_normal(m, deltas, face, moved))
         return 0;
-    const double n[3] = {(double)at_rest->normal[0], (double)at_rest->normal[1], (double)at_rest->normal[2]};
-    const double cross[3] = {n[1] * moved[2] - n[2] * moved[1], n[2] * moved[0] - n[0] * moved[2], n[0] * moved[1] - n[1] * moved[0]};
+    const double n[3] = {
+        (double)at_rest->normal[0], (double)at_rest->normal[1], (double)at_rest->normal[2]};
+    const double cross[3] = {n[1] * moved[2] - n[2] * moved[1], n[2] * moved[0] - n[0] * moved[2],
+        n[0] * moved[1] - n[1] * moved[0]};
     double sine = length_of(cross), cosine = norma_core_dot(n, moved);
-    return cosine > 0 && sine <= tangent * cosine ? 0 : norma_core_angle(sine, cosine) * (180 / 3.141592653589793);
+    return cosine > 0 && sine <= tangent * cosine
+               ? 0
+               : norma_core_angle(sine, cosine) * (180 / 3.141592653589793);
 }
 
 enum { FACES_IN_BLOCK = 1 << 13 };
@@ -88,11 +96,9 @@ static void judge_block(void *context, size_t block, size_t begin, size_t end) {
 static norma_result judge_target(check_mesh *m, const norma_vec3_view *deltas, check_hits *hits) {
     size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
     norma_result result = norma_check_faces(m);
-    if (result || !blocks)
-        return result;
+    if (result || !blocks) return result;
     bend_pass pass = {m, deltas, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts)
-        return NORMA_ERROR_MEMORY;
+    if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_block, &pass);
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, hits, &pass.parts[i]);
@@ -107,8 +113,7 @@ static norma_result judge_bends(check_mesh *m) {
     for (size_t t = 0; t < m->given->morph_count; t++) {
         const norma_morph_data *morph = &m->given->morphs[t];
         size_t before = hits.count;
-        if (morph->normals.count || morph->positions.count < m->mesh.positions.count)
-            continue;
+        if (morph->normals.count || morph->positions.count < m->mesh.positions.count) continue;
         norma_result result = judge_target(m, &morph->positions, &hits);
         if (result) {
             norma_check_hits_free(&hits);
@@ -116,12 +121,17 @@ static norma_result judge_bends(check_mesh *m) {
         }
         targets += hits.count > before;
     }
-    if (!hits.count)
-        return NORMA_OK;
-    norma_check_message(message, "%z of %z morph targets turning faces by up to %g degrees without normals; the moved surface is shaded as if it had not moved",
-                        targets, m->given->morph_count, hits.worst);
+    if (!hits.count) return NORMA_OK;
+    norma_check_message(message,
+        "%z of %z morph targets turning faces by up to %g degrees without normals; the moved "
+        "surface is shaded as if it had not moved",
+        targets, m->given->morph_count, hits.worst);
     return norma_check_add(m->run, &m->place, m,
-                           &(check_report){.rule = RULE_N901, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &hits, .message = message});
+        &(check_report){.rule = RULE_N901,
+            .severity = NORMA_SEVERITY_INFO,
+            .unit = "deg",
+            .hits = &hits,
+            .message = message});
 }
 
 /* ---- N902 */
@@ -143,12 +153,17 @@ static norma_result judge_sums(check_mesh *m) {
                 norma_check_hit(m->run, &hits, length_of(n), norma_check_vertex(v));
         }
     }
-    if (!hits.count)
-        return NORMA_OK;
-    norma_check_message(message, "%z normal%s of which a morph target at weight 1 leaves less than a tenth (%g); the direction is noise", hits.count,
-                        norma_check_plural(hits.count), hits.worst);
+    if (!hits.count) return NORMA_OK;
+    norma_check_message(message,
+        "%z normal%s of which a morph target at weight 1 leaves less than a tenth (%g); the "
+        "direction is noise",
+        hits.count, norma_check_plural(hits.count), hits.worst);
     return norma_check_add(m->run, &m->place, m,
-                           &(check_report){.rule = RULE_N902, .severity = NORMA_SEVERITY_WARNING, .unit = "length", .hits = &hits, .message = message});
+        &(check_report){.rule = RULE_N902,
+            .severity = NORMA_SEVERITY_WARNING,
+            .unit = "length",
+            .hits = &hits,
+            .message = message});
 }
 
 /* ---- N903 */
@@ -157,22 +172,26 @@ static norma_result judge_bases(check_mesh *m) {
     char message[CHECK_MESSAGE];
     size_t normals = 0, tangents = 0;
     for (size_t t = 0; t < m->given->morph_count; t++) {
-        normals += m->given->morphs[t].normals.count && m->given->info.normals == NORMA_NORMALS_NONE;
-        tangents += m->given->morphs[t].tangents.count && !m->given->attributes.tangents && !m->given->info.has_tangents;
+        normals +=
+            m->given->morphs[t].normals.count && m->given->info.normals == NORMA_NORMALS_NONE;
+        tangents += m->given->morphs[t].tangents.count && !m->given->attributes.tangents &&
+                    !m->given->info.has_tangents;
     }
-    if (!normals && !tangents)
-        return NORMA_OK;
-    norma_check_message(message, "%z morph target%s with %s though the mesh has none; there is nothing to add them to", normals ? normals : tangents,
-                        norma_check_plural(normals ? normals : tangents), normals ? "normals" : "tangents");
-    return norma_check_add_one(m->run, &m->place, m, RULE_N903, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, message);
+    if (!normals && !tangents) return NORMA_OK;
+    norma_check_message(message,
+        "%z morph target%s with %s though the mesh has none; there is nothing to add them to",
+        normals ? normals : tangents, norma_check_plural(normals ? normals : tangents),
+        normals ? "normals" : "tangents");
+    return norma_check_add_one(
+        m->run, &m->place, m, RULE_N903, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, message);
 }
 
 norma_result norma_check_morphs(check_mesh *m) {
-    if (!m->given->morph_count || !m->given->morphs)
-        return NORMA_OK;
+    if (!m->given->morph_count || !m->given->morphs) return NORMA_OK;
     int lit = norma_check_normal_count(m) > 0 && !m->given->material.unlit;
     norma_result result = lit && norma_check_wants(m, RULE_N901) ? judge_bends(m) : NORMA_OK;
-    if (!result && norma_check_wants(m, RULE_N902) && m->given->info.normals == NORMA_NORMALS_PER_VERTEX)
+    if (!result && norma_check_wants(m, RULE_N902) &&
+        m->given->info.normals == NORMA_NORMALS_PER_VERTEX)
         result = judge_sums(m);
     return !result && norma_check_wants(m, RULE_N903) ? judge_bases(m) : result;
 }

@@ -1,5 +1,6 @@
-/* nodes.c: N601 to N605: world matrices of the nodes that draw meshes, of each of their instances, and of the joints of skins.
- * A skinned mesh follows its joints, and the matrix of its own node is ignored (glTF 2.0, 3.7.3.3): such a node is not judged. */
+/* nodes.c: N601 to N605: world matrices of the nodes that draw meshes, of each of their instances,
+ * and of the joints of skins. A skinned mesh follows its joints, and the matrix of its own node is
+ * ignored (glTF 2.0, 3.7.3.3): such a node is not judged. */
 #include "check/rules/scene_rules.h"
 #include "check/findings/angle.h"
 #include <math.h>
@@ -17,9 +18,10 @@ static double shear_of(const double m[16]) {
     double worst = 0;
     for (int i = 0; i < 3; i++) {
         const double *a = m + 4 * i, *b = m + 4 * ((i + 1) % 3);
-        double aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2], ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        if (aa > 0 && bb > 0)
-            worst = fmax(worst, fabs(ab) / (sqrt(aa) * sqrt(bb)));
+        double aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2],
+               bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2],
+               ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        if (aa > 0 && bb > 0) worst = fmax(worst, fabs(ab) / (sqrt(aa) * sqrt(bb)));
     }
     return worst;
 }
@@ -28,7 +30,8 @@ static double shear_of(const double m[16]) {
 static void judge_world(const double world[16], size_t times, node_sums *sums) {
     double normal_matrix[9];
     norma_matrix_info info;
-    int finite = norma_normal_matrix_double(world, NORMA_WINDING_KEPT, normal_matrix, &info) == NORMA_OK;
+    int finite =
+        norma_normal_matrix_double(world, NORMA_WINDING_KEPT, normal_matrix, &info) == NORMA_OK;
     if (!finite || info.rank < 3) {
         sums->rank = sums->singular && sums->rank < info.rank ? sums->rank : finite ? info.rank : 0;
         sums->singular += times;
@@ -47,8 +50,10 @@ static void judge_world(const double world[16], size_t times, node_sums *sums) {
     }
 }
 
-/* Of instances in memory, without a document, only the node's matrix and the number of mirrored ones are known. */
-static norma_result judge_instances(const norma_node_info *node, check_instance_world *world_of, void *context, size_t index, node_sums *sums) {
+/* Of instances in memory, without a document, only the node's matrix and the number of mirrored
+ * ones are known. */
+static norma_result judge_instances(const norma_node_info *node, check_instance_world *world_of,
+    void *context, size_t index, node_sums *sums) {
     double world[16];
     norma_result result = NORMA_OK;
     if (!world_of || node->instances == 1) {
@@ -62,8 +67,7 @@ static norma_result judge_instances(const norma_node_info *node, check_instance_
     }
     for (size_t i = 0; i < node->instances && !result; i++) {
         result = world_of(context, index, i, world);
-        if (!result)
-            judge_world(world, 1, sums);
+        if (!result) judge_world(world, 1, sums);
     }
     return result;
 }
@@ -76,12 +80,17 @@ typedef struct node_judgement {
     int double_sided; /* some material of its mesh */
 } node_judgement;
 
-static norma_result add(const node_judgement *j, check_rule rule, norma_severity severity, size_t count, double worst, const char *unit, const char *message) {
+static norma_result add(const node_judgement *j, check_rule rule, norma_severity severity,
+    size_t count, double worst, const char *unit, const char *message) {
     check_hits hits = {.count = count, .worst = worst, .worst_spot = CHECK_NOWHERE};
-    if (!count || !j->rules[rule])
-        return NORMA_OK;
+    if (!count || !j->rules[rule]) return NORMA_OK;
     return norma_check_add(j->run, &j->place, NULL,
-                           &(check_report){.rule = rule, .severity = severity, .unit = unit, .no_value = isnan(worst), .hits = &hits, .message = message});
+        &(check_report){.rule = rule,
+            .severity = severity,
+            .unit = unit,
+            .no_value = isnan(worst),
+            .hits = &hits,
+            .message = message});
 }
 
 static void begin_message(const node_judgement *j, size_t count, char text[CHECK_MESSAGE]) {
@@ -94,58 +103,72 @@ static norma_result add_mirrored(const node_judgement *j, const node_sums *sums)
     char begin[CHECK_MESSAGE], determinant[CHECK_MESSAGE], message[CHECK_MESSAGE];
     int mixed = sums->mirrored && sums->upright;
     begin_message(j, sums->mirrored, begin);
-    norma_check_message(determinant, isnan(sums->determinant) ? "below 0" : "%g", sums->determinant);
-    norma_check_message(message, "%sworld determinant %s%s%s%s", begin, determinant, mixed ? ", and the others do not mirror" : "",
-                        j->double_sided ? " and the material is double-sided" : "",
-                        mixed             ? "; one draw call can turn its culling one way only"
-                        : j->double_sided ? "; renderers disagree on how to light it"
-                                          : "; renderers must turn their culling round");
-    return add(j, RULE_N602, mixed || j->double_sided ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, sums->mirrored, sums->determinant, "determinant",
-               message);
+    norma_check_message(
+        determinant, isnan(sums->determinant) ? "below 0" : "%g", sums->determinant);
+    norma_check_message(message, "%sworld determinant %s%s%s%s", begin, determinant,
+        mixed ? ", and the others do not mirror" : "",
+        j->double_sided ? " and the material is double-sided" : "",
+        mixed             ? "; one draw call can turn its culling one way only"
+        : j->double_sided ? "; renderers disagree on how to light it"
+                          : "; renderers must turn their culling round");
+    return add(j, RULE_N602,
+        mixed || j->double_sided ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, sums->mirrored,
+        sums->determinant, "determinant", message);
 }
 
 static norma_result add_findings(const node_judgement *j, const node_sums *sums) {
     char begin[CHECK_MESSAGE], message[CHECK_MESSAGE];
     begin_message(j, sums->uneven, begin);
-    norma_check_message(message, "%sstretches one direction by %g times another; a renderer without the normal matrix errs by up to %g degrees", begin,
-                        sums->anisotropy, sums->error_rad * DEGREES);
-    norma_result result = add(j, RULE_N601, NORMA_SEVERITY_INFO, sums->uneven, sums->anisotropy, "ratio", message);
-    if (!result)
-        result = add_mirrored(j, sums);
+    norma_check_message(message,
+        "%sstretches one direction by %g times another; a renderer without the normal matrix errs "
+        "by up to %g degrees",
+        begin, sums->anisotropy, sums->error_rad * DEGREES);
+    norma_result result =
+        add(j, RULE_N601, NORMA_SEVERITY_INFO, sums->uneven, sums->anisotropy, "ratio", message);
+    if (!result) result = add_mirrored(j, sums);
     begin_message(j, sums->singular, begin);
-    norma_check_message(message, "%sworld matrix of rank %z: it flattens what it draws, and has no inverse", begin, (size_t)sums->rank);
+    norma_check_message(message,
+        "%sworld matrix of rank %z: it flattens what it draws, and has no inverse", begin,
+        (size_t)sums->rank);
     if (!result)
-        result = add(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular, (double)sums->rank, "rank", message);
+        result = add(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular, (double)sums->rank,
+            "rank", message);
     begin_message(j, sums->sheared, begin);
-    norma_check_message(message, "%scolumns of the world matrix are %g degrees off perpendicular; no translation, rotation and scale can say that", begin,
-                        norma_check_arc_sine(fmin(sums->cosine, 1)) * DEGREES);
-    return result ? result : add(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared, sums->cosine, "cosine", message);
+    norma_check_message(message,
+        "%scolumns of the world matrix are %g degrees off perpendicular; no translation, rotation "
+        "and scale can say that",
+        begin, norma_check_arc_sine(fmin(sums->cosine, 1)) * DEGREES);
+    return result ? result
+                  : add(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared, sums->cosine, "cosine",
+                        message);
 }
 
 static void label_of(const char *kind, size_t number, const char *name, char label[CHECK_MESSAGE]) {
-    norma_check_message(label, name && *name ? "%s %z \"%s\"" : "%s %z", kind, number, name ? name : "");
+    norma_check_message(
+        label, name && *name ? "%s %z \"%s\"" : "%s %z", kind, number, name ? name : "");
 }
 
 static int has_double_sided(const norma_check_scene *scene, size_t mesh) {
     for (size_t i = 0; i < scene->mesh_count; i++)
-        if (scene->meshes[i].info.mesh == mesh && scene->meshes[i].material.double_sided)
-            return 1;
+        if (scene->meshes[i].info.mesh == mesh && scene->meshes[i].material.double_sided) return 1;
     return 0;
 }
 
-static norma_result judge_node(check_run *run, const norma_check_scene *scene, size_t index, check_instance_world *world_of, void *context) {
+static norma_result judge_node(check_run *run, const norma_check_scene *scene, size_t index,
+    check_instance_world *world_of, void *context) {
     const norma_node_info *node = &scene->nodes[index];
     char label[CHECK_MESSAGE];
     node_judgement j = {.run = run, .node = node};
     node_sums sums = {0};
-    j.place = (check_place){.order = run->next_order++, .where = node->where ? node->where : "", .label = label};
+    j.place = (check_place){
+        .order = run->next_order++, .where = node->where ? node->where : "", .label = label};
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++) j.rules[i] = run->rules[i];
     norma_check_silence(j.rules, node->ignore);
-    if (node->skin != SIZE_MAX || !(j.rules[RULE_N601] || j.rules[RULE_N602] || j.rules[RULE_N603] || j.rules[RULE_N604]))
+    if (node->skin != SIZE_MAX ||
+        !(j.rules[RULE_N601] || j.rules[RULE_N602] || j.rules[RULE_N603] || j.rules[RULE_N604]))
         return NORMA_OK;
     norma_result result = judge_instances(node, world_of, context, index, &sums);
-    if (result || !(sums.uneven || sums.mirrored || sums.singular || sums.sheared))
-        return result;
+    if (result || !(sums.uneven || sums.mirrored || sums.singular || sums.sheared)) return result;
     label_of("node", node->node, node->name, label);
     j.double_sided = sums.mirrored && has_double_sided(scene, node->mesh);
     return add_findings(&j, &sums);
@@ -156,17 +179,23 @@ static norma_result judge_skin(check_run *run, const norma_skin_info *skin, size
     node_judgement j = {.run = run};
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++) j.rules[i] = run->rules[i];
     norma_check_silence(j.rules, skin->ignore);
-    j.place = (check_place){.order = run->next_order++, .where = skin->where ? skin->where : "", .label = label};
+    j.place = (check_place){
+        .order = run->next_order++, .where = skin->where ? skin->where : "", .label = label};
     label_of("skin", number, skin->name, label);
     norma_check_message(message,
-                        "joint node %z stretches one direction by %g times another, at rest or in an animation; most skinning shaders err while it does",
-                        skin->joint, skin->anisotropy);
-    return add(&j, RULE_N605, NORMA_SEVERITY_INFO, skin->joint_count && skin->anisotropy > UNEVEN, skin->anisotropy, "ratio", message);
+        "joint node %z stretches one direction by %g times another, at rest or in an animation; "
+        "most skinning shaders err while it does",
+        skin->joint, skin->anisotropy);
+    return add(&j, RULE_N605, NORMA_SEVERITY_INFO, skin->joint_count && skin->anisotropy > UNEVEN,
+        skin->anisotropy, "ratio", message);
 }
 
-norma_result norma_check_nodes(check_run *run, const norma_check_scene *scene, check_instance_world *world_of, void *context) {
+norma_result norma_check_nodes(
+    check_run *run, const norma_check_scene *scene, check_instance_world *world_of, void *context) {
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < scene->node_count && !result; i++) result = judge_node(run, scene, i, world_of, context);
-    for (size_t i = 0; i < scene->skin_count && !result; i++) result = judge_skin(run, &scene->skins[i], i);
+    for (size_t i = 0; i < scene->node_count && !result; i++)
+        result = judge_node(run, scene, i, world_of, context);
+    for (size_t i = 0; i < scene->skin_count && !result; i++)
+        result = judge_skin(run, &scene->skins[i], i);
     return result;
 }

@@ -3,24 +3,27 @@
 #include <math.h>
 #include <string.h>
 
-static const double MOST_ALIKE = .95;      /* of the normals */
-static const double MOST_FLAT = .95;       /* of the faces: more of them within the angle of one direction, or against it, make a flat mesh */
+static const double MOST_ALIKE = .95; /* of the normals */
+static const double MOST_FLAT = .95;  /* of the faces: more of them within the angle of one
+                                         direction, or against it, make a flat mesh */
 static const double FLAT_COSINE = 0.9961946980917455; /* of 5 degrees */
 
-static int is_used(const check_mesh *m, size_t number) { return !m->users || m->users[number] != UINT32_MAX; }
+static int is_used(const check_mesh *m, size_t number) {
+    return !m->users || m->users[number] != UINT32_MAX;
+}
 
-static int same(const double a[3], const double b[3]) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+static int same(const double a[3], const double b[3]) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
 
 /* The one that more than half of them are, if there is one (Boyer and Moore 1981). */
 static void find_majority(const check_mesh *m, double majority[3]) {
     size_t count = norma_check_normal_count(m), lead = 0;
     for (size_t i = 0; i < count; i++) {
         double n[3];
-        if (!is_used(m, i))
-            continue;
+        if (!is_used(m, i)) continue;
         norma_check_normal(m, i, n);
-        if (!lead)
-            memcpy(majority, n, sizeof n);
+        if (!lead) memcpy(majority, n, sizeof n);
         lead = !lead || same(n, majority) ? lead + 1 : lead - 1;
     }
 }
@@ -30,8 +33,7 @@ static size_t count_alike(const check_mesh *m, const double normal[3], size_t *u
     *used = 0;
     for (size_t i = 0; i < count; i++) {
         double n[3];
-        if (!is_used(m, i))
-            continue;
+        if (!is_used(m, i)) continue;
         norma_check_normal(m, i, n);
         ++*used;
         alike += same(n, normal) != 0;
@@ -39,15 +41,18 @@ static size_t count_alike(const check_mesh *m, const double normal[3], size_t *u
     return alike;
 }
 
-/* Flat: nearly all faces that have a direction look along one line. Whether it is that of most of them is tried with each of a few. */
+/* Flat: nearly all faces that have a direction look along one line. Whether it is that of most of
+ * them is tried with each of a few. */
 static int is_curved(const check_mesh *m) {
     enum { TRIES = 16 };
     size_t directed = 0, best = 0, faces = m->mesh.face_count;
     for (size_t f = 0; f < faces; f++) directed += norma_check_directed(&m->faces[f]) != 0;
     for (size_t i = 0; i < TRIES && i < faces; i++) {
         size_t try = i * (faces / (faces < TRIES ? faces : TRIES)), alike = 0;
-        const double n[3] = {(double)m->faces[try].normal[0], (double)m->faces[try].normal[1], (double)m->faces[try].normal[2]};
-        for (size_t f = 0; f < faces; f++) alike += fabs(norma_check_dot(m->faces[f].normal, n)) > FLAT_COSINE;
+        const double n[3] = {(double)m->faces[try].normal[0], (double)m->faces[try].normal[1],
+            (double)m->faces[try].normal[2]};
+        for (size_t f = 0; f < faces; f++)
+            alike += fabs(norma_check_dot(m->faces[f].normal, n)) > FLAT_COSINE;
         best = alike > best ? alike : best;
     }
     return directed > 1 && (double)best < MOST_FLAT * (double)directed;
@@ -57,18 +62,22 @@ norma_result norma_check_placeholder(check_mesh *m) {
     double normal[3] = {0};
     size_t used;
     char message[CHECK_MESSAGE];
-    if (!norma_check_wants(m, RULE_N203) || !norma_check_normal_count(m) || m->given->info.normals == NORMA_NORMALS_PER_FACET || !m->mesh.face_count)
+    if (!norma_check_wants(m, RULE_N203) || !norma_check_normal_count(m) ||
+        m->given->info.normals == NORMA_NORMALS_PER_FACET || !m->mesh.face_count)
         return NORMA_OK;
     norma_result result = norma_check_users(m);
-    if (result)
-        return result;
+    if (result) return result;
     find_majority(m, normal);
     size_t alike = count_alike(m, normal, &used);
-    if (!used || (double)alike <= MOST_ALIKE * (double)used || !norma_core_finite(normal) || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
+    if (!used || (double)alike <= MOST_ALIKE * (double)used || !norma_core_finite(normal) ||
+        (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
         return NORMA_OK;
     result = norma_check_faces(m);
-    if (result || !is_curved(m))
-        return result;
-    norma_check_message(message, "%z of %z normals are (%g, %g, %g), though the mesh is curved; it is lit as if it were a flat plate", alike, used, normal[0], normal[1], normal[2]);
-    return norma_check_add_one(m->run, &m->place, m, RULE_N203, m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
+    if (result || !is_curved(m)) return result;
+    norma_check_message(message,
+        "%z of %z normals are (%g, %g, %g), though the mesh is curved; it is lit as if it were a "
+        "flat plate",
+        alike, used, normal[0], normal[1], normal[2]);
+    return norma_check_add_one(m->run, &m->place, m, RULE_N203,
+        m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
 }

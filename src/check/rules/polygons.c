@@ -1,4 +1,5 @@
-/* polygons.c: N404 and N405: polygons that fold over where a reader cuts them into a fan, and polygons that are not flat. */
+/* polygons.c: N404 and N405: polygons that fold over where a reader cuts them into a fan, and
+ * polygons that are not flat. */
 #include "check/findings/check_run.h"
 #include "check/findings/angle.h"
 #include "core/face/triangle.h"
@@ -6,12 +7,12 @@
 #include <string.h>
 
 enum { FACES_IN_BLOCK = 1 << 12, MOST_CROSSING = 2000 };
-static const double FOLD = 1e-6;                      /* of the polygon's area: what rounding may turn over */
+static const double FOLD = 1e-6; /* of the polygon's area: what rounding may turn over */
 static const double OUT_OF_PLANE_SINE = 0.0174524064; /* of 1 degree */
 
 typedef struct polygon_part {
     check_hits folded, bent;
-    size_t crossing;                                  /* of the folded: their edges cross */
+    size_t crossing; /* of the folded: their edges cross */
 } polygon_part;
 
 typedef struct polygon_pass {
@@ -19,13 +20,15 @@ typedef struct polygon_pass {
     polygon_part *parts;
 } polygon_pass;
 
-static void corner_from(const core_mesh *mesh, size_t corner, const double origin[3], double out[3]) {
+static void corner_from(
+    const core_mesh *mesh, size_t corner, const double origin[3], double out[3]) {
     double p[3];
     norma_core_position(mesh, norma_core_corner(mesh, corner), p);
     norma_core_subtract(p, origin, out);
 }
 
-/* The least share of the polygon's area that a triangle of its fan has: negative where it faces away. */
+/* The least share of the polygon's area that a triangle of its fan has: negative where it faces
+ * away. */
 static double least_share(const core_mesh *mesh, size_t face, const double normal[3]) {
     size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double origin[3], a[3], b[3], cross[3], sum = 0, least = INFINITY;
@@ -43,7 +46,8 @@ static double least_share(const core_mesh *mesh, size_t face, const double norma
 }
 
 /* The greatest sine, over the corners, of the angle out of the plane through the centre. */
-static double most_out_of_plane(const core_mesh *mesh, size_t face, const double normal[3], size_t *at) {
+static double most_out_of_plane(
+    const core_mesh *mesh, size_t face, const double normal[3], size_t *at) {
     size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double centre[3] = {0}, origin[3], most = 0;
     norma_core_position(mesh, norma_core_corner(mesh, begin), origin);
@@ -56,7 +60,8 @@ static double most_out_of_plane(const core_mesh *mesh, size_t face, const double
         double p[3], from_centre[3];
         corner_from(mesh, c, origin, p);
         norma_core_subtract(p, centre, from_centre);
-        double length = sqrt(norma_core_dot(from_centre, from_centre)), sine = length > 0 ? fabs(norma_core_dot(from_centre, normal)) / length : 0;
+        double length = sqrt(norma_core_dot(from_centre, from_centre)),
+               sine = length > 0 ? fabs(norma_core_dot(from_centre, normal)) / length : 0;
         if (sine > most) {
             most = sine;
             *at = c;
@@ -81,7 +86,9 @@ static void flat_point(const flat_view *view, size_t i, double out[2]) {
     out[1] = p[view->y];
 }
 
-static double side(const double a[2], const double b[2], const double p[2]) { return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]); }
+static double side(const double a[2], const double b[2], const double p[2]) {
+    return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+}
 
 static int edges_cross(const flat_view *view, size_t i, size_t k) {
     double a[2], b[2], c[2], d[2];
@@ -94,17 +101,16 @@ static int edges_cross(const flat_view *view, size_t i, size_t k) {
 
 static int crosses_itself(const core_mesh *mesh, size_t face, const double normal[3]) {
     flat_view view = {.mesh = mesh, .begin = norma_core_face_begin(mesh, face)};
-    int drop = fabs(normal[0]) > fabs(normal[1]) ? (fabs(normal[0]) > fabs(normal[2]) ? 0 : 2) : (fabs(normal[1]) > fabs(normal[2]) ? 1 : 2);
+    int drop = fabs(normal[0]) > fabs(normal[1]) ? (fabs(normal[0]) > fabs(normal[2]) ? 0 : 2)
+                                                 : (fabs(normal[1]) > fabs(normal[2]) ? 1 : 2);
     view.count = norma_core_face_end(mesh, face) - view.begin;
     view.x = drop == 0;
     view.y = drop == 2 ? 1 : 2;
     norma_core_position(mesh, norma_core_corner(mesh, view.begin), view.origin);
-    if (view.count > MOST_CROSSING)
-        return 0;
+    if (view.count > MOST_CROSSING) return 0;
     for (size_t i = 0; i < view.count; i++)
         for (size_t k = i + 2; k < view.count; k++)
-            if ((k + 1) % view.count != i && edges_cross(&view, i, k))
-                return 1;
+            if ((k + 1) % view.count != i && edges_cross(&view, i, k)) return 1;
     return 0;
 }
 
@@ -114,16 +120,18 @@ static void judge_polygon(const polygon_pass *pass, polygon_part *part, size_t f
     const check_mesh *m = pass->m;
     const core_mesh *mesh = &m->topology.mesh;
     size_t corners = norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face), at = 0;
-    if (corners < 4 || !norma_check_directed(&m->faces[face]))
-        return;
-    const double normal[3] = {(double)m->faces[face].normal[0], (double)m->faces[face].normal[1], (double)m->faces[face].normal[2]};
-    double share = least_share(mesh, face, normal), sine = most_out_of_plane(mesh, face, normal, &at);
+    if (corners < 4 || !norma_check_directed(&m->faces[face])) return;
+    const double normal[3] = {(double)m->faces[face].normal[0], (double)m->faces[face].normal[1],
+        (double)m->faces[face].normal[2]};
+    double share = least_share(mesh, face, normal),
+           sine = most_out_of_plane(mesh, face, normal, &at);
     if (share < -FOLD) {
         norma_check_hit(m->run, &part->folded, -share, norma_check_face(face));
         part->crossing += crosses_itself(mesh, face, normal) != 0;
     }
     if (sine > OUT_OF_PLANE_SINE)
-        norma_check_hit(m->run, &part->bent, norma_check_arc_sine(fmin(sine, 1)) * (180 / NORMA_PI), (check_spot){norma_core_corner(&m->mesh, at), face, SIZE_MAX});
+        norma_check_hit(m->run, &part->bent, norma_check_arc_sine(fmin(sine, 1)) * (180 / NORMA_PI),
+            (check_spot){norma_core_corner(&m->mesh, at), face, SIZE_MAX});
 }
 
 static void judge_polygons(void *context, size_t block, size_t begin, size_t end) {
@@ -135,14 +143,30 @@ static norma_result add_findings(check_mesh *m, polygon_part *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
     if (sum->folded.count && norma_check_wants(m, RULE_N404)) {
-        norma_check_message(message, sum->crossing ? "%z of %z polygons fold over where a reader fans them from their first corner; %z cross themselves" : "%z of %z polygons fold over where a reader fans them from their first corner",
-                            sum->folded.count, m->mesh.face_count, sum->crossing);
+        norma_check_message(message,
+            sum->crossing
+                ? "%z of %z polygons fold over where a reader fans them from their first corner; "
+                  "%z cross themselves"
+                : "%z of %z polygons fold over where a reader fans them from their first corner",
+            sum->folded.count, m->mesh.face_count, sum->crossing);
         result = norma_check_add(m->run, &m->place, m,
-                                 &(check_report){.rule = RULE_N404, .severity = NORMA_SEVERITY_WARNING, .unit = "ratio", .no_fix = sum->crossing == sum->folded.count, .hits = &sum->folded, .message = message});
+            &(check_report){.rule = RULE_N404,
+                .severity = NORMA_SEVERITY_WARNING,
+                .unit = "ratio",
+                .no_fix = sum->crossing == sum->folded.count,
+                .hits = &sum->folded,
+                .message = message});
     }
     if (!result && sum->bent.count && norma_check_wants(m, RULE_N405)) {
-        norma_check_message(message, "%z of %z polygons are not flat, by up to %g degrees; readers cut them differently", sum->bent.count, m->mesh.face_count, sum->bent.worst);
-        result = norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N405, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &sum->bent, .message = message});
+        norma_check_message(message,
+            "%z of %z polygons are not flat, by up to %g degrees; readers cut them differently",
+            sum->bent.count, m->mesh.face_count, sum->bent.worst);
+        result = norma_check_add(m->run, &m->place, m,
+            &(check_report){.rule = RULE_N405,
+                .severity = NORMA_SEVERITY_INFO,
+                .unit = "deg",
+                .hits = &sum->bent,
+                .message = message});
     }
     return result;
 }
@@ -152,9 +176,9 @@ norma_result norma_check_polygons(check_mesh *m) {
     if (!m->mesh.face_starts || !blocks || !norma_check_wants_any(m, RULE_N404, RULE_N405))
         return NORMA_OK;
     norma_result result = norma_check_faces(m);
-    polygon_pass pass = {m, result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts)
-        return result ? result : NORMA_ERROR_MEMORY;
+    polygon_pass pass = {
+        m, result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_polygons, &pass);
     polygon_part sum = {.crossing = 0};
@@ -164,8 +188,7 @@ norma_result norma_check_polygons(check_mesh *m) {
         sum.crossing += pass.parts[i].crossing;
     }
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result)
-        result = add_findings(m, &sum);
+    if (!result) result = add_findings(m, &sum);
     norma_check_hits_free(&sum.folded);
     norma_check_hits_free(&sum.bent);
     return result;

@@ -1,21 +1,25 @@
-/* seams.c: N501: normals that differ across a seam of UVs, colours or materials in the middle of a smooth surface. */
+/* seams.c: N501: normals that differ across a seam of UVs, colours or materials in the middle of a
+ * smooth surface. */
 #include "check/findings/check_run.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <string.h>
 
-enum { POSITIONS_IN_BLOCK = 1 << 13, MOST_CORNERS = 1024 }; /* at one position; more are a hub, not a seam */
-static const double LEAST_RAD = 0.017453292519943295;      /* 1 degree */
-static const double BEND_COSINE = 0.8660254037844386;      /* of 30 degrees */
+enum {
+    POSITIONS_IN_BLOCK = 1 << 13,
+    MOST_CORNERS = 1024
+}; /* at one position; more are a hub, not a seam */
+static const double LEAST_RAD = 0.017453292519943295; /* 1 degree */
+static const double BEND_COSINE = 0.8660254037844386; /* of 30 degrees */
 
-typedef struct seam_vertex {                               /* corners that have all in common */
-    uint32_t vertex, texcoord, material;                   /* texcoord: UINT32_MAX: the vertex's own */
-    size_t   normal, faces;
+typedef struct seam_vertex {             /* corners that have all in common */
+    uint32_t vertex, texcoord, material; /* texcoord: UINT32_MAX: the vertex's own */
+    size_t normal, faces;
 } seam_vertex;
 
 typedef struct seam_pass {
     check_mesh *m;
-    double least;                                          /* radians */
+    double least; /* radians */
     check_hits *parts;
 } seam_pass;
 
@@ -31,10 +35,14 @@ static seam_vertex vertex_of(const check_mesh *m, size_t corner) {
     };
 }
 
-static int is_same(const seam_vertex *a, const seam_vertex *b) { return a->vertex == b->vertex && a->texcoord == b->texcoord && a->material == b->material && a->normal == b->normal; }
+static int is_same(const seam_vertex *a, const seam_vertex *b) {
+    return a->vertex == b->vertex && a->texcoord == b->texcoord && a->material == b->material &&
+           a->normal == b->normal;
+}
 
 /* Distinct vertices at a position; 0 where there is but one, or too many. */
-static size_t list_vertices(const check_mesh *m, const uint32_t *corners, size_t count, seam_vertex *vertices) {
+static size_t list_vertices(
+    const check_mesh *m, const uint32_t *corners, size_t count, seam_vertex *vertices) {
     size_t distinct = 0;
     for (size_t i = 0; i < count; i++) {
         seam_vertex v = vertex_of(m, corners[i]);
@@ -49,26 +57,28 @@ static size_t list_vertices(const check_mesh *m, const uint32_t *corners, size_t
 }
 
 static int same_floats(const float *values, size_t width, size_t count, size_t a, size_t b) {
-    if (!values || a == b)
-        return 1;
-    return a < count && b < count && !memcmp(values + width * a, values + width * b, width * sizeof *values);
+    if (!values || a == b) return 1;
+    return a < count && b < count &&
+           !memcmp(values + width * a, values + width * b, width * sizeof *values);
 }
 
-/* By UV, colour or material: a vertex of its own for a normal alone is a hard edge that somebody made. */
+/* By UV, colour or material: a vertex of its own for a normal alone is a hard edge that somebody
+ * made. */
 static int differ(const check_mesh *m, const seam_vertex *a, const seam_vertex *b) {
     const norma_mesh_attributes *at = &m->given->attributes;
-    size_t uv_a = at->corner_texcoords ? a->texcoord : a->vertex, uv_b = at->corner_texcoords ? b->texcoord : b->vertex;
-    return a->material != b->material || !same_floats(at->texcoords, 2, at->texcoord_count, uv_a, uv_b) || !same_floats(at->colors, 4, m->mesh.positions.count, a->vertex, b->vertex);
+    size_t uv_a = at->corner_texcoords ? a->texcoord : a->vertex,
+           uv_b = at->corner_texcoords ? b->texcoord : b->vertex;
+    return a->material != b->material ||
+           !same_floats(at->texcoords, 2, at->texcoord_count, uv_a, uv_b) ||
+           !same_floats(at->colors, 4, m->mesh.positions.count, a->vertex, b->vertex);
 }
 
 static double angle_between(const check_mesh *m, size_t first, size_t second) {
     double a[3], b[3], cross[3];
-    if (first == second || first == SIZE_MAX || second == SIZE_MAX)
-        return 0;
+    if (first == second || first == SIZE_MAX || second == SIZE_MAX) return 0;
     norma_check_normal(m, first, a);
     norma_check_normal(m, second, b);
-    if (!norma_core_finite(a) || !norma_core_finite(b))
-        return 0;
+    if (!norma_core_finite(a) || !norma_core_finite(b)) return 0;
     norma_core_cross(a, b, cross);
     return norma_core_angle(norma_core_length(cross), norma_core_dot(a, b));
 }
@@ -85,37 +95,40 @@ static double widest_seam(const check_mesh *m, const seam_vertex *vertices, size
 static int edge_is_smooth(const check_mesh *m, size_t corner) {
     const core_topology *t = &m->topology;
     uint32_t partner = t->partners[corner];
-    if (partner == CORE_EDGE_NONE)
-        return 1;
-    if (partner >= CORE_EDGE_SPECIAL)
-        return 0;
-    const check_face *a = &m->faces[norma_core_topology_face(t, corner)], *b = &m->faces[norma_core_topology_face(t, partner)];
-    double cosine = (double)a->normal[0] * (double)b->normal[0] + (double)a->normal[1] * (double)b->normal[1] + (double)a->normal[2] * (double)b->normal[2];
+    if (partner == CORE_EDGE_NONE) return 1;
+    if (partner >= CORE_EDGE_SPECIAL) return 0;
+    const check_face *a = &m->faces[norma_core_topology_face(t, corner)],
+                     *b = &m->faces[norma_core_topology_face(t, partner)];
+    double cosine = (double)a->normal[0] * (double)b->normal[0] +
+                    (double)a->normal[1] * (double)b->normal[1] +
+                    (double)a->normal[2] * (double)b->normal[2];
     return cosine > BEND_COSINE || !norma_check_directed(a) || !norma_check_directed(b);
 }
 
-/* Every edge at the position: those that begin there, and those that end there, in the same faces. */
+/* Every edge at the position: those that begin there, and those that end there, in the same faces.
+ */
 static int surface_is_smooth(const check_mesh *m, const uint32_t *corners, size_t count) {
     const core_topology *t = &m->topology;
     for (size_t i = 0; i < count; i++) {
         size_t face = norma_core_topology_face(t, corners[i]);
-        if (t->partners[corners[i]] == CORE_EDGE_NONE)
-            continue;
-        if (!edge_is_smooth(m, corners[i]) || !edge_is_smooth(m, norma_core_previous_kept(&t->mesh, face, corners[i])))
+        if (t->partners[corners[i]] == CORE_EDGE_NONE) continue;
+        if (!edge_is_smooth(m, corners[i]) ||
+            !edge_is_smooth(m, norma_core_previous_kept(&t->mesh, face, corners[i])))
             return 0;
     }
     return 1;
 }
 
-double norma_check_seam_least(const char *encoding) { return fmax(LEAST_RAD, 2 * norma_check_encoding_bound(encoding)); }
+double norma_check_seam_least(const char *encoding) {
+    return fmax(LEAST_RAD, 2 * norma_check_encoding_bound(encoding));
+}
 
 double norma_check_seam_angle(const check_mesh *m, size_t position, double least) {
     const core_around *around = &m->topology.around;
     seam_vertex vertices[MOST_CORNERS];
     size_t count = around->starts[position + 1] - around->starts[position];
     const uint32_t *corners = &around->corners[around->starts[position]];
-    if (count < 4 || count > MOST_CORNERS)
-        return 0;
+    if (count < 4 || count > MOST_CORNERS) return 0;
     double angle = widest_seam(m, vertices, list_vertices(m, corners, count, vertices));
     return angle > least && surface_is_smooth(m, corners, count) ? angle : 0;
 }
@@ -126,44 +139,54 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
     for (size_t p = begin; p < end; p++) {
         double angle = norma_check_seam_angle(m, p, pass->least);
         if (angle > 0)
-            norma_check_hit(m->run, &pass->parts[block], angle * (180 / NORMA_PI), norma_check_vertex(p));
+            norma_check_hit(
+                m->run, &pass->parts[block], angle * (180 / NORMA_PI), norma_check_vertex(p));
     }
 }
 
 norma_result norma_check_add_seams(check_mesh *m, check_hits *hits) {
     char message[CHECK_MESSAGE];
-    norma_check_message(message, "%z positions on seams where normals differ by up to %g degrees though the surface is smooth: a line that nobody modelled", hits->count, hits->worst);
-    return norma_check_add(m->run, &m->place, m, &(check_report){.rule = RULE_N501, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .hits = hits, .message = message});
+    norma_check_message(message,
+        "%z positions on seams where normals differ by up to %g degrees though the surface is "
+        "smooth: a line that nobody modelled",
+        hits->count, hits->worst);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N501,
+            .severity = NORMA_SEVERITY_WARNING,
+            .unit = "deg",
+            .hits = hits,
+            .message = message});
 }
 
 static int can_be_joined(const check_mesh *m) {
     const norma_mesh_attributes *a = &m->given->attributes;
-    int per_vertex = m->given->info.normals == NORMA_NORMALS_PER_VERTEX && !m->given->data.corner_normals && norma_check_normal_count(m) == m->mesh.positions.count;
+    int per_vertex = m->given->info.normals == NORMA_NORMALS_PER_VERTEX &&
+                     !m->given->data.corner_normals &&
+                     norma_check_normal_count(m) == m->mesh.positions.count;
     return per_vertex && !m->mesh.face_starts && !a->corner_texcoords && !a->face_materials;
 }
 
 norma_result norma_check_seams(check_mesh *m) {
     const norma_mesh_attributes *a = &m->given->attributes;
-    if (!m->mesh.face_count || !norma_check_wants(m, RULE_N501) || !norma_check_normal_count(m) || m->given->info.normals == NORMA_NORMALS_PER_FACET || (!m->siblings && !a->texcoords && !a->colors && !a->face_materials))
+    if (!m->mesh.face_count || !norma_check_wants(m, RULE_N501) || !norma_check_normal_count(m) ||
+        m->given->info.normals == NORMA_NORMALS_PER_FACET ||
+        (!m->siblings && !a->texcoords && !a->colors && !a->face_materials))
         return NORMA_OK;
-    if (m->siblings && can_be_joined(m))
-        return norma_check_seams_hold(m);
+    if (m->siblings && can_be_joined(m)) return norma_check_seams_hold(m);
     norma_result result = norma_check_faces(m);
-    if (!result)
-        result = norma_check_pairs(m);
-    if (result)
-        return result;
-    size_t count = m->topology.around.position_count, blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
-    seam_pass pass = {m, norma_check_seam_least(m->given->info.encoding), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts)
-        return NORMA_ERROR_MEMORY;
+    if (!result) result = norma_check_pairs(m);
+    if (result) return result;
+    size_t count = m->topology.around.position_count,
+           blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
+    seam_pass pass = {m, norma_check_seam_least(m->given->info.encoding),
+        norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_positions, &pass);
     check_hits hits = {0};
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result && hits.count)
-        return norma_check_add_seams(m, &hits);
+    if (!result && hits.count) return norma_check_add_seams(m, &hits);
     norma_check_hits_free(&hits);
     return result;
 }

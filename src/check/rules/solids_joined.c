@@ -1,6 +1,8 @@
-/* solids_joined.c: N302 and N304 over the primitives of one glTF mesh together: a body of several materials is closed although each of its parts is open, and a cavity of one
- * material lies in a shell of another. What is closed in its own primitive is a body by itself, whoever touches it; the open parts are joined where their positions are
- * equal. A component is told of at the primitive of its first face. */
+/* solids_joined.c: N302 and N304 over the primitives of one glTF mesh together: a body of several
+ * materials is closed although each of its parts is open, and a cavity of one material lies in a
+ * shell of another. What is closed in its own primitive is a body by itself, whoever touches it;
+ * the open parts are joined where their positions are equal. A component is told of at the
+ * primitive of its first face. */
 #include "check/rules/solids.h"
 #include <stdlib.h>
 #include <string.h>
@@ -8,23 +10,25 @@
 struct check_solid_member {
     const norma_check_mesh *given;
     core_mesh mesh;
-    size_t    order;
-    uint8_t   rules[CHECK_RULE_COUNT];
-    uint32_t *corners;                     /* positions that are one, the least of them */
-    uint8_t  *loose;                       /* of each face: its component is not closed */
+    size_t order;
+    uint8_t rules[CHECK_RULE_COUNT];
+    uint32_t *corners; /* positions that are one, the least of them */
+    uint8_t *loose;    /* of each face: its component is not closed */
 };
 
 typedef struct joined {
     check_run *run;
-    size_t     vertices, corner_count;
-    double    *positions;
-    uint32_t  *corners, *loose, *sources;  /* loose: corners of the loose faces, numbers of sources; sources: the vertex of each such corner */
-    size_t     loose_count;
+    size_t vertices, corner_count;
+    double *positions;
+    uint32_t *corners, *loose, *sources; /* loose: corners of the loose faces, numbers of sources;
+                                            sources: the vertex of each such corner */
+    size_t loose_count;
 } joined;
 
 static uint8_t *mark_loose(const check_mesh *m, const core_components *c) {
     uint8_t *loose = calloc(m->mesh.face_count + 1, 1);
-    for (size_t f = 0; loose && f < m->mesh.face_count; f++) loose[f] = c->of[f] == UINT32_MAX || c->each[c->of[f]].flags != 0;
+    for (size_t f = 0; loose && f < m->mesh.face_count; f++)
+        loose[f] = c->of[f] == UINT32_MAX || c->each[c->of[f]].flags != 0;
     return loose;
 }
 
@@ -32,18 +36,20 @@ norma_result norma_check_solids_hold(check_mesh *m, const core_components *compo
     check_run *run = m->run;
     if (run->solid_count == run->solid_room) {
         size_t room = run->solid_room ? 2 * run->solid_room : 8;
-        check_solid_member *grown = room > SIZE_MAX / sizeof *grown ? NULL : realloc(run->solids, room * sizeof *grown);
-        if (!grown)
-            return NORMA_ERROR_MEMORY;
+        check_solid_member *grown =
+            room > SIZE_MAX / sizeof *grown ? NULL : realloc(run->solids, room * sizeof *grown);
+        if (!grown) return NORMA_ERROR_MEMORY;
         run->solids = grown;
         run->solid_room = room;
     }
     check_solid_member *member = &run->solids[run->solid_count++];
-    *member = (check_solid_member){.given = m->given, .mesh = m->mesh, .order = m->place.order, .loose = mark_loose(m, components)};
+    *member = (check_solid_member){.given = m->given,
+        .mesh = m->mesh,
+        .order = m->place.order,
+        .loose = mark_loose(m, components)};
     memcpy(member->rules, m->rules, sizeof member->rules);
     member->corners = malloc((m->mesh.corner_count + 1) * sizeof *member->corners);
-    if (!member->corners || !member->loose)
-        return NORMA_ERROR_MEMORY;
+    if (!member->corners || !member->loose) return NORMA_ERROR_MEMORY;
     memcpy(member->corners, m->topology.corners, m->mesh.corner_count * sizeof *member->corners);
     return NORMA_OK;
 }
@@ -79,11 +85,11 @@ static void fill_joined(joined *j) {
     size_t vertex = 0, corner = 0;
     for (size_t i = 0; i < j->run->solid_count; i++) {
         const check_solid_member *member = &j->run->solids[i];
-        for (size_t v = 0; v < member->mesh.positions.count; v++) norma_view_read(&member->mesh.positions, v, &j->positions[3 * (vertex + v)]);
+        for (size_t v = 0; v < member->mesh.positions.count; v++)
+            norma_view_read(&member->mesh.positions, v, &j->positions[3 * (vertex + v)]);
         for (size_t c = 0; c < member->mesh.corner_count; c++) {
             j->corners[corner + c] = (uint32_t)vertex + member->corners[c];
-            if (member->loose[c / 3])
-                j->sources[j->loose_count++] = (uint32_t)(corner + c);
+            if (member->loose[c / 3]) j->sources[j->loose_count++] = (uint32_t)(corner + c);
         }
         vertex += member->mesh.positions.count;
         corner += member->mesh.corner_count;
@@ -91,7 +97,9 @@ static void fill_joined(joined *j) {
 }
 
 static norma_mesh mesh_of(const joined *j, const uint32_t *corners, size_t corner_count) {
-    return (norma_mesh){.positions = {j->positions, j->vertices, 0, NORMA_FORMAT_DOUBLE}, .corners = corners, .corner_count = corner_count};
+    return (norma_mesh){.positions = {j->positions, j->vertices, 0, NORMA_FORMAT_DOUBLE},
+        .corners = corners,
+        .corner_count = corner_count};
 }
 
 /* Loose corners at equal positions, whichever primitive they are of, become one. */
@@ -100,14 +108,11 @@ static norma_result join_loose(joined *j) {
     core_topology topology;
     for (size_t i = 0; i < j->loose_count; i++) j->loose[i] = j->corners[j->sources[i]];
     const norma_mesh loose = mesh_of(j, j->loose, j->loose_count);
-    if (!j->loose_count)
-        return NORMA_OK;
+    if (!j->loose_count) return NORMA_OK;
     norma_result result = norma_core_mesh_shape(&loose, &mesh);
     mesh.scale = 1;
-    if (!result)
-        result = norma_core_topology_open(&j->run->call, &mesh, &topology);
-    if (result)
-        return result;
+    if (!result) result = norma_core_topology_open(&j->run->call, &mesh, &topology);
+    if (result) return result;
     for (size_t i = 0; i < j->loose_count; i++) j->corners[j->sources[i]] = topology.corners[i];
     norma_core_topology_close(&topology);
     return NORMA_OK;
@@ -124,8 +129,11 @@ static norma_result tell_members(check_run *run, const core_components *componen
         char label[CHECK_MESSAGE];
         memcpy(m.rules, member->rules, sizeof m.rules);
         norma_check_label(&member->given->info, label);
-        m.place = (check_place){.order = member->order, .where = member->given->info.where ? member->given->info.where : "", .label = label};
-        result = norma_check_tell_solids(&(check_solids){&m, components, face, face + member->mesh.face_count});
+        m.place = (check_place){.order = member->order,
+            .where = member->given->info.where ? member->given->info.where : "",
+            .label = label};
+        result = norma_check_tell_solids(
+            &(check_solids){&m, components, face, face + member->mesh.face_count});
         face += member->mesh.face_count;
     }
     return result;
@@ -142,17 +150,14 @@ static norma_result judge_joined(joined *j) {
     norma_result result = norma_core_mesh_shape(&whole, &mesh);
     mesh.scale = 1;
     call.options.weld = NORMA_WELD_NONE;
-    if (!result)
-        result = norma_core_topology_open(&call, &mesh, &topology);
-    if (result)
-        return result;
+    if (!result) result = norma_core_topology_open(&call, &mesh, &topology);
+    if (result) return result;
     result = norma_core_pair_edges(&topology, &nobody);
-    if (!result)
-        result = norma_core_find_components(&topology, CORE_JOIN_ALL_EDGES, &components);
+    if (!result) result = norma_core_find_components(&topology, CORE_JOIN_ALL_EDGES, &components);
     if (!result) {
-        result = norma_check_judge_solids(&topology, &components, j->run->rules[RULE_N302], j->run->rules[RULE_N304]);
-        if (!result)
-            result = tell_members(j->run, &components);
+        result = norma_check_judge_solids(
+            &topology, &components, j->run->rules[RULE_N302], j->run->rules[RULE_N304]);
+        if (!result) result = tell_members(j->run, &components);
         norma_core_release_components(&call, &components);
     }
     norma_core_topology_close(&topology);
@@ -164,7 +169,8 @@ norma_result norma_check_solids_joined(check_run *run) {
     norma_result result = NORMA_OK;
     for (size_t i = 0; i < run->solid_count && !result; i++) {
         const core_mesh *mesh = &run->solids[i].mesh;
-        if (mesh->positions.count >= UINT32_MAX - 1 - j.vertices || mesh->corner_count >= UINT32_MAX - 1 - j.corner_count)
+        if (mesh->positions.count >= UINT32_MAX - 1 - j.vertices ||
+            mesh->corner_count >= UINT32_MAX - 1 - j.corner_count)
             result = NORMA_ERROR_OVERFLOW;
         j.vertices += mesh->positions.count;
         j.corner_count += mesh->corner_count;
@@ -175,8 +181,7 @@ norma_result norma_check_solids_joined(check_run *run) {
             fill_joined(&j);
             result = join_loose(&j);
         }
-        if (!result)
-            result = judge_joined(&j);
+        if (!result) result = judge_joined(&j);
         close_joined(&j);
     }
     norma_check_solids_drop(run);

@@ -1,5 +1,5 @@
-/* tangents.c: N801 to N803, N805, N806: tangents that are no unit vectors, signs that are none, tangents that lean on their normals, tangents without a part
- * that they need. */
+/* tangents.c: N801 to N803, N805, N806: tangents that are no unit vectors, signs that are none,
+ * tangents that lean on their normals, tangents without a part that they need. */
 #include "check/rules/scene_rules.h"
 #include "check/findings/angle.h"
 #include <math.h>
@@ -20,7 +20,8 @@ typedef struct tangent_pass {
 } tangent_pass;
 
 static double length_tolerance(const check_mesh *m) {
-    if (norma_check_encoding_bound(m->given->attributes.tangent_encoding) > .1 * (3.141592653589793 / 180))
+    if (norma_check_encoding_bound(m->given->attributes.tangent_encoding) >
+        .1 * (3.141592653589793 / 180))
         return .00682;
     return m->run->options.strict ? 1e-4 : 5e-4;
 }
@@ -30,13 +31,12 @@ static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[
 /* The cosine between a tangent and its normal; 0 where there is nothing to compare. */
 static double lean_of(const tangent_pass *pass, size_t v, const double tangent[3], double length) {
     double n[3];
-    if (v >= pass->normals)
-        return 0;
+    if (v >= pass->normals) return 0;
     norma_check_normal(pass->m, v, n);
     double normal_length = length_of(n);
-    if (!norma_core_finite(n) || normal_length < NO_LENGTH)
-        return 0;
-    return fabs(tangent[0] * n[0] + tangent[1] * n[1] + tangent[2] * n[2]) / (length * normal_length);
+    if (!norma_core_finite(n) || normal_length < NO_LENGTH) return 0;
+    return fabs(tangent[0] * n[0] + tangent[1] * n[1] + tangent[2] * n[2]) /
+           (length * normal_length);
 }
 
 static void judge_tangent(const tangent_pass *pass, tangent_part *part, size_t v) {
@@ -46,14 +46,15 @@ static void judge_tangent(const tangent_pass *pass, tangent_part *part, size_t v
     double length = length_of(t);
     int finite = norma_core_finite(t);
     if (!(fabs(length - 1) <= pass->tolerance))
-        norma_check_hit(run, &part->bad, finite ? fabs(length - 1) : INFINITY, norma_check_vertex(v));
+        norma_check_hit(
+            run, &part->bad, finite ? fabs(length - 1) : INFINITY, norma_check_vertex(v));
     if (stored[3] != 1 && stored[3] != -1)
         norma_check_hit(run, &part->sign, (double)stored[3], norma_check_vertex(v));
-    if (!finite || length < NO_LENGTH)
-        return;
+    if (!finite || length < NO_LENGTH) return;
     double lean = lean_of(pass, v, t, length);
     if (lean > LEANS)
-        norma_check_hit(run, &part->leaning, norma_check_arc_sine(fmin(lean, 1)) * (180 / 3.141592653589793), norma_check_vertex(v));
+        norma_check_hit(run, &part->leaning,
+            norma_check_arc_sine(fmin(lean, 1)) * (180 / 3.141592653589793), norma_check_vertex(v));
 }
 
 static void judge_tangents(void *context, size_t block, size_t begin, size_t end) {
@@ -65,46 +66,63 @@ static norma_result add_findings(check_mesh *m, tangent_part *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N801) && sum->bad.count) {
-        norma_check_message(message, "%z tangent%s not finite or not of length 1; a normal map is read through them", sum->bad.count,
-                            norma_check_plural(sum->bad.count));
+        norma_check_message(message,
+            "%z tangent%s not finite or not of length 1; a normal map is read through them",
+            sum->bad.count, norma_check_plural(sum->bad.count));
         result = norma_check_add(m->run, &m->place, m,
-                                 &(check_report){.rule = RULE_N801, .severity = NORMA_SEVERITY_ERROR, .unit = "length", .hits = &sum->bad, .message = message});
+            &(check_report){.rule = RULE_N801,
+                .severity = NORMA_SEVERITY_ERROR,
+                .unit = "length",
+                .hits = &sum->bad,
+                .message = message});
     }
     if (!result && norma_check_wants(m, RULE_N802) && sum->sign.count) {
-        norma_check_message(message, "%z tangent%s with a sign that is neither 1 nor -1; bumps become dents or have the wrong height", sum->sign.count,
-                            norma_check_plural(sum->sign.count));
+        norma_check_message(message,
+            "%z tangent%s with a sign that is neither 1 nor -1; bumps become dents or have the "
+            "wrong height",
+            sum->sign.count, norma_check_plural(sum->sign.count));
         result = norma_check_add(m->run, &m->place, m,
-                                 &(check_report){.rule = RULE_N802, .severity = NORMA_SEVERITY_ERROR, .no_value = 1, .hits = &sum->sign, .message = message});
+            &(check_report){.rule = RULE_N802,
+                .severity = NORMA_SEVERITY_ERROR,
+                .no_value = 1,
+                .hits = &sum->sign,
+                .message = message});
     }
     if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count) {
-        norma_check_message(message, "%z tangent%s up to %g degrees off perpendicular to the normal; a normal map bends light the wrong way",
-                            sum->leaning.count, norma_check_plural(sum->leaning.count), sum->leaning.worst);
-        result =
-            norma_check_add(m->run, &m->place, m,
-                            &(check_report){.rule = RULE_N803, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .hits = &sum->leaning, .message = message});
+        norma_check_message(message,
+            "%z tangent%s up to %g degrees off perpendicular to the normal; a normal map bends "
+            "light the wrong way",
+            sum->leaning.count, norma_check_plural(sum->leaning.count), sum->leaning.worst);
+        result = norma_check_add(m->run, &m->place, m,
+            &(check_report){.rule = RULE_N803,
+                .severity = NORMA_SEVERITY_WARNING,
+                .unit = "deg",
+                .hits = &sum->leaning,
+                .message = message});
     }
     return result;
 }
 
 static norma_result judge_values(check_mesh *m) {
-    size_t count = m->given->attributes.tangents ? m->given->attributes.tangent_count : 0, blocks = norma_check_block_count(count, TANGENTS_IN_BLOCK);
-    if (!count || !norma_check_wants_any(m, RULE_N801, RULE_N803))
-        return NORMA_OK;
+    size_t count = m->given->attributes.tangents ? m->given->attributes.tangent_count : 0,
+           blocks = norma_check_block_count(count, TANGENTS_IN_BLOCK);
+    if (!count || !norma_check_wants_any(m, RULE_N801, RULE_N803)) return NORMA_OK;
     tangent_part sum = {0};
-    tangent_pass pass = {.m = m, .tolerance = length_tolerance(m), .parts = norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts)
-        return NORMA_ERROR_MEMORY;
+    tangent_pass pass = {.m = m,
+        .tolerance = length_tolerance(m),
+        .parts = norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    if (!pass.parts) return NORMA_ERROR_MEMORY;
     if (m->given->info.normals == NORMA_NORMALS_PER_VERTEX)
         pass.normals = norma_check_normal_count(m);
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    norma_result result = norma_check_blocks(m->run, count, TANGENTS_IN_BLOCK, judge_tangents, &pass);
+    norma_result result =
+        norma_check_blocks(m->run, count, TANGENTS_IN_BLOCK, judge_tangents, &pass);
     for (size_t i = 0; i < blocks; i++) {
         norma_check_hits_merge(m->run, &sum.bad, &pass.parts[i].bad);
         norma_check_hits_merge(m->run, &sum.sign, &pass.parts[i].sign);
         norma_check_hits_merge(m->run, &sum.leaning, &pass.parts[i].leaning);
     }
-    if (!result)
-        result = add_findings(m, &sum);
+    if (!result) result = add_findings(m, &sum);
     norma_check_hits_free(&sum.bad);
     norma_check_hits_free(&sum.sign);
     norma_check_hits_free(&sum.leaning);
@@ -114,16 +132,19 @@ static norma_result judge_values(check_mesh *m) {
 
 norma_result norma_check_tangents(check_mesh *m) {
     const norma_check_mesh *given = m->given;
-    int tangents = given->attributes.tangents != NULL || given->info.has_tangents, normals = given->info.normals != NORMA_NORMALS_NONE;
+    int tangents = given->attributes.tangents != NULL || given->info.has_tangents,
+        normals = given->info.normals != NORMA_NORMALS_NONE;
     norma_result result = judge_values(m);
     if (!result && given->attributes.tangents && norma_check_wants(m, RULE_N804))
         result = norma_check_tangent_signs(m);
     int usable = tangents && normals; /* without normals readers must ignore them */
-    if (!result && !usable && given->material.normal_map && !given->material.unlit && m->mesh.face_count && norma_check_wants(m, RULE_N805))
-        result = norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_INFO, CHECK_NOWHERE,
-                                     "a normal map and no tangents; renderers make their own, and not all alike");
-    if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
+    if (!result && !usable && given->material.normal_map && !given->material.unlit &&
+        m->mesh.face_count && norma_check_wants(m, RULE_N805))
         result =
-            norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, "tangents and no normals; readers must ignore them");
+            norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_INFO, CHECK_NOWHERE,
+                "a normal map and no tangents; renderers make their own, and not all alike");
+    if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
+        result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING,
+            CHECK_NOWHERE, "tangents and no normals; readers must ignore them");
     return result;
 }

@@ -1,5 +1,6 @@
-/* check_document.c: the rules over an open document: each mesh that it could read, then its nodes and skins; what it could not read is told of (N002), and so is
- * a file that could not be opened (N001). */
+/* check_document.c: the rules over an open document: each mesh that it could read, then its nodes
+ * and skins; what it could not read is told of (N002), and so is a file that could not be opened
+ * (N001). */
 #include "check/findings/findings.h"
 #include "check/rules/scene_rules.h"
 #include <stdlib.h>
@@ -30,34 +31,35 @@ static norma_document_result fail(norma_document_error *error, norma_result resu
 
 /* ---- N002 */
 
-static norma_document_result tell_unread(document_check *d, const char *where, const char *label, const char *why) {
+static norma_document_result tell_unread(
+    document_check *d, const char *where, const char *label, const char *why) {
     char message[CHECK_MESSAGE];
     const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
     norma_check_partly(&d->run);
-    if (!d->run.rules[RULE_N002])
-        return NORMA_DOCUMENT_OK;
+    if (!d->run.rules[RULE_N002]) return NORMA_DOCUMENT_OK;
     norma_check_message(message, "not checked: %s", why);
-    norma_result result = norma_check_add_one(&d->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
+    norma_result result = norma_check_add_one(
+        &d->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
     return result ? fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
-/* Those of the whole file stand first, those of primitives in their order; where: up to which one. */
+/* Those of the whole file stand first, those of primitives in their order; where: up to which one.
+ */
 static norma_document_result tell_up_to(document_check *d, const norma_mesh_info *info) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     char label[CHECK_MESSAGE] = "";
-    for (size_t count = norma_document_unread_count(d->document); d->next_unread < count && !result; d->next_unread++) {
+    for (size_t count = norma_document_unread_count(d->document); d->next_unread < count && !result;
+         d->next_unread++) {
         norma_unread unread;
         result = norma_document_unread(d->document, d->next_unread, &unread);
         int of_mesh = !result && strncmp(unread.where, "/meshes/", 8) == 0;
-        if (of_mesh && !info)
-            break;
-        if (of_mesh && strcmp(unread.where, info->where) != 0)
-            break;
+        if (of_mesh && !info) break;
+        if (of_mesh && strcmp(unread.where, info->where) != 0) break;
         if (of_mesh)
-            norma_check_message(label, info->name && *info->name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z", info->mesh, info->primitive,
-                                info->name);
-        if (!result)
-            result = tell_unread(d, unread.where, label, unread.why);
+            norma_check_message(label,
+                info->name && *info->name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z",
+                info->mesh, info->primitive, info->name);
+        if (!result) result = tell_unread(d, unread.where, label, unread.why);
     }
     return result;
 }
@@ -68,10 +70,10 @@ static norma_document_result read_morphs(document_check *d, size_t index, norma_
     size_t count = mesh->info.morph_targets;
     norma_morph_data *morphs = count ? calloc(count, sizeof *morphs) : NULL;
     d->morphs[d->mesh_count] = morphs;
-    if (count && !morphs)
-        return fail(d->error, NORMA_ERROR_MEMORY);
+    if (count && !morphs) return fail(d->error, NORMA_ERROR_MEMORY);
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t t = 0; t < count && !result; t++) result = norma_document_morph_data(d->document, index, t, &morphs[t], d->error);
+    for (size_t t = 0; t < count && !result; t++)
+        result = norma_document_morph_data(d->document, index, t, &morphs[t], d->error);
     mesh->morphs = morphs;
     mesh->morph_count = count;
     return result;
@@ -80,10 +82,8 @@ static norma_document_result read_morphs(document_check *d, size_t index, norma_
 /* The next that can be read; NULL: none. */
 static const norma_mesh_info *next_of(document_check *d, size_t index, norma_mesh_info *info) {
     for (size_t i = index + 1; i < norma_document_mesh_count(d->document); i++) {
-        if (norma_document_mesh_info(d->document, i, info))
-            return NULL;
-        if (!info->not_read)
-            return info;
+        if (norma_document_mesh_info(d->document, i, info)) return NULL;
+        if (!info->not_read) return info;
     }
     return NULL;
 }
@@ -91,20 +91,16 @@ static const norma_mesh_info *next_of(document_check *d, size_t index, norma_mes
 static norma_document_result check_mesh_of(document_check *d, size_t index) {
     norma_check_mesh *mesh = &d->meshes[d->mesh_count];
     norma_document_result result = norma_document_mesh_info(d->document, index, &mesh->info);
-    if (!result)
-        result = tell_up_to(d, &mesh->info);
-    if (!result && mesh->info.not_read)
-        return NORMA_DOCUMENT_OK;
-    if (!result)
-        result = norma_document_mesh_data(d->document, index, &mesh->data, d->error);
+    if (!result) result = tell_up_to(d, &mesh->info);
+    if (!result && mesh->info.not_read) return NORMA_DOCUMENT_OK;
+    if (!result) result = norma_document_mesh_data(d->document, index, &mesh->data, d->error);
     if (!result)
         result = norma_document_mesh_attributes(d->document, index, &mesh->attributes, d->error);
     if (!result && mesh->attributes.material < norma_document_material_count(d->document))
-        result = norma_document_material_info(d->document, mesh->attributes.material, &mesh->material);
-    if (!result)
-        result = read_morphs(d, index, mesh);
-    if (result)
-        return result;
+        result =
+            norma_document_material_info(d->document, mesh->attributes.material, &mesh->material);
+    if (!result) result = read_morphs(d, index, mesh);
+    if (result) return result;
     norma_mesh_info next;
     norma_result checked = norma_check_run_mesh(&d->run, mesh, next_of(d, index, &next));
     d->mesh_count++;
@@ -115,8 +111,7 @@ static norma_document_result check_meshes(document_check *d) {
     size_t count = norma_document_mesh_count(d->document);
     d->meshes = calloc(count + 1, sizeof *d->meshes);
     d->morphs = calloc(count + 1, sizeof *d->morphs);
-    if (!d->meshes || !d->morphs)
-        return fail(d->error, NORMA_ERROR_MEMORY);
+    if (!d->meshes || !d->morphs) return fail(d->error, NORMA_ERROR_MEMORY);
     norma_document_result result = tell_up_to(d, NULL);
     for (size_t i = 0; i < count && !result; i++) {
         norma_core_stage(&d->run.call, (double)i / (double)count, (double)(i + 1) / (double)count);
@@ -129,22 +124,26 @@ static norma_document_result check_meshes(document_check *d) {
 
 static norma_result instance_world(void *context, size_t index, size_t instance, double world[16]) {
     const document_check *d = context;
-    norma_document_result result = norma_document_instance_world(d->document, index, instance, world, d->error);
-    return !result ? NORMA_OK : result == NORMA_DOCUMENT_ERROR_MEMORY ? NORMA_ERROR_MEMORY : NORMA_ERROR_INDEX;
+    norma_document_result result =
+        norma_document_instance_world(d->document, index, instance, world, d->error);
+    return !result                                 ? NORMA_OK
+           : result == NORMA_DOCUMENT_ERROR_MEMORY ? NORMA_ERROR_MEMORY
+                                                   : NORMA_ERROR_INDEX;
 }
 
-/* A skin whose joints or animations are malformed is not read, one with more of them than this version plays is not checked; the meshes are all the same. */
-static norma_document_result tell_malformed(document_check *d, size_t skin, norma_document_result how, const char *why) {
+/* A skin whose joints or animations are malformed is not read, one with more of them than this
+ * version plays is not checked; the meshes are all the same. */
+static norma_document_result tell_malformed(
+    document_check *d, size_t skin, norma_document_result how, const char *why) {
     char where[CHECK_MESSAGE], label[CHECK_MESSAGE];
     norma_check_message(where, "/skins/%z", skin);
     norma_check_message(label, "skin %z", skin);
-    if (how == NORMA_DOCUMENT_ERROR_UNSUPPORTED)
-        return tell_unread(d, where, label, why);
+    if (how == NORMA_DOCUMENT_ERROR_UNSUPPORTED) return tell_unread(d, where, label, why);
     const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
     norma_check_partly(&d->run);
-    if (!d->run.rules[RULE_N001])
-        return NORMA_DOCUMENT_OK;
-    norma_result result = norma_check_add_one(&d->run, &place, NULL, RULE_N001, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, why);
+    if (!d->run.rules[RULE_N001]) return NORMA_DOCUMENT_OK;
+    norma_result result = norma_check_add_one(
+        &d->run, &place, NULL, RULE_N001, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, why);
     return result ? fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
@@ -152,16 +151,14 @@ static norma_document_result read_skins(document_check *d) {
     size_t count = norma_document_skin_count(d->document);
     norma_document_result result = NORMA_DOCUMENT_OK;
     d->skins = calloc(count + 1, sizeof *d->skins);
-    if (!d->skins)
-        return fail(d->error, NORMA_ERROR_MEMORY);
+    if (!d->skins) return fail(d->error, NORMA_ERROR_MEMORY);
     for (; d->skin_count < count && !result; d->skin_count++) {
         norma_skin_info *skin = &d->skins[d->skin_count];
         norma_document_error error;
-        norma_document_result read = norma_document_skin_info(d->document, d->skin_count, skin, &error);
-        if (read == NORMA_DOCUMENT_ERROR_MEMORY)
-            return fail(d->error, NORMA_ERROR_MEMORY);
-        if (!read)
-            continue;
+        norma_document_result read =
+            norma_document_skin_info(d->document, d->skin_count, skin, &error);
+        if (read == NORMA_DOCUMENT_ERROR_MEMORY) return fail(d->error, NORMA_ERROR_MEMORY);
+        if (!read) continue;
         *skin = (norma_skin_info){.name = "", .where = "", .ignore = "", .joint = SIZE_MAX};
         result = tell_malformed(d, d->skin_count, read, error.message);
     }
@@ -172,40 +169,43 @@ static norma_document_result check_nodes(document_check *d) {
     size_t count = norma_document_node_count(d->document);
     norma_document_result result = NORMA_DOCUMENT_OK;
     d->nodes = calloc(count + 1, sizeof *d->nodes);
-    if (!d->nodes)
-        return fail(d->error, NORMA_ERROR_MEMORY);
+    if (!d->nodes) return fail(d->error, NORMA_ERROR_MEMORY);
     for (size_t i = 0; i < count && !result; i++) {
         result = norma_document_node_info(d->document, i, &d->nodes[i]);
         double world[16];
         if (result) /* once more, for the words */
             (void)norma_document_instance_world(d->document, i, 0, world, d->error);
-        if (result == NORMA_DOCUMENT_ERROR_MEMORY)
-            result = fail(d->error, NORMA_ERROR_MEMORY);
+        if (result == NORMA_DOCUMENT_ERROR_MEMORY) result = fail(d->error, NORMA_ERROR_MEMORY);
     }
-    if (!result)
-        result = read_skins(d);
-    const norma_check_scene scene = {
-        .meshes = d->meshes, .mesh_count = d->mesh_count, .nodes = d->nodes, .node_count = count, .skins = d->skins, .skin_count = d->skin_count};
-    norma_result checked = result ? NORMA_OK : norma_check_nodes(&d->run, &scene, instance_world, d);
-    return checked == NORMA_ERROR_INDEX ? NORMA_DOCUMENT_ERROR_MALFORMED : checked ? fail(d->error, checked) : result;
+    if (!result) result = read_skins(d);
+    const norma_check_scene scene = {.meshes = d->meshes,
+        .mesh_count = d->mesh_count,
+        .nodes = d->nodes,
+        .node_count = count,
+        .skins = d->skins,
+        .skin_count = d->skin_count};
+    norma_result checked =
+        result ? NORMA_OK : norma_check_nodes(&d->run, &scene, instance_world, d);
+    return checked == NORMA_ERROR_INDEX ? NORMA_DOCUMENT_ERROR_MALFORMED
+           : checked                    ? fail(d->error, checked)
+                                        : result;
 }
 
-norma_document_result norma_check_document(norma_document *document, const norma_check_options *options, norma_findings **findings,
-                                           norma_document_error *error) {
+norma_document_result norma_check_document(norma_document *document,
+    const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
     document_check d = {.document = document, .error = error};
-    if (!document || !findings)
-        return fail(error, NORMA_ERROR_ARGUMENT);
+    if (!document || !findings) return fail(error, NORMA_ERROR_ARGUMENT);
     norma_result begun = norma_check_begin(&d.run, options, norma_document_format(document));
-    if (begun)
-        return fail(error, begun);
+    if (begun) return fail(error, begun);
     norma_document_result result = check_meshes(&d);
-    if (!result)
-        result = check_nodes(&d);
+    if (!result) result = check_nodes(&d);
     if (result)
         norma_check_abandon(&d.run);
     else
         *findings = norma_check_finish(&d.run);
-    for (size_t i = 0; d.morphs && i <= d.mesh_count && i < norma_document_mesh_count(document); i++) free(d.morphs[i]);
+    for (size_t i = 0; d.morphs && i <= d.mesh_count && i < norma_document_mesh_count(document);
+         i++)
+        free(d.morphs[i]);
     void *const blocks[] = {d.meshes, (void *)d.morphs, d.nodes, d.skins};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free(blocks[i]);
     return result;
@@ -213,13 +213,13 @@ norma_document_result norma_check_document(norma_document *document, const norma
 
 /* ---- N001 */
 
-norma_findings *norma_check_unreadable(const norma_document_error *error, norma_file_format format, const norma_check_options *options) {
+norma_findings *norma_check_unreadable(const norma_document_error *error, norma_file_format format,
+    const norma_check_options *options) {
     check_run run;
-    if (!error || norma_check_begin(&run, options, format))
-        return NULL;
+    if (!error || norma_check_begin(&run, options, format)) return NULL;
     const check_place whole = {.order = 0, .where = "", .label = ""};
-    norma_result result = norma_check_add_one(&run, &whole, NULL, RULE_N001, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, error->message);
-    if (result)
-        norma_check_abandon(&run);
+    norma_result result = norma_check_add_one(
+        &run, &whole, NULL, RULE_N001, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, error->message);
+    if (result) norma_check_abandon(&run);
     return result ? NULL : norma_check_finish(&run);
 }

@@ -1,26 +1,26 @@
-/* run.c: one run over a file or over arrays: options made whole, each mesh through all families of rules, then nodes. */
+/* run.c: one run over a file or over arrays: options made whole, each mesh through all families of
+ * rules, then nodes. */
 #include "check/findings/findings.h"
 #include "check/rules/scene_rules.h"
 #include <stdlib.h>
 #include <string.h>
 
-static norma_check_profile profile_of(const norma_check_options *options, norma_file_format format) {
-    if (options->profile != NORMA_CHECK_PROFILE_AUTO)
-        return options->profile;
+static norma_check_profile profile_of(
+    const norma_check_options *options, norma_file_format format) {
+    if (options->profile != NORMA_CHECK_PROFILE_AUTO) return options->profile;
     return format == NORMA_FILE_STL ? NORMA_CHECK_PROFILE_PRINT : NORMA_CHECK_PROFILE_RENDER;
 }
 
-/* The fields that the caller's header has. A later caller may not ask for what this library does not know. */
+/* The fields that the caller's header has. A later caller may not ask for what this library does
+ * not know. */
 static norma_result read_options(const norma_check_options *given, norma_check_options *options) {
     *options = (norma_check_options){0};
     if (given) {
         const unsigned char *bytes = (const unsigned char *)given;
         size_t size = given->struct_size ? given->struct_size : sizeof *given;
-        if (size < sizeof *given)
-            return NORMA_ERROR_ARGUMENT;
+        if (size < sizeof *given) return NORMA_ERROR_ARGUMENT;
         for (size_t i = sizeof *given; i < size; i++)
-            if (bytes[i])
-                return NORMA_ERROR_ARGUMENT;
+            if (bytes[i]) return NORMA_ERROR_ARGUMENT;
         *options = *given;
     }
     if (options->profile < NORMA_CHECK_PROFILE_AUTO || options->profile > NORMA_CHECK_PROFILE_PRINT)
@@ -29,20 +29,22 @@ static norma_result read_options(const norma_check_options *given, norma_check_o
     return NORMA_OK;
 }
 
-norma_result norma_check_begin(check_run *run, const norma_check_options *options, norma_file_format format) {
+norma_result norma_check_begin(
+    check_run *run, const norma_check_options *options, norma_file_format format) {
     *run = (check_run){.format = format};
     norma_result result = read_options(options, &run->options);
-    if (result)
-        return result;
+    if (result) return result;
     run->profile = profile_of(&run->options, format);
     if (run->options.rules)
         memcpy(run->rules, run->options.rules, sizeof run->rules);
     else
         memset(run->rules, 1, sizeof run->rules);
-    norma_options core = {.struct_size = sizeof core, .threads = run->options.threads, .progress = run->options.progress, .progress_user = run->options.progress_user};
+    norma_options core = {.struct_size = sizeof core,
+        .threads = run->options.threads,
+        .progress = run->options.progress,
+        .progress_user = run->options.progress_user};
     result = norma_core_begin(&run->call, &core);
-    if (result)
-        return result;
+    if (result) return result;
     run->findings = norma_findings_new(run->profile);
     return run->findings ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
@@ -82,28 +84,30 @@ void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore) {
         ignore += length + (ignore[length] != 0);
     }
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
-        if (silenced[i])
-            mask[i] = 0;
+        if (silenced[i]) mask[i] = 0;
 }
 
 void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]) {
     const char *name = info->name ? info->name : "";
     label[0] = 0;
     if (info->where && *info->where)
-        norma_check_message(label, *name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z", info->mesh, info->primitive, name);
+        norma_check_message(label, *name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z",
+            info->mesh, info->primitive, name);
 }
 
 /* ARGUMENT, INDEX, OVERFLOW: arrays that no rule may walk. */
 static norma_result open_mesh(check_run *run, const norma_check_mesh *given, check_mesh *m) {
-    *m = (check_mesh){.run = run, .given = given, .on_purpose = given->material.double_sided || given->material.not_opaque};
+    *m = (check_mesh){.run = run,
+        .given = given,
+        .on_purpose = given->material.double_sided || given->material.not_opaque};
     memcpy(m->rules, run->rules, sizeof m->rules);
     norma_check_silence(m->rules, given->attributes.ignore);
     norma_check_silence(m->rules, given->material.ignore);
     norma_result result = norma_core_mesh_shape(&given->data.mesh, &m->mesh);
-    if (!result)
-        result = norma_core_mesh_content(&run->call, &m->mesh);
+    if (!result) result = norma_core_mesh_content(&run->call, &m->mesh);
     m->mesh.scale = 1;
-    if (!result && (!norma_format_size(given->data.normals.format) || (given->data.normals.count && !given->data.normals.data)))
+    if (!result && (!norma_format_size(given->data.normals.format) ||
+                       (given->data.normals.count && !given->data.normals.data)))
         result = NORMA_ERROR_ARGUMENT;
     return result;
 }
@@ -112,16 +116,27 @@ static void close_mesh(check_mesh *m) {
     const core_call *call = &m->run->call;
     norma_core_release(call, m->faces, m->mesh.face_count, sizeof *m->faces);
     norma_core_release(call, m->users, norma_check_normal_count(m), sizeof *m->users);
-    if (m->has_topology)
-        norma_core_topology_close(&m->topology);
+    if (m->has_topology) norma_core_topology_close(&m->topology);
 }
 
 typedef norma_result check_family(check_mesh *m);
 
-norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given, const norma_mesh_info *next) {
+norma_result norma_check_run_mesh(
+    check_run *run, const norma_check_mesh *given, const norma_mesh_info *next) {
     static check_family *const families[] = {
-        norma_check_lengths, norma_check_facing, norma_check_placeholder, norma_check_deviation, norma_check_facets,  norma_check_edges,      norma_check_solids,
-        norma_check_shapes,  norma_check_cancelled, norma_check_polygons, norma_check_seams,     norma_check_coincident, norma_check_precision,
+        norma_check_lengths,
+        norma_check_facing,
+        norma_check_placeholder,
+        norma_check_deviation,
+        norma_check_facets,
+        norma_check_edges,
+        norma_check_solids,
+        norma_check_shapes,
+        norma_check_cancelled,
+        norma_check_polygons,
+        norma_check_seams,
+        norma_check_coincident,
+        norma_check_precision,
         norma_check_presence,
         norma_check_tangents,
         norma_check_morphs,
@@ -129,33 +144,37 @@ norma_result norma_check_run_mesh(check_run *run, const norma_check_mesh *given,
     char label[CHECK_MESSAGE];
     check_mesh m;
     norma_result result = open_mesh(run, given, &m);
-    if (result)
-        return result;
-    m.siblings = norma_check_siblings(run->last, &given->info) || norma_check_siblings(&given->info, next);
+    if (result) return result;
+    m.siblings =
+        norma_check_siblings(run->last, &given->info) || norma_check_siblings(&given->info, next);
     norma_check_label(&given->info, label);
-    m.place = (check_place){.order = run->next_order++, .where = given->info.where ? given->info.where : "", .label = label};
-    for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++) result = families[i](&m);
+    m.place = (check_place){.order = run->next_order++,
+        .where = given->info.where ? given->info.where : "",
+        .label = label};
+    for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++)
+        result = families[i](&m);
     close_mesh(&m);
     run->last = &given->info;
-    if (result || norma_check_siblings(&given->info, next))
-        return result;
+    if (result || norma_check_siblings(&given->info, next)) return result;
     result = norma_check_seams_joined(run);
     return result ? result : norma_check_solids_joined(run);
 }
 
-norma_result norma_check_scene_run(const norma_check_scene *scene, const norma_check_options *options, norma_findings **findings) {
+norma_result norma_check_scene_run(
+    const norma_check_scene *scene, const norma_check_options *options, norma_findings **findings) {
     check_run run;
-    if (!scene || !findings || (scene->mesh_count && !scene->meshes) || (scene->node_count && !scene->nodes) || (scene->skin_count && !scene->skins))
+    if (!scene || !findings || (scene->mesh_count && !scene->meshes) ||
+        (scene->node_count && !scene->nodes) || (scene->skin_count && !scene->skins))
         return NORMA_ERROR_ARGUMENT;
     norma_result result = norma_check_begin(&run, options, scene->format);
-    if (result)
-        return result;
+    if (result) return result;
     for (size_t i = 0; i < scene->mesh_count && !result; i++) {
-        norma_core_stage(&run.call, (double)i / (double)scene->mesh_count, (double)(i + 1) / (double)scene->mesh_count);
-        result = norma_check_run_mesh(&run, &scene->meshes[i], i + 1 < scene->mesh_count ? &scene->meshes[i + 1].info : NULL);
+        norma_core_stage(&run.call, (double)i / (double)scene->mesh_count,
+            (double)(i + 1) / (double)scene->mesh_count);
+        result = norma_check_run_mesh(
+            &run, &scene->meshes[i], i + 1 < scene->mesh_count ? &scene->meshes[i + 1].info : NULL);
     }
-    if (!result)
-        result = norma_check_nodes(&run, scene, NULL, NULL);
+    if (!result) result = norma_check_nodes(&run, scene, NULL, NULL);
     if (result)
         norma_check_abandon(&run);
     else

@@ -1,7 +1,9 @@
-/* baseline.c: findings of old, kept in a file, so that a repository with many can begin to check today: what is in it, no graver and no more often, is not
- * told again. Paths are as they were named, so the check is run from the same folder. Read by jansson.
+/* baseline.c: findings of old, kept in a file, so that a repository with many can begin to check
+ * today: what is in it, no graver and no more often, is not told again. Paths are as they were
+ * named, so the check is run from the same folder. Read by jansson.
  *
- *   {"schema": "norma-baseline/1", "findings": [{"path", "rule", "where", "severity", "count"}, ...]} */
+ *   {"schema": "norma-baseline/1", "findings": [{"path", "rule", "where", "severity", "count"},
+ * ...]} */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include <errno.h>
@@ -20,7 +22,7 @@ typedef struct known_finding {
 struct check_baseline {
     const char *path;
     int is_new, incomplete; /* incomplete: memory was out, findings are missing */
-    pthread_mutex_t lock; /* of a new one, which all threads fill */
+    pthread_mutex_t lock;   /* of a new one, which all threads fill */
     known_finding *known;
     size_t count, capacity;
 };
@@ -40,19 +42,21 @@ const char *check_severity_name(norma_severity severity) {
 }
 
 /* FNV-1a (Fowler, Noll, Vo), 64 bits, over the parts and a zero after each. */
-void check_fingerprint(const char *path, const char *rule, const char *where, norma_severity severity, char text[17]) {
+void check_fingerprint(
+    const char *path, const char *rule, const char *where, norma_severity severity, char text[17]) {
     const char *parts[] = {path, rule, where, check_severity_name(severity)};
     uint64_t hash = 14695981039346656037u;
     for (size_t i = 0; i < CLI_COUNT(parts); ++i)
         for (const char *at = parts[i];; ++at) {
             hash = (hash ^ (unsigned char)*at) * 1099511628211u;
-            if (!*at)
-                break;
+            if (!*at) break;
         }
     snprintf(text, 17, "%016llx", (unsigned long long)hash);
 }
 
-static int compare_known(const void *a, const void *b) { return strcmp(((const known_finding *)a)->fingerprint, ((const known_finding *)b)->fingerprint); }
+static int compare_known(const void *a, const void *b) {
+    return strcmp(((const known_finding *)a)->fingerprint, ((const known_finding *)b)->fingerprint);
+}
 
 static void free_known(known_finding *known) {
     free(known->path);
@@ -60,17 +64,21 @@ static void free_known(known_finding *known) {
     free(known->where);
 }
 
-static int add_known(check_baseline *baseline, const char *path, const char *rule, const char *where, norma_severity severity, size_t count) {
+static int add_known(check_baseline *baseline, const char *path, const char *rule,
+    const char *where, norma_severity severity, size_t count) {
     if (baseline->count == baseline->capacity) {
         size_t capacity = baseline->capacity ? 2 * baseline->capacity : 64;
         known_finding *grown = realloc(baseline->known, capacity * sizeof *grown);
-        if (!grown)
-            return 0;
+        if (!grown) return 0;
         baseline->known = grown;
         baseline->capacity = capacity;
     }
     known_finding *known = &baseline->known[baseline->count];
-    *known = (known_finding){.count = count, .severity = severity, .path = strdup(path), .rule = strdup(rule), .where = strdup(where)};
+    *known = (known_finding){.count = count,
+        .severity = severity,
+        .path = strdup(path),
+        .rule = strdup(rule),
+        .where = strdup(where)};
     if (!known->path || !known->rule || !known->where) {
         free_known(known);
         return 0;
@@ -93,8 +101,7 @@ check_baseline *check_baseline_new(const char *path) {
 }
 
 void check_baseline_free(check_baseline *baseline) {
-    if (!baseline)
-        return;
+    if (!baseline) return;
     for (size_t i = 0; i < baseline->count; ++i) free_known(&baseline->known[i]);
     free(baseline->known);
     pthread_mutex_destroy(&baseline->lock);
@@ -111,17 +118,22 @@ static norma_severity severity_of(const char *name) {
 }
 
 static int read_known(check_baseline *baseline, const json_t *root) {
-    const json_t *list = json_object_get(root, "findings"), *schema = json_object_get(root, "schema");
+    const json_t *list = json_object_get(root, "findings"),
+                 *schema = json_object_get(root, "schema");
     size_t i;
     json_t *entry;
-    if (!json_is_array(list) || !json_is_string(schema) || strcmp(json_string_value(schema), "norma-baseline/1") != 0)
+    if (!json_is_array(list) || !json_is_string(schema) ||
+        strcmp(json_string_value(schema), "norma-baseline/1") != 0)
         return 0;
     json_array_foreach(list, i, entry) {
-        const char *path = json_string_value(json_object_get(entry, "path")), *rule = json_string_value(json_object_get(entry, "rule"));
+        const char *path = json_string_value(json_object_get(entry, "path")),
+                   *rule = json_string_value(json_object_get(entry, "rule"));
         const char *where = json_string_value(json_object_get(entry, "where"));
-        norma_severity severity = severity_of(json_string_value(json_object_get(entry, "severity")));
+        norma_severity severity =
+            severity_of(json_string_value(json_object_get(entry, "severity")));
         json_int_t count = json_integer_value(json_object_get(entry, "count"));
-        if (!path || !rule || !where || !severity || count < 0 || !add_known(baseline, path, rule, where, severity, (size_t)count))
+        if (!path || !rule || !where || !severity || count < 0 ||
+            !add_known(baseline, path, rule, where, severity, (size_t)count))
             return 0;
     }
     qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_known);
@@ -137,10 +149,10 @@ check_baseline *check_baseline_read(const char *path) {
         json_decref(root);
         return baseline;
     }
-    if (!baseline)
-        return NULL;
+    if (!baseline) return NULL;
     if (!root)
-        fprintf(stderr, "norma: %s:%d: %s; expected a baseline as --write-baseline writes it\n", path, error.line, error.text);
+        fprintf(stderr, "norma: %s:%d: %s; expected a baseline as --write-baseline writes it\n",
+            path, error.line, error.text);
     else
         fprintf(stderr, "norma: %s: expected a baseline as --write-baseline writes it\n", path);
     json_decref(root);
@@ -148,16 +160,21 @@ check_baseline *check_baseline_read(const char *path) {
     return NULL;
 }
 
-int check_baseline_knows(const check_baseline *baseline, const char *path, const norma_finding *finding, norma_severity severity) {
+int check_baseline_knows(const check_baseline *baseline, const char *path,
+    const norma_finding *finding, norma_severity severity) {
     known_finding key;
     check_fingerprint(path, finding->rule->id, finding->where, severity, key.fingerprint);
-    const known_finding *known = baseline->count ? bsearch(&key, baseline->known, baseline->count, sizeof *baseline->known, compare_known) : NULL;
+    const known_finding *known = baseline->count ? bsearch(&key, baseline->known, baseline->count,
+                                                       sizeof *baseline->known, compare_known)
+                                                 : NULL;
     return known && finding->count <= known->count;
 }
 
-int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding, norma_severity severity) {
+int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
+    norma_severity severity) {
     pthread_mutex_lock(&baseline->lock);
-    int fine = add_known(baseline, path, finding->rule->id, finding->where, severity, finding->count);
+    int fine =
+        add_known(baseline, path, finding->rule->id, finding->where, severity, finding->count);
     baseline->incomplete |= !fine;
     pthread_mutex_unlock(&baseline->lock);
     return fine;
@@ -166,10 +183,8 @@ int check_baseline_add(check_baseline *baseline, const char *path, const norma_f
 static int compare_places(const void *a, const void *b) {
     const known_finding *one = a, *other = b;
     int order = strcmp(one->path, other->path);
-    if (!order)
-        order = strcmp(one->where, other->where);
-    if (!order)
-        order = strcmp(one->rule, other->rule);
+    if (!order) order = strcmp(one->where, other->where);
+    if (!order) order = strcmp(one->rule, other->rule);
     return order ? order : (int)one->severity - (int)other->severity;
 }
 
@@ -199,8 +214,7 @@ int check_baseline_write(check_baseline *baseline) {
     }
     if (baseline->count)
         qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_places);
-    if (!cli_output_begin(&output, baseline->path))
-        return CLI_FILE;
+    if (!cli_output_begin(&output, baseline->path)) return CLI_FILE;
     write_known(output.out, baseline);
     return cli_output_end(&output);
 }

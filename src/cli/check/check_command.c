@@ -6,15 +6,18 @@
 #include <string.h>
 
 static const char help[] =
-    "norma check IN...: compares normals with the surface, the winding, the seams and the transforms\n"
+    "norma check IN...: compares normals with the surface, the winding, the seams and the "
+    "transforms\n"
     "\n"
     "Examples\n"
     "  norma check chair.glb\n"
-    "  norma check models/ --fail-on warning           every OBJ, PLY, STL, glTF and GLB file in it and below\n"
+    "  norma check models/ --fail-on warning           every OBJ, PLY, STL, glTF and GLB file in "
+    "it and below\n"
     "  norma check 'models/**/*.glb' --ignore N4,N503  ids of rules, their beginnings, or names\n"
     "  git diff --name-only | norma check --files-from - --format sarif -o norma.sarif\n"
     "  norma check part.stl --format html -o part.html\n"
-    "  norma explain N301                              what a rule means, why it matters, what to do\n"
+    "  norma explain N301                              what a rule means, why it matters, what to "
+    "do\n"
     "\n"
     "Rules\n"
     "  --select RULES        only these: ids (N301), their beginnings (N3) or names, with commas\n"
@@ -22,29 +25,36 @@ static const char help[] =
     "  --profile render|print\n"
     "                        what the meshes are for (print for STL, render for all else)\n"
     "  --strict              normals must be of unit length within 1e-4\n"
-    "  --config FILE         instead of .norma.json in the file's folder or the nearest one above; --no-config: none\n"
+    "  --config FILE         instead of .norma.json in the file's folder or the nearest one above; "
+    "--no-config: none\n"
     "  --baseline FILE       what it holds, no graver and no more often, is not told again\n"
     "  --write-baseline FILE writes one of what is found now\n"
     "\n"
     "Report\n"
     "  --format text|json|sarif|html\n"
     "                        (text); --json is the same as --format json\n"
-    "  -o, --output FILE     where the report goes (standard output); with a fix where the mended file goes\n"
+    "  -o, --output FILE     where the report goes (standard output); with a fix where the mended "
+    "file goes\n"
     "  --fail-on error|warning|info|never\n"
     "                        from which severity on the exit status is 1 (error)\n"
     "  --max-samples N       places named in each finding (10)\n"
     "  --quiet               the verdict alone, in a report for people\n"
     "\n"
     "Fixes\n"
-    "  --fix                 mends what can be mended safely: lengths, NaN, zeros, facet normals, tangents\n"
-    "  --fix-unsafe          also what an artist may have meant: windings, sides, missing normals, transforms, ...;\n"
+    "  --fix                 mends what can be mended safely: lengths, NaN, zeros, facet normals, "
+    "tangents\n"
+    "  --fix-unsafe          also what an artist may have meant: windings, sides, missing normals, "
+    "transforms, ...;\n"
     "                        with --select that alone\n"
-    "  -o, --output FILE     the mended file (-: standard output; the report is on standard error then); --out-dir FOLDER\n"
+    "  -o, --output FILE     the mended file (-: standard output; the report is on standard error "
+    "then); --out-dir FOLDER\n"
     "                        for several; --in-place replaces each, whole or not at all\n"
-    "  --open-by-rays        with --fix-unsafe: open surfaces (N304) are turned outward by a majority of rays; tells the\n"
+    "  --open-by-rays        with --fix-unsafe: open surfaces (N304) are turned outward by a "
+    "majority of rays; tells the\n"
     "                        confidence, 1 where all rays agree\n"
     "  --dry-run             tells what a fix would leave, and writes nothing\n"
-    "                        The report and the exit status are then about what is left. What would become worse is not written.\n"
+    "                        The report and the exit status are then about what is left. What "
+    "would become worse is not written.\n"
     "\n"
     "Files\n"
     "  --files-from FILE     names, one a line; - is standard input\n"
@@ -53,7 +63,8 @@ static const char help[] =
     "  --threads N           how many may work (all)\n"
     "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
     "\n"
-    "Exit status: 0 fine, 1 findings at or above --fail-on, 2 usage, 3 a file could not be read, 130 interrupted.\n";
+    "Exit status: 0 fine, 1 findings at or above --fail-on, 2 usage, 3 a file could not be read, "
+    "130 interrupted.\n";
 
 typedef struct check_work {
     check_settings settings;
@@ -61,14 +72,15 @@ typedef struct check_work {
     const char *config, *baseline, *new_baseline;
     cli_words lists;
     int no_config;
-    cli_files files;  /* the words, --input-format, and where the report or what is mended goes */
+    cli_files files; /* the words, --input-format, and where the report or what is mended goes */
     cli_common common;
 } check_work;
 
 /* ---- options */
 
 static const char *set_rules(const char *value, uint8_t *mask) {
-    static const char expected[] = "ids of rules (N301), their beginnings (N3) or names, with commas";
+    static const char expected[] =
+        "ids of rules (N301), their beginnings (N3) or names, with commas";
     char unknown[64] = "";
     return norma_rules_select(value, mask, unknown) == NORMA_OK ? NULL : expected;
 }
@@ -79,7 +91,9 @@ static const char *set_select(void *settings, const char *value) {
     return set_rules(value, work->settings.select);
 }
 
-static const char *set_ignore(void *settings, const char *value) { return set_rules(value, ((check_work *)settings)->settings.ignore); }
+static const char *set_ignore(void *settings, const char *value) {
+    return set_rules(value, ((check_work *)settings)->settings.ignore);
+}
 
 static const char *set_profile(void *settings, const char *value) {
     check_settings *check = &((check_work *)settings)->settings;
@@ -120,7 +134,8 @@ static const char *set_new_baseline(void *settings, const char *value) {
 }
 
 static const char *set_format(void *settings, const char *value) {
-    static const check_format *const formats[] = {&check_format_text, &check_format_json, &check_format_sarif, &check_format_html};
+    static const check_format *const formats[] = {
+        &check_format_text, &check_format_json, &check_format_sarif, &check_format_html};
     for (size_t i = 0; i < CLI_COUNT(formats); ++i)
         if (strcmp(value, formats[i]->name) == 0) {
             ((check_work *)settings)->format = formats[i];
@@ -200,26 +215,31 @@ static const cli_option options[] = {
 
 /* ---- the verb */
 
-static int read_options(const cli_verb *verb, check_work *work, int count, char **arguments, int *wants_help) {
+static int read_options(
+    const cli_verb *verb, check_work *work, int count, char **arguments, int *wants_help) {
     const cli_table tables[] = {
         {options, CLI_COUNT(options), work},
         {cli_output_options, cli_output_option_count, &work->files},
         {cli_input_options, cli_input_option_count, &work->files},
         {cli_common_options, cli_common_option_count, &work->common},
     };
-    int status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &work->files.inputs, wants_help);
-    if (status || *wants_help)
-        return status;
-    if (work->common.json && work->format != &check_format_text && work->format != &check_format_json)
+    int status = cli_parse(
+        verb, tables, CLI_COUNT(tables), count, arguments, &work->files.inputs, wants_help);
+    if (status || *wants_help) return status;
+    if (work->common.json && work->format != &check_format_text &&
+        work->format != &check_format_json)
         return cli_usage(verb, "--json and --format %s exclude each other", work->format->name);
-    if (work->common.json)
-        work->format = &check_format_json;
+    if (work->common.json) work->format = &check_format_json;
     if (work->config && work->no_config)
         return cli_usage(verb, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)
         return cli_usage(verb, "--baseline and --write-baseline exclude each other");
-    if (!work->settings.fix && (work->files.folder || work->files.in_place || work->settings.dry_run))
-        return cli_usage(verb, "--%s needs --fix or --fix-unsafe", work->settings.dry_run ? "dry-run" : work->files.folder ? "out-dir" : "in-place");
+    if (!work->settings.fix &&
+        (work->files.folder || work->files.in_place || work->settings.dry_run))
+        return cli_usage(verb, "--%s needs --fix or --fix-unsafe",
+            work->settings.dry_run ? "dry-run"
+            : work->files.folder   ? "out-dir"
+                                   : "in-place");
     if (work->settings.open_by_rays && work->settings.fix != CHECK_FIX_UNSAFE)
         return cli_usage(verb, "--open-by-rays needs --fix-unsafe");
     work->settings.files = &work->files;
@@ -241,11 +261,11 @@ static int gather_inputs(const cli_verb *verb, const check_work *work, check_inp
     for (size_t i = 0; i < work->files.inputs.count && status != CLI_USAGE; ++i) {
         const char *word = work->files.inputs.words[i];
         if (strcmp(word, "-") == 0 && ++standard && !work->files.format)
-            return cli_usage(verb, "standard input has no name that tells its format; expected --input-format obj, ply, stl, gltf or glb");
+            return cli_usage(verb, "standard input has no name that tells its format; expected "
+                                   "--input-format obj, ply, stl, gltf or glb");
         status = cli_worse(status, check_inputs_add(verb, inputs, word));
     }
-    if (standard > 1)
-        return cli_usage(verb, "standard input can be read only once");
+    if (standard > 1) return cli_usage(verb, "standard input can be read only once");
     if (work->files.inputs.count + work->lists.count == 0)
         return cli_usage(verb, "no input file was given");
     return status;
@@ -254,16 +274,18 @@ static int gather_inputs(const cli_verb *verb, const check_work *work, check_inp
 static int check_files(const check_work *work, const check_inputs *inputs, check_configs *configs) {
     cli_output output;
     check_totals totals = {0};
-    const int streams = work->settings.fix && !work->settings.dry_run && work->files.output && strcmp(work->files.output, "-") == 0;
-    if (!cli_output_begin(&output, work->files.output && !work->settings.fix ? work->files.output : "-"))
+    const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
+                        strcmp(work->files.output, "-") == 0;
+    if (!cli_output_begin(
+            &output, work->files.output && !work->settings.fix ? work->files.output : "-"))
         return CLI_FILE;
     if (streams) /* the mended file has standard output */
         output.out = stderr;
     work->format->begin(output.out);
-    int status = check_all_files(&work->settings, configs, work->format, inputs, output.out, &totals);
+    int status =
+        check_all_files(&work->settings, configs, work->format, inputs, output.out, &totals);
     if (status == CLI_USAGE || cli_interrupted()) {
-        if (!streams)
-            cli_output_drop(&output);
+        if (!streams) cli_output_drop(&output);
         return status;
     }
     work->format->end(output.out, &totals);
@@ -284,20 +306,24 @@ static int check_places(const cli_verb *verb, check_work *work, const check_inpu
     cli_files files = work->files;
     files.inputs = (cli_words){(const char **)inputs->paths, inputs->count};
     if (files.output && strcmp(files.output, "-") == 0 && strcmp(work->format->name, "text") != 0)
-        return cli_usage(verb, "-o - and --format %s both want standard output", work->format->name);
+        return cli_usage(
+            verb, "-o - and --format %s both want standard output", work->format->name);
     return cli_check_outputs(verb, &common, &files);
 }
 
 static int check_all(const cli_verb *verb, check_work *work) {
     check_inputs inputs = {0};
     check_configs *configs = check_configs_new(work->config, work->no_config);
-    int status = !configs ? cli_out_of_memory() : open_baseline(work) ? gather_inputs(verb, work, &inputs) : CLI_FILE;
+    int status = !configs              ? cli_out_of_memory()
+                 : open_baseline(work) ? gather_inputs(verb, work, &inputs)
+                                       : CLI_FILE;
     if (status != CLI_USAGE && inputs.count && work->settings.fix && !work->settings.dry_run)
         status = cli_worse(status, check_places(verb, work, &inputs));
     if (configs && status != CLI_USAGE && (!status || inputs.count))
         status = cli_worse(status, check_files(work, &inputs, configs));
     if (work->new_baseline && work->settings.baseline && status != CLI_USAGE && !cli_interrupted())
-        status = cli_worse(status == CLI_FINDINGS ? CLI_OK : status, check_baseline_write(work->settings.baseline));
+        status = cli_worse(status == CLI_FINDINGS ? CLI_OK : status,
+            check_baseline_write(work->settings.baseline));
     check_baseline_free(work->settings.baseline);
     check_configs_free(configs);
     check_inputs_free(&inputs);
@@ -305,7 +331,9 @@ static int check_all(const cli_verb *verb, check_work *work) {
 }
 
 static int run(const cli_verb *verb, int count, char **arguments) {
-    check_work work = {.settings = {.fail_on = -1}, .format = &check_format_text, .common.threads = NORMA_ALL_THREADS};
+    check_work work = {.settings = {.fail_on = -1},
+        .format = &check_format_text,
+        .common.threads = NORMA_ALL_THREADS};
     int wants_help = 0, status = CLI_FILE;
     work.files.inputs.words = calloc((size_t)count + 1, sizeof(char *));
     work.lists.words = calloc((size_t)count + 1, sizeof(char *));
@@ -323,4 +351,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return status;
 }
 
-const cli_verb cli_verb_check = {"check", "compares normals with the surface, the winding, the seams and the transforms", help, run};
+const cli_verb cli_verb_check = {"check",
+    "compares normals with the surface, the winding, the seams and the transforms", help, run};

@@ -1,4 +1,5 @@
-/* check_command.h: what the files of norma check share: its settings, the report on one file, the forms of reports. */
+/* check_command.h: what the files of norma check share: its settings, the report on one file, the
+ * forms of reports. */
 #ifndef NORMA_CLI_CHECK_VERB_H
 #define NORMA_CLI_CHECK_VERB_H
 #include "cli/common/cli.h"
@@ -12,29 +13,32 @@ typedef struct check_inputs {
     char **paths;
     size_t count, capacity;
 } check_inputs;
-/* Adds what a word names: a file, the files of a folder and of those below it, what a pattern with *, ? and ** matches, or "-". A status. */
+/* Adds what a word names: a file, the files of a folder and of those below it, what a pattern with
+ * *, ? and ** matches, or "-". A status. */
 int check_inputs_add(const cli_verb *verb, check_inputs *inputs, const char *word);
 /* A path of each line of a file, or of standard input ("-"). */
 int check_inputs_add_list(const cli_verb *verb, check_inputs *inputs, const char *list);
 void check_inputs_free(check_inputs *inputs);
-/* Whether a path, component by component, is what a pattern says; ** stands for any number of components. A pattern without a slash is compared with the last one. */
+/* Whether a path, component by component, is what a pattern says; ** stands for any number of
+ * components. A pattern without a slash is compared with the last one. */
 int check_path_matches(const char *pattern, const char *path);
 
 /* ---- .norma.json (config.c) */
 
 enum { CHECK_SEVERITY_AS_IS = 0, CHECK_SEVERITY_OFF = 255 }; /* else a norma_severity */
 
-typedef struct check_override { /* for some files, meshes, materials: lists of patterns; none: all */
+typedef struct check_override { /* for some files, meshes, materials: lists of patterns; none: all
+                                 */
     char **files, **meshes, **materials;
     uint8_t severity[CHECK_RULES];
 } check_override;
 
 typedef struct check_config {
-    char *path;                /* NULL: there is none */
-    char *folder;              /* absolute: what patterns of files are relative to */
+    char *path;   /* NULL: there is none */
+    char *folder; /* absolute: what patterns of files are relative to */
     norma_check_profile profile;
-    int strict;                /* -1: not said */
-    int fail_on;               /* -1: not said */
+    int strict;  /* -1: not said */
+    int fail_on; /* -1: not said */
     int has_select;
     uint8_t select[CHECK_RULES], ignore[CHECK_RULES];
     uint8_t severity[CHECK_RULES];
@@ -54,14 +58,15 @@ const check_config *check_config_of(check_configs *configs, const char *path);
 typedef struct check_settings {
     norma_check_profile profile;
     int strict;
-    int fail_on; /* a norma_severity, CHECK_FAIL_NEVER, or -1: as the configuration says, else error */
+    int fail_on; /* a norma_severity, CHECK_FAIL_NEVER, or -1: as the configuration says, else error
+                  */
     size_t max_samples; /* 0: as many as the library gives */
     int has_select;
     uint8_t select[CHECK_RULES], ignore[CHECK_RULES];
     uint32_t threads;
     norma_file_format input_format;
     struct check_baseline *baseline; /* NULL: none */
-    int fix;                /* CHECK_FIX_... */
+    int fix;                         /* CHECK_FIX_... */
     int dry_run;
     int open_by_rays;       /* of --fix-unsafe */
     const cli_files *files; /* where mended files go */
@@ -73,27 +78,30 @@ enum { CHECK_FIX_NOTHING = 0, CHECK_FIX_SAFE, CHECK_FIX_UNSAFE };
 
 typedef struct check_item {
     const norma_finding *finding;
-    norma_severity severity;    /* after the configuration */
+    norma_severity severity; /* after the configuration */
 } check_item;
 
 typedef struct check_report {
-    const char *path;           /* as it was named */
+    const char *path; /* as it was named */
     norma_check_profile profile;
-    const char *status;         /* "checked", "partly", "unreadable" */
+    const char *status; /* "checked", "partly", "unreadable" */
     const check_item *items;
     size_t count;
-    norma_document *document;   /* for pictures; NULL: unreadable */
-    const char *mended;         /* a table of counts before and after; NULL: nothing was mended */
-    size_t by_rays, undecided;  /* open components that rays decided on, or did not; 0 where that was not asked for */
-    double least_confidence;    /* of by_rays */
+    norma_document *document;  /* for pictures; NULL: unreadable */
+    const char *mended;        /* a table of counts before and after; NULL: nothing was mended */
+    size_t by_rays, undecided; /* open components that rays decided on, or did not; 0 where that was
+                                  not asked for */
+    double least_confidence;   /* of by_rays */
 } check_report;
 
 typedef struct check_totals {
-    size_t errors, warnings, infos, files, files_with_trouble, not_checked, known; /* known: silenced by the baseline */
-    int status;                 /* worst of its files */
+    size_t errors, warnings, infos, files, files_with_trouble, not_checked,
+        known;  /* known: silenced by the baseline */
+    int status; /* worst of its files */
 } check_totals;
 
-/* The forms of a report. file is called by several threads at once, each with an own out; begin and end by one. */
+/* The forms of a report. file is called by several threads at once, each with an own out; begin and
+ * end by one. */
 typedef struct check_format {
     const char *name;
     void (*begin)(FILE *out);
@@ -101,22 +109,29 @@ typedef struct check_format {
     const char *between; /* two files */
     void (*end)(FILE *out, const check_totals *totals);
 } check_format;
-extern const check_format check_format_text, check_format_quiet, check_format_json, check_format_sarif, check_format_html;
+extern const check_format check_format_text, check_format_quiet, check_format_json,
+    check_format_sarif, check_format_html;
 
 /* Checks one file and writes its part of the report; adds to totals. */
-void check_one_file(const check_settings *settings, const check_config *config, const check_format *format, const char *path, FILE *out, check_totals *totals);
+void check_one_file(const check_settings *settings, const check_config *config,
+    const check_format *format, const char *path, FILE *out, check_totals *totals);
 
-/* ---- all of them (thread_pool.c): so many at once as threads says; their parts go to out in the order of inputs. */
-int check_all_files(const check_settings *settings, check_configs *configs, const check_format *format, const check_inputs *inputs, FILE *out, check_totals *totals);
+/* ---- all of them (thread_pool.c): so many at once as threads says; their parts go to out in the
+ * order of inputs. */
+int check_all_files(const check_settings *settings, check_configs *configs,
+    const check_format *format, const check_inputs *inputs, FILE *out, check_totals *totals);
 
 /* ---- old findings (baseline.c) */
 
 typedef struct check_baseline check_baseline;
-check_baseline *check_baseline_read(const char *path);               /* NULL: said already */
-check_baseline *check_baseline_new(const char *path);                /* to be filled by check_baseline_add and written */
-int check_baseline_knows(const check_baseline *baseline, const char *path, const norma_finding *finding, norma_severity severity);
-int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding, norma_severity severity); /* 0: out of memory. Any thread */
-int check_baseline_write(check_baseline *baseline);                  /* a status */
+check_baseline *check_baseline_read(const char *path); /* NULL: said already */
+check_baseline *check_baseline_new(
+    const char *path); /* to be filled by check_baseline_add and written */
+int check_baseline_knows(const check_baseline *baseline, const char *path,
+    const norma_finding *finding, norma_severity severity);
+int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
+    norma_severity severity);                       /* 0: out of memory. Any thread */
+int check_baseline_write(check_baseline *baseline); /* a status */
 int check_baseline_is_new(const check_baseline *baseline);
 void check_baseline_free(check_baseline *baseline);
 
@@ -124,5 +139,6 @@ void check_baseline_free(check_baseline *baseline);
 
 const char *check_severity_name(norma_severity severity); /* "error" */
 /* The same for the same finding from run to run, whatever its count: 16 hexadecimal digits. */
-void check_fingerprint(const char *path, const char *rule, const char *where, norma_severity severity, char text[17]);
+void check_fingerprint(
+    const char *path, const char *rule, const char *where, norma_severity severity, char text[17]);
 #endif

@@ -1,4 +1,5 @@
-/* check_file.c: norma check on one file: opened leniently, judged by the library, its findings weighed by the configuration and the baseline, told by the report's form. */
+/* check_file.c: norma check on one file: opened leniently, judged by the library, its findings
+ * weighed by the configuration and the baseline, told by the report's form. */
 #define _XOPEN_SOURCE 700
 #include "cli/check/fix_file.h"
 #include <stdlib.h>
@@ -8,11 +9,11 @@ typedef struct file_check {
     const check_settings *settings;
     const check_config *config;
     const char *path;
-    char *absolute;             /* for patterns of files; NULL: none were asked for, or it is not there */
+    char *absolute; /* for patterns of files; NULL: none were asked for, or it is not there */
     norma_document *document;
     void *memory;
     norma_findings *findings;
-    check_mended mended;        /* with --fix: what the report is then about */
+    check_mended mended; /* with --fix: what the report is then about */
     int mend_status;
     norma_document_error error;
 } file_check;
@@ -27,74 +28,82 @@ static void choose_rules(const file_check *check, uint8_t mask[CHECK_RULES]) {
     const check_settings *settings = check->settings;
     const check_config *config = check->config;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule) {
-        int selected = settings->has_select ? settings->select[rule] : config->has_select ? config->select[rule] : 1;
-        mask[rule] = selected && !settings->ignore[rule] && !config->ignore[rule] && config->severity[rule] != CHECK_SEVERITY_OFF;
+        int selected = settings->has_select ? settings->select[rule]
+                       : config->has_select ? config->select[rule]
+                                            : 1;
+        mask[rule] = selected && !settings->ignore[rule] && !config->ignore[rule] &&
+                     config->severity[rule] != CHECK_SEVERITY_OFF;
     }
 }
 
 static norma_check_options choose_options(const file_check *check, const uint8_t *rules) {
     const check_settings *settings = check->settings;
     return (norma_check_options){.struct_size = sizeof(norma_check_options),
-                                 .profile = choose_profile(check),
-                                 .strict = settings->strict || check->config->strict == 1,
-                                 .max_samples = settings->max_samples,
-                                 .rules = rules,
-                                 .threads = settings->threads,
-                                 .progress = cli_stop_when_interrupted,
-                                 .open_by_rays = settings->open_by_rays};
+        .profile = choose_profile(check),
+        .strict = settings->strict || check->config->strict == 1,
+        .max_samples = settings->max_samples,
+        .rules = rules,
+        .threads = settings->threads,
+        .progress = cli_stop_when_interrupted,
+        .open_by_rays = settings->open_by_rays};
 }
 
 static int fail_on(const file_check *check) {
-    if (check->settings->fail_on >= 0)
-        return check->settings->fail_on;
+    if (check->settings->fail_on >= 0) return check->settings->fail_on;
     return check->config->fail_on >= 0 ? check->config->fail_on : (int)NORMA_SEVERITY_ERROR;
 }
 
 /* What the report is about. */
 static const norma_findings *findings_of(const file_check *check) {
-    return check->mended.findings && !check->mended.worse && !check->mend_status ? check->mended.findings : check->findings;
+    return check->mended.findings && !check->mended.worse && !check->mend_status
+               ? check->mended.findings
+               : check->findings;
 }
 
-static norma_document *document_of(const file_check *check) { return findings_of(check) == check->findings ? check->document : check->mended.document; }
+static norma_document *document_of(const file_check *check) {
+    return findings_of(check) == check->findings ? check->document : check->mended.document;
+}
 
 /* ---- names that overrides go by */
 
 static int any_matches(char *const *patterns, const char *name) {
     for (; *patterns; ++patterns)
-        if (check_path_matches(*patterns, name))
-            return 1;
+        if (check_path_matches(*patterns, name)) return 1;
     return 0;
 }
 
 static int is_file_meant(const file_check *check, const check_override *override) {
-    if (!override->files)
-        return 1;
-    const char *folder = check->config->folder, *path = check->absolute ? check->absolute : check->path;
+    if (!override->files) return 1;
+    const char *folder = check->config->folder,
+               *path = check->absolute ? check->absolute : check->path;
     size_t length = strlen(folder);
-    if (strncmp(path, folder, length) == 0 && path[length] == '/')
-        path += length + 1;
+    if (strncmp(path, folder, length) == 0 && path[length] == '/') path += length + 1;
     return any_matches(override->files, path);
 }
 
 static const char *material_name(const file_check *check, size_t mesh) {
     norma_mesh_attributes attributes;
     norma_material_info material;
-    if (norma_document_mesh_attributes(document_of(check), mesh, &attributes, NULL) || attributes.material == SIZE_MAX ||
+    if (norma_document_mesh_attributes(document_of(check), mesh, &attributes, NULL) ||
+        attributes.material == SIZE_MAX ||
         norma_document_material_info(document_of(check), attributes.material, &material))
         return NULL;
     return material.name;
 }
 
-/* The mesh that a finding is about; of a node's finding the first primitive of its mesh. SIZE_MAX: none. */
+/* The mesh that a finding is about; of a node's finding the first primitive of its mesh. SIZE_MAX:
+ * none. */
 static size_t mesh_of(const file_check *check, const norma_finding *finding) {
     norma_mesh_info mesh;
     norma_node_info node;
     size_t meshes = norma_document_mesh_count(document_of(check)), number = SIZE_MAX;
     for (size_t i = 0; i < meshes; ++i)
-        if (!norma_document_mesh_info(document_of(check), i, &mesh) && strcmp(mesh.where, finding->where) == 0)
+        if (!norma_document_mesh_info(document_of(check), i, &mesh) &&
+            strcmp(mesh.where, finding->where) == 0)
             return i;
     for (size_t i = 0; i < norma_document_node_count(document_of(check)) && number == SIZE_MAX; ++i)
-        if (!norma_document_node_info(document_of(check), i, &node) && strcmp(node.where, finding->where) == 0)
+        if (!norma_document_node_info(document_of(check), i, &node) &&
+            strcmp(node.where, finding->where) == 0)
             number = node.mesh;
     for (size_t i = 0; i < meshes && number != SIZE_MAX; ++i)
         if (!norma_document_mesh_info(document_of(check), i, &mesh) && mesh.mesh == number)
@@ -102,17 +111,14 @@ static size_t mesh_of(const file_check *check, const norma_finding *finding) {
     return SIZE_MAX;
 }
 
-static int is_meant(const file_check *check, const check_override *override, const norma_finding *finding) {
-    if (!is_file_meant(check, override))
-        return 0;
-    if (!override->meshes && !override->materials)
-        return 1;
+static int is_meant(
+    const file_check *check, const check_override *override, const norma_finding *finding) {
+    if (!is_file_meant(check, override)) return 0;
+    if (!override->meshes && !override->materials) return 1;
     size_t mesh = document_of(check) ? mesh_of(check, finding) : SIZE_MAX;
     norma_mesh_info info;
-    if (mesh == SIZE_MAX || norma_document_mesh_info(document_of(check), mesh, &info))
-        return 0;
-    if (override->meshes && !any_matches(override->meshes, info.name))
-        return 0;
+    if (mesh == SIZE_MAX || norma_document_mesh_info(document_of(check), mesh, &info)) return 0;
+    if (override->meshes && !any_matches(override->meshes, info.name)) return 0;
     const char *material = override->materials ? material_name(check, mesh) : NULL;
     return !override->materials || (material && any_matches(override->materials, material));
 }
@@ -133,14 +139,16 @@ static int severity_of(const file_check *check, const norma_finding *finding) {
 /* Where it fails, the report is about the file as it is. */
 static void mend_file(file_check *check, const norma_check_options *options) {
     norma_document_error error = {0};
-    norma_document_result result = check_mend(check->settings, check->document, check->findings, options, check->path, &check->mended, &error);
+    norma_document_result result = check_mend(check->settings, check->document, check->findings,
+        options, check->path, &check->mended, &error);
     if (result && result != NORMA_DOCUMENT_CANCELLED) {
         cli_name_error(&error, check->path);
         cli_print_error(&error);
     }
     check->mend_status = cli_status_of(result);
     if (check->mended.worse) {
-        fprintf(stderr, "norma: %s: mended it would be worse than it is (%s); it is not written\n", cli_input_name(check->path), check->mended.worse_by);
+        fprintf(stderr, "norma: %s: mended it would be worse than it is (%s); it is not written\n",
+            cli_input_name(check->path), check->mended.worse_by);
         check->mend_status = CLI_FINDINGS;
     }
 }
@@ -148,16 +156,18 @@ static void mend_file(file_check *check, const norma_check_options *options) {
 static norma_document_result open_and_judge(file_check *check) {
     uint8_t rules[CHECK_RULES];
     const check_settings *settings = check->settings;
-    const norma_document_options opening = {
-        .struct_size = sizeof opening, .format = settings->input_format, .threads = settings->threads, .lenient = 1, .progress = cli_stop_when_interrupted};
-    norma_document_result result = cli_open(check->path, &opening, &check->document, &check->memory, &check->error);
-    if (result)
-        return result;
+    const norma_document_options opening = {.struct_size = sizeof opening,
+        .format = settings->input_format,
+        .threads = settings->threads,
+        .lenient = 1,
+        .progress = cli_stop_when_interrupted};
+    norma_document_result result =
+        cli_open(check->path, &opening, &check->document, &check->memory, &check->error);
+    if (result) return result;
     choose_rules(check, rules);
     const norma_check_options options = choose_options(check, rules);
     result = norma_check_document(check->document, &options, &check->findings, &check->error);
-    if (!result && settings->fix)
-        mend_file(check, &options);
+    if (!result && settings->fix) mend_file(check, &options);
     return result;
 }
 
@@ -179,11 +189,11 @@ static size_t weigh(const file_check *check, check_item *items, check_totals *to
     for (size_t i = 0; i < norma_findings_count(findings_of(check)); ++i) {
         const norma_finding *finding = norma_findings_get(findings_of(check), i);
         int severity = severity_of(check, finding);
-        if (severity == CHECK_SEVERITY_OFF)
-            continue;
+        if (severity == CHECK_SEVERITY_OFF) continue;
         if (baseline && check_baseline_is_new(baseline))
             check_baseline_add(baseline, check->path, finding, (norma_severity)severity);
-        else if (baseline && check_baseline_knows(baseline, check->path, finding, (norma_severity)severity)) {
+        else if (baseline &&
+                 check_baseline_knows(baseline, check->path, finding, (norma_severity)severity)) {
             ++totals->known;
             continue;
         }
@@ -194,9 +204,11 @@ static size_t weigh(const file_check *check, check_item *items, check_totals *to
     return count;
 }
 
-static void add_totals_of_file(const check_report *report, const check_totals *before, check_totals *totals) {
+static void add_totals_of_file(
+    const check_report *report, const check_totals *before, check_totals *totals) {
     ++totals->files;
-    totals->files_with_trouble += totals->errors + totals->warnings > before->errors + before->warnings;
+    totals->files_with_trouble +=
+        totals->errors + totals->warnings > before->errors + before->warnings;
     totals->not_checked += strcmp(report->status, "checked") != 0;
 }
 
@@ -204,36 +216,42 @@ static void add_totals_of_file(const check_report *report, const check_totals *b
 static void drop_path(char message[1000], const char *path) {
     char rest[1000];
     size_t length = strlen(path);
-    if (strncmp(message, path, length) != 0 || message[length] != ':')
-        return;
+    if (strncmp(message, path, length) != 0 || message[length] != ':') return;
     strcpy(rest, message + length + 1);
     size_t digits = strspn(rest, "0123456789");
-    snprintf(message, 1000, "%s%.990s", digits && rest[digits] == ':' ? "line " : "", rest + strspn(rest, " "));
+    snprintf(message, 1000, "%s%.990s", digits && rest[digits] == ':' ? "line " : "",
+        rest + strspn(rest, " "));
 }
 
-/* The library's finding about a file that it could not open; without memory even for that, the message alone. */
-static void report_unreadable(file_check *check, const check_format *format, FILE *out, check_totals *totals) {
+/* The library's finding about a file that it could not open; without memory even for that, the
+ * message alone. */
+static void report_unreadable(
+    file_check *check, const check_format *format, FILE *out, check_totals *totals) {
     check_totals before = *totals;
-    const norma_check_options options = {.struct_size = sizeof options, .profile = choose_profile(check)};
+    const norma_check_options options = {
+        .struct_size = sizeof options, .profile = choose_profile(check)};
     const char *path = cli_input_name(check->path);
     cli_name_error(&check->error, check->path);
     totals->status = cli_worse(totals->status, CLI_FILE);
     norma_file_format named = norma_file_format_of_path(check->path);
     drop_path(check->error.message, path);
     norma_findings_free(check->findings);
-    check->findings = norma_check_unreadable(&check->error, check->settings->input_format ? check->settings->input_format : named, &options);
+    check->findings = norma_check_unreadable(&check->error,
+        check->settings->input_format ? check->settings->input_format : named, &options);
     if (!check->findings) {
         fprintf(stderr, "norma: %s: %s\n", path, check->error.message);
         return;
     }
     const check_item item = {norma_findings_get(check->findings, 0), NORMA_SEVERITY_ERROR};
-    const check_report report = {check->path, norma_findings_profile(check->findings), "unreadable", &item, 1, NULL, NULL, 0, 0, 0};
+    const check_report report = {check->path, norma_findings_profile(check->findings), "unreadable",
+        &item, 1, NULL, NULL, 0, 0, 0};
     count_item(check, &item, totals);
     add_totals_of_file(&report, &before, totals);
     format->file(out, &report);
 }
 
-static void report_findings(file_check *check, const check_format *format, FILE *out, check_totals *totals) {
+static void report_findings(
+    file_check *check, const check_format *format, FILE *out, check_totals *totals) {
     check_totals before = *totals;
     check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
     if (!items) {
@@ -241,26 +259,21 @@ static void report_findings(file_check *check, const check_format *format, FILE 
         report_unreadable(check, format, out, totals);
         return;
     }
-    const check_report report = {check->path,
-                                 norma_findings_profile(findings_of(check)),
-                                 norma_findings_partly(findings_of(check)) ? "partly" : "checked",
-                                 items,
-                                 weigh(check, items, totals),
-                                 document_of(check),
-                                 check->mended.table,
-                                 check->mended.last.by_rays,
-                                 check->mended.last.undecided,
-                                 check->mended.last.least_confidence};
+    const check_report report = {check->path, norma_findings_profile(findings_of(check)),
+        norma_findings_partly(findings_of(check)) ? "partly" : "checked", items,
+        weigh(check, items, totals), document_of(check), check->mended.table,
+        check->mended.last.by_rays, check->mended.last.undecided,
+        check->mended.last.least_confidence};
     add_totals_of_file(&report, &before, totals);
     totals->status = cli_worse(totals->status, check->mend_status);
     format->file(out, &report);
     free(items);
 }
 
-void check_one_file(const check_settings *settings, const check_config *config, const check_format *format, const char *path, FILE *out, check_totals *totals) {
+void check_one_file(const check_settings *settings, const check_config *config,
+    const check_format *format, const char *path, FILE *out, check_totals *totals) {
     file_check check = {.settings = settings, .config = config, .path = path};
-    if (config->override_count)
-        check.absolute = realpath(path, NULL);
+    if (config->override_count) check.absolute = realpath(path, NULL);
     norma_document_result result = open_and_judge(&check);
     if (result == NORMA_DOCUMENT_CANCELLED || cli_interrupted())
         totals->status = cli_status_of(NORMA_DOCUMENT_CANCELLED);

@@ -1,9 +1,10 @@
-/* config.c: .norma.json, found in a file's folder or the nearest one above it: what norma check is to look for there. Read by jansson; every key that
- * is not known is an error, since a misspelt one would silence nothing or everything unseen.
+/* config.c: .norma.json, found in a file's folder or the nearest one above it: what norma check is
+ * to look for there. Read by jansson; every key that is not known is an error, since a misspelt one
+ * would silence nothing or everything unseen.
  *
- *   {"profile": "print", "strict": true, "fail-on": "warning", "select": ["N1", "N3"], "ignore": ["N402"],
- *    "severity": {"N104": "warning", "N701": "off"},
- *    "overrides": [{"files": ["foliage"], "meshes": ["leaf*"], "materials": ["*grass*"], "ignore": ["N2"], "severity": {...}}]} */
+ *   {"profile": "print", "strict": true, "fail-on": "warning", "select": ["N1", "N3"], "ignore":
+ * ["N402"], "severity": {"N104": "warning", "N701": "off"}, "overrides": [{"files": ["foliage"],
+ * "meshes": ["leaf*"], "materials": ["*grass*"], "ignore": ["N2"], "severity": {...}}]} */
 #define _XOPEN_SOURCE 700
 #include "cli/check/check_command.h"
 #include <errno.h>
@@ -34,7 +35,8 @@ static int fail(const check_config *config, const char *where, const char *expec
     return 0;
 }
 
-static int read_rules(const check_config *config, const char *where, const json_t *list, uint8_t *mask) {
+static int read_rules(
+    const check_config *config, const char *where, const json_t *list, uint8_t *mask) {
     size_t i;
     json_t *word;
     char unknown[64] = "";
@@ -42,7 +44,8 @@ static int read_rules(const check_config *config, const char *where, const json_
         return fail(config, where, "a list of rules, such as [\"N301\", \"N5\", \"sliver-face\"]");
     json_array_foreach(list, i, word) {
         uint8_t some[CHECK_RULES] = {0};
-        if (!json_is_string(word) || norma_rules_select(json_string_value(word), some, unknown) != NORMA_OK)
+        if (!json_is_string(word) ||
+            norma_rules_select(json_string_value(word), some, unknown) != NORMA_OK)
             return fail(config, where, "ids of rules, their beginnings or names");
         for (size_t rule = 0; rule < CHECK_RULES; ++rule) mask[rule] |= some[rule];
     }
@@ -51,30 +54,32 @@ static int read_rules(const check_config *config, const char *where, const json_
 
 static int read_severity_name(const char *name) {
     static const char *const names[] = {"info", "warning", "error"};
-    static const int severities[] = {NORMA_SEVERITY_INFO, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_ERROR};
+    static const int severities[] = {
+        NORMA_SEVERITY_INFO, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_ERROR};
     for (size_t i = 0; name && i < CLI_COUNT(names); ++i)
-        if (strcmp(name, names[i]) == 0)
-            return severities[i];
+        if (strcmp(name, names[i]) == 0) return severities[i];
     return -1;
 }
 
-static int read_severities(const check_config *config, const char *where, json_t *table, uint8_t *severity) {
+static int read_severities(
+    const check_config *config, const char *where, json_t *table, uint8_t *severity) {
     const char *key;
     json_t *value;
     char unknown[64] = "";
     if (!json_is_object(table))
-        return fail(config, where, "an object of rules and \"off\", \"info\", \"warning\" or \"error\"");
+        return fail(
+            config, where, "an object of rules and \"off\", \"info\", \"warning\" or \"error\"");
     json_object_foreach(table, key, value) {
         uint8_t mask[CHECK_RULES] = {0};
         const char *word = json_string_value(value);
-        int number = word && strcmp(word, "off") == 0 ? CHECK_SEVERITY_OFF : read_severity_name(word);
+        int number =
+            word && strcmp(word, "off") == 0 ? CHECK_SEVERITY_OFF : read_severity_name(word);
         if (number < 0)
             return fail(config, where, "\"off\", \"info\", \"warning\" or \"error\" for each rule");
         if (norma_rules_select(key, mask, unknown) != NORMA_OK)
             return fail(config, where, "ids of rules, their beginnings or names as keys");
         for (size_t rule = 0; rule < CHECK_RULES; ++rule)
-            if (mask[rule])
-                severity[rule] = (uint8_t)number;
+            if (mask[rule]) severity[rule] = (uint8_t)number;
     }
     return 1;
 }
@@ -84,36 +89,32 @@ static void free_words(char **words) {
     free(words);
 }
 
-static int read_patterns(const check_config *config, const char *where, const json_t *list, char ***patterns) {
+static int read_patterns(
+    const check_config *config, const char *where, const json_t *list, char ***patterns) {
     size_t i;
     json_t *word;
-    if (!json_is_array(list))
-        return fail(config, where, "a list of patterns, such as [\"leaf*\"]");
+    if (!json_is_array(list)) return fail(config, where, "a list of patterns, such as [\"leaf*\"]");
     free_words(*patterns);
     *patterns = calloc(json_array_size(list) + 1, sizeof **patterns);
-    if (!*patterns)
-        return fail(config, where, "memory for it");
+    if (!*patterns) return fail(config, where, "memory for it");
     json_array_foreach(list, i, word) {
         if (!json_is_string(word))
             return fail(config, where, "a list of patterns, such as [\"leaf*\"]");
         (*patterns)[i] = strdup(json_string_value(word));
-        if (!(*patterns)[i])
-            return fail(config, where, "memory for it");
+        if (!(*patterns)[i]) return fail(config, where, "memory for it");
     }
     return 1;
 }
 
 static void turn_off(const uint8_t *mask, uint8_t *severity) {
     for (size_t rule = 0; rule < CHECK_RULES; ++rule)
-        if (mask[rule])
-            severity[rule] = CHECK_SEVERITY_OFF;
+        if (mask[rule]) severity[rule] = CHECK_SEVERITY_OFF;
 }
 
 static int read_override(const check_config *config, json_t *table, check_override *override) {
     const char *key;
     json_t *value;
-    if (!json_is_object(table))
-        return fail(config, "overrides", "a list of objects");
+    if (!json_is_object(table)) return fail(config, "overrides", "a list of objects");
     json_object_foreach(table, key, value) {
         uint8_t ignore[CHECK_RULES] = {0};
         int fine = 0;
@@ -130,8 +131,7 @@ static int read_override(const check_config *config, json_t *table, check_overri
             turn_off(ignore, override->severity);
         } else
             fine = fail(config, key, "files, meshes, materials, ignore or severity in an override");
-        if (!fine)
-            return 0;
+        if (!fine) return 0;
     }
     return 1;
 }
@@ -139,17 +139,13 @@ static int read_override(const check_config *config, json_t *table, check_overri
 static int read_overrides(check_config *config, const json_t *list) {
     size_t i;
     json_t *table;
-    if (!json_is_array(list))
-        return fail(config, "overrides", "a list of objects");
-    if (config->overrides)
-        return fail(config, "overrides", "them once");
+    if (!json_is_array(list)) return fail(config, "overrides", "a list of objects");
+    if (config->overrides) return fail(config, "overrides", "them once");
     config->overrides = calloc(json_array_size(list) + 1, sizeof *config->overrides);
-    if (!config->overrides)
-        return fail(config, "overrides", "memory for them");
+    if (!config->overrides) return fail(config, "overrides", "memory for them");
     json_array_foreach(list, i, table) {
         config->override_count = i + 1;
-        if (!read_override(config, table, &config->overrides[i]))
-            return 0;
+        if (!read_override(config, table, &config->overrides[i])) return 0;
     }
     return 1;
 }
@@ -167,15 +163,15 @@ static int read_profile(check_config *config, const json_t *value) {
 
 static int read_fail_on(check_config *config, const json_t *value) {
     const char *word = json_string_value(value);
-    config->fail_on = word && strcmp(word, "never") == 0 ? CHECK_FAIL_NEVER : read_severity_name(word);
-    return config->fail_on > 0 || fail(config, "fail-on", "\"error\", \"warning\", \"info\" or \"never\"");
+    config->fail_on =
+        word && strcmp(word, "never") == 0 ? CHECK_FAIL_NEVER : read_severity_name(word);
+    return config->fail_on > 0 ||
+           fail(config, "fail-on", "\"error\", \"warning\", \"info\" or \"never\"");
 }
 
 static int read_key(check_config *config, const char *key, json_t *value) {
-    if (strcmp(key, "profile") == 0)
-        return read_profile(config, value);
-    if (strcmp(key, "fail-on") == 0)
-        return read_fail_on(config, value);
+    if (strcmp(key, "profile") == 0) return read_profile(config, value);
+    if (strcmp(key, "fail-on") == 0) return read_fail_on(config, value);
     if (strcmp(key, "strict") == 0) {
         config->strict = json_is_true(value);
         return json_is_boolean(value) || fail(config, key, "true or false");
@@ -184,18 +180,14 @@ static int read_key(check_config *config, const char *key, json_t *value) {
         config->has_select = 1;
         return read_rules(config, key, value, config->select);
     }
-    if (strcmp(key, "ignore") == 0)
-        return read_rules(config, key, value, config->ignore);
-    if (strcmp(key, "severity") == 0)
-        return read_severities(config, key, value, config->severity);
-    if (strcmp(key, "overrides") == 0)
-        return read_overrides(config, value);
+    if (strcmp(key, "ignore") == 0) return read_rules(config, key, value, config->ignore);
+    if (strcmp(key, "severity") == 0) return read_severities(config, key, value, config->severity);
+    if (strcmp(key, "overrides") == 0) return read_overrides(config, value);
     return fail(config, key, "profile, strict, fail-on, select, ignore, severity or overrides");
 }
 
 static void free_config(check_config *config) {
-    if (!config)
-        return;
+    if (!config) return;
     for (size_t i = 0; i < config->override_count; ++i) {
         free_words(config->overrides[i].files);
         free_words(config->overrides[i].meshes);
@@ -213,7 +205,8 @@ static char *folder_of(const char *path) {
 }
 
 static char *absolute_folder_of(const char *path) {
-    char *folder = folder_of(path), *absolute = folder ? realpath(folder[0] ? folder : ".", NULL) : NULL;
+    char *folder = folder_of(path),
+         *absolute = folder ? realpath(folder[0] ? folder : ".", NULL) : NULL;
     free(folder);
     return absolute;
 }
@@ -227,8 +220,7 @@ static check_config *without_memory(void) {
 
 static check_config *read_config(const char *path) {
     check_config *config = calloc(1, sizeof *config);
-    if (!config)
-        return without_memory();
+    if (!config) return without_memory();
     json_error_t error;
     const char *key;
     json_t *value, *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
@@ -237,16 +229,15 @@ static check_config *read_config(const char *path) {
     config->folder = absolute_folder_of(path);
     int fine = config->path && config->folder && root;
     if (!root)
-        fprintf(stderr, "norma: %s:%d: %s; expected a configuration in JSON\n", path, error.line, error.text);
+        fprintf(stderr, "norma: %s:%d: %s; expected a configuration in JSON\n", path, error.line,
+            error.text);
     else if (!config->path || !config->folder)
         without_memory();
     else if (!json_is_object(root))
         fine = fail(config, "the file", "an object");
-    if (fine)
-        json_object_foreach(root, key, value) fine = fine && read_key(config, key, value);
+    if (fine) json_object_foreach(root, key, value) fine = fine && read_key(config, key, value);
     json_decref(root);
-    if (fine)
-        return config;
+    if (fine) return config;
     free_config(config);
     return NULL;
 }
@@ -255,19 +246,17 @@ static check_config *read_config(const char *path) {
 
 static check_config *add_config(check_configs *configs, const char *path) {
     for (size_t i = 0; i < configs->config_count; ++i)
-        if (strcmp(configs->configs[i]->path, path) == 0)
-            return configs->configs[i];
+        if (strcmp(configs->configs[i]->path, path) == 0) return configs->configs[i];
     check_config **grown = realloc(configs->configs, (configs->config_count + 1) * sizeof *grown);
-    if (!grown)
-        return without_memory();
+    if (!grown) return without_memory();
     configs->configs = grown;
     check_config *config = read_config(path);
-    if (config)
-        configs->configs[configs->config_count++] = config;
+    if (config) configs->configs[configs->config_count++] = config;
     return config;
 }
 
-/* In folder (absolute, without its last slash) or above. *found stays NULL where there is none. 0: it is there and cannot be read. */
+/* In folder (absolute, without its last slash) or above. *found stays NULL where there is none. 0:
+ * it is there and cannot be read. */
 static int find_upward(check_configs *configs, char *folder, check_config **found) {
     for (;;) {
         char *slash, path[4200];
@@ -278,8 +267,7 @@ static int find_upward(check_configs *configs, char *folder, check_config **foun
             return *found != NULL;
         }
         slash = strrchr(folder, '/');
-        if (!slash)
-            return 1;
+        if (!slash) return 1;
         *slash = '\0';
     }
 }
@@ -287,11 +275,9 @@ static int find_upward(check_configs *configs, char *folder, check_config **foun
 static check_config *config_of_folder(check_configs *configs, const char *folder) {
     check_config *found = &configs->empty;
     char *absolute = realpath(folder[0] ? folder : ".", NULL);
-    if (!absolute)
-        return found; /* the file will not be found either */
+    if (!absolute) return found; /* the file will not be found either */
     check_config *above = NULL;
-    if (strcmp(absolute, "/") == 0)
-        absolute[0] = '\0';
+    if (strcmp(absolute, "/") == 0) absolute[0] = '\0';
     if (!find_upward(configs, absolute, &above))
         found = NULL;
     else if (above)
@@ -302,8 +288,7 @@ static check_config *config_of_folder(check_configs *configs, const char *folder
 
 check_configs *check_configs_new(const char *named, int none) {
     check_configs *configs = calloc(1, sizeof *configs);
-    if (!configs)
-        return NULL;
+    if (!configs) return NULL;
     configs->named = named;
     configs->none = none;
     configs->empty.strict = configs->empty.fail_on = -1;
@@ -311,8 +296,7 @@ check_configs *check_configs_new(const char *named, int none) {
 }
 
 void check_configs_free(check_configs *configs) {
-    if (!configs)
-        return;
+    if (!configs) return;
     for (size_t i = 0; i < configs->config_count; ++i) free_config(configs->configs[i]);
     for (size_t i = 0; i < configs->entry_count; ++i) free(configs->entries[i].folder);
     free(configs->configs);
@@ -321,7 +305,8 @@ void check_configs_free(check_configs *configs) {
 }
 
 static const check_config *remember(check_configs *configs, char *folder, check_config *config) {
-    config_entry *grown = config ? realloc(configs->entries, (configs->entry_count + 1) * sizeof *grown) : NULL;
+    config_entry *grown =
+        config ? realloc(configs->entries, (configs->entry_count + 1) * sizeof *grown) : NULL;
     if (!grown) {
         free(folder);
         return config;
@@ -332,13 +317,10 @@ static const check_config *remember(check_configs *configs, char *folder, check_
 }
 
 const check_config *check_config_of(check_configs *configs, const char *path) {
-    if (configs->none)
-        return &configs->empty;
-    if (configs->named)
-        return add_config(configs, configs->named);
+    if (configs->none) return &configs->empty;
+    if (configs->named) return add_config(configs, configs->named);
     char *folder = folder_of(path);
-    if (!folder)
-        return without_memory();
+    if (!folder) return without_memory();
     /* Files of one folder follow each other. */
     for (size_t i = configs->entry_count; i-- > 0;)
         if (strcmp(configs->entries[i].folder, folder) == 0) {

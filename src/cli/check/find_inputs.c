@@ -1,5 +1,6 @@
-/* find_inputs.c: which files norma check looks at: those that are named, those of folders and below, those that patterns match, those of a list. Folders are walked
- * in the order of names, so that a report does not depend on the file system; what is hidden is passed over there. */
+/* find_inputs.c: which files norma check looks at: those that are named, those of folders and
+ * below, those that patterns match, those of a list. Folders are walked in the order of names, so
+ * that a report does not depend on the file system; what is hidden is passed over there. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include <dirent.h>
@@ -15,8 +16,7 @@ static int out_of_memory(void) {
 }
 
 static int add_path(check_inputs *inputs, char *path) {
-    if (!path)
-        return out_of_memory();
+    if (!path) return out_of_memory();
     if (inputs->count == inputs->capacity) {
         size_t capacity = inputs->capacity ? 2 * inputs->capacity : 64;
         char **paths = realloc(inputs->paths, capacity * sizeof *paths);
@@ -38,7 +38,8 @@ void check_inputs_free(check_inputs *inputs) {
 
 /* ---- patterns */
 
-/* Both run component by component; the last "**" met is where a mismatch goes back to, so nothing is tried twice. */
+/* Both run component by component; the last "**" met is where a mismatch goes back to, so nothing
+ * is tried twice. */
 static int components_match(const char *pattern, const char *path) {
     const char *star = NULL, *resume = NULL;
     char part[512], name[512];
@@ -48,26 +49,24 @@ static int components_match(const char *pattern, const char *path) {
             star = pattern + length + (pattern[length] == '/');
             resume = path;
             pattern = star;
-            if (!*pattern)
-                return 1;
+            if (!*pattern) return 1;
             continue;
         }
         int same = 0;
         if (*pattern && *path && length < sizeof part && name_length < sizeof name) {
             memcpy(part, pattern, length), part[length] = '\0';
             memcpy(name, path, name_length), name[name_length] = '\0';
-            same = fnmatch(part, name, 0) == 0 && (pattern[length] == '\0') == (path[name_length] == '\0');
+            same = fnmatch(part, name, 0) == 0 &&
+                   (pattern[length] == '\0') == (path[name_length] == '\0');
             /* A pattern that goes on after "**" must reach the path's end. */
-            if (same && pattern[length] == '\0')
-                return 1;
+            if (same && pattern[length] == '\0') return 1;
         }
         if (same) {
             pattern += length + 1;
             path += name_length + 1;
             continue;
         }
-        if (!star || !resume[strcspn(resume, "/")])
-            return 0;
+        if (!star || !resume[strcspn(resume, "/")]) return 0;
         resume += strcspn(resume, "/") + 1;
         path = resume;
         pattern = star;
@@ -85,31 +84,34 @@ static char *join(const char *folder, const char *name) {
     size_t length = strlen(folder), size = length + strlen(name) + 2;
     char *path = malloc(size);
     if (path)
-        snprintf(path, size, "%s%s%s", folder, length && folder[length - 1] != '/' ? "/" : "", name);
+        snprintf(
+            path, size, "%s%s%s", folder, length && folder[length - 1] != '/' ? "/" : "", name);
     return path;
 }
 
 static int is_visible(const struct dirent *entry) { return entry->d_name[0] != '.'; }
 
-static int compare_names(const struct dirent **a, const struct dirent **b) { return strcmp((*a)->d_name, (*b)->d_name); }
+static int compare_names(const struct dirent **a, const struct dirent **b) {
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
 
 typedef struct folder_walk {
     check_inputs *found;
-    check_inputs folders;    /* to be walked yet; the last first */
-    const char *pattern;     /* NULL: all files of a format that can be read */
+    check_inputs folders; /* to be walked yet; the last first */
+    const char *pattern;  /* NULL: all files of a format that can be read */
 } folder_walk;
 
 static int is_wanted(const folder_walk *walk, const char *path) {
-    return walk->pattern ? components_match(walk->pattern, path) : norma_file_format_of_path(path) != NORMA_FILE_UNKNOWN;
+    return walk->pattern ? components_match(walk->pattern, path)
+                         : norma_file_format_of_path(path) != NORMA_FILE_UNKNOWN;
 }
 
-/* A link to a file is a file; one to a folder is not followed, since it may lead round in a circle. */
+/* A link to a file is a file; one to a folder is not followed, since it may lead round in a circle.
+ */
 static int add_entry(folder_walk *walk, char *path) {
     struct stat status;
-    if (!path)
-        return out_of_memory();
-    if (lstat(path, &status) == 0 && S_ISDIR(status.st_mode))
-        return add_path(&walk->folders, path);
+    if (!path) return out_of_memory();
+    if (lstat(path, &status) == 0 && S_ISDIR(status.st_mode)) return add_path(&walk->folders, path);
     if (is_wanted(walk, path) && stat(path, &status) == 0 && S_ISREG(status.st_mode))
         return add_path(walk->found, path);
     free(path);
@@ -118,9 +120,11 @@ static int add_entry(folder_walk *walk, char *path) {
 
 static int walk_one(folder_walk *walk, const char *folder) {
     struct dirent **entries;
-    int count = scandir(folder[0] ? folder : ".", &entries, is_visible, compare_names), status = CLI_OK;
+    int count = scandir(folder[0] ? folder : ".", &entries, is_visible, compare_names),
+        status = CLI_OK;
     if (count < 0) {
-        fprintf(stderr, "norma: %s: cannot be read: %s\n", folder[0] ? folder : ".", strerror(errno));
+        fprintf(
+            stderr, "norma: %s: cannot be read: %s\n", folder[0] ? folder : ".", strerror(errno));
         return CLI_FILE;
     }
     size_t first = walk->folders.count;
@@ -156,8 +160,7 @@ static int add_pattern(check_inputs *inputs, const char *pattern) {
     size_t before = inputs->count, length = strcspn(pattern, "*?[");
     while (length && pattern[length - 1] != '/') --length;
     char *folder = malloc(length + 1);
-    if (!folder)
-        return out_of_memory();
+    if (!folder) return out_of_memory();
     memcpy(folder, pattern, length);
     folder[length] = '\0';
     int status = walk_folder(inputs, folder, pattern);
@@ -171,8 +174,7 @@ static int add_pattern(check_inputs *inputs, const char *pattern) {
 
 int check_inputs_add(const cli_verb *verb, check_inputs *inputs, const char *word) {
     struct stat status;
-    if (!word[0])
-        return cli_usage(verb, "the name of an input is empty");
+    if (!word[0]) return cli_usage(verb, "the name of an input is empty");
     int is_there = strcmp(word, "-") != 0 && stat(word, &status) == 0;
     if (is_there && S_ISDIR(status.st_mode)) {
         size_t before = inputs->count;
@@ -183,8 +185,7 @@ int check_inputs_add(const cli_verb *verb, check_inputs *inputs, const char *wor
         }
         return result;
     }
-    if (!is_there && strpbrk(word, "*?["))
-        return add_pattern(inputs, word);
+    if (!is_there && strpbrk(word, "*?[")) return add_pattern(inputs, word);
     char *copy = malloc(strlen(word) + 1);
     return copy ? add_path(inputs, strcpy(copy, word)) : out_of_memory();
 }
@@ -200,7 +201,8 @@ int check_inputs_add_list(const cli_verb *verb, check_inputs *inputs, const char
         return CLI_FILE;
     }
     while (!status && (length = getline(&line, &capacity, file)) >= 0) {
-        while (length && (line[length - 1] == '\n' || line[length - 1] == '\r')) line[--length] = '\0';
+        while (length && (line[length - 1] == '\n' || line[length - 1] == '\r'))
+            line[--length] = '\0';
         if (strcmp(line, "-") == 0)
             status = cli_usage(verb, "--files-from %s names standard input", list);
         else if (length)
@@ -211,7 +213,6 @@ int check_inputs_add_list(const cli_verb *verb, check_inputs *inputs, const char
         status = CLI_FILE;
     }
     free(line);
-    if (!standard)
-        fclose(file);
+    if (!standard) fclose(file);
     return status;
 }

@@ -1,5 +1,7 @@
-/* finding_picture.c: the surface round a finding's worst place, as SVG: its nearest faces seen along the normals of those that are meant, from far to near (the painter's
- * algorithm; Newell, Newell, Sancha 1972), grey by their slope to the light, those that are named red, the stored normals of vertices that are named as lines. */
+/* finding_picture.c: the surface round a finding's worst place, as SVG: its nearest faces seen
+ * along the normals of those that are meant, from far to near (the painter's algorithm; Newell,
+ * Newell, Sancha 1972), grey by their slope to the light, those that are named red, the stored
+ * normals of vertices that are named as lines. */
 #include "cli/check/finding_picture.h"
 #include <math.h>
 #include <stdlib.h>
@@ -23,13 +25,16 @@ typedef struct picture {
 
 /* ---- reading the mesh */
 
-static size_t face_count(const norma_mesh *mesh) { return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3; }
-static size_t face_begin(const norma_mesh *mesh, size_t face) { return mesh->face_starts ? mesh->face_starts[face] : 3 * face; }
+static size_t face_count(const norma_mesh *mesh) {
+    return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
+}
+static size_t face_begin(const norma_mesh *mesh, size_t face) {
+    return mesh->face_starts ? mesh->face_starts[face] : 3 * face;
+}
 static size_t face_end(const norma_mesh *mesh, size_t face) { return face_begin(mesh, face + 1); }
 
 static size_t corner_position(const norma_mesh *mesh, size_t corner) {
-    if (!mesh->corners)
-        return corner;
+    if (!mesh->corners) return corner;
     switch (mesh->corner_size) {
     case 1:
         return ((const uint8_t *)mesh->corners)[corner];
@@ -76,26 +81,28 @@ static size_t tight(norma_format format) {
 }
 
 static int read_vector(const norma_vec3_view *view, size_t index, double vector[3]) {
-    if (index >= view->count)
-        return 0;
-    const char *at = (const char *)view->data + index * (view->stride ? view->stride : tight(view->format));
+    if (index >= view->count) return 0;
+    const char *at =
+        (const char *)view->data + index * (view->stride ? view->stride : tight(view->format));
     for (int axis = 0; axis < 3; ++axis) vector[axis] = component(view, at, axis);
     return isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]);
 }
 
 /* ---- small vectors */
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static void cross(const double a[3], const double b[3], double out[3]) {
-    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2],
+           z = a[0] * b[1] - a[1] * b[0];
     out[0] = x, out[1] = y, out[2] = z;
 }
 
 static int normalise(double v[3]) {
     double length = sqrt(dot(v, v));
-    if (!(length > 0) || !isfinite(length))
-        return 0;
+    if (!(length > 0) || !isfinite(length)) return 0;
     for (int axis = 0; axis < 3; ++axis) v[axis] /= length;
     return 1;
 }
@@ -108,7 +115,8 @@ static int face_normal(const norma_mesh *mesh, size_t face, double normal[3]) {
     if (end - begin < 3 || !read_vector(&mesh->positions, corner_position(mesh, begin), first))
         return 0;
     for (size_t corner = begin + 1; corner + 1 < end; ++corner) {
-        if (!read_vector(&mesh->positions, corner_position(mesh, corner), a) || !read_vector(&mesh->positions, corner_position(mesh, corner + 1), b))
+        if (!read_vector(&mesh->positions, corner_position(mesh, corner), a) ||
+            !read_vector(&mesh->positions, corner_position(mesh, corner + 1), b))
             return 0;
         for (int axis = 0; axis < 3; ++axis) a[axis] -= first[axis], b[axis] -= first[axis];
         cross(a, b, part);
@@ -121,35 +129,31 @@ static int face_normal(const norma_mesh *mesh, size_t face, double normal[3]) {
 
 static int is_sampled_face(const norma_finding *finding, size_t face) {
     for (size_t i = 0; i < finding->sample_count; ++i)
-        if (finding->samples[i].face == face)
-            return 1;
+        if (finding->samples[i].face == face) return 1;
     return finding->worst.face == face;
 }
 
 static int is_sampled_vertex(const norma_finding *finding, size_t vertex) {
     for (size_t i = 0; i < finding->sample_count; ++i)
-        if (finding->samples[i].vertex == vertex)
-            return 1;
+        if (finding->samples[i].vertex == vertex) return 1;
     return finding->worst.vertex == vertex;
 }
 
 static int is_meant(const picture *drawn, size_t face) {
     const norma_mesh *mesh = &drawn->data->mesh;
-    if (is_sampled_face(drawn->finding, face))
-        return 1;
-    if (drawn->finding->worst.face != SIZE_MAX)
-        return 0;
+    if (is_sampled_face(drawn->finding, face)) return 1;
+    if (drawn->finding->worst.face != SIZE_MAX) return 0;
     size_t end = face_end(mesh, face);
     for (size_t corner = face_begin(mesh, face); corner < end; ++corner)
-        if (is_sampled_vertex(drawn->finding, corner_position(mesh, corner)))
-            return 1;
+        if (is_sampled_vertex(drawn->finding, corner_position(mesh, corner))) return 1;
     return 0;
 }
 
 static int find_place(picture *drawn) {
-    const norma_sample *sample = drawn->finding->worst.has_position ? &drawn->finding->worst : drawn->finding->sample_count ? drawn->finding->samples : NULL;
-    if (!sample || !sample->has_position)
-        return 0;
+    const norma_sample *sample = drawn->finding->worst.has_position ? &drawn->finding->worst
+                                 : drawn->finding->sample_count     ? drawn->finding->samples
+                                                                    : NULL;
+    if (!sample || !sample->has_position) return 0;
     memcpy(drawn->place, sample->position, sizeof drawn->place);
     return isfinite(dot(drawn->place, drawn->place));
 }
@@ -158,8 +162,7 @@ static int find_place(picture *drawn) {
 
 static int compare_distance(const void *a, const void *b) {
     const near_face *one = a, *other = b;
-    if (one->distance != other->distance)
-        return one->distance < other->distance ? -1 : 1;
+    if (one->distance != other->distance) return one->distance < other->distance ? -1 : 1;
     return one->face < other->face ? -1 : one->face > other->face;
 }
 
@@ -169,24 +172,22 @@ static double distance_of(const picture *drawn, size_t face) {
     size_t end = face_end(mesh, face);
     double nearest = INFINITY, at[3];
     for (size_t corner = face_begin(mesh, face); corner < end; ++corner) {
-        if (!read_vector(&mesh->positions, corner_position(mesh, corner), at))
-            return INFINITY;
+        if (!read_vector(&mesh->positions, corner_position(mesh, corner), at)) return INFINITY;
         for (int axis = 0; axis < 3; ++axis) at[axis] -= drawn->place[axis];
         nearest = fmin(nearest, dot(at, at));
     }
     return nearest;
 }
 
-/* The nearest MOST_FACES, kept as a heap would: the list is cut back whenever it is twice as long. */
+/* The nearest MOST_FACES, kept as a heap would: the list is cut back whenever it is twice as long.
+ */
 static int gather(picture *drawn) {
     const norma_mesh *mesh = &drawn->data->mesh;
     drawn->faces = malloc(2 * MOST_FACES * sizeof *drawn->faces);
-    if (!drawn->faces)
-        return 0;
+    if (!drawn->faces) return 0;
     for (size_t face = 0; face < face_count(mesh); ++face) {
         double distance = distance_of(drawn, face);
-        if (!isfinite(distance))
-            continue;
+        if (!isfinite(distance)) continue;
         drawn->faces[drawn->count++] = (near_face){face, distance};
         if (drawn->count == 2 * MOST_FACES) {
             qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
@@ -203,19 +204,17 @@ static int gather(picture *drawn) {
 static void look(picture *drawn) {
     double sum[3] = {0, 0, 0}, normal[3], helper[3] = {0, 1, 0};
     for (size_t i = 0; i < drawn->count; ++i) {
-        if (!face_normal(&drawn->data->mesh, drawn->faces[i].face, normal))
-            continue;
+        if (!face_normal(&drawn->data->mesh, drawn->faces[i].face, normal)) continue;
         double weight = 1.0 / (1.0 + (double)i);
         for (int axis = 0; axis < 3; ++axis) sum[axis] += weight * normal[axis];
     }
-    if (!normalise(sum))
-        sum[0] = sum[1] = 0, sum[2] = 1;
-    if (fabs(sum[1]) > 0.9)
-        helper[1] = 0, helper[2] = 1;
+    if (!normalise(sum)) sum[0] = sum[1] = 0, sum[2] = 1;
+    if (fabs(sum[1]) > 0.9) helper[1] = 0, helper[2] = 1;
     cross(helper, sum, drawn->right);
     normalise(drawn->right);
     cross(sum, drawn->right, drawn->up);
-    for (int axis = 0; axis < 3; ++axis) drawn->view[axis] = sum[axis] + 0.35 * drawn->right[axis] + 0.3 * drawn->up[axis];
+    for (int axis = 0; axis < 3; ++axis)
+        drawn->view[axis] = sum[axis] + 0.35 * drawn->right[axis] + 0.3 * drawn->up[axis];
     normalise(drawn->view);
     cross(drawn->up, drawn->view, drawn->right);
     normalise(drawn->right);
@@ -249,7 +248,8 @@ static void project(const picture *drawn, const double at[3], double *x, double 
 static void sort_by_depth(picture *drawn) {
     const norma_mesh *mesh = &drawn->data->mesh;
     for (size_t i = 0; i < drawn->count; ++i) {
-        size_t face = drawn->faces[i].face, begin = face_begin(mesh, face), end = face_end(mesh, face);
+        size_t face = drawn->faces[i].face, begin = face_begin(mesh, face),
+               end = face_end(mesh, face);
         double sum = 0, at[3], x, y, depth;
         for (size_t corner = begin; corner < end; ++corner)
             if (read_vector(&mesh->positions, corner_position(mesh, corner), at)) {
@@ -272,8 +272,7 @@ static void draw_face(FILE *out, const picture *drawn, size_t face) {
     else
         fprintf(out, "<path fill='rgb(%d,%d,%d)' d='M", grey, grey, grey);
     for (size_t corner = begin; corner < end; ++corner) {
-        if (!read_vector(&mesh->positions, corner_position(mesh, corner), at))
-            continue;
+        if (!read_vector(&mesh->positions, corner_position(mesh, corner), at)) continue;
         project(drawn, at, &x, &y, &depth);
         fprintf(out, "%s%.1f %.1f", corner > begin ? "L" : "", x, y);
     }
@@ -282,18 +281,21 @@ static void draw_face(FILE *out, const picture *drawn, size_t face) {
 
 /* Stored normals of the vertices that are named, a quarter of the picture long. */
 static void draw_normals(FILE *out, const picture *drawn) {
-    if (drawn->data->corner_normals)
-        return;
+    if (drawn->data->corner_normals) return;
     for (size_t i = 0; i < drawn->finding->sample_count && i < MOST_SAMPLES; ++i) {
         const norma_sample *sample = &drawn->finding->samples[i];
         double normal[3], from[3], to[3], x0, y0, x1, y1, depth;
-        if (sample->vertex == SIZE_MAX || !sample->has_position || !read_vector(&drawn->data->normals, sample->vertex, normal) || !normalise(normal))
+        if (sample->vertex == SIZE_MAX || !sample->has_position ||
+            !read_vector(&drawn->data->normals, sample->vertex, normal) || !normalise(normal))
             continue;
         memcpy(from, sample->position, sizeof from);
-        for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis] + 0.5 * drawn->radius * normal[axis];
+        for (int axis = 0; axis < 3; ++axis)
+            to[axis] = from[axis] + 0.5 * drawn->radius * normal[axis];
         project(drawn, from, &x0, &y0, &depth);
         project(drawn, to, &x1, &y1, &depth);
-        fprintf(out, "<path class='n' d='M%.1f %.1fL%.1f %.1f'/><circle cx='%.1f' cy='%.1f' r='2.5'/>\n", x0, y0, x1, y1, x0, y0);
+        fprintf(out,
+            "<path class='n' d='M%.1f %.1fL%.1f %.1f'/><circle cx='%.1f' cy='%.1f' r='2.5'/>\n", x0,
+            y0, x1, y1, x0, y0);
     }
 }
 
@@ -308,12 +310,15 @@ static int find_mesh(norma_document *document, const char *where, norma_mesh_dat
 void check_draw_finding(FILE *out, norma_document *document, const norma_finding *finding) {
     norma_mesh_data data;
     picture drawn = {.data = &data, .finding = finding};
-    if (document && find_place(&drawn) && find_mesh(document, finding->where, &data) && gather(&drawn)) {
+    if (document && find_place(&drawn) && find_mesh(document, finding->where, &data) &&
+        gather(&drawn)) {
         look(&drawn);
         choose_radius(&drawn);
         if (drawn.radius > 0 && isfinite(drawn.radius)) {
             sort_by_depth(&drawn);
-            fprintf(out, "<svg viewBox='0 0 %d %d' role='img' aria-label='the place of the worst'>\n", SIDE, SIDE);
+            fprintf(out,
+                "<svg viewBox='0 0 %d %d' role='img' aria-label='the place of the worst'>\n", SIDE,
+                SIDE);
             for (size_t i = 0; i < drawn.count; ++i) draw_face(out, &drawn, drawn.faces[i].face);
             draw_normals(out, &drawn);
             fputs("</svg>\n", out);

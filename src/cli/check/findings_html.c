@@ -1,48 +1,73 @@
-/* findings_html.c: findings as one HTML file that needs nothing else: a table that is sorted by its heads, filtered by severity and words, with a drawing of each place. */
+/* findings_html.c: findings as one HTML file that needs nothing else: a table that is sorted by its
+ * heads, filtered by severity and words, with a drawing of each place. */
 #include "cli/check/finding_picture.h"
 #include <math.h>
 #include <string.h>
 
 static const char head[] =
-    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\n"
+    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+    "content=\"width=device-width\">\n"
     "<title>norma check</title>\n<style>\n"
-    ":root{color-scheme:light dark;--line:#8884;--soft:#8882;--error:#c62828;--warning:#b26a00;--info:#2a6db0}\n"
+    ":root{color-scheme:light "
+    "dark;--line:#8884;--soft:#8882;--error:#c62828;--warning:#b26a00;--info:#2a6db0}\n"
     "@media(prefers-color-scheme:dark){:root{--error:#ff8a80;--warning:#ffc46b;--info:#8cc2ff}}\n"
     "body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:78rem;padding:0 1rem}\n"
     "h1{font-size:1.4rem;margin:0 0 .3rem}p{margin:.3rem 0}\n"
     "form{display:flex;gap:1rem;flex-wrap:wrap;align-items:center;margin:1rem 0}\n"
-    "table{border-collapse:collapse;width:100%}th,td{text-align:left;vertical-align:top;padding:.5rem .6rem;border-bottom:1px solid var(--line)}\n"
-    "th button{all:unset;cursor:pointer;font-weight:600}th button:focus-visible{outline:2px solid currentColor}\n"
-    "th[aria-sort=ascending] button::after{content:\" \\2191\"}th[aria-sort=descending] button::after{content:\" \\2193\"}\n"
+    "table{border-collapse:collapse;width:100%}th,td{text-align:left;vertical-align:top;padding:."
+    "5rem .6rem;border-bottom:1px solid var(--line)}\n"
+    "th button{all:unset;cursor:pointer;font-weight:600}th button:focus-visible{outline:2px solid "
+    "currentColor}\n"
+    "th[aria-sort=ascending] button::after{content:\" \\2191\"}th[aria-sort=descending] "
+    "button::after{content:\" \\2193\"}\n"
     "td.number{text-align:right;font-variant-numeric:tabular-nums}\n"
-    ".error{color:var(--error)}.warning{color:var(--warning)}.info{color:var(--info)}.severity{font-weight:600}\n"
-    ".place{color:GrayText;font-size:.9em;overflow-wrap:anywhere}code{font-size:.92em;background:var(--soft);padding:0 .25em;border-radius:3px}\n"
+    ".error{color:var(--error)}.warning{color:var(--warning)}.info{color:var(--info)}.severity{"
+    "font-weight:600}\n"
+    ".place{color:GrayText;font-size:.9em;overflow-wrap:anywhere}code{font-size:.92em;background:"
+    "var(--soft);padding:0 .25em;border-radius:3px}\n"
     "svg{width:180px;height:180px;background:var(--soft);border-radius:6px;overflow:hidden}\n"
-    "svg path{stroke:#0006;stroke-width:.5;stroke-linejoin:round}svg .m{stroke:#800}svg .n{stroke:#0b57d0;stroke-width:2;fill:none}svg circle{fill:#0b57d0}\n"
-    ".bins td{padding:0 .4rem;border:0;font-size:.85em;white-space:nowrap}.bins i{display:inline-block;height:.7em;background:var(--info)}\n"
+    "svg path{stroke:#0006;stroke-width:.5;stroke-linejoin:round}svg .m{stroke:#800}svg "
+    ".n{stroke:#0b57d0;stroke-width:2;fill:none}svg circle{fill:#0b57d0}\n"
+    ".bins td{padding:0 .4rem;border:0;font-size:.85em;white-space:nowrap}.bins "
+    "i{display:inline-block;height:.7em;background:var(--info)}\n"
     "tr[hidden]{display:none}\n"
     "</style></head><body>\n<h1>norma check</h1>\n<p id=\"verdict\"></p>\n"
-    "<form><label>Show <select id=\"least\"><option value=\"1\">everything</option><option value=\"2\">warnings and errors</option>"
+    "<form><label>Show <select id=\"least\"><option value=\"1\">everything</option><option "
+    "value=\"2\">warnings and errors</option>"
     "<option value=\"3\">errors</option></select></label>\n"
-    "<label>with the words <input id=\"words\" type=\"search\"></label> <span id=\"shown\" role=\"status\"></span></form>\n"
-    "<table><thead><tr><th><button type=\"button\">Severity</button></th><th><button type=\"button\">Rule</button></th>"
-    "<th><button type=\"button\">File and place</button></th><th><button type=\"button\">Count</button></th><th><button type=\"button\">Worst</button></th>"
+    "<label>with the words <input id=\"words\" type=\"search\"></label> <span id=\"shown\" "
+    "role=\"status\"></span></form>\n"
+    "<table><thead><tr><th><button type=\"button\">Severity</button></th><th><button "
+    "type=\"button\">Rule</button></th>"
+    "<th><button type=\"button\">File and place</button></th><th><button "
+    "type=\"button\">Count</button></th><th><button type=\"button\">Worst</button></th>"
     "<th>What</th><th>Where it is</th></tr></thead>\n<tbody>\n";
 
 static const char script[] =
     "<script>\n"
-    "const body=document.querySelector('table>tbody'),heads=[...document.querySelectorAll('thead th')];\n"
-    "const key=(row,i)=>{const cell=row.cells[i];return cell.dataset.key!==undefined?+cell.dataset.key:cell.textContent};\n"
+    "const body=document.querySelector('table>tbody'),heads=[...document.querySelectorAll('thead "
+    "th')];\n"
+    "const key=(row,i)=>{const cell=row.cells[i];return "
+    "cell.dataset.key!==undefined?+cell.dataset.key:cell.textContent};\n"
     "heads.forEach((th,i)=>th.querySelector('button')?.addEventListener('click',()=>{\n"
     "  const down=th.getAttribute('aria-sort')==='ascending';\n"
-    "  heads.forEach(other=>other.removeAttribute('aria-sort'));th.setAttribute('aria-sort',down?'descending':'ascending');\n"
-    "  const rows=[...body.children].sort((a,b)=>{const x=key(a,i),y=key(b,i);return (x<y?-1:x>y?1:0)*(down?-1:1)});\n"
+    "  "
+    "heads.forEach(other=>other.removeAttribute('aria-sort'));th.setAttribute('aria-sort',down?'"
+    "descending':'ascending');\n"
+    "  const rows=[...body.children].sort((a,b)=>{const x=key(a,i),y=key(b,i);return "
+    "(x<y?-1:x>y?1:0)*(down?-1:1)});\n"
     "  body.append(...rows)}));\n"
-    "const show=()=>{const least=+document.getElementById('least').value,words=document.getElementById('words').value.toLowerCase();let n=0;\n"
-    "  for(const row of body.children){row.hidden=+row.cells[0].dataset.key<least||!row.textContent.toLowerCase().includes(words);n+=!row.hidden}\n"
+    "const show=()=>{const "
+    "least=+document.getElementById('least').value,words=document.getElementById('words').value."
+    "toLowerCase();let n=0;\n"
+    "  for(const row of "
+    "body.children){row.hidden=+row.cells[0].dataset.key<least||!row.textContent.toLowerCase()."
+    "includes(words);n+=!row.hidden}\n"
     "  document.getElementById('shown').textContent=n+' of '+body.children.length};\n"
-    "document.querySelector('form').addEventListener('input',show);document.querySelector('form').addEventListener('submit',e=>e.preventDefault());\n"
-    "document.getElementById('verdict').textContent=document.getElementById('last').textContent;show();\n"
+    "document.querySelector('form').addEventListener('input',show);document.querySelector('form')."
+    "addEventListener('submit',e=>e.preventDefault());\n"
+    "document.getElementById('verdict').textContent=document.getElementById('last').textContent;"
+    "show();\n"
     "const gravest=heads[0].querySelector('button');gravest.click();gravest.click();\n"
     "</script>\n</body></html>\n";
 
@@ -74,18 +99,18 @@ static void write_worst(FILE *out, const norma_finding *finding) {
         return;
     }
     snprintf(text, sizeof text, "%.4g", finding->worst_value);
-    fprintf(out, "<td class=\"number\" data-key=\"%.9g\">%s%s%s</td>", finding->worst_value, text, finding->unit[0] ? " " : "", finding->unit);
+    fprintf(out, "<td class=\"number\" data-key=\"%.9g\">%s%s%s</td>", finding->worst_value, text,
+        finding->unit[0] ? " " : "", finding->unit);
 }
 
 static void write_place(FILE *out, const norma_finding *finding) {
     const norma_sample *worst = &finding->worst;
     fputs("<p class=\"place\">", out);
-    if (worst->vertex != SIZE_MAX)
-        fprintf(out, "vertex %zu ", worst->vertex);
-    if (worst->face != SIZE_MAX)
-        fprintf(out, "face %zu ", worst->face);
+    if (worst->vertex != SIZE_MAX) fprintf(out, "vertex %zu ", worst->vertex);
+    if (worst->face != SIZE_MAX) fprintf(out, "face %zu ", worst->face);
     if (worst->has_position)
-        fprintf(out, "at (%.6g, %.6g, %.6g)", worst->position[0], worst->position[1], worst->position[2]);
+        fprintf(out, "at (%.6g, %.6g, %.6g)", worst->position[0], worst->position[1],
+            worst->position[2]);
     fputs("</p>", out);
 }
 
@@ -98,16 +123,18 @@ static void write_histogram(FILE *out, const norma_deviation *deviation) {
     }
     fputs("<table class=\"bins\">", out);
     for (size_t bin = 0; bin <= last; ++bin)
-        fprintf(out, "<tr><td>below %g\302\260</td><td><i style=\"width:%.1fem\"></i> %zu</td></tr>", cli_given_degrees(norma_deviation_bound_rad(bin)),
-                8.0 * (double)deviation->histogram[bin] / (double)most, deviation->histogram[bin]);
+        fprintf(out,
+            "<tr><td>below %g\302\260</td><td><i style=\"width:%.1fem\"></i> %zu</td></tr>",
+            cli_given_degrees(norma_deviation_bound_rad(bin)),
+            8.0 * (double)deviation->histogram[bin] / (double)most, deviation->histogram[bin]);
     fputs("</table>", out);
 }
 
 static void write_item(FILE *out, const check_report *report, const check_item *item) {
     const norma_finding *finding = item->finding;
     const char *severity = check_severity_name(item->severity);
-    fprintf(out, "<tr><td class=\"severity %s\" data-key=\"%d\">%s</td><td>%s<br>%s</td><td>", severity, (int)item->severity, severity, finding->rule->id,
-            finding->rule->name);
+    fprintf(out, "<tr><td class=\"severity %s\" data-key=\"%d\">%s</td><td>%s<br>%s</td><td>",
+        severity, (int)item->severity, severity, finding->rule->id, finding->rule->name);
     write_escaped(out, cli_input_name(report->path));
     fputs("<p class=\"place\">", out);
     write_escaped(out, finding->label);
@@ -123,10 +150,10 @@ static void write_item(FILE *out, const check_report *report, const check_item *
     fputs("<td>", out);
     write_escaped(out, finding->message);
     if (finding->fix)
-        fprintf(out, "<p>Fix: <code>norma check %s --select %s</code></p>", finding->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", finding->rule->id);
+        fprintf(out, "<p>Fix: <code>norma check %s --select %s</code></p>",
+            finding->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", finding->rule->id);
     fputs("</td><td>", out);
-    if (finding->deviation)
-        write_histogram(out, finding->deviation);
+    if (finding->deviation) write_histogram(out, finding->deviation);
     check_draw_finding(out, report->document, finding);
     write_place(out, finding);
     fputs("</td></tr>\n", out);

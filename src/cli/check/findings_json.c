@@ -1,8 +1,11 @@
-/* findings_json.c: findings for programs: the schema norma-check/1. Keys are fixed; more may be added. */
+/* findings_json.c: findings for programs: the schema norma-check/1. Keys are fixed; more may be
+ * added. */
 #include "cli/check/check_command.h"
 #include <math.h>
 
-static const char *fix_name(norma_fix fix) { return fix == NORMA_FIX_SAFE ? "safe" : fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL; }
+static const char *fix_name(norma_fix fix) {
+    return fix == NORMA_FIX_SAFE ? "safe" : fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL;
+}
 
 static void write_number(cli_json *json, const char *key, size_t number) {
     if (number == SIZE_MAX)
@@ -33,12 +36,9 @@ static void write_worst(cli_json *json, const norma_finding *finding) {
 
 static void write_sample(cli_json *json, const norma_sample *sample) {
     cli_json_open(json, NULL, '{');
-    if (sample->vertex != SIZE_MAX)
-        cli_json_size(json, "vertex", sample->vertex);
-    if (sample->face != SIZE_MAX)
-        cli_json_size(json, "face", sample->face);
-    if (sample->normal != SIZE_MAX)
-        cli_json_size(json, "normal", sample->normal);
+    if (sample->vertex != SIZE_MAX) cli_json_size(json, "vertex", sample->vertex);
+    if (sample->face != SIZE_MAX) cli_json_size(json, "face", sample->face);
+    if (sample->normal != SIZE_MAX) cli_json_size(json, "normal", sample->normal);
     write_position(json, sample);
     cli_json_close(json, '}');
 }
@@ -48,7 +48,8 @@ static void write_deviation(cli_json *json, const norma_deviation *deviation) {
     static const char *const shadings[] = {"default", "crease", "smooth", "flat"};
     cli_json_open(json, "deviation", '{');
     cli_json_string(json, "shading", shadings[deviation->shading]);
-    cli_json_string(json, "weight", deviation->shading == NORMA_SHADING_FLAT ? NULL : cli_weight_name(deviation->weight));
+    cli_json_string(json, "weight",
+        deviation->shading == NORMA_SHADING_FLAT ? NULL : cli_weight_name(deviation->weight));
     cli_json_number(json, "crease_deg", cli_given_degrees(deviation->crease_angle_rad));
     cli_json_number(json, "mean_deg", cli_to_degrees(deviation->mean_rad));
     cli_json_number(json, "p50_deg", cli_to_degrees(deviation->p50_rad));
@@ -79,8 +80,7 @@ static void write_item(cli_json *json, const check_item *item) {
     cli_json_close(json, ']');
     cli_json_string(json, "fix", fix_name(finding->fix));
     cli_json_string(json, "message", finding->message);
-    if (finding->deviation)
-        write_deviation(json, finding->deviation);
+    if (finding->deviation) write_deviation(json, finding->deviation);
     cli_json_close(json, '}');
 }
 
@@ -90,7 +90,8 @@ static void write_file(FILE *out, const check_report *report) {
     cli_json json = {.out = out};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", report->path);
-    cli_json_string(&json, "profile", report->profile == NORMA_CHECK_PROFILE_PRINT ? "print" : "render");
+    cli_json_string(
+        &json, "profile", report->profile == NORMA_CHECK_PROFILE_PRINT ? "print" : "render");
     cli_json_string(&json, "status", report->status);
     cli_json_open(&json, "findings", '[');
     for (size_t i = 0; i < report->count; ++i) write_item(&json, &report->items[i]);
@@ -99,7 +100,8 @@ static void write_file(FILE *out, const check_report *report) {
         cli_json_open(&json, "open_by_rays", '{');
         cli_json_size(&json, "decided", report->by_rays);
         cli_json_size(&json, "undecided", report->undecided);
-        cli_json_number(&json, "least_confidence", report->by_rays ? report->least_confidence : NAN);
+        cli_json_number(
+            &json, "least_confidence", report->by_rays ? report->least_confidence : NAN);
         cli_json_close(&json, '}');
     }
     cli_json_close(&json, '}');

@@ -1,10 +1,13 @@
-/* findings_sarif.c: findings as SARIF 2.1.0 (OASIS 2020), for code scanning: the place within a file is a logical location (a JSON pointer), and a
- * fingerprint that stays the same from run to run tells old findings from new ones. */
+/* findings_sarif.c: findings as SARIF 2.1.0 (OASIS 2020), for code scanning: the place within a
+ * file is a logical location (a JSON pointer), and a fingerprint that stays the same from run to
+ * run tells old findings from new ones. */
 #include "cli/check/check_command.h"
 #include <string.h>
 
 static const char *level_of(norma_severity severity) {
-    return severity == NORMA_SEVERITY_ERROR ? "error" : severity == NORMA_SEVERITY_WARNING ? "warning" : "note";
+    return severity == NORMA_SEVERITY_ERROR     ? "error"
+           : severity == NORMA_SEVERITY_WARNING ? "warning"
+                                                : "note";
 }
 
 static void write_text(cli_json *json, const char *key, const char *text) {
@@ -30,7 +33,9 @@ static void begin(FILE *out) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     cli_json json = {.out = out};
-    fputs("{\"$schema\": \"https://json.schemastore.org/sarif-2.1.0.json\", \"version\": \"2.1.0\", \"runs\": [{\"tool\": {\"driver\": {\"name\": \"norma\"", out);
+    fputs("{\"$schema\": \"https://json.schemastore.org/sarif-2.1.0.json\", \"version\": "
+          "\"2.1.0\", \"runs\": [{\"tool\": {\"driver\": {\"name\": \"norma\"",
+        out);
     json.needs_comma = 1;
     cli_json_string(&json, "semanticVersion", norma_version());
     cli_json_open(&json, "rules", '[');
@@ -43,8 +48,10 @@ static void begin(FILE *out) {
 static void write_uri(cli_json *json, const char *path) {
     char uri[4200];
     size_t used = 0;
-    for (const unsigned char *at = (const unsigned char *)path; *at && used + 4 < sizeof uri; ++at) {
-        int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') || (*at >= '0' && *at <= '9') || strchr("-._~/!$&'()*+,;=@", *at);
+    for (const unsigned char *at = (const unsigned char *)path; *at && used + 4 < sizeof uri;
+         ++at) {
+        int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') ||
+                    (*at >= '0' && *at <= '9') || strchr("-._~/!$&'()*+,;=@", *at);
         if (plain)
             uri[used++] = (char)*at;
         else
@@ -54,7 +61,8 @@ static void write_uri(cli_json *json, const char *path) {
     cli_json_string(json, "uri", uri);
 }
 
-static void write_location(cli_json *json, const check_report *report, const norma_finding *finding) {
+static void write_location(
+    cli_json *json, const check_report *report, const norma_finding *finding) {
     cli_json_open(json, "locations", '[');
     cli_json_open(json, NULL, '{');
     cli_json_open(json, "physicalLocation", '{');
@@ -97,14 +105,14 @@ static void write_item(cli_json *json, const check_report *report, const check_i
 static void write_file(FILE *out, const check_report *report) {
     for (size_t i = 0; i < report->count; ++i) {
         cli_json json = {.out = out};
-        if (i)
-            fputs(",\n", out);
+        if (i) fputs(",\n", out);
         write_item(&json, report, &report->items[i]);
     }
 }
 
 static void end(FILE *out, const check_totals *totals) {
-    fprintf(out, "\n], \"invocations\": [{\"executionSuccessful\": %s}]}]}\n", totals->status == CLI_FILE ? "false" : "true");
+    fprintf(out, "\n], \"invocations\": [{\"executionSuccessful\": %s}]}]}\n",
+        totals->status == CLI_FILE ? "false" : "true");
 }
 
 const check_format check_format_sarif = {"sarif", begin, write_file, ",\n", end};

@@ -1,4 +1,5 @@
-/* findings_text.c: findings for people: what, where, how bad, why it matters, what to do; the verdict last. */
+/* findings_text.c: findings for people: what, where, how bad, why it matters, what to do; the
+ * verdict last. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include <math.h>
@@ -35,7 +36,8 @@ static void write_place(FILE *out, const norma_sample *sample) {
     else
         fputs("the place", out);
     if (sample->has_position)
-        fprintf(out, " at (%.6g, %.6g, %.6g)", sample->position[0], sample->position[1], sample->position[2]);
+        fprintf(out, " at (%.6g, %.6g, %.6g)", sample->position[0], sample->position[1],
+            sample->position[2]);
 }
 
 static void write_fix(FILE *out, const norma_finding *finding) {
@@ -47,14 +49,14 @@ static void write_fix(FILE *out, const norma_finding *finding) {
 
 static void write_line(FILE *line, const char *path, const check_item *item) {
     const norma_finding *finding = item->finding;
-    fprintf(line, "%s: %s %s %s: ", path, check_severity_name(item->severity), finding->rule->id, finding->rule->name);
-    if (finding->label[0])
-        fprintf(line, "%s: ", finding->label);
+    fprintf(line, "%s: %s %s %s: ", path, check_severity_name(item->severity), finding->rule->id,
+        finding->rule->name);
+    if (finding->label[0]) fprintf(line, "%s: ", finding->label);
     fputs(finding->message, line);
     size_t length = strlen(finding->message);
-    if (length && !strchr(".!?", finding->message[length - 1]))
-        fputc('.', line);
-    int placed = finding->worst.vertex != SIZE_MAX || finding->worst.face != SIZE_MAX || finding->worst.has_position;
+    if (length && !strchr(".!?", finding->message[length - 1])) fputc('.', line);
+    int placed = finding->worst.vertex != SIZE_MAX || finding->worst.face != SIZE_MAX ||
+                 finding->worst.has_position;
     if (placed) {
         fputs(" worst: ", line);
         write_place(line, &finding->worst);
@@ -66,8 +68,7 @@ static void write_line(FILE *line, const char *path, const check_item *item) {
 /* Without memory to wrap it, a line is as long as it is. */
 static void write_item(FILE *out, const char *path, const check_item *item) {
     cli_memory_stream line;
-    if (cli_memory_open(&line))
-        write_line(line.out, path, item);
+    if (cli_memory_open(&line)) write_line(line.out, path, item);
     if (cli_memory_close(&line)) {
         write_wrapped(out, line.text);
     } else {
@@ -83,21 +84,26 @@ static void write_file(FILE *out, const check_report *report) {
     if (report->mended)
         fprintf(out, "%s: mended\n%s", cli_input_name(report->path), report->mended);
     if (report->by_rays)
-        fprintf(out, "%s: %zu open %s outward by a majority of rays, confidence at least %.2f\n", cli_input_name(report->path), report->by_rays,
-                report->by_rays == 1 ? "component looks" : "components look", floor(100 * report->least_confidence) / 100);
+        fprintf(out, "%s: %zu open %s outward by a majority of rays, confidence at least %.2f\n",
+            cli_input_name(report->path), report->by_rays,
+            report->by_rays == 1 ? "component looks" : "components look",
+            floor(100 * report->least_confidence) / 100);
     if (report->undecided)
-        fprintf(out, "%s: %zu open %s left as %s, rays do not agree\n", cli_input_name(report->path), report->undecided, report->undecided == 1 ? "component is" : "components are",
-                report->undecided == 1 ? "it is" : "they are");
-    for (size_t i = 0; i < report->count; ++i) write_item(out, cli_input_name(report->path), &report->items[i]);
+        fprintf(out, "%s: %zu open %s left as %s, rays do not agree\n",
+            cli_input_name(report->path), report->undecided,
+            report->undecided == 1 ? "component is" : "components are",
+            report->undecided == 1 ? "it is" : "they are");
+    for (size_t i = 0; i < report->count; ++i)
+        write_item(out, cli_input_name(report->path), &report->items[i]);
 }
 
 static void end(FILE *out, const check_totals *totals) {
-    fprintf(out, "%zu %s, %zu %s in %zu of %zu %s", totals->errors, totals->errors == 1 ? "error" : "errors", totals->warnings,
-            totals->warnings == 1 ? "warning" : "warnings", totals->files_with_trouble, totals->files, totals->files == 1 ? "file" : "files");
-    if (totals->not_checked)
-        fprintf(out, "; %zu not checked", totals->not_checked);
-    if (totals->known)
-        fprintf(out, "; %zu known to the baseline", totals->known);
+    fprintf(out, "%zu %s, %zu %s in %zu of %zu %s", totals->errors,
+        totals->errors == 1 ? "error" : "errors", totals->warnings,
+        totals->warnings == 1 ? "warning" : "warnings", totals->files_with_trouble, totals->files,
+        totals->files == 1 ? "file" : "files");
+    if (totals->not_checked) fprintf(out, "; %zu not checked", totals->not_checked);
+    if (totals->known) fprintf(out, "; %zu known to the baseline", totals->known);
     fputc('\n', out);
 }
 
@@ -107,4 +113,5 @@ static void write_nothing(FILE *out, const check_report *report) {
 }
 
 const check_format check_format_text = {"text", begin, write_file, "", end};
-const check_format check_format_quiet = {"text", begin, write_nothing, "", end}; /* the verdict alone */
+const check_format check_format_quiet = {
+    "text", begin, write_nothing, "", end}; /* the verdict alone */

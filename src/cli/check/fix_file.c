@@ -1,4 +1,5 @@
-/* fix_file.c: a document mended, judged again, and written where it was asked for; a result that is worse than the file was is not written. */
+/* fix_file.c: a document mended, judged again, and written where it was asked for; a result that is
+ * worse than the file was is not written. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/fix_file.h"
 #include <stdlib.h>
@@ -7,12 +8,16 @@
 static int is_standard(const char *output) { return strcmp(output, "-") == 0; }
 
 /* The document as it would be read after it is written to output. */
-static norma_document_result settle(const check_settings *settings, norma_document *document, const char *output, check_mended *mended, norma_document **settled,
-                                    norma_document_error *error) {
-    const norma_document_options options = {.struct_size = sizeof options, .threads = settings->threads, .lenient = 1, .progress = cli_stop_when_interrupted};
-    norma_document_result result = norma_document_settle(document, is_standard(output) ? NULL : output, &options, settled, error);
-    if (!result)
-        mended->steps[mended->step_count++] = *settled;
+static norma_document_result settle(const check_settings *settings, norma_document *document,
+    const char *output, check_mended *mended, norma_document **settled,
+    norma_document_error *error) {
+    const norma_document_options options = {.struct_size = sizeof options,
+        .threads = settings->threads,
+        .lenient = 1,
+        .progress = cli_stop_when_interrupted};
+    norma_document_result result = norma_document_settle(
+        document, is_standard(output) ? NULL : output, &options, settled, error);
+    if (!result) mended->steps[mended->step_count++] = *settled;
     return result;
 }
 
@@ -49,24 +54,26 @@ static void tell_what_is_worse(const verdict *now, const verdict *before, char t
     text[0] = 0;
     for (size_t i = 0; i < count && length < 190; ++i)
         if (now->of_rule[i] > before->of_rule[i])
-            length += (size_t)snprintf(text + length, 200 - length, "%s%s", length ? ", " : "", rules[i].id);
+            length += (size_t)snprintf(
+                text + length, 200 - length, "%s%s", length ? ", " : "", rules[i].id);
 }
 
 static int is_worse(const verdict *now, const verdict *before) {
-    if (now->errors != before->errors)
-        return now->errors > before->errors;
-    if (now->warnings != before->warnings)
-        return now->warnings > before->warnings;
+    if (now->errors != before->errors) return now->errors > before->errors;
+    if (now->warnings != before->warnings) return now->warnings > before->warnings;
     return now->bad_elements > before->bad_elements;
 }
 
 /* By all rules, whichever were to be mended. */
-static norma_document_result judge_all(const check_settings *settings, norma_document *document, verdict *sum, norma_document_error *error) {
-    const norma_check_options options = {.struct_size = sizeof options, .max_samples = 1, .threads = settings->threads, .progress = cli_stop_when_interrupted};
+static norma_document_result judge_all(const check_settings *settings, norma_document *document,
+    verdict *sum, norma_document_error *error) {
+    const norma_check_options options = {.struct_size = sizeof options,
+        .max_samples = 1,
+        .threads = settings->threads,
+        .progress = cli_stop_when_interrupted};
     norma_findings *findings = NULL;
     norma_document_result result = norma_check_document(document, &options, &findings, error);
-    if (!result)
-        *sum = weigh(findings);
+    if (!result) *sum = weigh(findings);
     norma_findings_free(findings);
     return result;
 }
@@ -85,8 +92,7 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
     size_t count;
     cli_memory_stream table;
     const norma_rule *rules = norma_rules(&count);
-    if (!cli_memory_open(&table))
-        return NULL;
+    if (!cli_memory_open(&table)) return NULL;
     fprintf(table.out, "    %-32s %10s %10s\n", "rule", "before", "after");
     for (size_t i = 0; i < count; ++i) {
         size_t old = count_of(before, &rules[i]), left = count_of(now, &rules[i]);
@@ -99,36 +105,43 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
 
 /* ---- mending and writing */
 
-/* Mends, and what it becomes again until nothing more changes: one fix may uncover what another one mends, and a glTF takes one change at a time. mended->document is what
- * it is in the end, as it would be read. */
-static norma_document_result mend_steps(const check_settings *settings, norma_document *document, const norma_check_options *options, const char *path, const char *output,
-                                        check_mended *mended, norma_document_error *error) {
+/* Mends, and what it becomes again until nothing more changes: one fix may uncover what another one
+ * mends, and a glTF takes one change at a time. mended->document is what it is in the end, as it
+ * would be read. */
+static norma_document_result mend_steps(const check_settings *settings, norma_document *document,
+    const norma_check_options *options, const char *path, const char *output, check_mended *mended,
+    norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     mended->document = document;
     while (!result && mended->step_count < CLI_COUNT(mended->steps)) {
         const size_t notes = norma_document_note_count(mended->document);
-        result = norma_mend_document(mended->document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->last, error);
-        if (!result && !mended->last.changed)
-            tell_notes(path, mended->document, notes);
-        if (result || !mended->last.changed)
-            return result;
+        result = norma_mend_document(
+            mended->document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->last, error);
+        if (!result && !mended->last.changed) tell_notes(path, mended->document, notes);
+        if (result || !mended->last.changed) return result;
         mended->changed = 1;
         result = settle(settings, mended->document, output, mended, &mended->document, error);
     }
     return result;
 }
 
-static norma_document_result save(const check_settings *settings, const char *output, check_mended *mended, norma_document_error *error) {
+static norma_document_result save(const check_settings *settings, const char *output,
+    check_mended *mended, norma_document_error *error) {
     if (settings->dry_run || (settings->files->in_place && !mended->changed))
         return NORMA_DOCUMENT_OK;
-    const norma_save_options options = {.struct_size = sizeof options, .in_place = settings->files->in_place, .progress = cli_stop_when_interrupted};
-    norma_document_result result = is_standard(output) ? cli_write_standard(mended->document, error) : norma_document_save(mended->document, output, &options, error);
+    const norma_save_options options = {.struct_size = sizeof options,
+        .in_place = settings->files->in_place,
+        .progress = cli_stop_when_interrupted};
+    norma_document_result result =
+        is_standard(output) ? cli_write_standard(mended->document, error)
+                            : norma_document_save(mended->document, output, &options, error);
     mended->written = !result;
     return result;
 }
 
-norma_document_result check_mend(const check_settings *settings, norma_document *document, const norma_findings *before, const norma_check_options *options, const char *path,
-                                 check_mended *mended, norma_document_error *error) {
+norma_document_result check_mend(const check_settings *settings, norma_document *document,
+    const norma_findings *before, const norma_check_options *options, const char *path,
+    check_mended *mended, norma_document_error *error) {
     verdict was = {0}, is = {0};
     *mended = (check_mended){0};
     char *output = cli_output_of(settings->files, path);
@@ -137,21 +150,17 @@ norma_document_result check_mend(const check_settings *settings, norma_document 
         return error->result;
     }
     norma_document_result result = judge_all(settings, document, &was, error);
-    if (!result)
-        result = mend_steps(settings, document, options, path, output, mended, error);
+    if (!result) result = mend_steps(settings, document, options, path, output, mended, error);
     if (!result && mended->changed)
         result = norma_check_document(mended->document, options, &mended->findings, error);
-    if (!result && mended->changed)
-        result = judge_all(settings, mended->document, &is, error);
+    if (!result && mended->changed) result = judge_all(settings, mended->document, &is, error);
     mended->worse = !result && mended->changed && is_worse(&is, &was);
-    if (mended->worse)
-        tell_what_is_worse(&is, &was, mended->worse_by);
+    if (mended->worse) tell_what_is_worse(&is, &was, mended->worse_by);
     if (!result && mended->changed && !(mended->table = make_table(before, mended->findings))) {
         *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         result = error->result;
     }
-    if (!result && !mended->worse)
-        result = save(settings, output, mended, error);
+    if (!result && !mended->worse) result = save(settings, output, mended, error);
     free(output);
     return result;
 }

@@ -1,4 +1,5 @@
-/* fix_file.h: norma check --fix: a document mended, judged again, and written where it was asked for. */
+/* fix_file.h: norma check --fix: a document mended, judged again, and written where it was asked
+ * for. */
 #ifndef NORMA_CLI_CHECK_FIX_H
 #define NORMA_CLI_CHECK_FIX_H
 #include "cli/check/check_command.h"
@@ -9,13 +10,14 @@ typedef struct check_mended {
     int changed, worse, written;
     norma_document *steps[8]; /* what it was on the way */
     size_t step_count;
-    char *table;              /* counts before and after, lines of text; NULL: nothing changed */
-    char worse_by[200];       /* where it is worse: the rules */
-    norma_mend_summary last;  /* of the last step, which found nothing more to do */
+    char *table;             /* counts before and after, lines of text; NULL: nothing changed */
+    char worse_by[200];      /* where it is worse: the rules */
+    norma_mend_summary last; /* of the last step, which found nothing more to do */
 } check_mended;
 
 /* before: findings of document with options, which rules the report has. 0: error says why. */
-norma_document_result check_mend(const check_settings *settings, norma_document *document, const norma_findings *before, const norma_check_options *options, const char *path,
-                                 check_mended *mended, norma_document_error *error);
+norma_document_result check_mend(const check_settings *settings, norma_document *document,
+    const norma_findings *before, const norma_check_options *options, const char *path,
+    check_mended *mended, norma_document_error *error);
 void check_mended_free(check_mended *mended);
 #endif

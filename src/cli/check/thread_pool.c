@@ -1,6 +1,7 @@
-/* thread_pool.c: many files, several at once, told in their order. A worker takes the next file and writes its part of the report into memory; whoever finishes the part that
- * is next hands it and those that wait behind it to the output. Nobody starts a file more than a window ahead of the output, so memory does not grow with the
- * number of files. */
+/* thread_pool.c: many files, several at once, told in their order. A worker takes the next file and
+ * writes its part of the report into memory; whoever finishes the part that is next hands it and
+ * those that wait behind it to the output. Nobody starts a file more than a window ahead of the
+ * output, so memory does not grow with the number of files. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include <errno.h>
@@ -24,10 +25,10 @@ typedef struct check_pool {
     const check_inputs *inputs;
     FILE *out;
     pthread_mutex_t lock;
-    pthread_cond_t moved;      /* the output went on */
-    size_t next, told;         /* files: to be taken, already told */
-    int told_any;              /* something stands in the report */
-    file_part parts[WINDOW];   /* file i at i % WINDOW */
+    pthread_cond_t moved;    /* the output went on */
+    size_t next, told;       /* files: to be taken, already told */
+    int told_any;            /* something stands in the report */
+    file_part parts[WINDOW]; /* file i at i % WINDOW */
     check_totals totals;
 } check_pool;
 
@@ -46,8 +47,7 @@ static void add_totals(check_totals *sum, const check_totals *more) {
 static void tell_what_is_next(check_pool *pool) {
     while (pool->told < pool->inputs->count && pool->parts[pool->told % WINDOW].done) {
         file_part *part = &pool->parts[pool->told % WINDOW];
-        if (part->size && pool->told_any)
-            fputs(pool->format->between, pool->out);
+        if (part->size && pool->told_any) fputs(pool->format->between, pool->out);
         pool->told_any |= part->size != 0;
         fwrite(part->bytes, 1, part->size, pool->out);
         free(part->bytes);
@@ -60,13 +60,16 @@ static void tell_what_is_next(check_pool *pool) {
 static const check_config *take(check_pool *pool, size_t *file) {
     const check_config *config = NULL;
     pthread_mutex_lock(&pool->lock);
-    while (pool->next < pool->inputs->count && pool->next - pool->told >= WINDOW && !cli_interrupted()) pthread_cond_wait(&pool->moved, &pool->lock);
+    while (
+        pool->next < pool->inputs->count && pool->next - pool->told >= WINDOW && !cli_interrupted())
+        pthread_cond_wait(&pool->moved, &pool->lock);
     if (pool->next < pool->inputs->count && !cli_interrupted()) {
         *file = pool->next++;
         errno = 0;
         config = check_config_of(pool->configs, pool->inputs->paths[*file]);
         if (!config) { /* nothing that is checked by it could be trusted */
-            pool->totals.status = cli_worse(pool->totals.status, errno == ENOMEM ? CLI_FILE : CLI_USAGE);
+            pool->totals.status =
+                cli_worse(pool->totals.status, errno == ENOMEM ? CLI_FILE : CLI_USAGE);
             pool->next = pool->inputs->count;
         }
     }
@@ -79,13 +82,15 @@ static void check_file(check_pool *pool, size_t file, const check_config *config
     check_totals totals = {0};
     cli_memory_stream gathered;
     if (cli_memory_open(&gathered))
-        check_one_file(pool->settings, config, pool->format, pool->inputs->paths[file], gathered.out, &totals);
+        check_one_file(
+            pool->settings, config, pool->format, pool->inputs->paths[file], gathered.out, &totals);
     if (cli_memory_close(&gathered)) {
         part.bytes = gathered.text;
         part.size = gathered.size;
     } else { /* half a report is none */
         totals.status = cli_worse(totals.status, CLI_FILE);
-        fprintf(stderr, "norma: %s: not reported: out of memory\n", cli_input_name(pool->inputs->paths[file]));
+        fprintf(stderr, "norma: %s: not reported: out of memory\n",
+            cli_input_name(pool->inputs->paths[file]));
     }
     pthread_mutex_lock(&pool->lock);
     pool->parts[file % WINDOW] = part;
@@ -97,7 +102,8 @@ static void check_file(check_pool *pool, size_t file, const check_config *config
 static void *work(void *user) {
     check_pool *pool = user;
     size_t file;
-    for (const check_config *config; (config = take(pool, &file)) != NULL;) check_file(pool, file, config);
+    for (const check_config *config; (config = take(pool, &file)) != NULL;)
+        check_file(pool, file, config);
     pthread_mutex_lock(&pool->lock);
     pthread_cond_broadcast(&pool->moved);
     pthread_mutex_unlock(&pool->lock);
@@ -111,7 +117,8 @@ static size_t worker_count(uint32_t threads, size_t files) {
     return count > files ? files : count;
 }
 
-int check_all_files(const check_settings *asked, check_configs *configs, const check_format *format, const check_inputs *inputs, FILE *out, check_totals *totals) {
+int check_all_files(const check_settings *asked, check_configs *configs, const check_format *format,
+    const check_inputs *inputs, FILE *out, check_totals *totals) {
     check_settings settings = *asked;
     check_pool *pool = calloc(1, sizeof *pool);
     pthread_t threads[MOST_WORKERS];
@@ -120,15 +127,17 @@ int check_all_files(const check_settings *asked, check_configs *configs, const c
         fprintf(stderr, "norma: out of memory\n");
         return CLI_FILE;
     }
-    if (workers > 1)
-        settings.threads = 1; /* the files share the cores */
-    *pool = (check_pool){.settings = &settings, .configs = configs, .format = format, .inputs = inputs, .out = out};
+    if (workers > 1) settings.threads = 1; /* the files share the cores */
+    *pool = (check_pool){
+        .settings = &settings, .configs = configs, .format = format, .inputs = inputs, .out = out};
     pthread_mutex_init(&pool->lock, NULL);
     pthread_cond_init(&pool->moved, NULL);
-    for (size_t i = 1; i < workers; ++i) started += pthread_create(&threads[started], NULL, work, pool) == 0;
+    for (size_t i = 1; i < workers; ++i)
+        started += pthread_create(&threads[started], NULL, work, pool) == 0;
     work(pool);
     for (size_t i = 0; i < started; ++i) pthread_join(threads[i], NULL);
-    /* After an interruption or a bad configuration, parts may be left behind one that was never begun. */
+    /* After an interruption or a bad configuration, parts may be left behind one that was never
+     * begun. */
     for (size_t i = 0; i < WINDOW; ++i) free(pool->parts[i].bytes);
     *totals = pool->totals;
     pthread_cond_destroy(&pool->moved);

@@ -1,4 +1,5 @@
-/* batch.c: compute and transform over files: where each output goes, one bad input not stopping the rest, and a line about each. */
+/* batch.c: compute and transform over files: where each output goes, one bad input not stopping the
+ * rest, and a line about each. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/common/cli.h"
 #include <errno.h>
@@ -11,16 +12,14 @@
 
 static const char *set_output(void *settings, const char *value) {
     cli_files *files = settings;
-    if (files->output)
-        return "to be given once";
+    if (files->output) return "to be given once";
     files->output = value;
     return value[0] ? NULL : "a name, or - for standard output";
 }
 
 static const char *set_folder(void *settings, const char *value) {
     cli_files *files = settings;
-    if (files->folder)
-        return "to be given once";
+    if (files->folder) return "to be given once";
     files->folder = value;
     return value[0] ? NULL : "the name of a folder";
 }
@@ -47,7 +46,8 @@ static const char *base_name(const char *path) {
 
 static int same_file(const char *a, const char *b) {
     struct stat of_a, of_b;
-    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && S_ISREG(of_a.st_mode) && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
+    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && S_ISREG(of_a.st_mode) &&
+           of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
 static int is_folder(const char *path) {
@@ -62,34 +62,42 @@ static int is_stream(const char *path) {
 
 /* What the library would say after the work, said before it. */
 static int check_output(const cli_verb *verb, const cli_files *files, const char *input) {
-    const char *output = files->output, *dot = strrchr(base_name(output), '.'), *input_dot = strrchr(base_name(input), '.');
-    norma_file_format format = files->format ? files->format : norma_file_format_of_path(input), named = norma_file_format_of_path(output);
-    if (is_standard(output))
-        return CLI_OK;
+    const char *output = files->output, *dot = strrchr(base_name(output), '.'),
+               *input_dot = strrchr(base_name(input), '.');
+    norma_file_format format = files->format ? files->format : norma_file_format_of_path(input),
+                      named = norma_file_format_of_path(output);
+    if (is_standard(output)) return CLI_OK;
     if (is_folder(output))
-        return cli_usage(verb, "-o %s is a folder; expected a file, or --out-dir %s", output, output);
+        return cli_usage(
+            verb, "-o %s is a folder; expected a file, or --out-dir %s", output, output);
     if (!is_standard(input) && same_file(input, output))
-        return cli_usage(verb, "-o names the input %s; expected another name, or --in-place", input);
-    if (!format || named == format || is_stream(output) || (!named && dot && input_dot && !strcmp(dot, input_dot)))
+        return cli_usage(
+            verb, "-o names the input %s; expected another name, or --in-place", input);
+    if (!format || named == format || is_stream(output) ||
+        (!named && dot && input_dot && !strcmp(dot, input_dot)))
         return CLI_OK;
     const char *name = norma_file_format_name(format);
-    return cli_usage(verb, "-o %s: the output has the format of its input, %s; expected a name that ends in .%s", output, name, name);
+    return cli_usage(verb,
+        "-o %s: the output has the format of its input, %s; expected a name that ends in .%s",
+        output, name, name);
 }
 
-static int compare_base_names(const void *a, const void *b) { return strcmp(base_name(*(const char *const *)a), base_name(*(const char *const *)b)); }
+static int compare_base_names(const void *a, const void *b) {
+    return strcmp(base_name(*(const char *const *)a), base_name(*(const char *const *)b));
+}
 
 /* Two inputs of one name would go to one file. */
 static int check_folder(const cli_verb *verb, const cli_files *files) {
     size_t count = files->inputs.count;
     const char **sorted = calloc(count + 1, sizeof *sorted);
-    if (!sorted)
-        return cli_out_of_memory();
+    if (!sorted) return cli_out_of_memory();
     memcpy(sorted, files->inputs.words, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, compare_base_names);
     int status = CLI_OK;
     for (size_t i = 1; i < count && !status; ++i)
         if (compare_base_names(&sorted[i - 1], &sorted[i]) == 0)
-            status = cli_usage(verb, "%s and %s would both be written to %s/%s", sorted[i - 1], sorted[i], files->folder, base_name(sorted[i]));
+            status = cli_usage(verb, "%s and %s would both be written to %s/%s", sorted[i - 1],
+                sorted[i], files->folder, base_name(sorted[i]));
     free(sorted);
     if (!status && mkdir(files->folder, 0777) && errno != EEXIST) {
         fprintf(stderr, "norma: %s: cannot be made: %s\n", files->folder, strerror(errno));
@@ -102,28 +110,33 @@ static int check_folder(const cli_verb *verb, const cli_files *files) {
 
 int cli_check_outputs(const cli_verb *verb, const cli_common *common, const cli_files *files) {
     int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
-    for (size_t i = 0; i < files->inputs.count; ++i) standard |= is_standard(files->inputs.words[i]);
+    for (size_t i = 0; i < files->inputs.count; ++i)
+        standard |= is_standard(files->inputs.words[i]);
     if (ways == 0)
-        return cli_usage(verb, "nowhere to write to; expected -o OUT, --out-dir FOLDER or --in-place");
-    if (ways > 1)
-        return cli_usage(verb, "-o, --out-dir and --in-place exclude each other");
+        return cli_usage(
+            verb, "nowhere to write to; expected -o OUT, --out-dir FOLDER or --in-place");
+    if (ways > 1) return cli_usage(verb, "-o, --out-dir and --in-place exclude each other");
     if (files->output && files->inputs.count > 1)
-        return cli_usage(verb, "one -o for %zu inputs; expected --out-dir FOLDER or --in-place", files->inputs.count);
+        return cli_usage(verb, "one -o for %zu inputs; expected --out-dir FOLDER or --in-place",
+            files->inputs.count);
     if (files->output && is_standard(files->output) && common->json)
         return cli_usage(verb, "-o - and --json both want standard output");
     if (!files->output && standard)
         return cli_usage(verb, "standard input has no name to write to; expected -o OUT");
-    if (files->output)
-        return check_output(verb, files, files->inputs.words[0]);
+    if (files->output) return check_output(verb, files, files->inputs.words[0]);
     return files->folder ? check_folder(verb, files) : CLI_OK;
 }
 
 char *cli_output_of(const cli_files *files, const char *input) {
-    const char *folder = files->folder ? files->folder : "", *name = files->output ? files->output : files->folder ? base_name(input) : input;
+    const char *folder = files->folder ? files->folder : "", *name = files->output ? files->output
+                                                                     : files->folder
+                                                                         ? base_name(input)
+                                                                         : input;
     size_t length = strlen(folder), size = length + strlen(name) + 2;
     char *path = malloc(size);
     if (path)
-        snprintf(path, size, "%s%s%s", folder, length && folder[length - 1] != '/' ? "/" : "", name);
+        snprintf(
+            path, size, "%s%s%s", folder, length && folder[length - 1] != '/' ? "/" : "", name);
     return path;
 }
 
@@ -136,7 +149,8 @@ typedef struct file_job {
     const char *input, *output;
 } file_job;
 
-/* Past stdio's buffer: what stood there after an interruption would be waited for once more at the end. *failed: what the system said. */
+/* Past stdio's buffer: what stood there after an interruption would be waited for once more at the
+ * end. *failed: what the system said. */
 static int write_to_stdout(void *failed, const void *bytes, size_t size) {
     const unsigned char *at = bytes;
     while (size > 0 && !cli_interrupted()) {
@@ -160,52 +174,58 @@ static norma_document_result fail_cancelled(norma_document_error *error) {
 norma_document_result cli_write_standard(norma_document *document, norma_document_error *error) {
     int failed = 0;
     norma_document_result result = norma_document_write(document, write_to_stdout, &failed, error);
-    if (cli_interrupted())
-        return fail_cancelled(error);
+    if (cli_interrupted()) return fail_cancelled(error);
     if (result && failed)
-        snprintf(error->message, sizeof error->message, "standard output: cannot be written: %s", strerror(failed));
+        snprintf(error->message, sizeof error->message, "standard output: cannot be written: %s",
+            strerror(failed));
     return result;
 }
 
-static norma_document_result write_output(const file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error) {
-    if (cli_interrupted())
-        return fail_cancelled(error);
+static norma_document_result write_output(const file_job *job, norma_document *document,
+    cli_progress *progress, norma_document_error *error) {
+    if (cli_interrupted()) return fail_cancelled(error);
     if (!is_standard(job->output)) {
-        const norma_save_options options = {
-            .struct_size = sizeof options, .in_place = job->files->in_place, .progress = cli_progress_report, .progress_user = progress};
+        const norma_save_options options = {.struct_size = sizeof options,
+            .in_place = job->files->in_place,
+            .progress = cli_progress_report,
+            .progress_user = progress};
         return norma_document_save(document, job->output, &options, error);
     }
     return cli_write_standard(document, error);
 }
 
-static norma_document_result change_document(const file_job *job, norma_document *document, norma_document_error *error) {
+static norma_document_result change_document(
+    const file_job *job, norma_document *document, norma_document_error *error) {
     cli_progress progress;
     double megabytes = cli_megabytes(job->input);
     cli_progress_start(&progress, "computing", job->input, job->common->quiet, megabytes);
-    norma_document_result result = job->changer->change(job->changer->work, document, cli_progress_report, &progress, error);
+    norma_document_result result =
+        job->changer->change(job->changer->work, document, cli_progress_report, &progress, error);
     cli_progress_stop(&progress);
-    if (result)
-        return result;
+    if (result) return result;
     cli_progress_start(&progress, "writing", job->output, job->common->quiet, megabytes);
     result = write_output(job, document, &progress, error);
     cli_progress_stop(&progress);
     return result;
 }
 
-static norma_document_result open_input(const file_job *job, norma_document **document, void **memory, norma_document_error *error) {
+static norma_document_result open_input(
+    const file_job *job, norma_document **document, void **memory, norma_document_error *error) {
     cli_progress progress;
-    cli_progress_start(&progress, "reading", job->input, job->common->quiet, cli_megabytes(job->input));
+    cli_progress_start(
+        &progress, "reading", job->input, job->common->quiet, cli_megabytes(job->input));
     const norma_document_options options = {.struct_size = sizeof options,
-                                            .format = job->files->format,
-                                            .threads = job->common->threads,
-                                            .progress = cli_progress_report,
-                                            .progress_user = &progress};
+        .format = job->files->format,
+        .threads = job->common->threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress};
     norma_document_result result = cli_open(job->input, &options, document, memory, error);
     cli_progress_stop(&progress);
     return result;
 }
 
-static void report_json(const file_job *job, const norma_document *document, const norma_document_error *error) {
+static void report_json(
+    const file_job *job, const norma_document *document, const norma_document_error *error) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "input", job->input);
@@ -220,14 +240,16 @@ static void report_json(const file_job *job, const norma_document *document, con
     fputc('\n', stdout);
 }
 
-static void report(const file_job *job, const norma_document *document, const norma_document_error *error) {
+static void report(
+    const file_job *job, const norma_document *document, const norma_document_error *error) {
     if (error->result) {
         cli_print_error(error);
     } else if (!job->common->quiet && !job->common->json) {
         int to_stdout = is_standard(job->output);
         FILE *out = to_stdout ? stderr : stdout;
         fflush(stdout);
-        fprintf(out, "%s -> %s: ", cli_input_name(job->input), to_stdout ? "standard output" : job->output);
+        fprintf(out, "%s -> %s: ", cli_input_name(job->input),
+            to_stdout ? "standard output" : job->output);
         job->changer->write_text(job->changer->work, document, out);
         fputc('\n', out);
         fflush(out);
@@ -242,8 +264,7 @@ static int run_job(const file_job *job) {
     void *memory;
     norma_document_error error = {0};
     norma_document_result result = open_input(job, &document, &memory, &error);
-    if (!result)
-        result = change_document(job, document, &error);
+    if (!result) result = change_document(job, document, &error);
     error.result = result;
     cli_name_error(&error, job->input);
     report(job, document, &error);
@@ -252,27 +273,26 @@ static int run_job(const file_job *job) {
     return cli_status_of(result);
 }
 
-static int change_files(const cli_verb *verb, const cli_common *common, const cli_files *files, const cli_changer *changer) {
+static int change_files(const cli_verb *verb, const cli_common *common, const cli_files *files,
+    const cli_changer *changer) {
     int status = cli_check_inputs(verb, files);
-    if (!status)
-        status = cli_check_outputs(verb, common, files);
-    if (status)
-        return status;
+    if (!status) status = cli_check_outputs(verb, common, files);
+    if (status) return status;
     for (size_t i = 0; i < files->inputs.count; ++i) {
-        if (cli_interrupted())
-            return cli_finish(cli_interrupted());
+        if (cli_interrupted()) return cli_finish(cli_interrupted());
         const char *input = files->inputs.words[i];
         char *output = cli_output_of(files, input);
-        if (!output)
-            return cli_out_of_memory();
-        const file_job one = {.common = common, .files = files, .changer = changer, .input = input, .output = output};
+        if (!output) return cli_out_of_memory();
+        const file_job one = {
+            .common = common, .files = files, .changer = changer, .input = input, .output = output};
         status = cli_worse(status, run_job(&one));
         free(output);
     }
     return cli_finish(status);
 }
 
-int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *own, size_t own_count, int count, char **arguments) {
+int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *own,
+    size_t own_count, int count, char **arguments) {
     cli_common common = {.threads = NORMA_ALL_THREADS};
     cli_files files = {.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table shared[] = {
@@ -282,18 +302,17 @@ int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_
     };
     cli_table tables[CLI_OWN_TABLES + CLI_COUNT(shared)];
     int wants_help;
-    if (!files.inputs.words)
-        return cli_out_of_memory();
+    if (!files.inputs.words) return cli_out_of_memory();
     own_count = own_count < CLI_OWN_TABLES ? own_count : CLI_OWN_TABLES;
     memcpy(tables, own, own_count * sizeof *own);
     memcpy(tables + own_count, shared, sizeof shared);
-    int status = cli_parse(verb, tables, own_count + CLI_COUNT(shared), count, arguments, &files.inputs, &wants_help);
+    int status = cli_parse(
+        verb, tables, own_count + CLI_COUNT(shared), count, arguments, &files.inputs, &wants_help);
     if (wants_help)
         fputs(verb->help, stdout), status = cli_finish(status);
     else if (!status)
         status = changer->prepare(verb, changer->work, common.threads);
-    if (!status && !wants_help)
-        status = change_files(verb, &common, &files, changer);
+    if (!status && !wants_help) status = change_files(verb, &common, &files, changer);
     free(files.inputs.words);
     return status;
 }

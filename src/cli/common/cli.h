@@ -1,4 +1,5 @@
-/* cli.h: what the files of the command-line tool share: exit statuses, verbs, options, the batch of files, reports. Only public headers below this. */
+/* cli.h: what the files of the command-line tool share: exit statuses, verbs, options, the batch of
+ * files, reports. Only public headers below this. */
 #ifndef NORMA_CLI_H
 #define NORMA_CLI_H
 #include <norma/document.h>
@@ -7,7 +8,13 @@
 #include <stdint.h>
 #include <stdio.h>
 
-enum cli_status { CLI_OK = 0, CLI_FINDINGS = 1, CLI_USAGE = 2, CLI_FILE = 3, CLI_INTERRUPTED = 130 };
+enum cli_status {
+    CLI_OK = 0,
+    CLI_FINDINGS = 1,
+    CLI_USAGE = 2,
+    CLI_FILE = 3,
+    CLI_INTERRUPTED = 130
+};
 
 #define CLI_COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
@@ -19,19 +26,26 @@ typedef struct cli_verb {
 } cli_verb;
 
 extern const cli_verb cli_verb_render, cli_verb_view;
-extern const cli_verb cli_verb_compute, cli_verb_transform, cli_verb_matrix, cli_verb_info, cli_verb_check, cli_verb_explain;
+extern const cli_verb cli_verb_compute, cli_verb_transform, cli_verb_matrix, cli_verb_info,
+    cli_verb_check, cli_verb_explain;
 
-/* ---- messages on stderr: "norma compute: ..." (verb may be NULL). Always CLI_USAGE, so that a caller can return it. */
+/* ---- messages on stderr: "norma compute: ..." (verb may be NULL). Always CLI_USAGE, so that a
+ * caller can return it. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
 int cli_usage(const cli_verb *verb, const char *format, ...);
-/* The name of names (each at stride bytes from the last, a const char * first) that a misspelt word most likely means; NULL: none is near. */
+/* The name of names (each at stride bytes from the last, a const char * first) that a misspelt word
+ * most likely means; NULL: none is near. */
 const char *cli_suggest(const char *word, const void *names, size_t count, size_t stride);
 
 /* ---- options: one table for each verb */
 
-enum { CLI_NO_VALUE = 0, CLI_VALUE = 1, CLI_MAYBE_VALUE = 2 /* only as --name=value; else the value is NULL */ };
+enum {
+    CLI_NO_VALUE = 0,
+    CLI_VALUE = 1,
+    CLI_MAYBE_VALUE = 2 /* only as --name=value; else the value is NULL */
+};
 
 typedef struct cli_option {
     const char *name; /* without its dashes */
@@ -52,12 +66,15 @@ typedef struct cli_words {
     size_t count;
 } cli_words;
 
-/* Tries each table in turn. Returns CLI_OK or CLI_USAGE, said already; *help: --help was given, nothing else counts. words->words has room for count words; NULL: a usage error. */
-int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count, char **arguments, cli_words *words, int *help);
+/* Tries each table in turn. Returns CLI_OK or CLI_USAGE, said already; *help: --help was given,
+ * nothing else counts. words->words has room for count words; NULL: a usage error. */
+int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count,
+    char **arguments, cli_words *words, int *help);
 
 /* Whole text, as C spells numbers; 0: it is none, or not finite. */
 int cli_number(const char *text, double *number);
-/* As many numbers as there is room for, with commas or blanks between; returns how many there are (more than room: room + 1; 0 where one is no number). */
+/* As many numbers as there is room for, with commas or blanks between; returns how many there are
+ * (more than room: room + 1; 0 where one is no number). */
 size_t cli_numbers(const char *text, double *numbers, size_t room);
 
 /* ---- settings that several verbs share */
@@ -68,14 +85,15 @@ typedef struct cli_common {
 } cli_common;
 extern const cli_option cli_common_options[]; /* --json --max-memory --quiet --threads */
 extern const size_t cli_common_option_count;
-const char *cli_limit_memory(const char *value); /* of --max-memory, for the whole process: NULL, or what was expected */
+const char *cli_limit_memory(
+    const char *value); /* of --max-memory, for the whole process: NULL, or what was expected */
 extern const cli_option cli_matrix_options[]; /* --scale --rotate --translate --matrix */
-#define CLI_MATRIX_HELP                                                                                      \
-    "The matrix: the first given acts first on the points\n"                                                 \
-    "  --scale X,Y,Z         or one number for all three\n"                                                  \
-    "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"                    \
-    "  --translate X,Y,Z\n"                                                                                  \
-    "  --matrix \"16 numbers, row by row\"\n"                                                                \
+#define CLI_MATRIX_HELP                                                                            \
+    "The matrix: the first given acts first on the points\n"                                       \
+    "  --scale X,Y,Z         or one number for all three\n"                                        \
+    "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"          \
+    "  --translate X,Y,Z\n"                                                                        \
+    "  --matrix \"16 numbers, row by row\"\n"                                                      \
     "                        for column vectors: the translation is the last column\n"
 extern const size_t cli_matrix_option_count;
 typedef struct cli_matrix {
@@ -95,49 +113,63 @@ typedef struct cli_files {
     int in_place;
     norma_file_format format; /* unknown: by each name */
 } cli_files;
-extern const cli_option cli_input_options[], cli_output_options[]; /* --input-format; -o --out-dir --in-place */
+extern const cli_option cli_input_options[],
+    cli_output_options[]; /* --input-format; -o --out-dir --in-place */
 extern const size_t cli_input_option_count, cli_output_option_count;
 
 /* What --help says of what cli_run_changer reads. */
-#define CLI_FILES_HELP                                                                                  \
-    "Files\n"                                                                                           \
-    "  -o, --output OUT      the output, in IN's format; - is standard output\n"                        \
-    "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at all\n" \
-    "  --input-format obj|ply|stl|gltf|glb\n"                                                           \
-    "                        needed for standard input, which is called -\n"                            \
-    "  --threads N           how many may work (all); the result is the same to the bit\n"              \
-    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"                   \
-    "  --json                a summary for programs on standard output, one object a line\n"            \
+#define CLI_FILES_HELP                                                                             \
+    "Files\n"                                                                                      \
+    "  -o, --output OUT      the output, in IN's format; - is standard output\n"                   \
+    "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at " \
+    "all\n"                                                                                        \
+    "  --input-format obj|ply|stl|gltf|glb\n"                                                      \
+    "                        needed for standard input, which is called -\n"                       \
+    "  --threads N           how many may work (all); the result is the same to the bit\n"         \
+    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"              \
+    "  --json                a summary for programs on standard output, one object a line\n"       \
     "  --quiet               says nothing but errors\n"
 
 /* What a verb does to each file of a batch: opened, changed, written, told about. */
 typedef struct cli_changer {
     void *work; /* the verb's own: its options, and the summary of the file at hand */
-    norma_document_result (*change)(void *work, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error);
-    void (*write_json)(const void *work, struct cli_json *json);                     /* the keys after "input" and "output" */
-    void (*write_text)(const void *work, const norma_document *document, FILE *out); /* what stands after "IN -> OUT: ", without the line's end */
-    int (*prepare)(const cli_verb *verb, void *work, uint32_t threads);               /* once all options are read: a status */
+    norma_document_result (*change)(void *work, norma_document *document, norma_progress *progress,
+        void *progress_user, norma_document_error *error);
+    void (*write_json)(
+        const void *work, struct cli_json *json); /* the keys after "input" and "output" */
+    void (*write_text)(const void *work, const norma_document *document,
+        FILE *out); /* what stands after "IN -> OUT: ", without the line's end */
+    int (*prepare)(const cli_verb *verb, void *work,
+        uint32_t threads); /* once all options are read: a status */
 } cli_changer;
 int cli_check_inputs(const cli_verb *verb, const cli_files *files);
-int cli_check_outputs(const cli_verb *verb, const cli_common *common, const cli_files *files); /* whether all have somewhere to go; makes the folder */
-char *cli_output_of(const cli_files *files, const char *input);                                /* of an input; the caller's to free. NULL: out of memory */
-/* Such a verb as a whole, from its arguments to its status; tables: its own options beside those that all of them take. */
+int cli_check_outputs(const cli_verb *verb, const cli_common *common,
+    const cli_files *files); /* whether all have somewhere to go; makes the folder */
+char *cli_output_of(const cli_files *files,
+    const char *input); /* of an input; the caller's to free. NULL: out of memory */
+/* Such a verb as a whole, from its arguments to its status; tables: its own options beside those
+ * that all of them take. */
 enum { CLI_OWN_TABLES = 2 };
-int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *tables, size_t table_count, int count, char **arguments);
+int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *tables,
+    size_t table_count, int count, char **arguments);
 
-norma_document_result cli_write_standard(norma_document *document, norma_document_error *error); /* to standard output; interruptible */
+norma_document_result cli_write_standard(
+    norma_document *document, norma_document_error *error); /* to standard output; interruptible */
 /* Opens "-" or a path. *memory is what standard input held; freed after the document. */
-norma_document_result cli_open(const char *input, const norma_document_options *options, norma_document **document, void **memory, norma_document_error *error);
+norma_document_result cli_open(const char *input, const norma_document_options *options,
+    norma_document **document, void **memory, norma_document_error *error);
 const char *cli_input_name(const char *input); /* for people: "standard input" for "-" */
 double cli_megabytes(const char *input);       /* 0: not known */
 int cli_status_of(norma_document_result result);
-int cli_worse(int status, int other);                                /* of a batch: interrupted, then 3, then 2, then 0 */
-void cli_name_error(norma_document_error *error, const char *input); /* "standard input" for the library's word for bytes without a name, "interrupted" */
+int cli_worse(int status, int other); /* of a batch: interrupted, then 3, then 2, then 0 */
+void cli_name_error(
+    norma_document_error *error, const char *input); /* "standard input" for the library's word for
+                                                        bytes without a name, "interrupted" */
 void cli_print_error(const norma_document_error *error);
 void cli_print_notes(const char *input, const norma_document *document);
 void cli_json_notes(struct cli_json *json, const norma_document *document);
 int cli_out_of_memory(void); /* says so; CLI_FILE */
-int cli_finish(int status); /* flushes stdout; a full disk there is status 3 */
+int cli_finish(int status);  /* flushes stdout; a full disk there is status 3 */
 
 /* A report that goes to a file, whole or not at all. */
 typedef struct cli_memory_stream {
@@ -155,9 +187,10 @@ typedef struct cli_output {
     const char *path;
     cli_memory_stream gathered; /* not of standard output */
 } cli_output;
-int cli_output_begin(cli_output *output, const char *path); /* "-": stdout; 0: failed, and said so */
-int cli_output_end(cli_output *output);                     /* a status */
-void cli_output_drop(cli_output *output);                   /* as if it had never been begun */
+int cli_output_begin(
+    cli_output *output, const char *path); /* "-": stdout; 0: failed, and said so */
+int cli_output_end(cli_output *output);    /* a status */
+void cli_output_drop(cli_output *output);  /* as if it had never been begun */
 
 /* ---- progress and interruption */
 
@@ -167,19 +200,23 @@ typedef struct cli_progress {
     double megabytes;   /* of the input; 0: not known */
     const char *what, *name;
 } cli_progress;
-void cli_guard(void);            /* before anything is opened: closed standard streams, mapped files that become shorter */
+void cli_guard(void); /* before anything is opened: closed standard streams, mapped files that
+                         become shorter */
 void cli_watch_interrupts(void);
 int cli_interrupted(void); /* 0, or 128 plus the signal */
-void cli_progress_start(cli_progress *progress, const char *what, const char *name, int quiet, double megabytes);
+void cli_progress_start(
+    cli_progress *progress, const char *what, const char *name, int quiet, double megabytes);
 int cli_progress_report(void *progress, double fraction); /* a norma_progress */
 void cli_progress_stop(cli_progress *progress);
-int cli_stop_when_interrupted(void *nothing, double fraction); /* a norma_progress that shows nothing */
+int cli_stop_when_interrupted(
+    void *nothing, double fraction); /* a norma_progress that shows nothing */
 
 /* ---- reports for people */
 
 void cli_count(FILE *out, size_t count); /* 1,234 */
 void cli_counted(FILE *out, size_t count, const char *one, const char *many);
-char *cli_decimals(char text[32], double number, int digits); /* rounded to so many decimals, without trailing zeros */
+char *cli_decimals(char text[32], double number,
+    int digits); /* rounded to so many decimals, without trailing zeros */
 const char *cli_weight_name(norma_weight weight);
 const char *cli_kind_name(norma_kind kind);
 double cli_radians(double degrees);
@@ -195,8 +232,8 @@ typedef struct cli_explained {
     double p50_deg, p99_deg, max_deg; /* between the stored normals and those that it gives */
 } cli_explained;
 /* 1 where normals were there to be explained. */
-int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads, cli_explained *explained, norma_document_result *result,
-                        norma_document_error *error);
+int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads,
+    cli_explained *explained, norma_document_result *result, norma_document_error *error);
 
 /* ---- reports for machines */
 
@@ -206,9 +243,11 @@ typedef struct cli_json {
 } cli_json;
 void cli_json_open(cli_json *json, const char *key, char bracket); /* key NULL within an array */
 void cli_json_close(cli_json *json, char bracket);
-void cli_json_string(cli_json *json, const char *key, const char *text); /* NULL: null. Bytes that are not UTF-8 become U+FFFD */
+void cli_json_string(cli_json *json, const char *key,
+    const char *text); /* NULL: null. Bytes that are not UTF-8 become U+FFFD */
 void cli_json_size(cli_json *json, const char *key, size_t number);
-void cli_json_number(cli_json *json, const char *key, double number); /* reads back as the same; null where it is not finite */
+void cli_json_number(cli_json *json, const char *key,
+    double number); /* reads back as the same; null where it is not finite */
 void cli_json_bool(cli_json *json, const char *key, int value);
 void cli_json_null(cli_json *json, const char *key);
 char *cli_shortest(char text[32], double number); /* the fewest digits that read back as the same */

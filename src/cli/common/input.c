@@ -22,43 +22,47 @@ const size_t cli_input_option_count = CLI_COUNT(cli_input_options);
 
 int cli_check_inputs(const cli_verb *verb, const cli_files *files) {
     size_t standard = 0;
-    if (files->inputs.count == 0)
-        return cli_usage(verb, "no input file was given");
+    if (files->inputs.count == 0) return cli_usage(verb, "no input file was given");
     for (size_t i = 0; i < files->inputs.count; ++i) {
         if (files->inputs.words[i][0] == '\0')
             return cli_usage(verb, "the name of an input is empty");
         standard += strcmp(files->inputs.words[i], "-") == 0;
     }
-    if (standard > 1)
-        return cli_usage(verb, "standard input can be read only once");
+    if (standard > 1) return cli_usage(verb, "standard input can be read only once");
     if (standard && !files->format)
-        return cli_usage(verb, "standard input has no name that tells its format; expected --input-format obj, ply, stl, gltf or glb");
+        return cli_usage(verb, "standard input has no name that tells its format; expected "
+                               "--input-format obj, ply, stl, gltf or glb");
     return CLI_OK;
 }
 
-const char *cli_input_name(const char *input) { return strcmp(input, "-") ? input : "standard input"; }
+const char *cli_input_name(const char *input) {
+    return strcmp(input, "-") ? input : "standard input";
+}
 
 double cli_megabytes(const char *input) {
     struct stat status;
-    return strcmp(input, "-") != 0 && stat(input, &status) == 0 && S_ISREG(status.st_mode) ? (double)status.st_size / 1e6 : 0;
+    return strcmp(input, "-") != 0 && stat(input, &status) == 0 && S_ISREG(status.st_mode)
+               ? (double)status.st_size / 1e6
+               : 0;
 }
 
-static norma_document_result fail_input(norma_document_error *error, norma_document_result result, const char *input, const char *what) {
+static norma_document_result fail_input(norma_document_error *error, norma_document_result result,
+    const char *input, const char *what) {
     error->result = result;
     snprintf(error->message, sizeof error->message, "%.800s: %s", cli_input_name(input), what);
     return result;
 }
 
 /* To its end, or until someone interrupts. */
-static norma_document_result read_pipe(int descriptor, const char *input, void **memory, size_t *size, norma_document_error *error) {
+static norma_document_result read_pipe(
+    int descriptor, const char *input, void **memory, size_t *size, norma_document_error *error) {
     size_t capacity = (size_t)1 << 16;
     unsigned char *bytes = malloc(capacity);
     *size = 0;
     while (bytes) {
         if (*size == capacity) {
             unsigned char *larger = capacity <= SIZE_MAX / 2 ? realloc(bytes, capacity * 2) : NULL;
-            if (!larger)
-                break;
+            if (!larger) break;
             bytes = larger;
             capacity *= 2;
         }
@@ -66,7 +70,8 @@ static norma_document_result read_pipe(int descriptor, const char *input, void *
         const char *why = got < 0 && errno != EINTR ? strerror(errno) : NULL;
         if (cli_interrupted() || why) {
             free(bytes);
-            return why ? fail_input(error, NORMA_DOCUMENT_ERROR_FILE, input, why) : fail_input(error, NORMA_DOCUMENT_CANCELLED, input, "interrupted");
+            return why ? fail_input(error, NORMA_DOCUMENT_ERROR_FILE, input, why)
+                       : fail_input(error, NORMA_DOCUMENT_CANCELLED, input, "interrupted");
         }
         if (got == 0) {
             *memory = bytes;
@@ -78,18 +83,20 @@ static norma_document_result read_pipe(int descriptor, const char *input, void *
     return fail_input(error, NORMA_DOCUMENT_ERROR_MEMORY, input, "out of memory");
 }
 
-static norma_document_result read_named_pipe(const char *path, void **memory, size_t *size, norma_document_error *error) {
+static norma_document_result read_named_pipe(
+    const char *path, void **memory, size_t *size, norma_document_error *error) {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC);
     if (descriptor < 0)
-        return cli_interrupted() ? fail_input(error, NORMA_DOCUMENT_CANCELLED, path, "interrupted")
-                                 : fail_input(error, NORMA_DOCUMENT_ERROR_FILE, path, strerror(errno));
+        return cli_interrupted()
+                   ? fail_input(error, NORMA_DOCUMENT_CANCELLED, path, "interrupted")
+                   : fail_input(error, NORMA_DOCUMENT_ERROR_FILE, path, strerror(errno));
     norma_document_result result = read_pipe(descriptor, path, memory, size, error);
     close(descriptor);
     return result;
 }
 
-norma_document_result cli_open(const char *input, const norma_document_options *options, norma_document **document, void **memory,
-                               norma_document_error *error) {
+norma_document_result cli_open(const char *input, const norma_document_options *options,
+    norma_document **document, void **memory, norma_document_error *error) {
     int is_standard = strcmp(input, "-") == 0;
     struct stat status;
     size_t size = 0;
@@ -98,9 +105,13 @@ norma_document_result cli_open(const char *input, const norma_document_options *
     /* Pipes are read here, where an interruption is noticed. */
     if (!is_standard && (stat(input, &status) || !S_ISFIFO(status.st_mode)))
         return norma_document_open(input, options, document, error);
-    norma_document_result result = is_standard ? read_pipe(STDIN_FILENO, input, memory, &size, error) : read_named_pipe(input, memory, &size, error);
+    norma_document_result result = is_standard
+                                       ? read_pipe(STDIN_FILENO, input, memory, &size, error)
+                                       : read_named_pipe(input, memory, &size, error);
     /* Without a name the document has no folder, and files that it names are not opened. */
-    return result ? result : norma_document_open_memory(*memory, size, is_standard ? NULL : input, options, document, error);
+    return result ? result
+                  : norma_document_open_memory(
+                        *memory, size, is_standard ? NULL : input, options, document, error);
 }
 
 int cli_status_of(norma_document_result result) {
@@ -122,35 +133,37 @@ void cli_name_error(norma_document_error *error, const char *input) {
     static const char nameless[] = "<memory>";
     char rest[sizeof error->message];
     if (error->result == NORMA_DOCUMENT_CANCELLED)
-        snprintf(error->message, sizeof error->message, "%.900s: interrupted", cli_input_name(input));
-    if (strncmp(error->message, nameless, sizeof nameless - 1) != 0)
-        return;
+        snprintf(
+            error->message, sizeof error->message, "%.900s: interrupted", cli_input_name(input));
+    if (strncmp(error->message, nameless, sizeof nameless - 1) != 0) return;
     strcpy(rest, error->message + sizeof nameless - 1);
     snprintf(error->message, sizeof error->message, "standard input%.900s", rest);
 }
 
 void cli_print_error(const norma_document_error *error) {
-    if (error->message[0])
-        fprintf(stderr, "norma: %s\n", error->message);
+    if (error->message[0]) fprintf(stderr, "norma: %s\n", error->message);
 }
 
 void cli_print_notes(const char *input, const norma_document *document) {
     const size_t most = 20;
     size_t count = norma_document_note_count(document);
-    for (size_t i = 0; i < count && i < most; ++i) fprintf(stderr, "norma: %s: note: %s\n", cli_input_name(input), norma_document_note(document, i));
+    for (size_t i = 0; i < count && i < most; ++i)
+        fprintf(stderr, "norma: %s: note: %s\n", cli_input_name(input),
+            norma_document_note(document, i));
     if (count > most)
-        fprintf(stderr, "norma: %s: note: and %zu more; --json has them all\n", cli_input_name(input), count - most);
+        fprintf(stderr, "norma: %s: note: and %zu more; --json has them all\n",
+            cli_input_name(input), count - most);
 }
 
 void cli_json_notes(struct cli_json *json, const norma_document *document) {
     cli_json_open(json, "notes", '[');
-    for (size_t i = 0; i < norma_document_note_count(document); ++i) cli_json_string(json, NULL, norma_document_note(document, i));
+    for (size_t i = 0; i < norma_document_note_count(document); ++i)
+        cli_json_string(json, NULL, norma_document_note(document, i));
     cli_json_close(json, ']');
 }
 
 int cli_finish(int status) {
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return status;
+    if (fflush(stdout) == 0 && !ferror(stdout)) return status;
     fprintf(stderr, "norma: standard output: cannot be written: %s\n", strerror(errno));
     return cli_worse(status, CLI_FILE);
 }

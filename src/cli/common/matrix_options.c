@@ -1,4 +1,5 @@
-/* matrix_options.c: one matrix from --scale, --rotate, --translate and --matrix; the first given acts first on the points. */
+/* matrix_options.c: one matrix from --scale, --rotate, --translate and --matrix; the first given
+ * acts first on the points. */
 #include "cli/common/cli.h"
 #include <math.h>
 #include <string.h>
@@ -21,14 +22,14 @@ static void compose(cli_matrix *matrix, const double next[16]) {
 
 static const char *compose_checked(cli_matrix *matrix, const double next[16]) {
     compose(matrix, next);
-    return matrix->overflow ? "numbers whose product with the options before still fits a double" : NULL;
+    return matrix->overflow ? "numbers whose product with the options before still fits a double"
+                            : NULL;
 }
 
 static const char *set_scale(void *settings, const char *value) {
     double s[3], next[16];
     size_t count = cli_numbers(value, s, 3);
-    if (count != 3 && count != 1)
-        return "X,Y,Z or one number for all three, such as 2,1,1";
+    if (count != 3 && count != 1) return "X,Y,Z or one number for all three, such as 2,1,1";
     memcpy(next, cli_matrix_identity.matrix, sizeof next);
     for (int i = 0; i < 3; ++i) next[5 * i] = s[count == 1 ? 0 : i];
     return compose_checked(settings, next);
@@ -37,8 +38,7 @@ static const char *set_scale(void *settings, const char *value) {
 static const char *set_translate(void *settings, const char *value) {
     double next[16];
     memcpy(next, cli_matrix_identity.matrix, sizeof next);
-    if (cli_numbers(value, next + 12, 3) != 3)
-        return "X,Y,Z, such as 0,0,10";
+    if (cli_numbers(value, next + 12, 3) != 3) return "X,Y,Z, such as 0,0,10";
     return compose_checked(settings, next);
 }
 
@@ -58,23 +58,26 @@ static void sine_cosine(double degrees, double *sine, double *cosine) {
 
 /* Rodrigues' formula about the unit axis: R = c I + s [u]x + (1 - c) u u^T. */
 static const char *set_rotate(void *settings, const char *value) {
-    static const char expected[] = "X,Y,Z,DEG: an axis that is not 0,0,0, and degrees, such as 0,1,0,90";
+    static const char expected[] =
+        "X,Y,Z,DEG: an axis that is not 0,0,0, and degrees, such as 0,1,0,90";
     double given[4], next[16], sine, cosine;
-    if (cli_numbers(value, given, 4) != 4)
-        return expected;
+    if (cli_numbers(value, given, 4) != 4) return expected;
     double largest = fmax(fabs(given[0]), fmax(fabs(given[1]), fabs(given[2])));
-    if (largest == 0)
-        return expected;
-    double x = given[0] / largest, y = given[1] / largest, z = given[2] / largest, length = sqrt(x * x + y * y + z * z);
+    if (largest == 0) return expected;
+    double x = given[0] / largest, y = given[1] / largest, z = given[2] / largest,
+           length = sqrt(x * x + y * y + z * z);
     x /= length;
     y /= length;
     z /= length;
     sine_cosine(given[3], &sine, &cosine);
     const double rest = 1 - cosine;
     memcpy(next, cli_matrix_identity.matrix, sizeof next);
-    next[0] = cosine + rest * x * x, next[4] = rest * x * y - sine * z, next[8] = rest * x * z + sine * y;
-    next[1] = rest * y * x + sine * z, next[5] = cosine + rest * y * y, next[9] = rest * y * z - sine * x;
-    next[2] = rest * z * x - sine * y, next[6] = rest * z * y + sine * x, next[10] = cosine + rest * z * z;
+    next[0] = cosine + rest * x * x, next[4] = rest * x * y - sine * z,
+    next[8] = rest * x * z + sine * y;
+    next[1] = rest * y * x + sine * z, next[5] = cosine + rest * y * y,
+    next[9] = rest * y * z - sine * x;
+    next[2] = rest * z * x - sine * y, next[6] = rest * z * y + sine * x,
+    next[10] = cosine + rest * z * z;
     return compose_checked(settings, next);
 }
 

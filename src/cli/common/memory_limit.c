@@ -1,5 +1,6 @@
-/* memory_limit.c: --max-memory: a limit on what this process may take, set with the system, which refuses every block beyond it, whoever asks: so an input that needs more
- * ends as "out of memory" and status 3, like a machine that has no more. Files that are mapped for reading do not count. */
+/* memory_limit.c: --max-memory: a limit on what this process may take, set with the system, which
+ * refuses every block beyond it, whoever asks: so an input that needs more ends as "out of memory"
+ * and status 3, like a machine that has no more. Files that are mapped for reading do not count. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/common/cli.h"
 #include <math.h>
@@ -13,23 +14,23 @@
 static double read_bytes(const char *text) {
     static const char units[] = "KMGT";
     char *rest;
-    if (strspn(text, "0123456789.") == 0)
-        return 0;
+    if (strspn(text, "0123456789.") == 0) return 0;
     double bytes = strtod(text, &rest);
-    const char *unit = *rest ? strchr(units, *rest >= 'a' && *rest <= 'z' ? *rest - 'a' + 'A' : *rest) : NULL;
+    const char *unit =
+        *rest ? strchr(units, *rest >= 'a' && *rest <= 'z' ? *rest - 'a' + 'A' : *rest) : NULL;
     for (const char *u = units; unit && u <= unit; ++u) bytes *= 1024;
     rest += unit != NULL;
-    return *rest == '\0' || (unit && (strcmp(rest, "B") == 0 || strcmp(rest, "iB") == 0)) ? floor(bytes) : 0;
+    return *rest == '\0' || (unit && (strcmp(rest, "B") == 0 || strcmp(rest, "iB") == 0))
+               ? floor(bytes)
+               : 0;
 }
 
 const char *cli_limit_memory(const char *value) {
     double bytes = read_bytes(value);
-    if (!(bytes >= 1 && bytes < 9e18))
-        return "a number of bytes, or one with K, M, G or T";
+    if (!(bytes >= 1 && bytes < 9e18)) return "a number of bytes, or one with K, M, G or T";
 #if defined(RLIMIT_DATA)
     struct rlimit limit;
-    if (getrlimit(RLIMIT_DATA, &limit))
-        return "a limit that this system can set";
+    if (getrlimit(RLIMIT_DATA, &limit)) return "a limit that this system can set";
     if (limit.rlim_max == RLIM_INFINITY || bytes < (double)limit.rlim_max)
         limit.rlim_cur = (rlim_t)bytes;
     return setrlimit(RLIMIT_DATA, &limit) ? "a limit that this system can set" : NULL;

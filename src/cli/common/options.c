@@ -1,4 +1,5 @@
-/* options.c: reads a command line by the tables of its verb: --name value, --name=value, -o value, -- for names that begin with a dash. */
+/* options.c: reads a command line by the tables of its verb: --name value, --name=value, -o value,
+ * -- for names that begin with a dash. */
 #include "cli/common/cli.h"
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +15,8 @@ int cli_usage(const cli_verb *verb, const char *format, ...) {
     return CLI_USAGE;
 }
 
-/* ---- what a misspelt word may mean: the least number of letters to put in, take out, change or swap with the next */
+/* ---- what a misspelt word may mean: the least number of letters to put in, take out, change or
+ * swap with the next */
 
 enum { LONGEST_WORD = 32 };
 
@@ -22,8 +24,7 @@ static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 static size_t edit_distance(const char *a, const char *b) {
     size_t of_a = strlen(a), of_b = strlen(b), rows[3][LONGEST_WORD + 1];
-    if (of_a > LONGEST_WORD || of_b > LONGEST_WORD)
-        return SIZE_MAX;
+    if (of_a > LONGEST_WORD || of_b > LONGEST_WORD) return SIZE_MAX;
     for (size_t j = 0; j <= of_b; ++j) rows[0][j] = j;
     for (size_t i = 1; i <= of_a; ++i) {
         size_t *row = rows[i % 3], *above = rows[(i + 2) % 3], *two_above = rows[(i + 1) % 3];
@@ -57,11 +58,14 @@ const char *cli_suggest(const char *word, const void *names, size_t count, size_
 
 /* ---- parsing */
 
-static const cli_option *find_option(const cli_table *tables, size_t table_count, const char *name, size_t length, char letter, const cli_table **table) {
+static const cli_option *find_option(const cli_table *tables, size_t table_count, const char *name,
+    size_t length, char letter, const cli_table **table) {
     for (size_t t = 0; t < table_count; ++t)
         for (size_t i = 0; i < tables[t].count; ++i) {
             const cli_option *option = &tables[t].options[i];
-            int found = letter ? option->letter == letter : strlen(option->name) == length && memcmp(option->name, name, length) == 0;
+            int found =
+                letter ? option->letter == letter
+                       : strlen(option->name) == length && memcmp(option->name, name, length) == 0;
             if (found) {
                 *table = &tables[t];
                 return option;
@@ -70,61 +74,63 @@ static const cli_option *find_option(const cli_table *tables, size_t table_count
     return NULL;
 }
 
-static int unknown_option(const cli_verb *verb, const cli_table *tables, size_t table_count, const char *argument) {
+static int unknown_option(
+    const cli_verb *verb, const cli_table *tables, size_t table_count, const char *argument) {
     char name[LONGEST_WORD + 1] = "";
     const char *meant = NULL;
     size_t length = strcspn(argument + 2, "=");
     if (argument[1] == '-' && length <= LONGEST_WORD) {
         memcpy(name, argument + 2, length);
-        for (size_t t = 0; t < table_count && !meant; ++t) meant = cli_suggest(name, tables[t].options, tables[t].count, sizeof(cli_option));
+        for (size_t t = 0; t < table_count && !meant; ++t)
+            meant = cli_suggest(name, tables[t].options, tables[t].count, sizeof(cli_option));
     }
-    if (meant)
-        return cli_usage(verb, "unknown option '%s'; did you mean --%s?", argument, meant);
+    if (meant) return cli_usage(verb, "unknown option '%s'; did you mean --%s?", argument, meant);
     return cli_usage(verb, "unknown option '%s'", argument);
 }
 
-/* A forgotten value would otherwise swallow the next option; what begins with one dash may be a negative number. */
+/* A forgotten value would otherwise swallow the next option; what begins with one dash may be a
+ * negative number. */
 static int is_option(const cli_table *tables, size_t table_count, const char *word) {
     const cli_table *table;
-    return word[0] == '-' && word[1] == '-' && (word[2] == '\0' || find_option(tables, table_count, word + 2, strcspn(word + 2, "="), 0, &table));
+    return word[0] == '-' && word[1] == '-' &&
+           (word[2] == '\0' ||
+               find_option(tables, table_count, word + 2, strcspn(word + 2, "="), 0, &table));
 }
 
 /* Reads the option at arguments[*at], which moves to its last word. */
-static int read_option(const cli_verb *verb, const cli_table *tables, size_t table_count, int count, char **arguments, int *at) {
+static int read_option(const cli_verb *verb, const cli_table *tables, size_t table_count, int count,
+    char **arguments, int *at) {
     const char *argument = arguments[*at], *value = NULL;
     const cli_table *table;
     const cli_option *option;
     if (argument[1] == '-') {
         size_t length = strcspn(argument + 2, "=");
         option = find_option(tables, table_count, argument + 2, length, 0, &table);
-        if (argument[2 + length] == '=')
-            value = argument + 2 + length + 1;
+        if (argument[2 + length] == '=') value = argument + 2 + length + 1;
     } else {
         option = find_option(tables, table_count, NULL, 0, argument[1], &table);
-        if (argument[2])
-            value = argument + 2;
+        if (argument[2]) value = argument + 2;
     }
     if (!option || (argument[1] != '-' && value && !option->takes_value))
         return unknown_option(verb, tables, table_count, argument);
-    if (value && !option->takes_value)
-        return cli_usage(verb, "--%s takes no value", option->name);
+    if (value && !option->takes_value) return cli_usage(verb, "--%s takes no value", option->name);
     if (!value && option->takes_value == CLI_VALUE) {
         if (*at + 1 >= count || is_option(tables, table_count, arguments[*at + 1]))
             return cli_usage(verb, "%s needs a value", argument);
         value = arguments[++*at];
     }
     const char *expected = option->set(table->settings, value);
-    if (!expected)
-        return CLI_OK;
-    return value ? cli_usage(verb, "--%s '%s': expected %s", option->name, value, expected) : cli_usage(verb, "--%s: %s", option->name, expected);
+    if (!expected) return CLI_OK;
+    return value ? cli_usage(verb, "--%s '%s': expected %s", option->name, value, expected)
+                 : cli_usage(verb, "--%s: %s", option->name, expected);
 }
 
-int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count, char **arguments, cli_words *words, int *help) {
+int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count,
+    char **arguments, cli_words *words, int *help) {
     int only_words = 0;
     *help = 0;
     for (int i = 0; i < count; ++i) {
-        if (strcmp(arguments[i], "--") == 0)
-            break;
+        if (strcmp(arguments[i], "--") == 0) break;
         if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0) {
             *help = 1;
             return CLI_OK;
@@ -140,8 +146,7 @@ int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count,
             only_words = 1;
         } else {
             int status = read_option(verb, tables, table_count, count, arguments, &i);
-            if (status)
-                return status;
+            if (status) return status;
         }
     }
     return CLI_OK;
@@ -149,7 +154,8 @@ int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count,
 
 /* ---- numbers */
 
-/* strtod alone would also take "inf", "nan", hexadecimal and leading blanks. The tool never leaves the locale "C". */
+/* strtod alone would also take "inf", "nan", hexadecimal and leading blanks. The tool never leaves
+ * the locale "C". */
 static const char *read_number(const char *text, double *number) {
     size_t length = strspn(text, "+-.0123456789eE");
     char *end;
@@ -169,18 +175,14 @@ size_t cli_numbers(const char *text, double *numbers, size_t room) {
     while (*at) {
         double number;
         at = read_number(at, &number);
-        if (!at)
-            return 0;
-        if (count == room)
-            return room + 1;
+        if (!at) return 0;
+        if (count == room) return room + 1;
         numbers[count++] = number;
         const char *after = at + strspn(at, blanks);
         int comma = *after == ',';
-        if (comma)
-            after += 1 + strspn(after + 1, blanks);
+        if (comma) after += 1 + strspn(after + 1, blanks);
         int separated = after > at;
-        if (*after ? !separated : comma)
-            return 0;
+        if (*after ? !separated : comma) return 0;
         at = after;
     }
     return count;

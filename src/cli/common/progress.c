@@ -1,4 +1,5 @@
-/* progress.c: a line on stderr while a person waits, and Ctrl-C: a flag that the library's progress callback turns into a cancel, so that nothing half-written stays. */
+/* progress.c: a line on stderr while a person waits, and Ctrl-C: a flag that the library's progress
+ * callback turns into a cancel, so that nothing half-written stays. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/common/cli.h"
 #include <signal.h>
@@ -21,32 +22,41 @@ void cli_watch_interrupts(void) {
     struct sigaction action = {.sa_handler = catch_signal}, old;
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < CLI_COUNT(numbers); ++i)
-        if (sigaction(numbers[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN) /* ignored: as nohup wants it */
+        if (sigaction(numbers[i], NULL, &old) == 0 &&
+            old.sa_handler != SIG_IGN) /* ignored: as nohup wants it */
             sigaction(numbers[i], &action, NULL);
-    signal(SIGXFSZ, SIG_IGN); /* a file over its limit is then an error like a full disk, which tidies up */
+    signal(SIGXFSZ,
+        SIG_IGN); /* a file over its limit is then an error like a full disk, which tidies up */
 }
 
 int cli_interrupted(void) { return caught_signal ? 128 + caught_signal : 0; }
 
 static double now(void) {
     struct timespec time;
-    return clock_gettime(CLOCK_MONOTONIC, &time) ? 0 : (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+    return clock_gettime(CLOCK_MONOTONIC, &time)
+               ? 0
+               : (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-void cli_progress_start(cli_progress *progress, const char *what, const char *name, int quiet, double megabytes) {
+void cli_progress_start(
+    cli_progress *progress, const char *what, const char *name, int quiet, double megabytes) {
     const char *terminal = getenv("TERM");
     int person = isatty(STDERR_FILENO) && terminal && strcmp(terminal, "dumb") != 0;
-    *progress = (cli_progress){.enabled = !quiet && person, .what = what, .name = name, .megabytes = megabytes, .began = now()};
+    *progress = (cli_progress){.enabled = !quiet && person,
+        .what = what,
+        .name = name,
+        .megabytes = megabytes,
+        .began = now()};
     progress->said = progress->began;
 }
 
 static void show(cli_progress *progress, double fraction, double elapsed) {
     const char *slash = strrchr(progress->name, '/');
-    fprintf(stderr, "\r%s %.40s: %3.0f %%", progress->what, slash ? slash + 1 : progress->name, 100 * fraction);
+    fprintf(stderr, "\r%s %.40s: %3.0f %%", progress->what, slash ? slash + 1 : progress->name,
+        100 * fraction);
     if (progress->megabytes > 0)
         fprintf(stderr, ", %.1f MB/s", progress->megabytes * fraction / elapsed);
-    if (fraction > 0.01)
-        fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);
+    if (fraction > 0.01) fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);
     fputs("\033[K", stderr);
     fflush(stderr);
     progress->shown = 1;

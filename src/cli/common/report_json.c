@@ -1,19 +1,23 @@
-/* report_json.c: one JSON object a line, as RFC 8259 has it: always valid, whatever bytes a name holds. */
+/* report_json.c: one JSON object a line, as RFC 8259 has it: always valid, whatever bytes a name
+ * holds. */
 #include "cli/common/cli.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* How many bytes at text are one UTF-8 character (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF); 0: none are. */
+/* How many bytes at text are one UTF-8 character (RFC 3629: no overlong forms, no surrogates, at
+ * most U+10FFFF); 0: none are. */
 static size_t utf8_length(const unsigned char *text) {
     unsigned char lead = text[0];
-    if (lead < 0x80)
-        return 1;
-    size_t length = lead >= 0xC2 && lead < 0xE0 ? 2 : lead >= 0xE0 && lead < 0xF0 ? 3 : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+    if (lead < 0x80) return 1;
+    size_t length = lead >= 0xC2 && lead < 0xE0   ? 2
+                    : lead >= 0xE0 && lead < 0xF0 ? 3
+                    : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                  : 0;
     for (size_t i = 1; i < length; ++i)
-        if ((text[i] & 0xC0) != 0x80)
-            return 0;
-    if ((lead == 0xE0 && text[1] < 0xA0) || (lead == 0xED && text[1] > 0x9F) || (lead == 0xF0 && text[1] < 0x90) || (lead == 0xF4 && text[1] > 0x8F))
+        if ((text[i] & 0xC0) != 0x80) return 0;
+    if ((lead == 0xE0 && text[1] < 0xA0) || (lead == 0xED && text[1] > 0x9F) ||
+        (lead == 0xF0 && text[1] < 0x90) || (lead == 0xF4 && text[1] > 0x8F))
         return 0;
     return length;
 }
@@ -36,8 +40,7 @@ static void write_quoted(FILE *out, const char *text) {
 }
 
 static void begin_value(cli_json *json, const char *key) {
-    if (json->needs_comma)
-        fputs(", ", json->out);
+    if (json->needs_comma) fputs(", ", json->out);
     json->needs_comma = 1;
     if (key) {
         write_quoted(json->out, key);
@@ -72,8 +75,7 @@ void cli_json_size(cli_json *json, const char *key, size_t number) {
 char *cli_shortest(char text[32], double number) {
     for (int digits = 15; digits <= 17; ++digits) {
         snprintf(text, 32, "%.*g", digits, number + 0.0); /* + 0: no "-0" */
-        if (strtod(text, NULL) == number)
-            break;
+        if (strtod(text, NULL) == number) break;
     }
     return text;
 }

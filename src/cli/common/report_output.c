@@ -1,4 +1,5 @@
-/* report_output.c: a report that goes to a file: gathered in memory, then written whole or not at all. "-" is standard output. */
+/* report_output.c: a report that goes to a file: gathered in memory, then written whole or not at
+ * all. "-" is standard output. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/common/cli.h"
 #include <errno.h>
@@ -22,13 +23,11 @@ static int look_ahead(const cli_output *output) {
     const char *slash = strrchr(output->path, '/');
     const size_t length = slash ? (size_t)(slash - output->path) + 1 : 0;
     char *folder = malloc(length + 2);
-    if (!folder)
-        return fail(output, ENOMEM);
+    if (!folder) return fail(output, ENOMEM);
     memcpy(folder, output->path, length);
     memcpy(folder + length, ".", 2);
     int fine = access(output->path, W_OK) == 0 || (errno == ENOENT && access(folder, W_OK) == 0);
-    if (!fine)
-        fail(output, errno);
+    if (!fine) fail(output, errno);
     free(folder);
     return fine;
 }
@@ -39,10 +38,8 @@ int cli_output_begin(cli_output *output, const char *path) {
         output->out = stdout;
         return 1;
     }
-    if (!look_ahead(output))
-        return 0;
-    if (!cli_memory_open(&output->gathered))
-        return fail(output, ENOMEM);
+    if (!look_ahead(output)) return 0;
+    if (!cli_memory_open(&output->gathered)) return fail(output, ENOMEM);
     output->out = output->gathered.out;
     return 1;
 }
@@ -54,11 +51,11 @@ void cli_output_drop(cli_output *output) {
 }
 
 int cli_output_end(cli_output *output) {
-    if (output->out == stdout)
-        return cli_finish(CLI_OK);
+    if (output->out == stdout) return cli_finish(CLI_OK);
     norma_document_error error = {0};
     const int whole = cli_memory_close(&output->gathered);
-    const int written = whole && norma_save_bytes(output->path, output->gathered.text, output->gathered.size, &error) == NORMA_DOCUMENT_OK;
+    const int written = whole && norma_save_bytes(output->path, output->gathered.text,
+                                     output->gathered.size, &error) == NORMA_DOCUMENT_OK;
     if (!whole)
         fail(output, ENOMEM);
     else if (!written)

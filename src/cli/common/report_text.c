@@ -1,4 +1,5 @@
-/* report_text.c: what people read: counts with commas, angles without noise, names of weights and kinds. */
+/* report_text.c: what people read: counts with commas, angles without noise, names of weights and
+ * kinds. */
 #include "cli/common/cli.h"
 #include <math.h>
 #include <string.h>
@@ -7,8 +8,7 @@ void cli_count(FILE *out, size_t count) {
     char digits[32];
     int length = snprintf(digits, sizeof digits, "%zu", count);
     for (int i = 0; i < length; ++i) {
-        if (i > 0 && (length - i) % 3 == 0)
-            fputc(',', out);
+        if (i > 0 && (length - i) % 3 == 0) fputc(',', out);
         fputc(digits[i], out);
     }
 }
@@ -23,8 +23,7 @@ char *cli_decimals(char text[32], double number, int digits) {
     if (strchr(text, '.')) {
         size_t length = strlen(text);
         while (text[length - 1] == '0') --length;
-        if (text[length - 1] == '.')
-            --length;
+        if (text[length - 1] == '.') --length;
         text[length] = '\0';
     }
     return strcmp(text, "-0") == 0 ? strcpy(text, "0") : text;

@@ -1,5 +1,6 @@
-/* startup_checks.c: what a caller may have taken from the tool, or another program may take from it while it runs: standard streams, and files that are mapped. */
-#define _DEFAULT_SOURCE               /* BUS_ADRERR */
+/* startup_checks.c: what a caller may have taken from the tool, or another program may take from it
+ * while it runs: standard streams, and files that are mapped. */
+#define _DEFAULT_SOURCE /* BUS_ADRERR */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/common/cli.h"
 #include <errno.h>
@@ -8,11 +9,13 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Without standard output or error, the next file that is opened would be taken for it, and a report would be written into it. What stands there instead cannot be used
- * either, so that writing fails as it should. */
+/* Without standard output or error, the next file that is opened would be taken for it, and a
+ * report would be written into it. What stands there instead cannot be used either, so that writing
+ * fails as it should. */
 static void hold_standard_streams(void) {
     for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
-        if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF && open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
+        if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF &&
+            open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
             _exit(CLI_FILE);
 }
 
@@ -29,8 +32,7 @@ static int next_byte(map_reader *reader) {
         const ssize_t got = read(reader->descriptor, reader->bytes, sizeof reader->bytes);
         reader->used = 0;
         reader->size = got > 0 ? (size_t)got : 0;
-        if (!reader->size)
-            return -1;
+        if (!reader->size) return -1;
     }
     return (unsigned char)reader->bytes[reader->used++];
 }
@@ -38,15 +40,17 @@ static int next_byte(map_reader *reader) {
 static uintptr_t read_hex(map_reader *reader) {
     uintptr_t number = 0;
     for (int byte; (byte = next_byte(reader)) >= 0;) {
-        const int digit = byte >= '0' && byte <= '9' ? byte - '0' : byte >= 'a' && byte <= 'f' ? byte - 'a' + 10 : -1;
-        if (digit < 0)
-            break;
+        const int digit = byte >= '0' && byte <= '9'   ? byte - '0'
+                          : byte >= 'a' && byte <= 'f' ? byte - 'a' + 10
+                                                       : -1;
+        if (digit < 0) break;
         number = number << 4 | (uintptr_t)digit;
     }
     return number;
 }
 
-/* "start-end rights offset device inode name": the name of the file that lies at address; "" where none does. */
+/* "start-end rights offset device inode name": the name of the file that lies at address; "" where
+ * none does. */
 static void find_mapped(uintptr_t address, char *name, size_t room) {
     map_reader reader = {.descriptor = open("/proc/self/maps", O_RDONLY | O_CLOEXEC)};
     int byte = 0, found = 0;
@@ -59,8 +63,7 @@ static void find_mapped(uintptr_t address, char *name, size_t room) {
             if (found && (length > 0 || byte == '/') && length + 1 < room)
                 name[length++] = (char)(byte < 32 ? '?' : byte);
     }
-    if (reader.descriptor >= 0)
-        close(reader.descriptor);
+    if (reader.descriptor >= 0) close(reader.descriptor);
     name[found ? length : 0] = '\0';
 }
 
@@ -69,7 +72,8 @@ static size_t append(char *text, size_t used, size_t room, const char *more) {
     return used;
 }
 
-/* Bytes of a mapped file are gone. Nothing is half-written: what was being written has no name yet. */
+/* Bytes of a mapped file are gone. Nothing is half-written: what was being written has no name yet.
+ */
 static void catch_lost_bytes(int number, siginfo_t *info, void *context) {
     char name[1024];
     (void)context;
@@ -81,7 +85,8 @@ static void catch_lost_bytes(int number, siginfo_t *info, void *context) {
     char text[sizeof name + 128]; /* in one piece: other threads may say the same */
     size_t used = append(text, 0, sizeof text, "norma: ");
     used = append(text, used, sizeof text, name);
-    used = append(text, used, sizeof text, ": cannot be read: another program has made it shorter meanwhile\n");
+    used = append(text, used, sizeof text,
+        ": cannot be read: another program has made it shorter meanwhile\n");
     const ssize_t written = write(STDERR_FILENO, text, used);
     (void)written;
     _exit(CLI_FILE);

@@ -2,46 +2,56 @@
 #include "cli/common/cli.h"
 #include <string.h>
 
-static const char help[] = "norma compute IN -o OUT: computes normals and writes them into a copy of IN\n"
-                           "\n"
-                           "Examples\n"
-                           "  norma compute chair.obj -o out.obj              normals by angle, creases at 60 degrees\n"
-                           "  norma compute scan.ply -o out.ply               one smooth normal per vertex (the default for PLY)\n"
-                           "  norma compute chair.glb -o out.glb --crease 30  sharper: edges that bend by more than 30 degrees stay hard\n"
-                           "  norma compute rock.glb -o out.glb --smooth      one normal per position, no vertex added\n"
-                           "  norma compute part.stl -o out.stl               facet normals from the winding (all that STL can hold)\n"
-                           "  norma compute *.glb --out-dir fixed --only missing\n"
-                           "                                                  only meshes without normals; the others keep theirs to the bit\n"
-                           "  cat a.obj | norma compute - --input-format obj -o - > b.obj\n"
-                           "\n"
-                           "Which edges are hard\n"
-                           "  --crease DEG          those that bend by more than DEG degrees, 0 to 180 (60)\n"
-                           "  --smooth              none: one normal per position\n"
-                           "  --flat                all: each face is flat\n"
-                           "  --groups auto|ignore  OBJ smoothing groups: they alone decide where the file uses them, unless\n"
-                           "                        --crease is given, which then cuts as well (auto)\n"
-                           "  --non-manifold hard|smooth\n"
-                           "                        edges of three faces and more (hard)\n"
-                           "\n"
-                           "How faces are averaged\n"
-                           "  --weight angle|area|uniform|max|angle-area|visible|angle-lengths\n"
-                           "                        by the angle of each face at the vertex (angle). max suits smooth scans;\n"
-                           "                        area and uniform match files that were made so\n"
-                           "  --weld exact|none|DISTANCE\n"
-                           "                        vertices share a normal where their positions are exactly equal, so that no\n"
-                           "                        seam shows (exact); only where they are the same vertex (none); or within\n"
-                           "                        DISTANCE, in the file's unit\n"
-                           "\n"
-                           "What is computed\n"
-                           "  --only all|missing|broken\n"
-                           "                        every normal (all); those of meshes or faces without any (missing); also those\n"
-                           "                        that are not finite, zero or not of unit length (broken)\n"
-                           "  --morphs              normal deltas also for glTF morph targets that have none\n"
-                           "\n"
-                           CLI_FILES_HELP
-                           "\n"
-                           "A face that has no direction has no vote; what then has no normal of its own gets the nearest one, and the\n"
-                           "summary counts it. Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+static const char help[] =
+    "norma compute IN -o OUT: computes normals and writes them into a copy of IN\n"
+    "\n"
+    "Examples\n"
+    "  norma compute chair.obj -o out.obj              normals by angle, creases at 60 degrees\n"
+    "  norma compute scan.ply -o out.ply               one smooth normal per vertex (the default "
+    "for PLY)\n"
+    "  norma compute chair.glb -o out.glb --crease 30  sharper: edges that bend by more than 30 "
+    "degrees stay hard\n"
+    "  norma compute rock.glb -o out.glb --smooth      one normal per position, no vertex added\n"
+    "  norma compute part.stl -o out.stl               facet normals from the winding (all that "
+    "STL can hold)\n"
+    "  norma compute *.glb --out-dir fixed --only missing\n"
+    "                                                  only meshes without normals; the others "
+    "keep theirs to the bit\n"
+    "  cat a.obj | norma compute - --input-format obj -o - > b.obj\n"
+    "\n"
+    "Which edges are hard\n"
+    "  --crease DEG          those that bend by more than DEG degrees, 0 to 180 (60)\n"
+    "  --smooth              none: one normal per position\n"
+    "  --flat                all: each face is flat\n"
+    "  --groups auto|ignore  OBJ smoothing groups: they alone decide where the file uses them, "
+    "unless\n"
+    "                        --crease is given, which then cuts as well (auto)\n"
+    "  --non-manifold hard|smooth\n"
+    "                        edges of three faces and more (hard)\n"
+    "\n"
+    "How faces are averaged\n"
+    "  --weight angle|area|uniform|max|angle-area|visible|angle-lengths\n"
+    "                        by the angle of each face at the vertex (angle). max suits smooth "
+    "scans;\n"
+    "                        area and uniform match files that were made so\n"
+    "  --weld exact|none|DISTANCE\n"
+    "                        vertices share a normal where their positions are exactly equal, so "
+    "that no\n"
+    "                        seam shows (exact); only where they are the same vertex (none); or "
+    "within\n"
+    "                        DISTANCE, in the file's unit\n"
+    "\n"
+    "What is computed\n"
+    "  --only all|missing|broken\n"
+    "                        every normal (all); those of meshes or faces without any (missing); "
+    "also those\n"
+    "                        that are not finite, zero or not of unit length (broken)\n"
+    "  --morphs              normal deltas also for glTF morph targets that have none\n"
+    "\n" CLI_FILES_HELP "\n"
+    "A face that has no direction has no vote; what then has no normal of its own gets the nearest "
+    "one, and the\n"
+    "summary counts it. Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 "
+    "interrupted.\n";
 
 typedef struct compute_work {
     norma_compute_options options;
@@ -102,22 +112,23 @@ static const char *set_weld(void *settings, const char *value) {
 /* One of the words, in the order of their enum. */
 static int choose(const char *value, const char *const *words, int count) {
     for (int i = 0; i < count; ++i)
-        if (strcmp(value, words[i]) == 0)
-            return i;
+        if (strcmp(value, words[i]) == 0) return i;
     return -1;
 }
 
 static const char *set_groups(void *settings, const char *value) {
     static const char *const words[] = {"auto", "ignore"};
     int choice = choose(value, words, 2);
-    ((compute_work *)settings)->options.groups = choice == 1 ? NORMA_GROUPS_IGNORE : NORMA_GROUPS_AUTO;
+    ((compute_work *)settings)->options.groups =
+        choice == 1 ? NORMA_GROUPS_IGNORE : NORMA_GROUPS_AUTO;
     return choice < 0 ? "auto or ignore" : NULL;
 }
 
 static const char *set_non_manifold(void *settings, const char *value) {
     static const char *const words[] = {"hard", "smooth"};
     int choice = choose(value, words, 2);
-    ((compute_work *)settings)->options.non_manifold = choice == 1 ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD;
+    ((compute_work *)settings)->options.non_manifold =
+        choice == 1 ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD;
     return choice < 0 ? "hard or smooth" : NULL;
 }
 
@@ -125,8 +136,7 @@ static const char *const only_words[] = {"all", "missing", "broken"};
 
 static const char *set_only(void *settings, const char *value) {
     int choice = choose(value, only_words, 3);
-    if (choice < 0)
-        return "all, missing or broken";
+    if (choice < 0) return "all, missing or broken";
     ((compute_work *)settings)->options.only = (norma_only)choice;
     return NULL;
 }
@@ -151,7 +161,8 @@ static const cli_option options[] = {
 
 /* ---- one file */
 
-static norma_document_result change(void *user, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error) {
+static norma_document_result change(void *user, norma_document *document, norma_progress *progress,
+    void *progress_user, norma_document_error *error) {
     compute_work *work = user;
     work->options.progress = progress;
     work->options.progress_user = progress_user;
@@ -159,7 +170,8 @@ static norma_document_result change(void *user, norma_document *document, norma_
 }
 
 /* Where edges were not looked at, zero would claim that there is none. */
-static void write_edges(cli_json *json, const char *key, const norma_compute_summary *summary, size_t count) {
+static void write_edges(
+    cli_json *json, const char *key, const norma_compute_summary *summary, size_t count) {
     if (summary->edges_counted)
         cli_json_size(json, key, count);
     else
@@ -221,41 +233,41 @@ static void write_choices(const compute_work *work, norma_file_format format, FI
         fputs(", flat normals", out);
     else
         fprintf(out, ", normals by %s", cli_weight_name(work->options.weight));
-    if (summary->shading == NORMA_SHADING_SMOOTH)
-        fputs(", smooth", out);
-    if (summary->by_groups)
-        fputs(", smoothing groups", out);
+    if (summary->shading == NORMA_SHADING_SMOOTH) fputs(", smooth", out);
+    if (summary->by_groups) fputs(", smoothing groups", out);
     if (summary->shading == NORMA_SHADING_CREASE && !(summary->by_groups && !work->crease_given))
         fprintf(out, ", crease %s\302\260", degrees);
-    if (work->options.weld == NORMA_WELD_NONE)
-        fputs(", equal positions apart", out);
+    if (work->options.weld == NORMA_WELD_NONE) fputs(", equal positions apart", out);
     if (work->options.weld == NORMA_WELD_DISTANCE)
         fprintf(out, ", welded within %s", cli_shortest(distance, work->options.weld_distance));
     if (work->options.only != NORMA_ONLY_ALL)
-        fprintf(out, ", only %s ones", work->options.only == NORMA_ONLY_MISSING ? "missing" : "missing and broken");
+        fprintf(out, ", only %s ones",
+            work->options.only == NORMA_ONLY_MISSING ? "missing" : "missing and broken");
 }
 
 static void write_edge_counts(const compute_work *work, FILE *out) {
     const norma_compute_summary *summary = &work->summary;
-    if (!summary->edges_counted)
-        return;
+    if (!summary->edges_counted) return;
     fputs(", ", out);
     cli_counted(out, summary->hard_edges, "hard edge", "hard edges");
     if (summary->report.non_manifold_edges.count) {
         fputs(", ", out);
-        cli_counted(out, summary->report.non_manifold_edges.count, "non-manifold edge", "non-manifold edges");
-        fputs(work->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH ? " smooth within the crease" : " hard", out);
+        cli_counted(out, summary->report.non_manifold_edges.count, "non-manifold edge",
+            "non-manifold edges");
+        fputs(work->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH ? " smooth within the crease"
+                                                                      : " hard",
+            out);
     }
     if (summary->report.winding_conflicts.count) {
         fputs(", ", out);
-        cli_counted(out, summary->report.winding_conflicts.count, "edge whose faces are", "edges whose faces are");
+        cli_counted(out, summary->report.winding_conflicts.count, "edge whose faces are",
+            "edges whose faces are");
         fputs(" wound against each other", out);
     }
 }
 
 static void write_cause(FILE *out, int *written, size_t count, const char *one, const char *many) {
-    if (!count)
-        return;
+    if (!count) return;
     fputs(*written ? ", " : " (", out);
     cli_counted(out, count, one, many);
     *written = 1;
@@ -264,13 +276,14 @@ static void write_cause(FILE *out, int *written, size_t count, const char *one, 
 static void write_filled(const norma_compute_summary *summary, FILE *out) {
     const norma_report *counts = &summary->report;
     int written = 0;
-    if (!summary->filled && !counts->degenerate_faces.count)
-        return;
+    if (!summary->filled && !counts->degenerate_faces.count) return;
     fputs("; ", out);
     cli_count(out, summary->filled);
     fputs(" had no normal", out);
-    write_cause(out, &written, counts->degenerate_faces.count, "degenerate face", "degenerate faces");
-    write_cause(out, &written, counts->unreferenced.count, "in no face with a direction", "in no face with a direction");
+    write_cause(
+        out, &written, counts->degenerate_faces.count, "degenerate face", "degenerate faces");
+    write_cause(out, &written, counts->unreferenced.count, "in no face with a direction",
+        "in no face with a direction");
     write_cause(out, &written, counts->cancelled.count, "cancelled", "cancelled");
     write_cause(out, &written, counts->non_finite.count, "not finite", "not finite");
     fputs(written ? ")" : "", out);
@@ -317,4 +330,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_run_changer(verb, &changer, &table, 1, count, arguments);
 }
 
-const cli_verb cli_verb_compute = {"compute", "computes normals and writes them into a copy of a file", help, run};
+const cli_verb cli_verb_compute = {
+    "compute", "computes normals and writes them into a copy of a file", help, run};

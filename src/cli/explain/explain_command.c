@@ -4,15 +4,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] = "norma explain RULE...: what a rule of norma check measures, why it matters, what to do\n"
-                           "\n"
-                           "Examples\n"
-                           "  norma explain N501\n"
-                           "  norma explain inconsistent-winding\n"
-                           "  norma explain                  all rules, one a line\n"
-                           "\n"
-                           "RULE is an id (N301), the beginning of some (N3) or a name. --json: for programs.\n"
-                           "Exit status: 0 fine, 2 no such rule.\n";
+static const char help[] =
+    "norma explain RULE...: what a rule of norma check measures, why it matters, what to do\n"
+    "\n"
+    "Examples\n"
+    "  norma explain N501\n"
+    "  norma explain inconsistent-winding\n"
+    "  norma explain                  all rules, one a line\n"
+    "\n"
+    "RULE is an id (N301), the beginning of some (N3) or a name. --json: for programs.\n"
+    "Exit status: 0 fine, 2 no such rule.\n";
 
 static const char *severity_name(norma_severity severity) {
     static const char *const names[] = {"none", "info", "warning", "error"};
@@ -30,7 +31,8 @@ static void write_fix(const norma_rule *rule) {
     if (rule->fix == NORMA_FIX_NONE)
         fputs("Fix: none that a program should make by itself.\n", stdout);
     else
-        printf("Fix: %s, by norma check %s --select %s.\n", rule->fix_verb, rule->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", rule->id);
+        printf("Fix: %s, by norma check %s --select %s.\n", rule->fix_verb,
+            rule->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", rule->id);
 }
 
 /* At most 100 columns. */
@@ -68,7 +70,10 @@ static void write_rule_json(const norma_rule *rule) {
     cli_json_string(&json, "name", rule->name);
     cli_json_string(&json, "render", severity_name(rule->render));
     cli_json_string(&json, "print", severity_name(rule->print));
-    cli_json_string(&json, "fix", rule->fix == NORMA_FIX_SAFE ? "safe" : rule->fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL);
+    cli_json_string(&json, "fix",
+        rule->fix == NORMA_FIX_SAFE     ? "safe"
+        : rule->fix == NORMA_FIX_UNSAFE ? "unsafe"
+                                        : NULL);
     cli_json_string(&json, "what", rule->what);
     cli_json_string(&json, "why", rule->why);
     cli_json_string(&json, "how", rule->how);
@@ -87,16 +92,17 @@ static int explain(const cli_verb *verb, const cli_words *words, int json) {
     const norma_rule *rules = norma_rules(&count);
     uint8_t *mask = calloc(count + 1, 1);
     int status = CLI_OK;
-    if (!mask)
-        return cli_out_of_memory();
+    if (!mask) return cli_out_of_memory();
     for (size_t i = 0; i < words->count && !status; ++i) {
         char unknown[64] = "";
         if (norma_rules_select(words->words[i], mask, unknown) != NORMA_OK)
-            status = cli_usage(verb, "no rule is called '%s'; expected an id (N301), the beginning of some (N3) or a name", unknown);
+            status = cli_usage(verb,
+                "no rule is called '%s'; expected an id (N301), the beginning of some (N3) or a "
+                "name",
+                unknown);
     }
     for (size_t i = 0; i < count && !status; ++i) {
-        if (words->count && !mask[i])
-            continue;
+        if (words->count && !mask[i]) continue;
         if (json)
             write_rule_json(&rules[i]);
         else if (words->count) {
@@ -113,7 +119,9 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     cli_common common = {0};
     cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {{cli_common_options, cli_common_option_count, &common}};
-    int wants_help = 0, status = words.words ? cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help) : cli_out_of_memory();
+    int wants_help = 0, status = words.words ? cli_parse(verb, tables, CLI_COUNT(tables), count,
+                                                   arguments, &words, &wants_help)
+                                             : cli_out_of_memory();
     if (wants_help)
         fputs(verb->help, stdout);
     else if (!status)
@@ -122,4 +130,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_verb cli_verb_explain = {"explain", "what a rule of norma check means, why it matters, what to do", help, run};
+const cli_verb cli_verb_explain = {
+    "explain", "what a rule of norma check means, why it matters, what to do", help, run};

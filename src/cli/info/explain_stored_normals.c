@@ -1,12 +1,15 @@
-/* explain_stored_normals.c: which weight and crease explain the normals of a document's mesh, in degrees. */
+/* explain_stored_normals.c: which weight and crease explain the normals of a document's mesh, in
+ * degrees. */
 #include "cli/common/cli.h"
 #include <math.h>
 #include <norma/check.h>
 
 static norma_document_result fail_search(norma_document_error *error, norma_result result) {
-    static const norma_document_result of[] = {NORMA_DOCUMENT_CANCELLED, NORMA_DOCUMENT_ERROR_MEMORY, NORMA_DOCUMENT_ERROR_MALFORMED};
+    static const norma_document_result of[] = {
+        NORMA_DOCUMENT_CANCELLED, NORMA_DOCUMENT_ERROR_MEMORY, NORMA_DOCUMENT_ERROR_MALFORMED};
     error->result = of[result == NORMA_CANCELLED ? 0 : result == NORMA_ERROR_MEMORY ? 1 : 2];
-    snprintf(error->message, sizeof error->message, "stored normals cannot be explained: %s", norma_result_text(result));
+    snprintf(error->message, sizeof error->message, "stored normals cannot be explained: %s",
+        norma_result_text(result));
     return error->result;
 }
 
@@ -17,24 +20,24 @@ static int is_interrupted(void *user, double fraction) {
 }
 
 /* Whole degrees went in; they come out so. */
-static double whole_degrees(double radians) { return isnan(radians) ? radians : rint(cli_to_degrees(radians) * 1e6) / 1e6; }
+static double whole_degrees(double radians) {
+    return isnan(radians) ? radians : rint(cli_to_degrees(radians) * 1e6) / 1e6;
+}
 
-int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads, cli_explained *explained, norma_document_result *result, norma_document_error *error) {
+int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads,
+    cli_explained *explained, norma_document_result *result, norma_document_error *error) {
     norma_mesh_info info;
     norma_mesh_data data;
     norma_deviation deviation;
-    const norma_options options = {.struct_size = sizeof options, .threads = threads, .progress = is_interrupted};
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = threads, .progress = is_interrupted};
     *result = norma_document_mesh_info(document, mesh, &info);
-    if (*result || info.not_read || info.normals == NORMA_NORMALS_NONE || info.faces == 0)
-        return 0;
+    if (*result || info.not_read || info.normals == NORMA_NORMALS_NONE || info.faces == 0) return 0;
     *result = norma_document_mesh_data(document, mesh, &data, error);
-    if (*result)
-        return 0;
+    if (*result) return 0;
     norma_result failed = norma_explain_normals(&data, info.normals, &options, &deviation);
-    if (failed)
-        *result = fail_search(error, failed);
-    if (failed || !deviation.corners)
-        return 0;
+    if (failed) *result = fail_search(error, failed);
+    if (failed || !deviation.corners) return 0;
     *explained = (cli_explained){
         .weight = deviation.weight,
         .crease_deg = whole_degrees(deviation.crease_angle_rad),

@@ -1,28 +1,33 @@
-/* info_command.c: norma info: what is in a file: meshes, counts, normals, the kinds of the transforms. */
+/* info_command.c: norma info: what is in a file: meshes, counts, normals, the kinds of the
+ * transforms. */
 #include "cli/common/cli.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] = "norma info IN...: what is in a file: meshes, counts, normals, transforms and their kinds\n"
-                           "\n"
-                           "Examples\n"
-                           "  norma info chair.glb\n"
-                           "  norma info *.obj --json                    one object a line\n"
-                           "  norma info chair.glb --deep                also which weight and crease explain the stored normals\n"
-                           "  cat a.stl | norma info - --input-format stl\n"
-                           "\n"
-                           "Options\n"
-                           "  --deep                reads everything and tries weights and creases against the stored normals\n"
-                           "  --input-format obj|ply|stl|gltf|glb\n"
-                           "                        needed for standard input, which is called -\n"
-                           "  --threads N           how many may work (all)\n"
-                           "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
-                           "  --json                for programs, on standard output\n"
-                           "  --quiet               no notes\n"
-                           "\n"
-                           "glTF is counted per primitive, not per instance; the kind of a node is that of its world matrix.\n"
-                           "Exit status: 0 fine, 2 usage, 3 a file could not be read, 130 interrupted.\n";
+static const char help[] =
+    "norma info IN...: what is in a file: meshes, counts, normals, transforms and their kinds\n"
+    "\n"
+    "Examples\n"
+    "  norma info chair.glb\n"
+    "  norma info *.obj --json                    one object a line\n"
+    "  norma info chair.glb --deep                also which weight and crease explain the stored "
+    "normals\n"
+    "  cat a.stl | norma info - --input-format stl\n"
+    "\n"
+    "Options\n"
+    "  --deep                reads everything and tries weights and creases against the stored "
+    "normals\n"
+    "  --input-format obj|ply|stl|gltf|glb\n"
+    "                        needed for standard input, which is called -\n"
+    "  --threads N           how many may work (all)\n"
+    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
+    "  --json                for programs, on standard output\n"
+    "  --quiet               no notes\n"
+    "\n"
+    "glTF is counted per primitive, not per instance; the kind of a node is that of its world "
+    "matrix.\n"
+    "Exit status: 0 fine, 2 usage, 3 a file could not be read, 130 interrupted.\n";
 
 /* One primitive, or a whole OBJ, PLY or STL. */
 typedef struct mesh_part {
@@ -58,7 +63,8 @@ static const cli_option options[] = {{"deep", 0, 0, set_deep}};
 
 static size_t mesh_end(const contents *found, size_t first) {
     size_t end = first + 1;
-    while (end < found->part_count && found->parts[end].info.mesh == found->parts[first].info.mesh) ++end;
+    while (end < found->part_count && found->parts[end].info.mesh == found->parts[first].info.mesh)
+        ++end;
     return end;
 }
 
@@ -77,19 +83,20 @@ static const char *storage_name(norma_normal_storage storage) {
 }
 
 /* What a mesh has is what every part of it with faces has. */
-static norma_normal_storage storage_of(const contents *found, size_t first, size_t end, const char **encoding) {
+static norma_normal_storage storage_of(
+    const contents *found, size_t first, size_t end, const char **encoding) {
     norma_normal_storage storage = NORMA_NORMALS_NONE;
     *encoding = "";
     for (size_t i = first; i < end; ++i) {
         const norma_mesh_info *info = &found->parts[i].info;
-        if (info->faces == 0 && end - first > 1)
-            continue;
+        if (info->faces == 0 && end - first > 1) continue;
         if (info->normals == NORMA_NORMALS_NONE) {
             *encoding = "";
             return NORMA_NORMALS_NONE;
         }
         storage = info->normals;
-        *encoding = **encoding == '\0' || strcmp(*encoding, info->encoding) == 0 ? info->encoding : "mixed";
+        *encoding =
+            **encoding == '\0' || strcmp(*encoding, info->encoding) == 0 ? info->encoding : "mixed";
     }
     return storage;
 }
@@ -104,7 +111,10 @@ static void kind_of(const norma_node_info *node, norma_matrix_info *matrix) {
 
 static void write_explained(cli_json *json, const cli_explained *explained) {
     cli_json_open(json, "explained_by", '{');
-    cli_json_string(json, "shading", explained->flat ? "flat" : isnan(explained->crease_deg) ? "smooth" : "crease");
+    cli_json_string(json, "shading",
+        explained->flat                ? "flat"
+        : isnan(explained->crease_deg) ? "smooth"
+                                       : "crease");
     cli_json_string(json, "weight", explained->flat ? NULL : cli_weight_name(explained->weight));
     cli_json_number(json, "crease_deg", explained->flat ? NAN : explained->crease_deg);
     cli_json_number(json, "p50_deg", explained->p50_deg);
@@ -126,8 +136,7 @@ static void write_part(cli_json *json, const mesh_part *part) {
     cli_json_bool(json, "smoothing_groups", info->has_smoothing_groups);
     cli_json_size(json, "morph_targets", info->morph_targets);
     cli_json_string(json, "not_read", info->not_read);
-    if (part->is_explained)
-        write_explained(json, &part->explained);
+    if (part->is_explained) write_explained(json, &part->explained);
     cli_json_close(json, '}');
 }
 
@@ -174,12 +183,14 @@ static void write_json(const contents *found) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", found->path);
-    cli_json_string(&json, "format", norma_file_format_name(norma_document_format(found->document)));
+    cli_json_string(
+        &json, "format", norma_file_format_name(norma_document_format(found->document)));
     cli_json_size(&json, "vertices", found->vertices);
     cli_json_size(&json, "faces", found->faces);
     cli_json_size(&json, "triangles", found->triangles);
     cli_json_open(&json, "meshes", '[');
-    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) write_mesh(&json, found, first, mesh_end(found, first));
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
+        write_mesh(&json, found, first, mesh_end(found, first));
     cli_json_close(&json, ']');
     write_nodes(&json, found);
     cli_json_notes(&json, found->document);
@@ -200,10 +211,10 @@ static void write_failure(const char *path, const norma_document_error *error) {
 
 /* A name as the file has it, without what would move the cursor of a terminal. */
 static void print_name(const char *name) {
-    if (!name[0])
-        return;
+    if (!name[0]) return;
     fputs(" \"", stdout);
-    for (const char *at = name; *at; ++at) fputc((unsigned char)*at < 0x20 || *at == 0x7F ? '?' : *at, stdout);
+    for (const char *at = name; *at; ++at)
+        fputc((unsigned char)*at < 0x20 || *at == 0x7F ? '?' : *at, stdout);
     fputc('"', stdout);
 }
 
@@ -218,7 +229,8 @@ static void print_explained(const cli_explained *explained) {
     else if (isnan(explained->crease_deg))
         printf("%s weights, smooth", cli_weight_name(explained->weight));
     else
-        printf("%s weights, crease %s\302\260", cli_weight_name(explained->weight), cli_decimals(crease, explained->crease_deg, 3));
+        printf("%s weights, crease %s\302\260", cli_weight_name(explained->weight),
+            cli_decimals(crease, explained->crease_deg, 3));
     printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most\n", p50, p99, most);
 }
 
@@ -243,10 +255,8 @@ static void print_part(const mesh_part *part) {
         cli_counted(stdout, info->morph_targets, "morph target", "morph targets");
     }
     fputs("\n", stdout);
-    if (info->not_read)
-        printf("      cannot be computed or transformed: %s\n", info->not_read);
-    if (part->is_explained)
-        print_explained(&part->explained);
+    if (info->not_read) printf("      cannot be computed or transformed: %s\n", info->not_read);
+    if (part->is_explained) print_explained(&part->explained);
 }
 
 /* Of a glTF file. */
@@ -255,8 +265,7 @@ static void print_mesh(const contents *found, size_t first, size_t end) {
     for (size_t i = first; i < end; ++i) {
         printf("  mesh %zu", info->mesh);
         print_name(info->name);
-        if (end - first > 1)
-            printf(" primitive %zu", found->parts[i].info.primitive);
+        if (end - first > 1) printf(" primitive %zu", found->parts[i].info.primitive);
         fputs(": ", stdout);
         print_part(&found->parts[i]);
     }
@@ -285,7 +294,8 @@ static void print_nodes(const contents *found) {
 
 static void print_text(const contents *found) {
     size_t meshes = 0;
-    printf("%s: %s", cli_input_name(found->path), norma_file_format_name(norma_document_format(found->document)));
+    printf("%s: %s", cli_input_name(found->path),
+        norma_file_format_name(norma_document_format(found->document)));
     if (found->part_count == 1 && !found->parts[0].info.where[0]) {
         print_name(found->parts[0].info.name);
         fputs(", ", stdout);
@@ -300,13 +310,15 @@ static void print_text(const contents *found) {
     fputs(", ", stdout);
     cli_counted(stdout, found->faces, "face", "faces");
     fputs("\n", stdout);
-    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) print_mesh(found, first, mesh_end(found, first));
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
+        print_mesh(found, first, mesh_end(found, first));
     print_nodes(found);
 }
 
 /* ---- one file */
 
-static norma_document_result collect(const info_work *work, norma_document *document, contents *found, norma_document_error *error) {
+static norma_document_result collect(
+    const info_work *work, norma_document *document, contents *found, norma_document_error *error) {
     found->document = document;
     found->part_count = norma_document_mesh_count(document);
     found->parts = calloc(found->part_count + 1, sizeof *found->parts);
@@ -314,9 +326,9 @@ static norma_document_result collect(const info_work *work, norma_document *docu
     for (size_t i = 0; i < found->part_count && !result; ++i) {
         mesh_part *part = &found->parts[i];
         if (work->deep)
-            part->is_explained = cli_explain_normals(document, i, work->common.threads, &part->explained, &result, error);
-        if (!result)
-            result = norma_document_mesh_info(document, i, &part->info);
+            part->is_explained = cli_explain_normals(
+                document, i, work->common.threads, &part->explained, &result, error);
+        if (!result) result = norma_document_mesh_info(document, i, &part->info);
         found->vertices += part->info.vertices;
         found->faces += part->info.faces;
         found->triangles += part->info.triangles;
@@ -324,9 +336,11 @@ static norma_document_result collect(const info_work *work, norma_document *docu
     found->node_count = norma_document_node_count(document);
     found->nodes = calloc(found->node_count + 1, sizeof *found->nodes);
     result = result || found->nodes ? result : NORMA_DOCUMENT_ERROR_MEMORY;
-    for (size_t i = 0; i < found->node_count && !result; ++i) result = norma_document_node_info(document, i, &found->nodes[i]);
+    for (size_t i = 0; i < found->node_count && !result; ++i)
+        result = norma_document_node_info(document, i, &found->nodes[i]);
     if (result && !error->message[0])
-        snprintf(error->message, sizeof error->message, "%s: %s", found->path, result == NORMA_DOCUMENT_ERROR_MEMORY ? "out of memory" : "cannot be described");
+        snprintf(error->message, sizeof error->message, "%s: %s", found->path,
+            result == NORMA_DOCUMENT_ERROR_MEMORY ? "out of memory" : "cannot be described");
     return result;
 }
 
@@ -338,28 +352,25 @@ static int run_file(const info_work *work, const char *path) {
     contents found = {.path = path};
     cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
     const norma_document_options opening = {.struct_size = sizeof opening,
-                                            .format = work->files.format,
-                                            .depth = work->deep ? NORMA_DOCUMENT_WHOLE : NORMA_DOCUMENT_SUMMARY,
-                                            .threads = work->common.threads,
-                                            .progress = cli_progress_report,
-                                            .progress_user = &progress};
+        .format = work->files.format,
+        .depth = work->deep ? NORMA_DOCUMENT_WHOLE : NORMA_DOCUMENT_SUMMARY,
+        .threads = work->common.threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress};
     norma_document_result result = cli_open(path, &opening, &document, &memory, &error);
-    if (!result)
-        result = collect(work, document, &found, &error);
+    if (!result) result = collect(work, document, &found, &error);
     cli_progress_stop(&progress);
     error.result = result;
     cli_name_error(&error, path);
     if (result) {
         cli_print_error(&error);
-        if (work->common.json && result != NORMA_DOCUMENT_CANCELLED)
-            write_failure(path, &error);
+        if (work->common.json && result != NORMA_DOCUMENT_CANCELLED) write_failure(path, &error);
     } else if (work->common.json) {
         write_json(&found);
     } else {
         print_text(&found);
         fflush(stdout);
-        if (!work->common.quiet)
-            cli_print_notes(path, document);
+        if (!work->common.quiet) cli_print_notes(path, document);
     }
     free(found.parts);
     free(found.nodes);
@@ -371,24 +382,27 @@ static int run_file(const info_work *work, const char *path) {
 /* ---- the verb */
 
 static int run(const cli_verb *verb, int count, char **arguments) {
-    info_work work = {.common = {.threads = NORMA_ALL_THREADS}, .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
+    info_work work = {.common = {.threads = NORMA_ALL_THREADS},
+        .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {
         {options, CLI_COUNT(options), &work},
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
     int wants_help, status;
-    if (!work.files.inputs.words)
-        return cli_out_of_memory();
-    status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
+    if (!work.files.inputs.words) return cli_out_of_memory();
+    status = cli_parse(
+        verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
     if (wants_help)
         fputs(help, stdout);
     else if (!status)
         status = cli_check_inputs(verb, &work.files);
     for (size_t i = 0; i < work.files.inputs.count && !wants_help && status != CLI_USAGE; ++i)
-        status = cli_interrupted() ? cli_interrupted() : cli_worse(status, run_file(&work, work.files.inputs.words[i]));
+        status = cli_interrupted() ? cli_interrupted()
+                                   : cli_worse(status, run_file(&work, work.files.inputs.words[i]));
     free(work.files.inputs.words);
     return cli_finish(status);
 }
 
-const cli_verb cli_verb_info = {"info", "what is in a file: meshes, normals, transforms and their kinds", help, run};
+const cli_verb cli_verb_info = {
+    "info", "what is in a file: meshes, normals, transforms and their kinds", help, run};

@@ -1,22 +1,24 @@
-/* matrix_command.c: norma matrix: what a matrix does to normals, in numbers that a reader can check by hand. */
+/* matrix_command.c: norma matrix: what a matrix does to normals, in numbers that a reader can check
+ * by hand. */
 #include "cli/common/cli.h"
 #include <math.h>
 #include <string.h>
 
-static const char help[] = "norma matrix MATRIX: what a matrix does to normals, and what carries them right\n"
-                           "\n"
-                           "Examples\n"
-                           "  norma matrix --scale 2,0.5,1                    where plain M is 61.93 degrees off, and for which normal\n"
-                           "  norma matrix --rotate 0,0,1,30 --scale 2,1,1    first turned, then stretched: a shear\n"
-                           "  norma matrix --scale -1,1,1                     a mirror\n"
-                           "  norma matrix --scale 1,1,0                      flattened: rank 2, and still one right answer\n"
-                           "  norma matrix --matrix \"1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1\" --json\n"
-                           "\n"
-                           CLI_MATRIX_HELP
-                           "\n"
-                           "  --json                one object, matrices as nine numbers row by row\n"
-                           "\n"
-                           "Exit status: 0 fine, 2 usage.\n";
+static const char help[] =
+    "norma matrix MATRIX: what a matrix does to normals, and what carries them right\n"
+    "\n"
+    "Examples\n"
+    "  norma matrix --scale 2,0.5,1                    where plain M is 61.93 degrees off, and for "
+    "which normal\n"
+    "  norma matrix --rotate 0,0,1,30 --scale 2,1,1    first turned, then stretched: a shear\n"
+    "  norma matrix --scale -1,1,1                     a mirror\n"
+    "  norma matrix --scale 1,1,0                      flattened: rank 2, and still one right "
+    "answer\n"
+    "  norma matrix --matrix \"1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1\" --json\n"
+    "\n" CLI_MATRIX_HELP "\n"
+    "  --json                one object, matrices as nine numbers row by row\n"
+    "\n"
+    "Exit status: 0 fine, 2 usage.\n";
 
 typedef struct matrix_answer {
     const double *model; /* column-major, like the others */
@@ -41,14 +43,14 @@ static const char *shortcut_name(norma_shortcut shortcut) {
 }
 
 static int answer(const cli_verb *verb, const double model[16], matrix_answer *found) {
-    norma_result result = norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, found->normal, &found->info);
-    if (!result)
-        result = norma_cofactor_matrix(model, found->cofactor);
-    if (result)
-        return cli_usage(verb, "%s", norma_result_text(result));
+    norma_result result =
+        norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, found->normal, &found->info);
+    if (!result) result = norma_cofactor_matrix(model, found->cofactor);
+    if (result) return cli_usage(verb, "%s", norma_result_text(result));
     found->model = model;
     found->has_inverse = norma_inverse_transpose(model, found->inverse_transpose) == NORMA_OK;
-    for (int i = 0; i < 9 && found->has_inverse; ++i) found->has_inverse = isfinite(found->inverse_transpose[i]);
+    for (int i = 0; i < 9 && found->has_inverse; ++i)
+        found->has_inverse = isfinite(found->inverse_transpose[i]);
     found->shortcut = norma_matrix_shortcut(&found->info);
     return CLI_OK;
 }
@@ -58,7 +60,8 @@ static int answer(const cli_verb *verb, const double model[16], matrix_answer *f
 static void write_rows(cli_json *json, const char *key, const double columns[9]) {
     cli_json_open(json, key, '[');
     for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) cli_json_number(json, NULL, columns[3 * column + row]);
+        for (int column = 0; column < 3; ++column)
+            cli_json_number(json, NULL, columns[3 * column + row]);
     cli_json_close(json, ']');
 }
 
@@ -92,22 +95,23 @@ static double tidy(double number) { return number + 0.0; /* no "-0" */ }
 
 static void print_rows(const double *columns, int size) {
     for (int row = 0; row < size; ++row) {
-        for (int column = 0; column < size; ++column) printf("  %10.6g", tidy(columns[size * column + row]));
+        for (int column = 0; column < size; ++column)
+            printf("  %10.6g", tidy(columns[size * column + row]));
         printf("\n");
     }
 }
 
 static int is_zero(const double columns[9]) {
     for (int i = 0; i < 9; ++i)
-        if (columns[i] != 0)
-            return 0;
+        if (columns[i] != 0) return 0;
     return 1;
 }
 
 /* Rank and kind are judged with a tolerance; what is left of normals is not. */
 static const char *what_is_left(const matrix_answer *found) {
     if (found->info.determinant != 0)
-        return "flat within 1e-6 of its largest stretch, but not exactly: every face keeps its direction";
+        return "flat within 1e-6 of its largest stretch, but not exactly: every face keeps its "
+               "direction";
     if (!is_zero(found->cofactor))
         return "space is flattened to a plane, whose normal is the only one left";
     if (found->info.rank == 1)
@@ -119,9 +123,11 @@ static const char *meaning(const matrix_answer *found) {
     const norma_matrix_info *info = &found->info;
     switch (info->kind) {
     case NORMA_KIND_IDENTITY:
-        return info->mirrored ? "a mirror aside; M itself carries normals" : "normals stay as they are";
+        return info->mirrored ? "a mirror aside; M itself carries normals"
+                              : "normals stay as they are";
     case NORMA_KIND_TRANSLATION:
-        return info->mirrored ? "a mirror aside; M itself carries normals" : "normals stay as they are: a translation never acts on them";
+        return info->mirrored ? "a mirror aside; M itself carries normals"
+                              : "normals stay as they are: a translation never acts on them";
     case NORMA_KIND_ROTATION:
         return "M itself carries normals";
     case NORMA_KIND_UNIFORM_SCALE:
@@ -139,39 +145,47 @@ static const char *meaning(const matrix_answer *found) {
 static void carry(const double columns[9], const float n[3], double carried[3]) {
     double length = 0, largest = 0;
     for (int row = 0; row < 3; ++row) {
-        carried[row] = columns[row] * (double)n[0] + columns[3 + row] * (double)n[1] + columns[6 + row] * (double)n[2];
+        carried[row] = columns[row] * (double)n[0] + columns[3 + row] * (double)n[1] +
+                       columns[6 + row] * (double)n[2];
         largest = fmax(largest, fabs(carried[row]));
     }
-    for (int i = 0; i < 3 && largest > 0; ++i) length += (carried[i] / largest) * (carried[i] / largest);
+    for (int i = 0; i < 3 && largest > 0; ++i)
+        length += (carried[i] / largest) * (carried[i] / largest);
     for (int i = 0; i < 3; ++i) carried[i] = largest > 0 ? carried[i] / largest / sqrt(length) : 0;
 }
 
 static void print_direction(const char *name, const double v[3]) {
     char text[3][32];
-    printf("%s(%s, %s, %s)", name, cli_decimals(text[0], v[0], 4), cli_decimals(text[1], v[1], 4), cli_decimals(text[2], v[2], 4));
+    printf("%s(%s, %s, %s)", name, cli_decimals(text[0], v[0], 4), cli_decimals(text[1], v[1], 4),
+        cli_decimals(text[2], v[2], 4));
 }
 
 static void print_worst(const matrix_answer *found) {
     const norma_matrix_info *info = &found->info;
-    const double *m = found->model, upper[9] = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
+    const double *m = found->model,
+                 upper[9] = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
     double worst[3], plain[3], right[3];
     char degrees[32];
     if (is_zero(found->normal)) {
-        printf("plain M       leaves nothing that could be a normal, and neither does anything else\n");
+        printf("plain M       leaves nothing that could be a normal, and neither does anything "
+               "else\n");
         return;
     }
     if (info->worst_error_rad > 1e-7 && cli_to_degrees(info->worst_error_rad) < 0.005) {
-        printf("plain M       errs by less than 0.01 degrees for every normal%s\n", info->mirrored ? ", once faces are reversed" : "");
+        printf("plain M       errs by less than 0.01 degrees for every normal%s\n",
+            info->mirrored ? ", once faces are reversed" : "");
         return;
     }
     if (info->worst_error_rad <= 1e-7) {
-        printf("plain M       is right in direction for every normal%s\n", info->mirrored ? ", once faces are reversed" : "");
+        printf("plain M       is right in direction for every normal%s\n",
+            info->mirrored ? ", once faces are reversed" : "");
         return;
     }
     for (int i = 0; i < 3; ++i) worst[i] = (double)info->worst_normal[i];
     carry(upper, info->worst_normal, plain);
     carry(found->normal, info->worst_normal, right);
-    printf("plain M       errs by up to %s degrees", cli_decimals(degrees, cli_to_degrees(info->worst_error_rad), 2));
+    printf("plain M       errs by up to %s degrees",
+        cli_decimals(degrees, cli_to_degrees(info->worst_error_rad), 2));
     print_direction(", for n = ", worst);
     print_direction(":\n              M n is along ", plain);
     print_direction(", right is ", right);
@@ -203,17 +217,20 @@ static void print_text(matrix_answer *found) {
     printf("M, row by row\n");
     print_rows(found->model, 4);
     printf("\nkind          %s: %s\n", cli_kind_name(info->kind), meaning(found));
-    printf("mirrored      %s\n", info->mirrored ? "yes: reverse the winding of faces, or they look inwards" : "no");
+    printf("mirrored      %s\n",
+        info->mirrored ? "yes: reverse the winding of faces, or they look inwards" : "no");
     printf("rank          %d\n", info->rank);
     printf("determinant   %.7g\n", tidy(info->determinant));
     if (isfinite(info->anisotropy))
         printf("anisotropy    %.7g (largest stretch over smallest)\n", info->anisotropy);
     else
-        printf("anisotropy    %s\n", info->determinant != 0 ? "beyond 1e6" : "infinite (flattened)");
+        printf(
+            "anisotropy    %s\n", info->determinant != 0 ? "beyond 1e6" : "infinite (flattened)");
     print_worst(found);
-    printf("\nNormal matrix: %s\n", is_zero(found->normal) ? "of zeros, no normal exists"
-                                    : info->mirrored       ? "carries normals right, faces reversed; renormalise after it"
-                                                           : "carries normals right; renormalise after it");
+    printf("\nNormal matrix: %s\n",
+        is_zero(found->normal) ? "of zeros, no normal exists"
+        : info->mirrored       ? "carries normals right, faces reversed; renormalise after it"
+                               : "carries normals right; renormalise after it");
     print_rows(found->normal, 3);
     printf("\nCofactor matrix: the area vectors of faces, cof(M)(a x b) = Ma x Mb\n");
     print_rows(found->cofactor, 3);
@@ -237,18 +254,18 @@ static int run(const cli_verb *verb, int count, char **arguments) {
         {cli_common_options, cli_common_option_count, &common},
     };
     matrix_answer found;
-    int wants_help, status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help);
-    if (status)
-        return status;
+    int wants_help,
+        status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help);
+    if (status) return status;
     if (wants_help) {
         fputs(help, stdout);
         return cli_finish(CLI_OK);
     }
     if (!matrix.given)
-        return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate or --matrix, as in: norma matrix --scale 2,0.5,1");
+        return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate or "
+                               "--matrix, as in: norma matrix --scale 2,0.5,1");
     status = answer(verb, matrix.matrix, &found);
-    if (status)
-        return status;
+    if (status) return status;
     if (common.json)
         write_json(&found);
     else
@@ -256,4 +273,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_finish(CLI_OK);
 }
 
-const cli_verb cli_verb_matrix = {"matrix", "what a matrix does to normals, and what carries them right", help, run};
+const cli_verb cli_verb_matrix = {
+    "matrix", "what a matrix does to normals, and what carries them right", help, run};

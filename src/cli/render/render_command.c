@@ -10,35 +10,47 @@ static const char help[] =
     "Examples\n"
     "  norma render chair.glb -o chair.png\n"
     "  norma render chair.glb -o wrong.png --compare --scale 2,0.5,1\n"
-    "                                                  plain M beside the normal matrix, with the largest error\n"
+    "                                                  plain M beside the normal matrix, with the "
+    "largest error\n"
     "  norma render chair.obj -o shadings.png --compare=flat,gouraud,phong\n"
     "  norma render chair.obj -o creases.png --compare=30,60,180\n"
     "  norma render scan.ply -o lines.png --show hedgehog\n"
-    "  norma render chair.glb -o error.png --show error      stored against computed normals, in degrees\n"
+    "  norma render chair.glb -o error.png --show error      stored against computed normals, in "
+    "degrees\n"
     "  norma render chair.glb -o sheet.png --views front,right,top,three-quarter\n"
     "  norma render chair.glb -o turn.png --turntable 36     turn-000.png to turn-035.png\n"
     "  norma render *.glb --out-dir pictures\n"
     "\n"
     "What is drawn\n"
     "  --shading flat|gouraud|phong\n"
-    "                        light by face; by vertex, interpolated; by pixel, from interpolated normals (phong)\n"
-    "  --show LIST           normals (as colours), winding (front green, back red), error (stored against computed),\n"
-    "                        findings (of norma check); over these, or alone: hedgehog (normals as lines), wireframe\n"
-    "  --lines LIST          of a hedgehog: vertices,faces (both); edges (normals interpolated along edges)\n"
-    "  --line-length N (0.7 of the edges nearby)  --line-width PIXELS (1.6)  --most-lines N of each kind (4000)\n"
+    "                        light by face; by vertex, interpolated; by pixel, from interpolated "
+    "normals (phong)\n"
+    "  --show LIST           normals (as colours), winding (front green, back red), error (stored "
+    "against computed),\n"
+    "                        findings (of norma check); over these, or alone: hedgehog (normals as "
+    "lines), wireframe\n"
+    "  --lines LIST          of a hedgehog: vertices,faces (both); edges (normals interpolated "
+    "along edges)\n"
+    "  --line-length N (0.7 of the edges nearby)  --line-width PIXELS (1.6)  --most-lines N of "
+    "each kind (4000)\n"
     "  --error-top DEG       the top of the error's colour scale (by the largest error)\n"
     "\n"
     "Side by side\n"
-    "  --compare             plain M beside the normal matrix, under the file's transforms and the matrix below\n"
-    "  --compare=LIST        shadings, normals (before,plain,right), weights (angle,area) or creases (30,60,180)\n"
-    "  --views LIST|N        front, right, back, left, top, bottom, three-quarter; or N about the vertical\n"
-    "  --sheet               several inputs in one picture    --columns N    --label WORDS for each panel\n"
+    "  --compare             plain M beside the normal matrix, under the file's transforms and the "
+    "matrix below\n"
+    "  --compare=LIST        shadings, normals (before,plain,right), weights (angle,area) or "
+    "creases (30,60,180)\n"
+    "  --views LIST|N        front, right, back, left, top, bottom, three-quarter; or N about the "
+    "vertical\n"
+    "  --sheet               several inputs in one picture    --columns N    --label WORDS for "
+    "each panel\n"
     "  --turntable N         N pictures about the vertical: OUT-000.png and on\n"
     "\n"
     "Normals\n"
     "  --normals stored|computed\n"
     "                        those in the file, missing ones computed (stored); or all computed\n"
-    "  --weight, --crease    as for norma compute, where they are computed; glTF without normals is flat without\n"
+    "  --weight, --crease    as for norma compute, where they are computed; glTF without normals "
+    "is flat without\n"
     "  --space view|world    where light is computed (world); the picture is the same\n"
     "\n"
     "Camera and light, in degrees\n"
@@ -50,20 +62,20 @@ static const char help[] =
     "  --phong AMBIENT,DIFFUSE,SPECULAR,EXPONENT (0.1,0.95,0.18,40)\n"
     "\n"
     "The picture\n"
-    "  --size WIDTHxHEIGHT   of each panel (512x512)    --samples N each way in a pixel, 1 to 4 (2)\n"
+    "  --size WIDTHxHEIGHT   of each panel (512x512)    --samples N each way in a pixel, 1 to 4 "
+    "(2)\n"
     "  --background paper|white|black|grey|transparent|#RRGGBB\n"
     "  --renderer auto|software\n"
     "                        the GPU where there is one (auto), or Mesa's software renderer\n"
-    "\n"
-    CLI_MATRIX_HELP
-    "\n"
+    "\n" CLI_MATRIX_HELP "\n"
     "Files\n"
     "  -o, --output OUT.png  the picture; - is standard output, unless that is a terminal\n"
     "  --out-dir FOLDER      for several inputs: FOLDER/NAME.png each\n"
     "  --input-format obj|ply|stl|gltf|glb for standard input, which is called -\n"
     "  --json  --quiet  --threads N  --max-memory SIZE\n"
     "\n"
-    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, or nothing can be drawn here.\n";
+    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, or nothing can be drawn "
+    "here.\n";
 
 /* ---- one picture */
 
@@ -87,8 +99,7 @@ static int write_picture(picture_job *job, const render_picture *picture) {
     cli_output output;
     render_png png;
     render_error error;
-    if (render_png_encode(picture, &png, &error))
-        return fail_drawing(job, &error);
+    if (render_png_encode(picture, &png, &error)) return fail_drawing(job, &error);
     int status = cli_output_begin(&output, job->output) ? CLI_OK : CLI_FILE;
     if (!status) {
         const size_t written = fwrite(png.bytes, 1, png.size, output.out);
@@ -97,8 +108,7 @@ static int write_picture(picture_job *job, const render_picture *picture) {
             status = cli_interrupted();
         } else {
             status = cli_output_end(&output);
-            if (!status && written != png.size)
-                status = CLI_FILE;
+            if (!status && written != png.size) status = CLI_FILE;
         }
     }
     free(png.bytes);
@@ -108,12 +118,18 @@ static int write_picture(picture_job *job, const render_picture *picture) {
 static int draw_picture(picture_job *job) {
     render_picture picture;
     render_error error;
-    job->sheet = (render_sheet){.panels = job->plan.panels, .panel_count = job->plan.count, .columns = job->settings->columns};
+    job->sheet = (render_sheet){.panels = job->plan.panels,
+        .panel_count = job->plan.count,
+        .columns = job->settings->columns};
     if (job->settings->views && !job->settings->columns)
         job->sheet.columns = (size_t)ceil(sqrt((double)job->plan.count));
     job->plan.difference = -1;
-    job->sheet.below = job->settings->show == RENDER_SHOW_ERROR || (job->settings->compare == 2 && job->plan.count == 2) ? "" : NULL;
-    if (render_sheet_draw(job->device, &job->settings->look, &job->sheet, render_plan_tell, &job->plan, &picture, &error))
+    job->sheet.below = job->settings->show == RENDER_SHOW_ERROR ||
+                               (job->settings->compare == 2 && job->plan.count == 2)
+                           ? ""
+                           : NULL;
+    if (render_sheet_draw(job->device, &job->settings->look, &job->sheet, render_plan_tell,
+            &job->plan, &picture, &error))
         return fail_drawing(job, &error);
     job->width = picture.width;
     job->height = picture.height;
@@ -129,7 +145,9 @@ static double worst_error(const picture_job *job) {
     double worst = NAN;
     for (size_t i = 0; i < job->plan.count; ++i) {
         const render_panel *panel = &job->plan.panels[i];
-        worst = fmax(worst, panel->measured ? panel->worst_plain_rad : panel->show == RENDER_SHOW_ERROR ? panel->worst_error_rad : NAN);
+        worst = fmax(worst, panel->measured                    ? panel->worst_plain_rad
+                            : panel->show == RENDER_SHOW_ERROR ? panel->worst_error_rad
+                                                               : NAN);
     }
     return cli_to_degrees(worst);
 }
@@ -166,7 +184,8 @@ static void report_text(const picture_job *job, const render_scene_file *file, i
     FILE *out = render_is_standard(job->output) ? stderr : stdout;
     const double worst = worst_error(job);
     char number[32];
-    fprintf(out, "%s -> %s: ", cli_input_name(job->input), render_is_standard(job->output) ? "standard output" : job->output);
+    fprintf(out, "%s -> %s: ", cli_input_name(job->input),
+        render_is_standard(job->output) ? "standard output" : job->output);
     cli_counted(out, job->plan.panels[0].triangles, "triangle", "triangles");
     if (pictures > 1)
         fprintf(out, ", %d pictures of %zux%zu", pictures, job->width, job->height);
@@ -175,7 +194,8 @@ static void report_text(const picture_job *job, const render_scene_file *file, i
     if (isfinite(worst) && job->settings->compare)
         fprintf(out, ", plain M errs by up to %s degrees", cli_decimals(number, worst, 2));
     else if (isfinite(worst))
-        fprintf(out, ", stored normals differ from computed ones by up to %s degrees", cli_decimals(number, worst, 2));
+        fprintf(out, ", stored normals differ from computed ones by up to %s degrees",
+            cli_decimals(number, worst, 2));
     if (job->plan.difference >= 0)
         fprintf(out, ", the two differ by up to %d of 255 levels", job->plan.difference);
     if (lines_left_out(job)) {
@@ -185,8 +205,7 @@ static void report_text(const picture_job *job, const render_scene_file *file, i
     }
     fputc('\n', out);
     fflush(out);
-    if (file->document)
-        cli_print_notes(job->input, file->document);
+    if (file->document) cli_print_notes(job->input, file->document);
 }
 
 static void report(const picture_job *job, const render_scene_file *file, int pictures) {
@@ -198,7 +217,8 @@ static void report(const picture_job *job, const render_scene_file *file, int pi
 
 /* ---- files */
 
-static int fail_input(const render_settings *settings, const char *input, norma_document_error *error) {
+static int fail_input(
+    const render_settings *settings, const char *input, norma_document_error *error) {
     cli_name_error(error, input);
     cli_print_error(error);
     if (settings->common.json && error->result != NORMA_DOCUMENT_CANCELLED) {
@@ -221,15 +241,14 @@ static int draw_pictures(picture_job *job, const render_scene_file *file) {
     int status = CLI_OK;
     for (size_t i = 0; i < job->plan.count; ++i) azimuths[i] = job->plan.panels[i].azimuth_deg;
     for (int turn = 0; turn < pictures && !status; ++turn) {
-        if (cli_interrupted())
-            return cli_interrupted();
+        if (cli_interrupted()) return cli_interrupted();
         free(job->output);
         job->output = render_output_of(settings, job->input, settings->turns ? turn : -1);
-        for (size_t i = 0; i < job->plan.count; ++i) job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
+        for (size_t i = 0; i < job->plan.count; ++i)
+            job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
         status = job->output ? draw_picture(job) : cli_out_of_memory();
     }
-    if (!status)
-        report(job, file, pictures);
+    if (!status) report(job, file, pictures);
     return status;
 }
 
@@ -243,11 +262,9 @@ static int draw_file(picture_job *job) {
         status = fail_input(settings, job->input, &error);
     if (!status) {
         status = render_plan_add(job->verb, &job->plan, &file, NULL, &error);
-        if (status && error.result)
-            status = fail_input(settings, job->input, &error);
+        if (status && error.result) status = fail_input(settings, job->input, &error);
     }
-    if (!status)
-        status = draw_pictures(job, &file);
+    if (!status) status = draw_pictures(job, &file);
     render_device_forget(job->device);
     render_file_close(&file);
     free(job->output);
@@ -271,13 +288,13 @@ static int draw_sheet(picture_job *job) {
         norma_document_error error = {0};
         char title[128];
         title_of(inputs->words[i], title, sizeof title);
-        status = render_file_open(settings, inputs->words[i], &files[i], &error) ? CLI_FILE : render_plan_add(job->verb, &job->plan, &files[i], title, &error);
-        if (status && error.result)
-            status = fail_input(settings, inputs->words[i], &error);
+        status = render_file_open(settings, inputs->words[i], &files[i], &error)
+                     ? CLI_FILE
+                     : render_plan_add(job->verb, &job->plan, &files[i], title, &error);
+        if (status && error.result) status = fail_input(settings, inputs->words[i], &error);
     }
     job->input = inputs->words[0];
-    if (!status)
-        status = draw_pictures(job, &files[0]);
+    if (!status) status = draw_pictures(job, &files[0]);
     render_device_forget(job->device);
     for (size_t i = 0; files && i < inputs->count; ++i) render_file_close(&files[i]);
     free(files);
@@ -297,9 +314,9 @@ static int draw_all(const cli_verb *verb, const render_settings *settings) {
     int status = CLI_OK;
     job->verb = verb;
     job->settings = settings;
-    if (settings->sheet)
-        status = draw_sheet(job);
-    for (size_t i = 0; i < settings->files.inputs.count && !settings->sheet && !cli_interrupted(); ++i) {
+    if (settings->sheet) status = draw_sheet(job);
+    for (size_t i = 0; i < settings->files.inputs.count && !settings->sheet && !cli_interrupted();
+         ++i) {
         job->input = settings->files.inputs.words[i];
         status = cli_worse(status, draw_file(job));
     }
@@ -319,19 +336,18 @@ static int run(const cli_verb *verb, int count, char **arguments) {
         {cli_common_options, cli_common_option_count, &settings.common},
     };
     int wants_help;
-    if (!settings.files.inputs.words)
-        return cli_out_of_memory();
-    int status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &settings.files.inputs, &wants_help);
+    if (!settings.files.inputs.words) return cli_out_of_memory();
+    int status = cli_parse(
+        verb, tables, CLI_COUNT(tables), count, arguments, &settings.files.inputs, &wants_help);
     if (wants_help)
         fputs(verb->help, stdout), status = cli_finish(status);
     else if (!status)
         status = cli_check_inputs(verb, &settings.files);
-    if (!status && !wants_help)
-        status = render_settings_check(verb, &settings);
-    if (!status && !wants_help)
-        status = cli_finish(draw_all(verb, &settings));
+    if (!status && !wants_help) status = render_settings_check(verb, &settings);
+    if (!status && !wants_help) status = cli_finish(draw_all(verb, &settings));
     free((void *)settings.files.inputs.words);
     return status;
 }
 
-const cli_verb cli_verb_render = {"render", "draws a picture: shaded, wrong beside right, errors, findings", help, run};
+const cli_verb cli_verb_render = {
+    "render", "draws a picture: shaded, wrong beside right, errors, findings", help, run};

@@ -1,4 +1,5 @@
-/* render_command.h: what the files of norma render share: its settings, a document as a scene, panels. */
+/* render_command.h: what the files of norma render share: its settings, a document as a scene,
+ * panels. */
 #ifndef NORMA_CLI_RENDER_H
 #define NORMA_CLI_RENDER_H
 #include "render/render.h"
@@ -16,18 +17,18 @@ typedef struct render_settings {
     enum render_shading shading;
     enum render_show show;
     enum render_space space;
-    unsigned lines;               /* asked for by --show */
-    unsigned hedgehog;            /* which lines a hedgehog has, by --lines; 0: vertices and faces */
-    int compare;                  /* 1: plain M and the normal matrix; 2: what compare_list says */
+    unsigned lines;    /* asked for by --show */
+    unsigned hedgehog; /* which lines a hedgehog has, by --lines; 0: vertices and faces */
+    int compare;       /* 1: plain M and the normal matrix; 2: what compare_list says */
     const char *compare_list, *views;
     size_t columns;
-    int turns;                    /* of a turntable; 0: none */
-    int sheet;                    /* several inputs in one picture */
+    int turns; /* of a turntable; 0: none */
+    int sheet; /* several inputs in one picture */
     double azimuth_deg, elevation_deg;
     int crease_given;
     double crease_rad;
     norma_weight weight;
-    int compute;                  /* --normals computed: stored ones are not looked at */
+    int compute; /* --normals computed: stored ones are not looked at */
     int software;
     int light_given;
     const char *labels[RENDER_MOST_WORDS];
@@ -40,12 +41,14 @@ void render_settings_default(render_settings *settings);
 int render_settings_check(const cli_verb *verb, render_settings *settings);
 const char *render_base_name(const char *path);
 int render_is_standard(const char *name); /* "-" */
-/* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the caller; NULL: out of memory. */
+/* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the
+ * caller; NULL: out of memory. */
 char *render_output_of(const render_settings *settings, const char *input, int turn);
 
 /* ---- a document as a scene */
 
-typedef struct render_variant { /* how normals come about; those of one scene may be drawn several ways */
+typedef struct render_variant { /* how normals come about; those of one scene may be drawn several
+                                   ways */
     int compute;                /* although there are stored ones */
     int crease_given;
     double crease_rad;
@@ -61,16 +64,21 @@ typedef struct render_scene_file {
     size_t variant_count;
     size_t *document_meshes; /* of each surface of any scene: its number in the document */
     char found[200];         /* --show findings: how many, in words */
-    void **owned; /* arrays that the scenes point to */
+    void **owned;            /* arrays that the scenes point to */
     size_t owned_count, owned_room;
 } render_scene_file;
 
-norma_document_result render_file_open(const render_settings *settings, const char *input, render_scene_file *file, norma_document_error *error);
-/* The scene with normals of this variant; made when it is first asked for. NULL: failed, and error says why. together: normals are computed for errors as well. */
-const render_scene *render_file_scene(const render_settings *settings, render_scene_file *file, const render_variant *variant, norma_document_error *error);
+norma_document_result render_file_open(const render_settings *settings, const char *input,
+    render_scene_file *file, norma_document_error *error);
+/* The scene with normals of this variant; made when it is first asked for. NULL: failed, and error
+ * says why. together: normals are computed for errors as well. */
+const render_scene *render_file_scene(const render_settings *settings, render_scene_file *file,
+    const render_variant *variant, norma_document_error *error);
 /* Colours the faces and vertices that norma check names, and fills file->found. */
-norma_document_result render_file_mark(const render_settings *settings, render_scene_file *file, render_surface *surfaces, size_t surface_count, norma_document_error *error);
-int render_file_keep(render_scene_file *file, void *block); /* freed with the file; 0: out of memory, and the block is freed */
+norma_document_result render_file_mark(const render_settings *settings, render_scene_file *file,
+    render_surface *surfaces, size_t surface_count, norma_document_error *error);
+int render_file_keep(render_scene_file *file,
+    void *block); /* freed with the file; 0: out of memory, and the block is freed */
 void render_file_close(render_scene_file *file);
 
 /* ---- panels */
@@ -83,8 +91,10 @@ typedef struct render_plan { /* of one picture */
     int difference; /* largest between panels of shadings, of 255; -1: none */
 } render_plan;
 
-/* Adds the panels of one file: its views, or what --compare sets side by side. title: above them where nothing else is; may be NULL. A status; said already. */
-int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *file, const char *title, norma_document_error *error);
+/* Adds the panels of one file: its views, or what --compare sets side by side. title: above them
+ * where nothing else is; may be NULL. A status; said already. */
+int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *file,
+    const char *title, norma_document_error *error);
 /* A render_tell: user is the plan. */
 void render_plan_tell(void *user, render_sheet *sheet, const render_picture *picture);
 /* The words of --compare and --views are checked before a file is opened. */

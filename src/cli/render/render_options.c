@@ -6,32 +6,31 @@
 
 void render_settings_default(render_settings *settings) {
     *settings = (render_settings){.matrix = cli_matrix_identity,
-                                  .common.threads = NORMA_ALL_THREADS,
-                                  .shading = RENDER_PHONG,
-                                  .azimuth_deg = 35,
-                                  .elevation_deg = 22};
+        .common.threads = NORMA_ALL_THREADS,
+        .shading = RENDER_PHONG,
+        .azimuth_deg = 35,
+        .elevation_deg = 22};
     settings->look = (render_look){.width = 512,
-                                   .height = 512,
-                                   .samples = 2,
-                                   .background = {250, 249, 246, 255},
-                                   .ink = {38, 38, 38},
-                                   .lights = {{-40, 42, 0.85}, {60, 8, 0.18}},
-                                   .light_count = 2,
-                                   .ambient = 0.1,
-                                   .diffuse = 0.95,
-                                   .specular = 0.18,
-                                   .exponent = 40,
-                                   .field_of_view_deg = 28,
-                                   .line_pixels = 1.6,
-                                   .reach = 0.7,
-                                   .most_lines = 4000};
+        .height = 512,
+        .samples = 2,
+        .background = {250, 249, 246, 255},
+        .ink = {38, 38, 38},
+        .lights = {{-40, 42, 0.85}, {60, 8, 0.18}},
+        .light_count = 2,
+        .ambient = 0.1,
+        .diffuse = 0.95,
+        .specular = 0.18,
+        .exponent = 40,
+        .field_of_view_deg = 28,
+        .line_pixels = 1.6,
+        .reach = 0.7,
+        .most_lines = 4000};
 }
 
 /* The number of word in a list of names; -1: none of them. */
 static int number_of(const char *word, size_t length, const char *const *names, size_t count) {
     for (size_t i = 0; i < count; ++i)
-        if (strlen(names[i]) == length && memcmp(names[i], word, length) == 0)
-            return (int)i;
+        if (strlen(names[i]) == length && memcmp(names[i], word, length) == 0) return (int)i;
     return -1;
 }
 
@@ -40,22 +39,22 @@ static int number_of(const char *word, size_t length, const char *const *names, 
 static const char *set_shading(void *settings, const char *value) {
     static const char *const names[] = {"flat", "gouraud", "phong"};
     int number = number_of(value, strlen(value), names, CLI_COUNT(names));
-    if (number < 0)
-        return "flat, gouraud or phong";
+    if (number < 0) return "flat, gouraud or phong";
     ((render_settings *)settings)->shading = (enum render_shading)number;
     return NULL;
 }
 
 static const char *set_show(void *user, const char *value) {
-    static const char expected[] = "normals, winding, error or findings, with hedgehog or wireframe over it or alone, such as winding,wireframe";
-    static const char *const names[] = {"shading", "normals", "winding", "error", "findings", "hedgehog", "wireframe"};
+    static const char expected[] = "normals, winding, error or findings, with hedgehog or "
+                                   "wireframe over it or alone, such as winding,wireframe";
+    static const char *const names[] = {
+        "shading", "normals", "winding", "error", "findings", "hedgehog", "wireframe"};
     render_settings *settings = user;
     int bases = 0;
     for (const char *word = value;; ++word) {
         size_t length = strcspn(word, ",");
         int number = number_of(word, length, names, CLI_COUNT(names));
-        if (number < 0)
-            return expected;
+        if (number < 0) return expected;
         if (number == 5)
             settings->lines |= RENDER_VERTEX_LINES | RENDER_FACE_LINES;
         else if (number == 6)
@@ -65,8 +64,7 @@ static const char *set_show(void *user, const char *value) {
         else
             settings->show = (enum render_show)number;
         word += length;
-        if (!*word)
-            return NULL;
+        if (!*word) return NULL;
     }
 }
 
@@ -77,12 +75,10 @@ static const char *set_lines(void *user, const char *value) {
     for (const char *word = value;; ++word) {
         size_t length = strcspn(word, ",");
         int number = number_of(word, length, names, CLI_COUNT(names));
-        if (number < 0)
-            return "vertices, faces, edges, or several of them with commas between";
+        if (number < 0) return "vertices, faces, edges, or several of them with commas between";
         settings->hedgehog |= 1U << number;
         word += length;
-        if (!*word)
-            return NULL;
+        if (!*word) return NULL;
     }
 }
 
@@ -96,8 +92,7 @@ static const char *set_line_length(void *settings, const char *value) {
 
 static const char *set_line_width(void *settings, const char *value) {
     double width;
-    if (!cli_number(value, &width) || width <= 0 || width > 100)
-        return "pixels, above 0";
+    if (!cli_number(value, &width) || width <= 0 || width > 100) return "pixels, above 0";
     ((render_settings *)settings)->look.line_pixels = width;
     return NULL;
 }
@@ -113,8 +108,7 @@ static const char *set_most_lines(void *settings, const char *value) {
 static const char *set_space(void *settings, const char *value) {
     static const char *const names[] = {"world", "view"};
     int number = number_of(value, strlen(value), names, CLI_COUNT(names));
-    if (number < 0)
-        return "world or view";
+    if (number < 0) return "world or view";
     ((render_settings *)settings)->space = (enum render_space)number;
     return NULL;
 }
@@ -133,7 +127,8 @@ static const char *set_views(void *settings, const char *value) {
 
 static const char *set_columns(void *settings, const char *value) {
     double columns;
-    if (!cli_number(value, &columns) || columns < 1 || columns > RENDER_MOST_PANELS || columns != floor(columns))
+    if (!cli_number(value, &columns) || columns < 1 || columns > RENDER_MOST_PANELS ||
+        columns != floor(columns))
         return "a whole number from 1 to 64";
     ((render_settings *)settings)->columns = (size_t)columns;
     return NULL;
@@ -141,7 +136,8 @@ static const char *set_columns(void *settings, const char *value) {
 
 static const char *set_turntable(void *settings, const char *value) {
     double turns;
-    if (!cli_number(value, &turns) || turns < 1 || turns > RENDER_MOST_TURNS || turns != floor(turns))
+    if (!cli_number(value, &turns) || turns < 1 || turns > RENDER_MOST_TURNS ||
+        turns != floor(turns))
         return "how many pictures, 1 to 3600";
     ((render_settings *)settings)->turns = (int)turns;
     return NULL;
@@ -155,8 +151,7 @@ static const char *set_sheet(void *settings, const char *value) {
 
 static const char *set_label(void *user, const char *value) {
     render_settings *settings = user;
-    if (settings->label_count == RENDER_MOST_WORDS)
-        return "at most 64 of these";
+    if (settings->label_count == RENDER_MOST_WORDS) return "at most 64 of these";
     settings->labels[settings->label_count++] = value;
     return NULL;
 }
@@ -172,8 +167,7 @@ static const char *set_error_top(void *settings, const char *value) {
 /* ---- normals */
 
 static const char *set_normals(void *settings, const char *value) {
-    if (strcmp(value, "stored") != 0 && strcmp(value, "computed") != 0)
-        return "stored or computed";
+    if (strcmp(value, "stored") != 0 && strcmp(value, "computed") != 0) return "stored or computed";
     ((render_settings *)settings)->compute = value[0] == 'c';
     return NULL;
 }
@@ -211,15 +205,15 @@ static const char *set_camera(void *user, const char *value) {
 
 static const char *set_fov(void *settings, const char *value) {
     double degrees;
-    if (!cli_number(value, &degrees) || degrees < 0 || degrees > 150 || (degrees > 0 && degrees < 0.1))
+    if (!cli_number(value, &degrees) || degrees < 0 || degrees > 150 ||
+        (degrees > 0 && degrees < 0.1))
         return "degrees, 0.1 to 150, or 0 for an orthographic camera";
     ((render_settings *)settings)->look.field_of_view_deg = degrees;
     return NULL;
 }
 
 static const char *set_up(void *settings, const char *value) {
-    if (strcmp(value, "y") != 0 && strcmp(value, "z") != 0)
-        return "y or z";
+    if (strcmp(value, "y") != 0 && strcmp(value, "z") != 0) return "y or z";
     ((render_settings *)settings)->look.z_up = value[0] == 'z';
     return NULL;
 }
@@ -230,12 +224,11 @@ static const char *set_light(void *user, const char *value) {
     double numbers[3] = {0, 0, 1};
     size_t count = cli_numbers(value, numbers, 3);
     if ((count != 2 && count != 3) || fabs(numbers[1]) > 90 || numbers[2] < 0 || numbers[2] > 100)
-        return "AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,STRENGTH, seen from the camera, such as -40,42,0.85";
-    if (!settings->light_given)
-        look->light_count = 0;
+        return "AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,STRENGTH, seen from the camera, such as "
+               "-40,42,0.85";
+    if (!settings->light_given) look->light_count = 0;
     settings->light_given = 1;
-    if (look->light_count == RENDER_MOST_LIGHTS)
-        return "at most four of these";
+    if (look->light_count == RENDER_MOST_LIGHTS) return "at most four of these";
     look->lights[look->light_count++] = (render_light){numbers[0], numbers[1], numbers[2]};
     return NULL;
 }
@@ -243,7 +236,8 @@ static const char *set_light(void *user, const char *value) {
 static const char *set_phong(void *user, const char *value) {
     render_look *look = &((render_settings *)user)->look;
     double numbers[4];
-    if (cli_numbers(value, numbers, 4) != 4 || numbers[0] < 0 || numbers[1] < 0 || numbers[2] < 0 || numbers[3] <= 0 || numbers[3] > 1e5)
+    if (cli_numbers(value, numbers, 4) != 4 || numbers[0] < 0 || numbers[1] < 0 || numbers[2] < 0 ||
+        numbers[3] <= 0 || numbers[3] > 1e5)
         return "AMBIENT,DIFFUSE,SPECULAR,EXPONENT, such as 0.1,0.95,0.18,40";
     look->ambient = numbers[0];
     look->diffuse = numbers[1];
@@ -263,9 +257,9 @@ static const char *set_size(void *user, const char *value) {
         return expected;
     strcpy(text, value);
     char *cross = strchr(text, 'x');
-    if (cross)
-        *cross = ',';
-    if (!cross || cli_numbers(text, numbers, 2) != 2 || numbers[0] < 16 || numbers[1] < 16 || numbers[0] > 16384 || numbers[1] > 16384)
+    if (cross) *cross = ',';
+    if (!cross || cli_numbers(text, numbers, 2) != 2 || numbers[0] < 16 || numbers[1] < 16 ||
+        numbers[0] > 16384 || numbers[1] > 16384)
         return expected;
     look->width = (size_t)numbers[0];
     look->height = (size_t)numbers[1];
@@ -274,15 +268,15 @@ static const char *set_size(void *user, const char *value) {
 
 static const char *set_samples(void *settings, const char *value) {
     double samples;
-    if (!cli_number(value, &samples) || samples < 1 || samples > RENDER_MOST_SAMPLES || samples != floor(samples))
+    if (!cli_number(value, &samples) || samples < 1 || samples > RENDER_MOST_SAMPLES ||
+        samples != floor(samples))
         return "1 to 4: each pixel is the mean of so many samples each way";
     ((render_settings *)settings)->look.samples = (int)samples;
     return NULL;
 }
 
 static int hexadecimal(const char *digits, uint8_t colour[3]) {
-    if (strlen(digits) != 6 || strspn(digits, "0123456789abcdefABCDEF") != 6)
-        return 0;
+    if (strlen(digits) != 6 || strspn(digits, "0123456789abcdefABCDEF") != 6) return 0;
     unsigned long all = strtoul(digits, NULL, 16);
     for (int k = 0; k < 3; ++k) colour[k] = (uint8_t)(all >> (16 - 8 * k) & 0xFF);
     return 1;
@@ -293,7 +287,8 @@ static const char *set_background(void *user, const char *value) {
     static const struct {
         const char *name;
         uint8_t colour[4];
-    } names[] = {{"paper", {250, 249, 246, 255}}, {"white", {255, 255, 255, 255}}, {"black", {0, 0, 0, 255}}, {"grey", {128, 128, 128, 255}}, {"transparent", {0, 0, 0, 0}}};
+    } names[] = {{"paper", {250, 249, 246, 255}}, {"white", {255, 255, 255, 255}},
+        {"black", {0, 0, 0, 255}}, {"grey", {128, 128, 128, 255}}, {"transparent", {0, 0, 0, 0}}};
     int known = 0;
     for (size_t i = 0; i < CLI_COUNT(names); ++i)
         if (strcmp(value, names[i].name) == 0) {
@@ -302,32 +297,30 @@ static const char *set_background(void *user, const char *value) {
         }
     if (!known && (value[0] != '#' || !hexadecimal(value + 1, look->background)))
         return "paper, white, black, grey, transparent, or #RRGGBB";
-    if (!known)
-        look->background[3] = 255;
-    const int dark = look->background[3] && 2 * look->background[0] + 5 * look->background[1] + look->background[2] < 8 * 110;
+    if (!known) look->background[3] = 255;
+    const int dark =
+        look->background[3] &&
+        2 * look->background[0] + 5 * look->background[1] + look->background[2] < 8 * 110;
     memset(look->ink, dark ? 235 : 38, sizeof look->ink);
     return NULL;
 }
 
 static const char *set_renderer(void *settings, const char *value) {
-    if (strcmp(value, "auto") != 0 && strcmp(value, "software") != 0)
-        return "auto or software";
+    if (strcmp(value, "auto") != 0 && strcmp(value, "software") != 0) return "auto or software";
     ((render_settings *)settings)->software = value[0] == 's';
     return NULL;
 }
 
 static const char *set_output(void *settings, const char *value) {
     cli_files *files = &((render_settings *)settings)->files;
-    if (files->output)
-        return "to be given once";
+    if (files->output) return "to be given once";
     files->output = value;
     return value[0] ? NULL : "a name that ends in .png, or - for standard output";
 }
 
 static const char *set_folder(void *settings, const char *value) {
     cli_files *files = &((render_settings *)settings)->files;
-    if (files->folder)
-        return "to be given once";
+    if (files->folder) return "to be given once";
     files->folder = value;
     return value[0] ? NULL : "the name of a folder";
 }

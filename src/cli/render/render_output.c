@@ -1,4 +1,5 @@
-/* render_output.c: where the pictures of norma render go, and which options contradict each other: said before anything is drawn. */
+/* render_output.c: where the pictures of norma render go, and which options contradict each other:
+ * said before anything is drawn. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/render/render_command.h"
 #include <errno.h>
@@ -14,7 +15,8 @@ const char *render_base_name(const char *path) {
 
 static int ends_in_png(const char *path) {
     const char *name = render_base_name(path), *dot = strrchr(name, '.');
-    return dot && dot > name && strlen(dot) == 4 && (dot[1] | 32) == 'p' && (dot[2] | 32) == 'n' && (dot[3] | 32) == 'g';
+    return dot && dot > name && strlen(dot) == 4 && (dot[1] | 32) == 'p' && (dot[2] | 32) == 'n' &&
+           (dot[3] | 32) == 'g';
 }
 
 int render_is_standard(const char *name) { return strcmp(name, "-") == 0; }
@@ -26,21 +28,24 @@ static int is_stream(const char *path) {
 
 char *render_output_of(const render_settings *settings, const char *input, int turn) {
     const cli_files *files = &settings->files;
-    const char *folder = files->folder ? files->folder : "", *name = files->output ? files->output : render_base_name(input);
+    const char *folder = files->folder ? files->folder : "",
+               *name = files->output ? files->output : render_base_name(input);
     const char *dot = strrchr(render_base_name(name), '.');
     const size_t length = strlen(folder), size = length + strlen(name) + 24;
     const int stem = dot && dot > render_base_name(name) ? (int)(dot - name) : (int)strlen(name);
     char *path = malloc(size), number[16] = "";
-    if (turn >= 0)
-        snprintf(number, sizeof number, "-%03d", turn);
+    if (turn >= 0) snprintf(number, sizeof number, "-%03d", turn);
     if (path && files->output && turn < 0)
         snprintf(path, size, "%s", name);
     else if (path)
-        snprintf(path, size, "%s%s%.*s%s.png", folder, length && folder[length - 1] != '/' ? "/" : "", stem, name, number);
+        snprintf(path, size, "%s%s%.*s%s.png", folder,
+            length && folder[length - 1] != '/' ? "/" : "", stem, name, number);
     return path;
 }
 
-static int compare_paths(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
+static int compare_paths(const void *a, const void *b) {
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
 
 /* Two inputs whose names differ in their extension alone would become one picture. */
 static int check_names(const cli_verb *verb, const render_settings *settings) {
@@ -53,11 +58,13 @@ static int check_names(const cli_verb *verb, const render_settings *settings) {
         status = outputs[count] ? CLI_OK : CLI_FILE;
         count += !status;
     }
-    if (!status)
-        qsort(outputs, count, sizeof *outputs, compare_paths);
+    if (!status) qsort(outputs, count, sizeof *outputs, compare_paths);
     for (size_t i = 1; i < count && !status; ++i)
         if (strcmp(outputs[i - 1], outputs[i]) == 0)
-            status = cli_usage(verb, "several inputs would be drawn to %s; expected names that differ in more than their extension", outputs[i]);
+            status = cli_usage(verb,
+                "several inputs would be drawn to %s; expected names that differ in more than "
+                "their extension",
+                outputs[i]);
     for (size_t i = 0; i < count; ++i) free(outputs[i]);
     free(outputs);
     return status;
@@ -75,27 +82,32 @@ static int check_folder(const cli_verb *verb, const render_settings *settings) {
 static int check_outputs(const cli_verb *verb, const render_settings *settings) {
     const cli_files *files = &settings->files;
     int standard = 0;
-    for (size_t i = 0; i < files->inputs.count; ++i) standard |= render_is_standard(files->inputs.words[i]);
+    for (size_t i = 0; i < files->inputs.count; ++i)
+        standard |= render_is_standard(files->inputs.words[i]);
     if (!files->output && !files->folder)
         return cli_usage(verb, "nowhere to write to; expected -o OUT.png or --out-dir FOLDER");
     if (files->output && files->folder)
         return cli_usage(verb, "-o and --out-dir exclude each other");
     if (files->output && files->inputs.count > 1 && !settings->sheet)
-        return cli_usage(verb, "one -o for %zu inputs; expected --out-dir FOLDER, or --sheet for one picture of all", files->inputs.count);
+        return cli_usage(verb,
+            "one -o for %zu inputs; expected --out-dir FOLDER, or --sheet for one picture of all",
+            files->inputs.count);
     if (settings->sheet && !files->output)
         return cli_usage(verb, "--sheet makes one picture; expected -o OUT.png");
     if (files->folder && standard)
         return cli_usage(verb, "standard input has no name to write to; expected -o OUT.png");
-    if (files->folder)
-        return check_folder(verb, settings);
+    if (files->folder) return check_folder(verb, settings);
     if (render_is_standard(files->output) && settings->common.json)
         return cli_usage(verb, "-o - and --json both want standard output");
     if (render_is_standard(files->output) && settings->turns)
         return cli_usage(verb, "--turntable makes several files; expected -o OUT.png");
     if (render_is_standard(files->output) && isatty(STDOUT_FILENO))
-        return cli_usage(verb, "standard output is a terminal, which shows no picture; expected -o OUT.png, or a pipe");
-    if (!render_is_standard(files->output) && !ends_in_png(files->output) && !is_stream(files->output))
-        return cli_usage(verb, "-o %s: pictures are PNG; expected a name that ends in .png", files->output);
+        return cli_usage(verb, "standard output is a terminal, which shows no picture; expected -o "
+                               "OUT.png, or a pipe");
+    if (!render_is_standard(files->output) && !ends_in_png(files->output) &&
+        !is_stream(files->output))
+        return cli_usage(
+            verb, "-o %s: pictures are PNG; expected a name that ends in .png", files->output);
     return CLI_OK;
 }
 
@@ -104,9 +116,11 @@ int render_settings_check(const cli_verb *verb, render_settings *settings) {
     if (settings->lines & RENDER_VERTEX_LINES && settings->hedgehog)
         settings->lines = (settings->lines & RENDER_WIREFRAME) | settings->hedgehog;
     else if (settings->hedgehog)
-        return cli_usage(verb, "--lines says which lines a hedgehog has; expected --show hedgehog with it");
+        return cli_usage(
+            verb, "--lines says which lines a hedgehog has; expected --show hedgehog with it");
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-        return cli_usage(verb, "the last row of the matrix must be 0 0 0 1; the camera makes the perspective");
+        return cli_usage(
+            verb, "the last row of the matrix must be 0 0 0 1; the camera makes the perspective");
     if (settings->compare && settings->views)
         return cli_usage(verb, "--compare and --views exclude each other");
     if (settings->turns && (settings->views || settings->sheet))

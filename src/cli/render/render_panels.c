@@ -1,4 +1,5 @@
-/* render_panels.c: which panels a picture has: the views that were asked for, or what --compare sets side by side, and the words above and below them. */
+/* render_panels.c: which panels a picture has: the views that were asked for, or what --compare
+ * sets side by side, and the words above and below them. */
 #include "cli/render/render_command.h"
 #include <math.h>
 #include <string.h>
@@ -19,12 +20,14 @@ typedef struct side {
 static const struct {
     const char *word, *title;
     enum render_shading shading;
-} shadings[] = {{"flat", "flat", RENDER_FLAT}, {"gouraud", "Gouraud", RENDER_GOURAUD}, {"phong", "Phong", RENDER_PHONG}};
+} shadings[] = {{"flat", "flat", RENDER_FLAT}, {"gouraud", "Gouraud", RENDER_GOURAUD},
+    {"phong", "Phong", RENDER_PHONG}};
 
 static const struct {
     const char *word, *title;
     enum way way;
-} ways[] = {{"before", "before", WAY_BEFORE}, {"plain", "plain M", WAY_PLAIN}, {"right", "normal matrix", WAY_RIGHT}};
+} ways[] = {{"before", "before", WAY_BEFORE}, {"plain", "plain M", WAY_PLAIN},
+    {"right", "normal matrix", WAY_RIGHT}};
 
 static int read_side(const char *word, side *out) {
     double degrees;
@@ -49,26 +52,25 @@ static int read_side(const char *word, side *out) {
             snprintf(out->title, sizeof out->title, "weight: %s", word);
             return 1;
         }
-    if (!cli_number(word, &degrees) || degrees < 0 || degrees > 180)
-        return 0;
+    if (!cli_number(word, &degrees) || degrees < 0 || degrees > 180) return 0;
     out->has_crease = 1;
     out->crease_deg = degrees;
     snprintf(out->title, sizeof out->title, "crease %.4g°", degrees);
     return 1;
 }
 
-static const char compare_help[] = "shadings (flat, gouraud, phong), ways of a normal (before, plain, right), weights (angle, area, ...) or creases in degrees, with commas between";
+static const char compare_help[] =
+    "shadings (flat, gouraud, phong), ways of a normal (before, plain, right), weights (angle, "
+    "area, ...) or creases in degrees, with commas between";
 
 /* The next word of a list with commas; 0: it is too long or empty. */
 static int next_word(const char **list, char *word, size_t room) {
     size_t length = strcspn(*list, ",");
-    if (length == 0 || length >= room)
-        return 0;
+    if (length == 0 || length >= room) return 0;
     memcpy(word, *list, length);
     word[length] = '\0';
     *list += length;
-    if (**list == ',')
-        ++*list;
+    if (**list == ',') ++*list;
     return 1;
 }
 
@@ -77,8 +79,7 @@ static size_t read_sides(const render_settings *settings, side sides[RENDER_MOST
     size_t count = 0;
     char word[32];
     while (*list && count < RENDER_MOST_PANELS) {
-        if (!next_word(&list, word, sizeof word) || !read_side(word, &sides[count]))
-            return 0;
+        if (!next_word(&list, word, sizeof word) || !read_side(word, &sides[count])) return 0;
         ++count;
     }
     return *list ? 0 : count;
@@ -91,7 +92,8 @@ typedef struct view {
     double azimuth_deg, elevation_deg;
 } view;
 
-static const view known_views[] = {{"front", 0, 0}, {"right", 90, 0}, {"back", 180, 0}, {"left", -90, 0}, {"top", 0, 90}, {"bottom", 0, -90}, {"three-quarter", 35, 22}};
+static const view known_views[] = {{"front", 0, 0}, {"right", 90, 0}, {"back", 180, 0},
+    {"left", -90, 0}, {"top", 0, 90}, {"bottom", 0, -90}, {"three-quarter", 35, 22}};
 
 static int read_view(const char *word, view *out) {
     for (size_t i = 0; i < CLI_COUNT(known_views); ++i)
@@ -109,14 +111,14 @@ static size_t read_views(const render_settings *settings, view views[RENDER_MOST
     size_t count = 0;
     char word[32];
     if (cli_number(list, &number)) {
-        if (number < 1 || number > RENDER_MOST_PANELS || number != floor(number))
-            return 0;
-        for (; count < (size_t)number; ++count) views[count] = (view){NULL, settings->azimuth_deg + 360 * (double)count / number, settings->elevation_deg};
+        if (number < 1 || number > RENDER_MOST_PANELS || number != floor(number)) return 0;
+        for (; count < (size_t)number; ++count)
+            views[count] = (view){NULL, settings->azimuth_deg + 360 * (double)count / number,
+                settings->elevation_deg};
         return count;
     }
     while (*list && count < RENDER_MOST_PANELS) {
-        if (!next_word(&list, word, sizeof word) || !read_view(word, &views[count]))
-            return 0;
+        if (!next_word(&list, word, sizeof word) || !read_view(word, &views[count])) return 0;
         ++count;
     }
     return *list ? 0 : count;
@@ -128,8 +130,10 @@ int render_plan_check(const cli_verb *verb, const render_settings *settings) {
     if (settings->compare && read_sides(settings, sides) == 0)
         return cli_usage(verb, "--compare=%s: expected %s", settings->compare_list, compare_help);
     if (settings->views && read_views(settings, views) == 0)
-        return cli_usage(verb, "--views '%s': expected front, right, back, left, top, bottom, three-quarter, with commas between, or how many about the vertical, up to 64",
-                         settings->views);
+        return cli_usage(verb,
+            "--views '%s': expected front, right, back, left, top, bottom, three-quarter, with "
+            "commas between, or how many about the vertical, up to 64",
+            settings->views);
     return CLI_OK;
 }
 
@@ -143,18 +147,16 @@ static render_panel *add_panel(render_plan *plan, const render_scene *scene, con
     const size_t i = plan->count++;
     render_panel *panel = &plan->panels[i];
     *panel = (render_panel){.scene = scene,
-                            .file = plan->files,
-                            .azimuth_deg = settings->azimuth_deg,
-                            .elevation_deg = settings->elevation_deg,
-                            .shading = settings->shading,
-                            .show = settings->show,
-                            .space = settings->space,
-                            .lines = settings->lines};
-    if (settings->show == RENDER_SHOW_MARKS)
-        panel->lines |= RENDER_DOTS;
+        .file = plan->files,
+        .azimuth_deg = settings->azimuth_deg,
+        .elevation_deg = settings->elevation_deg,
+        .shading = settings->shading,
+        .show = settings->show,
+        .space = settings->space,
+        .lines = settings->lines};
+    if (settings->show == RENDER_SHOW_MARKS) panel->lines |= RENDER_DOTS;
     memcpy(panel->matrix, settings->matrix.matrix, sizeof panel->matrix);
-    if (i < settings->label_count)
-        title = settings->labels[i];
+    if (i < settings->label_count) title = settings->labels[i];
     if (title && *title) {
         snprintf(plan->above[i], sizeof plan->above[i], "%s", title);
         panel->above = plan->above[i];
@@ -163,42 +165,41 @@ static render_panel *add_panel(render_plan *plan, const render_scene *scene, con
 }
 
 static void apply_way(render_plan *plan, render_panel *panel, enum way way) {
-    if (way == WAY_BEFORE)
-        memcpy(panel->matrix, cli_matrix_identity.matrix, sizeof panel->matrix);
+    if (way == WAY_BEFORE) memcpy(panel->matrix, cli_matrix_identity.matrix, sizeof panel->matrix);
     if (way == WAY_PLAIN) {
         panel->plain = panel->measured = 1;
         panel->line_colour = wrong_colour;
-        panel->below = plan->below[panel - plan->panels]; /* what it says is known when the picture is */
+        panel->below =
+            plan->below[panel - plan->panels]; /* what it says is known when the picture is */
     }
-    if (way == WAY_RIGHT)
-        panel->line_colour = right_colour;
+    if (way == WAY_RIGHT) panel->line_colour = right_colour;
 }
 
 static int too_many(const cli_verb *verb, const render_plan *plan, size_t more) {
-    return plan->count + more > RENDER_MOST_PANELS ? cli_usage(verb, "%zu panels in one picture; expected at most %d", plan->count + more, RENDER_MOST_PANELS) : CLI_OK;
+    return plan->count + more > RENDER_MOST_PANELS
+               ? cli_usage(verb, "%zu panels in one picture; expected at most %d",
+                     plan->count + more, RENDER_MOST_PANELS)
+               : CLI_OK;
 }
 
-static int add_sides(const cli_verb *verb, render_plan *plan, render_scene_file *file, const render_variant *usual, norma_document_error *error) {
+static int add_sides(const cli_verb *verb, render_plan *plan, render_scene_file *file,
+    const render_variant *usual, norma_document_error *error) {
     side sides[RENDER_MOST_PANELS];
     size_t count = read_sides(plan->settings, sides);
     int status = too_many(verb, plan, count);
     for (size_t i = 0; i < count && !status; ++i) {
         const side *s = &sides[i];
         render_variant variant = *usual;
-        if (s->has_weight || s->has_crease)
-            variant.compute = 1;
-        if (s->has_weight)
-            variant.weight = s->weight;
+        if (s->has_weight || s->has_crease) variant.compute = 1;
+        if (s->has_weight) variant.weight = s->weight;
         if (s->has_crease) {
             variant.crease_given = 1;
             variant.crease_rad = cli_radians(s->crease_deg);
         }
         const render_scene *scene = render_file_scene(plan->settings, file, &variant, error);
-        if (!scene)
-            return cli_status_of(error->result);
+        if (!scene) return cli_status_of(error->result);
         render_panel *panel = add_panel(plan, scene, s->title);
-        if (s->has_shading)
-            panel->shading = s->shading;
+        if (s->has_shading) panel->shading = s->shading;
         apply_way(plan, panel, s->way);
     }
     return status;
@@ -218,21 +219,19 @@ static int add_views(const cli_verb *verb, render_plan *plan, const render_scene
     return status;
 }
 
-int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *file, const char *title, norma_document_error *error) {
+int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *file,
+    const char *title, norma_document_error *error) {
     const render_settings *settings = plan->settings;
-    const render_variant usual = {settings->compute, settings->crease_given, settings->crease_rad, settings->weight};
+    const render_variant usual = {
+        settings->compute, settings->crease_given, settings->crease_rad, settings->weight};
     plan->files++;
-    if (settings->compare)
-        return add_sides(verb, plan, file, &usual, error);
+    if (settings->compare) return add_sides(verb, plan, file, &usual, error);
     const size_t first = plan->count;
     const render_scene *scene = render_file_scene(settings, file, &usual, error);
-    if (!scene)
-        return cli_status_of(error->result);
-    if (settings->views)
-        return add_views(verb, plan, scene);
+    if (!scene) return cli_status_of(error->result);
+    if (settings->views) return add_views(verb, plan, scene);
     int status = too_many(verb, plan, 1);
-    if (!status)
-        add_panel(plan, scene, title);
+    if (!status) add_panel(plan, scene, title);
     if (!status && settings->show == RENDER_SHOW_MARKS) {
         snprintf(plan->below[first], sizeof plan->below[first], "%.150s", file->found);
         plan->panels[first].below = plan->below[first];
@@ -243,9 +242,10 @@ int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *
 /* ---- what is known once the panels are drawn */
 
 static int compares_pictures(const render_plan *plan) {
-    if (plan->settings->compare != 2 || plan->count != 2)
-        return 0;
-    return !plan->panels[0].measured && !plan->panels[1].measured && memcmp(plan->panels[0].matrix, plan->panels[1].matrix, sizeof plan->panels[0].matrix) == 0;
+    if (plan->settings->compare != 2 || plan->count != 2) return 0;
+    return !plan->panels[0].measured && !plan->panels[1].measured &&
+           memcmp(plan->panels[0].matrix, plan->panels[1].matrix, sizeof plan->panels[0].matrix) ==
+               0;
 }
 
 void render_plan_tell(void *user, render_sheet *sheet, const render_picture *picture) {
@@ -254,19 +254,25 @@ void render_plan_tell(void *user, render_sheet *sheet, const render_picture *pic
     char number[32];
     for (size_t i = 0; i < plan->count; ++i)
         if (plan->panels[i].measured)
-            snprintf(plan->below[i], sizeof plan->below[i], "largest error %s°", cli_decimals(number, cli_to_degrees(plan->panels[i].worst_plain_rad), 2));
+            snprintf(plan->below[i], sizeof plan->below[i], "largest error %s°",
+                cli_decimals(number, cli_to_degrees(plan->panels[i].worst_plain_rad), 2));
     plan->difference = -1;
     if (compares_pictures(plan)) {
-        plan->difference = render_picture_difference(picture, sheet->panel_x[0], sheet->panel_y[0], sheet->panel_x[1], sheet->panel_y[1], look->width, look->height);
-        snprintf(plan->footer, sizeof plan->footer, "largest difference: %d of 255 levels", plan->difference);
+        plan->difference = render_picture_difference(picture, sheet->panel_x[0], sheet->panel_y[0],
+            sheet->panel_x[1], sheet->panel_y[1], look->width, look->height);
+        snprintf(plan->footer, sizeof plan->footer, "largest difference: %d of 255 levels",
+            plan->difference);
         sheet->below = plan->footer;
     } else if (plan->settings->show == RENDER_SHOW_ERROR) {
         double worst = NAN;
-        for (size_t i = 0; i < plan->count; ++i) worst = fmax(worst, plan->panels[i].worst_error_rad);
+        for (size_t i = 0; i < plan->count; ++i)
+            worst = fmax(worst, plan->panels[i].worst_error_rad);
         if (isnan(worst))
             snprintf(plan->footer, sizeof plan->footer, "no normals are stored");
         else
-            snprintf(plan->footer, sizeof plan->footer, "stored against computed normals: largest error %s°", cli_decimals(number, cli_to_degrees(worst), 2));
+            snprintf(plan->footer, sizeof plan->footer,
+                "stored against computed normals: largest error %s°",
+                cli_decimals(number, cli_to_degrees(worst), 2));
         sheet->below = plan->footer;
     }
 }

@@ -1,26 +1,29 @@
-/* render_scene.c: a document as a scene: each mesh a surface, each node that draws one, and each of its instances, a draw. */
+/* render_scene.c: a document as a scene: each mesh a surface, each node that draws one, and each of
+ * its instances, a draw. */
 #include "cli/render/render_command.h"
 #include <stdlib.h>
 #include <string.h>
 
 static const float clay[3] = {0.58F, 0.55F, 0.49F}; /* linear: what has no material of its own */
 
-static norma_document_result fail(norma_document_error *error, norma_document_result result, const char *input, const char *what) {
+static norma_document_result fail(norma_document_error *error, norma_document_result result,
+    const char *input, const char *what) {
     error->result = result;
     snprintf(error->message, sizeof error->message, "%.500s: %.400s", cli_input_name(input), what);
     return result;
 }
 
-norma_document_result render_file_open(const render_settings *settings, const char *input, render_scene_file *file, norma_document_error *error) {
+norma_document_result render_file_open(const render_settings *settings, const char *input,
+    render_scene_file *file, norma_document_error *error) {
     cli_progress progress;
     *file = (render_scene_file){.input = input};
     cli_progress_start(&progress, "reading", input, settings->common.quiet, cli_megabytes(input));
     const norma_document_options options = {.struct_size = sizeof options,
-                                            .format = settings->files.format,
-                                            .threads = settings->common.threads,
-                                            .progress = cli_progress_report,
-                                            .progress_user = &progress,
-                                            .lenient = 1};
+        .format = settings->files.format,
+        .threads = settings->common.threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress,
+        .lenient = 1};
     norma_document_result result = cli_open(input, &options, &file->document, &file->memory, error);
     cli_progress_stop(&progress);
     error->result = result;
@@ -46,13 +49,13 @@ void render_file_close(render_scene_file *file) {
 /* ---- surfaces */
 
 static enum render_normals stored_as(const norma_mesh_info *info, const norma_mesh_data *data) {
-    if (!data->normals.data || data->normals.count == 0)
-        return RENDER_NORMALS_NONE;
+    if (!data->normals.data || data->normals.count == 0) return RENDER_NORMALS_NONE;
     switch (info->normals) {
     case NORMA_NORMALS_NONE:
         return RENDER_NORMALS_NONE;
     case NORMA_NORMALS_PER_VERTEX:
-        return data->normals.count < info->vertices ? RENDER_NORMALS_PER_CORNER : RENDER_NORMALS_PER_VERTEX;
+        return data->normals.count < info->vertices ? RENDER_NORMALS_PER_CORNER
+                                                    : RENDER_NORMALS_PER_VERTEX;
     case NORMA_NORMALS_PER_CORNER:
         return RENDER_NORMALS_PER_CORNER;
     case NORMA_NORMALS_PER_FACET:
@@ -61,8 +64,10 @@ static enum render_normals stored_as(const norma_mesh_info *info, const norma_me
     return RENDER_NORMALS_NONE;
 }
 
-/* What the format leaves open, as norma compute has it; glTF says that a mesh without normals is flat. */
-static double usual_crease(const render_settings *settings, norma_file_format format, const render_surface *surface) {
+/* What the format leaves open, as norma compute has it; glTF says that a mesh without normals is
+ * flat. */
+static double usual_crease(
+    const render_settings *settings, norma_file_format format, const render_surface *surface) {
     const double flat = -1, all = 3.14159265358979, sixty = 1.0471975511965976;
     switch (format) {
     case NORMA_FILE_STL:
@@ -72,11 +77,15 @@ static double usual_crease(const render_settings *settings, norma_file_format fo
     case NORMA_FILE_OBJ:
         return surface->mesh.smoothing_groups ? all : sixty;
     default:
-        return surface->stored == RENDER_NORMALS_NONE && settings->show != RENDER_SHOW_ERROR && !settings->compute ? flat : sixty;
+        return surface->stored == RENDER_NORMALS_NONE && settings->show != RENDER_SHOW_ERROR &&
+                       !settings->compute
+                   ? flat
+                   : sixty;
     }
 }
 
-static void set_material(norma_document *document, const norma_mesh_attributes *attributes, render_surface *surface) {
+static void set_material(
+    norma_document *document, const norma_mesh_attributes *attributes, render_surface *surface) {
     norma_material_info material;
     const int gltf = norma_document_format(document) >= NORMA_FILE_GLTF;
     memcpy(surface->base_colour, clay, sizeof clay);
@@ -84,29 +93,32 @@ static void set_material(norma_document *document, const norma_mesh_attributes *
     surface->colours = attributes->colors;
     if (attributes->colors)
         for (int k = 0; k < 3; ++k) surface->base_colour[k] = 1;
-    if (!gltf || attributes->material == SIZE_MAX || norma_document_material_info(document, attributes->material, &material))
+    if (!gltf || attributes->material == SIZE_MAX ||
+        norma_document_material_info(document, attributes->material, &material))
         return;
     memcpy(surface->base_colour, material.base_color, sizeof surface->base_colour);
     surface->two_sided = material.double_sided;
     surface->unlit = material.unlit;
 }
 
-static norma_document_result fill_surface(const render_settings *settings, render_scene_file *file, const render_variant *variant, size_t index, const norma_mesh_info *info,
-                                          render_surface *surface, norma_document_error *error) {
+static norma_document_result fill_surface(const render_settings *settings, render_scene_file *file,
+    const render_variant *variant, size_t index, const norma_mesh_info *info,
+    render_surface *surface, norma_document_error *error) {
     norma_mesh_data data;
     norma_mesh_attributes attributes;
     norma_document_result result = norma_document_mesh_data(file->document, index, &data, error);
-    if (!result)
-        result = norma_document_mesh_attributes(file->document, index, &attributes, error);
-    if (result)
-        return result;
+    if (!result) result = norma_document_mesh_attributes(file->document, index, &attributes, error);
+    if (result) return result;
     const norma_file_format format = norma_document_format(file->document);
-    *surface = (render_surface){.mesh = data.mesh, .normals = data.normals, .corner_normals = data.corner_normals, .stored = stored_as(info, &data)};
-    if (variant->compute)
-        surface->stored = RENDER_NORMALS_NONE;
+    *surface = (render_surface){.mesh = data.mesh,
+        .normals = data.normals,
+        .corner_normals = data.corner_normals,
+        .stored = stored_as(info, &data)};
+    if (variant->compute) surface->stored = RENDER_NORMALS_NONE;
     surface->replace_zeros = format == NORMA_FILE_STL;
     surface->weight = variant->weight;
-    surface->crease_rad = variant->crease_given ? variant->crease_rad : usual_crease(settings, format, surface);
+    surface->crease_rad =
+        variant->crease_given ? variant->crease_rad : usual_crease(settings, format, surface);
     set_material(file->document, &attributes, surface);
     return NORMA_DOCUMENT_OK;
 }
@@ -128,11 +140,11 @@ int render_file_keep(render_scene_file *file, void *block) {
     return 1;
 }
 
-static int join_primitives(render_scene_file *file, render_surface *first, size_t count, norma_document_error *error) {
+static int join_primitives(
+    render_scene_file *file, render_surface *first, size_t count, norma_document_error *error) {
     float *expected[64];
     render_error trouble;
-    if (count < 2 || count > CLI_COUNT(expected))
-        return 1;
+    if (count < 2 || count > CLI_COUNT(expected)) return 1;
     if (render_expect(first, count, expected, &trouble)) {
         fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, trouble.message);
         return 0;
@@ -145,14 +157,15 @@ static int join_primitives(render_scene_file *file, render_surface *first, size_
             good = 0;
         }
     }
-    if (!good)
-        fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (!good) fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
     return good;
 }
 
-/* Normals are computed for the surfaces of one mesh: all that are not stored and not flat, and all that errors are measured against. */
+/* Normals are computed for the surfaces of one mesh: all that are not stored and not flat, and all
+ * that errors are measured against. */
 static int needs_expected(const render_settings *settings, const render_surface *surface) {
-    return settings->show == RENDER_SHOW_ERROR || (surface->stored == RENDER_NORMALS_NONE && surface->crease_rad >= 0);
+    return settings->show == RENDER_SHOW_ERROR ||
+           (surface->stored == RENDER_NORMALS_NONE && surface->crease_rad >= 0);
 }
 
 /* ---- the scene */
@@ -164,22 +177,23 @@ typedef struct scene_maker {
     size_t *mesh_of; /* the file's number of each surface's mesh */
 } scene_maker;
 
-static norma_document_result fill_surfaces(const render_settings *settings, render_scene_file *file, const render_variant *variant, scene_maker *m, norma_document_error *error) {
+static norma_document_result fill_surfaces(const render_settings *settings, render_scene_file *file,
+    const render_variant *variant, scene_maker *m, norma_document_error *error) {
     for (size_t i = 0; i < norma_document_mesh_count(file->document); ++i) {
         norma_mesh_info info;
         norma_document_result result = norma_document_mesh_info(file->document, i, &info);
-        if (!result && (info.not_read || info.triangles == 0))
-            continue;
+        if (!result && (info.not_read || info.triangles == 0)) continue;
         if (!result)
-            result = fill_surface(settings, file, variant, i, &info, &m->surfaces[m->surface_count], error);
-        if (result)
-            return result;
+            result = fill_surface(
+                settings, file, variant, i, &info, &m->surfaces[m->surface_count], error);
+        if (result) return result;
         file->document_meshes[m->surface_count] = i;
         m->mesh_of[m->surface_count++] = info.mesh;
     }
     for (size_t first = 0, next; first < m->surface_count; first = next) {
         int needed = 0;
-        for (next = first; next < m->surface_count && m->mesh_of[next] == m->mesh_of[first]; ++next) needed |= needs_expected(settings, &m->surfaces[next]);
+        for (next = first; next < m->surface_count && m->mesh_of[next] == m->mesh_of[first]; ++next)
+            needed |= needs_expected(settings, &m->surfaces[next]);
         if (needed && !join_primitives(file, &m->surfaces[first], next - first, error))
             return error->result;
     }
@@ -195,36 +209,35 @@ static int surfaces_of(const scene_maker *m, size_t mesh, size_t *first, size_t 
         else
             high = middle;
     }
-    for (*first = low, *count = 0; low < m->surface_count && m->mesh_of[low] == mesh; ++low) ++*count;
+    for (*first = low, *count = 0; low < m->surface_count && m->mesh_of[low] == mesh; ++low)
+        ++*count;
     return *count > 0;
 }
 
-static norma_document_result count_draws(norma_document *document, const scene_maker *m, size_t *total) {
+static norma_document_result count_draws(
+    norma_document *document, const scene_maker *m, size_t *total) {
     *total = 0;
     for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info node;
         size_t first, count;
         norma_document_result result = norma_document_node_info(document, i, &node);
-        if (result)
-            return result;
-        if (surfaces_of(m, node.mesh, &first, &count))
-            *total += count * node.instances;
+        if (result) return result;
+        if (surfaces_of(m, node.mesh, &first, &count)) *total += count * node.instances;
     }
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result fill_draws(norma_document *document, scene_maker *m, norma_document_error *error) {
+static norma_document_result fill_draws(
+    norma_document *document, scene_maker *m, norma_document_error *error) {
     for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info node;
         size_t first, count;
         norma_document_result result = norma_document_node_info(document, i, &node);
-        if (result || !surfaces_of(m, node.mesh, &first, &count))
-            continue;
+        if (result || !surfaces_of(m, node.mesh, &first, &count)) continue;
         for (size_t instance = 0; instance < node.instances; ++instance) {
             double world[16];
             result = norma_document_instance_world(document, i, instance, world, error);
-            if (result)
-                return result;
+            if (result) return result;
             for (size_t k = 0; k < count; ++k) {
                 m->draws[m->draw_count].surface = first + k;
                 memcpy(m->draws[m->draw_count++].world, world, sizeof world);
@@ -243,20 +256,22 @@ static void draw_each_once(scene_maker *m) {
     m->draw_count = m->surface_count;
 }
 
-static norma_document_result make_scene(const render_settings *settings, render_scene_file *file, const render_variant *variant, render_scene *scene,
-                                        norma_document_error *error) {
+static norma_document_result make_scene(const render_settings *settings, render_scene_file *file,
+    const render_variant *variant, render_scene *scene, norma_document_error *error) {
     const size_t meshes = norma_document_mesh_count(file->document);
-    scene_maker m = {.surfaces = calloc(meshes + 1, sizeof *m.surfaces), .mesh_of = calloc(meshes + 1, sizeof *m.mesh_of)};
+    scene_maker m = {.surfaces = calloc(meshes + 1, sizeof *m.surfaces),
+        .mesh_of = calloc(meshes + 1, sizeof *m.mesh_of)};
     size_t draws = 0;
     if (!file->document_meshes)
         file->document_meshes = calloc(meshes + 1, sizeof *file->document_meshes);
-    norma_document_result result = m.surfaces && m.mesh_of && file->document_meshes ? NORMA_DOCUMENT_OK : fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
-    if (!result)
-        result = fill_surfaces(settings, file, variant, &m, error);
+    norma_document_result result =
+        m.surfaces && m.mesh_of && file->document_meshes
+            ? NORMA_DOCUMENT_OK
+            : fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (!result) result = fill_surfaces(settings, file, variant, &m, error);
     if (!result && settings->show == RENDER_SHOW_MARKS)
         result = render_file_mark(settings, file, m.surfaces, m.surface_count, error);
-    if (!result)
-        result = count_draws(file->document, &m, &draws);
+    if (!result) result = count_draws(file->document, &m, &draws);
     if (!result && !(m.draws = calloc((draws > meshes ? draws : meshes) + 1, sizeof *m.draws)))
         result = fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
     if (!result && draws > 0)
@@ -266,22 +281,24 @@ static norma_document_result make_scene(const render_settings *settings, render_
     free(m.mesh_of);
     *scene = (render_scene){m.surfaces, m.surface_count, m.draws, m.draw_count};
     if (!result && m.draw_count == 0)
-        result = fail(error, NORMA_DOCUMENT_ERROR_ARGUMENT, file->input, "there is no surface to draw");
-    if (result)
-        free_scene(scene);
+        result =
+            fail(error, NORMA_DOCUMENT_ERROR_ARGUMENT, file->input, "there is no surface to draw");
+    if (result) free_scene(scene);
     error->result = result;
     return result;
 }
 
 static int same_variant(const render_variant *a, const render_variant *b) {
-    return a->compute == b->compute && a->crease_given == b->crease_given && a->weight == b->weight && !(a->crease_given && a->crease_rad != b->crease_rad);
+    return a->compute == b->compute && a->crease_given == b->crease_given &&
+           a->weight == b->weight && !(a->crease_given && a->crease_rad != b->crease_rad);
 }
 
-const render_scene *render_file_scene(const render_settings *settings, render_scene_file *file, const render_variant *variant, norma_document_error *error) {
+const render_scene *render_file_scene(const render_settings *settings, render_scene_file *file,
+    const render_variant *variant, norma_document_error *error) {
     for (size_t i = 0; i < file->variant_count; ++i)
-        if (same_variant(&file->variants[i], variant))
-            return &file->scenes[i];
-    if (file->variant_count == RENDER_MOST_PANELS || make_scene(settings, file, variant, &file->scenes[file->variant_count], error))
+        if (same_variant(&file->variants[i], variant)) return &file->scenes[i];
+    if (file->variant_count == RENDER_MOST_PANELS ||
+        make_scene(settings, file, variant, &file->scenes[file->variant_count], error))
         return NULL;
     file->variants[file->variant_count] = *variant;
     return &file->scenes[file->variant_count++];

@@ -2,27 +2,30 @@
 #include "cli/common/cli.h"
 #include <string.h>
 
-static const char help[] = "norma transform IN -o OUT MATRIX: positions, normals, tangents and winding under one matrix\n"
-                           "\n"
-                           "Examples\n"
-                           "  norma transform chair.obj -o out.obj --scale 2,0.5,1     stretched; the normals stay perpendicular\n"
-                           "  norma transform chair.ply -o out.ply --rotate 0,1,0,90   a quarter turn about the y axis\n"
-                           "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: faces are wound the other way\n"
-                           "  norma transform a.glb -o b.glb --scale 2 --translate 0,0,1\n"
-                           "                                                           first doubled, then moved\n"
-                           "  norma transform a.glb -o b.glb --bake                    node transforms carried into the meshes\n"
-                           "\n"
-                           CLI_MATRIX_HELP
-                           "\n"
-                           "glTF\n"
-                           "  (without --bake)      the matrix becomes a new node above the scene's roots, meshes stay as they are\n"
-                           "  --bake                the world matrix of every node that draws a mesh goes into the mesh: any depth, shear\n"
-                           "                        and mirrors included. Skinned and animated meshes stay, and are named\n"
-                           "\n"
-                           CLI_FILES_HELP
-                           "\n"
-                           "'norma matrix' with the same options tells what a matrix does to normals.\n"
-                           "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+static const char help[] =
+    "norma transform IN -o OUT MATRIX: positions, normals, tangents and winding under one matrix\n"
+    "\n"
+    "Examples\n"
+    "  norma transform chair.obj -o out.obj --scale 2,0.5,1     stretched; the normals stay "
+    "perpendicular\n"
+    "  norma transform chair.ply -o out.ply --rotate 0,1,0,90   a quarter turn about the y axis\n"
+    "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: faces are wound the "
+    "other way\n"
+    "  norma transform a.glb -o b.glb --scale 2 --translate 0,0,1\n"
+    "                                                           first doubled, then moved\n"
+    "  norma transform a.glb -o b.glb --bake                    node transforms carried into the "
+    "meshes\n"
+    "\n" CLI_MATRIX_HELP "\n"
+    "glTF\n"
+    "  (without --bake)      the matrix becomes a new node above the scene's roots, meshes stay as "
+    "they are\n"
+    "  --bake                the world matrix of every node that draws a mesh goes into the mesh: "
+    "any depth, shear\n"
+    "                        and mirrors included. Skinned and animated meshes stay, and are "
+    "named\n"
+    "\n" CLI_FILES_HELP "\n"
+    "'norma matrix' with the same options tells what a matrix does to normals.\n"
+    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
 
 typedef struct transform_work {
     norma_transform_options options;
@@ -40,7 +43,8 @@ static const char *set_bake(void *settings, const char *value) {
 
 static const cli_option options[] = {{"bake", 0, 0, set_bake}};
 
-static norma_document_result change(void *user, norma_document *document, norma_progress *progress, void *progress_user, norma_document_error *error) {
+static norma_document_result change(void *user, norma_document *document, norma_progress *progress,
+    void *progress_user, norma_document_error *error) {
     transform_work *work = user;
     work->options.progress = progress;
     work->options.progress_user = progress_user;
@@ -60,9 +64,11 @@ static void write_json(const void *user, cli_json *json) {
 /* The rank is judged with a tolerance; what is left of normals is not. */
 static const char *what_flattening_does(const transform_work *work) {
     if (work->info.determinant != 0)
-        return "; flat within 1e-6 of its largest stretch, but not exactly: each face keeps its normal";
+        return "; flat within 1e-6 of its largest stretch, but not exactly: each face keeps its "
+               "normal";
     if (work->leaves_normals)
-        return "; flattened to a plane (rank 2): each face keeps the right normal, the plane's, or none where it collapsed";
+        return "; flattened to a plane (rank 2): each face keeps the right normal, the plane's, or "
+               "none where it collapsed";
     if (work->info.rank == 1)
         return "; flattened to a line (rank 1): no face keeps a direction, so no normal is right";
     return "; flattened to a point (rank 0): no face keeps a direction, so no normal is right";
@@ -84,17 +90,23 @@ static void write_text(const void *user, const norma_document *document, FILE *o
     else if (work->info.mirrored && work->info.kind <= NORMA_KIND_TRANSLATION)
         fputs(", matrix: mirror", out);
     else
-        fprintf(out, ", matrix: %s%s", cli_kind_name(work->info.kind), work->info.mirrored ? " with a mirror" : "");
+        fprintf(out, ", matrix: %s%s", cli_kind_name(work->info.kind),
+            work->info.mirrored ? " with a mirror" : "");
     if (summary->nodes_baked) {
         fputs(", ", out);
         cli_counted(out, summary->nodes_baked, "node baked", "nodes baked");
     }
     if (summary->mirrored && on_a_node)
-        fputs("; mirrored by a new node above the meshes: their winding stays, and what draws the file reverses it", out);
+        fputs("; mirrored by a new node above the meshes: their winding stays, and what draws the "
+              "file reverses it",
+            out);
     else if (summary->mirrored)
         fputs("; mirrored: winding reversed, so that faces still look outwards", out);
     if (work->info.rank < 3 && on_a_node)
-        fprintf(out, "; flattened (rank %d) by a new node: which normals are drawn is up to what draws the file; --bake settles it", work->info.rank);
+        fprintf(out,
+            "; flattened (rank %d) by a new node: which normals are drawn is up to what draws the "
+            "file; --bake settles it",
+            work->info.rank);
     else if (work->info.rank < 3)
         fputs(what_flattening_does(work), out);
 }
@@ -104,9 +116,11 @@ static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
     double normal_matrix[9];
     const double *m = work->matrix.matrix;
     if (!work->matrix.given && !work->options.bake)
-        return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate, --matrix, or --bake for glTF");
+        return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate, "
+                               "--matrix, or --bake for glTF");
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-        return cli_usage(verb, "the last row of the matrix must be 0 0 0 1; a perspective cannot be applied to a file");
+        return cli_usage(verb, "the last row of the matrix must be 0 0 0 1; a perspective cannot "
+                               "be applied to a file");
     memcpy(work->options.matrix, m, sizeof work->options.matrix);
     work->options.threads = threads;
     norma_normal_matrix_double(m, NORMA_WINDING_REVERSED, normal_matrix, &work->info);
@@ -116,10 +130,13 @@ static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
 }
 
 static int run(const cli_verb *verb, int count, char **arguments) {
-    transform_work work = {.options = {.struct_size = sizeof work.options}, .matrix = cli_matrix_identity};
-    const cli_table tables[] = {{options, CLI_COUNT(options), &work}, {cli_matrix_options, cli_matrix_option_count, &work.matrix}};
+    transform_work work = {
+        .options = {.struct_size = sizeof work.options}, .matrix = cli_matrix_identity};
+    const cli_table tables[] = {{options, CLI_COUNT(options), &work},
+        {cli_matrix_options, cli_matrix_option_count, &work.matrix}};
     const cli_changer changer = {&work, change, write_json, write_text, prepare};
     return cli_run_changer(verb, &changer, tables, CLI_COUNT(tables), count, arguments);
 }
 
-const cli_verb cli_verb_transform = {"transform", "moves, turns, scales or mirrors a file, normals included", help, run};
+const cli_verb cli_verb_transform = {
+    "transform", "moves, turns, scales or mirrors a file, normals included", help, run};

@@ -1,31 +1,37 @@
-/* view_command.c: norma view: one HTML file with the page and the model in it. The page is the playground that `make web` leaves; the model is packed by model_pack.c. */
+/* view_command.c: norma view: one HTML file with the page and the model in it. The page is the
+ * playground that `make web` leaves; the model is packed by model_pack.c. */
 #include "cli/common/cli.h"
 #include "../../../web/page/model/model_pack.h"
 #include "cli/view/embedded_page.h"
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] = "norma view IN -o OUT.html: one self-contained page that shows the model, to open in any browser, offline\n"
-                           "\n"
-                           "Examples\n"
-                           "  norma view chair.glb -o chair.html\n"
-                           "  norma view scan.ply -o - > scan.html\n"
-                           "\n"
-                           "The page turns the model, shades it flat, by Gouraud and by Phong, draws normals, winding and the error of stored\n"
-                           "normals, computes creases and weights anew as you move their sliders, and sets normals through plain M beside those\n"
-                           "through the normal matrix, under the scale, shear and mirror that you choose. It lists what norma check finds: press\n"
-                           "a finding to go there. Other files may be dropped on it.\n"
-                           "\n"
-                           "Options\n"
-                           "  -o, --output OUT.html the page; - is standard output\n"
-                           "  --input-format obj|ply|stl|gltf|glb\n"
-                           "                        needed for standard input, which is called -\n"
-                           "  --threads N           how many may read (all)\n"
-                           "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
-                           "  --json                a summary for programs on standard output\n"
-                           "  --quiet               says nothing but errors\n"
-                           "\n"
-                           "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+static const char help[] =
+    "norma view IN -o OUT.html: one self-contained page that shows the model, to open in any "
+    "browser, offline\n"
+    "\n"
+    "Examples\n"
+    "  norma view chair.glb -o chair.html\n"
+    "  norma view scan.ply -o - > scan.html\n"
+    "\n"
+    "The page turns the model, shades it flat, by Gouraud and by Phong, draws normals, winding and "
+    "the error of stored\n"
+    "normals, computes creases and weights anew as you move their sliders, and sets normals "
+    "through plain M beside those\n"
+    "through the normal matrix, under the scale, shear and mirror that you choose. It lists what "
+    "norma check finds: press\n"
+    "a finding to go there. Other files may be dropped on it.\n"
+    "\n"
+    "Options\n"
+    "  -o, --output OUT.html the page; - is standard output\n"
+    "  --input-format obj|ply|stl|gltf|glb\n"
+    "                        needed for standard input, which is called -\n"
+    "  --threads N           how many may read (all)\n"
+    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
+    "  --json                a summary for programs on standard output\n"
+    "  --quiet               says nothing but errors\n"
+    "\n"
+    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
 
 typedef struct view_work {
     cli_common common;
@@ -35,8 +41,7 @@ typedef struct view_work {
 
 static const char *set_output(void *settings, const char *value) {
     view_work *work = settings;
-    if (work->output)
-        return "to be given once";
+    if (work->output) return "to be given once";
     work->output = value;
     return value[0] ? NULL : "a name, or - for standard output";
 }
@@ -48,10 +53,17 @@ static const cli_option options[] = {{"output", 'o', 1, set_output}};
 static void write_name(FILE *out, const char *name) {
     for (const char *at = name; *at; ++at) {
         switch (*at) {
-        case '&': fputs("&amp;", out); break;
-        case '"': fputs("&quot;", out); break;
-        case '<': fputs("&lt;", out); break;
-        default: putc(*at, out);
+        case '&':
+            fputs("&amp;", out);
+            break;
+        case '"':
+            fputs("&quot;", out);
+            break;
+        case '<':
+            fputs("&lt;", out);
+            break;
+        default:
+            putc(*at, out);
         }
     }
 }
@@ -62,7 +74,9 @@ static void write_base64(FILE *out, const unsigned char *bytes, size_t size) {
     size_t length = 0;
     for (size_t i = 0; i < size; i += 3) {
         const size_t left = size - i;
-        const unsigned long three = (unsigned long)bytes[i] << 16 | (left > 1 ? (unsigned long)bytes[i + 1] << 8 : 0) | (left > 2 ? bytes[i + 2] : 0);
+        const unsigned long three = (unsigned long)bytes[i] << 16 |
+                                    (left > 1 ? (unsigned long)bytes[i + 1] << 8 : 0) |
+                                    (left > 2 ? bytes[i + 2] : 0);
         text[length++] = digits[three >> 18];
         text[length++] = digits[three >> 12 & 63];
         text[length++] = left > 1 ? digits[three >> 6 & 63] : '=';
@@ -75,20 +89,22 @@ static void write_base64(FILE *out, const unsigned char *bytes, size_t size) {
     fwrite(text, 1, length, out);
 }
 
-/* Where a mark stands in the page; its end where there is none, which only a broken build could bring about. */
+/* Where a mark stands in the page; its end where there is none, which only a broken build could
+ * bring about. */
 static const char *find_mark(const char *from, const char *end, const char *mark) {
     const size_t length = strlen(mark);
     for (const char *at = from; (at = memchr(at, mark[0], (size_t)(end - at))) != NULL; ++at)
-        if ((size_t)(end - at) >= length && memcmp(at, mark, length) == 0)
-            return at;
+        if ((size_t)(end - at) >= length && memcmp(at, mark, length) == 0) return at;
     return end;
 }
 
 static void write_page(FILE *out, const char *name, const view_pack *pack) {
     size_t size;
     const char *page = view_page(&size), *end = page + size;
-    const char *name_mark = find_mark(page, end, VIEW_PAGE_NAME), *after_name = name_mark + strlen(VIEW_PAGE_NAME);
-    const char *model_mark = find_mark(after_name, end, VIEW_PAGE_MODEL), *after_model = model_mark + strlen(VIEW_PAGE_MODEL);
+    const char *name_mark = find_mark(page, end, VIEW_PAGE_NAME),
+               *after_name = name_mark + strlen(VIEW_PAGE_NAME);
+    const char *model_mark = find_mark(after_name, end, VIEW_PAGE_MODEL),
+               *after_model = model_mark + strlen(VIEW_PAGE_MODEL);
     fwrite(page, 1, (size_t)(name_mark - page), out);
     write_name(out, name);
     fwrite(after_name, 1, (size_t)(model_mark - after_name), out);
@@ -98,20 +114,19 @@ static void write_page(FILE *out, const char *name, const view_pack *pack) {
 
 /* ---- one file */
 
-static norma_document_result read_pack(const view_work *work, const char *input, norma_document **document, void **memory, view_pack *pack, norma_document_error *error) {
+static norma_document_result read_pack(const view_work *work, const char *input,
+    norma_document **document, void **memory, view_pack *pack, norma_document_error *error) {
     cli_progress progress;
     cli_progress_start(&progress, "reading", input, work->common.quiet, cli_megabytes(input));
     const norma_document_options opening = {.struct_size = sizeof opening,
-                                            .format = work->files.format,
-                                            .threads = work->common.threads,
-                                            .progress = cli_progress_report,
-                                            .progress_user = &progress,
-                                            .lenient = 1};
+        .format = work->files.format,
+        .threads = work->common.threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress,
+        .lenient = 1};
     norma_document_result result = cli_open(input, &opening, document, memory, error);
-    if (!result)
-        result = view_pack_document(*document, work->common.threads, pack, error);
-    if (!result && cli_interrupted())
-        result = NORMA_DOCUMENT_CANCELLED;
+    if (!result) result = view_pack_document(*document, work->common.threads, pack, error);
+    if (!result && cli_interrupted()) result = NORMA_DOCUMENT_CANCELLED;
     cli_progress_stop(&progress);
     return result;
 }
@@ -131,7 +146,8 @@ static size_t count_triangles(const norma_document *document) {
 }
 
 static void report(const view_work *work, const char *input, const norma_document *document) {
-    const size_t triangles = count_triangles(document), meshes = norma_document_mesh_count(document);
+    const size_t triangles = count_triangles(document),
+                 meshes = norma_document_mesh_count(document);
     if (work->common.json) {
         cli_json json = {.out = stdout};
         cli_json_open(&json, NULL, '{');
@@ -144,8 +160,7 @@ static void report(const view_work *work, const char *input, const norma_documen
         putchar('\n');
         return;
     }
-    if (work->common.quiet)
-        return;
+    if (work->common.quiet) return;
     FILE *out = strcmp(work->output, "-") == 0 ? stderr : stdout;
     fprintf(out, "%s -> %s: ", cli_input_name(input), work->output);
     cli_counted(out, triangles, "triangle", "triangles");
@@ -168,11 +183,11 @@ static int run_file(const view_work *work, const char *input) {
         cli_output output;
         status = CLI_FILE;
         if (cli_output_begin(&output, work->output)) {
-            write_page(output.out, strcmp(input, "-") == 0 ? "standard input" : base_name(input), &pack);
+            write_page(
+                output.out, strcmp(input, "-") == 0 ? "standard input" : base_name(input), &pack);
             status = cli_output_end(&output);
         }
-        if (!status)
-            report(work, input, document);
+        if (!status) report(work, input, document);
     }
     free(pack.bytes);
     norma_document_close(document);
@@ -189,38 +204,40 @@ static int ends_in(const char *name, const char *ending) {
 
 static int check_words(const cli_verb *verb, const view_work *work) {
     int status = cli_check_inputs(verb, &work->files);
-    if (status)
-        return status;
+    if (status) return status;
     if (work->files.inputs.count > 1)
         return cli_usage(verb, "%zu inputs; expected one", work->files.inputs.count);
-    if (!work->output)
-        return cli_usage(verb, "nowhere to write to; expected -o OUT.html");
+    if (!work->output) return cli_usage(verb, "nowhere to write to; expected -o OUT.html");
     if (strcmp(work->output, "-") == 0)
-        return work->common.json ? cli_usage(verb, "-o - and --json both want standard output") : CLI_OK;
+        return work->common.json ? cli_usage(verb, "-o - and --json both want standard output")
+                                 : CLI_OK;
     if (!ends_in(work->output, ".html") && !ends_in(work->output, ".htm"))
-        return cli_usage(verb, "-o %s: the output is a page; expected a name that ends in .html", work->output);
+        return cli_usage(
+            verb, "-o %s: the output is a page; expected a name that ends in .html", work->output);
     return CLI_OK;
 }
 
 static int has_page(void) {
     size_t size;
-    if (view_page(&size))
-        return 1;
-    fputs("norma view: this norma was built without the page, for want of clang with wasi-libc, lld and node; 'scripts/install-deps.sh web' installs them, 'make' builds it in\n", stderr);
+    if (view_page(&size)) return 1;
+    fputs("norma view: this norma was built without the page, for want of clang with wasi-libc, "
+          "lld and node; 'scripts/install-deps.sh web' installs them, 'make' builds it in\n",
+        stderr);
     return 0;
 }
 
 static int run(const cli_verb *verb, int count, char **arguments) {
-    view_work work = {.common = {.threads = NORMA_ALL_THREADS}, .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
+    view_work work = {.common = {.threads = NORMA_ALL_THREADS},
+        .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {
         {options, CLI_COUNT(options), &work},
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
     int wants_help;
-    if (!work.files.inputs.words)
-        return cli_out_of_memory();
-    int status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
+    if (!work.files.inputs.words) return cli_out_of_memory();
+    int status = cli_parse(
+        verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
     if (wants_help)
         fputs(help, stdout);
     else if (!status)
@@ -231,4 +248,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_verb cli_verb_view = {"view", "one page that shows a model: shadings, creases, wrong against right", help, run};
+const cli_verb cli_verb_view = {
+    "view", "one page that shows a model: shadings, creases, wrong against right", help, run};

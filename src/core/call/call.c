@@ -1,5 +1,5 @@
 /* call.c: options checked once, so that nothing behind needs to ask again. */
-#define _DEFAULT_SOURCE               /* madvise */
+#define _DEFAULT_SOURCE /* madvise */
 #include "core/call/call.h"
 #include "core/call/vec3_view.h"
 #include "core/call/instruction_set.h"
@@ -9,34 +9,33 @@
 #endif
 
 /* A caller built against a later header may not ask for what this library does not know. */
-static int has_unknown_fields(const norma_options *options)
-{
+static int has_unknown_fields(const norma_options *options) {
     const unsigned char *bytes = (const unsigned char *)options;
     for (size_t i = sizeof(norma_options); i < options->struct_size; i++)
         if (bytes[i]) return 1;
     return 0;
 }
 
-static int options_are_valid(const norma_options *o)
-{
+static int options_are_valid(const norma_options *o) {
     if (o->weight < NORMA_WEIGHT_ANGLE || o->weight > NORMA_WEIGHT_ANGLE_LENGTHS) return 0;
     if (o->weld < NORMA_WELD_EXACT || o->weld > NORMA_WELD_DISTANCE) return 0;
     if (o->weld == NORMA_WELD_DISTANCE && !(o->weld_distance >= 0)) return 0;
-    if (o->non_manifold < NORMA_NON_MANIFOLD_HARD || o->non_manifold > NORMA_NON_MANIFOLD_SMOOTH) return 0;
+    if (o->non_manifold < NORMA_NON_MANIFOLD_HARD || o->non_manifold > NORMA_NON_MANIFOLD_SMOOTH)
+        return 0;
     if (o->fallback < NORMA_FALLBACK_ZERO || o->fallback > NORMA_FALLBACK_GIVEN) return 0;
     if (o->normal_stride && o->normal_stride < 3 * sizeof(float)) return 0;
     if (!o->allocator.allocate != !o->allocator.release) return 0;
     return norma_core_has_isa(o->isa);
 }
 
-norma_result norma_core_begin(core_call *call, const norma_options *options)
-{
+norma_result norma_core_begin(core_call *call, const norma_options *options) {
     const size_t first_version = offsetof(norma_options, edges);
     *call = (core_call){0};
     if (options) {
         const size_t size = options->struct_size ? options->struct_size : first_version;
         if (size < first_version || has_unknown_fields(options)) return NORMA_ERROR_ARGUMENT;
-        memcpy(&call->options, options, size < sizeof(norma_options) ? size : sizeof(norma_options));
+        memcpy(
+            &call->options, options, size < sizeof(norma_options) ? size : sizeof(norma_options));
     }
     if (!options_are_valid(&call->options)) return NORMA_ERROR_ARGUMENT;
     if (!call->options.normal_stride) call->options.normal_stride = 3 * sizeof(float);
@@ -50,12 +49,12 @@ enum { SCRATCH_ALIGNMENT = 64, LARGE_BLOCK = 1 << 22 };
 /* Never zero, so that a block of nothing is a block. */
 static size_t block_size(size_t count, size_t size) { return count && size ? count * size : 1; }
 
-/* Scratch of large meshes is read and written in no order that a page of 4 KiB suits: where the system has larger ones, fewer of them are faulted in and
- * looked up. */
+/* Scratch of large meshes is read and written in no order that a page of 4 KiB suits: where the
+ * system has larger ones, fewer of them are faulted in and looked up. */
 #if defined(__linux__)
-static void *allocate_large(size_t bytes)
-{
-    const size_t page = (size_t)1 << 21, rounded = bytes > SIZE_MAX - page ? 0 : (bytes + page - 1) / page * page;
+static void *allocate_large(size_t bytes) {
+    const size_t page = (size_t)1 << 21,
+                 rounded = bytes > SIZE_MAX - page ? 0 : (bytes + page - 1) / page * page;
     void *block = rounded ? aligned_alloc(page, rounded) : NULL;
     if (block) (void)madvise(block, rounded, MADV_HUGEPAGE);
     return block;
@@ -64,31 +63,33 @@ static void *allocate_large(size_t bytes)
 static void *allocate_large(size_t bytes) { return malloc(bytes); }
 #endif
 
-void *norma_core_allocate(const core_call *call, size_t count, size_t size)
-{
+void *norma_core_allocate(const core_call *call, size_t count, size_t size) {
     if (count && size > SIZE_MAX / count) return NULL;
     const size_t bytes = block_size(count, size);
-    if (call->options.allocator.allocate) return call->options.allocator.allocate(call->options.allocator.user, bytes, SCRATCH_ALIGNMENT);
+    if (call->options.allocator.allocate)
+        return call->options.allocator.allocate(
+            call->options.allocator.user, bytes, SCRATCH_ALIGNMENT);
     return bytes >= LARGE_BLOCK ? allocate_large(bytes) : malloc(bytes);
 }
 
-void norma_core_release(const core_call *call, void *block, size_t count, size_t size)
-{
+void norma_core_release(const core_call *call, void *block, size_t count, size_t size) {
     if (!block) return;
-    if (call->options.allocator.release) call->options.allocator.release(call->options.allocator.user, block, block_size(count, size));
-    else free(block);
+    if (call->options.allocator.release)
+        call->options.allocator.release(
+            call->options.allocator.user, block, block_size(count, size));
+    else
+        free(block);
 }
 
-void norma_core_stage(core_call *call, double from, double to)
-{
+void norma_core_stage(core_call *call, double from, double to) {
     call->progress_from = from;
     call->progress_to = to;
 }
 
-int norma_core_progress(core_call *call, double fraction_of_stage)
-{
+int norma_core_progress(core_call *call, double fraction_of_stage) {
     if (!call->options.progress || call->cancelled) return call->cancelled;
-    double fraction = call->progress_from + (call->progress_to - call->progress_from) * fraction_of_stage;
+    double fraction =
+        call->progress_from + (call->progress_to - call->progress_from) * fraction_of_stage;
     if (fraction < call->progress_told) fraction = call->progress_told;
     call->progress_told = fraction;
     if (call->options.progress(call->options.progress_user, fraction)) call->cancelled = 1;

@@ -1,35 +1,41 @@
-/* call.h: one call of the library: the caller's options made whole, its memory, its threads, its progress. */
+/* call.h: one call of the library: the caller's options made whole, its memory, its threads, its
+ * progress. */
 #ifndef NORMA_CORE_CALL_H
 #define NORMA_CORE_CALL_H
 #include "core/face/measure.h"
 #include <stdatomic.h>
 
 typedef struct core_call {
-    norma_options options;             /* every field valid; absent ones at their defaults */
-    core_measure *measure;             /* by options.isa */
-    double        progress_from, progress_to, progress_told; /* the stage that runs now covers this part of the whole */
-    int           cancelled;
+    norma_options options; /* every field valid; absent ones at their defaults */
+    core_measure *measure; /* by options.isa */
+    double progress_from, progress_to,
+        progress_told; /* the stage that runs now covers this part of the whole */
+    int cancelled;
 } core_call;
 
 /* ARGUMENT where an option is out of its range; options may be NULL. */
 norma_result norma_core_begin(core_call *call, const norma_options *options);
 
-/* Scratch memory from the caller's allocator, aligned for any type; NULL when there is none left or count * size overflows. */
+/* Scratch memory from the caller's allocator, aligned for any type; NULL when there is none left or
+ * count * size overflows. */
 void *norma_core_allocate(const core_call *call, size_t count, size_t size);
-void  norma_core_release(const core_call *call, void *block, size_t count, size_t size); /* the same count and size; NULL is fine */
+void norma_core_release(const core_call *call, void *block, size_t count,
+    size_t size); /* the same count and size; NULL is fine */
 
 /* Later stages report between their own two fractions. Nonzero: the caller wants to stop. */
 void norma_core_stage(core_call *call, double from, double to);
-int  norma_core_progress(core_call *call, double fraction_of_stage);
+int norma_core_progress(core_call *call, double fraction_of_stage);
 
 /* How many may work, where the caller has no parallel_for: at least 1. */
 size_t norma_core_workers(const core_call *call);
 
-/* Runs task for each index below count: by the caller's parallel_for, by threads, or here. Tasks share nothing but what they only read, and what is atomic. Returns
- * NORMA_OK or NORMA_CANCELLED (then some tasks did not run). */
+/* Runs task for each index below count: by the caller's parallel_for, by threads, or here. Tasks
+ * share nothing but what they only read, and what is atomic. Returns NORMA_OK or NORMA_CANCELLED
+ * (then some tasks did not run). */
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context);
 
-/* Until value, which another task raises, is at least this. Only for a task of a lower index, and never in the caller's parallel_for: tasks of our own threads are begun in ascending
- * order, so that one of a lower index is at work or done. */
+/* Until value, which another task raises, is at least this. Only for a task of a lower index, and
+ * never in the caller's parallel_for: tasks of our own threads are begun in ascending order, so
+ * that one of a lower index is at work or done. */
 void norma_core_wait(const atomic_size_t *value, size_t least);
 #endif

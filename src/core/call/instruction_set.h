@@ -1,17 +1,20 @@
-/* instruction_set.h: which instruction sets this machine runs, and how a loop is compiled for each. Every one gives the bits of the portable C code. */
+/* instruction_set.h: which instruction sets this machine runs, and how a loop is compiled for each.
+ * Every one gives the bits of the portable C code. */
 #ifndef NORMA_CORE_ISA_H
 #define NORMA_CORE_ISA_H
 #include <norma/norma.h>
 
 int norma_core_has_isa(norma_isa isa);
 
-/* A kernel is an inline function in plain C over arrays of lanes, and one wrapper for each of these, whose target decides what instructions it becomes. Portable code
- * becomes SSE2, NEON or SIMD128 where the compiler's target has them. */
+/* A kernel is an inline function in plain C over arrays of lanes, and one wrapper for each of
+ * these, whose target decides what instructions it becomes. Portable code becomes SSE2, NEON or
+ * SIMD128 where the compiler's target has them. */
 typedef enum core_level { CORE_PORTABLE = 0, CORE_AVX2, CORE_AVX512 } core_level;
-core_level norma_core_level(norma_isa isa);        /* the highest that the machine has and isa allows */
+core_level norma_core_level(norma_isa isa); /* the highest that the machine has and isa allows */
 
 #if defined(NORMA_COVERAGE)
-#define CORE_INLINE static inline   /* what is counted is the source, once, not each copy of a kernel */
+#define CORE_INLINE                                                                                \
+    static inline /* what is counted is the source, once, not each copy of a kernel */
 #elif defined(__GNUC__)
 #define CORE_INLINE static inline __attribute__((always_inline))
 #else
@@ -26,6 +29,7 @@ core_level norma_core_level(norma_isa isa);        /* the highest that the machi
 #else
 #define CORE_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")))
 #endif
-#define CORE_IN_REGISTERS CORE_FOR_AVX512 CORE_INLINE   /* a step of a loop that is written for AVX-512 */
+#define CORE_IN_REGISTERS                                                                          \
+    CORE_FOR_AVX512 CORE_INLINE /* a step of a loop that is written for AVX-512 */
 #endif
 #endif

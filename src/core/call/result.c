@@ -1,24 +1,29 @@
 /* result.c: the text of every result, in one place, and the version. */
 #include <norma/norma.h>
 
-#define TEXT_OF(number) #number
+#define TEXT_OF(number)              #number
 #define VERSION(major, minor, patch) TEXT_OF(major) "." TEXT_OF(minor) "." TEXT_OF(patch)
 
-const char *norma_result_text(norma_result result)
-{
+const char *norma_result_text(norma_result result) {
     switch (result) {
-    case NORMA_OK:             return "Done.";
-    case NORMA_CANCELLED:      return "Cancelled by the progress callback.";
-    case NORMA_ERROR_ARGUMENT: return "An argument is missing, not a number, out of its range, or contradicts another.";
-    case NORMA_ERROR_CAPACITY: return "An output buffer is too small for what would be written.";
-    case NORMA_ERROR_INDEX:    return "A corner names a position that does not exist.";
-    case NORMA_ERROR_MEMORY:   return "Memory could not be allocated.";
-    case NORMA_ERROR_OVERFLOW: return "Counts and strides multiply to more bytes than a size can tell.";
+    case NORMA_OK:
+        return "Done.";
+    case NORMA_CANCELLED:
+        return "Cancelled by the progress callback.";
+    case NORMA_ERROR_ARGUMENT:
+        return "An argument is missing, not a number, out of its range, or contradicts another.";
+    case NORMA_ERROR_CAPACITY:
+        return "An output buffer is too small for what would be written.";
+    case NORMA_ERROR_INDEX:
+        return "A corner names a position that does not exist.";
+    case NORMA_ERROR_MEMORY:
+        return "Memory could not be allocated.";
+    case NORMA_ERROR_OVERFLOW:
+        return "Counts and strides multiply to more bytes than a size can tell.";
     }
     return "This number is no result of this library.";
 }
 
-const char *norma_version(void)
-{
+const char *norma_version(void) {
     return VERSION(NORMA_VERSION_MAJOR, NORMA_VERSION_MINOR, NORMA_VERSION_PATCH);
 }

@@ -1,15 +1,15 @@
-/* threads.c: tasks by index, over the caller's jobs or over threads of our own. What a task computes never depends on who runs it. */
+/* threads.c: tasks by index, over the caller's jobs or over threads of our own. What a task
+ * computes never depends on who runs it. */
 #include "core/call/call.h"
 
 typedef struct crew {
-    core_call  *call;
+    core_call *call;
     norma_task *task;
-    void       *context;
-    size_t      count;
+    void *context;
+    size_t count;
 } crew;
 
-static norma_result run_here(const crew *c)
-{
+static norma_result run_here(const crew *c) {
     for (size_t i = 0; i < c->count; i++) {
         if (norma_core_progress(c->call, (double)i / (double)c->count)) return NORMA_CANCELLED;
         c->task(c->context, i);
@@ -17,17 +17,20 @@ static norma_result run_here(const crew *c)
     return norma_core_progress(c->call, 1) ? NORMA_CANCELLED : NORMA_OK;
 }
 
-static norma_result run_in_callers_jobs(const crew *c)
-{
+static norma_result run_in_callers_jobs(const crew *c) {
     if (norma_core_progress(c->call, 0)) return NORMA_CANCELLED;
-    c->call->options.parallel_for(c->call->options.parallel_for_user, c->count, c->task, c->context);
+    c->call->options.parallel_for(
+        c->call->options.parallel_for_user, c->count, c->task, c->context);
     return norma_core_progress(c->call, 1) ? NORMA_CANCELLED : NORMA_OK;
 }
 
 #if defined(__wasm__)
-static norma_result run_in_threads(const crew *c, size_t workers) { (void)workers; return run_here(c); }
+static norma_result run_in_threads(const crew *c, size_t workers) {
+    (void)workers;
+    return run_here(c);
+}
 static size_t machine_threads(void) { return 1; }
-static void let_others_work(void) { }
+static void let_others_work(void) {}
 #else
 #include <pthread.h>
 #include <sched.h>
@@ -36,13 +39,12 @@ static void let_others_work(void) { }
 enum { MOST_WORKERS = 256 };
 
 typedef struct thread_crew {
-    const crew    *work;
-    atomic_size_t  next, done;
-    atomic_int     stop;
+    const crew *work;
+    atomic_size_t next, done;
+    atomic_int stop;
 } thread_crew;
 
-static int take_one(thread_crew *t)
-{
+static int take_one(thread_crew *t) {
     if (atomic_load_explicit(&t->stop, memory_order_relaxed)) return 0;
     const size_t index = atomic_fetch_add_explicit(&t->next, 1, memory_order_relaxed);
     if (index >= t->work->count) return 0;
@@ -51,31 +53,32 @@ static int take_one(thread_crew *t)
     return 1;
 }
 
-static void *help(void *crew_of_threads)
-{
-    while (take_one(crew_of_threads)) { }
+static void *help(void *crew_of_threads) {
+    while (take_one(crew_of_threads)) {
+    }
     return NULL;
 }
 
-/* The calling thread works as the others do, and alone talks to the caller. A thread that cannot be had is done without. */
-static norma_result run_in_threads(const crew *c, size_t workers)
-{
+/* The calling thread works as the others do, and alone talks to the caller. A thread that cannot be
+ * had is done without. */
+static norma_result run_in_threads(const crew *c, size_t workers) {
     pthread_t threads[MOST_WORKERS];
     thread_crew shared = {.work = c};
     size_t started = 0;
     if (workers > MOST_WORKERS) workers = MOST_WORKERS;
-    while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0) started++;
+    while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0)
+        started++;
     do {
         const size_t done = atomic_load_explicit(&shared.done, memory_order_relaxed);
-        if (norma_core_progress(c->call, (double)done / (double)c->count)) atomic_store_explicit(&shared.stop, 1, memory_order_relaxed);
+        if (norma_core_progress(c->call, (double)done / (double)c->count))
+            atomic_store_explicit(&shared.stop, 1, memory_order_relaxed);
     } while (take_one(&shared));
     for (size_t i = 0; i < started; i++) pthread_join(threads[i], NULL);
     if (c->call->cancelled) return NORMA_CANCELLED;
     return norma_core_progress(c->call, 1) ? NORMA_CANCELLED : NORMA_OK;
 }
 
-static size_t machine_threads(void)
-{
+static size_t machine_threads(void) {
 #if defined(_WIN32)
     const int online = pthread_num_processors_np();
 #else
@@ -87,24 +90,26 @@ static size_t machine_threads(void)
 static void let_others_work(void) { sched_yield(); }
 #endif
 
-size_t norma_core_workers(const core_call *call)
-{
-    const size_t wanted = call->options.threads == NORMA_ALL_THREADS ? machine_threads() : call->options.threads;
+size_t norma_core_workers(const core_call *call) {
+    const size_t wanted =
+        call->options.threads == NORMA_ALL_THREADS ? machine_threads() : call->options.threads;
     return wanted ? wanted : 1;
 }
 
-norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context)
-{
+norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context) {
     const crew c = {call, task, context, count};
     if (call->options.parallel_for) return run_in_callers_jobs(&c);
-    const size_t most = count > 1 ? norma_core_workers(call) : 1, workers = most < count ? most : count; /* asking the system takes longer than a small mesh */
+    const size_t most = count > 1 ? norma_core_workers(call) : 1,
+                 workers = most < count
+                               ? most
+                               : count; /* asking the system takes longer than a small mesh */
     return workers > 1 ? run_in_threads(&c, workers) : run_here(&c);
 }
 
 /* Most waits are shorter than it takes to sleep and be woken. */
-void norma_core_wait(const atomic_size_t *value, size_t least)
-{
+void norma_core_wait(const atomic_size_t *value, size_t least) {
     enum { LOOKS = 1000 };
-    for (int looks = 0; atomic_load_explicit(value, memory_order_acquire) < least; looks += looks < LOOKS)
+    for (int looks = 0; atomic_load_explicit(value, memory_order_acquire) < least;
+         looks += looks < LOOKS)
         if (looks == LOOKS) let_others_work();
 }

@@ -1,69 +1,80 @@
-/* corner_normals.c: norma_corner_normals. Each position's fans, written to the corners that are in them. */
+/* corner_normals.c: norma_corner_normals. Each position's fans, written to the corners that are in
+ * them. */
 #include "core/corner/fallback_normals.h"
 #include <math.h>
 
 typedef struct corner_work {
     const core_output *output;
-    uint8_t           *reasons;              /* of each corner; NULL unless the nearest is asked for */
+    uint8_t *reasons; /* of each corner; NULL unless the nearest is asked for */
 } corner_work;
 
-static void see_fan_by_fan(const corner_work *work, const core_fans *fans, core_tally *tally)
-{
+static void see_fan_by_fan(const corner_work *work, const core_fans *fans, core_tally *tally) {
     for (size_t i = 0; i < fans->count; i++) {
         const core_fan *fan = &fans->fans[fans->fan_of ? fans->fan_of[i] : 0];
-        norma_core_write_element(work->output, fans->corners[i], (int)fan->reason, fan->normal, tally);
+        norma_core_write_element(
+            work->output, fans->corners[i], (int)fan->reason, fan->normal, tally);
         if (work->reasons) work->reasons[fans->corners[i]] = (uint8_t)fan->reason;
     }
 }
 
-static void see_fans(void *context, const core_fans *fans, core_tally *tally)
-{
+static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
     const corner_work *work = context;
     const core_fan *fan = &fans->fans[0];
-    if (fans->fan_count > 1 || fan->reason != NORMA_REASON_NONE || work->reasons || work->output->reasons) {
+    if (fans->fan_count > 1 || fan->reason != NORMA_REASON_NONE || work->reasons ||
+        work->output->reasons) {
         see_fan_by_fan(work, fans, tally);
         return;
     }
-    for (size_t i = 0; i < fans->count; i++) norma_core_write_normal(work->output, fans->corners[i], fan->normal);
+    for (size_t i = 0; i < fans->count; i++)
+        norma_core_write_normal(work->output, fans->corners[i], fan->normal);
 }
 
-static void receive(void *context, const corner_request *request, const float normal[3])
-{
+static void receive(void *context, const corner_request *request, const float normal[3]) {
     norma_core_write_normal(context, request->target, normal);
 }
 
-static void write_zeros(const core_output *output, const uint8_t *reasons, size_t count)
-{
+static void write_zeros(const core_output *output, const uint8_t *reasons, size_t count) {
     const float zero[3] = {0, 0, 0};
     for (size_t c = 0; c < count; c++)
         if (reasons[c] != NORMA_REASON_NONE) norma_core_write_normal(output, c, zero);
 }
 
-static norma_result fill_from_nearest(const core_surface *surface, const core_output *output, const uint8_t *reasons, size_t count)
-{
+static norma_result fill_from_nearest(
+    const core_surface *surface, const core_output *output, const uint8_t *reasons, size_t count) {
     size_t found;
     corner_request *requests = norma_core_allocate(surface->call, count, sizeof *requests);
     if (!requests) return NORMA_ERROR_MEMORY;
     norma_result result = norma_core_find_sources(surface, reasons, NULL, requests, count, &found);
-    if (result == NORMA_OK && found) result = norma_core_fetch_normals(surface, requests, found, receive, (void *)(uintptr_t)output);
-    else if (result == NORMA_OK) write_zeros(output, reasons, surface->mesh.corner_count);
+    if (result == NORMA_OK && found)
+        result =
+            norma_core_fetch_normals(surface, requests, found, receive, (void *)(uintptr_t)output);
+    else if (result == NORMA_OK)
+        write_zeros(output, reasons, surface->mesh.corner_count);
     norma_core_release(surface->call, requests, count, sizeof *requests);
     return result;
 }
 
-static norma_result compute(core_surface *surface, const core_output *output, norma_report *report)
-{
+static norma_result compute(
+    core_surface *surface, const core_output *output, norma_report *report) {
     core_call *call = surface->call;
     const size_t count = surface->mesh.corner_count;
     corner_work work = {.output = output};
     rings_part sum = {0};
-    const ring_visit visit = {.join = CORE_JOIN_FANS, .counting = report || call->options.edges, .by_fan = 1, .see = see_fans, .context = &work,
-                              .target = output->normals, .target_size = output->stride};
-    if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1))) return NORMA_ERROR_MEMORY;
+    const ring_visit visit = {.join = CORE_JOIN_FANS,
+        .counting = report || call->options.edges,
+        .by_fan = 1,
+        .see = see_fans,
+        .context = &work,
+        .target = output->normals,
+        .target_size = output->stride};
+    if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1)))
+        return NORMA_ERROR_MEMORY;
     norma_core_stage(call, 0.5, 0.97);
     norma_result result = norma_core_visit_rings(surface, &visit, &sum);
-    const size_t without = sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
-    if (result == NORMA_OK && work.reasons && without) result = fill_from_nearest(surface, output, work.reasons, without);
+    const size_t without =
+        sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
+    if (result == NORMA_OK && work.reasons && without)
+        result = fill_from_nearest(surface, output, work.reasons, without);
     norma_core_release(call, work.reasons, count, 1);
     if (result != NORMA_OK) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
@@ -71,8 +82,8 @@ static norma_result compute(core_surface *surface, const core_output *output, no
     return NORMA_OK;
 }
 
-norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, float *normals, size_t capacity, norma_report *report)
-{
+norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad,
+    const norma_options *options, float *normals, size_t capacity, norma_report *report) {
     core_call call;
     core_mesh checked;
     core_output output;
@@ -80,10 +91,13 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK && isnan(crease_angle_rad)) result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
+    if (result == NORMA_OK)
+        result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
+    if (result == NORMA_OK)
+        result = norma_core_surface_open(
+            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
     if (result != NORMA_OK) return result;
     result = compute(&surface, &output, report);
     norma_core_stage(&call, 1, 1);

@@ -5,18 +5,22 @@
 
 typedef struct ring_member {
     uint32_t vertex;
-    uint32_t bits[3];          /* of the normal; zero where it does not matter */
-    uint32_t index;            /* ring number, ascending as corners are */
+    uint32_t bits[3]; /* of the normal; zero where it does not matter */
+    uint32_t index;   /* ring number, ascending as corners are */
 } ring_member;
 
 /* The room of a ring's edges, which nobody needs once its fans are joined, holds its members. */
-static inline ring_member *norma_core_ring_members(core_ring *ring) { return (ring_member *)(void *)ring->edges; }
+static inline ring_member *norma_core_ring_members(core_ring *ring) {
+    return (ring_member *)(void *)ring->edges;
+}
 /* The same of the copy that sorting edges took: room for a number of each corner. */
-static inline uint32_t *norma_core_ring_numbers(core_ring *ring) { return (uint32_t *)(void *)ring->sorted; }
+static inline uint32_t *norma_core_ring_numbers(core_ring *ring) {
+    return (uint32_t *)(void *)ring->sorted;
+}
 
-static inline int norma_core_same_normal(const ring_member *a, const ring_member *b)
-{
-    return a->vertex == b->vertex && a->bits[0] == b->bits[0] && a->bits[1] == b->bits[1] && a->bits[2] == b->bits[2];
+static inline int norma_core_same_normal(const ring_member *a, const ring_member *b) {
+    return a->vertex == b->vertex && a->bits[0] == b->bits[0] && a->bits[1] == b->bits[1] &&
+           a->bits[2] == b->bits[2];
 }
 
 /* By vertex, bits, index; O(n log n). */

@@ -1,25 +1,31 @@
-/* crowded_edge.c: an edge of very many faces under the smooth policy, where looking at every pair would take forever.
+/* crowded_edge.c: an edge of very many faces under the smooth policy, where looking at every pair
+ * would take forever.
  *
- * The normals of the faces at an edge stand at right angles to it, so each is one angle round the edge, and two faces bend by the difference of their angles. The
- * faces that run back are joined to their neighbours in angle wherever some face that runs out is near enough to both, and each that runs out to its neighbours among
- * those that run back: the same fans, in O(n log n). Faces whose normals lean (bent polygons) or are
- * borrowed, and polygons that run both ways, are few, and are compared with all; twins among the others stand opposite, beyond any crease that is asked about. */
+ * The normals of the faces at an edge stand at right angles to it, so each is one angle round the
+ * edge, and two faces bend by the difference of their angles. The faces that run back are joined to
+ * their neighbours in angle wherever some face that runs out is near enough to both, and each that
+ * runs out to its neighbours among those that run back: the same fans, in O(n log n). Faces whose
+ * normals lean (bent polygons) or are borrowed, and polygons that run both ways, are few, and are
+ * compared with all; twins among the others stand opposite, beyond any crease that is asked about.
+ */
 #include "core/corner/star_edges.h"
 #include "core/call/sort.h"
 #include "core/face/triangle.h"
 
-typedef struct fin { double angle; uint32_t back, edge; } fin;       /* edge: its number among those of its side */
+typedef struct fin {
+    double angle;
+    uint32_t back, edge;
+} fin; /* edge: its number among those of its side */
 
 typedef struct fin_set {
     const core_surface *surface;
-    core_ring          *ring;
-    const edge         *e;
-    fin                *out, *back;                                  /* by angle */
-    size_t              out_count, back_count;
+    core_ring *ring;
+    const edge *e;
+    fin *out, *back; /* by angle */
+    size_t out_count, back_count;
 } fin_set;
 
-static int fin_less(const void *one, const void *other)
-{
+static int fin_less(const void *one, const void *other) {
     const fin *a = one, *b = other;
     if (a->back != b->back) return a->back < b->back;
     return a->angle < b->angle || (a->angle == b->angle && a->edge < b->edge);
@@ -27,17 +33,22 @@ static int fin_less(const void *one, const void *other)
 
 /* ---- angles round the edge */
 
-typedef struct edge_frame { double along[3], x[3], y[3]; } edge_frame;
+typedef struct edge_frame {
+    double along[3], x[3], y[3];
+} edge_frame;
 
-static const double LEAN = 0x1p-40;      /* cosine between a normal and its edge that is more than rounding */
+static const double LEAN =
+    0x1p-40; /* cosine between a normal and its edge that is more than rounding */
 
-/* From the edge's own direction and any normal that stands at right angles to it; 0 where none does. */
-static int frame_of(const core_ring *ring, const edge *e, const double along[3], edge_frame *frame)
-{
+/* From the edge's own direction and any normal that stands at right angles to it; 0 where none
+ * does. */
+static int frame_of(
+    const core_ring *ring, const edge *e, const double along[3], edge_frame *frame) {
     memcpy(frame->along, along, sizeof frame->along);
     for (size_t i = 0; i < e->out.count; i++) {
         const ring_corner *c = &ring->corners[e->out.edges[i].corner];
-        if (!(c->flags & RING_HAS_NORMAL) || fabs(norma_core_dot(c->normal, along)) > LEAN) continue;
+        if (!(c->flags & RING_HAS_NORMAL) || fabs(norma_core_dot(c->normal, along)) > LEAN)
+            continue;
         memcpy(frame->x, c->normal, sizeof frame->x);
         norma_core_cross(along, frame->x, frame->y);
         return 1;
@@ -45,8 +56,7 @@ static int frame_of(const core_ring *ring, const edge *e, const double along[3],
     return 0;
 }
 
-static double angle_in(const edge_frame *frame, const double normal[3])
-{
+static double angle_in(const edge_frame *frame, const double normal[3]) {
     const double x = norma_core_dot(normal, frame->x), y = norma_core_dot(normal, frame->y);
     const double angle = norma_core_angle(fabs(y), x);
     return y < 0 ? 2 * NORMA_PI - angle : angle;
@@ -54,27 +64,29 @@ static double angle_in(const edge_frame *frame, const double normal[3])
 
 /* ---- joining */
 
-static void join_pair(const fin_set *f, const ring_edge *out, const ring_edge *back)
-{
-    if (out->key == back->key || norma_core_fan_of(f->ring, out->corner) == norma_core_fan_of(f->ring, back->corner)) return;
-    if (norma_core_edge_is_smooth(f->surface, f->ring, out, back)) norma_core_join(f->ring, out->corner, back->corner);
+static void join_pair(const fin_set *f, const ring_edge *out, const ring_edge *back) {
+    if (out->key == back->key ||
+        norma_core_fan_of(f->ring, out->corner) == norma_core_fan_of(f->ring, back->corner))
+        return;
+    if (norma_core_edge_is_smooth(f->surface, f->ring, out, back))
+        norma_core_join(f->ring, out->corner, back->corner);
 }
 
 /* The first fin at or after angle; count where all are before it. */
-static size_t first_from(const fin *fins, size_t count, double angle)
-{
+static size_t first_from(const fin *fins, size_t count, double angle) {
     size_t low = 0, high = count;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        if (fins[middle].angle < angle) low = middle + 1;
-        else high = middle;
+        if (fins[middle].angle < angle)
+            low = middle + 1;
+        else
+            high = middle;
     }
     return low;
 }
 
 /* Whether a fin that runs out lies in the arc that begins at angle, of some width. */
-static int any_out(const fin_set *f, double angle, double width)
-{
+static int any_out(const fin_set *f, double angle, double width) {
     if (width < 0 || !f->out_count) return 0;
     while (angle < 0) angle += 2 * NORMA_PI;
     while (angle >= 2 * NORMA_PI) angle -= 2 * NORMA_PI;
@@ -83,8 +95,7 @@ static int any_out(const fin_set *f, double angle, double width)
     return found - angle <= width;
 }
 
-static void join_neighbours(const fin_set *f)
-{
+static void join_neighbours(const fin_set *f) {
     const double crease = f->surface->crease;
     if (!f->back_count) return;
     for (size_t i = 0; i < f->out_count; i++) {
@@ -97,44 +108,52 @@ static void join_neighbours(const fin_set *f)
         const fin *a = &f->back[i], *b = &f->back[i + 1 < f->back_count ? i + 1 : 0];
         const double gap = b->angle - a->angle + (i + 1 < f->back_count ? 0 : 2 * NORMA_PI);
         const int near = any_out(f, a->angle + gap - crease, 2 * crease - gap);
-        const int round_the_other_side = any_out(f, a->angle - crease, gap + 2 * crease - 2 * NORMA_PI);
-        if (near || round_the_other_side) norma_core_join(f->ring, f->e->back.edges[a->edge].corner, f->e->back.edges[b->edge].corner);
+        const int round_the_other_side =
+            any_out(f, a->angle - crease, gap + 2 * crease - 2 * NORMA_PI);
+        if (near || round_the_other_side)
+            norma_core_join(
+                f->ring, f->e->back.edges[a->edge].corner, f->e->back.edges[b->edge].corner);
     }
 }
 
 /* Compares a leaning face with all of the other side. */
-static void join_leaning(const fin_set *f, const ring_edge *own, int back)
-{
+static void join_leaning(const fin_set *f, const ring_edge *own, int back) {
     const edge_side *other = back ? &f->e->out : &f->e->back;
-    for (size_t i = 0; i < other->count; i++) join_pair(f, back ? &other->edges[i] : own, back ? own : &other->edges[i]);
+    for (size_t i = 0; i < other->count; i++)
+        join_pair(f, back ? &other->edges[i] : own, back ? own : &other->edges[i]);
 }
 
-/* Whether its angle round the edge says all: a direction of its own, at right angles to the edge, and no polygon that may run along the edge both ways. */
-static int is_plain(const fin_set *f, const edge_frame *frame, const ring_corner *c, const ring_edge *own, int back)
-{
+/* Whether its angle round the edge says all: a direction of its own, at right angles to the edge,
+ * and no polygon that may run along the edge both ways. */
+static int is_plain(const fin_set *f, const edge_frame *frame, const ring_corner *c,
+    const ring_edge *own, int back) {
     const edge_side *other = back ? &f->e->out : &f->e->back;
     if (!(c->flags & RING_VOTES) || fabs(norma_core_dot(c->normal, frame->along)) > LEAN) return 0;
-    return !f->surface->faces || f->surface->faces[c->face].kept == 3 || norma_core_partner_count(other, own->key) == other->count;
+    return !f->surface->faces || f->surface->faces[c->face].kept == 3 ||
+           norma_core_partner_count(other, own->key) == other->count;
 }
 
-/* Fins of one side that take part: a normal, no hard mark, the group bit asked for (0: none are in use). */
-static size_t list_side(const fin_set *f, const edge_frame *frame, int back, uint32_t group, fin *fins)
-{
+/* Fins of one side that take part: a normal, no hard mark, the group bit asked for (0: none are in
+ * use). */
+static size_t list_side(
+    const fin_set *f, const edge_frame *frame, int back, uint32_t group, fin *fins) {
     const core_mesh *mesh = &f->surface->mesh;
     const edge_side *side = back ? &f->e->back : &f->e->out;
     size_t count = 0;
     for (size_t i = 0; i < side->count; i++) {
         const ring_corner *c = &f->ring->corners[side->edges[i].corner];
-        if (!(c->flags & RING_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group))) continue;
+        if (!(c->flags & RING_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group)))
+            continue;
         if (mesh->hard_edges && mesh->hard_edges[back ? c->previous_corner : c->corner]) continue;
-        if (!is_plain(f, frame, c, &side->edges[i], back)) join_leaning(f, &side->edges[i], back);
-        else fins[count++] = (fin){angle_in(frame, c->normal), (uint32_t)back, (uint32_t)i};
+        if (!is_plain(f, frame, c, &side->edges[i], back))
+            join_leaning(f, &side->edges[i], back);
+        else
+            fins[count++] = (fin){angle_in(frame, c->normal), (uint32_t)back, (uint32_t)i};
     }
     return count;
 }
 
-static void join_group(fin_set *f, const edge_frame *frame, uint32_t group)
-{
+static void join_group(fin_set *f, const edge_frame *frame, uint32_t group) {
     fin *fins = (fin *)(void *)f->ring->sorted;
     f->out_count = list_side(f, frame, 0, group, fins);
     f->back_count = list_side(f, frame, 1, group, fins + f->out_count);
@@ -144,28 +163,31 @@ static void join_group(fin_set *f, const edge_frame *frame, uint32_t group)
     join_neighbours(f);
 }
 
-/* Where no angle is asked, a face's partners are all of the other side that have a normal and are not its twins: two of different keys reach all of them. */
-static void join_any_angle(const fin_set *f, const edge_side *own, const edge_side *other, int back)
-{
+/* Where no angle is asked, a face's partners are all of the other side that have a normal and are
+ * not its twins: two of different keys reach all of them. */
+static void join_any_angle(
+    const fin_set *f, const edge_side *own, const edge_side *other, int back) {
     for (size_t i = 0; i < own->count; i++) {
         const ring_edge *mine = &own->edges[i];
         int found = 0;
         for (size_t j = 0; j < other->count && found < 2; j++) {
             const ring_edge *partner = &other->edges[j];
-            if (partner->key != mine->key && !(f->ring->corners[partner->corner].flags & RING_HAS_NORMAL)) continue;
+            if (partner->key != mine->key &&
+                !(f->ring->corners[partner->corner].flags & RING_HAS_NORMAL))
+                continue;
             if (partner->key != mine->key) {
                 join_pair(f, back ? partner : mine, back ? mine : partner);
                 found++;
             }
-            j = norma_core_first_not_below(other, partner->key, 1) - 1;      /* on to the next key */
+            j = norma_core_first_not_below(other, partner->key, 1) - 1; /* on to the next key */
         }
     }
 }
 
 _Static_assert(sizeof(fin) <= sizeof(ring_edge), "fins lie in the room of sorted edges");
 
-int norma_core_join_fins(const core_surface *surface, core_ring *ring, const edge *e, const double along[3])
-{
+int norma_core_join_fins(
+    const core_surface *surface, core_ring *ring, const edge *e, const double along[3]) {
     fin_set f = {.surface = surface, .ring = ring, .e = e};
     edge_frame frame;
     const int groups = surface->mesh.smoothing_groups != NULL;

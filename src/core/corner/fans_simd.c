@@ -1,27 +1,33 @@
-/* fans_simd.c: a batch of rings measured, joined and summed: loops over lanes, compiled for each instruction set as those of measure.c are. */
+/* fans_simd.c: a batch of rings measured, joined and summed: loops over lanes, compiled for each
+ * instruction set as those of measure.c are. */
 #include "core/corner/fan_batch.h"
 #include "core/call/instruction_set.h"
 #include "core/face/triangle.h"
 
 /* ---- directions and votes */
 
-CORE_INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+CORE_INLINE double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
-/* The angle where the edges have the dot product own, as core_lanes_angles gives it: of the two greater dot products by an arc tangent, of the least as what those leave of pi. */
-CORE_INLINE double angle_at(double own, double next, double previous, double length)
-{
-    const double lesser = next < previous ? next : previous, greater = next < previous ? previous : next, kept = own < lesser ? lesser : own;
+/* The angle where the edges have the dot product own, as core_lanes_angles gives it: of the two
+ * greater dot products by an arc tangent, of the least as what those leave of pi. */
+CORE_INLINE double angle_at(double own, double next, double previous, double length) {
+    const double lesser = next < previous ? next : previous,
+                 greater = next < previous ? previous : next, kept = own < lesser ? lesser : own;
     const core_slope a = norma_core_slope(length, kept), b = norma_core_slope(length, greater);
     const double belows = 1 / (a.below * b.below);
-    const double angle_a = norma_core_slope_angle(a, a.above * (belows * b.below)), angle_b = norma_core_slope_angle(b, b.above * (belows * a.below));
+    const double angle_a = norma_core_slope_angle(a, a.above * (belows * b.below)),
+                 angle_b = norma_core_slope_angle(b, b.above * (belows * a.below));
     return own < lesser ? NORMA_PI - (angle_a + angle_b) : angle_a;
 }
 
-/* A triangle's direction is measured from its first corner, whichever corner is looked at: with a and b the edges to the next and the previous corner, and
- * c the edge between those, u x v is a x b at the first corner, c x b at the second, c x a at the third. */
-CORE_INLINE void measure_corner(ring_batch *t, size_t i, norma_weight weight)
-{
-    const int by_angle = weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA || weight == NORMA_WEIGHT_ANGLE_LENGTHS;
+/* A triangle's direction is measured from its first corner, whichever corner is looked at: with a
+ * and b the edges to the next and the previous corner, and c the edge between those, u x v is a x b
+ * at the first corner, c x b at the second, c x a at the third. */
+CORE_INLINE void measure_corner(ring_batch *t, size_t i, norma_weight weight) {
+    const int by_angle = weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA ||
+                         weight == NORMA_WEIGHT_ANGLE_LENGTHS;
     const int is_first = t->turn[i] == 0, is_third = t->turn[i] == 2;
     double a[3], b[3], c[3], u[3], v[3];
     for (int k = 0; k < 3; k++) {
@@ -32,52 +38,71 @@ CORE_INLINE void measure_corner(ring_batch *t, size_t i, norma_weight weight)
         u[k] = is_first ? a[k] : c[k];
         v[k] = is_third ? a[k] : b[k];
     }
-    const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+    const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2],
+                 z = u[0] * v[1] - u[1] * v[0];
     const double square = x * x + y * y + z * z, length = sqrt(square), inverse = 1 / length;
     const double own = dot(a, b), at_next = dot(a, c), at_previous = -dot(b, c);
     const double angle = by_angle ? angle_at(own, at_next, at_previous, length) : 0;
     t->normal[0][i] = x * inverse;
     t->normal[1][i] = y * inverse;
     t->normal[2][i] = z * inverse;
-    t->sure[i] = norma_core_triangle_is_sure(square, is_first ? own : is_third ? at_next : at_previous) ? 1 : 0;
+    t->sure[i] = norma_core_triangle_is_sure(square, is_first   ? own
+                                                     : is_third ? at_next
+                                                                : at_previous)
+                     ? 1
+                     : 0;
     t->weight[i] = norma_core_weight_of(weight, dot(a, a), dot(b, b), angle, length, length);
     for (int k = 0; k < 3; k++) t->vote[k][i] = t->weight[i] * t->normal[k][i];
 }
 
-CORE_INLINE void measure(ring_batch *t, size_t count, norma_weight weight)
-{
+CORE_INLINE void measure(ring_batch *t, size_t count, norma_weight weight) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t i = from; i < from + CORE_LANES; i++) measure_corner(t, i, weight);
 }
 
 /* One loop for each weight, so that none asks inside. */
-CORE_INLINE void measure_all(ring_batch *t, size_t count, norma_weight weight)
-{
+CORE_INLINE void measure_all(ring_batch *t, size_t count, norma_weight weight) {
     switch (weight) {
-    case NORMA_WEIGHT_ANGLE:         measure(t, count, NORMA_WEIGHT_ANGLE); break;
-    case NORMA_WEIGHT_AREA:          measure(t, count, NORMA_WEIGHT_AREA); break;
-    case NORMA_WEIGHT_MAX:           measure(t, count, NORMA_WEIGHT_MAX); break;
-    case NORMA_WEIGHT_ANGLE_AREA:    measure(t, count, NORMA_WEIGHT_ANGLE_AREA); break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS: measure(t, count, NORMA_WEIGHT_ANGLE_LENGTHS); break;
-    default:                         measure(t, count, NORMA_WEIGHT_UNIFORM); break;
+    case NORMA_WEIGHT_ANGLE:
+        measure(t, count, NORMA_WEIGHT_ANGLE);
+        break;
+    case NORMA_WEIGHT_AREA:
+        measure(t, count, NORMA_WEIGHT_AREA);
+        break;
+    case NORMA_WEIGHT_MAX:
+        measure(t, count, NORMA_WEIGHT_MAX);
+        break;
+    case NORMA_WEIGHT_ANGLE_AREA:
+        measure(t, count, NORMA_WEIGHT_ANGLE_AREA);
+        break;
+    case NORMA_WEIGHT_ANGLE_LENGTHS:
+        measure(t, count, NORMA_WEIGHT_ANGLE_LENGTHS);
+        break;
+    default:
+        measure(t, count, NORMA_WEIGHT_UNIFORM);
+        break;
     }
 }
 
-/* ---- lanes round a ring: from each face to the one whose edge to next is its own edge from previous */
+/* ---- lanes round a ring: from each face to the one whose edge to next is its own edge from
+ * previous */
 
 typedef uint32_t index_lanes __attribute__((vector_size(4 * CORE_LANES)));
-typedef uint8_t  byte_lanes __attribute__((vector_size(CORE_LANES)));
+typedef uint8_t byte_lanes __attribute__((vector_size(CORE_LANES)));
 
-/* Closed rings of few corners, most of them, walked in a register: byte j tells where lane j leads, eight times its number, with LEADS. Were two nexts the same,
- * some corner could not be reached. Vectors by name: left to themselves, compilers unroll the lanes and compare one by one, which takes four times as long. */
-CORE_INLINE int walk_closed(const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order)
-{
+/* Closed rings of few corners, most of them, walked in a register: byte j tells where lane j leads,
+ * eight times its number, with LEADS. Were two nexts the same, some corner could not be reached.
+ * Vectors by name: left to themselves, compilers unroll the lanes and compare one by one, which
+ * takes four times as long. */
+CORE_INLINE int walk_closed(
+    const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order) {
     enum { LEADS = 0x80, BYTE = 0xff, SHIFT = 56 };
     index_lanes codes = {0}, here, code = (index_lanes){0} + LEADS;
     uint64_t leads_to;
     uint32_t at = LEADS, seen = 0;
     memcpy(&here, previous, sizeof here);
-    for (uint32_t i = 0; i < count; i++, code += 8) codes |= (index_lanes)(here == (index_lanes){0} + next[i]) & code;
+    for (uint32_t i = 0; i < count; i++, code += 8)
+        codes |= (index_lanes)(here == (index_lanes){0} + next[i]) & code;
     const byte_lanes bytes = __builtin_convertvector(codes, byte_lanes);
     memcpy(&leads_to, &bytes, sizeof leads_to);
     for (uint32_t i = 0; i < count; i++) {
@@ -91,10 +116,11 @@ CORE_INLINE int walk_closed(const uint32_t *next, const uint32_t *previous, uint
 
 static inline uint32_t lowest(uint32_t bits) { return (uint32_t)__builtin_ctz(bits); }
 
-/* Any ring: open ones begin at the corner whose next is nobody's previous. 0: there is no single way through all corners, so that edges of other than two
- * faces, twins, or fans that only touch are here. */
-static int walk(const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order, int *open)
-{
+/* Any ring: open ones begin at the corner whose next is nobody's previous. 0: there is no single
+ * way through all corners, so that edges of other than two faces, twins, or fans that only touch
+ * are here. */
+static int walk(
+    const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order, int *open) {
     const uint32_t all = (1U << count) - 1;
     uint32_t same[ORDINARY_CORNERS], any = 0, seen = 0, at = 0;
     for (uint32_t j = 0; j < count; j++) {
@@ -113,16 +139,16 @@ static int walk(const uint32_t *next, const uint32_t *previous, uint32_t count, 
     return !*open && at == 0 && seen == all && count > 2;
 }
 
-CORE_INLINE void load_at(const core_mesh *mesh, uint32_t index, batch_lane to[3], size_t lane)
-{
+CORE_INLINE void load_at(const core_mesh *mesh, uint32_t index, batch_lane to[3], size_t lane) {
     double p[3];
     norma_core_position(mesh, index, p);
     for (int k = 0; k < 3; k++) to[k][lane] = p[k];
 }
 
-CORE_INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const listed_ring *ring, const uint8_t *order, ring_batch *t)
-{
-    const size_t begin = ring->begin, lanes = ring->count <= CORE_LANES ? CORE_LANES : ORDINARY_CORNERS;
+CORE_INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const listed_ring *ring,
+    const uint8_t *order, ring_batch *t) {
+    const size_t begin = ring->begin,
+                 lanes = ring->count <= CORE_LANES ? CORE_LANES : ORDINARY_CORNERS;
     double own[3];
     norma_core_position(mesh, ring->position, own);
     for (int k = 0; k < 3; k++)
@@ -134,13 +160,14 @@ CORE_INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const 
         t->lane_of[corner] = (uint8_t)(begin + i);
         t->turn[begin + i] = list->turn[corner];
         norma_core_position(mesh, list->previous[corner], p);
-        for (int k = 0; k < 3; k++) t->previous_at[k][begin + i] = t->next_at[k][begin + i + 1] = p[k];
+        for (int k = 0; k < 3; k++)
+            t->previous_at[k][begin + i] = t->next_at[k][begin + i + 1] = p[k];
     }
 }
 
 /* 0: the ring is not ordinary. */
-CORE_INLINE int order_ring(const core_mesh *mesh, const ring_list *list, listed_ring *ring, ring_batch *t)
-{
+CORE_INLINE int order_ring(
+    const core_mesh *mesh, const ring_list *list, listed_ring *ring, ring_batch *t) {
     uint32_t welded[2][ORDINARY_CORNERS], higher = 0;
     const uint32_t *next = list->next + ring->begin, *previous = list->previous + ring->begin;
     uint8_t order[ORDINARY_CORNERS];
@@ -153,7 +180,9 @@ CORE_INLINE int order_ring(const core_mesh *mesh, const ring_list *list, listed_
         next = welded[0];
         previous = welded[1];
     }
-    if (!(ring->count <= CORE_LANES && walk_closed(next, previous, ring->count, order)) && !walk(next, previous, ring->count, order, &open)) return 0;
+    if (!(ring->count <= CORE_LANES && walk_closed(next, previous, ring->count, order)) &&
+        !walk(next, previous, ring->count, order, &open))
+        return 0;
     for (uint32_t i = 0; i < ring->count; i++) higher += ring->position < next[i];
     ring->higher = (uint8_t)higher;
     ring->open = (uint8_t)open;
@@ -164,21 +193,24 @@ CORE_INLINE int order_ring(const core_mesh *mesh, const ring_list *list, listed_
 #define UNSURE (-4.0)
 
 /* Also across the ends of rings, where they mean nothing. */
-CORE_INLINE void compare_normals(ring_batch *t, size_t count)
-{
+CORE_INLINE void compare_normals(ring_batch *t, size_t count) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t i = from; i < from + CORE_LANES; i++) {
-            const double cosine = t->normal[0][i] * t->normal[0][i + 1] + t->normal[1][i] * t->normal[1][i + 1] + t->normal[2][i] * t->normal[2][i + 1];
+            const double cosine = t->normal[0][i] * t->normal[0][i + 1] +
+                                  t->normal[1][i] * t->normal[1][i + 1] +
+                                  t->normal[2][i] * t->normal[2][i + 1];
             t->cosine[i] = t->sure[i] == 0 ? UNSURE : cosine;
         }
 }
 
 /* From the last lane to the first; across the gap of an open ring everything passes. */
-CORE_INLINE void close_ring(ring_batch *t, const listed_ring *ring)
-{
+CORE_INLINE void close_ring(ring_batch *t, const listed_ring *ring) {
     const size_t first = ring->begin, last = first + ring->count - 1U;
     double cosine = 2;
-    if (!ring->open) cosine = t->normal[0][last] * t->normal[0][first] + t->normal[1][last] * t->normal[1][first] + t->normal[2][last] * t->normal[2][first];
+    if (!ring->open)
+        cosine = t->normal[0][last] * t->normal[0][first] +
+                 t->normal[1][last] * t->normal[1][first] +
+                 t->normal[2][last] * t->normal[2][first];
     t->cosine[last] = t->sure[last] == 0 ? UNSURE : cosine;
 }
 
@@ -186,20 +218,23 @@ CORE_INLINE void close_ring(ring_batch *t, const listed_ring *ring)
 
 static const double DOUBT = 0x1p-30;
 
-/* Whether the caller's marks leave the edge between two faces smooth: out begins at the ring, back ends there. */
-static int is_unmarked(const core_mesh *mesh, uint32_t out, uint32_t back)
-{
+/* Whether the caller's marks leave the edge between two faces smooth: out begins at the ring, back
+ * ends there. */
+static int is_unmarked(const core_mesh *mesh, uint32_t out, uint32_t back) {
     const uint32_t before = back % 3 == 0 ? back + 2 : back - 1;
     if (mesh->hard_edges && (mesh->hard_edges[out] || mesh->hard_edges[before])) return 0;
-    return !mesh->smoothing_groups || (mesh->smoothing_groups[out / 3] & mesh->smoothing_groups[back / 3]);
+    return !mesh->smoothing_groups ||
+           (mesh->smoothing_groups[out / 3] & mesh->smoothing_groups[back / 3]);
 }
 
-/* One bit for each lane whose edge to the following one is cut. 0: too near the crease to tell by the cosine. */
-static int find_cuts(const core_surface *s, const ring_list *list, const ring_batch *t, const listed_ring *ring, uint32_t *cuts)
-{
+/* One bit for each lane whose edge to the following one is cut. 0: too near the crease to tell by
+ * the cosine. */
+static int find_cuts(const core_surface *s, const ring_list *list, const ring_batch *t,
+    const listed_ring *ring, uint32_t *cuts) {
     const int marked = s->mesh.hard_edges || s->mesh.smoothing_groups;
     uint32_t corner_of[ORDINARY_CORNERS];
-    for (uint32_t i = 0; i < ring->count; i++) corner_of[t->lane_of[ring->begin + i] - ring->begin] = list->corners[ring->begin + i];
+    for (uint32_t i = 0; i < ring->count; i++)
+        corner_of[t->lane_of[ring->begin + i] - ring->begin] = list->corners[ring->begin + i];
     *cuts = 0;
     for (uint32_t i = 0; i < ring->count; i++) {
         const uint32_t following = i + 1U == ring->count ? 0 : i + 1;
@@ -216,19 +251,25 @@ static int find_cuts(const core_surface *s, const ring_list *list, const ring_ba
     return 1;
 }
 
-/* Edges to positions of higher number: one at each face's previous, and at the first one's next if that is another. */
-static void count_edges(const core_surface *s, const ring_list *list, const ring_batch *t, const listed_ring *ring, uint32_t cuts, norma_edges *edges)
-{
+/* Edges to positions of higher number: one at each face's previous, and at the first one's next if
+ * that is another. */
+static void count_edges(const core_surface *s, const ring_list *list, const ring_batch *t,
+    const listed_ring *ring, uint32_t cuts, norma_edges *edges) {
     for (uint32_t i = 0; i < ring->count; i++) {
         const uint32_t lane = (uint32_t)t->lane_of[ring->begin + i] - ring->begin;
-        const size_t higher = ring->position < norma_core_welded(&s->mesh, list->previous[ring->begin + i]);
+        const size_t higher =
+            ring->position < norma_core_welded(&s->mesh, list->previous[ring->begin + i]);
         const int shared = !ring->open || lane + 1 < ring->count;
         edges->count += higher;
-        if (!shared) edges->open += higher;
-        else if (cuts >> lane & 1) edges->hard += higher;
-        else edges->smooth += higher;
+        if (!shared)
+            edges->open += higher;
+        else if (cuts >> lane & 1)
+            edges->hard += higher;
+        else
+            edges->smooth += higher;
         if (!ring->open || lane) continue;
-        const size_t first = ring->position < norma_core_welded(&s->mesh, list->next[ring->begin + i]);
+        const size_t first =
+            ring->position < norma_core_welded(&s->mesh, list->next[ring->begin + i]);
         edges->count += first;
         edges->open += first;
     }
@@ -236,8 +277,7 @@ static void count_edges(const core_surface *s, const ring_list *list, const ring
 
 /* ---- fans: a ring that is cut nowhere or once is one, any other as many as there are cuts */
 
-CORE_INLINE void sum_one_fan(ring_batch *t, const listed_ring *ring)
-{
+CORE_INLINE void sum_one_fan(ring_batch *t, const listed_ring *ring) {
     double x = 0, y = 0, z = 0, weight = 0;
     for (uint32_t i = ring->begin; i < (uint32_t)ring->begin + ring->count; i++) {
         const size_t lane = t->lane_of[i];
@@ -253,8 +293,7 @@ CORE_INLINE void sum_one_fan(ring_batch *t, const listed_ring *ring)
 }
 
 /* From one cut to the next, and then in the order of first corners. */
-static uint32_t number_fans(ring_batch *t, const listed_ring *ring, uint32_t cuts)
-{
+static uint32_t number_fans(ring_batch *t, const listed_ring *ring, uint32_t cuts) {
     uint32_t fan_of_lane[ORDINARY_CORNERS], number[ORDINARY_CORNERS + 1], fan = 0, count = 0;
     const uint32_t last = ring->count - 1U;
     for (uint32_t i = 0; i < ring->count; i++) {
@@ -263,7 +302,8 @@ static uint32_t number_fans(ring_batch *t, const listed_ring *ring, uint32_t cut
         fan += cuts >> i & 1;
     }
     number[ring->count] = UINT32_MAX;
-    for (uint32_t i = 0; i <= last && !ring->open && !(cuts >> last & 1); i++)       /* the last fan goes on in the first */
+    for (uint32_t i = 0; i <= last && !ring->open && !(cuts >> last & 1);
+         i++) /* the last fan goes on in the first */
         if (fan_of_lane[i] == fan) fan_of_lane[i] = 0;
     for (uint32_t i = 0; i < ring->count; i++) {
         uint32_t *of = &number[fan_of_lane[t->lane_of[ring->begin + i] - ring->begin]];
@@ -273,10 +313,10 @@ static uint32_t number_fans(ring_batch *t, const listed_ring *ring, uint32_t cut
     return count;
 }
 
-static void sum_fans(ring_batch *t, listed_ring *ring, uint32_t cuts)
-{
+static void sum_fans(ring_batch *t, listed_ring *ring, uint32_t cuts) {
     ring->fan_count = (uint8_t)number_fans(t, ring, cuts);
-    for (uint32_t f = ring->first_fan; f < (uint32_t)ring->first_fan + ring->fan_count; f++) t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
+    for (uint32_t f = ring->first_fan; f < (uint32_t)ring->first_fan + ring->fan_count; f++)
+        t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
     for (uint32_t i = ring->begin; i < (uint32_t)ring->begin + ring->count; i++) {
         const size_t f = ring->first_fan + t->fan_of[i], lane = t->lane_of[i];
         for (int k = 0; k < 3; k++) t->sum[k][f] += t->vote[k][lane];
@@ -285,24 +325,26 @@ static void sum_fans(ring_batch *t, listed_ring *ring, uint32_t cuts)
 }
 
 /* Every edge far from the crease and smooth, no marks: what most rings are. -1: not ordinary. */
-CORE_INLINE int is_smooth(const core_surface *s, ring_batch *t, const listed_ring *ring)
-{
+CORE_INLINE int is_smooth(const core_surface *s, ring_batch *t, const listed_ring *ring) {
     double least = 2;
     close_ring(t, ring);
-    for (size_t i = ring->begin; i < (size_t)ring->begin + ring->count; i++) least = t->cosine[i] < least ? t->cosine[i] : least;
+    for (size_t i = ring->begin; i < (size_t)ring->begin + ring->count; i++)
+        least = t->cosine[i] < least ? t->cosine[i] : least;
     if (least == UNSURE) return -1;
     return least > s->crease_cosine + DOUBT && !s->mesh.hard_edges && !s->mesh.smoothing_groups;
 }
 
-CORE_INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_batch *t, listed_ring *ring, uint32_t first_fan, norma_edges *edges)
-{
+CORE_INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_batch *t,
+    listed_ring *ring, uint32_t first_fan, norma_edges *edges) {
     uint32_t cuts = 0;
     const int smooth = is_smooth(s, t, ring);
     if (smooth < 0 || (!smooth && !find_cuts(s, list, t, ring, &cuts))) return 0;
     ring->first_fan = (uint8_t)first_fan;
     ring->fan_count = 1;
-    if ((cuts & (cuts - 1)) == 0 && !(cuts && ring->open)) sum_one_fan(t, ring);
-    else sum_fans(t, ring, cuts);
+    if ((cuts & (cuts - 1)) == 0 && !(cuts && ring->open))
+        sum_one_fan(t, ring);
+    else
+        sum_fans(t, ring, cuts);
     if (!edges) return 1;
     if (ring->open || cuts) {
         count_edges(s, list, t, ring, cuts, edges);
@@ -315,23 +357,27 @@ CORE_INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_b
 
 /* ---- normals */
 
-/* What norma_core_decide_sum does, where neither overflow nor cancelling is near; decided: 0 where they are. */
-CORE_INLINE void decide(ring_batch *t, size_t count)
-{
+/* What norma_core_decide_sum does, where neither overflow nor cancelling is near; decided: 0 where
+ * they are. */
+CORE_INLINE void decide(ring_batch *t, size_t count) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t f = from; f < from + CORE_LANES; f++) {
-            const double x = t->sum[0][f], y = t->sum[1][f], z = t->sum[2][f], square = x * x + y * y + z * z, length = sqrt(square);
+            const double x = t->sum[0][f], y = t->sum[1][f], z = t->sum[2][f],
+                         square = x * x + y * y + z * z, length = sqrt(square);
             t->direction[0][f] = (float)(x / length) + 0.0F;
             t->direction[1][f] = (float)(y / length) + 0.0F;
             t->direction[2][f] = (float)(z / length) + 0.0F;
-            t->decided[f] = ((square > NORMA_TINIEST) & (square < NORMA_HUGEST) & (length > 0x1p-20 * t->total[f])) ? 1 : 0;
+            t->decided[f] = ((square > NORMA_TINIEST) & (square < NORMA_HUGEST) &
+                                (length > 0x1p-20 * t->total[f]))
+                                ? 1
+                                : 0;
         }
 }
 
-static void name_fans(ring_batch *t, size_t count)
-{
+static void name_fans(ring_batch *t, size_t count) {
     for (size_t f = 0; f < count; f++) {
-        t->fans[f] = (core_fan){{t->direction[0][f], t->direction[1][f], t->direction[2][f]}, NORMA_REASON_NONE};
+        t->fans[f] = (core_fan){
+            {t->direction[0][f], t->direction[1][f], t->direction[2][f]}, NORMA_REASON_NONE};
         if (t->decided[f] != 0) continue;
         const double sum[3] = {t->sum[0][f], t->sum[1][f], t->sum[2][f]};
         norma_core_decide_sum(sum, t->total[f], &t->fans[f]);
@@ -339,16 +385,15 @@ static void name_fans(ring_batch *t, size_t count)
 }
 
 /* So that lanes beyond the last one compute with numbers. */
-static void fill_up(ring_batch *t, size_t count)
-{
+static void fill_up(ring_batch *t, size_t count) {
     for (size_t i = count; i < count + CORE_LANES; i++) {
         t->turn[i] = 0;
-        for (int k = 0; k < 3; k++) t->at[k][i] = t->next_at[k][i] = t->previous_at[k][i] = t->normal[k][i] = 0;
+        for (int k = 0; k < 3; k++)
+            t->at[k][i] = t->next_at[k][i] = t->previous_at[k][i] = t->normal[k][i] = 0;
     }
 }
 
-CORE_INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges)
-{
+CORE_INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) {
     uint32_t fans = 0;
     int all = 1;
     for (size_t i = 0; i < list->ring_count; i++) {
@@ -366,7 +411,8 @@ CORE_INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, no
         fans += ring->fan_count;
         all &= ring->fan_count != 0;
     }
-    for (size_t f = fans; f < fans + CORE_LANES; f++) t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
+    for (size_t f = fans; f < fans + CORE_LANES; f++)
+        t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
     decide(t, fans);
     name_fans(t, fans);
     return all;
@@ -374,15 +420,23 @@ CORE_INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, no
 
 /* ---- instruction sets */
 
-static int settle_portable(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) { return settle(s, list, t, edges); }
+static int settle_portable(
+    const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) {
+    return settle(s, list, t, edges);
+}
 
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static int settle_avx2(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) { return settle(s, list, t, edges); }
-CORE_FOR_AVX512 static int settle_avx512(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) { return settle(s, list, t, edges); }
+CORE_FOR_AVX2 static int settle_avx2(
+    const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) {
+    return settle(s, list, t, edges);
+}
+CORE_FOR_AVX512 static int settle_avx512(
+    const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) {
+    return settle(s, list, t, edges);
+}
 #endif
 
-ring_lanes *norma_core_choose_ring_lanes(norma_isa isa)
-{
+ring_lanes *norma_core_choose_ring_lanes(norma_isa isa) {
 #if defined(CORE_HAS_X86)
     static ring_lanes *const settles[] = {settle_portable, settle_avx2, settle_avx512};
     return settles[norma_core_level(isa)];

@@ -1,12 +1,14 @@
-/* large_star.c: a ring of very many corners, to the same fans, counts and bits as any ring, in 20 bytes for each corner instead of 260. Nothing that can be read or measured again is kept:
- * its edges are two sorted lists of numbers, joined some at a time in a ring of ordinary size; its fans are summed one after the other, and each is seen at once. */
+/* large_star.c: a ring of very many corners, to the same fans, counts and bits as any ring, in 20
+ * bytes for each corner instead of 260. Nothing that can be read or measured again is kept: its
+ * edges are two sorted lists of numbers, joined some at a time in a ring of ordinary size; its fans
+ * are summed one after the other, and each is seen at once. */
 #include "core/corner/star_edges.h"
 #include "core/corner/visit_positions.h"
 
 enum { CORNERS_BETWEEN_TELLING = 1 << 17 };
 
-norma_result norma_core_large_ring_allocate(const core_call *call, large_ring *large, size_t corners)
-{
+norma_result norma_core_large_ring_allocate(
+    const core_call *call, large_ring *large, size_t corners) {
     large->room = corners;
     large->out = norma_core_allocate(call, corners, sizeof *large->out);
     large->back = norma_core_allocate(call, corners, sizeof *large->back);
@@ -14,8 +16,7 @@ norma_result norma_core_large_ring_allocate(const core_call *call, large_ring *l
     return large->out && large->back && large->fan ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-void norma_core_large_ring_release(const core_call *call, large_ring *large)
-{
+void norma_core_large_ring_release(const core_call *call, large_ring *large) {
     norma_core_release(call, large->out, large->room, sizeof *large->out);
     norma_core_release(call, large->back, large->room, sizeof *large->back);
     norma_core_release(call, large->fan, large->room, sizeof *large->fan);
@@ -24,20 +25,20 @@ void norma_core_large_ring_release(const core_call *call, large_ring *large)
 
 typedef struct large_visit {
     const core_surface *surface;
-    const ring_visit   *visit;
-    const large_ring   *large;
-    const uint32_t     *corners;               /* of the ring, count of them */
-    size_t              count, listed[2];      /* in out and in back: corners that have edges */
-    core_ring          *ring;                  /* for some of them */
-    rings_part         *part;
+    const ring_visit *visit;
+    const large_ring *large;
+    const uint32_t *corners; /* of the ring, count of them */
+    size_t count, listed[2]; /* in out and in back: corners that have edges */
+    core_ring *ring;         /* for some of them */
+    rings_part *part;
 } large_visit;
 
-/* ---- sorting without further memory: dealt by the highest byte in which any two differ, in place, and each part again (McIlroy, Bostic, McIlroy 1993, American flag sort) */
+/* ---- sorting without further memory: dealt by the highest byte in which any two differ, in place,
+ * and each part again (McIlroy, Bostic, McIlroy 1993, American flag sort) */
 
 enum { FEW_ENTRIES = 24, BYTE_VALUES = 256 };
 
-static void insertion_sort(uint64_t *entries, size_t count)
-{
+static void insertion_sort(uint64_t *entries, size_t count) {
     for (size_t i = 1; i < count; i++) {
         const uint64_t moved = entries[i];
         size_t at = i;
@@ -47,8 +48,7 @@ static void insertion_sort(uint64_t *entries, size_t count)
 }
 
 /* The bits in which they differ; 0 where they are in order already. */
-static uint64_t disorder(const uint64_t *entries, size_t count)
-{
+static uint64_t disorder(const uint64_t *entries, size_t count) {
     uint64_t differ = 0;
     int ordered = 1;
     for (size_t i = 1; i < count; i++) {
@@ -58,10 +58,11 @@ static uint64_t disorder(const uint64_t *entries, size_t count)
     return ordered ? 0 : differ;
 }
 
-static size_t byte_of(uint64_t entry, int shift) { return (size_t)(entry >> shift) & (BYTE_VALUES - 1); }
+static size_t byte_of(uint64_t entry, int shift) {
+    return (size_t)(entry >> shift) & (BYTE_VALUES - 1);
+}
 
-static void deal(uint64_t *entries, size_t count, int shift, uint32_t ends[BYTE_VALUES])
-{
+static void deal(uint64_t *entries, size_t count, int shift, uint32_t ends[BYTE_VALUES]) {
     uint32_t next[BYTE_VALUES], sum = 0;
     memset(ends, 0, BYTE_VALUES * sizeof *ends);
     for (size_t i = 0; i < count; i++) ends[byte_of(entries[i], shift)]++;
@@ -79,8 +80,7 @@ static void deal(uint64_t *entries, size_t count, int shift, uint32_t ends[BYTE_
 }
 
 /* Eight deep at most, as each is about a lower byte. */
-static void sort_entries(uint64_t *entries, size_t count)
-{
+static void sort_entries(uint64_t *entries, size_t count) {
     uint32_t ends[BYTE_VALUES], begin = 0;
     if (count <= FEW_ENTRIES) {
         insertion_sort(entries, count);
@@ -100,16 +100,15 @@ static void sort_entries(uint64_t *entries, size_t count)
 static uint64_t entry_of(uint32_t other, size_t number) { return (uint64_t)other << 32 | number; }
 
 /* Nonzero where a caller who is told of progress wants to stop. */
-static int stops(const large_visit *l, size_t at)
-{
+static int stops(const large_visit *l, size_t at) {
     return at % CORNERS_BETWEEN_TELLING == 0 && norma_core_progress(l->surface->call, 1);
 }
 
-static norma_result list_corners(large_visit *l)
-{
+static norma_result list_corners(large_visit *l) {
     for (size_t begin = 0; begin < l->count; begin += RING_ROOM) {
         if (stops(l, begin)) return NORMA_CANCELLED;
-        norma_core_ring_fill(l->surface, l->corners + begin, l->count - begin < RING_ROOM ? l->count - begin : RING_ROOM, 0, l->ring);
+        norma_core_ring_fill(l->surface, l->corners + begin,
+            l->count - begin < RING_ROOM ? l->count - begin : RING_ROOM, 0, l->ring);
         for (size_t i = 0; i < l->ring->count; i++) {
             const ring_corner *c = &l->ring->corners[i];
             l->large->fan[begin + i] = (uint32_t)(begin + i);
@@ -122,63 +121,71 @@ static norma_result list_corners(large_visit *l)
 }
 
 /* How far the entries of the same other position go. */
-static size_t run_end(const uint64_t *entries, size_t begin, size_t count, uint32_t other)
-{
+static size_t run_end(const uint64_t *entries, size_t begin, size_t count, uint32_t other) {
     while (begin < count && entries[begin] >> 32 == other) begin++;
     return begin;
 }
 
-typedef struct edge_run { size_t begin[2], end[2]; } edge_run;      /* in out and in back: one edge, or some in a row */
+typedef struct edge_run {
+    size_t begin[2], end[2];
+} edge_run; /* in out and in back: one edge, or some in a row */
 
-static size_t run_length(const edge_run *run) { return run->end[0] - run->begin[0] + run->end[1] - run->begin[1]; }
+static size_t run_length(const edge_run *run) {
+    return run->end[0] - run->begin[0] + run->end[1] - run->begin[1];
+}
 
-static edge_run next_edge(const large_visit *l, const size_t at[2])
-{
+static edge_run next_edge(const large_visit *l, const size_t at[2]) {
     const uint64_t *const lists[2] = {l->large->out, l->large->back};
     uint32_t other = UINT32_MAX;
     edge_run run = {{at[0], at[1]}, {0, 0}};
     for (int side = 0; side < 2; side++)
-        if (at[side] < l->listed[side] && lists[side][at[side]] >> 32 < other) other = (uint32_t)(lists[side][at[side]] >> 32);
-    for (int side = 0; side < 2; side++) run.end[side] = run_end(lists[side], at[side], l->listed[side], other);
+        if (at[side] < l->listed[side] && lists[side][at[side]] >> 32 < other)
+            other = (uint32_t)(lists[side][at[side]] >> 32);
+    for (int side = 0; side < 2; side++)
+        run.end[side] = run_end(lists[side], at[side], l->listed[side], other);
     return run;
 }
 
-static uint32_t large_fan_of(uint32_t *fan, uint32_t number)
-{
+static uint32_t large_fan_of(uint32_t *fan, uint32_t number) {
     while (fan[number] != number) number = fan[number] = fan[fan[number]];
     return number;
 }
 
-static void join_large(uint32_t *fan, uint32_t a, uint32_t b)
-{
+static void join_large(uint32_t *fan, uint32_t a, uint32_t b) {
     const uint32_t fan_a = large_fan_of(fan, a), fan_b = large_fan_of(fan, b);
-    if (fan_a < fan_b) fan[fan_b] = fan_a;
-    else fan[fan_a] = fan_b;
+    if (fan_a < fan_b)
+        fan[fan_b] = fan_a;
+    else
+        fan[fan_a] = fan_b;
 }
 
 /* What the ring found joined is joined. numbers: of its corners in the large one. */
-static void carry_over(const large_visit *l, core_ring *ring, const uint32_t *numbers)
-{
+static void carry_over(const large_visit *l, core_ring *ring, const uint32_t *numbers) {
     for (uint32_t i = 0; i < ring->count; i++) {
         const uint32_t fan = norma_core_fan_of(ring, i);
         if (fan != i) join_large(l->large->fan, numbers[i], numbers[fan]);
     }
 }
 
-/* A corner that is at two of the edges comes twice. fan_of serves for the corners' numbers, since this ring's fans are never numbered. */
-static void join_run(const large_visit *l, const edge_run *run, core_ring *ring)
-{
+/* A corner that is at two of the edges comes twice. fan_of serves for the corners' numbers, since
+ * this ring's fans are never numbered. */
+static void join_run(const large_visit *l, const edge_run *run, core_ring *ring) {
     uint32_t *numbers = ring->fan_of, *corners = (uint32_t *)(void *)ring->sorted;
     size_t count = 0;
-    for (size_t i = run->begin[0]; i < run->end[0]; i++) numbers[count++] = (uint32_t)l->large->out[i];
-    for (size_t i = run->begin[1]; i < run->end[1]; i++) numbers[count++] = (uint32_t)l->large->back[i];
+    for (size_t i = run->begin[0]; i < run->end[0]; i++)
+        numbers[count++] = (uint32_t)l->large->out[i];
+    for (size_t i = run->begin[1]; i < run->end[1]; i++)
+        numbers[count++] = (uint32_t)l->large->back[i];
     for (size_t i = 0; i < count; i++) corners[i] = l->corners[numbers[i]];
     norma_core_ring_fill(l->surface, corners, count, 0, ring);
     ring->edge_count = count;
     for (uint32_t i = 0; i < count; i++) {
         const ring_corner *c = &ring->corners[i];
-        if (i < run->end[0] - run->begin[0]) ring->edges[i] = (ring_edge){.key = c->next_key, .other = c->next, .corner = i};
-        else ring->edges[i] = (ring_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
+        if (i < run->end[0] - run->begin[0])
+            ring->edges[i] = (ring_edge){.key = c->next_key, .other = c->next, .corner = i};
+        else
+            ring->edges[i] =
+                (ring_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
     }
     norma_core_sort_edges(ring);
     norma_core_ring_join_listed(l->surface, ring, l->visit->counting ? &l->part->counts : NULL);
@@ -186,19 +193,18 @@ static void join_run(const large_visit *l, const edge_run *run, core_ring *ring)
 }
 
 /* An edge of more faces than an ordinary ring has room for. */
-static norma_result join_large_run(const large_visit *l, const edge_run *run)
-{
+static norma_result join_large_run(const large_visit *l, const edge_run *run) {
     core_ring ring;
     const size_t count = run_length(run);
-    if (norma_core_ring_allocate(l->surface->call, &ring, count) != NORMA_OK) return NORMA_ERROR_MEMORY;
+    if (norma_core_ring_allocate(l->surface->call, &ring, count) != NORMA_OK)
+        return NORMA_ERROR_MEMORY;
     norma_core_ring_begin(l->surface, l->ring->position, &ring);
     join_run(l, run, &ring);
     norma_core_ring_release(l->surface->call, &ring, count);
     return NORMA_OK;
 }
 
-static norma_result join_edges(const large_visit *l)
-{
+static norma_result join_edges(const large_visit *l) {
     edge_run some = {{0, 0}, {0, 0}};
     for (size_t edges = 0; some.end[0] < l->listed[0] || some.end[1] < l->listed[1]; edges++) {
         const edge_run run = next_edge(l, some.end);
@@ -219,9 +225,9 @@ static norma_result join_edges(const large_visit *l)
 
 /* ---- the fans */
 
-/* The mesh's corners, fan by fan in the order of their first ones, each ascending; ends: at each fan's first corner where it ends. Both in memory that the edges no longer need. */
-static void order_by_fan(const large_visit *l, uint32_t *ends, uint32_t *ordered)
-{
+/* The mesh's corners, fan by fan in the order of their first ones, each ascending; ends: at each
+ * fan's first corner where it ends. Both in memory that the edges no longer need. */
+static void order_by_fan(const large_visit *l, uint32_t *ends, uint32_t *ordered) {
     uint32_t *fan = l->large->fan, sum = 0;
     memset(ends, 0, l->count * sizeof *ends);
     for (size_t i = 0; i < l->count; i++) {
@@ -237,17 +243,22 @@ static void order_by_fan(const large_visit *l, uint32_t *ends, uint32_t *ordered
     for (size_t i = 0; i < l->count; i++) ordered[ends[fan[i]]++] = l->corners[i];
 }
 
-static void see_fan(const large_visit *l, const ring_sum *sum, const uint32_t *corners, size_t count)
-{
-    core_fan fan = {.reason = l->ring->finite ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE};
+static void see_fan(
+    const large_visit *l, const ring_sum *sum, const uint32_t *corners, size_t count) {
+    core_fan fan = {
+        .reason = l->ring->finite ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE};
     if (l->ring->finite && sum->votes) norma_core_decide_sum(sum->sum, sum->weight, &fan);
-    const core_fans fans = {.position = l->ring->position, .count = (uint32_t)count, .fan_count = 1, .corners = corners, .fans = &fan};
+    const core_fans fans = {.position = l->ring->position,
+        .count = (uint32_t)count,
+        .fan_count = 1,
+        .corners = corners,
+        .fans = &fan};
     l->visit->see(l->visit->context, &fans, &l->part->tally);
 }
 
-static norma_result see_fans(const large_visit *l)
-{
-    uint32_t *ends = (uint32_t *)(void *)l->large->out, *ordered = (uint32_t *)(void *)l->large->back;
+static norma_result see_fans(const large_visit *l) {
+    uint32_t *ends = (uint32_t *)(void *)l->large->out,
+             *ordered = (uint32_t *)(void *)l->large->back;
     size_t at = 0;
     order_by_fan(l, ends, ordered);
     for (size_t first = 0; first < l->count; first++) {
@@ -256,7 +267,9 @@ static norma_result see_fans(const large_visit *l)
         if (l->large->fan[first] != first) continue;
         for (; at < ends[first]; at++) {
             if (stops(l, at)) return NORMA_CANCELLED;
-            if (at % RING_ROOM == 0) norma_core_ring_fill(l->surface, ordered + at, l->count - at < RING_ROOM ? l->count - at : RING_ROOM, 1, l->ring);
+            if (at % RING_ROOM == 0)
+                norma_core_ring_fill(l->surface, ordered + at,
+                    l->count - at < RING_ROOM ? l->count - at : RING_ROOM, 1, l->ring);
             norma_core_ring_vote(&l->ring->corners[at % RING_ROOM], &sum);
         }
         see_fan(l, &sum, ordered + begin, at - begin);
@@ -264,13 +277,19 @@ static norma_result see_fans(const large_visit *l)
     return NORMA_OK;
 }
 
-norma_result norma_core_visit_large_ring(const core_surface *surface, const ring_visit *visit, uint32_t position, large_ring *large, rings_part *part)
-{
+norma_result norma_core_visit_large_ring(const core_surface *surface, const ring_visit *visit,
+    uint32_t position, large_ring *large, rings_part *part) {
     ring_room room;
     core_ring ring;
     const core_around *around = &surface->around;
     const uint32_t begin = around->starts[position];
-    large_visit l = {.surface = surface, .visit = visit, .large = large, .corners = around->corners + begin, .count = around->starts[position + 1] - begin, .ring = &ring, .part = part};
+    large_visit l = {.surface = surface,
+        .visit = visit,
+        .large = large,
+        .corners = around->corners + begin,
+        .count = around->starts[position + 1] - begin,
+        .ring = &ring,
+        .part = part};
     norma_core_ring_in_room(&ring, &room);
     norma_core_ring_begin(surface, position, &ring);
     norma_result result = list_corners(&l);

@@ -7,5 +7,6 @@
 typedef int norma_core_cone_at(const void *context, size_t index, double normal[3]);
 
 /* As norma_core_smallest_cone (vertex_star.h), with the same bits. */
-int norma_core_smallest_cone_of(norma_core_cone_at *at, const void *context, size_t count, double axis[3]);
+int norma_core_smallest_cone_of(
+    norma_core_cone_at *at, const void *context, size_t count, double axis[3]);
 #endif

@@ -6,16 +6,20 @@
 
 enum { FACES_IN_CHUNK = 1 << 12 };
 
-typedef struct survey_part { norma_count degenerate; int any_flat; } survey_part;
+typedef struct survey_part {
+    norma_count degenerate;
+    int any_flat;
+} survey_part;
 
 typedef struct face_survey {
     core_surface *surface;
-    atomic_uchar *flat_at;              /* NULL, or nonzero at positions of faces that have edges but no direction */
-    survey_part  *parts;                /* of each chunk */
+    atomic_uchar
+        *flat_at; /* NULL, or nonzero at positions of faces that have edges but no direction */
+    survey_part *parts; /* of each chunk */
 } face_survey;
 
-static void survey_face(const face_survey *survey, size_t f, const core_face *face, survey_part *part)
-{
+static void survey_face(
+    const face_survey *survey, size_t f, const core_face *face, survey_part *part) {
     const core_mesh *mesh = &survey->surface->mesh;
     if (survey->surface->faces) survey->surface->faces[f] = *face;
     if ((face->flags & CORE_FACE_DIRECTED) || !(face->flags & CORE_FACE_FINITE)) return;
@@ -23,27 +27,29 @@ static void survey_face(const face_survey *survey, size_t f, const core_face *fa
     if (!survey->flat_at || !(face->flags & CORE_FACE_EDGED)) return;
     part->any_flat = 1;
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
-        atomic_store_explicit(&survey->flat_at[norma_core_welded_corner(mesh, c)], 1, memory_order_relaxed);
+        atomic_store_explicit(
+            &survey->flat_at[norma_core_welded_corner(mesh, c)], 1, memory_order_relaxed);
 }
 
-static void survey_chunk(void *context, size_t chunk)
-{
+static void survey_chunk(void *context, size_t chunk) {
     const face_survey *survey = context;
     const core_surface *s = survey->surface;
-    const size_t count = s->mesh.face_count, begin = chunk * FACES_IN_CHUNK, end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
+    const size_t count = s->mesh.face_count, begin = chunk * FACES_IN_CHUNK,
+                 end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
     core_face faces[CORE_LANES];
     for (size_t f = begin; f < end; f += CORE_LANES) {
         const size_t lanes = end - f < CORE_LANES ? end - f : CORE_LANES;
         norma_core_faces_geometry(s->call, &s->mesh, f, lanes, faces);
-        for (size_t i = 0; i < lanes; i++) survey_face(survey, f + i, &faces[i], &survey->parts[chunk]);
+        for (size_t i = 0; i < lanes; i++)
+            survey_face(survey, f + i, &faces[i], &survey->parts[chunk]);
     }
 }
 
 /* Measures all faces once: polygons are kept, of triangles only what is wrong with them. */
-static norma_result survey_faces(face_survey *survey, int *any_flat)
-{
+static norma_result survey_faces(face_survey *survey, int *any_flat) {
     core_surface *s = survey->surface;
-    const size_t chunks = s->mesh.face_count / FACES_IN_CHUNK + (s->mesh.face_count % FACES_IN_CHUNK != 0);
+    const size_t chunks =
+        s->mesh.face_count / FACES_IN_CHUNK + (s->mesh.face_count % FACES_IN_CHUNK != 0);
     survey->parts = norma_core_allocate(s->call, chunks, sizeof *survey->parts);
     if (!survey->parts) return NORMA_ERROR_MEMORY;
     memset(survey->parts, 0, chunks * sizeof *survey->parts);
@@ -56,18 +62,18 @@ static norma_result survey_faces(face_survey *survey, int *any_flat)
     return result;
 }
 
-static void find_longest_edges(const core_surface *s, uint32_t *longest)
-{
+static void find_longest_edges(const core_surface *s, uint32_t *longest) {
     for (size_t f = 0; f < s->mesh.face_count; f++) {
         core_face face;
         norma_core_surface_face(s, f, &face);
-        const int flat = (face.flags & (CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED)) == (CORE_FACE_FINITE | CORE_FACE_EDGED);
+        const int flat = (face.flags & (CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED)) ==
+                         (CORE_FACE_FINITE | CORE_FACE_EDGED);
         longest[f] = flat ? norma_core_longest_edge(&s->mesh, f) : UINT32_MAX;
     }
 }
 
-static void lend_at_each(core_surface *s, const uint32_t *longest, core_ring *ring, uint32_t *lender)
-{
+static void lend_at_each(
+    core_surface *s, const uint32_t *longest, core_ring *ring, uint32_t *lender) {
     memset(lender, 0xff, s->mesh.face_count * sizeof *lender);
     for (size_t p = 0; p < s->mesh.positions.count; p++) {
         if (!atomic_load_explicit(&s->flat_at[p], memory_order_relaxed)) continue;
@@ -76,12 +82,14 @@ static void lend_at_each(core_surface *s, const uint32_t *longest, core_ring *ri
     }
 }
 
-static norma_result lend_directions(core_surface *s)
-{
+static norma_result lend_directions(core_surface *s) {
     const size_t faces = s->mesh.face_count;
     core_ring ring = {0};
-    uint32_t *lender = norma_core_allocate(s->call, faces, sizeof *lender), *longest = norma_core_allocate(s->call, faces, sizeof *longest);
-    norma_result result = lender && longest ? norma_core_ring_allocate(s->call, &ring, s->around.most) : NORMA_ERROR_MEMORY;
+    uint32_t *lender = norma_core_allocate(s->call, faces, sizeof *lender),
+             *longest = norma_core_allocate(s->call, faces, sizeof *longest);
+    norma_result result = lender && longest
+                              ? norma_core_ring_allocate(s->call, &ring, s->around.most)
+                              : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         find_longest_edges(s, longest);
         lend_at_each(s, longest, &ring, lender);
@@ -94,8 +102,7 @@ static norma_result lend_directions(core_surface *s)
     return result;
 }
 
-norma_result norma_core_surface_lend(core_surface *s)
-{
+norma_result norma_core_surface_lend(core_surface *s) {
     const size_t positions = s->mesh.positions.count;
     face_survey survey = {.surface = s};
     int any_flat = 0;
@@ -108,25 +115,27 @@ norma_result norma_core_surface_lend(core_surface *s)
 }
 
 /* Polygons are measured once, since that takes long; triangles where they are met. */
-static norma_result measure_polygons(core_surface *s, core_use use)
-{
+static norma_result measure_polygons(core_surface *s, core_use use) {
     face_survey survey = {.surface = s};
     int any_flat = 0;
-    if (!(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces))) return NORMA_ERROR_MEMORY;
+    if (!(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces)))
+        return NORMA_ERROR_MEMORY;
     return use == CORE_FOR_FANS ? norma_core_surface_lend(s) : survey_faces(&survey, &any_flat);
 }
 
-/* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this much over the crease. */
-static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20;    /* 1e-6 */
+/* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this
+ * much over the crease. */
+static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20; /* 1e-6 */
 
-void norma_core_surface_crease(core_surface *surface, double crease_angle_rad)
-{
+void norma_core_surface_crease(core_surface *surface, double crease_angle_rad) {
     surface->crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD;
-    surface->crease_cosine = surface->crease < 0 ? 2 : surface->crease > NORMA_PI ? -2 : cos(surface->crease);
+    surface->crease_cosine = surface->crease < 0          ? 2
+                             : surface->crease > NORMA_PI ? -2
+                                                          : cos(surface->crease);
 }
 
-norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use, double crease_angle_rad, core_surface *surface)
-{
+norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use,
+    double crease_angle_rad, core_surface *surface) {
     *surface = (core_surface){.call = call, .mesh = *checked};
     norma_core_surface_crease(surface, crease_angle_rad);
     norma_core_stage(call, 0.05, 0.2);
@@ -143,11 +152,11 @@ norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_u
     return result;
 }
 
-void norma_core_surface_close(core_surface *surface)
-{
+void norma_core_surface_close(core_surface *surface) {
     const core_call *call = surface->call;
     norma_core_release(call, surface->lender, surface->mesh.face_count, sizeof *surface->lender);
-    norma_core_release(call, surface->flat_at, surface->mesh.positions.count, sizeof *surface->flat_at);
+    norma_core_release(
+        call, surface->flat_at, surface->mesh.positions.count, sizeof *surface->flat_at);
     norma_core_release(call, surface->faces, surface->mesh.face_count, sizeof *surface->faces);
     if (surface->around.starts) norma_core_around_release(call, &surface->around);
     if (surface->mesh.weld) norma_core_unweld(call, &surface->mesh);

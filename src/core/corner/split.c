@@ -1,65 +1,79 @@
-/* split.c: norma_split. Corners of one old vertex with one normal are one new vertex, numbered where the first of them stands in the order of corners. Between the passes
- * is kept which corners are such firsts, a byte for each corner, and the normals of positions that need no split, most of them; the others' corners are sorted out again in
- * the second pass, when they have their numbers. */
+/* split.c: norma_split. Corners of one old vertex with one normal are one new vertex, numbered
+ * where the first of them stands in the order of corners. Between the passes is kept which corners
+ * are such firsts, a byte for each corner, and the normals of positions that need no split, most of
+ * them; the others' corners are sorted out again in the second pass, when they have their numbers.
+ */
 #include "core/corner/fallback_normals.h"
 #include "core/corner/corner_sort.h"
 #include <math.h>
 
 typedef struct split_work {
     core_surface *surface;
-    core_output   output;                    /* of new vertices; normals may be NULL */
-    uint8_t      *firsts;                    /* of each corner: whether a new vertex begins with it */
-    size_t       *before;                    /* of each block of corners: how many vertices begin before it; and of the end */
-    uint8_t      *single;                    /* of each position: whether all its corners are one vertex, each with a normal of its own */
-    float       (*normals)[3];               /* of those */
-    uint32_t     *vertices;                  /* the new vertex of those */
-    uint32_t     *numbers;                   /* of each corner its new vertex: the caller's, or own_numbers; NULL: nobody asks */
-    uint32_t     *own_numbers, *source_vertices;
-    uint32_t     *few;                       /* the sorted corners of all other positions, in place of the surface's; or NULL */
-    size_t        few_count;
-    uint8_t      *reasons, *wanted;          /* where the nearest is to be found: of each corner; of corners that stand for a vertex with no normal at all */
+    core_output output; /* of new vertices; normals may be NULL */
+    uint8_t *firsts;    /* of each corner: whether a new vertex begins with it */
+    size_t
+        *before; /* of each block of corners: how many vertices begin before it; and of the end */
+    uint8_t *single; /* of each position: whether all its corners are one vertex, each with a normal
+                        of its own */
+    float (*normals)[3]; /* of those */
+    uint32_t *vertices;  /* the new vertex of those */
+    uint32_t *numbers; /* of each corner its new vertex: the caller's, or own_numbers; NULL: nobody
+                          asks */
+    uint32_t *own_numbers, *source_vertices;
+    uint32_t
+        *few; /* the sorted corners of all other positions, in place of the surface's; or NULL */
+    size_t few_count;
+    uint8_t *reasons, *wanted; /* where the nearest is to be found: of each corner; of corners that
+                                  stand for a vertex with no normal at all */
 } split_work;
 
 /* ---- one position */
 
-static void set_bits(const split_work *work, const core_fan *fan, ring_member *m)
-{
-    if (fan->reason == NORMA_REASON_NONE) memcpy(m->bits, fan->normal, sizeof m->bits);
-    else memcpy(m->bits, work->output.fallback, sizeof m->bits);
+static void set_bits(const split_work *work, const core_fan *fan, ring_member *m) {
+    if (fan->reason == NORMA_REASON_NONE)
+        memcpy(m->bits, fan->normal, sizeof m->bits);
+    else
+        memcpy(m->bits, work->output.fallback, sizeof m->bits);
 }
 
-static const core_fan *fan_of_member(const core_fans *fans, const ring_member *m) { return &fans->fans[fans->fan_of[m->index]]; }
+static const core_fan *fan_of_member(const core_fans *fans, const ring_member *m) {
+    return &fans->fans[fans->fan_of[m->index]];
+}
 
-/* Where the nearest is asked for, a corner without a normal is one with the first corner of its vertex that has one. Members come sorted by vertex and index. */
-static void borrow_within_vertex(const core_fans *fans, ring_member *members, size_t count)
-{
+/* Where the nearest is asked for, a corner without a normal is one with the first corner of its
+ * vertex that has one. Members come sorted by vertex and index. */
+static void borrow_within_vertex(const core_fans *fans, ring_member *members, size_t count) {
     const ring_member *lender = NULL;
     for (size_t i = 0; i < count && !lender; i++)
         if (fan_of_member(fans, &members[i])->reason == NORMA_REASON_NONE) lender = &members[i];
     for (size_t i = 0; i < count && lender; i++)
-        if (fan_of_member(fans, &members[i])->reason != NORMA_REASON_NONE) memcpy(members[i].bits, lender->bits, sizeof lender->bits);
+        if (fan_of_member(fans, &members[i])->reason != NORMA_REASON_NONE)
+            memcpy(members[i].bits, lender->bits, sizeof lender->bits);
 }
 
-static void list_members(const split_work *work, const core_fans *fans)
-{
+static void list_members(const split_work *work, const core_fans *fans) {
     ring_member *members = fans->members;
     for (uint32_t i = 0; i < fans->count; i++) {
-        members[i] = (ring_member){.vertex = norma_core_corner(&work->surface->mesh, fans->corners[i]), .index = i};
+        members[i] = (ring_member){
+            .vertex = norma_core_corner(&work->surface->mesh, fans->corners[i]), .index = i};
         if (!work->output.nearest) set_bits(work, &fans->fans[fans->fan_of[i]], &members[i]);
     }
     norma_core_sort_members(members, fans->count);
     if (!work->output.nearest) return;
-    for (size_t i = 0; i < fans->count; i++) set_bits(work, fan_of_member(fans, &members[i]), &members[i]);
+    for (size_t i = 0; i < fans->count; i++)
+        set_bits(work, fan_of_member(fans, &members[i]), &members[i]);
     for (size_t begin = 0, end; begin < fans->count; begin = end) {
-        for (end = begin; end < fans->count && members[end].vertex == members[begin].vertex; end++) { }
+        for (end = begin; end < fans->count && members[end].vertex == members[begin].vertex;
+             end++) {
+        }
         borrow_within_vertex(fans, members + begin, end - begin);
     }
     norma_core_sort_members(members, fans->count);
 }
 
-/* A vertex has a normal as soon as one of its corners does; first_fan is that one's, or the first one's. */
-static const core_fan *fan_of_group(const core_fans *fans, size_t begin, size_t end)
-{
+/* A vertex has a normal as soon as one of its corners does; first_fan is that one's, or the first
+ * one's. */
+static const core_fan *fan_of_group(const core_fans *fans, size_t begin, size_t end) {
     for (size_t i = begin; i < end; i++) {
         const core_fan *fan = fan_of_member(fans, &fans->members[i]);
         if (fan->reason == NORMA_REASON_NONE) return fan;
@@ -67,8 +81,7 @@ static const core_fan *fan_of_group(const core_fans *fans, size_t begin, size_t 
     return fan_of_member(fans, &fans->members[begin]);
 }
 
-static size_t group_end(const ring_member *members, size_t begin, size_t count)
-{
+static size_t group_end(const ring_member *members, size_t begin, size_t count) {
     size_t end = begin + 1;
     while (end < count && norma_core_same_normal(&members[begin], &members[end])) end++;
     return end;
@@ -76,15 +89,14 @@ static size_t group_end(const ring_member *members, size_t begin, size_t count)
 
 /* ---- first pass: where a vertex begins */
 
-static void keep_single(const split_work *work, const core_fans *fans)
-{
+static void keep_single(const split_work *work, const core_fans *fans) {
     work->single[fans->position] = 1;
-    if (work->normals) memcpy(work->normals[fans->position], fans->fans[0].normal, sizeof fans->fans[0].normal);
+    if (work->normals)
+        memcpy(work->normals[fans->position], fans->fans[0].normal, sizeof fans->fans[0].normal);
 }
 
 /* One vertex and one fan with a normal: nothing to sort. 0 where it is not so. */
-static int number_plain(const split_work *work, const core_fans *fans)
-{
+static int number_plain(const split_work *work, const core_fans *fans) {
     const core_mesh *mesh = &work->surface->mesh;
     const uint32_t first = fans->corners[0], vertex = norma_core_corner(mesh, first);
     if (fans->fan_count != 1 || fans->fans[0].reason != NORMA_REASON_NONE) return 0;
@@ -95,8 +107,7 @@ static int number_plain(const split_work *work, const core_fans *fans)
     return 1;
 }
 
-static void see_to_number(void *context, const core_fans *fans, core_tally *tally)
-{
+static void see_to_number(void *context, const core_fans *fans, core_tally *tally) {
     const split_work *work = context;
     int whole = 1;
     for (size_t i = 0; i < fans->count; i++) {
@@ -117,44 +128,49 @@ static void see_to_number(void *context, const core_fans *fans, core_tally *tall
 
 enum { CORNERS_IN_BLOCK = 1 << 15, CORNERS_AT_ONCE = 1 << 8 };
 
-static size_t blocks_of(const split_work *work) { return work->surface->mesh.corner_count / CORNERS_IN_BLOCK + (work->surface->mesh.corner_count % CORNERS_IN_BLOCK != 0); }
+static size_t blocks_of(const split_work *work) {
+    return work->surface->mesh.corner_count / CORNERS_IN_BLOCK +
+           (work->surface->mesh.corner_count % CORNERS_IN_BLOCK != 0);
+}
 
-static size_t block_end(const split_work *work, size_t block)
-{
+static size_t block_end(const split_work *work, size_t block) {
     const size_t count = work->surface->mesh.corner_count, begin = block * CORNERS_IN_BLOCK;
     return count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
 }
 
-static void count_block(void *context, size_t block)
-{
+static void count_block(void *context, size_t block) {
     const split_work *work = context;
     size_t count = 0;
-    for (size_t c = block * CORNERS_IN_BLOCK; c < block_end(work, block); c++) count += work->firsts[c];
+    for (size_t c = block * CORNERS_IN_BLOCK; c < block_end(work, block); c++)
+        count += work->firsts[c];
     work->before[block + 1] = count;
 }
 
-static norma_result count_vertices(const split_work *work, size_t *count)
-{
+static norma_result count_vertices(const split_work *work, size_t *count) {
     const size_t blocks = blocks_of(work);
     work->before[0] = 0;
-    const norma_result result = norma_core_parallel(work->surface->call, blocks, count_block, (void *)(uintptr_t)work);
-    for (size_t b = 0; b < blocks && result == NORMA_OK; b++) work->before[b + 1] += work->before[b];
+    const norma_result result =
+        norma_core_parallel(work->surface->call, blocks, count_block, (void *)(uintptr_t)work);
+    for (size_t b = 0; b < blocks && result == NORMA_OK; b++)
+        work->before[b + 1] += work->before[b];
     *count = result == NORMA_OK ? work->before[blocks] : 0;
     return result;
 }
 
-static void write_vertex(const split_work *work, uint32_t number, uint32_t corner)
-{
-    const uint32_t vertex = norma_core_corner(&work->surface->mesh, corner), position = norma_core_welded(&work->surface->mesh, vertex);
+static void write_vertex(const split_work *work, uint32_t number, uint32_t corner) {
+    const uint32_t vertex = norma_core_corner(&work->surface->mesh, corner),
+                   position = norma_core_welded(&work->surface->mesh, vertex);
     if (work->source_vertices) work->source_vertices[number] = vertex;
     if (!work->single[position]) return;
     work->vertices[position] = number;
-    if (work->normals) norma_core_write_normals(&work->output, number, 1, (const float(*)[3])&work->normals[position]);
+    if (work->normals)
+        norma_core_write_normals(
+            &work->output, number, 1, (const float(*)[3]) & work->normals[position]);
 }
 
-/* The vertices that begin in the block; few of its corners begin one, and which ones no branch could foretell. */
-static void write_vertices(void *context, size_t block)
-{
+/* The vertices that begin in the block; few of its corners begin one, and which ones no branch
+ * could foretell. */
+static void write_vertices(void *context, size_t block) {
     const split_work *work = context;
     const size_t end = block_end(work, block);
     uint32_t firsts[CORNERS_AT_ONCE], number = (uint32_t)work->before[block];
@@ -168,9 +184,9 @@ static void write_vertices(void *context, size_t block)
     }
 }
 
-/* Where a position's corners are several vertices, their firsts get their numbers here, the others in the second pass. */
-static void number_block(void *context, size_t block)
-{
+/* Where a position's corners are several vertices, their firsts get their numbers here, the others
+ * in the second pass. */
+static void number_block(void *context, size_t block) {
     const split_work *work = context;
     const core_mesh *mesh = &work->surface->mesh;
     uint32_t number = (uint32_t)work->before[block];
@@ -181,56 +197,63 @@ static void number_block(void *context, size_t block)
     }
 }
 
-static void release_normals(split_work *work)
-{
-    norma_core_release(work->surface->call, work->normals, work->surface->mesh.positions.count, sizeof *work->normals);
+static void release_normals(split_work *work) {
+    norma_core_release(work->surface->call, work->normals, work->surface->mesh.positions.count,
+        sizeof *work->normals);
     work->normals = NULL;
 }
 
-/* What is done with is released before memory that nobody has touched yet is written to: the caller's corners. */
-static norma_result write_numbers(split_work *work)
-{
+/* What is done with is released before memory that nobody has touched yet is written to: the
+ * caller's corners. */
+static norma_result write_numbers(split_work *work) {
     core_call *call = work->surface->call;
     const size_t blocks = blocks_of(work);
     norma_core_stage(call, 0.76, 0.78);
     norma_result result = norma_core_parallel(call, blocks, write_vertices, work);
     release_normals(work);
     norma_core_stage(call, 0.78, 0.8);
-    if (result == NORMA_OK && work->numbers) result = norma_core_parallel(call, blocks, number_block, work);
+    if (result == NORMA_OK && work->numbers)
+        result = norma_core_parallel(call, blocks, number_block, work);
     return result;
 }
 
 /* ---- second pass: positions whose corners are several vertices */
 
-/* The sorted corners of single positions are needed no more, where nobody is to be asked for a normal. */
-static norma_result thin_out(split_work *work)
-{
+/* The sorted corners of single positions are needed no more, where nobody is to be asked for a
+ * normal. */
+static norma_result thin_out(split_work *work) {
     core_around *around = &work->surface->around;
     size_t count = 0;
-    for (size_t p = 0; p < around->position_count; p++) count += work->single[p] ? 0 : around->starts[p + 1] - around->starts[p];
+    for (size_t p = 0; p < around->position_count; p++)
+        count += work->single[p] ? 0 : around->starts[p + 1] - around->starts[p];
     if (count > around->corner_count / 2) return NORMA_OK;
-    if (!(work->few = norma_core_allocate(work->surface->call, count, sizeof *work->few))) return NORMA_ERROR_MEMORY;
+    if (!(work->few = norma_core_allocate(work->surface->call, count, sizeof *work->few)))
+        return NORMA_ERROR_MEMORY;
     for (size_t p = 0, begin = 0, at = 0; p < around->position_count; p++) {
         const size_t end = around->starts[p + 1];
-        for (size_t i = begin; i < end && !work->single[p]; i++) work->few[at++] = around->corners[i];
+        for (size_t i = begin; i < end && !work->single[p]; i++)
+            work->few[at++] = around->corners[i];
         begin = end;
         around->starts[p + 1] = (uint32_t)at;
     }
-    norma_core_release(work->surface->call, around->corners, around->corner_count, sizeof *around->corners);
+    norma_core_release(
+        work->surface->call, around->corners, around->corner_count, sizeof *around->corners);
     around->corners = work->few;
     around->corner_count = work->few_count = count;
     return NORMA_OK;
 }
 
-static void see_to_write(void *context, const core_fans *fans, core_tally *tally)
-{
+static void see_to_write(void *context, const core_fans *fans, core_tally *tally) {
     const split_work *work = context;
-    for (size_t i = 0; i < fans->count && work->reasons; i++) work->reasons[fans->corners[i]] = (uint8_t)fans->fans[fans->fan_of[i]].reason;
+    for (size_t i = 0; i < fans->count && work->reasons; i++)
+        work->reasons[fans->corners[i]] = (uint8_t)fans->fans[fans->fan_of[i]].reason;
     list_members(work, fans);
     for (size_t begin = 0, end; begin < fans->count; begin = end) {
-        const uint32_t first = fans->corners[fans->members[begin].index], number = work->numbers[first];
+        const uint32_t first = fans->corners[fans->members[begin].index],
+                       number = work->numbers[first];
         end = group_end(fans->members, begin, fans->count);
-        for (size_t i = begin; i < end; i++) work->numbers[fans->corners[fans->members[i].index]] = number;
+        for (size_t i = begin; i < end; i++)
+            work->numbers[fans->corners[fans->members[i].index]] = number;
         if (!work->output.normals) continue;
         const core_fan *fan = fan_of_group(fans, begin, end);
         norma_core_write_element(&work->output, number, (int)fan->reason, fan->normal, tally);
@@ -238,14 +261,12 @@ static void see_to_write(void *context, const core_fans *fans, core_tally *tally
     }
 }
 
-static void receive(void *context, const corner_request *request, const float normal[3])
-{
+static void receive(void *context, const corner_request *request, const float normal[3]) {
     const split_work *work = context;
     norma_core_write_normal(&work->output, work->numbers[request->target], normal);
 }
 
-static norma_result fill_from_nearest(split_work *work)
-{
+static norma_result fill_from_nearest(split_work *work) {
     const core_call *call = work->surface->call;
     const size_t corners = work->surface->mesh.corner_count;
     const float zero[3] = {0, 0, 0};
@@ -254,8 +275,10 @@ static norma_result fill_from_nearest(split_work *work)
     if (!count) return NORMA_OK;
     corner_request *requests = norma_core_allocate(call, count, sizeof *requests);
     if (!requests) return NORMA_ERROR_MEMORY;
-    norma_result result = norma_core_find_sources(work->surface, work->reasons, work->wanted, requests, count, &found);
-    if (result == NORMA_OK && found) result = norma_core_fetch_normals(work->surface, requests, found, receive, work);
+    norma_result result = norma_core_find_sources(
+        work->surface, work->reasons, work->wanted, requests, count, &found);
+    if (result == NORMA_OK && found)
+        result = norma_core_fetch_normals(work->surface, requests, found, receive, work);
     for (size_t c = 0; c < corners && result == NORMA_OK && !found; c++)
         if (work->wanted[c]) norma_core_write_normal(&work->output, work->numbers[c], zero);
     norma_core_release(call, requests, count, sizeof *requests);
@@ -266,16 +289,18 @@ static norma_result fill_from_nearest(split_work *work)
 
 typedef struct split_output {
     uint32_t *corners, *source_vertices;
-    float    *normals;
-    size_t    corner_capacity, vertex_capacity, *vertex_count;
+    float *normals;
+    size_t corner_capacity, vertex_capacity, *vertex_count;
 } split_output;
 
-static norma_result allocate_numbers(split_work *work, int lacking)
-{
+static norma_result allocate_numbers(split_work *work, int lacking) {
     const core_call *call = work->surface->call;
     const size_t corners = work->surface->mesh.corner_count;
-    work->vertices = norma_core_allocate(call, work->surface->mesh.positions.count, sizeof *work->vertices);
-    if (!work->numbers && work->output.normals) work->numbers = work->own_numbers = norma_core_allocate(call, corners, sizeof *work->own_numbers);
+    work->vertices =
+        norma_core_allocate(call, work->surface->mesh.positions.count, sizeof *work->vertices);
+    if (!work->numbers && work->output.normals)
+        work->numbers = work->own_numbers =
+            norma_core_allocate(call, corners, sizeof *work->own_numbers);
     if (!work->vertices || (!work->numbers && work->output.normals)) return NORMA_ERROR_MEMORY;
     if (!lacking) return NORMA_OK;
     work->reasons = norma_core_allocate(call, corners, 1);
@@ -287,41 +312,51 @@ static norma_result allocate_numbers(split_work *work, int lacking)
 }
 
 /* lacking: some corner is to get the nearest normal. */
-static norma_result write_split(split_work *work, int lacking)
-{
+static norma_result write_split(split_work *work, int lacking) {
     core_surface *surface = work->surface;
     rings_part ignored;
     norma_result result = lacking ? NORMA_OK : thin_out(work);
     if (result == NORMA_OK) result = allocate_numbers(work, lacking);
     if (result == NORMA_OK) result = write_numbers(work);
     if (result != NORMA_OK || !work->numbers) return result;
-    const ring_visit visit = {.join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
+    const ring_visit visit = {
+        .join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
     norma_core_stage(surface->call, 0.8, 0.97);
     result = norma_core_visit_rings(surface, &visit, &ignored);
     return result == NORMA_OK && lacking ? fill_from_nearest(work) : result;
 }
 
-static norma_result check_room(const core_surface *surface, const split_output *out, size_t count)
-{
-    if (out->corners && surface->mesh.corner_count > out->corner_capacity) return NORMA_ERROR_CAPACITY;
-    if ((out->source_vertices || out->normals) && count > out->vertex_capacity) return NORMA_ERROR_CAPACITY;
-    return out->normals && count > SIZE_MAX / surface->call->options.normal_stride ? NORMA_ERROR_OVERFLOW : NORMA_OK;
+static norma_result check_room(const core_surface *surface, const split_output *out, size_t count) {
+    if (out->corners && surface->mesh.corner_count > out->corner_capacity)
+        return NORMA_ERROR_CAPACITY;
+    if ((out->source_vertices || out->normals) && count > out->vertex_capacity)
+        return NORMA_ERROR_CAPACITY;
+    return out->normals && count > SIZE_MAX / surface->call->options.normal_stride
+               ? NORMA_ERROR_OVERFLOW
+               : NORMA_OK;
 }
 
-static norma_result compute(core_surface *surface, split_work *work, const split_output *out, norma_report *report)
-{
+static norma_result compute(
+    core_surface *surface, split_work *work, const split_output *out, norma_report *report) {
     core_call *call = surface->call;
     rings_part sum = {0};
     size_t count;
-    const ring_visit visit = {.join = CORE_JOIN_FANS, .counting = 1, .see = see_to_number, .context = work, .target = work->firsts, .target_size = 1};
+    const ring_visit visit = {.join = CORE_JOIN_FANS,
+        .counting = 1,
+        .see = see_to_number,
+        .context = work,
+        .target = work->firsts,
+        .target_size = 1};
     norma_core_stage(call, 0.5, 0.75);
     norma_result result = norma_core_visit_rings(surface, &visit, &sum);
     norma_core_stage(call, 0.75, 0.76);
     if (result == NORMA_OK) result = count_vertices(work, &count);
     if (result == NORMA_OK) result = check_room(surface, out, count);
     if (result != NORMA_OK) return result;
-    const int lacking = sum.tally.non_finite.count || sum.tally.unreferenced.count || sum.tally.cancelled.count;
-    if (out->corners || out->source_vertices || out->normals) result = write_split(work, lacking && out->normals && work->output.nearest);
+    const int lacking =
+        sum.tally.non_finite.count || sum.tally.unreferenced.count || sum.tally.cancelled.count;
+    if (out->corners || out->source_vertices || out->normals)
+        result = write_split(work, lacking && out->normals && work->output.nearest);
     if (result != NORMA_OK) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
@@ -329,9 +364,9 @@ static norma_result compute(core_surface *surface, split_work *work, const split
     return NORMA_OK;
 }
 
-static void release_work(const core_call *call, split_work *work)
-{
-    const size_t corners = work->surface->mesh.corner_count, positions = work->surface->mesh.positions.count;
+static void release_work(const core_call *call, split_work *work) {
+    const size_t corners = work->surface->mesh.corner_count,
+                 positions = work->surface->mesh.positions.count;
     norma_core_release(call, work->firsts, corners, 1);
     norma_core_release(call, work->before, blocks_of(work) + 1, sizeof *work->before);
     norma_core_release(call, work->single, positions, 1);
@@ -346,22 +381,25 @@ static void release_work(const core_call *call, split_work *work)
     work->surface->around.corner_count = corners;
 }
 
-static norma_result allocate_work(const core_call *call, split_work *work)
-{
-    const size_t corners = work->surface->mesh.corner_count, positions = work->surface->mesh.positions.count;
+static norma_result allocate_work(const core_call *call, split_work *work) {
+    const size_t corners = work->surface->mesh.corner_count,
+                 positions = work->surface->mesh.positions.count;
     work->firsts = norma_core_allocate(call, corners, 1);
     work->before = norma_core_allocate(call, blocks_of(work) + 1, sizeof *work->before);
     work->single = norma_core_allocate(call, positions, 1);
-    if (work->output.normals) work->normals = norma_core_allocate(call, positions, sizeof *work->normals);
-    if (!work->firsts || !work->before || !work->single || (!work->normals && work->output.normals)) return NORMA_ERROR_MEMORY;
+    if (work->output.normals)
+        work->normals = norma_core_allocate(call, positions, sizeof *work->normals);
+    if (!work->firsts || !work->before || !work->single || (!work->normals && work->output.normals))
+        return NORMA_ERROR_MEMORY;
     memset(work->firsts, 0, corners);
     memset(work->single, 0, positions);
     return NORMA_OK;
 }
 
-static norma_result allocate_and_compute(core_surface *surface, const split_output *out, norma_report *report)
-{
-    split_work work = {.surface = surface, .numbers = out->corners, .source_vertices = out->source_vertices};
+static norma_result allocate_and_compute(
+    core_surface *surface, const split_output *out, norma_report *report) {
+    split_work work = {
+        .surface = surface, .numbers = out->corners, .source_vertices = out->source_vertices};
     norma_result result = norma_core_output_open(surface->call, out->normals, 0, 0, &work.output);
     if (result == NORMA_OK) result = allocate_work(surface->call, &work);
     if (result == NORMA_OK) result = compute(surface, &work, out, report);
@@ -369,20 +407,25 @@ static norma_result allocate_and_compute(core_surface *surface, const split_outp
     return result;
 }
 
-norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad, const norma_options *options, uint32_t *corners, size_t corner_capacity,
-                         uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count, norma_report *report)
-{
-    const split_output out = {corners, source_vertices, normals, corner_capacity, vertex_capacity, vertex_count};
+norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
+    const norma_options *options, uint32_t *corners, size_t corner_capacity,
+    uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
+    norma_report *report) {
+    const split_output out = {
+        corners, source_vertices, normals, corner_capacity, vertex_capacity, vertex_count};
     core_call call;
     core_mesh checked;
     core_surface surface;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK && isnan(crease_angle_rad)) result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK && corners && checked.corner_count > corner_capacity) result = NORMA_ERROR_CAPACITY;
+    if (result == NORMA_OK && corners && checked.corner_count > corner_capacity)
+        result = NORMA_ERROR_CAPACITY;
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
+    if (result == NORMA_OK)
+        result = norma_core_surface_open(
+            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
     if (result != NORMA_OK) return result;
     result = allocate_and_compute(&surface, &out, report);
     norma_core_stage(&call, 1, 1);

@@ -1,21 +1,20 @@
 /* star_edges.c: the edges that leave a position, and which faces are partners at them.
  *
- * The faces at an edge are sorted by direction and by what twins have in common. A face's partners are then all those that run the other way, less the
- * equal range of its own twins: found by bisection, so that an edge of a million faces costs no more a face than one of two. */
+ * The faces at an edge are sorted by direction and by what twins have in common. A face's partners
+ * are then all those that run the other way, less the equal range of its own twins: found by
+ * bisection, so that an edge of a million faces costs no more a face than one of two. */
 #include "core/corner/star_edges.h"
 
 /* ---- sorting: by the position at the other end, direction, key, order of corners */
 
-static int edge_less(const ring_edge *a, const ring_edge *b)
-{
+static int edge_less(const ring_edge *a, const ring_edge *b) {
     if (a->other != b->other) return a->other < b->other;
     if (a->back != b->back) return a->back < b->back;
     if (a->key != b->key) return a->key < b->key;
     return a->corner < b->corner;
 }
 
-static void insertion_sort(ring_edge *edges, size_t count)
-{
+static void insertion_sort(ring_edge *edges, size_t count) {
     for (size_t i = 1; i < count; i++) {
         const ring_edge moved = edges[i];
         size_t at = i;
@@ -24,11 +23,11 @@ static void insertion_sort(ring_edge *edges, size_t count)
     }
 }
 
-static void merge(const ring_edge *from, size_t begin, size_t middle, size_t end, ring_edge *to)
-{
+static void merge(const ring_edge *from, size_t begin, size_t middle, size_t end, ring_edge *to) {
     size_t left = begin, right = middle;
     for (size_t at = begin; at < end; at++) {
-        const int take_right = left == middle || (right < end && edge_less(&from[right], &from[left]));
+        const int take_right =
+            left == middle || (right < end && edge_less(&from[right], &from[left]));
         to[at] = take_right ? from[right++] : from[left++];
     }
 }
@@ -38,58 +37,62 @@ enum { SORTED_RUN = 16 };
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 /* Sorts ring->edges; merging from runs that insertion has sorted, O(n log n) for any ring. */
-void norma_core_sort_edges(core_ring *ring)
-{
+void norma_core_sort_edges(core_ring *ring) {
     const size_t count = ring->edge_count;
-    for (size_t begin = 0; begin < count; begin += SORTED_RUN) insertion_sort(ring->edges + begin, least(SORTED_RUN, count - begin));
+    for (size_t begin = 0; begin < count; begin += SORTED_RUN)
+        insertion_sort(ring->edges + begin, least(SORTED_RUN, count - begin));
     for (size_t run = SORTED_RUN; run < count; run *= 2) {
-        for (size_t begin = 0; begin < count; begin += 2 * run) merge(ring->edges, begin, least(begin + run, count), least(begin + 2 * run, count), ring->sorted);
+        for (size_t begin = 0; begin < count; begin += 2 * run)
+            merge(ring->edges, begin, least(begin + run, count), least(begin + 2 * run, count),
+                ring->sorted);
         ring_edge *sorted = ring->sorted;
         ring->sorted = ring->edges;
         ring->edges = sorted;
     }
 }
 
-void norma_core_list_edges(core_ring *ring)
-{
+void norma_core_list_edges(core_ring *ring) {
     ring->edge_count = 0;
     for (uint32_t i = 0; i < ring->count; i++) {
         const ring_corner *c = &ring->corners[i];
         if (!(c->flags & RING_KEPT)) continue;
-        ring->edges[ring->edge_count++] = (ring_edge){.key = c->next_key, .other = c->next, .corner = i};
-        ring->edges[ring->edge_count++] = (ring_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
+        ring->edges[ring->edge_count++] =
+            (ring_edge){.key = c->next_key, .other = c->next, .corner = i};
+        ring->edges[ring->edge_count++] =
+            (ring_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
     }
     norma_core_sort_edges(ring);
 }
 
 /* ---- one edge */
 
-size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above)
-{
+size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above) {
     size_t low = 0, high = side->count;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        if (side->edges[middle].key < key || (above && side->edges[middle].key == key)) low = middle + 1;
-        else high = middle;
+        if (side->edges[middle].key < key || (above && side->edges[middle].key == key))
+            low = middle + 1;
+        else
+            high = middle;
     }
     return low;
 }
 
-size_t norma_core_partner_count(const edge_side *other, uint64_t key)
-{
-    return other->count - (norma_core_first_not_below(other, key, 1) - norma_core_first_not_below(other, key, 0));
+size_t norma_core_partner_count(const edge_side *other, uint64_t key) {
+    return other->count -
+           (norma_core_first_not_below(other, key, 1) - norma_core_first_not_below(other, key, 0));
 }
 
-const ring_edge *norma_core_only_partner(const edge_side *other, uint64_t key)
-{
+const ring_edge *norma_core_only_partner(const edge_side *other, uint64_t key) {
     return other->edges[0].key != key ? &other->edges[0] : &other->edges[other->count - 1];
 }
 
-edge norma_core_edge_at(const core_ring *ring, size_t begin, size_t *end)
-{
+edge norma_core_edge_at(const core_ring *ring, size_t begin, size_t *end) {
     size_t middle = begin, stop;
     const uint32_t other = ring->edges[begin].other;
-    while (middle < ring->edge_count && ring->edges[middle].other == other && !ring->edges[middle].back) middle++;
+    while (middle < ring->edge_count && ring->edges[middle].other == other &&
+           !ring->edges[middle].back)
+        middle++;
     for (stop = middle; stop < ring->edge_count && ring->edges[stop].other == other;) stop++;
     *end = stop;
     return (edge){{ring->edges + begin, middle - begin}, {ring->edges + middle, stop - middle}};

@@ -1,5 +1,7 @@
-/* eight_vectors.h: eight vectors of three, one after the other as they lie in memory, to eight lanes of each axis, and back. No number is changed on the way. With the compilers that have vectors of
- * their own these are shuffles of registers; going through memory, number by number, took three times as long. */
+/* eight_vectors.h: eight vectors of three, one after the other as they lie in memory, to eight
+ * lanes of each axis, and back. No number is changed on the way. With the compilers that have
+ * vectors of their own these are shuffles of registers; going through memory, number by number,
+ * took three times as long. */
 #ifndef NORMA_CORE_LANES_H
 #define NORMA_CORE_LANES_H
 #include "core/call/instruction_set.h"
@@ -9,15 +11,20 @@
 /* Where the corners of triangles lie: corner k of triangle i at position at[3 i + k]. */
 typedef struct core_points {
     const unsigned char *data;
-    size_t               stride;
-    const uint32_t      *at;
+    size_t stride;
+    const uint32_t *at;
 } core_points;
 
-CORE_INLINE const unsigned char *core_point_at(core_points p, int i, int k) { return p.data + p.at[3 * i + k] * p.stride; }
+CORE_INLINE const unsigned char *core_point_at(core_points p, int i, int k) {
+    return p.data + p.at[3 * i + k] * p.stride;
+}
 
-typedef struct core_rows { double row[CORE_LANES][4]; } core_rows;
+typedef struct core_rows {
+    double row[CORE_LANES][4];
+} core_rows;
 
-#if defined(__has_builtin) && !defined(CORE_NO_SHUFFLES) /* what compilers without them get, for tests */
+#if defined(__has_builtin) &&                                                                      \
+    !defined(CORE_NO_SHUFFLES) /* what compilers without them get, for tests */
 #if __has_builtin(__builtin_shufflevector)
 #define CORE_HAS_SHUFFLES
 #endif
@@ -25,17 +32,17 @@ typedef struct core_rows { double row[CORE_LANES][4]; } core_rows;
 
 #if defined(CORE_HAS_SHUFFLES)
 #if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wpsabi"    /* how a vector would be passed to a function: all here are inlined */
+#pragma GCC diagnostic ignored                                                                     \
+    "-Wpsabi" /* how a vector would be passed to a function: all here are inlined */
 #endif
 typedef double core_d2 __attribute__((vector_size(16)));
 typedef double core_d4 __attribute__((vector_size(32)));
 typedef double core_d8 __attribute__((vector_size(64)));
-typedef float  core_f4 __attribute__((vector_size(16)));
-typedef float  core_f8 __attribute__((vector_size(32)));
+typedef float core_f4 __attribute__((vector_size(16)));
+typedef float core_f8 __attribute__((vector_size(32)));
 
 /* Three floats, and not a byte beyond them. */
-CORE_INLINE core_f4 core_load_three(const unsigned char *at)
-{
+CORE_INLINE core_f4 core_load_three(const unsigned char *at) {
     double xy;
     float z;
     memcpy(&xy, at, sizeof xy);
@@ -46,69 +53,73 @@ CORE_INLINE core_f4 core_load_three(const unsigned char *at)
 }
 
 /* Corners k of triangles i and i + 4. */
-CORE_INLINE core_f8 core_two_corners(core_points p, int i, int k)
-{
-    return __builtin_shufflevector(core_load_three(core_point_at(p, i, k)), core_load_three(core_point_at(p, i + 4, k)), 0, 1, 2, 3, 4, 5, 6, 7);
+CORE_INLINE core_f8 core_two_corners(core_points p, int i, int k) {
+    return __builtin_shufflevector(core_load_three(core_point_at(p, i, k)),
+        core_load_three(core_point_at(p, i + 4, k)), 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-/* r[i]: what begins with the three numbers of i, and then of i + 4. axis[x]: number x of each of the eight. */
-CORE_INLINE void core_turn_threes(const core_f8 r[4], core_f8 axis[3])
-{
-    const core_f8 xy01 = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13), xy23 = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13);
-    const core_f8 z01 = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15), z23 = __builtin_shufflevector(r[2], r[3], 2, 10, 3, 11, 6, 14, 7, 15);
+/* r[i]: what begins with the three numbers of i, and then of i + 4. axis[x]: number x of each of
+ * the eight. */
+CORE_INLINE void core_turn_threes(const core_f8 r[4], core_f8 axis[3]) {
+    const core_f8 xy01 = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13),
+                  xy23 = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13);
+    const core_f8 z01 = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15),
+                  z23 = __builtin_shufflevector(r[2], r[3], 2, 10, 3, 11, 6, 14, 7, 15);
     axis[0] = __builtin_shufflevector(xy01, xy23, 0, 1, 8, 9, 4, 5, 12, 13);
     axis[1] = __builtin_shufflevector(xy01, xy23, 2, 3, 10, 11, 6, 7, 14, 15);
     axis[2] = __builtin_shufflevector(z01, z23, 0, 1, 8, 9, 4, 5, 12, 13);
 }
 
 /* Four lanes of eight, turned over: r[i] becomes the four numbers of i, and then of i + 4. */
-CORE_INLINE void core_turn_fours(core_f8 r[4])
-{
-    const core_f8 a = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13), b = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15);
-    const core_f8 c = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13), d = __builtin_shufflevector(r[2], r[3], 2, 10, 3, 11, 6, 14, 7, 15);
+CORE_INLINE void core_turn_fours(core_f8 r[4]) {
+    const core_f8 a = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13),
+                  b = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15);
+    const core_f8 c = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13),
+                  d = __builtin_shufflevector(r[2], r[3], 2, 10, 3, 11, 6, 14, 7, 15);
     r[0] = __builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13);
     r[1] = __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15);
     r[2] = __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13);
     r[3] = __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-/* Eight vectors of three, side by side. A store of four is cheaper than one of three, and what it leaves behind its three is where the next one goes. */
-CORE_INLINE void core_floats_to_threes(const float *x, const float *y, const float *z, float (*out)[3])
-{
+/* Eight vectors of three, side by side. A store of four is cheaper than one of three, and what it
+ * leaves behind its three is where the next one goes. */
+CORE_INLINE void core_floats_to_threes(
+    const float *x, const float *y, const float *z, float (*out)[3]) {
     core_f8 r[4];
     memcpy(&r[0], x, sizeof r[0]);
     memcpy(&r[1], y, sizeof r[1]);
     memcpy(&r[2], z, sizeof r[2]);
     r[3] = r[2];
     core_turn_fours(r);
-    for (int i = 0; i < CORE_LANES - 1; i++) memcpy(out[i], (const char *)&r[i % 4] + (i < 4 ? 0 : sizeof(core_f4)), sizeof(core_f4));
+    for (int i = 0; i < CORE_LANES - 1; i++)
+        memcpy(out[i], (const char *)&r[i % 4] + (i < 4 ? 0 : sizeof(core_f4)), sizeof(core_f4));
     memcpy(out[CORE_LANES - 1], (const char *)&r[3] + sizeof(core_f4), sizeof out[0]);
 }
 
 /* axis[x]: coordinate x of corner k of each triangle. */
-CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3])
-{
-    const core_f8 r[4] = {core_two_corners(p, 0, k), core_two_corners(p, 1, k), core_two_corners(p, 2, k), core_two_corners(p, 3, k)};
+CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3]) {
+    const core_f8 r[4] = {core_two_corners(p, 0, k), core_two_corners(p, 1, k),
+        core_two_corners(p, 2, k), core_two_corners(p, 3, k)};
     core_f8 floats[3];
     core_turn_threes(r, floats);
     for (int x = 0; x < 3; x++) axis[x] = __builtin_convertvector(floats[x], core_d8);
 }
 
 /* The edges of triangles whose corners are three floats each. */
-CORE_INLINE void core_gather_edges(core_points p, core_batch *out)
-{
+CORE_INLINE void core_gather_edges(core_points p, core_batch *out) {
     core_d8 corner[3][3];
     for (int k = 0; k < 3; k++) core_gather_corners(p, k, corner[k]);
     for (int x = 0; x < 3; x++) {
-        const core_d8 u = corner[1][x] - corner[0][x], v = corner[2][x] - corner[0][x], a = corner[2][x] - corner[1][x];
+        const core_d8 u = corner[1][x] - corner[0][x], v = corner[2][x] - corner[0][x],
+                      a = corner[2][x] - corner[1][x];
         memcpy(out->u[x], &u, sizeof u);
         memcpy(out->v[x], &v, sizeof v);
         memcpy(out->a[x], &a, sizeof a);
     }
 }
 
-CORE_INLINE core_d4 core_load_row(const double *row)
-{
+CORE_INLINE core_d4 core_load_row(const double *row) {
     core_d4 v;
     memcpy(&v, row, sizeof v);
     return v;
@@ -117,29 +128,32 @@ CORE_INLINE core_d4 core_load_row(const double *row)
 CORE_INLINE void core_store_row(double *row, core_d4 v) { memcpy(row, &v, sizeof v); }
 
 /* Four rows of four, turned over. */
-CORE_INLINE void core_turn_rows(core_d4 r[4])
-{
-    const core_d4 a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
-    const core_d4 c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+CORE_INLINE void core_turn_rows(core_d4 r[4]) {
+    const core_d4 a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6),
+                  b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+    const core_d4 c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6),
+                  d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
     r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
     r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
     r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
     r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-CORE_INLINE void core_lanes_to_rows(const double *x, const double *y, const double *z, const double *w, core_rows *out)
-{
+CORE_INLINE void core_lanes_to_rows(
+    const double *x, const double *y, const double *z, const double *w, core_rows *out) {
     for (int i = 0; i < CORE_LANES; i += 4) {
-        core_d4 r[4] = {core_load_row(x + i), core_load_row(y + i), core_load_row(z + i), core_load_row(w + i)};
+        core_d4 r[4] = {
+            core_load_row(x + i), core_load_row(y + i), core_load_row(z + i), core_load_row(w + i)};
         core_turn_rows(r);
         for (int k = 0; k < 4; k++) core_store_row(out->row[i + k], r[k]);
     }
 }
 
-CORE_INLINE void core_rows_to_lanes(const double (*rows)[4], double *x, double *y, double *z, double *w)
-{
+CORE_INLINE void core_rows_to_lanes(
+    const double (*rows)[4], double *x, double *y, double *z, double *w) {
     for (int i = 0; i < CORE_LANES; i += 4) {
-        core_d4 r[4] = {core_load_row(rows[i]), core_load_row(rows[i + 1]), core_load_row(rows[i + 2]), core_load_row(rows[i + 3])};
+        core_d4 r[4] = {core_load_row(rows[i]), core_load_row(rows[i + 1]),
+            core_load_row(rows[i + 2]), core_load_row(rows[i + 3])};
         core_turn_rows(r);
         core_store_row(x + i, r[0]);
         core_store_row(y + i, r[1]);
@@ -149,15 +163,16 @@ CORE_INLINE void core_rows_to_lanes(const double (*rows)[4], double *x, double *
 }
 
 /* sum += factor row */
-CORE_INLINE void core_add_row(double *sum, const double *row, double factor)
-{
-    core_store_row(sum, core_load_row(sum) + core_load_row(row) * (core_d4){factor, factor, factor, factor});
+CORE_INLINE void core_add_row(double *sum, const double *row, double factor) {
+    core_store_row(
+        sum, core_load_row(sum) + core_load_row(row) * (core_d4){factor, factor, factor, factor});
 }
 
-CORE_INLINE void core_add_whole(double *sum, const double *row) { core_store_row(sum, core_load_row(sum) + core_load_row(row)); }
+CORE_INLINE void core_add_whole(double *sum, const double *row) {
+    core_store_row(sum, core_load_row(sum) + core_load_row(row));
+}
 #else
-CORE_INLINE void core_gather_edges(core_points points, core_batch *out)
-{
+CORE_INLINE void core_gather_edges(core_points points, core_batch *out) {
     for (int i = 0; i < CORE_LANES; i++) {
         float p[3][3];
         for (int k = 0; k < 3; k++) memcpy(p[k], core_point_at(points, i, k), sizeof p[k]);
@@ -169,8 +184,8 @@ CORE_INLINE void core_gather_edges(core_points points, core_batch *out)
     }
 }
 
-CORE_INLINE void core_floats_to_threes(const float *x, const float *y, const float *z, float (*out)[3])
-{
+CORE_INLINE void core_floats_to_threes(
+    const float *x, const float *y, const float *z, float (*out)[3]) {
     for (int i = 0; i < CORE_LANES; i++) {
         out[i][0] = x[i];
         out[i][1] = y[i];
@@ -178,8 +193,8 @@ CORE_INLINE void core_floats_to_threes(const float *x, const float *y, const flo
     }
 }
 
-CORE_INLINE void core_lanes_to_rows(const double *x, const double *y, const double *z, const double *w, core_rows *out)
-{
+CORE_INLINE void core_lanes_to_rows(
+    const double *x, const double *y, const double *z, const double *w, core_rows *out) {
     for (int i = 0; i < CORE_LANES; i++) {
         out->row[i][0] = x[i];
         out->row[i][1] = y[i];
@@ -188,8 +203,8 @@ CORE_INLINE void core_lanes_to_rows(const double *x, const double *y, const doub
     }
 }
 
-CORE_INLINE void core_rows_to_lanes(const double (*rows)[4], double *x, double *y, double *z, double *w)
-{
+CORE_INLINE void core_rows_to_lanes(
+    const double (*rows)[4], double *x, double *y, double *z, double *w) {
     for (int i = 0; i < CORE_LANES; i++) {
         x[i] = rows[i][0];
         y[i] = rows[i][1];
@@ -198,13 +213,11 @@ CORE_INLINE void core_rows_to_lanes(const double (*rows)[4], double *x, double *
     }
 }
 
-CORE_INLINE void core_add_row(double *sum, const double *row, double factor)
-{
+CORE_INLINE void core_add_row(double *sum, const double *row, double factor) {
     for (int k = 0; k < 4; k++) sum[k] += row[k] * factor;
 }
 
-CORE_INLINE void core_add_whole(double *sum, const double *row)
-{
+CORE_INLINE void core_add_whole(double *sum, const double *row) {
     for (int k = 0; k < 4; k++) sum[k] += row[k];
 }
 #endif

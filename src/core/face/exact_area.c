@@ -1,5 +1,6 @@
-/* exact_area.c: every finite double is an integer times a power of two, so all points of a face are integers in the unit of the least bit among them, and sums of
- * products of their differences are integers too: in 128 bits where they fit (nearly always), else in as many words as it takes. */
+/* exact_area.c: every finite double is an integer times a power of two, so all points of a face are
+ * integers in the unit of the least bit among them, and sums of products of their differences are
+ * integers too: in 128 bits where they fit (nearly always), else in as many words as it takes. */
 #include "core/face/exact_area.h"
 #include <math.h>
 #include <stdint.h>
@@ -8,9 +9,10 @@
 __extension__ typedef __int128 wide;
 __extension__ typedef unsigned __int128 unsigned_wide;
 
-/* The least and the highest bit that any coordinate uses, as powers of two; 0 where all coordinates are zero. */
-static int bit_range(exact_point *point, const void *context, size_t count, int *least, int *highest)
-{
+/* The least and the highest bit that any coordinate uses, as powers of two; 0 where all coordinates
+ * are zero. */
+static int bit_range(
+    exact_point *point, const void *context, size_t count, int *least, int *highest) {
     int any = 0;
     for (size_t i = 0; i < count; i++) {
         double p[3];
@@ -21,7 +23,10 @@ static int bit_range(exact_point *point, const void *context, size_t count, int 
             uint64_t mantissa = (uint64_t)ldexp(fabs(frexp(p[k], &exponent)), 53);
             const int top = exponent - 1;
             int bottom = exponent - 53;
-            while (!(mantissa & 1)) { mantissa >>= 1; bottom++; }
+            while (!(mantissa & 1)) {
+                mantissa >>= 1;
+                bottom++;
+            }
             if (!any || bottom < *least) *least = bottom;
             if (!any || top > *highest) *highest = top;
             any = 1;
@@ -32,29 +37,31 @@ static int bit_range(exact_point *point, const void *context, size_t count, int 
 
 /* ---- 128 bits */
 
-static void integer_point(exact_point *point, const void *context, size_t index, int unit, int64_t out[3])
-{
+static void integer_point(
+    exact_point *point, const void *context, size_t index, int unit, int64_t out[3]) {
     double p[3];
     point(context, index, p);
     for (int k = 0; k < 3; k++) out[k] = (int64_t)ldexp(p[k], -unit);
 }
 
-static double wide_to_double(wide value)
-{
+static double wide_to_double(wide value) {
     const unsigned_wide magnitude = value < 0 ? -(unsigned_wide)value : (unsigned_wide)value;
     const double high = (double)(uint64_t)(magnitude >> 64), low = (double)(uint64_t)magnitude;
     const double result = high * 0x1p64 + low;
     return value < 0 ? -result : result;
 }
 
-static void wide_area(exact_point *point, const void *context, size_t count, int unit, double area[3])
-{
+static void wide_area(
+    exact_point *point, const void *context, size_t count, int unit, double area[3]) {
     int64_t origin[3], p[3], u[3], v[3] = {0, 0, 0};
     wide sum[3] = {0, 0, 0};
     integer_point(point, context, 0, unit, origin);
     for (size_t i = 1; i < count; i++) {
         integer_point(point, context, i, unit, p);
-        for (int k = 0; k < 3; k++) { u[k] = v[k]; v[k] = p[k] - origin[k]; }
+        for (int k = 0; k < 3; k++) {
+            u[k] = v[k];
+            v[k] = p[k] - origin[k];
+        }
         sum[0] += (wide)u[1] * v[2] - (wide)u[2] * v[1];
         sum[1] += (wide)u[2] * v[0] - (wide)u[0] * v[2];
         sum[2] += (wide)u[0] * v[1] - (wide)u[1] * v[0];
@@ -64,21 +71,28 @@ static void wide_area(exact_point *point, const void *context, size_t count, int
 
 /* ---- as many words as it takes: two's complement, least word first, all of one length */
 
-enum { MOST_WORDS = 144 };            /* products of two differences of doubles: 2 * (2098 + 2) bits, and 64 for a sum of 2^64 of them */
+enum {
+    MOST_WORDS = 144
+}; /* products of two differences of doubles: 2 * (2098 + 2) bits, and 64 for a sum of 2^64 of them
+    */
 
-typedef struct integer { uint32_t word[MOST_WORDS]; } integer;
+typedef struct integer {
+    uint32_t word[MOST_WORDS];
+} integer;
 
-static void integer_from_double(double value, int unit, int words, integer *out)
-{
+static void integer_from_double(double value, int unit, int words, integer *out) {
     memset(out, 0, sizeof *out);
     if (value == 0) return;
     int exponent;
     const uint64_t mantissa = (uint64_t)ldexp(fabs(frexp(value, &exponent)), 53);
-    const int shift = exponent - 53 - unit;      /* the mantissa's own unit, in ours; negative only over bits that are zero */
+    const int shift =
+        exponent - 53 -
+        unit; /* the mantissa's own unit, in ours; negative only over bits that are zero */
     const uint64_t bits = shift < 0 ? mantissa >> -shift : mantissa;
     const int at = shift < 0 ? 0 : shift / 32, within = shift < 0 ? 0 : shift % 32;
     const unsigned_wide placed = (unsigned_wide)bits << within;
-    for (int i = 0; i < 3 && at + i < words; i++) out->word[at + i] = (uint32_t)(placed >> (32 * i));
+    for (int i = 0; i < 3 && at + i < words; i++)
+        out->word[at + i] = (uint32_t)(placed >> (32 * i));
     if (value > 0) return;
     uint64_t carry = 1;
     for (int i = 0; i < words; i++) {
@@ -88,8 +102,7 @@ static void integer_from_double(double value, int unit, int words, integer *out)
     }
 }
 
-static void integer_subtract(const integer *a, const integer *b, int words, integer *out)
-{
+static void integer_subtract(const integer *a, const integer *b, int words, integer *out) {
     uint64_t carry = 1;
     for (int i = 0; i < words; i++) {
         carry += (uint64_t)a->word[i] + (uint32_t)~b->word[i];
@@ -98,9 +111,10 @@ static void integer_subtract(const integer *a, const integer *b, int words, inte
     }
 }
 
-/* sum += a b, or -= where subtract, all modulo 2^(32 words), which two's complement makes right for either sign. */
-static void integer_add_product(const integer *a, const integer *b, int subtract, int words, integer *sum)
-{
+/* sum += a b, or -= where subtract, all modulo 2^(32 words), which two's complement makes right for
+ * either sign. */
+static void integer_add_product(
+    const integer *a, const integer *b, int subtract, int words, integer *sum) {
     integer product;
     memset(&product, 0, sizeof product);
     for (int i = 0; i < words; i++) {
@@ -121,23 +135,21 @@ static void integer_add_product(const integer *a, const integer *b, int subtract
 }
 
 /* Makes value its magnitude; returns whether it was negative. */
-static int integer_magnitude(integer *value, int words)
-{
+static int integer_magnitude(integer *value, int words) {
     if (!(value->word[words - 1] >> 31)) return 0;
     const integer zero = {{0}}, negative = *value;
     integer_subtract(&zero, &negative, words, value);
     return 1;
 }
 
-static int top_word(const integer *value, int words)
-{
+static int top_word(const integer *value, int words) {
     while (words > 0 && !value->word[words - 1]) words--;
     return words;
 }
 
-/* The three as doubles in the unit of 2^(32 * base): the three words from base on hold at least 64 bits of the largest. */
-static int integers_to_doubles(integer sum[3], int words, double out[3], int *exponent)
-{
+/* The three as doubles in the unit of 2^(32 * base): the three words from base on hold at least 64
+ * bits of the largest. */
+static int integers_to_doubles(integer sum[3], int words, double out[3], int *exponent) {
     int negative[3], top = 0;
     for (int k = 0; k < 3; k++) {
         negative[k] = integer_magnitude(&sum[k], words);
@@ -146,15 +158,17 @@ static int integers_to_doubles(integer sum[3], int words, double out[3], int *ex
     }
     const int base = top > 3 ? top - 3 : 0;
     for (int k = 0; k < 3; k++) {
-        const double value = ((double)sum[k].word[base + 2] * 0x1p32 + (double)sum[k].word[base + 1]) * 0x1p32 + (double)sum[k].word[base];
+        const double value =
+            ((double)sum[k].word[base + 2] * 0x1p32 + (double)sum[k].word[base + 1]) * 0x1p32 +
+            (double)sum[k].word[base];
         out[k] = negative[k] ? -value : value;
     }
     *exponent = 32 * base;
     return top > 0;
 }
 
-static int long_area(exact_point *point, const void *context, size_t count, int unit, int words, double area[3], int *exponent)
-{
+static int long_area(exact_point *point, const void *context, size_t count, int unit, int words,
+    double area[3], int *exponent) {
     integer origin[3], p, u[3], v[3], sum[3];
     double at[3];
     point(context, 0, at);
@@ -176,15 +190,14 @@ static int long_area(exact_point *point, const void *context, size_t count, int 
     return integers_to_doubles(sum, words, area, exponent);
 }
 
-static int bits_of(size_t count)
-{
+static int bits_of(size_t count) {
     int bits = 0;
     for (; count; count >>= 1) bits++;
     return bits;
 }
 
-int norma_core_exact_area(exact_point *point, const void *context, size_t count, double area[3], int *exponent)
-{
+int norma_core_exact_area(
+    exact_point *point, const void *context, size_t count, double area[3], int *exponent) {
     int least = 0, highest = 0;
     area[0] = area[1] = area[2] = 0;
     *exponent = 0;

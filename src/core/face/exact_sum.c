@@ -1,31 +1,27 @@
-/* exact_sum.c: the register of exact_sum.h, in 32-bit limbs, so that only integer arithmetic that every compiler has is needed. */
+/* exact_sum.c: the register of exact_sum.h, in 32-bit limbs, so that only integer arithmetic that
+ * every compiler has is needed. */
 #include "core/face/exact_sum.h"
 #include <math.h>
 #include <string.h>
 
 enum { LOWEST_BIT = -EXACT_SUM_FACTORS * 1074, PRODUCT_LIMBS = 2 * EXACT_SUM_FACTORS + 1 };
 
-void norma_exact_clear(exact_sum *sum)
-{
-    memset(sum->limb, 0, sizeof sum->limb);
-}
+void norma_exact_clear(exact_sum *sum) { memset(sum->limb, 0, sizeof sum->limb); }
 
 /* |value| as an integer of at most 53 bits times 2^*exponent. */
-static uint64_t integer_and_exponent(double value, int *exponent)
-{
+static uint64_t integer_and_exponent(double value, int *exponent) {
     int e = 0;
     const double fraction = frexp(fabs(value), &e);
     *exponent = e - 53;
     uint64_t bits = (uint64_t)ldexp(fraction, 53);
-    while (*exponent < -1074) {       /* subnormal: frexp shifted zeros in from below */
+    while (*exponent < -1074) { /* subnormal: frexp shifted zeros in from below */
         bits >>= 1;
         ++*exponent;
     }
     return bits;
 }
 
-static void multiply(uint32_t product[PRODUCT_LIMBS], uint64_t by)
-{
+static void multiply(uint32_t product[PRODUCT_LIMBS], uint64_t by) {
     const uint32_t half[2] = {(uint32_t)by, (uint32_t)(by >> 32)};
     uint32_t result[PRODUCT_LIMBS] = {0};
     for (int h = 0; h < 2; h++) {
@@ -39,16 +35,14 @@ static void multiply(uint32_t product[PRODUCT_LIMBS], uint64_t by)
     memcpy(product, result, sizeof result);
 }
 
-static void shift_left(uint32_t product[PRODUCT_LIMBS], int bits)
-{
+static void shift_left(uint32_t product[PRODUCT_LIMBS], int bits) {
     if (bits == 0) return;
     for (int i = PRODUCT_LIMBS - 1; i >= 0; i--)
         product[i] = product[i] << bits | (i ? product[i - 1] >> (32 - bits) : 0);
 }
 
-static void add_at(exact_sum *sum, const uint32_t product[PRODUCT_LIMBS], int limb, int negative)
-{
-    uint64_t carry = negative ? 1 : 0;                 /* minus x is the complement of x, plus one */
+static void add_at(exact_sum *sum, const uint32_t product[PRODUCT_LIMBS], int limb, int negative) {
+    uint64_t carry = negative ? 1 : 0; /* minus x is the complement of x, plus one */
     for (int i = limb; i < EXACT_SUM_LIMBS; i++) {
         const uint32_t digit = i - limb < PRODUCT_LIMBS ? product[i - limb] : 0;
         carry += (uint64_t)sum->limb[i] + (negative ? (uint32_t)~digit : digit);
@@ -58,8 +52,7 @@ static void add_at(exact_sum *sum, const uint32_t product[PRODUCT_LIMBS], int li
     }
 }
 
-void norma_exact_add(exact_sum *sum, const double *factors, int count, int negative)
-{
+void norma_exact_add(exact_sum *sum, const double *factors, int count, int negative) {
     uint32_t product[PRODUCT_LIMBS] = {1};
     int exponent = 0;
     for (int i = 0; i < count; i++) {
@@ -69,13 +62,13 @@ void norma_exact_add(exact_sum *sum, const double *factors, int count, int negat
         exponent += e;
         negative ^= factors[i] < 0.0;
     }
-    const int bit = exponent - LOWEST_BIT;             /* at least 0: each factor's exponent is at least -1074 */
+    const int bit =
+        exponent - LOWEST_BIT; /* at least 0: each factor's exponent is at least -1074 */
     shift_left(product, bit % 32);
     add_at(sum, product, bit / 32, negative);
 }
 
-static void negate(exact_sum *sum)
-{
+static void negate(exact_sum *sum) {
     uint64_t carry = 1;
     for (int i = 0; i < EXACT_SUM_LIMBS; i++) {
         carry += (uint32_t)~sum->limb[i];
@@ -84,8 +77,7 @@ static void negate(exact_sum *sum)
     }
 }
 
-scaled_number norma_exact_round(const exact_sum *sum)
-{
+scaled_number norma_exact_round(const exact_sum *sum) {
     exact_sum s = *sum;
     const int negative = s.limb[EXACT_SUM_LIMBS - 1] >> 31 != 0;
     if (negative) negate(&s);
@@ -95,8 +87,10 @@ scaled_number norma_exact_round(const exact_sum *sum)
 
     int leading = 0;
     while (!(s.limb[top] >> (31 - leading))) leading++;
-    const uint32_t high = s.limb[top], middle = top > 0 ? s.limb[top - 1] : 0, low = top > 1 ? s.limb[top - 2] : 0;
-    uint64_t bits = ((uint64_t)high << 32 | middle) << leading;        /* the highest 64 bits; below them: sticky */
+    const uint32_t high = s.limb[top], middle = top > 0 ? s.limb[top - 1] : 0,
+                   low = top > 1 ? s.limb[top - 2] : 0;
+    uint64_t bits = ((uint64_t)high << 32 | middle)
+                    << leading; /* the highest 64 bits; below them: sticky */
     if (leading) bits |= low >> (32 - leading);
     int sticky = leading < 32 && (uint32_t)(low << leading) != 0;
     for (int i = top - 3; i >= 0 && !sticky; i--) sticky = s.limb[i] != 0;
@@ -110,15 +104,13 @@ scaled_number norma_exact_round(const exact_sum *sum)
     return rounded;
 }
 
-scaled_number norma_scaled_from_double(double value)
-{
+scaled_number norma_scaled_from_double(double value) {
     if (value == 0.0) return (scaled_number){0.0, 0};
     int e;
     const double fraction = frexp(value, &e);
     return (scaled_number){2.0 * fraction, e - 1};
 }
 
-double norma_scaled_to_double(scaled_number number)
-{
+double norma_scaled_to_double(scaled_number number) {
     return ldexp(number.mantissa, number.exponent);
 }

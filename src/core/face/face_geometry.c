@@ -1,37 +1,35 @@
-/* face_geometry.c: a face's direction is that of its vector area, sum of (p_i - p_0) x (p_{i+1} - p_0) (Newell's method, Sutherland, Sproull, Schumacker 1974,
- * relative to one vertex, so that no distance from the origin is felt). Doubles where their error bound shows the direction right to 2^-30 rad; exact
- * integers where it does not: thin faces, and all that may have no area at all. */
+/* face_geometry.c: a face's direction is that of its vector area, sum of (p_i - p_0) x (p_{i+1} -
+ * p_0) (Newell's method, Sutherland, Sproull, Schumacker 1974, relative to one vertex, so that no
+ * distance from the origin is felt). Doubles where their error bound shows the direction right to
+ * 2^-30 rad; exact integers where it does not: thin faces, and all that may have no area at all. */
 #include "core/face/face_geometry.h"
 #include "core/face/exact_area.h"
 #include "core/face/triangle.h"
 
-size_t norma_core_next_kept(const core_mesh *mesh, size_t face, size_t corner)
-{
+size_t norma_core_next_kept(const core_mesh *mesh, size_t face, size_t corner) {
     do corner = norma_core_next_in_face(mesh, face, corner);
     while (!norma_core_is_kept(mesh, face, corner));
     return corner;
 }
 
-size_t norma_core_previous_kept(const core_mesh *mesh, size_t face, size_t corner)
-{
+size_t norma_core_previous_kept(const core_mesh *mesh, size_t face, size_t corner) {
     do corner = norma_core_previous_in_face(mesh, face, corner);
     while (!norma_core_is_kept(mesh, face, corner));
     return corner;
 }
 
-double norma_core_length(const double v[3])
-{
+double norma_core_length(const double v[3]) {
     const double square = norma_core_dot(v, v);
     if (square > NORMA_TINIEST && square < NORMA_HUGEST) return sqrt(square);
     const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
     if (!(largest > 0) || largest > 0x1.fffffffffffffp1023) return largest;
     const int exponent = ilogb(largest);
-    const double scaled[3] = {ldexp(v[0], -exponent), ldexp(v[1], -exponent), ldexp(v[2], -exponent)};
+    const double scaled[3] = {
+        ldexp(v[0], -exponent), ldexp(v[1], -exponent), ldexp(v[2], -exponent)};
     return ldexp(sqrt(norma_core_dot(scaled, scaled)), exponent);
 }
 
-void norma_core_normalise(const double v[3], double unit[3])
-{
+void norma_core_normalise(const double v[3], double unit[3]) {
     double scaled[3] = {v[0], v[1], v[2]};
     const double square = norma_core_dot(v, v);
     if (!(square > NORMA_TINIEST && square < NORMA_HUGEST)) {
@@ -43,34 +41,35 @@ void norma_core_normalise(const double v[3], double unit[3])
         const int exponent = ilogb(largest);
         for (int k = 0; k < 3; k++) scaled[k] = ldexp(v[k], -exponent);
     }
-    const double inverse = 1 / sqrt(norma_core_dot(scaled, scaled));       /* as the kernel that makes eight at once */
+    const double inverse =
+        1 / sqrt(norma_core_dot(scaled, scaled)); /* as the kernel that makes eight at once */
     for (int k = 0; k < 3; k++) unit[k] = scaled[k] * inverse;
 }
 
-/* Walks a face's kept corners in ascending order, for whoever asks for point 0, 1, 2, ... (and 0 again). */
+/* Walks a face's kept corners in ascending order, for whoever asks for point 0, 1, 2, ... (and 0
+ * again). */
 typedef struct kept_walk {
     const core_mesh *mesh;
-    size_t           face, corner;
+    size_t face, corner;
 } kept_walk;
 
-static void kept_point(const void *context, size_t index, double point[3])
-{
+static void kept_point(const void *context, size_t index, double point[3]) {
     kept_walk *walk = (kept_walk *)(uintptr_t)context;
-    if (index == 0) walk->corner = norma_core_face_begin(walk->mesh, walk->face);
-    else walk->corner++;
+    if (index == 0)
+        walk->corner = norma_core_face_begin(walk->mesh, walk->face);
+    else
+        walk->corner++;
     while (!norma_core_is_kept(walk->mesh, walk->face, walk->corner)) walk->corner++;
     norma_core_position(walk->mesh, norma_core_corner(walk->mesh, walk->corner), point);
 }
 
-static void set_direction(core_face *out, const double area[3], double length)
-{
+static void set_direction(core_face *out, const double area[3], double length) {
     for (int k = 0; k < 3; k++) out->normal[k] = area[k] / length;
     out->twice_area = length;
     out->flags |= CORE_FACE_DIRECTED;
 }
 
-static void exact_direction(exact_point *point, const void *context, size_t count, core_face *out)
-{
+static void exact_direction(exact_point *point, const void *context, size_t count, core_face *out) {
     double area[3];
     int exponent;
     if (!norma_core_exact_area(point, context, count, area, &exponent)) return;
@@ -81,17 +80,16 @@ static void exact_direction(exact_point *point, const void *context, size_t coun
 
 typedef double triangle_points[3][3];
 
-static void triangle_point(const void *context, size_t index, double point[3])
-{
+static void triangle_point(const void *context, size_t index, double point[3]) {
     memcpy(point, ((const double(*)[3])context)[index], sizeof(double[3]));
 }
 
-static void triangle_direction(triangle_points p, core_face *out)
-{
+static void triangle_direction(triangle_points p, core_face *out) {
     double u[3], v[3];
     norma_core_subtract(p[1], p[0], u);
     norma_core_subtract(p[2], p[0], v);
-    if (norma_core_triangle(u[0], u[1], u[2], v[0], v[1], v[2], &out->normal[0], &out->normal[1], &out->normal[2], &out->twice_area)) {
+    if (norma_core_triangle(u[0], u[1], u[2], v[0], v[1], v[2], &out->normal[0], &out->normal[1],
+            &out->normal[2], &out->twice_area)) {
         out->flags |= CORE_FACE_FINITE | CORE_FACE_DIRECTED;
         return;
     }
@@ -101,8 +99,7 @@ static void triangle_direction(triangle_points p, core_face *out)
     if (out->flags & CORE_FACE_EDGED) exact_direction(triangle_point, p, 3, out);
 }
 
-static void triangle_geometry(const core_mesh *mesh, size_t face, core_face *out)
-{
+static void triangle_geometry(const core_mesh *mesh, size_t face, core_face *out) {
     const size_t c = norma_core_face_begin(mesh, face);
     triangle_points p;
     uint32_t at[3], welded[3];
@@ -111,31 +108,34 @@ static void triangle_geometry(const core_mesh *mesh, size_t face, core_face *out
         welded[k] = norma_core_welded(mesh, at[k]);
         norma_core_position(mesh, at[k], p[k]);
     }
-    out->kept = (uint32_t)((welded[0] != welded[1]) + (welded[1] != welded[2]) + (welded[2] != welded[0]));
+    out->kept =
+        (uint32_t)((welded[0] != welded[1]) + (welded[1] != welded[2]) + (welded[2] != welded[0]));
     if (out->kept == 3) out->flags = CORE_FACE_EDGED;
     triangle_direction(p, out);
     if (out->kept == 3) return;
-    out->normal[0] = out->normal[1] = out->normal[2] = out->twice_area = 0;   /* corners welded over a distance may span an area, which has no vote */
+    out->normal[0] = out->normal[1] = out->normal[2] = out->twice_area =
+        0; /* corners welded over a distance may span an area, which has no vote */
     out->flags &= CORE_FACE_FINITE;
 }
 
-/* Multiplied and folded like a hash; the sum over the undirected edges is the same for a face and its twin, whatever corner they begin at. */
-static uint64_t edge_key(uint32_t a, uint32_t b)
-{
+/* Multiplied and folded like a hash; the sum over the undirected edges is the same for a face and
+ * its twin, whatever corner they begin at. */
+static uint64_t edge_key(uint32_t a, uint32_t b) {
     uint64_t h = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
     h = (h ^ (h >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     h = (h ^ (h >> 27)) * UINT64_C(0x94d049bb133111eb);
     return h ^ (h >> 31);
 }
 
-/* Counts the kept corners, keys the edges between them, and tells whether all corners are finite. */
-static void polygon_outline(const core_mesh *mesh, size_t face, core_face *out)
-{
+/* Counts the kept corners, keys the edges between them, and tells whether all corners are finite.
+ */
+static void polygon_outline(const core_mesh *mesh, size_t face, core_face *out) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     int finite = 1;
     for (size_t c = begin; c < end; c++) {
         const size_t next = norma_core_next_in_face(mesh, face, c);
-        const uint32_t a = norma_core_welded_corner(mesh, c), b = norma_core_welded_corner(mesh, next);
+        const uint32_t a = norma_core_welded_corner(mesh, c),
+                       b = norma_core_welded_corner(mesh, next);
         double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
         finite &= norma_core_finite(p);
@@ -147,10 +147,10 @@ static void polygon_outline(const core_mesh *mesh, size_t face, core_face *out)
     if (out->kept >= 3) out->flags |= CORE_FACE_EDGED;
 }
 
-static void polygon_direction(const core_mesh *mesh, size_t face, core_face *out)
-{
+static void polygon_direction(const core_mesh *mesh, size_t face, core_face *out) {
     kept_walk walk = {.mesh = mesh, .face = face};
-    double origin[3], p[3], u[3] = {0, 0, 0}, v[3] = {0, 0, 0}, term[3], area[3] = {0, 0, 0}, size = 0;
+    double origin[3], p[3], u[3] = {0, 0, 0}, v[3] = {0, 0, 0}, term[3], area[3] = {0, 0, 0},
+                            size = 0;
     kept_point(&walk, 0, origin);
     for (uint32_t i = 1; i < out->kept; i++) {
         memcpy(u, v, sizeof u);
@@ -158,15 +158,17 @@ static void polygon_direction(const core_mesh *mesh, size_t face, core_face *out
         norma_core_subtract(p, origin, v);
         norma_core_cross(u, v, term);
         for (int k = 0; k < 3; k++) area[k] += term[k];
-        size += norma_core_dot(v, v);              /* at least the sum of the |u| |v| */
+        size += norma_core_dot(v, v); /* at least the sum of the |u| |v| */
     }
-    const double square = norma_core_dot(area, area), bound = 0x1p-22 * (double)(out->kept + 8) * size;
-    if (square >= bound * bound && square > NORMA_TINIEST && square < NORMA_HUGEST) set_direction(out, area, sqrt(square));
-    else exact_direction(kept_point, &walk, out->kept, out);
+    const double square = norma_core_dot(area, area),
+                 bound = 0x1p-22 * (double)(out->kept + 8) * size;
+    if (square >= bound * bound && square > NORMA_TINIEST && square < NORMA_HUGEST)
+        set_direction(out, area, sqrt(square));
+    else
+        exact_direction(kept_point, &walk, out->kept, out);
 }
 
-void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out)
-{
+void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out) {
     *out = (core_face){0};
     if (norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face) == 3) {
         triangle_geometry(mesh, face, out);
@@ -177,13 +179,13 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
         return;
     }
     polygon_outline(mesh, face, out);
-    if ((out->flags & CORE_FACE_FINITE) && (out->flags & CORE_FACE_EDGED)) polygon_direction(mesh, face, out);
+    if ((out->flags & CORE_FACE_FINITE) && (out->flags & CORE_FACE_EDGED))
+        polygon_direction(mesh, face, out);
 }
 
 /* ---- triangles, some at a time */
 
-static int load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane)
-{
+static int load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane) {
     double p[3][3];
     uint32_t welded[3];
     for (size_t k = 0; k < 3; k++) {
@@ -198,36 +200,42 @@ static int load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int 
     return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
 }
 
-static void take_lane(const core_batch *batch, int lane, core_face *out)
-{
-    *out = (core_face){.twice_area = batch->twice_area[lane], .kept = 3, .flags = CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED};
+static void take_lane(const core_batch *batch, int lane, core_face *out) {
+    *out = (core_face){.twice_area = batch->twice_area[lane],
+        .kept = 3,
+        .flags = CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED};
     for (int k = 0; k < 3; k++) out->normal[k] = batch->normal[k][lane];
 }
 
-void norma_core_faces_geometry(const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out)
-{
+void norma_core_faces_geometry(
+    const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out) {
     core_batch batch;
     int edged[CORE_LANES];
     if (mesh->face_starts) {
         for (size_t i = 0; i < count; i++) norma_core_face_geometry(mesh, face + i, &out[i]);
         return;
     }
-    for (int i = 0; i < CORE_LANES; i++) edged[i] = load_lane(mesh, (size_t)i < count ? face + (size_t)i : face, &batch, i);
+    for (int i = 0; i < CORE_LANES; i++)
+        edged[i] = load_lane(mesh, (size_t)i < count ? face + (size_t)i : face, &batch, i);
     call->measure(&batch, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER);
     for (int i = 0; (size_t)i < count; i++) {
-        if (edged[i] && batch.sure[i] != 0) take_lane(&batch, i, &out[i]);
-        else norma_core_face_geometry(mesh, face + (size_t)i, &out[i]);
+        if (edged[i] && batch.sure[i] != 0)
+            take_lane(&batch, i, &out[i]);
+        else
+            norma_core_face_geometry(mesh, face + (size_t)i, &out[i]);
     }
 }
 
 /* ---- weights */
 
-/* The cross product of two edges at a polygon's corner, as rounded doubles have it, made exact where they would not tell a needle from nothing, nor one side of it from the other;
- * its length. */
-static double settle_corner_cross(const double p[3], const double next[3], const double previous[3], double squares, double cross[3])
-{
+/* The cross product of two edges at a polygon's corner, as rounded doubles have it, made exact
+ * where they would not tell a needle from nothing, nor one side of it from the other; its length.
+ */
+static double settle_corner_cross(const double p[3], const double next[3], const double previous[3],
+    double squares, double cross[3]) {
     const double square = norma_core_dot(cross, cross);
-    if (square >= 0x1p-40 * squares && square > NORMA_TINIEST && square < NORMA_HUGEST) return sqrt(square);
+    if (square >= 0x1p-40 * squares && square > NORMA_TINIEST && square < NORMA_HUGEST)
+        return sqrt(square);
     triangle_points points;
     memcpy(points[0], p, sizeof points[0]);
     memcpy(points[1], next, sizeof points[1]);
@@ -238,34 +246,41 @@ static double settle_corner_cross(const double p[3], const double next[3], const
     return corner.twice_area;
 }
 
-/* A corner that stands upright on its polygon is not reflex: what its cross product has along the normal must be more than rounding. */
-static double polygon_weight(norma_weight weight, const core_face *face, const double p[3], const double next[3], const double previous[3])
-{
+/* A corner that stands upright on its polygon is not reflex: what its cross product has along the
+ * normal must be more than rounding. */
+static double polygon_weight(norma_weight weight, const core_face *face, const double p[3],
+    const double next[3], const double previous[3]) {
     double a[3], b[3], cross[3], length = 0;
     norma_core_subtract(next, p, a);
     norma_core_subtract(previous, p, b);
     const double aa = norma_core_dot(a, a), bb = norma_core_dot(b, b);
     norma_core_cross(a, b, cross);
-    if (weight != NORMA_WEIGHT_UNIFORM && weight != NORMA_WEIGHT_AREA && weight != NORMA_WEIGHT_VISIBLE)
+    if (weight != NORMA_WEIGHT_UNIFORM && weight != NORMA_WEIGHT_AREA &&
+        weight != NORMA_WEIGHT_VISIBLE)
         length = settle_corner_cross(p, next, previous, aa * bb, cross);
-    return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area, norma_core_dot(cross, face->normal) < -0x1p-46 * length);
+    return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area,
+        norma_core_dot(cross, face->normal) < -0x1p-46 * length);
 }
 
 /* Its one cross product serves at every corner. */
-static double triangle_weight(norma_weight weight, const core_face *face, const double p[3], const double next[3], const double previous[3])
-{
+static double triangle_weight(norma_weight weight, const core_face *face, const double p[3],
+    const double next[3], const double previous[3]) {
     double a[3], b[3];
     norma_core_subtract(next, p, a);
     norma_core_subtract(previous, p, b);
-    return norma_core_weigh(weight, norma_core_dot(a, a), norma_core_dot(b, b), norma_core_dot(a, b), face->twice_area, face->twice_area, 0);
+    return norma_core_weigh(weight, norma_core_dot(a, a), norma_core_dot(b, b),
+        norma_core_dot(a, b), face->twice_area, face->twice_area, 0);
 }
 
-double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number, const core_face *face, size_t corner)
-{
+double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number,
+    const core_face *face, size_t corner) {
     double p[3], next[3], previous[3];
     norma_core_position(mesh, norma_core_corner(mesh, corner), p);
-    norma_core_position(mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, number, corner)), next);
-    norma_core_position(mesh, norma_core_corner(mesh, norma_core_previous_kept(mesh, number, corner)), previous);
-    if (norma_core_face_end(mesh, number) - norma_core_face_begin(mesh, number) == 3) return triangle_weight(weight, face, p, next, previous);
+    norma_core_position(
+        mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, number, corner)), next);
+    norma_core_position(
+        mesh, norma_core_corner(mesh, norma_core_previous_kept(mesh, number, corner)), previous);
+    if (norma_core_face_end(mesh, number) - norma_core_face_begin(mesh, number) == 3)
+        return triangle_weight(weight, face, p, next, previous);
     return polygon_weight(weight, face, p, next, previous);
 }

@@ -1,4 +1,5 @@
-/* face_normals.c: norma_face_normals. Each face by itself; a weld matters only where it joins positions that differ. */
+/* face_normals.c: norma_face_normals. Each face by itself; a weld matters only where it joins
+ * positions that differ. */
 #include "core/mesh/nearest.h"
 #include "core/mesh/output.h"
 #include "core/corner/prepared_mesh.h"
@@ -7,33 +8,29 @@
 enum { FACES_IN_CHUNK = 8192 };
 
 typedef struct face_work {
-    const core_call   *call;
-    const core_mesh   *mesh;
+    const core_call *call;
+    const core_mesh *mesh;
     const core_output *output;
-    core_tally        *tallies;
+    core_tally *tallies;
 } face_work;
 
-static int face_reason(const core_face *face)
-{
+static int face_reason(const core_face *face) {
     if (face->flags & CORE_FACE_DIRECTED) return NORMA_REASON_NONE;
     return face->flags & CORE_FACE_FINITE ? NORMA_REASON_DEGENERATE : NORMA_REASON_NON_FINITE;
 }
 
-static int take_normal(const core_face *face, float normal[3])
-{
-    for (int k = 0; k < 3; k++) normal[k] = (float)face->normal[k] + 0.0F;   /* never -0 */
+static int take_normal(const core_face *face, float normal[3]) {
+    for (int k = 0; k < 3; k++) normal[k] = (float)face->normal[k] + 0.0F; /* never -0 */
     return face_reason(face);
 }
 
-static int face_normal(const core_mesh *mesh, size_t f, float normal[3])
-{
+static int face_normal(const core_mesh *mesh, size_t f, float normal[3]) {
     core_face face;
     norma_core_face_geometry(mesh, f, &face);
     return take_normal(&face, normal);
 }
 
-static void write_chunk(void *context, size_t chunk)
-{
+static void write_chunk(void *context, size_t chunk) {
     const face_work *work = context;
     const size_t begin = chunk * FACES_IN_CHUNK, count = work->mesh->face_count;
     const size_t end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
@@ -49,9 +46,10 @@ static void write_chunk(void *context, size_t chunk)
     }
 }
 
-static norma_result write_all(core_call *call, const core_mesh *mesh, const core_output *output, core_tally *sum)
-{
-    const size_t chunks = mesh->face_count / FACES_IN_CHUNK + (mesh->face_count % FACES_IN_CHUNK != 0);
+static norma_result write_all(
+    core_call *call, const core_mesh *mesh, const core_output *output, core_tally *sum) {
+    const size_t chunks =
+        mesh->face_count / FACES_IN_CHUNK + (mesh->face_count % FACES_IN_CHUNK != 0);
     face_work work = {call, mesh, output, norma_core_allocate(call, chunks, sizeof *work.tallies)};
     if (!work.tallies) return NORMA_ERROR_MEMORY;
     memset(work.tallies, 0, chunks * sizeof *work.tallies);
@@ -61,33 +59,37 @@ static norma_result write_all(core_call *call, const core_mesh *mesh, const core
     return result;
 }
 
-/* The position that stands for a face among its neighbours. A face without corners is at none, and gets the first normal. */
-static uint32_t place_of(const core_mesh *mesh, size_t f)
-{
+/* The position that stands for a face among its neighbours. A face without corners is at none, and
+ * gets the first normal. */
+static uint32_t place_of(const core_mesh *mesh, size_t f) {
     const size_t begin = norma_core_face_begin(mesh, f);
     return begin < norma_core_face_end(mesh, f) ? norma_core_corner(mesh, begin) : UINT32_MAX;
 }
 
-static void write_nearest(const core_mesh *mesh, const core_output *output, core_nearest *nearest)
-{
+static void write_nearest(const core_mesh *mesh, const core_output *output, core_nearest *nearest) {
     for (size_t f = 0; f < mesh->face_count; f++) {
         float normal[3];
         if (face_normal(mesh, f, normal) == NORMA_REASON_NONE) continue;
-        const uint32_t place = place_of(mesh, f), source = place == UINT32_MAX ? nearest->first : norma_core_nearest_find(nearest, place);
-        if (source == UINT32_MAX) normal[0] = normal[1] = normal[2] = 0;
-        else face_normal(mesh, source, normal);
+        const uint32_t place = place_of(mesh, f),
+                       source = place == UINT32_MAX ? nearest->first
+                                                    : norma_core_nearest_find(nearest, place);
+        if (source == UINT32_MAX)
+            normal[0] = normal[1] = normal[2] = 0;
+        else
+            face_normal(mesh, source, normal);
         norma_core_write_normal(output, f, normal);
     }
 }
 
-static norma_result fill_from_nearest(core_call *call, const core_mesh *mesh, const core_output *output, size_t queries)
-{
+static norma_result fill_from_nearest(
+    core_call *call, const core_mesh *mesh, const core_output *output, size_t queries) {
     core_nearest nearest;
     norma_result result = norma_core_nearest_begin(call, mesh, &nearest);
     if (result != NORMA_OK) return result;
     for (size_t f = 0; f < mesh->face_count; f++) {
         float normal[3];
-        if (face_normal(mesh, f, normal) == NORMA_REASON_NONE) norma_core_nearest_add(&nearest, place_of(mesh, f), (uint32_t)f);
+        if (face_normal(mesh, f, normal) == NORMA_REASON_NONE)
+            norma_core_nearest_add(&nearest, place_of(mesh, f), (uint32_t)f);
     }
     result = norma_core_nearest_plant(&nearest, queries);
     if (result == NORMA_OK) write_nearest(mesh, output, &nearest);
@@ -95,15 +97,17 @@ static norma_result fill_from_nearest(core_call *call, const core_mesh *mesh, co
     return result;
 }
 
-static norma_result compute(core_call *call, core_mesh *mesh, const core_output *output, norma_report *report)
-{
+static norma_result compute(
+    core_call *call, core_mesh *mesh, const core_output *output, norma_report *report) {
     core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     norma_core_stage(call, 0.1, 0.3);
-    norma_result result = call->options.weld == NORMA_WELD_DISTANCE ? norma_core_weld(call, mesh) : NORMA_OK;
+    norma_result result =
+        call->options.weld == NORMA_WELD_DISTANCE ? norma_core_weld(call, mesh) : NORMA_OK;
     norma_core_stage(call, 0.3, 0.95);
     if (result == NORMA_OK) result = write_all(call, mesh, output, &tally);
     const size_t without = tally.degenerate.count + tally.non_finite.count;
-    if (result == NORMA_OK && output->nearest && without) result = fill_from_nearest(call, mesh, output, without);
+    if (result == NORMA_OK && output->nearest && without)
+        result = fill_from_nearest(call, mesh, output, without);
     if (mesh->weld) norma_core_unweld(call, mesh);
     norma_core_stage(call, 1, 1);
     if (result == NORMA_OK && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
@@ -111,14 +115,15 @@ static norma_result compute(core_call *call, core_mesh *mesh, const core_output 
     return result;
 }
 
-norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *options, float *normals, size_t capacity, norma_report *report)
-{
+norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *options,
+    float *normals, size_t capacity, norma_report *report) {
     core_call call;
     core_mesh checked;
     core_output output;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) result = norma_core_output_open(&call, normals, checked.face_count, capacity, &output);
+    if (result == NORMA_OK)
+        result = norma_core_output_open(&call, normals, checked.face_count, capacity, &output);
     norma_core_stage(&call, 0, 0.1);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
     return result == NORMA_OK ? compute(&call, &checked, &output, report) : result;

@@ -1,28 +1,46 @@
-/* measure.c: batches measured, compiled for each instruction set of the machine's family and chosen at run time. */
+/* measure.c: batches measured, compiled for each instruction set of the machine's family and chosen
+ * at run time. */
 #include "core/face/measure_simd.h"
 
 /* One loop for each weight, so that none asks inside. */
-CORE_INLINE void measure(core_batch *t, norma_weight weight, core_corners wanted)
-{
+CORE_INLINE void measure(core_batch *t, norma_weight weight, core_corners wanted) {
     switch (weight) {
-    case NORMA_WEIGHT_ANGLE:         core_lanes_measure(t, NORMA_WEIGHT_ANGLE, wanted); break;
-    case NORMA_WEIGHT_AREA:          core_lanes_measure(t, NORMA_WEIGHT_AREA, wanted); break;
-    case NORMA_WEIGHT_MAX:           core_lanes_measure(t, NORMA_WEIGHT_MAX, wanted); break;
-    case NORMA_WEIGHT_ANGLE_AREA:    core_lanes_measure(t, NORMA_WEIGHT_ANGLE_AREA, wanted); break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS: core_lanes_measure(t, NORMA_WEIGHT_ANGLE_LENGTHS, wanted); break;
-    default:                         core_lanes_measure(t, NORMA_WEIGHT_UNIFORM, wanted); break;
+    case NORMA_WEIGHT_ANGLE:
+        core_lanes_measure(t, NORMA_WEIGHT_ANGLE, wanted);
+        break;
+    case NORMA_WEIGHT_AREA:
+        core_lanes_measure(t, NORMA_WEIGHT_AREA, wanted);
+        break;
+    case NORMA_WEIGHT_MAX:
+        core_lanes_measure(t, NORMA_WEIGHT_MAX, wanted);
+        break;
+    case NORMA_WEIGHT_ANGLE_AREA:
+        core_lanes_measure(t, NORMA_WEIGHT_ANGLE_AREA, wanted);
+        break;
+    case NORMA_WEIGHT_ANGLE_LENGTHS:
+        core_lanes_measure(t, NORMA_WEIGHT_ANGLE_LENGTHS, wanted);
+        break;
+    default:
+        core_lanes_measure(t, NORMA_WEIGHT_UNIFORM, wanted);
+        break;
     }
 }
 
-static void measure_portable(core_batch *t, norma_weight weight, core_corners wanted) { measure(t, weight, wanted); }
+static void measure_portable(core_batch *t, norma_weight weight, core_corners wanted) {
+    measure(t, weight, wanted);
+}
 
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void measure_avx2(core_batch *t, norma_weight weight, core_corners wanted) { measure(t, weight, wanted); }
-CORE_FOR_AVX512 static void measure_avx512(core_batch *t, norma_weight weight, core_corners wanted) { measure(t, weight, wanted); }
+CORE_FOR_AVX2 static void measure_avx2(core_batch *t, norma_weight weight, core_corners wanted) {
+    measure(t, weight, wanted);
+}
+CORE_FOR_AVX512 static void measure_avx512(
+    core_batch *t, norma_weight weight, core_corners wanted) {
+    measure(t, weight, wanted);
+}
 #endif
 
-core_measure *norma_core_choose_measure(norma_isa isa)
-{
+core_measure *norma_core_choose_measure(norma_isa isa) {
 #if defined(CORE_HAS_X86)
     static core_measure *const measures[] = {measure_portable, measure_avx2, measure_avx512};
     return measures[norma_core_level(isa)];

@@ -3,20 +3,26 @@
 #define NORMA_CORE_MEASURE_H
 #include <norma/norma.h>
 
-enum { CORE_LANES = 8 };                     /* the one vector width: a register of AVX-512, two of AVX2, four of SSE2 or NEON */
+enum {
+    CORE_LANES = 8
+}; /* the one vector width: a register of AVX-512, two of AVX2, four of SSE2 or NEON */
 
 typedef double core_lane[CORE_LANES];
 
 typedef struct core_batch {
     _Alignas(64) core_lane u[3];
-    core_lane v[3];                          /* in: the edges from each triangle's first corner to its second and third */
-    core_lane a[3];                          /* in, for weights: the edge from the second corner to the third */
-    core_lane normal[3], twice_area;         /* out */
-    core_lane weight[3];                     /* out: of the three corners */
-    double    sure[CORE_LANES];              /* out: 1 where doubles are enough, else 0, and what is said of the triangle is not to be used */
+    core_lane v[3]; /* in: the edges from each triangle's first corner to its second and third */
+    core_lane a[3]; /* in, for weights: the edge from the second corner to the third */
+    core_lane normal[3], twice_area; /* out */
+    core_lane weight[3];             /* out: of the three corners */
+    double sure[CORE_LANES]; /* out: 1 where doubles are enough, else 0, and what is said of the
+                                triangle is not to be used */
 } core_batch;
 
-typedef enum core_corners { CORE_NO_CORNER = 0, CORE_ALL_CORNERS } core_corners;   /* whose weights are wanted */
+typedef enum core_corners {
+    CORE_NO_CORNER = 0,
+    CORE_ALL_CORNERS
+} core_corners; /* whose weights are wanted */
 typedef void core_measure(core_batch *batch, norma_weight weight, core_corners wanted);
 
 /* The fastest that the machine and the options allow; every one gives the same bits. */

@@ -1,5 +1,6 @@
-/* triangle.h: what is computed of a triangle, in double precision and without branches, so that a loop over lanes of triangles becomes vector instructions
- * on every machine, with the same bits as one triangle alone. */
+/* triangle.h: what is computed of a triangle, in double precision and without branches, so that a
+ * loop over lanes of triangles becomes vector instructions on every machine, with the same bits as
+ * one triangle alone. */
 #ifndef NORMA_CORE_TRIANGLE_H
 #define NORMA_CORE_TRIANGLE_H
 #include <math.h>
@@ -7,9 +8,9 @@
 
 #define NORMA_PI 3.141592653589793
 
-/* atan(t) for |t| <= tan(pi/8): t + t z p(z), z = t^2, p the interpolant of degree 10 at the Chebyshev nodes; its error is below 1.1e-17. */
-static inline double norma_core_small_atan(double t)
-{
+/* atan(t) for |t| <= tan(pi/8): t + t z p(z), z = t^2, p the interpolant of degree 10 at the
+ * Chebyshev nodes; its error is below 1.1e-17. */
+static inline double norma_core_small_atan(double t) {
     const double z = t * t;
     double p = -0x1.3a31b1c0fd3b7p-6;
     p = p * z + 0x1.4162c02b1dda3p-5;
@@ -25,10 +26,9 @@ static inline double norma_core_small_atan(double t)
     return t + t * (z * p);
 }
 
-/* atan2(y, x) for y >= 0: from 0 to pi; 0 where both are 0. Our own, so that its bits are the same on every machine; within 2 ulp. Above tan(pi/8),
- * atan(s / l) = pi/4 + atan((s - l) / (s + l)). */
-static inline double norma_core_angle(double y, double x)
-{
+/* atan2(y, x) for y >= 0: from 0 to pi; 0 where both are 0. Our own, so that its bits are the same
+ * on every machine; within 2 ulp. Above tan(pi/8), atan(s / l) = pi/4 + atan((s - l) / (s + l)). */
+static inline double norma_core_angle(double y, double x) {
     const double ax = x < 0 ? -x : x;
     const double small = y < ax ? y : ax, large = y < ax ? ax : y;
     const int steep = small > 0.41421356237309503 * large;
@@ -39,10 +39,10 @@ static inline double norma_core_angle(double y, double x)
     return large > 0 ? angle : 0;
 }
 
-/* atan(t) for |t| <= tan(pi/8), for weights: the minimax polynomial of degree 6, within 3e-12 of its value. What a weight errs by, the direction of a sum feels by that times
- * sum of weights / |sum|, at most. */
-static inline double norma_core_weight_atan(double t)
-{
+/* atan(t) for |t| <= tan(pi/8), for weights: the minimax polynomial of degree 6, within 3e-12 of
+ * its value. What a weight errs by, the direction of a sum feels by that times sum of weights /
+ * |sum|, at most. */
+static inline double norma_core_weight_atan(double t) {
     const double z = t * t;
     double p = -0x1.4b3891ff382b2p-5;
     p = p * z + 0x1.24434e877a5ddp-4;
@@ -55,41 +55,46 @@ static inline double norma_core_weight_atan(double t)
 }
 
 /* atan2(y, x) for y >= 0 and x >= 0 (or below by a rounding) is turn + atan(above / below). */
-typedef struct core_slope { double above, below, turn; } core_slope;
+typedef struct core_slope {
+    double above, below, turn;
+} core_slope;
 
-static inline core_slope norma_core_slope(double y, double x)
-{
+static inline core_slope norma_core_slope(double y, double x) {
     const double small = y < x ? y : x, large = y < x ? x : y;
     const int steep = small > 0.41421356237309503 * large, falls = y > x;
     const double flat_above = falls ? -x : y, flat_turn = falls ? 0.5 * NORMA_PI : 0;
-    return (core_slope){steep ? y - x : flat_above, steep ? small + large : large, steep ? 0.25 * NORMA_PI : flat_turn};
+    return (core_slope){steep ? y - x : flat_above, steep ? small + large : large,
+        steep ? 0.25 * NORMA_PI : flat_turn};
 }
 
-static inline double norma_core_slope_angle(core_slope s, double quotient) { return s.turn + norma_core_weight_atan(quotient); }
+static inline double norma_core_slope_angle(core_slope s, double quotient) {
+    return s.turn + norma_core_weight_atan(quotient);
+}
 
 /* A corner's angle as a weight: atan2(cross, dot), for cross >= 0. */
-static inline double norma_core_weight_angle(double cross, double dot)
-{
+static inline double norma_core_weight_angle(double cross, double dot) {
     const core_slope s = norma_core_slope(cross, dot < 0 ? -dot : dot);
     const double angle = norma_core_slope_angle(s, s.above / s.below);
     return s.below > 0 ? (dot < 0 ? NORMA_PI - angle : angle) : 0;
 }
 
-/* Squares of areas between these lost nothing to underflow or overflow, nor do products of three such areas. */
+/* Squares of areas between these lost nothing to underflow or overflow, nor do products of three
+ * such areas. */
 #define NORMA_TINIEST 0x1p-640
 #define NORMA_HUGEST  0x1p640
 
-/* Whether doubles are enough, from the square of the cross product of two edges and their dot product, whose squares are |u|^2 |v|^2 together (Lagrange): each
- * component errs by at most some 6 * 2^-53 |u| |v|, below 2^-30 of a length of 2^-20 |u| |v|. Not for NaN, infinity or no area. */
-static inline int norma_core_triangle_is_sure(double square, double dot)
-{
-    return (square >= 0x1p-40 * (square + dot * dot)) & (square > NORMA_TINIEST) & (square < NORMA_HUGEST);
+/* Whether doubles are enough, from the square of the cross product of two edges and their dot
+ * product, whose squares are |u|^2 |v|^2 together (Lagrange): each component errs by at most some 6
+ * * 2^-53 |u| |v|, below 2^-30 of a length of 2^-20 |u| |v|. Not for NaN, infinity or no area. */
+static inline int norma_core_triangle_is_sure(double square, double dot) {
+    return (square >= 0x1p-40 * (square + dot * dot)) & (square > NORMA_TINIEST) &
+           (square < NORMA_HUGEST);
 }
 
-/* The unit normal of the triangle with edges u and v from its first corner, and the length of their cross product, twice its area. Returns whether doubles
- * are enough. */
-static inline int norma_core_triangle(double ux, double uy, double uz, double vx, double vy, double vz, double *nx, double *ny, double *nz, double *twice_area)
-{
+/* The unit normal of the triangle with edges u and v from its first corner, and the length of their
+ * cross product, twice its area. Returns whether doubles are enough. */
+static inline int norma_core_triangle(double ux, double uy, double uz, double vx, double vy,
+    double vz, double *nx, double *ny, double *nz, double *twice_area) {
     const double x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
     const double square = x * x + y * y + z * z, dot = ux * vx + uy * vy + uz * vz;
     const double length = sqrt(square), inverse = 1 / length;
@@ -100,10 +105,11 @@ static inline int norma_core_triangle(double ux, double uy, double uz, double vx
     return norma_core_triangle_is_sure(square, dot);
 }
 
-/* What a corner with edges a and b and the angle between them weighs, from the squares of their lengths; cross: the length of their cross product; the face's
- * twice_area. NORMA_WEIGHT_VISIBLE weighs no corner: 1. */
-static inline double norma_core_weight_of(norma_weight weight, double aa, double bb, double angle, double cross, double twice_area)
-{
+/* What a corner with edges a and b and the angle between them weighs, from the squares of their
+ * lengths; cross: the length of their cross product; the face's twice_area. NORMA_WEIGHT_VISIBLE
+ * weighs no corner: 1. */
+static inline double norma_core_weight_of(
+    norma_weight weight, double aa, double bb, double angle, double cross, double twice_area) {
     if (weight == NORMA_WEIGHT_AREA) return twice_area;
     if (weight == NORMA_WEIGHT_MAX) return aa * bb > 0 ? cross / (aa * bb) : 0;
     if (weight == NORMA_WEIGHT_ANGLE) return angle;
@@ -112,11 +118,15 @@ static inline double norma_core_weight_of(norma_weight weight, double aa, double
     return 1;
 }
 
-/* The same from the dot product of the edges instead of the angle; interior angles are above pi where reflex. */
-static inline double norma_core_weigh(norma_weight weight, double aa, double bb, double ab, double cross, double twice_area, int reflex)
-{
+/* The same from the dot product of the edges instead of the angle; interior angles are above pi
+ * where reflex. */
+static inline double norma_core_weigh(norma_weight weight, double aa, double bb, double ab,
+    double cross, double twice_area, int reflex) {
     double angle = 0;
-    if (weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA || weight == NORMA_WEIGHT_ANGLE_LENGTHS) angle = norma_core_weight_angle(cross, ab);
-    return norma_core_weight_of(weight, aa, bb, reflex ? 2 * NORMA_PI - angle : angle, cross, twice_area);
+    if (weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA ||
+        weight == NORMA_WEIGHT_ANGLE_LENGTHS)
+        angle = norma_core_weight_angle(cross, ab);
+    return norma_core_weight_of(
+        weight, aa, bb, reflex ? 2 * NORMA_PI - angle : angle, cross, twice_area);
 }
 #endif

@@ -1,24 +1,23 @@
 /* matrix_info.c: what kind of matrix a model is, and how wrong plain M would be for its normals.
  *
- * With M = U S V^T and n = V x, plain M gives S x and the right normal is S^-1 x (up to the common U). The cosine between them is
- * 1 / (|S x| |S^-1 x|), least (Kantorovich 1948) half way between the directions of the largest and the smallest singular value:
- * 2a / (a^2 + 1), a being their ratio. */
+ * With M = U S V^T and n = V x, plain M gives S x and the right normal is S^-1 x (up to the common
+ * U). The cosine between them is 1 / (|S x| |S^-1 x|), least (Kantorovich 1948) half way between
+ * the directions of the largest and the smallest singular value: 2a / (a^2 + 1), a being their
+ * ratio. */
 #include "core/matrix/matrix.h"
 #include "core/face/triangle.h"
 #include <math.h>
 
 #define KIND_TOLERANCE 1e-5
 #define RANK_TOLERANCE 1e-6
-#define HALF_PI 1.57079632679489661923
+#define HALF_PI        1.57079632679489661923
 
-static double dot(const double a[3], const double b[3])
-{
+static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* upper times the power of two that brings its largest entry into [1, 2). */
-static int scale_to_one(const double upper[9], double scaled[9])
-{
+static int scale_to_one(const double upper[9], double scaled[9]) {
     double largest = 0.0;
     for (int i = 0; i < 9; i++) largest = fmax(largest, fabs(upper[i]));
     const int exponent = norma_scaled_from_double(largest).exponent;
@@ -26,9 +25,9 @@ static int scale_to_one(const double upper[9], double scaled[9])
     return exponent;
 }
 
-/* Orthonormal columns: is it the identity but for a mirror, that is I, -I, or I with one axis turned round? */
-static int is_identity(const double m[9], int mirrored)
-{
+/* Orthonormal columns: is it the identity but for a mirror, that is I, -I, or I with one axis
+ * turned round? */
+static int is_identity(const double m[9], int mirrored) {
     int turned = 0;
     for (int i = 0; i < 9; i++) {
         const int diagonal = i % 4 == 0;
@@ -38,34 +37,36 @@ static int is_identity(const double m[9], int mirrored)
     return mirrored ? turned != 2 : turned == 0;
 }
 
-static norma_kind kind_of(const double scaled[9], int exponent, int mirrored, int translated)
-{
+static norma_kind kind_of(const double scaled[9], int exponent, int mirrored, int translated) {
     double length[3];
     for (int i = 0; i < 3; i++) length[i] = sqrt(dot(scaled + 3 * i, scaled + 3 * i));
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3;
-        if (fabs(dot(scaled + 3 * i, scaled + 3 * j)) > KIND_TOLERANCE * length[i] * length[j]) return NORMA_KIND_SHEAR;
+        if (fabs(dot(scaled + 3 * i, scaled + 3 * j)) > KIND_TOLERANCE * length[i] * length[j])
+            return NORMA_KIND_SHEAR;
     }
-    const double longest = fmax(fmax(length[0], length[1]), length[2]), shortest = fmin(fmin(length[0], length[1]), length[2]);
+    const double longest = fmax(fmax(length[0], length[1]), length[2]),
+                 shortest = fmin(fmin(length[0], length[1]), length[2]);
     if (longest - shortest > KIND_TOLERANCE * longest) return NORMA_KIND_NON_UNIFORM_SCALE;
-    if (fabs(ldexp(longest, exponent) - 1.0) > KIND_TOLERANCE || fabs(ldexp(shortest, exponent) - 1.0) > KIND_TOLERANCE) return NORMA_KIND_UNIFORM_SCALE;
+    if (fabs(ldexp(longest, exponent) - 1.0) > KIND_TOLERANCE ||
+        fabs(ldexp(shortest, exponent) - 1.0) > KIND_TOLERANCE)
+        return NORMA_KIND_UNIFORM_SCALE;
     double m[9];
     for (int i = 0; i < 9; i++) m[i] = ldexp(scaled[i], exponent);
     if (!is_identity(m, mirrored)) return NORMA_KIND_ROTATION;
     return translated ? NORMA_KIND_TRANSLATION : NORMA_KIND_IDENTITY;
 }
 
-/* Each singular vector has two signs; that with its largest component positive makes the answer the same however it was found. */
-static double upright(const double v[3])
-{
+/* Each singular vector has two signs; that with its largest component positive makes the answer the
+ * same however it was found. */
+static double upright(const double v[3]) {
     int largest = 0;
     for (int i = 1; i < 3; i++)
         if (fabs(v[i]) > fabs(v[largest])) largest = i;
     return v[largest] < 0.0 ? -1.0 : 1.0;
 }
 
-static void half_way(const double a[3], const double b[3], float normal[3])
-{
+static void half_way(const double a[3], const double b[3], float normal[3]) {
     const double sa = upright(a), sb = upright(b);
     double n[3];
     for (int i = 0; i < 3; i++) n[i] = sa * a[i] + sb * b[i];
@@ -73,12 +74,12 @@ static void half_way(const double a[3], const double b[3], float normal[3])
     for (int i = 0; i < 3; i++) normal[i] = (float)(n[i] / length + 0.0);
 }
 
-void norma_matrix_describe(const double upper[9], int translated, scaled_number determinant, norma_matrix_info *info)
-{
+void norma_matrix_describe(
+    const double upper[9], int translated, scaled_number determinant, norma_matrix_info *info) {
     double scaled[9], values[3], v[9];
     const int exponent = scale_to_one(upper, scaled);
     norma_singular_values(scaled, values, v);
-    int largest = 0, smallest = 2;                     /* where all are equal, still two different ones */
+    int largest = 0, smallest = 2; /* where all are equal, still two different ones */
     for (int i = 1; i < 3; i++)
         if (values[i] > values[largest]) largest = i;
     for (int i = 1; i >= 0; i--)
@@ -88,7 +89,8 @@ void norma_matrix_describe(const double upper[9], int translated, scaled_number 
     for (int i = 0; i < 3; i++) info->rank += values[i] > RANK_TOLERANCE * values[largest];
     info->mirrored = determinant.mantissa < 0.0;
     info->determinant = norma_scaled_to_double(determinant);
-    info->kind = info->rank < 3 ? NORMA_KIND_SINGULAR : kind_of(scaled, exponent, info->mirrored, translated);
+    info->kind = info->rank < 3 ? NORMA_KIND_SINGULAR
+                                : kind_of(scaled, exponent, info->mirrored, translated);
     if (info->rank < 3) {
         info->anisotropy = (double)INFINITY;
         info->worst_error_rad = HALF_PI;
@@ -100,17 +102,20 @@ void norma_matrix_describe(const double upper[9], int translated, scaled_number 
     half_way(v + 3 * largest, v + 3 * smallest, info->worst_normal);
 }
 
-norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info)
-{
+norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info) {
     if (!info) return NORMA_SHORTCUT_NONE;
     switch (info->kind) {
     case NORMA_KIND_IDENTITY:
     case NORMA_KIND_TRANSLATION:
-    case NORMA_KIND_ROTATION:          return NORMA_SHORTCUT_ROTATION;
-    case NORMA_KIND_UNIFORM_SCALE:     return NORMA_SHORTCUT_UNIFORM_SCALE;
-    case NORMA_KIND_NON_UNIFORM_SCALE: return NORMA_SHORTCUT_AXIS_SCALE;
+    case NORMA_KIND_ROTATION:
+        return NORMA_SHORTCUT_ROTATION;
+    case NORMA_KIND_UNIFORM_SCALE:
+        return NORMA_SHORTCUT_UNIFORM_SCALE;
+    case NORMA_KIND_NON_UNIFORM_SCALE:
+        return NORMA_SHORTCUT_AXIS_SCALE;
     case NORMA_KIND_SHEAR:
-    case NORMA_KIND_SINGULAR:          return NORMA_SHORTCUT_NONE;
+    case NORMA_KIND_SINGULAR:
+        return NORMA_SHORTCUT_NONE;
     }
     return NORMA_SHORTCUT_NONE;
 }

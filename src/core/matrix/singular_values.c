@@ -1,18 +1,20 @@
-/* singular_values.c: singular values of a 3x3 by one-sided Jacobi rotations (Hestenes 1958), accurate to a few units in the last place
- * of the largest. Only + - * / and sqrt: the same bits everywhere. */
+/* singular_values.c: singular values of a 3x3 by one-sided Jacobi rotations (Hestenes 1958),
+ * accurate to a few units in the last place of the largest. Only + - * / and sqrt: the same bits
+ * everywhere. */
 #include "core/matrix/matrix.h"
 #include <math.h>
 #include <string.h>
 
-enum { SWEEPS = 40 };             /* quadratic convergence needs five or six; the limit only guards against cycling in the last bit */
+enum {
+    SWEEPS = 40
+}; /* quadratic convergence needs five or six; the limit only guards against cycling in the last bit
+    */
 
-static double dot(const double a[3], const double b[3])
-{
+static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void rotate(double a[3], double b[3], double c, double s)
-{
+static void rotate(double a[3], double b[3], double c, double s) {
     for (int i = 0; i < 3; i++) {
         const double x = a[i], y = b[i];
         a[i] = c * x - s * y;
@@ -21,8 +23,7 @@ static void rotate(double a[3], double b[3], double c, double s)
 }
 
 /* Makes columns p and q perpendicular; 0 where they already are to the last bits. */
-static int rotate_pair(double *u, double *v, int p, int q)
-{
+static int rotate_pair(double *u, double *v, int p, int q) {
     double *a = u + 3 * p, *b = u + 3 * q;
     const double alpha = dot(a, a), beta = dot(b, b), gamma = dot(a, b);
     if (fabs(gamma) <= 0x1p-53 * sqrt(alpha) * sqrt(beta) || gamma == 0.0) return 0;
@@ -34,8 +35,7 @@ static int rotate_pair(double *u, double *v, int p, int q)
     return s != 0.0;
 }
 
-void norma_singular_values(const double matrix[9], double values[3], double v[9])
-{
+void norma_singular_values(const double matrix[9], double values[3], double v[9]) {
     static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     double u[9];
     memcpy(u, matrix, sizeof u);

@@ -1,4 +1,5 @@
-/* stream.h: what every call that maps one array of vectors to another shares: the checks of its arguments, and directions without a range. */
+/* stream.h: what every call that maps one array of vectors to another shares: the checks of its
+ * arguments, and directions without a range. */
 #ifndef NORMA_CORE_STREAM_H
 #define NORMA_CORE_STREAM_H
 #include "core/call/vec3_view.h"
@@ -6,8 +7,8 @@
 #include <math.h>
 
 /* An output of count elements of size bytes; *stride becomes size where it is 0. */
-static inline norma_result norma_output_check(const void *out, size_t *stride, size_t size, size_t count, size_t capacity)
-{
+static inline norma_result norma_output_check(
+    const void *out, size_t *stride, size_t size, size_t count, size_t capacity) {
     if (!count) return NORMA_OK;
     if (!out) return NORMA_ERROR_ARGUMENT;
     if (!*stride) *stride = size;
@@ -16,21 +17,19 @@ static inline norma_result norma_output_check(const void *out, size_t *stride, s
     return capacity < count ? NORMA_ERROR_CAPACITY : NORMA_OK;
 }
 
-static inline norma_result norma_input_check(const norma_vec3_view *view)
-{
+static inline norma_result norma_input_check(const norma_vec3_view *view) {
     if (!norma_format_size(view->format)) return NORMA_ERROR_ARGUMENT;
     if (view->count && !view->data) return NORMA_ERROR_ARGUMENT;
     return norma_view_overflows(view) ? NORMA_ERROR_OVERFLOW : NORMA_OK;
 }
 
-static inline double norma_vec3_dot(const double a[3], const double b[3])
-{
+static inline double norma_vec3_dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Multiplies v by the power of two that brings its largest component into [1, 2); 0 where v is zero or not finite. */
-static inline int norma_vec3_scale(double v[3])
-{
+/* Multiplies v by the power of two that brings its largest component into [1, 2); 0 where v is zero
+ * or not finite. */
+static inline int norma_vec3_scale(double v[3]) {
     double largest = 0.0;
     for (int i = 0; i < 3; i++) {
         if (!(fabs(v[i]) <= DBL_MAX)) return 0;
@@ -43,9 +42,9 @@ static inline int norma_vec3_scale(double v[3])
     return 1;
 }
 
-/* Makes v a unit vector, whatever its length; 0, and v unspecified, where it is zero or not finite. */
-static inline int norma_vec3_unit(double v[3])
-{
+/* Makes v a unit vector, whatever its length; 0, and v unspecified, where it is zero or not finite.
+ */
+static inline int norma_vec3_unit(double v[3]) {
     if (!norma_vec3_scale(v)) return 0;
     const double length = sqrt(norma_vec3_dot(v, v));
     for (int i = 0; i < 3; i++) v[i] /= length;

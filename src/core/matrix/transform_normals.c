@@ -1,9 +1,11 @@
 /* transform_normals.c: a stream of normals through a matrix, each made unit again.
  *
- * Tight floats, the common case, go in blocks: taken apart into x, y and z, multiplied in double precision, where the product of two floats is exact and the square of a length
- * neither over- nor underflows, and scaled by 1 / length. The same
- * operations in the same order for every vector and on every instruction set, hence the same bits. What is zero, not finite or near the ends of the
- * floats' range is done again one by one. What limits is instructions, not memory: stores past the cache, which spare reading the output's lines, took a fifth longer. */
+ * Tight floats, the common case, go in blocks: taken apart into x, y and z, multiplied in double
+ * precision, where the product of two floats is exact and the square of a length neither over- nor
+ * underflows, and scaled by 1 / length. The same operations in the same order for every vector and
+ * on every instruction set, hence the same bits. What is zero, not finite or near the ends of the
+ * floats' range is done again one by one. What limits is instructions, not memory: stores past the
+ * cache, which spare reading the output's lines, took a fifth longer. */
 #include "core/call/instruction_set.h"
 #include "core/matrix/stream.h"
 #include "core/matrix/transform_normals_avx512.h"
@@ -21,10 +23,9 @@ typedef struct lanes {
 typedef float four __attribute__((vector_size(16)));
 
 /* Four vectors at a time, by shuffles that every instruction set has. */
-CORE_INLINE void take_apart(const float *from, lanes *to)
-{
+CORE_INLINE void take_apart(const float *from, lanes *to) {
     for (size_t i = 0; i < BLOCK; i += 4) {
-        four a, b, c;                                            /* x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 */
+        four a, b, c; /* x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 */
         memcpy(&a, from + 3 * i, sizeof a);
         memcpy(&b, from + 3 * i + 4, sizeof b);
         memcpy(&c, from + 3 * i + 8, sizeof c);
@@ -39,8 +40,7 @@ CORE_INLINE void take_apart(const float *from, lanes *to)
     }
 }
 
-CORE_INLINE void put_together(const lanes *from, float *to)
-{
+CORE_INLINE void put_together(const lanes *from, float *to) {
     for (size_t i = 0; i < BLOCK; i += 4) {
         four x, y, z;
         memcpy(&x, from->x + i, sizeof x);
@@ -58,8 +58,7 @@ CORE_INLINE void put_together(const lanes *from, float *to)
     }
 }
 #else
-CORE_INLINE void take_apart(const float *from, lanes *to)
-{
+CORE_INLINE void take_apart(const float *from, lanes *to) {
     for (size_t i = 0; i < BLOCK; i++) {
         to->x[i] = from[3 * i];
         to->y[i] = from[3 * i + 1];
@@ -67,8 +66,7 @@ CORE_INLINE void take_apart(const float *from, lanes *to)
     }
 }
 
-CORE_INLINE void put_together(const lanes *from, float *to)
-{
+CORE_INLINE void put_together(const lanes *from, float *to) {
     for (size_t i = 0; i < BLOCK; i++) {
         to[3 * i] = from->x[i];
         to[3 * i + 1] = from->y[i];
@@ -79,11 +77,11 @@ CORE_INLINE void put_together(const lanes *from, float *to)
 
 /* ---- one block */
 
-/* A float's root and quotient are quick; one step of Newton's method squares their error, to below 2^-43. */
+/* A float's root and quotient are quick; one step of Newton's method squares their error, to below
+ * 2^-43. */
 CORE_INLINE float about_one_over_length(float square) { return 1.0f / sqrtf(square); }
 
-CORE_INLINE double one_over_length(double exact_square, float rounded)
-{
+CORE_INLINE double one_over_length(double exact_square, float rounded) {
     const double about = (double)rounded;
     return about * (1.5 - 0.5 * exact_square * (about * about));
 }
@@ -92,29 +90,30 @@ CORE_INLINE double one_over_length(double exact_square, float rounded)
 typedef struct products {
     _Alignas(64) double x[BLOCK];
     double y[BLOCK], z[BLOCK], exact_square[BLOCK];
-    float  square[BLOCK], about[BLOCK];     /* rounded; about one over its root */
+    float square[BLOCK], about[BLOCK]; /* rounded; about one over its root */
 } products;
 
-/* Three loops without a branch, which compilers make vector code of: one that did it all was a chain of so many steps that the processor could not see the next vectors' beginning.
- * Nonzero: some squared length is not safely within the floats. */
-CORE_INLINE int products_of_block(const double m[9], const lanes *in, products *p)
-{
+/* Three loops without a branch, which compilers make vector code of: one that did it all was a
+ * chain of so many steps that the processor could not see the next vectors' beginning. Nonzero:
+ * some squared length is not safely within the floats. */
+CORE_INLINE int products_of_block(const double m[9], const lanes *in, products *p) {
     int unsafe = 0;
     for (int i = 0; i < BLOCK; i++) {
         const double a = (double)in->x[i], b = (double)in->y[i], c = (double)in->z[i];
-        const double x = m[0] * a + m[3] * b + m[6] * c, y = m[1] * a + m[4] * b + m[7] * c, z = m[2] * a + m[5] * b + m[8] * c;
+        const double x = m[0] * a + m[3] * b + m[6] * c, y = m[1] * a + m[4] * b + m[7] * c,
+                     z = m[2] * a + m[5] * b + m[8] * c;
         p->x[i] = x;
         p->y[i] = y;
         p->z[i] = z;
         p->exact_square[i] = x * x + y * y + z * z;
         p->square[i] = (float)p->exact_square[i];
     }
-    for (int i = 0; i < BLOCK; i++) unsafe |= !(p->square[i] >= 0x1p-120f) | !(p->square[i] <= 0x1p120f);
+    for (int i = 0; i < BLOCK; i++)
+        unsafe |= !(p->square[i] >= 0x1p-120f) | !(p->square[i] <= 0x1p120f);
     return unsafe;
 }
 
-CORE_INLINE void units_of_block(products *p, lanes *out)
-{
+CORE_INLINE void units_of_block(products *p, lanes *out) {
     for (int i = 0; i < BLOCK; i++) p->about[i] = about_one_over_length(p->square[i]);
     for (int i = 0; i < BLOCK; i++) {
         const double factor = one_over_length(p->exact_square[i], p->about[i]);
@@ -124,9 +123,9 @@ CORE_INLINE void units_of_block(products *p, lanes *out)
     }
 }
 
-/* Whole blocks, up to the first with a vector that is to be done by itself. Returns how many vectors were done. in and out may be the same. */
-CORE_INLINE size_t units_of_blocks(const double m[9], const float *in, size_t count, float *out)
-{
+/* Whole blocks, up to the first with a vector that is to be done by itself. Returns how many
+ * vectors were done. in and out may be the same. */
+CORE_INLINE size_t units_of_blocks(const double m[9], const float *in, size_t count, float *out) {
     lanes vectors;
     products between;
     size_t done = 0;
@@ -140,16 +139,17 @@ CORE_INLINE size_t units_of_blocks(const double m[9], const float *in, size_t co
 }
 
 typedef size_t block_kernel(const double m[9], const float *in, size_t count, float *out);
-static size_t units_portable(const double m[9], const float *in, size_t count, float *out) { return units_of_blocks(m, in, count, out); }
+static size_t units_portable(const double m[9], const float *in, size_t count, float *out) {
+    return units_of_blocks(m, in, count, out);
+}
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static size_t units_avx2(const double m[9], const float *in, size_t count, float *out)
-{
+CORE_FOR_AVX2 static size_t units_avx2(
+    const double m[9], const float *in, size_t count, float *out) {
     return units_of_blocks(m, in, count, out);
 }
 #endif
 
-static block_kernel *choose_kernel(void)
-{
+static block_kernel *choose_kernel(void) {
 #if defined(CORE_HAS_X86)
     static block_kernel *const kernels[] = {units_portable, units_avx2, norma_core_units_avx512};
     return kernels[norma_core_level(NORMA_ISA_BEST)];
@@ -161,8 +161,7 @@ static block_kernel *choose_kernel(void)
 /* ---- one vector */
 
 /* Near the ends of the doubles' range: scaled first. Zero and what is not finite give zero. */
-static void unit_of_any_size(const double m[9], const double in[3], float out[3])
-{
+static void unit_of_any_size(const double m[9], const double in[3], float out[3]) {
     double n[3] = {in[0], in[1], in[2]}, v[3];
     out[0] = out[1] = out[2] = 0.0f;
     if (!norma_vec3_scale(n)) return;
@@ -172,8 +171,7 @@ static void unit_of_any_size(const double m[9], const double in[3], float out[3]
 }
 
 /* The same operations as in a block. */
-static void unit_of_one(const double m[9], const double in[3], float out[3])
-{
+static void unit_of_one(const double m[9], const double in[3], float out[3]) {
     double v[3];
     for (int r = 0; r < 3; r++) v[r] = m[r] * in[0] + m[3 + r] * in[1] + m[6 + r] * in[2];
     const double exact_square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
@@ -186,8 +184,8 @@ static void unit_of_one(const double m[9], const double in[3], float out[3])
     for (int r = 0; r < 3; r++) out[r] = (float)(v[r] * factor);
 }
 
-static void units_one_by_one(const double m[9], const norma_vec3_view *in, size_t first, size_t end, unsigned char *out, size_t out_stride)
-{
+static void units_one_by_one(const double m[9], const norma_vec3_view *in, size_t first, size_t end,
+    unsigned char *out, size_t out_stride) {
     for (size_t i = first; i < end; i++) {
         double v[3];
         float unit[3];
@@ -197,18 +195,21 @@ static void units_one_by_one(const double m[9], const norma_vec3_view *in, size_
     }
 }
 
-norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_view in, float *out, size_t out_stride, size_t capacity)
-{
+norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_view in, float *out,
+    size_t out_stride, size_t capacity) {
     if (!normal_matrix) return NORMA_ERROR_ARGUMENT;
     norma_result result = norma_input_check(&in);
     if (!result) result = norma_output_check(out, &out_stride, 3 * sizeof *out, in.count, capacity);
     if (result) return result;
     double m[9];
     for (int i = 0; i < 9; i++) m[i] = (double)normal_matrix[i];
-    const int blocks = in.format == NORMA_FORMAT_FLOAT && norma_view_stride(&in) == 12 && out_stride == 12 && (uintptr_t)in.data % sizeof(float) == 0 && (uintptr_t)out % sizeof(float) == 0;
+    const int blocks = in.format == NORMA_FORMAT_FLOAT && norma_view_stride(&in) == 12 &&
+                       out_stride == 12 && (uintptr_t)in.data % sizeof(float) == 0 &&
+                       (uintptr_t)out % sizeof(float) == 0;
     block_kernel *kernel = choose_kernel();
     for (size_t done = 0; done < in.count;) {
-        if (blocks) done += kernel(m, (const float *)in.data + 3 * done, in.count - done, out + 3 * done);
+        if (blocks)
+            done += kernel(m, (const float *)in.data + 3 * done, in.count - done, out + 3 * done);
         const size_t end = blocks && in.count - done > BLOCK ? done + BLOCK : in.count;
         units_one_by_one(m, &in, done, end, (unsigned char *)out, out_stride);
         done = end;

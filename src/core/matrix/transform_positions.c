@@ -1,8 +1,9 @@
 /* transform_positions.c: streams of positions through a matrix.
  *
- * Blocks of vectors are taken apart into x, y and z, worked on in double precision, and put together again: loops of one fixed length
- * that compilers turn into vector instructions, with the same operations in the same order for every vector, hence the same bits.
- * In double precision the product of two floats is exact. */
+ * Blocks of vectors are taken apart into x, y and z, worked on in double precision, and put
+ * together again: loops of one fixed length that compilers turn into vector instructions, with the
+ * same operations in the same order for every vector, hence the same bits. In double precision the
+ * product of two floats is exact. */
 #include "core/matrix/stream.h"
 
 enum { BLOCK = 16 };
@@ -11,8 +12,7 @@ typedef struct block {
     double x[BLOCK], y[BLOCK], z[BLOCK];
 } block;
 
-static void load_floats(const unsigned char *from, size_t stride, size_t count, block *b)
-{
+static void load_floats(const unsigned char *from, size_t stride, size_t count, block *b) {
     for (size_t i = 0; i < count; i++, from += stride) {
         float v[3];
         memcpy(v, from, sizeof v);
@@ -22,8 +22,7 @@ static void load_floats(const unsigned char *from, size_t stride, size_t count, 
     }
 }
 
-static void load_tight_floats(const unsigned char *from, block *b)
-{
+static void load_tight_floats(const unsigned char *from, block *b) {
     float v[3 * BLOCK];
     memcpy(v, from, sizeof v);
     for (size_t i = 0; i < BLOCK; i++) {
@@ -34,13 +33,14 @@ static void load_tight_floats(const unsigned char *from, block *b)
 }
 
 /* count is BLOCK but at the end of the stream; the lanes beyond it keep harmless old numbers. */
-static inline void load(const norma_vec3_view *in, size_t first, size_t count, block *b)
-{
+static inline void load(const norma_vec3_view *in, size_t first, size_t count, block *b) {
     const size_t stride = norma_view_stride(in);
     const unsigned char *from = (const unsigned char *)in->data + first * stride;
     if (in->format == NORMA_FORMAT_FLOAT) {
-        if (stride == 12 && count == BLOCK) load_tight_floats(from, b);
-        else load_floats(from, stride, count, b);
+        if (stride == 12 && count == BLOCK)
+            load_tight_floats(from, b);
+        else
+            load_floats(from, stride, count, b);
         return;
     }
     for (size_t i = 0; i < count; i++) {
@@ -52,8 +52,7 @@ static inline void load(const norma_vec3_view *in, size_t first, size_t count, b
     }
 }
 
-static inline void store(const block *b, size_t count, unsigned char *to, size_t stride)
-{
+static inline void store(const block *b, size_t count, unsigned char *to, size_t stride) {
     if (stride == 12 && count == BLOCK) {
         float v[3 * BLOCK];
         for (size_t i = 0; i < BLOCK; i++) {
@@ -70,8 +69,7 @@ static inline void store(const block *b, size_t count, unsigned char *to, size_t
     }
 }
 
-static void positions_of_block(const double a[16], block *b)
-{
+static void positions_of_block(const double a[16], block *b) {
     for (int i = 0; i < BLOCK; i++) {
         const double x = b->x[i], y = b->y[i], z = b->z[i];
         b->x[i] = a[0] * x + a[4] * y + a[8] * z + a[12];
@@ -80,8 +78,8 @@ static void positions_of_block(const double a[16], block *b)
     }
 }
 
-norma_result norma_transform_positions(const double model[16], norma_vec3_view in, float *out, size_t out_stride, size_t capacity)
-{
+norma_result norma_transform_positions(
+    const double model[16], norma_vec3_view in, float *out, size_t out_stride, size_t capacity) {
     if (!model) return NORMA_ERROR_ARGUMENT;
     norma_result result = norma_input_check(&in);
     if (!result) result = norma_output_check(out, &out_stride, 3 * sizeof *out, in.count, capacity);
@@ -98,8 +96,8 @@ norma_result norma_transform_positions(const double model[16], norma_vec3_view i
     return NORMA_OK;
 }
 
-norma_result norma_transform_positions_double(const double model[16], norma_vec3_view in, double *out, size_t out_stride, size_t capacity)
-{
+norma_result norma_transform_positions_double(
+    const double model[16], norma_vec3_view in, double *out, size_t out_stride, size_t capacity) {
     if (!model) return NORMA_ERROR_ARGUMENT;
     norma_result result = norma_input_check(&in);
     if (!result) result = norma_output_check(out, &out_stride, 3 * sizeof *out, in.count, capacity);
@@ -112,7 +110,8 @@ norma_result norma_transform_positions_double(const double model[16], norma_vec3
         load(&in, first, count, &b);
         positions_of_block(a, &b);
         unsigned char *to = (unsigned char *)out + first * out_stride;
-        for (size_t i = 0; i < count; i++, to += out_stride) memcpy(to, (const double[]){b.x[i], b.y[i], b.z[i]}, 3 * sizeof *out);
+        for (size_t i = 0; i < count; i++, to += out_stride)
+            memcpy(to, (const double[]){b.x[i], b.y[i], b.z[i]}, 3 * sizeof *out);
     }
     return NORMA_OK;
 }

@@ -1,5 +1,7 @@
-/* corners_of_position.c: a counting sort of corners by position. Ascending corners at each position are the order of every sum. Those who work together first count a part
- * of the corners each, in memory that the sorted corners will take, and then place each the corners of a range of positions, so that none needs memory of its own. */
+/* corners_of_position.c: a counting sort of corners by position. Ascending corners at each position
+ * are the order of every sum. Those who work together first count a part of the corners each, in
+ * memory that the sorted corners will take, and then place each the corners of a range of
+ * positions, so that none needs memory of its own. */
 #include "core/mesh/corners_of_position.h"
 #include "core/face/face_geometry.h"
 #include "core/call/instruction_set.h"
@@ -8,51 +10,51 @@ enum { CORNERS_WORTH_A_PART = 1 << 17, MOST_PARTS = 8 };
 
 typedef struct part_work {
     const core_mesh *mesh;
-    core_around     *around;
-    size_t           parts;
+    core_around *around;
+    size_t parts;
 } part_work;
 
 /* The first of a part of count things. */
-static size_t begin_of(const part_work *w, size_t count, size_t part)
-{
+static size_t begin_of(const part_work *w, size_t count, size_t part) {
     const size_t rest = count % w->parts;
     return count / w->parts * part + (part < rest ? part : rest);
 }
 
-static uint32_t *counts_of(const part_work *w, size_t part)
-{
-    return w->parts == 1 ? w->around->starts + 1 : w->around->corners + part * w->around->position_count;
+static uint32_t *counts_of(const part_work *w, size_t part) {
+    return w->parts == 1 ? w->around->starts + 1
+                         : w->around->corners + part * w->around->position_count;
 }
 
 /* One loop without a question inside for what nearly all meshes are. */
 CORE_INLINE int is_plain(const core_mesh *mesh) { return mesh->corner_size == 4 && !mesh->weld; }
 
-CORE_INLINE uint32_t position_of(const core_mesh *mesh, size_t corner, int plain)
-{
+CORE_INLINE uint32_t position_of(const core_mesh *mesh, size_t corner, int plain) {
     uint32_t index;
     if (!plain) return norma_core_welded_corner(mesh, corner);
     memcpy(&index, (const unsigned char *)mesh->corners + 4 * corner, sizeof index);
     return index;
 }
 
-CORE_INLINE void count_range(const core_mesh *mesh, size_t begin, size_t end, uint32_t *counts, int plain)
-{
+CORE_INLINE void count_range(
+    const core_mesh *mesh, size_t begin, size_t end, uint32_t *counts, int plain) {
     for (size_t c = begin; c < end; c++) counts[position_of(mesh, c, plain)]++;
 }
 
-static void count_part(void *context, size_t part)
-{
+static void count_part(void *context, size_t part) {
     const part_work *w = context;
-    const size_t begin = begin_of(w, w->mesh->corner_count, part), end = begin_of(w, w->mesh->corner_count, part + 1);
+    const size_t begin = begin_of(w, w->mesh->corner_count, part),
+                 end = begin_of(w, w->mesh->corner_count, part + 1);
     uint32_t *counts = counts_of(w, part);
     memset(counts, 0, w->around->position_count * sizeof *counts);
-    if (is_plain(w->mesh)) count_range(w->mesh, begin, end, counts, 1);
-    else count_range(w->mesh, begin, end, counts, 0);
+    if (is_plain(w->mesh))
+        count_range(w->mesh, begin, end, counts, 1);
+    else
+        count_range(w->mesh, begin, end, counts, 0);
 }
 
-/* Where each position's first corner will go, one entry further on than its start will be found: placing moves it to where the next position starts. */
-static void add_up(const part_work *w)
-{
+/* Where each position's first corner will go, one entry further on than its start will be found:
+ * placing moves it to where the next position starts. */
+static void add_up(const part_work *w) {
     core_around *around = w->around;
     uint32_t sum = 0;
     around->starts[0] = 0;
@@ -66,8 +68,7 @@ static void add_up(const part_work *w)
     }
 }
 
-CORE_INLINE void place_range(const part_work *w, uint32_t first, uint32_t count, int plain)
-{
+CORE_INLINE void place_range(const part_work *w, uint32_t first, uint32_t count, int plain) {
     const core_mesh *mesh = w->mesh;
     uint32_t *places = w->around->starts + 1, *corners = w->around->corners;
     for (size_t c = 0; c < mesh->corner_count; c++) {
@@ -76,41 +77,46 @@ CORE_INLINE void place_range(const part_work *w, uint32_t first, uint32_t count,
     }
 }
 
-CORE_INLINE void place_all(const part_work *w, int plain)
-{
+CORE_INLINE void place_all(const part_work *w, int plain) {
     uint32_t *places = w->around->starts + 1, *corners = w->around->corners;
-    for (size_t c = 0; c < w->mesh->corner_count; c++) corners[places[position_of(w->mesh, c, plain)]++] = (uint32_t)c;
+    for (size_t c = 0; c < w->mesh->corner_count; c++)
+        corners[places[position_of(w->mesh, c, plain)]++] = (uint32_t)c;
 }
 
-static void place_part(void *context, size_t part)
-{
+static void place_part(void *context, size_t part) {
     const part_work *w = context;
-    const uint32_t begin = (uint32_t)begin_of(w, w->around->position_count, part), end = (uint32_t)begin_of(w, w->around->position_count, part + 1);
-    if (w->parts == 1 && is_plain(w->mesh)) place_all(w, 1);
-    else if (w->parts == 1) place_all(w, 0);
-    else if (is_plain(w->mesh)) place_range(w, begin, end - begin, 1);
-    else place_range(w, begin, end - begin, 0);
+    const uint32_t begin = (uint32_t)begin_of(w, w->around->position_count, part),
+                   end = (uint32_t)begin_of(w, w->around->position_count, part + 1);
+    if (w->parts == 1 && is_plain(w->mesh))
+        place_all(w, 1);
+    else if (w->parts == 1)
+        place_all(w, 0);
+    else if (is_plain(w->mesh))
+        place_range(w, begin, end - begin, 1);
+    else
+        place_range(w, begin, end - begin, 0);
 }
 
-static void name_faces(const core_mesh *mesh, core_around *around)
-{
+static void name_faces(const core_mesh *mesh, core_around *around) {
     for (size_t f = 0; f < mesh->face_count; f++)
-        for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) around->faces[c] = (uint32_t)f;
+        for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
+            around->faces[c] = (uint32_t)f;
 }
 
-/* As many as may work, each with enough to do, and all their counts with room among the sorted corners; one alone counts where the starts will be. */
-static size_t choose_parts(const core_call *call, const core_around *around)
-{
-    const size_t workers = norma_core_workers(call), by_size = around->corner_count / CORNERS_WORTH_A_PART;
-    const size_t by_memory = around->position_count ? around->corner_count / around->position_count : 0;
+/* As many as may work, each with enough to do, and all their counts with room among the sorted
+ * corners; one alone counts where the starts will be. */
+static size_t choose_parts(const core_call *call, const core_around *around) {
+    const size_t workers = norma_core_workers(call),
+                 by_size = around->corner_count / CORNERS_WORTH_A_PART;
+    const size_t by_memory =
+        around->position_count ? around->corner_count / around->position_count : 0;
     size_t parts = workers < MOST_PARTS ? workers : MOST_PARTS;
     if (parts > by_size) parts = by_size;
     if (parts > by_memory) parts = by_memory;
     return parts ? parts : 1;
 }
 
-static norma_result sort_corners(core_call *call, const core_mesh *mesh, core_around *around)
-{
+static norma_result sort_corners(core_call *call, const core_mesh *mesh, core_around *around) {
     const double from = call->progress_from, to = call->progress_to;
     part_work w = {.mesh = mesh, .around = around, .parts = choose_parts(call, around)};
     norma_core_stage(call, from, (from + to) / 2);
@@ -123,21 +129,22 @@ static norma_result sort_corners(core_call *call, const core_mesh *mesh, core_ar
     return result;
 }
 
-norma_result norma_core_around_build(core_call *call, const core_mesh *mesh, core_around *around)
-{
-    *around = (core_around){.position_count = mesh->positions.count, .corner_count = mesh->corner_count};
+norma_result norma_core_around_build(core_call *call, const core_mesh *mesh, core_around *around) {
+    *around =
+        (core_around){.position_count = mesh->positions.count, .corner_count = mesh->corner_count};
     around->starts = norma_core_allocate(call, around->position_count + 1, sizeof *around->starts);
     around->corners = norma_core_allocate(call, around->corner_count, sizeof *around->corners);
-    if (mesh->face_starts) around->faces = norma_core_allocate(call, around->corner_count, sizeof *around->faces);
+    if (mesh->face_starts)
+        around->faces = norma_core_allocate(call, around->corner_count, sizeof *around->faces);
     norma_result result = NORMA_ERROR_MEMORY;
-    if (around->starts && around->corners && (!mesh->face_starts || around->faces)) result = sort_corners(call, mesh, around);
+    if (around->starts && around->corners && (!mesh->face_starts || around->faces))
+        result = sort_corners(call, mesh, around);
     if (result == NORMA_OK && around->faces) name_faces(mesh, around);
     if (result != NORMA_OK) norma_core_around_release(call, around);
     return result;
 }
 
-void norma_core_around_release(const core_call *call, core_around *around)
-{
+void norma_core_around_release(const core_call *call, core_around *around) {
     norma_core_release(call, around->starts, around->position_count + 1, sizeof *around->starts);
     norma_core_release(call, around->corners, around->corner_count, sizeof *around->corners);
     norma_core_release(call, around->faces, around->corner_count, sizeof *around->faces);

@@ -1,4 +1,5 @@
-/* input_mesh.c: what must hold of a mesh before anything is computed or written: first its shape, then what its arrays say. */
+/* input_mesh.c: what must hold of a mesh before anything is computed or written: first its shape,
+ * then what its arrays say. */
 #include "core/mesh/input_mesh.h"
 #include "core/call/instruction_set.h"
 #include <math.h>
@@ -6,28 +7,32 @@
 
 typedef core_range core_range_of(const unsigned char *corners, size_t count);
 
-static norma_result shape_of_positions(const norma_vec3_view *view)
-{
+static norma_result shape_of_positions(const norma_vec3_view *view) {
     if (!norma_format_size(view->format)) return NORMA_ERROR_ARGUMENT;
     if (view->count && !view->data) return NORMA_ERROR_ARGUMENT;
     if (norma_view_overflows(view)) return NORMA_ERROR_OVERFLOW;
     return view->count > UINT32_MAX - 1 ? NORMA_ERROR_OVERFLOW : NORMA_OK;
 }
 
-norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked)
-{
+norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked) {
     if (!mesh) return NORMA_ERROR_ARGUMENT;
     const norma_result positions = shape_of_positions(&mesh->positions);
     if (positions != NORMA_OK) return positions;
-    if (mesh->corner_size != 0 && mesh->corner_size != 1 && mesh->corner_size != 2 && mesh->corner_size != 4) return NORMA_ERROR_ARGUMENT;
+    if (mesh->corner_size != 0 && mesh->corner_size != 1 && mesh->corner_size != 2 &&
+        mesh->corner_size != 4)
+        return NORMA_ERROR_ARGUMENT;
     if (!mesh->corners && mesh->corner_count > mesh->positions.count) return NORMA_ERROR_ARGUMENT;
     if (!mesh->face_starts && mesh->corner_count % 3) return NORMA_ERROR_ARGUMENT;
-    if (mesh->corner_count > UINT32_MAX - 1 || (mesh->face_starts && mesh->face_count > UINT32_MAX - 1)) return NORMA_ERROR_OVERFLOW;
+    if (mesh->corner_count > UINT32_MAX - 1 ||
+        (mesh->face_starts && mesh->face_count > UINT32_MAX - 1))
+        return NORMA_ERROR_OVERFLOW;
     *checked = (core_mesh){
         .positions = mesh->positions,
         .corners = mesh->corners,
         .corner_count = mesh->corner_count,
-        .corner_size = !mesh->corners ? 0 : mesh->corner_size ? mesh->corner_size : 4,
+        .corner_size = !mesh->corners      ? 0
+                       : mesh->corner_size ? mesh->corner_size
+                                           : 4,
         .face_starts = mesh->face_starts,
         .face_count = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3,
         .smoothing_groups = mesh->smoothing_groups,
@@ -38,8 +43,7 @@ norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked)
     return NORMA_OK;
 }
 
-uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner)
-{
+uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner) {
     uint16_t index;
     if (mesh->corner_size == 0) return (uint32_t)corner;
     if (mesh->corner_size == 1) return ((const uint8_t *)mesh->corners)[corner];
@@ -47,24 +51,22 @@ uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner)
     return index;
 }
 
-void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3])
-{
+void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]) {
     norma_view_read(&mesh->positions, index, out);
     if (mesh->positions.format == NORMA_FORMAT_DOUBLE)
         for (int i = 0; i < 3; i++) out[i] *= mesh->scale;
 }
 
-static int face_starts_are_valid(const core_mesh *mesh)
-{
-    if (mesh->face_starts[0] != 0 || mesh->face_starts[mesh->face_count] != mesh->corner_count) return 0;
+static int face_starts_are_valid(const core_mesh *mesh) {
+    if (mesh->face_starts[0] != 0 || mesh->face_starts[mesh->face_count] != mesh->corner_count)
+        return 0;
     for (size_t f = 0; f < mesh->face_count; f++)
         if (mesh->face_starts[f] > mesh->face_starts[f + 1]) return 0;
     return 1;
 }
 
 /* Faces of three corners each are triangles, whoever counts them. */
-static int all_are_triangles(const core_mesh *mesh)
-{
+static int all_are_triangles(const core_mesh *mesh) {
     if (mesh->corner_count != 3 * mesh->face_count) return 0;
     for (size_t f = 0; f < mesh->face_count; f++)
         if (mesh->face_starts[f] != 3 * f) return 0;
@@ -77,13 +79,12 @@ enum { CHUNKS_IN_TASK = 256, CORNERS_IN_TASK = 3 * CORE_FACES_IN_CHUNK * CHUNKS_
 
 typedef struct corner_check {
     const core_mesh *mesh;
-    core_range      *ranges;                 /* NULL, or of each chunk */
-    core_range_of   *range_of;
-    atomic_int       wrong;
+    core_range *ranges; /* NULL, or of each chunk */
+    core_range_of *range_of;
+    atomic_int wrong;
 } corner_check;
 
-CORE_INLINE core_range range_of_indices(const unsigned char *corners, size_t count)
-{
+CORE_INLINE core_range range_of_indices(const unsigned char *corners, size_t count) {
     uint32_t least = UINT32_MAX, most = 0;
     for (size_t c = 0; c < count; c++) {
         uint32_t index;
@@ -94,18 +95,22 @@ CORE_INLINE core_range range_of_indices(const unsigned char *corners, size_t cou
     return (core_range){least, most};
 }
 
-static core_range range_portable(const unsigned char *corners, size_t count) { return range_of_indices(corners, count); }
+static core_range range_portable(const unsigned char *corners, size_t count) {
+    return range_of_indices(corners, count);
+}
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static core_range range_avx2(const unsigned char *corners, size_t count) { return range_of_indices(corners, count); }
+CORE_FOR_AVX2 static core_range range_avx2(const unsigned char *corners, size_t count) {
+    return range_of_indices(corners, count);
+}
 static core_range_of *const RANGE_OF[] = {range_portable, range_avx2, range_avx2};
 #else
 static core_range_of *const RANGE_OF[] = {range_portable};
 #endif
 
-static core_range range_of_corners(const corner_check *check, size_t begin, size_t end)
-{
+static core_range range_of_corners(const corner_check *check, size_t begin, size_t end) {
     const core_mesh *mesh = check->mesh;
-    if (mesh->corner_size == 4) return check->range_of((const unsigned char *)mesh->corners + 4 * begin, end - begin);
+    if (mesh->corner_size == 4)
+        return check->range_of((const unsigned char *)mesh->corners + 4 * begin, end - begin);
     core_range range = {UINT32_MAX, 0};
     for (size_t c = begin; c < end; c++) {
         const uint32_t index = norma_core_corner(mesh, c);
@@ -115,29 +120,35 @@ static core_range range_of_corners(const corner_check *check, size_t begin, size
     return range;
 }
 
-static void check_task(void *context, size_t task)
-{
+static void check_task(void *context, size_t task) {
     corner_check *check = context;
-    const size_t corners = 3 * CORE_FACES_IN_CHUNK, count = check->mesh->corner_count, last = count - task * CORNERS_IN_TASK < CORNERS_IN_TASK ? count : (task + 1) * CORNERS_IN_TASK;
+    const size_t corners = 3 * CORE_FACES_IN_CHUNK, count = check->mesh->corner_count,
+                 last = count - task * CORNERS_IN_TASK < CORNERS_IN_TASK
+                            ? count
+                            : (task + 1) * CORNERS_IN_TASK;
     for (size_t begin = task * CORNERS_IN_TASK; begin < last; begin += corners) {
-        const core_range range = range_of_corners(check, begin, last - begin < corners ? last : begin + corners);
-        if (range.most >= check->mesh->positions.count) atomic_store_explicit(&check->wrong, 1, memory_order_relaxed);
+        const core_range range =
+            range_of_corners(check, begin, last - begin < corners ? last : begin + corners);
+        if (range.most >= check->mesh->positions.count)
+            atomic_store_explicit(&check->wrong, 1, memory_order_relaxed);
         if (check->ranges) check->ranges[begin / corners] = range;
     }
 }
 
-static norma_result check_corners(core_call *call, const core_mesh *mesh, core_range *ranges)
-{
-    corner_check check = {.mesh = mesh, .ranges = ranges, .range_of = RANGE_OF[norma_core_level(call->options.isa)]};
+static norma_result check_corners(core_call *call, const core_mesh *mesh, core_range *ranges) {
+    corner_check check = {
+        .mesh = mesh, .ranges = ranges, .range_of = RANGE_OF[norma_core_level(call->options.isa)]};
     if (!mesh->corner_size && !ranges) return NORMA_OK;
-    const norma_result result = norma_core_parallel(call, mesh->corner_count / CORNERS_IN_TASK + (mesh->corner_count % CORNERS_IN_TASK != 0), check_task, &check);
+    const norma_result result = norma_core_parallel(call,
+        mesh->corner_count / CORNERS_IN_TASK + (mesh->corner_count % CORNERS_IN_TASK != 0),
+        check_task, &check);
     if (result != NORMA_OK) return result;
     return atomic_load_explicit(&check.wrong, memory_order_relaxed) ? NORMA_ERROR_INDEX : NORMA_OK;
 }
 
-/* Products of four lengths must fit a double: beyond 2^200 or below 2^-200 all positions are read times a power of two. */
-static double scale_of_doubles(const core_mesh *mesh)
-{
+/* Products of four lengths must fit a double: beyond 2^200 or below 2^-200 all positions are read
+ * times a power of two. */
+static double scale_of_doubles(const core_mesh *mesh) {
     double largest = 0;
     for (size_t i = 0; i < mesh->positions.count; i++) {
         double p[3];
@@ -150,13 +161,15 @@ static double scale_of_doubles(const core_mesh *mesh)
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }
 
-norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh) { return norma_core_mesh_ranges(call, mesh, NULL); }
+norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh) {
+    return norma_core_mesh_ranges(call, mesh, NULL);
+}
 
-norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges)
-{
+norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges) {
     if (mesh->face_starts && !face_starts_are_valid(mesh)) return NORMA_ERROR_ARGUMENT;
     if (mesh->face_starts && all_are_triangles(mesh)) mesh->face_starts = NULL;
     const norma_result result = check_corners(call, mesh, ranges);
-    if (result == NORMA_OK && mesh->positions.format == NORMA_FORMAT_DOUBLE) mesh->scale = scale_of_doubles(mesh);
+    if (result == NORMA_OK && mesh->positions.format == NORMA_FORMAT_DOUBLE)
+        mesh->scale = scale_of_doubles(mesh);
     return result;
 }

@@ -1,19 +1,21 @@
-/* input_mesh.h: the caller's mesh, checked, and read corner by corner. Corners and positions are numbered in 32 bits. */
+/* input_mesh.h: the caller's mesh, checked, and read corner by corner. Corners and positions are
+ * numbered in 32 bits. */
 #ifndef NORMA_CORE_MESH_H
 #define NORMA_CORE_MESH_H
 #include "core/call/call.h"
 #include "core/call/vec3_view.h"
 
 typedef struct core_mesh {
-    norma_vec3_view positions;                  /* its stride is never 0 */
-    const void     *corners;
-    size_t          corner_count, corner_size;  /* size 0: corner c is at position c */
-    const uint32_t *face_starts;                /* NULL: triangles */
-    size_t          face_count;
+    norma_vec3_view positions; /* its stride is never 0 */
+    const void *corners;
+    size_t corner_count, corner_size; /* size 0: corner c is at position c */
+    const uint32_t *face_starts;      /* NULL: triangles */
+    size_t face_count;
     const uint32_t *smoothing_groups;
-    const uint8_t  *hard_edges;
-    double          scale;                      /* exact power of two that brings double positions near 1; 1 for all other formats */
-    const uint32_t *weld;                       /* NULL, or for each position the least of those that it is one with */
+    const uint8_t *hard_edges;
+    double
+        scale; /* exact power of two that brings double positions near 1; 1 for all other formats */
+    const uint32_t *weld; /* NULL, or for each position the least of those that it is one with */
 } core_mesh;
 
 /* ARGUMENT or OVERFLOW: what of it can be told without reading the arrays. */
@@ -21,45 +23,52 @@ norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked);
 /* ARGUMENT (face_starts) or INDEX or CANCELLED: reads the arrays. */
 norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh);
 
-/* The same; and of each CORE_FACES_IN_CHUNK triangles in a row, the least and the greatest position that their corners name. */
+/* The same; and of each CORE_FACES_IN_CHUNK triangles in a row, the least and the greatest position
+ * that their corners name. */
 enum { CORE_FACES_IN_CHUNK = 1024 };
-typedef struct core_range { uint32_t least, most; } core_range;
+typedef struct core_range {
+    uint32_t least, most;
+} core_range;
 norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges);
 
 /* Out of line, so that the common cases stay short. */
 uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner);
-void     norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]);
+void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]);
 
-static inline uint32_t norma_core_corner(const core_mesh *mesh, size_t corner)
-{
+static inline uint32_t norma_core_corner(const core_mesh *mesh, size_t corner) {
     uint32_t index;
     if (mesh->corner_size != 4) return norma_core_small_corner(mesh, corner);
     memcpy(&index, (const unsigned char *)mesh->corners + 4 * corner, sizeof index);
     return index;
 }
 
-static inline void norma_core_position(const core_mesh *mesh, uint32_t index, double out[3])
-{
+static inline void norma_core_position(const core_mesh *mesh, uint32_t index, double out[3]) {
     if (mesh->positions.format != NORMA_FORMAT_FLOAT) {
         norma_core_other_position(mesh, index, out);
         return;
     }
-    const unsigned char *at = (const unsigned char *)mesh->positions.data + index * mesh->positions.stride;
+    const unsigned char *at =
+        (const unsigned char *)mesh->positions.data + index * mesh->positions.stride;
     for (size_t i = 0; i < 3; i++) {
         float p;
-        memcpy(&p, at + i * sizeof p, sizeof p);       /* one by one: no detour through memory */
+        memcpy(&p, at + i * sizeof p, sizeof p); /* one by one: no detour through memory */
         out[i] = (double)p;
     }
 }
 
-static inline uint32_t norma_core_welded(const core_mesh *mesh, uint32_t index) { return mesh->weld ? mesh->weld[index] : index; }
+static inline uint32_t norma_core_welded(const core_mesh *mesh, uint32_t index) {
+    return mesh->weld ? mesh->weld[index] : index;
+}
 
-static inline size_t norma_core_face_begin(const core_mesh *mesh, size_t face) { return mesh->face_starts ? mesh->face_starts[face] : 3 * face; }
-static inline size_t norma_core_face_end(const core_mesh *mesh, size_t face) { return mesh->face_starts ? mesh->face_starts[face + 1] : 3 * face + 3; }
+static inline size_t norma_core_face_begin(const core_mesh *mesh, size_t face) {
+    return mesh->face_starts ? mesh->face_starts[face] : 3 * face;
+}
+static inline size_t norma_core_face_end(const core_mesh *mesh, size_t face) {
+    return mesh->face_starts ? mesh->face_starts[face + 1] : 3 * face + 3;
+}
 
 /* Not NaN, not infinite. */
-static inline int norma_core_finite(const double v[3])
-{
+static inline int norma_core_finite(const double v[3]) {
     const double zero = (v[0] - v[0]) + (v[1] - v[1]) + (v[2] - v[2]);
     return zero == 0;
 }

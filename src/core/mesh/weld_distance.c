@@ -1,18 +1,18 @@
-/* weld_distance.c: the components of "at most a step apart", by walking a tree of positions against itself. Two branches are joined whole where even their
- * farthest points are a step apart, and passed over where their nearest are not, or where they are joined already: so dense clusters cost no more than
- * sparse ones, and the answer does not depend on any order. */
+/* weld_distance.c: the components of "at most a step apart", by walking a tree of positions against
+ * itself. Two branches are joined whole where even their farthest points are a step apart, and
+ * passed over where their nearest are not, or where they are joined already: so dense clusters cost
+ * no more than sparse ones, and the answer does not depend on any order. */
 #include "core/mesh/kdtree.h"
 #include "core/mesh/weld.h"
 
 typedef struct joiner {
     core_kdtree tree;
-    uint32_t   *weld;            /* a forest: each points to a lower number or to itself */
-    uint8_t    *whole;           /* of each node of the tree: all its sites are known to be joined */
-    double      squared_step;
+    uint32_t *weld; /* a forest: each points to a lower number or to itself */
+    uint8_t *whole; /* of each node of the tree: all its sites are known to be joined */
+    double squared_step;
 } joiner;
 
-static uint32_t root_of(uint32_t *weld, uint32_t site)
-{
+static uint32_t root_of(uint32_t *weld, uint32_t site) {
     while (weld[site] != site) {
         weld[site] = weld[weld[site]];
         site = weld[site];
@@ -20,22 +20,21 @@ static uint32_t root_of(uint32_t *weld, uint32_t site)
     return site;
 }
 
-static void join(joiner *j, uint32_t a, uint32_t b)
-{
+static void join(joiner *j, uint32_t a, uint32_t b) {
     const uint32_t ra = root_of(j->weld, a), rb = root_of(j->weld, b);
-    if (ra < rb) j->weld[rb] = ra;
-    else j->weld[ra] = rb;
+    if (ra < rb)
+        j->weld[rb] = ra;
+    else
+        j->weld[ra] = rb;
 }
 
-static void join_range(joiner *j, size_t node, size_t begin, size_t end)
-{
+static void join_range(joiner *j, size_t node, size_t begin, size_t end) {
     if (j->whole[node]) return;
     for (size_t i = begin + 1; i < end; i++) join(j, j->tree.sites[begin], j->tree.sites[i]);
     j->whole[node] = 1;
 }
 
-static double squared_distance(const core_mesh *mesh, uint32_t a, uint32_t b)
-{
+static double squared_distance(const core_mesh *mesh, uint32_t a, uint32_t b) {
     double p[3], q[3], sum = 0;
     norma_core_position(mesh, a, p);
     norma_core_position(mesh, b, q);
@@ -43,32 +42,37 @@ static double squared_distance(const core_mesh *mesh, uint32_t a, uint32_t b)
     return sum;
 }
 
-typedef struct branch { size_t node, begin, end; } branch;
+typedef struct branch {
+    size_t node, begin, end;
+} branch;
 
-static branch half(branch b, int second)
-{
+static branch half(branch b, int second) {
     const size_t middle = b.begin + (b.end - b.begin) / 2;
-    return second ? (branch){2 * b.node + 2, middle, b.end} : (branch){2 * b.node + 1, b.begin, middle};
+    return second ? (branch){2 * b.node + 2, middle, b.end}
+                  : (branch){2 * b.node + 1, b.begin, middle};
 }
 
-static int is_leaf(const joiner *j, branch b)
-{
+static int is_leaf(const joiner *j, branch b) {
     const core_box *box = &j->tree.boxes[b.node];
-    return b.end - b.begin <= KDTREE_LEAF || (box->low[0] == box->high[0] && box->low[1] == box->high[1] && box->low[2] == box->high[2]);
+    return b.end - b.begin <= KDTREE_LEAF ||
+           (box->low[0] == box->high[0] && box->low[1] == box->high[1] &&
+               box->low[2] == box->high[2]);
 }
 
-static void join_leaves(joiner *j, branch a, branch b)
-{
+static void join_leaves(joiner *j, branch a, branch b) {
     for (size_t i = a.begin; i < a.end; i++)
         for (size_t k = b.begin; k < b.end; k++)
-            if (squared_distance(j->tree.mesh, j->tree.sites[i], j->tree.sites[k]) <= j->squared_step) join(j, j->tree.sites[i], j->tree.sites[k]);
+            if (squared_distance(j->tree.mesh, j->tree.sites[i], j->tree.sites[k]) <=
+                j->squared_step)
+                join(j, j->tree.sites[i], j->tree.sites[k]);
 }
 
-static void join_across(joiner *j, branch a, branch b)
-{
+static void join_across(joiner *j, branch a, branch b) {
     const core_box *box_a = &j->tree.boxes[a.node], *box_b = &j->tree.boxes[b.node];
     if (norma_core_box_least(box_a, box_b) > j->squared_step) return;
-    if (j->whole[a.node] && j->whole[b.node] && root_of(j->weld, j->tree.sites[a.begin]) == root_of(j->weld, j->tree.sites[b.begin])) return;
+    if (j->whole[a.node] && j->whole[b.node] &&
+        root_of(j->weld, j->tree.sites[a.begin]) == root_of(j->weld, j->tree.sites[b.begin]))
+        return;
     if (norma_core_box_greatest(box_a, box_b) <= j->squared_step) {
         join_range(j, a.node, a.begin, a.end);
         join_range(j, b.node, b.begin, b.end);
@@ -85,8 +89,7 @@ static void join_across(joiner *j, branch a, branch b)
     join_across(j, split_a ? half(a, 1) : a, split_a ? b : half(b, 1));
 }
 
-static void join_within(joiner *j, branch b)
-{
+static void join_within(joiner *j, branch b) {
     const core_box *box = &j->tree.boxes[b.node];
     if (norma_core_box_greatest(box, box) <= j->squared_step) {
         join_range(j, b.node, b.begin, b.end);
@@ -98,12 +101,12 @@ static void join_within(joiner *j, branch b)
         join_within(j, second);
         join_across(j, first, second);
         j->whole[b.node] = j->whole[first.node] && j->whole[second.node] &&
-                           root_of(j->weld, j->tree.sites[first.begin]) == root_of(j->weld, j->tree.sites[second.begin]);
+                           root_of(j->weld, j->tree.sites[first.begin]) ==
+                               root_of(j->weld, j->tree.sites[second.begin]);
     }
 }
 
-static size_t collect_distinct(const core_mesh *mesh, const uint32_t *weld, uint32_t *sites)
-{
+static size_t collect_distinct(const core_mesh *mesh, const uint32_t *weld, uint32_t *sites) {
     size_t count = 0;
     for (size_t i = 0; i < mesh->positions.count; i++) {
         double p[3];
@@ -113,8 +116,8 @@ static size_t collect_distinct(const core_mesh *mesh, const uint32_t *weld, uint
     return count;
 }
 
-static norma_result join_sites(core_call *call, const core_mesh *mesh, double distance, uint32_t *weld, uint32_t *sites, size_t count)
-{
+static norma_result join_sites(core_call *call, const core_mesh *mesh, double distance,
+    uint32_t *weld, uint32_t *sites, size_t count) {
     joiner j = {.weld = weld, .squared_step = distance * distance};
     norma_result result = norma_core_kdtree_build(call, mesh, NULL, sites, count, &j.tree);
     if (result != NORMA_OK) return result;
@@ -130,12 +133,13 @@ static norma_result join_sites(core_call *call, const core_mesh *mesh, double di
     return result;
 }
 
-norma_result norma_core_weld_near(core_call *call, const core_mesh *mesh, double distance, uint32_t *weld)
-{
+norma_result norma_core_weld_near(
+    core_call *call, const core_mesh *mesh, double distance, uint32_t *weld) {
     uint32_t *sites = norma_core_allocate(call, mesh->positions.count, sizeof *sites);
     if (!sites) return NORMA_ERROR_MEMORY;
     const size_t count = collect_distinct(mesh, weld, sites);
-    const norma_result result = count ? join_sites(call, mesh, distance, weld, sites, count) : NORMA_OK;
+    const norma_result result =
+        count ? join_sites(call, mesh, distance, weld, sites, count) : NORMA_OK;
     norma_core_release(call, sites, mesh->positions.count, sizeof *sites);
     if (result != NORMA_OK) return result;
     for (size_t i = 0; i < mesh->positions.count; i++) weld[i] = weld[weld[i]];

@@ -1,25 +1,28 @@
-/* box_tree.c: halves a set along the widest side of its centres, again and again. The order is that of the centres, then of the numbers, so that the tree is the mesh's own. */
+/* box_tree.c: halves a set along the widest side of its centres, again and again. The order is that
+ * of the centres, then of the numbers, so that the tree is the mesh's own. */
 #include "core/orient/box_tree.h"
 #include "core/face/triangle.h"
 
 enum { LEAF = 8 };
 
-typedef struct item { double key; uint32_t number; } item;
+typedef struct item {
+    double key;
+    uint32_t number;
+} item;
 
 typedef struct halving {
-    const double (*centres)[3];              /* of each number */
-    item          *items;
+    const double (*centres)[3]; /* of each number */
+    item *items;
 } halving;
 
-static int item_is_less(const void *first, const void *second)
-{
+static int item_is_less(const void *first, const void *second) {
     const item *a = first, *b = second;
     return a->key != b->key ? a->key < b->key : a->number < b->number;
 }
 
-/* Selects the middle (Hoare's quickselect with a fallback to sorting where pivots are bad): smaller ones before it, larger ones behind. */
-static void halve_items(item *items, size_t count)
-{
+/* Selects the middle (Hoare's quickselect with a fallback to sorting where pivots are bad): smaller
+ * ones before it, larger ones behind. */
+static void halve_items(item *items, size_t count) {
     size_t low = 0, high = count, middle = count / 2;
     for (int tries = 0; high - low > 32; tries++) {
         if (tries > 64) {
@@ -39,15 +42,16 @@ static void halve_items(item *items, size_t count)
             k--;
         }
         /* items before i are not above the pivot, those behind k not below it */
-        if (middle <= k) high = k + 1;
-        else low = k + 1;
+        if (middle <= k)
+            high = k + 1;
+        else
+            low = k + 1;
     }
     norma_core_sort(items + low, high - low, sizeof *items, item_is_less);
 }
 
 /* Orders numbers so that the first half lies on one side. */
-static void halve(const halving *h, uint32_t *numbers, size_t count)
-{
+static void halve(const halving *h, uint32_t *numbers, size_t count) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     int axis = 0;
     for (size_t i = 0; i < count; i++)
@@ -68,7 +72,9 @@ static void halve(const halving *h, uint32_t *numbers, size_t count)
 
 /* ---- the shape of a tree: nodes in the order in which they are made, parents before children */
 
-typedef struct part { uint32_t begin, count, node; } part;
+typedef struct part {
+    uint32_t begin, count, node;
+} part;
 
 static size_t most_nodes(size_t count) { return 4 * (count / LEAF + 1) + 1; }
 
@@ -79,8 +85,7 @@ typedef struct shape {
     void (*set_children)(void *context, size_t node, uint32_t left, uint32_t right);
 } shape;
 
-static size_t make_tree(const halving *h, uint32_t *numbers, size_t count, const shape *s)
-{
+static size_t make_tree(const halving *h, uint32_t *numbers, size_t count, const shape *s) {
     part stack[128];
     size_t depth = 0, nodes = 1;
     stack[depth++] = (part){0, (uint32_t)count, 0};
@@ -100,21 +105,18 @@ static size_t make_tree(const halving *h, uint32_t *numbers, size_t count, const
 
 /* ---- boxes */
 
-static void set_box_node(void *context, size_t node, size_t begin, size_t count)
-{
+static void set_box_node(void *context, size_t node, size_t begin, size_t count) {
     core_box_tree *tree = context;
     tree->nodes[node] = (core_box_node){.begin = (uint32_t)begin, .count = (uint32_t)count};
 }
 
-static void set_box_children(void *context, size_t node, uint32_t left, uint32_t right)
-{
+static void set_box_children(void *context, size_t node, uint32_t left, uint32_t right) {
     core_box_tree *tree = context;
     tree->nodes[node].left = left;
     tree->nodes[node].right = right;
 }
 
-static void join_boxes(core_box_node *node, const double low[3], const double high[3])
-{
+static void join_boxes(core_box_node *node, const double low[3], const double high[3]) {
     for (int k = 0; k < 3; k++) {
         node->low[k] = low[k] < node->low[k] ? low[k] : node->low[k];
         node->high[k] = high[k] > node->high[k] ? high[k] : node->high[k];
@@ -122,8 +124,7 @@ static void join_boxes(core_box_node *node, const double low[3], const double hi
 }
 
 /* Children come behind their parents. */
-static void fill_boxes(core_box_tree *tree, const core_box *boxes)
-{
+static void fill_boxes(core_box_tree *tree, const core_box *boxes) {
     for (size_t i = tree->node_count; i-- > 0;) {
         core_box_node *node = &tree->nodes[i];
         for (int k = 0; k < 3; k++) {
@@ -140,10 +141,10 @@ static void fill_boxes(core_box_tree *tree, const core_box *boxes)
     }
 }
 
-norma_result norma_core_box_tree_build(const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree)
-{
+norma_result norma_core_box_tree_build(
+    const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree) {
     *tree = (core_box_tree){.count = count};
-    double (*centres)[3] = norma_core_allocate(call, count, sizeof *centres);
+    double(*centres)[3] = norma_core_allocate(call, count, sizeof *centres);
     item *items = norma_core_allocate(call, count, sizeof *items);
     tree->numbers = norma_core_allocate(call, count, sizeof *tree->numbers);
     tree->nodes = norma_core_allocate(call, most_nodes(count), sizeof *tree->nodes);
@@ -153,8 +154,9 @@ norma_result norma_core_box_tree_build(const core_call *call, const core_box *bo
         for (int k = 0; k < 3; k++) centres[i][k] = boxes[i].low[k] / 2 + boxes[i].high[k] / 2;
     }
     if (fine) {
-        const halving h = {(const double (*)[3])centres, items};
-        tree->node_count = make_tree(&h, tree->numbers, count, &(shape){tree, set_box_node, set_box_children});
+        const halving h = {(const double(*)[3])centres, items};
+        tree->node_count =
+            make_tree(&h, tree->numbers, count, &(shape){tree, set_box_node, set_box_children});
         fill_boxes(tree, boxes);
     }
     norma_core_release(call, centres, count, sizeof *centres);
@@ -163,48 +165,46 @@ norma_result norma_core_box_tree_build(const core_call *call, const core_box *bo
     return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-void norma_core_box_tree_release(const core_call *call, core_box_tree *tree)
-{
+void norma_core_box_tree_release(const core_call *call, core_box_tree *tree) {
     norma_core_release(call, tree->numbers, tree->count, sizeof *tree->numbers);
     norma_core_release(call, tree->nodes, most_nodes(tree->count), sizeof *tree->nodes);
     *tree = (core_box_tree){0};
 }
 
-void norma_core_box_tree_stab(const core_box_tree *tree, const double point[3], void (*visit)(void *context, uint32_t number), void *context)
-{
+void norma_core_box_tree_stab(const core_box_tree *tree, const double point[3],
+    void (*visit)(void *context, uint32_t number), void *context) {
     uint32_t stack[128];
     size_t depth = 0;
     stack[depth++] = 0;
     while (depth) {
         const core_box_node *node = &tree->nodes[stack[--depth]];
         int outside = 0;
-        for (int k = 0; k < 3; k++) outside |= !(node->low[k] <= point[k] && node->high[k] >= point[k]);
+        for (int k = 0; k < 3; k++)
+            outside |= !(node->low[k] <= point[k] && node->high[k] >= point[k]);
         if (outside) continue;
         if (node->right) {
             stack[depth++] = node->left;
             stack[depth++] = node->right;
         }
-        for (uint32_t i = 0; !node->right && i < node->count; i++) visit(context, tree->numbers[node->begin + i]);
+        for (uint32_t i = 0; !node->right && i < node->count; i++)
+            visit(context, tree->numbers[node->begin + i]);
     }
 }
 
 /* ---- dipoles of faces */
 
-static void set_dipole(void *context, size_t node, size_t begin, size_t count)
-{
+static void set_dipole(void *context, size_t node, size_t begin, size_t count) {
     core_dipoles *d = context;
     d->nodes[node] = (core_dipole){.begin = (uint32_t)begin, .count = (uint32_t)count};
 }
 
-static void set_dipole_children(void *context, size_t node, uint32_t left, uint32_t right)
-{
+static void set_dipole_children(void *context, size_t node, uint32_t left, uint32_t right) {
     core_dipoles *d = context;
     d->nodes[node].left = left;
     d->nodes[node].right = right;
 }
 
-static void middle_of(const core_mesh *mesh, size_t face, double middle[3])
-{
+static void middle_of(const core_mesh *mesh, size_t face, double middle[3]) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     for (int k = 0; k < 3; k++) middle[k] = 0;
     for (size_t c = begin; c < end; c++) {
@@ -215,16 +215,14 @@ static void middle_of(const core_mesh *mesh, size_t face, double middle[3])
 }
 
 /* Area vector and area of one face, and how far its corners are from a centre. */
-static double face_area(const core_mesh *mesh, size_t face, double area[3])
-{
+static double face_area(const core_mesh *mesh, size_t face, double area[3]) {
     core_face geometry;
     norma_core_face_geometry(mesh, face, &geometry);
     for (int k = 0; k < 3; k++) area[k] = geometry.normal[k] * geometry.twice_area / 2;
     return geometry.twice_area / 2;
 }
 
-static double reach_from(const core_mesh *mesh, size_t face, const double centre[3])
-{
+static double reach_from(const core_mesh *mesh, size_t face, const double centre[3]) {
     double most = 0;
     for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
         double p[3], d[3];
@@ -237,14 +235,13 @@ static double reach_from(const core_mesh *mesh, size_t face, const double centre
 
 typedef struct dipole_fill {
     const core_topology *topology;
-    const uint8_t       *reverse;
-    const core_dipoles  *dipoles;
-    const double       (*middles)[3];        /* of each face by its number */
-    const uint32_t      *numbers;            /* of each face by its place */
+    const uint8_t *reverse;
+    const core_dipoles *dipoles;
+    const double (*middles)[3]; /* of each face by its number */
+    const uint32_t *numbers;    /* of each face by its place */
 } dipole_fill;
 
-static void fill_leaf(const dipole_fill *f, core_dipole *node)
-{
+static void fill_leaf(const dipole_fill *f, core_dipole *node) {
     const core_dipoles *d = f->dipoles;
     for (uint32_t i = node->begin; i < node->begin + node->count; i++) {
         double area[3];
@@ -256,17 +253,24 @@ static void fill_leaf(const dipole_fill *f, core_dipole *node)
         }
         node->weight += size;
     }
-    for (int k = 0; k < 3; k++) node->centre[k] = node->weight > 0 ? node->centre[k] / node->weight : f->middles[f->numbers[node->begin]][k];
-    for (uint32_t i = node->begin; i < node->begin + node->count; i++) node->radius = fmax(node->radius, reach_from(&f->topology->mesh, d->faces[i], node->centre));
+    for (int k = 0; k < 3; k++)
+        node->centre[k] = node->weight > 0 ? node->centre[k] / node->weight
+                                           : f->middles[f->numbers[node->begin]][k];
+    for (uint32_t i = node->begin; i < node->begin + node->count; i++)
+        node->radius =
+            fmax(node->radius, reach_from(&f->topology->mesh, d->faces[i], node->centre));
 }
 
-static void fill_from_children(const core_dipoles *d, core_dipole *node)
-{
+static void fill_from_children(const core_dipoles *d, core_dipole *node) {
     const core_dipole *half[2] = {&d->nodes[node->left], &d->nodes[node->right]};
     node->weight = half[0]->weight + half[1]->weight;
     for (int k = 0; k < 3; k++) {
         node->area[k] = half[0]->area[k] + half[1]->area[k];
-        node->centre[k] = node->weight > 0 ? (half[0]->weight * half[0]->centre[k] + half[1]->weight * half[1]->centre[k]) / node->weight : half[0]->centre[k];
+        node->centre[k] =
+            node->weight > 0
+                ? (half[0]->weight * half[0]->centre[k] + half[1]->weight * half[1]->centre[k]) /
+                      node->weight
+                : half[0]->centre[k];
     }
     for (int i = 0; i < 2; i++) {
         double away[3];
@@ -276,31 +280,33 @@ static void fill_from_children(const core_dipoles *d, core_dipole *node)
 }
 
 /* Children come behind their parents. */
-static void fill_dipoles(const dipole_fill *f)
-{
+static void fill_dipoles(const dipole_fill *f) {
     const core_dipoles *d = f->dipoles;
     for (size_t i = d->node_count; i-- > 0;) {
-        if (d->nodes[i].right) fill_from_children(d, &d->nodes[i]);
-        else fill_leaf(f, &d->nodes[i]);
+        if (d->nodes[i].right)
+            fill_from_children(d, &d->nodes[i]);
+        else
+            fill_leaf(f, &d->nodes[i]);
     }
 }
 
-norma_result norma_core_dipoles_build(const core_topology *t, const uint8_t *reverse, const uint32_t *faces, size_t count, core_dipoles *d)
-{
+norma_result norma_core_dipoles_build(const core_topology *t, const uint8_t *reverse,
+    const uint32_t *faces, size_t count, core_dipoles *d) {
     *d = (core_dipoles){.count = count};
-    double (*middles)[3] = norma_core_allocate(t->call, count, sizeof *middles);
+    double(*middles)[3] = norma_core_allocate(t->call, count, sizeof *middles);
     item *items = norma_core_allocate(t->call, count, sizeof *items);
     uint32_t *numbers = norma_core_allocate(t->call, count, sizeof *numbers);
     d->faces = norma_core_allocate(t->call, count, sizeof *d->faces);
     d->nodes = norma_core_allocate(t->call, most_nodes(count), sizeof *d->nodes);
-    norma_result result = middles && items && numbers && d->faces && d->nodes ? NORMA_OK : NORMA_ERROR_MEMORY;
+    norma_result result =
+        middles && items && numbers && d->faces && d->nodes ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t i = 0; result == NORMA_OK && i < count; i++) {
         numbers[i] = (uint32_t)i;
         middle_of(&t->mesh, faces[i], middles[i]);
     }
     if (result == NORMA_OK) {
-        const halving h = {(const double (*)[3])middles, items};
-        const dipole_fill fill = {t, reverse, d, (const double (*)[3])middles, numbers};
+        const halving h = {(const double(*)[3])middles, items};
+        const dipole_fill fill = {t, reverse, d, (const double(*)[3])middles, numbers};
         d->node_count = make_tree(&h, numbers, count, &(shape){d, set_dipole, set_dipole_children});
         for (size_t i = 0; i < count; i++) d->faces[i] = faces[numbers[i]];
         fill_dipoles(&fill);
@@ -312,8 +318,7 @@ norma_result norma_core_dipoles_build(const core_topology *t, const uint8_t *rev
     return result;
 }
 
-void norma_core_dipoles_release(const core_call *call, core_dipoles *d)
-{
+void norma_core_dipoles_release(const core_call *call, core_dipoles *d) {
     norma_core_release(call, d->faces, d->count, sizeof *d->faces);
     norma_core_release(call, d->nodes, most_nodes(d->count), sizeof *d->nodes);
     *d = (core_dipoles){0};

@@ -4,13 +4,12 @@
 
 typedef struct search {
     const core_topology *topology;
-    core_components     *out;
-    core_joining         joining;
-    size_t               found;              /* faces so far: those before `next` are done */
+    core_components *out;
+    core_joining joining;
+    size_t found; /* faces so far: those before `next` are done */
 } search;
 
-static norma_result grow(const core_call *call, core_components *c)
-{
+static norma_result grow(const core_call *call, core_components *c) {
     if (c->count < c->room) return NORMA_OK;
     const size_t room = 2 * c->room;
     uint32_t *starts = norma_core_allocate(call, room + 1, sizeof *starts);
@@ -31,8 +30,8 @@ static norma_result grow(const core_call *call, core_components *c)
 }
 
 /* Reaches a face from one whose winding differs from it or does not. */
-static void reach(search *s, core_component *component, uint32_t number, size_t corner, size_t from, int differs)
-{
+static void reach(search *s, core_component *component, uint32_t number, size_t corner, size_t from,
+    int differs) {
     core_components *c = s->out;
     const size_t face = norma_core_topology_face(s->topology, corner);
     const uint8_t reverse = c->reverse ? (uint8_t)(c->reverse[from] ^ differs) : 0;
@@ -45,10 +44,10 @@ static void reach(search *s, core_component *component, uint32_t number, size_t 
     }
 }
 
-static void visit_edges(search *s, core_component *component, uint32_t number, size_t face)
-{
+static void visit_edges(search *s, core_component *component, uint32_t number, size_t face) {
     const core_topology *t = s->topology;
-    for (size_t corner = norma_core_face_begin(&t->mesh, face); corner < norma_core_face_end(&t->mesh, face); corner++) {
+    for (size_t corner = norma_core_face_begin(&t->mesh, face);
+         corner < norma_core_face_end(&t->mesh, face); corner++) {
         const uint32_t partner = t->partners[corner];
         if (partner < CORE_EDGE_SPECIAL) {
             reach(s, component, number, partner, face, 0);
@@ -59,19 +58,18 @@ static void visit_edges(search *s, core_component *component, uint32_t number, s
             reach(s, component, number, t->others[corner], face, 1);
         } else if (partner == CORE_EDGE_MANY) {
             component->flags |= COMPONENT_MANY;
-            if (s->joining == CORE_JOIN_ALL_EDGES) reach(s, component, number, t->others[corner], face, 0);
+            if (s->joining == CORE_JOIN_ALL_EDGES)
+                reach(s, component, number, t->others[corner], face, 0);
         }
     }
 }
 
-static int has_edges(const core_topology *t, size_t face)
-{
+static int has_edges(const core_topology *t, size_t face) {
     if (t->polygons) return t->polygons[face].anchor != UINT32_MAX;
     return t->partners[3 * face] != CORE_EDGE_NONE;
 }
 
-static norma_result find_all(search *s)
-{
+static norma_result find_all(search *s) {
     core_components *c = s->out;
     for (size_t face = 0; face < c->face_count; face++) {
         if (c->of[face] != UINT32_MAX || !has_edges(s->topology, face)) continue;
@@ -90,19 +88,18 @@ static norma_result find_all(search *s)
     return norma_core_progress(s->topology->call, 1) ? NORMA_CANCELLED : NORMA_OK;
 }
 
-/* ---- edges of more than two faces along which a part's own faces cancel: it is closed although it touches itself or others there */
+/* ---- edges of more than two faces along which a part's own faces cancel: it is closed although it
+ * touches itself or others there */
 
 enum { MOST_AROUND = 64 };
 
-static int run_way(const core_topology *t, const core_components *c, size_t corner)
-{
+static int run_way(const core_topology *t, const core_components *c, size_t corner) {
     const size_t face = norma_core_topology_face(t, corner);
     const int ascends = t->corners[corner] < t->corners[norma_core_topology_next(t, face, corner)];
     return (c->reverse && c->reverse[face]) == ascends ? -1 : 1;
 }
 
-static int is_balanced(const core_topology *t, const core_components *c, size_t corner)
-{
+static int is_balanced(const core_topology *t, const core_components *c, size_t corner) {
     const uint32_t own = c->of[norma_core_topology_face(t, corner)];
     size_t at = corner;
     int sum = 0, count = 0;
@@ -113,30 +110,31 @@ static int is_balanced(const core_topology *t, const core_components *c, size_t 
     return at == corner && sum == 0;
 }
 
-static void find_unbalanced(const core_topology *t, core_components *c)
-{
+static void find_unbalanced(const core_topology *t, core_components *c) {
     for (size_t corner = 0; corner < t->mesh.corner_count; corner++) {
         if (t->partners[corner] != CORE_EDGE_MANY) continue;
         core_component *component = &c->each[c->of[norma_core_topology_face(t, corner)]];
-        if (!(component->flags & COMPONENT_UNBALANCED) && !is_balanced(t, c, corner)) component->flags |= COMPONENT_UNBALANCED;
+        if (!(component->flags & COMPONENT_UNBALANCED) && !is_balanced(t, c, corner))
+            component->flags |= COMPONENT_UNBALANCED;
     }
 }
 
 /* The winding that fewer faces must give up is kept. */
-static void keep_majority(core_components *c)
-{
+static void keep_majority(core_components *c) {
     for (size_t i = 0; i < c->count; i++) {
         const size_t begin = c->starts[i], end = c->starts[i + 1];
         size_t reversed = 0;
         for (size_t k = begin; k < end; k++) reversed += c->reverse[c->faces[k]];
-        const int one_sided = (c->each[i].flags & COMPONENT_ONE_SIDED) != 0, other = 2 * reversed > end - begin;
+        const int one_sided = (c->each[i].flags & COMPONENT_ONE_SIDED) != 0,
+                  other = 2 * reversed > end - begin;
         if (!one_sided && !other) continue;
-        for (size_t k = begin; k < end; k++) c->reverse[c->faces[k]] = (uint8_t)(one_sided ? 0 : !c->reverse[c->faces[k]]);
+        for (size_t k = begin; k < end; k++)
+            c->reverse[c->faces[k]] = (uint8_t)(one_sided ? 0 : !c->reverse[c->faces[k]]);
     }
 }
 
-norma_result norma_core_find_components(const core_topology *t, core_joining joining, core_components *c)
-{
+norma_result norma_core_find_components(
+    const core_topology *t, core_joining joining, core_components *c) {
     enum { FEW = 64 };
     *c = (core_components){.face_count = t->mesh.face_count, .room = FEW};
     c->of = norma_core_allocate(t->call, c->face_count, sizeof *c->of);
@@ -144,7 +142,10 @@ norma_result norma_core_find_components(const core_topology *t, core_joining joi
     c->starts = norma_core_allocate(t->call, FEW + 1, sizeof *c->starts);
     c->each = norma_core_allocate(t->call, FEW, sizeof *c->each);
     if (joining == CORE_JOIN_CUT) c->reverse = norma_core_allocate(t->call, c->face_count, 1);
-    norma_result result = c->of && c->faces && c->starts && c->each && (c->reverse || joining != CORE_JOIN_CUT) ? NORMA_OK : NORMA_ERROR_MEMORY;
+    norma_result result =
+        c->of && c->faces && c->starts && c->each && (c->reverse || joining != CORE_JOIN_CUT)
+            ? NORMA_OK
+            : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         search s = {t, c, joining, 0};
         memset(c->of, 0xff, c->face_count * sizeof *c->of);
@@ -158,8 +159,7 @@ norma_result norma_core_find_components(const core_topology *t, core_joining joi
     return result;
 }
 
-void norma_core_release_components(const core_call *call, core_components *c)
-{
+void norma_core_release_components(const core_call *call, core_components *c) {
     norma_core_release(call, c->of, c->face_count, sizeof *c->of);
     norma_core_release(call, c->faces, c->face_count, sizeof *c->faces);
     norma_core_release(call, c->starts, c->room + 1, sizeof *c->starts);
@@ -170,26 +170,28 @@ void norma_core_release_components(const core_call *call, core_components *c)
 
 /* ---- boxes and volumes: of parts in blocks of faces, whose sums are added in order */
 
-static void widen(core_component *component, const double p[3])
-{
+static void widen(core_component *component, const double p[3]) {
     for (int k = 0; k < 3; k++) {
         component->low[k] = p[k] < component->low[k] ? p[k] : component->low[k];
         component->high[k] = p[k] > component->high[k] ? p[k] : component->high[k];
     }
 }
 
-typedef struct extent_sum { core_component box; double volume, terms; } extent_sum;
+typedef struct extent_sum {
+    core_component box;
+    double volume, terms;
+} extent_sum;
 
 typedef struct measuring {
-    const core_topology   *topology;
+    const core_topology *topology;
     const core_components *components;
-    extent_sum            *sums;             /* of each block */
-    size_t                 part;
-    uint8_t                not_closed;
+    extent_sum *sums; /* of each block */
+    size_t part;
+    uint8_t not_closed;
 } measuring;
 
-static void read_corner(const core_topology *t, size_t corner, const double origin[3], core_component *box, double from[3])
-{
+static void read_corner(const core_topology *t, size_t corner, const double origin[3],
+    core_component *box, double from[3]) {
     double p[3];
     norma_core_position(&t->mesh, t->corners[corner], p);
     widen(box, p);
@@ -197,9 +199,10 @@ static void read_corner(const core_topology *t, size_t corner, const double orig
 }
 
 /* Six times the volume between a face, cut into a fan, and the origin. */
-static void add_face(const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum)
-{
-    const size_t begin = norma_core_face_begin(&t->mesh, face), end = norma_core_face_end(&t->mesh, face);
+static void add_face(
+    const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum) {
+    const size_t begin = norma_core_face_begin(&t->mesh, face),
+                 end = norma_core_face_end(&t->mesh, face);
     double first[3], a[3], b[3], cross[3];
     read_corner(t, begin, origin, &sum->box, first);
     read_corner(t, begin + 1, origin, &sum->box, a);
@@ -219,13 +222,14 @@ static double least(double a, double b) { return a < b ? a : b; }
 static double greatest(double a, double b) { return a > b ? a : b; }
 
 /* The same of a triangle, straight. */
-static void add_triangle(const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum)
-{
+static void add_triangle(
+    const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum) {
     double p[3][3], cross[3];
     for (size_t k = 0; k < 3; k++) norma_core_position(&t->mesh, t->corners[3 * face + k], p[k]);
     for (int k = 0; k < 3; k++) {
         sum->box.low[k] = least(least(p[0][k], p[1][k]), least(p[2][k], sum->box.low[k]));
-        sum->box.high[k] = greatest(greatest(p[0][k], p[1][k]), greatest(p[2][k], sum->box.high[k]));
+        sum->box.high[k] =
+            greatest(greatest(p[0][k], p[1][k]), greatest(p[2][k], sum->box.high[k]));
         for (int i = 0; i < 3; i++) p[i][k] -= origin[k];
     }
     norma_core_cross(p[1], p[2], cross);
@@ -234,48 +238,51 @@ static void add_triangle(const core_topology *t, size_t face, const double origi
     sum->terms += fabs(term);
 }
 
-static void measure_block(const measuring *m, size_t part, size_t block, extent_sum *sum)
-{
+static void measure_block(const measuring *m, size_t part, size_t block, extent_sum *sum) {
     const core_components *c = m->components;
-    const size_t first = c->starts[part], count = c->starts[part + 1] - first, begin = block * FACES_IN_BLOCK;
+    const size_t first = c->starts[part], count = c->starts[part + 1] - first,
+                 begin = block * FACES_IN_BLOCK;
     const size_t end = count - begin < FACES_IN_BLOCK ? count : begin + FACES_IN_BLOCK;
     double origin[3];
-    *sum = (extent_sum){.box = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}}};
-    norma_core_position(&m->topology->mesh, m->topology->corners[norma_core_face_begin(&m->topology->mesh, c->faces[first])], origin);
+    *sum = (extent_sum){
+        .box = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}}};
+    norma_core_position(&m->topology->mesh,
+        m->topology->corners[norma_core_face_begin(&m->topology->mesh, c->faces[first])], origin);
     for (size_t i = first + begin; i < first + end; i++) {
         const int reversed = c->reverse && c->reverse[c->faces[i]];
-        if (m->topology->polygons) add_face(m->topology, c->faces[i], origin, reversed, sum);
-        else add_triangle(m->topology, c->faces[i], origin, reversed, sum);
+        if (m->topology->polygons)
+            add_face(m->topology, c->faces[i], origin, reversed, sum);
+        else
+            add_triangle(m->topology, c->faces[i], origin, reversed, sum);
     }
 }
 
-static const double ROUNDING = 1e-12;        /* of the terms: as little is no volume */
+static const double ROUNDING = 1e-12; /* of the terms: as little is no volume */
 
-static void finish_part(core_component *component, const extent_sum *sum, uint8_t not_closed)
-{
+static void finish_part(core_component *component, const extent_sum *sum, uint8_t not_closed) {
     for (int k = 0; k < 3; k++) {
         component->low[k] = sum->box.low[k];
         component->high[k] = sum->box.high[k];
     }
-    component->volume = !(component->flags & not_closed) && fabs(sum->volume) > ROUNDING * sum->terms && sum->terms < INFINITY ? sum->volume : 0;
+    component->volume = !(component->flags & not_closed) &&
+                                fabs(sum->volume) > ROUNDING * sum->terms && sum->terms < INFINITY
+                            ? sum->volume
+                            : 0;
 }
 
-static void add_sum(extent_sum *sum, const extent_sum *block)
-{
+static void add_sum(extent_sum *sum, const extent_sum *block) {
     widen(&sum->box, block->box.low);
     widen(&sum->box, block->box.high);
     sum->volume += block->volume;
     sum->terms += block->terms;
 }
 
-static size_t blocks_of_part(const core_components *c, size_t part)
-{
+static size_t blocks_of_part(const core_components *c, size_t part) {
     const size_t count = c->starts[part + 1] - c->starts[part];
     return count / FACES_IN_BLOCK + (count % FACES_IN_BLOCK != 0);
 }
 
-static void measure_small(void *context, size_t part)
-{
+static void measure_small(void *context, size_t part) {
     const measuring *m = context;
     extent_sum sum;
     if (blocks_of_part(m->components, part) > 1) return;
@@ -283,14 +290,12 @@ static void measure_small(void *context, size_t part)
     finish_part(&m->components->each[part], &sum, m->not_closed);
 }
 
-static void measure_block_of_large(void *context, size_t block)
-{
+static void measure_block_of_large(void *context, size_t block) {
     const measuring *m = context;
     measure_block(m, m->part, block, &m->sums[block]);
 }
 
-static norma_result measure_large(measuring *m, size_t part)
-{
+static norma_result measure_large(measuring *m, size_t part) {
     core_call *call = m->topology->call;
     const size_t blocks = blocks_of_part(m->components, part);
     m->part = part;
@@ -303,8 +308,8 @@ static norma_result measure_large(measuring *m, size_t part)
     return result;
 }
 
-norma_result norma_core_measure_components(const core_topology *topology, core_components *components, uint8_t not_closed)
-{
+norma_result norma_core_measure_components(
+    const core_topology *topology, core_components *components, uint8_t not_closed) {
     measuring m = {.topology = topology, .components = components, .not_closed = not_closed};
     norma_result result = norma_core_parallel(topology->call, components->count, measure_small, &m);
     for (size_t i = 0; i < components->count && result == NORMA_OK; i++)

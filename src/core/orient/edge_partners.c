@@ -1,5 +1,6 @@
-/* edge_partners.c: edges are paired around each position. Where the corners there form what a whole surface has, fans of two faces at each edge, comparing the few
- * of them with one another is enough; all else is sorted. */
+/* edge_partners.c: edges are paired around each position. Where the corners there form what a whole
+ * surface has, fans of two faces at each edge, comparing the few of them with one another is
+ * enough; all else is sorted. */
 #include "core/orient/edge_partners.h"
 #include "core/call/sort.h"
 #include "core/mesh/weld.h"
@@ -11,33 +12,37 @@ enum { CORNERS_IN_BLOCK = 1 << 15, FACES_IN_BLOCK = 1 << 12, POSITIONS_IN_BLOCK 
 
 static size_t blocks_of(size_t count, size_t size) { return count / size + (count % size != 0); }
 
-typedef struct corner_copy { const core_mesh *from; uint32_t *to; } corner_copy;
+typedef struct corner_copy {
+    const core_mesh *from;
+    uint32_t *to;
+} corner_copy;
 
-static void copy_corners(void *context, size_t block)
-{
+static void copy_corners(void *context, size_t block) {
     const corner_copy *copy = context;
-    const size_t count = copy->from->corner_count, begin = block * CORNERS_IN_BLOCK, end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
+    const size_t count = copy->from->corner_count, begin = block * CORNERS_IN_BLOCK,
+                 end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
     for (size_t c = begin; c < end; c++) copy->to[c] = norma_core_welded_corner(copy->from, c);
 }
 
 /* ---- what a polygon has in common with its twins */
 
-static uint64_t mix(uint64_t h)
-{
+static uint64_t mix(uint64_t h) {
     h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
     h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
     return h ^ (h >> 32);
 }
 
-static uint64_t pair_of(uint32_t a, uint32_t b) { return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a; }
+static uint64_t pair_of(uint32_t a, uint32_t b) {
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
 
-static core_polygon polygon_of(const core_mesh *mesh, size_t face)
-{
+static core_polygon polygon_of(const core_mesh *mesh, size_t face) {
     core_polygon polygon = {.anchor = UINT32_MAX};
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     uint32_t least = UINT32_MAX;
     for (size_t c = begin; c < end; c++) {
-        const uint32_t here = norma_core_corner(mesh, c), next = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, c));
+        const uint32_t here = norma_core_corner(mesh, c),
+                       next = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, c));
         if (here == next) continue;
         polygon.kept++;
         polygon.key += mix(mix(pair_of(here, next)) + 1);
@@ -50,43 +55,48 @@ static core_polygon polygon_of(const core_mesh *mesh, size_t face)
     return polygon;
 }
 
-static void find_polygons(void *context, size_t block)
-{
+static void find_polygons(void *context, size_t block) {
     const core_topology *t = context;
-    const size_t count = t->mesh.face_count, begin = block * FACES_IN_BLOCK, end = count - begin < FACES_IN_BLOCK ? count : begin + FACES_IN_BLOCK;
+    const size_t count = t->mesh.face_count, begin = block * FACES_IN_BLOCK,
+                 end = count - begin < FACES_IN_BLOCK ? count : begin + FACES_IN_BLOCK;
     for (size_t f = begin; f < end; f++) t->polygons[f] = polygon_of(&t->mesh, f);
 }
 
 /* ---- opening */
 
-static norma_result fill_corners(core_topology *t, const core_mesh *welded)
-{
+static norma_result fill_corners(core_topology *t, const core_mesh *welded) {
     corner_copy copy = {welded, t->corners};
-    norma_result result = norma_core_parallel(t->call, blocks_of(welded->corner_count, CORNERS_IN_BLOCK), copy_corners, &copy);
+    norma_result result = norma_core_parallel(
+        t->call, blocks_of(welded->corner_count, CORNERS_IN_BLOCK), copy_corners, &copy);
     t->mesh = *welded;
     t->mesh.weld = NULL;
     t->mesh.corners = t->corners;
     t->mesh.corner_size = 4;
-    if (result == NORMA_OK && t->polygons) result = norma_core_parallel(t->call, blocks_of(t->mesh.face_count, FACES_IN_BLOCK), find_polygons, t);
+    if (result == NORMA_OK && t->polygons)
+        result = norma_core_parallel(
+            t->call, blocks_of(t->mesh.face_count, FACES_IN_BLOCK), find_polygons, t);
     return result;
 }
 
-norma_result norma_core_topology_open(core_call *call, const core_mesh *checked, core_topology *topology)
-{
+norma_result norma_core_topology_open(
+    core_call *call, const core_mesh *checked, core_topology *topology) {
     core_mesh welded = *checked;
     *topology = (core_topology){.call = call, .mesh = *checked};
     norma_result result = norma_core_weld(call, &welded);
     if (result != NORMA_OK) return result;
     topology->corners = norma_core_allocate(call, checked->corner_count, sizeof *topology->corners);
-    if (checked->face_starts) topology->polygons = norma_core_allocate(call, checked->face_count, sizeof *topology->polygons);
-    result = topology->corners && (topology->polygons || !checked->face_starts) ? fill_corners(topology, &welded) : NORMA_ERROR_MEMORY;
+    if (checked->face_starts)
+        topology->polygons =
+            norma_core_allocate(call, checked->face_count, sizeof *topology->polygons);
+    result = topology->corners && (topology->polygons || !checked->face_starts)
+                 ? fill_corners(topology, &welded)
+                 : NORMA_ERROR_MEMORY;
     norma_core_unweld(call, &welded);
     if (result != NORMA_OK) norma_core_topology_close(topology);
     return result;
 }
 
-void norma_core_topology_close(core_topology *t)
-{
+void norma_core_topology_close(core_topology *t) {
     norma_core_release(t->call, t->partners, t->mesh.corner_count, sizeof *t->partners);
     norma_core_release(t->call, t->others, t->mesh.corner_count, sizeof *t->others);
     if (t->around.starts) norma_core_around_release(t->call, &t->around);
@@ -98,60 +108,64 @@ void norma_core_topology_close(core_topology *t)
 /* ---- the corners at one position */
 
 typedef struct ring_slot {
-    uint32_t next, previous;                 /* positions of the kept neighbours */
-    uint32_t corner, previous_corner;        /* where the edges to next and from previous begin */
+    uint32_t next, previous;          /* positions of the kept neighbours */
+    uint32_t corner, previous_corner; /* where the edges to next and from previous begin */
     uint32_t face;
-    uint32_t anchor;                         /* nonzero: the face is judged as a twin at this corner */
+    uint32_t anchor; /* nonzero: the face is judged as a twin at this corner */
 } ring_slot;
 
 typedef struct ring {
-    ring_slot     *slots;
-    core_edge_run *runs;                     /* two for each slot */
-    core_twin     *twins;
-    uint32_t      *fans;                     /* of each slot a lower one of the same fan, or itself */
-    size_t         count;
-    uint32_t       position;
+    ring_slot *slots;
+    core_edge_run *runs; /* two for each slot */
+    core_twin *twins;
+    uint32_t *fans; /* of each slot a lower one of the same fan, or itself */
+    size_t count;
+    uint32_t position;
 } ring;
 
 enum { RING_SLOTS = 64, FEW_SLOTS = 12 };
 typedef struct ring_space {
-    ring_slot     slots[RING_SLOTS];
+    ring_slot slots[RING_SLOTS];
     core_edge_run runs[2 * RING_SLOTS];
-    core_twin     twins[RING_SLOTS];
-    uint32_t      fans[RING_SLOTS];
+    core_twin twins[RING_SLOTS];
+    uint32_t fans[RING_SLOTS];
 } ring_space;
 
 typedef struct pairing {
-    core_topology               *topology;
+    core_topology *topology;
     const core_topology_visitor *visitor;
-    size_t                       blocks;
+    size_t blocks;
 } pairing;
 
-static int load_triangle(const core_topology *t, uint32_t position, size_t corner, ring_slot *s)
-{
-    const size_t face = corner / 3, begin = 3 * face, next = corner + 1 < begin + 3 ? corner + 1 : begin, previous = corner > begin ? corner - 1 : begin + 2;
-    *s = (ring_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous, (uint32_t)face, 0};
+static int load_triangle(const core_topology *t, uint32_t position, size_t corner, ring_slot *s) {
+    const size_t face = corner / 3, begin = 3 * face,
+                 next = corner + 1 < begin + 3 ? corner + 1 : begin,
+                 previous = corner > begin ? corner - 1 : begin + 2;
+    *s = (ring_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous,
+        (uint32_t)face, 0};
     s->anchor = position < s->next && position < s->previous;
     return s->next != position && s->previous != position && s->next != s->previous;
 }
 
-static int load_polygon(const core_topology *t, size_t corner, ring_slot *s)
-{
+static int load_polygon(const core_topology *t, size_t corner, ring_slot *s) {
     const size_t face = t->around.faces[corner];
-    if (t->polygons[face].anchor == UINT32_MAX || !norma_core_is_kept(&t->mesh, face, corner)) return 0;
-    const size_t next = norma_core_next_kept(&t->mesh, face, corner), previous = norma_core_previous_kept(&t->mesh, face, corner);
-    *s = (ring_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous, (uint32_t)face, t->polygons[face].anchor == corner};
+    if (t->polygons[face].anchor == UINT32_MAX || !norma_core_is_kept(&t->mesh, face, corner))
+        return 0;
+    const size_t next = norma_core_next_kept(&t->mesh, face, corner),
+                 previous = norma_core_previous_kept(&t->mesh, face, corner);
+    *s = (ring_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous,
+        (uint32_t)face, t->polygons[face].anchor == corner};
     return 1;
 }
 
-static void load_ring(const core_topology *t, uint32_t position, ring *r)
-{
+static void load_ring(const core_topology *t, uint32_t position, ring *r) {
     r->count = 0;
     r->position = position;
     for (uint32_t i = t->around.starts[position]; i < t->around.starts[position + 1]; i++) {
         const size_t corner = t->around.corners[i];
         ring_slot *s = &r->slots[r->count];
-        const int has_edges = t->polygons ? load_polygon(t, corner, s) : load_triangle(t, position, corner, s);
+        const int has_edges =
+            t->polygons ? load_polygon(t, corner, s) : load_triangle(t, position, corner, s);
         r->count += has_edges != 0;
         if (!has_edges) t->partners[corner] = CORE_EDGE_NONE;
     }
@@ -159,26 +173,25 @@ static void load_ring(const core_topology *t, uint32_t position, ring *r)
 
 /* ---- the ordinary ring: whole fans, closed or open, one face each way at each edge */
 
-static int pair_few(const ring *r, uint8_t *after)
-{
+static int pair_few(const ring *r, uint8_t *after) {
     const size_t n = r->count;
     for (size_t i = 0; i < n; i++) {
         size_t ahead = n, matches = 0;
         for (size_t k = 0; k < n; k++) {
-            const int back = r->slots[k].previous == r->slots[i].next, same = r->slots[k].next == r->slots[i].next;
+            const int back = r->slots[k].previous == r->slots[i].next,
+                      same = r->slots[k].next == r->slots[i].next;
             matches += (size_t)back + 2 * (size_t)same;
             ahead = back ? k : ahead;
         }
-        if (matches != 3) return 0;                      /* itself, which counts two, and one face that comes back */
+        if (matches != 3) return 0; /* itself, which counts two, and one face that comes back */
         after[i] = (uint8_t)ahead;
     }
     for (size_t i = 0; i < n; i++)
-        if (after[after[i]] == i) return 0;              /* twins, perhaps */
+        if (after[after[i]] == i) return 0; /* twins, perhaps */
     return 1;
 }
 
-static size_t fan_length(const uint8_t *after, size_t n)
-{
+static size_t fan_length(const uint8_t *after, size_t n) {
     size_t length = 0, at = 0;
     do {
         at = after[at];
@@ -187,10 +200,10 @@ static size_t fan_length(const uint8_t *after, size_t n)
     return length;
 }
 
-static int pair_ordinary(const core_topology *t, const ring *r)
-{
+static int pair_ordinary(const core_topology *t, const ring *r) {
     uint8_t after[FEW_SLOTS];
-    if (r->count > FEW_SLOTS || !pair_few(r, after) || fan_length(after, r->count) != r->count) return 0;
+    if (r->count > FEW_SLOTS || !pair_few(r, after) || fan_length(after, r->count) != r->count)
+        return 0;
     for (size_t i = 0; i < r->count; i++) {
         if (r->position > r->slots[i].next) continue;
         const uint32_t out = r->slots[i].corner, in = r->slots[after[i]].previous_corner;
@@ -202,22 +215,19 @@ static int pair_ordinary(const core_topology *t, const ring *r)
 
 /* ---- any ring */
 
-static int run_is_less(const void *first, const void *second)
-{
+static int run_is_less(const void *first, const void *second) {
     const core_edge_run *a = first, *b = second;
     if (a->other != b->other) return a->other < b->other;
     if (a->out != b->out) return a->out > b->out;
     return a->corner < b->corner;
 }
 
-static int twin_is_less(const void *first, const void *second)
-{
+static int twin_is_less(const void *first, const void *second) {
     const core_twin *a = first, *b = second;
     return a->key != b->key ? a->key < b->key : a->face < b->face;
 }
 
-static void sort_runs(core_edge_run *runs, size_t count)
-{
+static void sort_runs(core_edge_run *runs, size_t count) {
     if (count > 2 * FEW_SLOTS) {
         norma_core_sort(runs, count, sizeof *runs, run_is_less);
         return;
@@ -230,34 +240,36 @@ static void sort_runs(core_edge_run *runs, size_t count)
     }
 }
 
-static size_t list_runs(const core_topology *t, const ring *r)
-{
+static size_t list_runs(const core_topology *t, const ring *r) {
     size_t count = 0;
     for (size_t i = 0; i < r->count; i++) {
         const ring_slot *s = &r->slots[i];
         const uint64_t key = t->polygons ? t->polygons[s->face].key : 0;
-        r->runs[count++] = (core_edge_run){t->polygons ? key : s->previous, s->next, s->corner, (uint32_t)i, 1};
-        r->runs[count++] = (core_edge_run){t->polygons ? key : s->next, s->previous, s->previous_corner, (uint32_t)i, 0};
+        r->runs[count++] =
+            (core_edge_run){t->polygons ? key : s->previous, s->next, s->corner, (uint32_t)i, 1};
+        r->runs[count++] = (core_edge_run){
+            t->polygons ? key : s->next, s->previous, s->previous_corner, (uint32_t)i, 0};
     }
     sort_runs(r->runs, count);
     return count;
 }
 
-static uint32_t fan_of(uint32_t *fans, uint32_t slot_number)
-{
-    while (fans[slot_number] != slot_number) slot_number = fans[slot_number] = fans[fans[slot_number]];
+static uint32_t fan_of(uint32_t *fans, uint32_t slot_number) {
+    while (fans[slot_number] != slot_number)
+        slot_number = fans[slot_number] = fans[fans[slot_number]];
     return slot_number;
 }
 
-static void join(uint32_t *fans, uint32_t a, uint32_t b)
-{
+static void join(uint32_t *fans, uint32_t a, uint32_t b) {
     const uint32_t of_a = fan_of(fans, a), of_b = fan_of(fans, b);
-    if (of_a < of_b) fans[of_b] = of_a;
-    else fans[of_a] = of_b;
+    if (of_a < of_b)
+        fans[of_b] = of_a;
+    else
+        fans[of_a] = of_b;
 }
 
-static void pair_edge(const pairing *p, size_t block, const ring *r, const core_edge_run *runs, size_t count)
-{
+static void pair_edge(
+    const pairing *p, size_t block, const ring *r, const core_edge_run *runs, size_t count) {
     const core_topology *t = p->topology;
     for (size_t i = 1; i < count; i++) join(r->fans, runs[0].slot, runs[i].slot);
     if (runs->other < r->position) return;
@@ -267,56 +279,63 @@ static void pair_edge(const pairing *p, size_t block, const ring *r, const core_
         return;
     }
     for (size_t i = 0; i < count; i++) {
-        t->partners[runs[i].corner] = count == 1 ? CORE_EDGE_OPEN : count == 2 ? CORE_EDGE_CONFLICT : CORE_EDGE_MANY;
+        t->partners[runs[i].corner] = count == 1   ? CORE_EDGE_OPEN
+                                      : count == 2 ? CORE_EDGE_CONFLICT
+                                                   : CORE_EDGE_MANY;
         if (count > 1) t->others[runs[i].corner] = runs[i + 1 < count ? i + 1 : 0].corner;
     }
-    if (p->visitor && p->visitor->edge) p->visitor->edge(p->visitor->context, block, r->position, runs, count);
+    if (p->visitor && p->visitor->edge)
+        p->visitor->edge(p->visitor->context, block, r->position, runs, count);
 }
 
-static void find_twins(const pairing *p, size_t block, const ring *r)
-{
+static void find_twins(const pairing *p, size_t block, const ring *r) {
     const core_topology *t = p->topology;
     size_t count = 0;
     if (!p->visitor || !p->visitor->twins) return;
     for (size_t i = 0; i < r->count; i++) {
         const ring_slot *s = &r->slots[i];
-        if (s->anchor) r->twins[count++] = (core_twin){t->polygons ? t->polygons[s->face].key : pair_of(s->next, s->previous), s->face, s->next < s->previous};
+        if (s->anchor)
+            r->twins[count++] =
+                (core_twin){t->polygons ? t->polygons[s->face].key : pair_of(s->next, s->previous),
+                    s->face, s->next < s->previous};
     }
     if (count < 2) return;
     norma_core_sort(r->twins, count, sizeof *r->twins, twin_is_less);
     for (size_t begin = 0, end; begin < count; begin = end) {
-        for (end = begin + 1; end < count && r->twins[end].key == r->twins[begin].key; end++) { }
-        if (end - begin > 1) p->visitor->twins(p->visitor->context, block, &r->twins[begin], end - begin);
+        for (end = begin + 1; end < count && r->twins[end].key == r->twins[begin].key; end++) {
+        }
+        if (end - begin > 1)
+            p->visitor->twins(p->visitor->context, block, &r->twins[begin], end - begin);
     }
 }
 
-static void pair_any(const pairing *p, size_t block, const ring *r)
-{
+static void pair_any(const pairing *p, size_t block, const ring *r) {
     size_t fans = 0;
     for (size_t i = 0; i < r->count; i++) r->fans[i] = (uint32_t)i;
     const size_t count = list_runs(p->topology, r);
     for (size_t begin = 0, end; begin < count; begin = end) {
-        for (end = begin + 1; end < count && r->runs[end].other == r->runs[begin].other; end++) { }
+        for (end = begin + 1; end < count && r->runs[end].other == r->runs[begin].other; end++) {
+        }
         pair_edge(p, block, r, &r->runs[begin], end - begin);
     }
     for (size_t i = 0; i < r->count; i++) fans += r->fans[i] == i;
-    if (fans > 1 && p->visitor && p->visitor->bow_tie) p->visitor->bow_tie(p->visitor->context, block, r->position, fans);
+    if (fans > 1 && p->visitor && p->visitor->bow_tie)
+        p->visitor->bow_tie(p->visitor->context, block, r->position, fans);
     find_twins(p, block, r);
 }
 
-static void pair_ring(const pairing *p, size_t block, uint32_t position, ring *r)
-{
+static void pair_ring(const pairing *p, size_t block, uint32_t position, ring *r) {
     load_ring(p->topology, position, r);
     if (r->count && !pair_ordinary(p->topology, r)) pair_any(p, block, r);
 }
 
 /* ---- all of them */
 
-static void pair_block(void *context, size_t block)
-{
+static void pair_block(void *context, size_t block) {
     const pairing *p = context;
     const core_around *around = &p->topology->around;
-    const size_t count = around->position_count, begin = block * POSITIONS_IN_BLOCK, end = count - begin < POSITIONS_IN_BLOCK ? count : begin + POSITIONS_IN_BLOCK;
+    const size_t count = around->position_count, begin = block * POSITIONS_IN_BLOCK,
+                 end = count - begin < POSITIONS_IN_BLOCK ? count : begin + POSITIONS_IN_BLOCK;
     ring_space space;
     ring r = {space.slots, space.runs, space.twins, space.fans, 0, 0};
     for (size_t position = begin; position < end; position++) {
@@ -325,15 +344,17 @@ static void pair_block(void *context, size_t block)
     }
 }
 
-static norma_result pair_large(const pairing *p)
-{
+static norma_result pair_large(const pairing *p) {
     const core_topology *t = p->topology;
     const size_t most = t->around.most;
     if (most <= RING_SLOTS) return NORMA_OK;
-    ring r = {norma_core_allocate(t->call, most, sizeof *r.slots), norma_core_allocate(t->call, 2 * most, sizeof *r.runs),
-              norma_core_allocate(t->call, most, sizeof *r.twins), norma_core_allocate(t->call, most, sizeof *r.fans), 0, 0};
+    ring r = {norma_core_allocate(t->call, most, sizeof *r.slots),
+        norma_core_allocate(t->call, 2 * most, sizeof *r.runs),
+        norma_core_allocate(t->call, most, sizeof *r.twins),
+        norma_core_allocate(t->call, most, sizeof *r.fans), 0, 0};
     norma_result result = r.slots && r.runs && r.twins && r.fans ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t position = 0; position < t->around.position_count && result == NORMA_OK; position++) {
+    for (size_t position = 0; position < t->around.position_count && result == NORMA_OK;
+         position++) {
         if (t->around.starts[position + 1] - t->around.starts[position] <= RING_SLOTS) continue;
         pair_ring(p, p->blocks - 1, (uint32_t)position, &r);
         if (norma_core_progress(t->call, 1)) result = NORMA_CANCELLED;
@@ -345,15 +366,22 @@ static norma_result pair_large(const pairing *p)
     return result;
 }
 
-size_t norma_core_topology_blocks(const core_topology *topology) { return blocks_of(topology->mesh.positions.count, POSITIONS_IN_BLOCK) + 1; }
+size_t norma_core_topology_blocks(const core_topology *topology) {
+    return blocks_of(topology->mesh.positions.count, POSITIONS_IN_BLOCK) + 1;
+}
 
-norma_result norma_core_pair_edges(core_topology *topology, const core_topology_visitor *visitor)
-{
+norma_result norma_core_pair_edges(core_topology *topology, const core_topology_visitor *visitor) {
     const pairing p = {topology, visitor, norma_core_topology_blocks(topology)};
-    norma_result result = topology->around.starts ? NORMA_OK : norma_core_around_build(topology->call, &topology->mesh, &topology->around);
+    norma_result result = topology->around.starts ? NORMA_OK
+                                                  : norma_core_around_build(topology->call,
+                                                        &topology->mesh, &topology->around);
     if (result != NORMA_OK) return result;
-    if (!topology->partners) topology->partners = norma_core_allocate(topology->call, topology->mesh.corner_count, sizeof *topology->partners);
-    if (!topology->others) topology->others = norma_core_allocate(topology->call, topology->mesh.corner_count, sizeof *topology->others);
+    if (!topology->partners)
+        topology->partners = norma_core_allocate(
+            topology->call, topology->mesh.corner_count, sizeof *topology->partners);
+    if (!topology->others)
+        topology->others = norma_core_allocate(
+            topology->call, topology->mesh.corner_count, sizeof *topology->others);
     if (!topology->partners || !topology->others) return NORMA_ERROR_MEMORY;
     result = norma_core_parallel(topology->call, p.blocks - 1, pair_block, (void *)(uintptr_t)&p);
     return result == NORMA_OK ? pair_large(&p) : result;

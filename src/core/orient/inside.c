@@ -1,26 +1,30 @@
-/* inside.c: which components lie in which, by winding numbers (solid angle over 4 pi; van Oosterom, Strackee 1983). Where many points are asked of one large
- * component, faces far away count as one dipole for each group (Barill, Dickson, Schmidt, Levin, Jacobson 2018), and the sum is trusted where it is far from 1/2. */
+/* inside.c: which components lie in which, by winding numbers (solid angle over 4 pi; van Oosterom,
+ * Strackee 1983). Where many points are asked of one large component, faces far away count as one
+ * dipole for each group (Barill, Dickson, Schmidt, Levin, Jacobson 2018), and the sum is trusted
+ * where it is far from 1/2. */
 #include "core/orient/box_tree.h"
 #include "core/orient/components.h"
 #include "core/face/triangle.h"
 
 typedef struct nesting {
     const core_topology *topology;
-    core_components     *components;
-    core_box_tree        tree;               /* of the components' boxes */
-    uint8_t              not_closed;
-    float               *winding;            /* of each component in its parent */
-    uint32_t            *asked;              /* of each component: how many others may lie in it */
-    core_dipoles        *dipoles;            /* of each component that has them */
+    core_components *components;
+    core_box_tree tree; /* of the components' boxes */
+    uint8_t not_closed;
+    float *winding;        /* of each component in its parent */
+    uint32_t *asked;       /* of each component: how many others may lie in it */
+    core_dipoles *dipoles; /* of each component that has them */
 } nesting;
 
 /* ---- boxes in boxes */
 
-static double extent(const core_component *c) { return (c->high[0] - c->low[0]) + (c->high[1] - c->low[1]) + (c->high[2] - c->low[2]); }
+static double extent(const core_component *c) {
+    return (c->high[0] - c->low[0]) + (c->high[1] - c->low[1]) + (c->high[2] - c->low[2]);
+}
 
-/* A box of the same size lies in that of the lower number only, so that no two lie in each other. */
-static int may_hold(const nesting *n, uint32_t outer, uint32_t inner)
-{
+/* A box of the same size lies in that of the lower number only, so that no two lie in each other.
+ */
+static int may_hold(const nesting *n, uint32_t outer, uint32_t inner) {
     const core_component *o = &n->components->each[outer], *i = &n->components->each[inner];
     if (outer == inner) return 0;
     for (int k = 0; k < 3; k++)
@@ -30,19 +34,22 @@ static int may_hold(const nesting *n, uint32_t outer, uint32_t inner)
 
 /* ---- winding numbers */
 
-static void solid_angle(const double a[3], const double b[3], const double c[3], double *sum)
-{
-    const double la = sqrt(norma_core_dot(a, a)), lb = sqrt(norma_core_dot(b, b)), lc = sqrt(norma_core_dot(c, c));
+static void solid_angle(const double a[3], const double b[3], const double c[3], double *sum) {
+    const double la = sqrt(norma_core_dot(a, a)), lb = sqrt(norma_core_dot(b, b)),
+                 lc = sqrt(norma_core_dot(c, c));
     double cross[3];
     norma_core_cross(b, c, cross);
     const double triple = norma_core_dot(a, cross), lengths = la * lb * lc;
-    const double below = lengths + norma_core_dot(a, b) * lc + norma_core_dot(b, c) * la + norma_core_dot(c, a) * lb;
-    if (fabs(triple) <= 1e-13 * lengths) return;   /* the point lies in the plane of the face: seen from its edge, or from within it, where neither side counts */
-    *sum += triple > 0 ? 2 * norma_core_angle(triple, below) : -2 * norma_core_angle(-triple, below);
+    const double below =
+        lengths + norma_core_dot(a, b) * lc + norma_core_dot(b, c) * la + norma_core_dot(c, a) * lb;
+    if (fabs(triple) <= 1e-13 * lengths)
+        return; /* the point lies in the plane of the face: seen from its edge, or from within it,
+                   where neither side counts */
+    *sum +=
+        triple > 0 ? 2 * norma_core_angle(triple, below) : -2 * norma_core_angle(-triple, below);
 }
 
-static double face_angle(const core_mesh *mesh, size_t face, const double point[3])
-{
+static double face_angle(const core_mesh *mesh, size_t face, const double point[3]) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double p[3], first[3], a[3], b[3], sum = 0;
     norma_core_position(mesh, norma_core_corner(mesh, begin), p);
@@ -58,8 +65,8 @@ static double face_angle(const core_mesh *mesh, size_t face, const double point[
     return sum;
 }
 
-static double winding_by_faces(const nesting *n, const uint32_t *faces, size_t count, const double point[3])
-{
+static double winding_by_faces(
+    const nesting *n, const uint32_t *faces, size_t count, const double point[3]) {
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
         const double angle = face_angle(&n->topology->mesh, faces[i], point);
@@ -68,8 +75,8 @@ static double winding_by_faces(const nesting *n, const uint32_t *faces, size_t c
     return sum / (4 * NORMA_PI);
 }
 
-static double winding_by_dipoles(const nesting *n, const core_dipoles *d, const double point[3], double opening)
-{
+static double winding_by_dipoles(
+    const nesting *n, const core_dipoles *d, const double point[3], double opening) {
     size_t stack[128], depth = 0;
     double sum = 0;
     stack[depth++] = 0;
@@ -78,8 +85,10 @@ static double winding_by_dipoles(const nesting *n, const core_dipoles *d, const 
         double away[3];
         norma_core_subtract(node->centre, point, away);
         const double square = norma_core_dot(away, away), reach = opening * node->radius;
-        if (square > reach * reach) sum += norma_core_dot(node->area, away) / (square * sqrt(square)) / (4 * NORMA_PI);
-        else if (!node->right) sum += winding_by_faces(n, &d->faces[node->begin], node->count, point);
+        if (square > reach * reach)
+            sum += norma_core_dot(node->area, away) / (square * sqrt(square)) / (4 * NORMA_PI);
+        else if (!node->right)
+            sum += winding_by_faces(n, &d->faces[node->begin], node->count, point);
         else {
             stack[depth++] = node->left;
             stack[depth++] = node->right;
@@ -89,8 +98,7 @@ static double winding_by_dipoles(const nesting *n, const core_dipoles *d, const 
 }
 
 /* In turn more carefully, until the sum is far enough from one half for what it may err. */
-static double winding_of(const nesting *n, uint32_t outer, const double point[3])
-{
+static double winding_of(const nesting *n, uint32_t outer, const double point[3]) {
     static const struct { double opening, margin; } tries[] = {{2, .2}, {4, .06}, {8, .02}};
     const core_components *c = n->components;
     const core_dipoles *d = &n->dipoles[outer];
@@ -98,34 +106,43 @@ static double winding_of(const nesting *n, uint32_t outer, const double point[3]
         const double w = winding_by_dipoles(n, d, point, tries[i].opening);
         if (fabs(fabs(w) - .5) > tries[i].margin) return w;
     }
-    return winding_by_faces(n, &c->faces[c->starts[outer]], c->starts[outer + 1] - c->starts[outer], point);
+    return winding_by_faces(
+        n, &c->faces[c->starts[outer]], c->starts[outer + 1] - c->starts[outer], point);
 }
 
 /* ---- the parent of each: the smallest box first */
 
-typedef struct candidates { uint32_t *numbers; size_t count, room; int failed; } candidates;
+typedef struct candidates {
+    uint32_t *numbers;
+    size_t count, room;
+    int failed;
+} candidates;
 
-static int is_judged(const nesting *n, uint32_t number)
-{
+static int is_judged(const nesting *n, uint32_t number) {
     const core_component *c = &n->components->each[number];
     return !(c->flags & n->not_closed) && c->volume != 0;
 }
 
-typedef struct ask { nesting *n; uint32_t inner; const double *point; double extent; } ask;
+typedef struct ask {
+    nesting *n;
+    uint32_t inner;
+    const double *point;
+    double extent;
+} ask;
 
-static void count_asked(void *context, uint32_t outer)
-{
+static void count_asked(void *context, uint32_t outer) {
     const ask *a = context;
     if (may_hold(a->n, outer, a->inner)) a->n->asked[outer]++;
 }
 
-static void try_parent(void *context, uint32_t outer)
-{
+static void try_parent(void *context, uint32_t outer) {
     ask *a = context;
     core_component *inner = &a->n->components->each[a->inner];
     const double size = extent(&a->n->components->each[outer]);
     if (!may_hold(a->n, outer, a->inner)) return;
-    if (inner->parent != UINT32_MAX && (size > a->extent || (size == a->extent && outer < inner->parent))) return;   /* a smaller one is known */
+    if (inner->parent != UINT32_MAX &&
+        (size > a->extent || (size == a->extent && outer < inner->parent)))
+        return; /* a smaller one is known */
     const double winding = winding_of(a->n, outer, a->point);
     if (!(fabs(winding) > .5 + 1e-9)) return;
     inner->parent = outer;
@@ -133,47 +150,49 @@ static void try_parent(void *context, uint32_t outer)
     a->extent = size;
 }
 
-static void find_parent(void *context, size_t index)
-{
+static void find_parent(void *context, size_t index) {
     nesting *n = context;
     const core_topology *t = n->topology;
     const core_components *c = n->components;
     core_component *inner = &c->each[index];
     double point[3];
     if (!is_judged(n, (uint32_t)index)) return;
-    norma_core_position(&t->mesh, t->corners[norma_core_face_begin(&t->mesh, c->faces[c->starts[index]])], point);
+    norma_core_position(
+        &t->mesh, t->corners[norma_core_face_begin(&t->mesh, c->faces[c->starts[index]])], point);
     ask a = {n, (uint32_t)index, point, INFINITY};
     norma_core_box_tree_stab(&n->tree, inner->low, try_parent, &a);
 }
 
 /* ---- verdicts, from outside in: a parent's box is larger than its child's */
 
-typedef struct ranked { double extent; uint32_t number; } ranked;
+typedef struct ranked {
+    double extent;
+    uint32_t number;
+} ranked;
 
-static int is_larger(const void *first, const void *second)
-{
+static int is_larger(const void *first, const void *second) {
     const ranked *a = first, *b = second;
     return a->extent != b->extent ? a->extent > b->extent : a->number < b->number;
 }
 
-/* The parent's sense where the child lies: 1 solid, -1 cavity, once what was found inward in it is put right. */
-static int sense_of_parent(const nesting *n, uint32_t child)
-{
+/* The parent's sense where the child lies: 1 solid, -1 cavity, once what was found inward in it is
+ * put right. */
+static int sense_of_parent(const nesting *n, uint32_t child) {
     const core_component *c = &n->components->each[child];
     const int sense = n->winding[child] > 0 ? 1 : -1;
     return n->components->each[c->parent].verdict == COMPONENT_INWARD ? -sense : sense;
 }
 
-static void judge(const nesting *n, uint32_t number)
-{
+static void judge(const nesting *n, uint32_t number) {
     core_component *c = &n->components->each[number];
     const int sense = c->parent == UINT32_MAX ? 0 : sense_of_parent(n, number);
-    if (c->volume < 0) c->verdict = sense > 0 ? COMPONENT_FINE : COMPONENT_INWARD;
-    else c->verdict = sense > 0 ? COMPONENT_NESTED : COMPONENT_FINE;
+    if (c->volume < 0)
+        c->verdict = sense > 0 ? COMPONENT_FINE : COMPONENT_INWARD;
+    else
+        c->verdict = sense > 0 ? COMPONENT_NESTED : COMPONENT_FINE;
 }
 
-static norma_result judge_all(const nesting *n)
-{
+static norma_result judge_all(const nesting *n) {
     const core_components *c = n->components;
     ranked *order = norma_core_allocate(n->topology->call, c->count, sizeof *order);
     size_t count = 0;
@@ -190,30 +209,30 @@ static norma_result judge_all(const nesting *n)
 
 enum { FACES_WORTH_DIPOLES = 512, WORK_WORTH_DIPOLES = 1 << 16 };
 
-static norma_result prepare_dipoles(nesting *n)
-{
+static norma_result prepare_dipoles(nesting *n) {
     const core_components *c = n->components;
     for (uint32_t i = 0; i < c->count; i++) {
         const size_t faces = c->starts[i + 1] - c->starts[i];
         if (faces < FACES_WORTH_DIPOLES || faces * n->asked[i] < WORK_WORTH_DIPOLES) continue;
-        const norma_result result = norma_core_dipoles_build(n->topology, c->reverse, &c->faces[c->starts[i]], faces, &n->dipoles[i]);
+        const norma_result result = norma_core_dipoles_build(
+            n->topology, c->reverse, &c->faces[c->starts[i]], faces, &n->dipoles[i]);
         if (result != NORMA_OK) return result;
     }
     return NORMA_OK;
 }
 
-static norma_result find_parents(nesting *n)
-{
+static norma_result find_parents(nesting *n) {
     const core_components *c = n->components;
     for (uint32_t i = 0; i < c->count; i++)
-        if (is_judged(n, i)) norma_core_box_tree_stab(&n->tree, c->each[i].low, count_asked, &(ask){n, i, NULL, 0});
+        if (is_judged(n, i))
+            norma_core_box_tree_stab(&n->tree, c->each[i].low, count_asked, &(ask){n, i, NULL, 0});
     norma_result result = prepare_dipoles(n);
-    if (result == NORMA_OK) result = norma_core_parallel(n->topology->call, c->count, find_parent, n);
+    if (result == NORMA_OK)
+        result = norma_core_parallel(n->topology->call, c->count, find_parent, n);
     return result == NORMA_OK ? judge_all(n) : result;
 }
 
-static norma_result build_tree(nesting *n)
-{
+static norma_result build_tree(nesting *n) {
     const core_call *call = n->topology->call;
     const core_components *c = n->components;
     core_box *boxes = norma_core_allocate(call, c->count, sizeof *boxes);
@@ -227,8 +246,8 @@ static norma_result build_tree(nesting *n)
     return result;
 }
 
-norma_result norma_core_judge_nesting(const core_topology *topology, core_components *components, uint8_t not_closed)
-{
+norma_result norma_core_judge_nesting(
+    const core_topology *topology, core_components *components, uint8_t not_closed) {
     const core_call *call = topology->call;
     const size_t count = components->count;
     nesting n = {.topology = topology, .components = components, .not_closed = not_closed};
@@ -244,7 +263,8 @@ norma_result norma_core_judge_nesting(const core_topology *topology, core_compon
         result = build_tree(&n);
     }
     if (result == NORMA_OK) result = find_parents(&n);
-    for (size_t i = 0; n.dipoles && n.tree.nodes && i < count; i++) norma_core_dipoles_release(call, &n.dipoles[i]);
+    for (size_t i = 0; n.dipoles && n.tree.nodes && i < count; i++)
+        norma_core_dipoles_release(call, &n.dipoles[i]);
     norma_core_box_tree_release(call, &n.tree);
     norma_core_release(call, n.winding, count, sizeof *n.winding);
     norma_core_release(call, n.asked, count, sizeof *n.asked);

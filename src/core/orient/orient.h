@@ -3,7 +3,12 @@
 #define NORMA_CORE_ORIENT_H
 #include "core/orient/components.h"
 
-/* rays.c: of each open part whether most rays say that it should be reversed, as components->reverse now has it. Parts of no opinion keep what they have. */
-typedef struct core_ray_votes { size_t decided, undecided, reversed; double least_confidence; } core_ray_votes;
-norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components, uint8_t open_flags, core_ray_votes *votes);
+/* rays.c: of each open part whether most rays say that it should be reversed, as
+ * components->reverse now has it. Parts of no opinion keep what they have. */
+typedef struct core_ray_votes {
+    size_t decided, undecided, reversed;
+    double least_confidence;
+} core_ray_votes;
+norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components,
+    uint8_t open_flags, core_ray_votes *votes);
 #endif

@@ -1,35 +1,39 @@
-/* face_block_sums.c: the loops in which an update spends its time: eight triangles at a time are read, measured and kept as rows; slots sum rows in the order of their members.
- * Compiled for each instruction set; what is computed is what norma_vertex_normals computes, by the same steps. */
+/* face_block_sums.c: the loops in which an update spends its time: eight triangles at a time are
+ * read, measured and kept as rows; slots sum rows in the order of their members. Compiled for each
+ * instruction set; what is computed is what norma_vertex_normals computes, by the same steps. */
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("no-tree-slp-vectorize")    /* this compiler takes rows that are read whole apart again, number by number */
+#pragma GCC optimize("no-tree-slp-vectorize") /* this compiler takes rows that are read whole      \
+                                                 apart again, number by number */
 #endif
 #include "core/vertex/normalize_simd.h"
 #include "core/face/measure_simd.h"
 #include "core/plan/face_block_avx512.h"
 
-CORE_INLINE uint32_t number_at(tile_some some, uint32_t i) { return some.numbers ? some.numbers[i] : i; }
+CORE_INLINE uint32_t number_at(tile_some some, uint32_t i) {
+    return some.numbers ? some.numbers[i] : i;
+}
 
 /* Some in a row, or by number; the last one again where there are no more. */
-CORE_INLINE void name_some(tile_some some, uint32_t begin, uint32_t count, uint32_t *out)
-{
-    for (uint32_t i = 0; i < count; i++) out[i] = number_at(some, begin + i < some.count ? begin + i : some.count - 1);
+CORE_INLINE void name_some(tile_some some, uint32_t begin, uint32_t count, uint32_t *out) {
+    for (uint32_t i = 0; i < count; i++)
+        out[i] = number_at(some, begin + i < some.count ? begin + i : some.count - 1);
 }
 
 /* ---- positions */
 
 #if defined(CORE_HAS_SHUFFLES)
 typedef core_d4 zero_sum; /* 0 as long as all are finite */
-CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero)
-{
+CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero) {
     const core_d4 v = __builtin_convertvector(core_load_three(at), core_d4);
     core_store_row(out, v);
     *zero += v - v;
 }
-CORE_INLINE int is_zero(const zero_sum *zero) { return ((*zero)[0] + (*zero)[1]) + ((*zero)[2] + (*zero)[3]) == 0; }
+CORE_INLINE int is_zero(const zero_sum *zero) {
+    return ((*zero)[0] + (*zero)[1]) + ((*zero)[2] + (*zero)[3]) == 0;
+}
 #else
 typedef double zero_sum;
-CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero)
-{
+CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero) {
     float v[3];
     memcpy(v, at, sizeof v);
     for (int k = 0; k < 3; k++) {
@@ -41,20 +45,22 @@ CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero
 CORE_INLINE int is_zero(const zero_sum *zero) { return *zero == 0; }
 #endif
 
-CORE_INLINE int load_floats(const tile_view *t, const tile_some *eights, const unsigned char *data, size_t stride, double (*out)[4])
-{
+CORE_INLINE int load_floats(const tile_view *t, const tile_some *eights, const unsigned char *data,
+    size_t stride, double (*out)[4]) {
     zero_sum zero = {0};
-    for (uint32_t v = 0; v < t->vertex_count && !eights; v++) load_one(data + t->vertices[v] * stride, out[v], &zero);
+    for (uint32_t v = 0; v < t->vertex_count && !eights; v++)
+        load_one(data + t->vertices[v] * stride, out[v], &zero);
     for (uint32_t i = 0; eights && i < eights->count; i++) {
         const uint16_t *at = t->corners + (size_t)3 * CORE_LANES * number_at(*eights, i);
-        for (uint32_t c = 0; c < 3 * CORE_LANES; c++) load_one(data + t->vertices[at[c]] * stride, out[at[c]], &zero);
+        for (uint32_t c = 0; c < 3 * CORE_LANES; c++)
+            load_one(data + t->vertices[at[c]] * stride, out[at[c]], &zero);
     }
     return is_zero(&zero);
 }
 
 /* ---- triangles */
 
-enum { BATCHES_AT_ONCE = 4 };               /* more would leave the nearest cache less for the tile */
+enum { BATCHES_AT_ONCE = 4 }; /* more would leave the nearest cache less for the tile */
 
 typedef struct tile_batch {
     core_batch measured;
@@ -64,8 +70,8 @@ typedef struct tile_batch {
 
 /* at: the vertices of eight triangles, three by three. */
 #if defined(CORE_HAS_SHUFFLES)
-CORE_INLINE void read_four(const double (*rows)[4], const uint16_t *at, int first, core_batch *batch)
-{
+CORE_INLINE void read_four(
+    const double (*rows)[4], const uint16_t *at, int first, core_batch *batch) {
     core_d4 p[3][4];
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 4; i++) p[k][i] = core_load_row(rows[at[3 * (first + i) + k]]);
@@ -78,16 +84,15 @@ CORE_INLINE void read_four(const double (*rows)[4], const uint16_t *at, int firs
     }
 }
 
-CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch)
-{
+CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch) {
     for (int first = 0; first < CORE_LANES; first += 4) read_four(rows, at, first, batch);
 }
 #else
-CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch)
-{
+CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch) {
     for (int x = 0; x < 3; x++)
         for (int i = 0; i < CORE_LANES; i++) {
-            const double p0 = rows[at[3 * i]][x], p1 = rows[at[3 * i + 1]][x], p2 = rows[at[3 * i + 2]][x];
+            const double p0 = rows[at[3 * i]][x], p1 = rows[at[3 * i + 1]][x],
+                         p2 = rows[at[3 * i + 2]][x];
             batch->u[x][i] = p1 - p0;
             batch->v[x][i] = p2 - p0;
             batch->a[x][i] = p2 - p1;
@@ -95,38 +100,43 @@ CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_ba
 }
 #endif
 
-CORE_INLINE void keep_batch(const core_batch *batch, uint32_t eight, tile_room *room)
-{
+CORE_INLINE void keep_batch(const core_batch *batch, uint32_t eight, tile_room *room) {
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
     const uint32_t begin = eight * CORE_LANES;
-    core_lanes_to_rows(batch->normal[0], batch->normal[1], batch->normal[2], ones, (core_rows *)(void *)room->normals[begin]);
-    for (uint32_t k = 0; k < 3; k++) memcpy(&room->weights[k << TILE_FACE_BITS | begin], batch->weight[k], sizeof batch->weight[k]);
+    core_lanes_to_rows(batch->normal[0], batch->normal[1], batch->normal[2], ones,
+        (core_rows *)(void *)room->normals[begin]);
+    for (uint32_t k = 0; k < 3; k++)
+        memcpy(
+            &room->weights[k << TILE_FACE_BITS | begin], batch->weight[k], sizeof batch->weight[k]);
 }
 
-CORE_INLINE int all_sure(const tile_batch *batches, uint32_t count)
-{
+CORE_INLINE int all_sure(const tile_batch *batches, uint32_t count) {
     double sure[CORE_LANES] = {0};
     for (uint32_t b = 0; b < count; b++)
         for (int i = 0; i < CORE_LANES; i++) sure[i] += batches[b].measured.sure[i];
     return core_lanes_total(sure) == (double)count * CORE_LANES;
 }
 
-static void list_doubted(const tile_view *t, const tile_batch *batches, uint32_t count, tile_room *room)
-{
+static void list_doubted(
+    const tile_view *t, const tile_batch *batches, uint32_t count, tile_room *room) {
     for (uint32_t i = 0; i < count * CORE_LANES; i++) {
         const uint32_t face = batches[i / CORE_LANES].eight * CORE_LANES + i % CORE_LANES;
-        if (face < t->face_count && batches[i / CORE_LANES].measured.sure[i % CORE_LANES] == 0) room->doubted[room->doubted_count++] = (uint16_t)face;
+        if (face < t->face_count && batches[i / CORE_LANES].measured.sure[i % CORE_LANES] == 0)
+            room->doubted[room->doubted_count++] = (uint16_t)face;
     }
 }
 
-CORE_INLINE void measure_batches(tile_batch *batches, uint32_t count, norma_weight weight, tile_room *room)
-{
+CORE_INLINE void measure_batches(
+    tile_batch *batches, uint32_t count, norma_weight weight, tile_room *room) {
     const int in_steps = weight == NORMA_WEIGHT_ANGLE;
     for (uint32_t i = 0; i < count; i++) {
-        if (in_steps) core_lanes_products(&batches[i].measured);
-        else core_lanes_measure(&batches[i].measured, weight, CORE_ALL_CORNERS);
+        if (in_steps)
+            core_lanes_products(&batches[i].measured);
+        else
+            core_lanes_measure(&batches[i].measured, weight, CORE_ALL_CORNERS);
     }
-    for (uint32_t i = 0; i < count && in_steps; i++) core_lanes_slopes(&batches[i].measured, &batches[i].arcs);
+    for (uint32_t i = 0; i < count && in_steps; i++)
+        core_lanes_slopes(&batches[i].measured, &batches[i].arcs);
     for (uint32_t i = 0; i < count && in_steps; i++) core_lanes_arcs(&batches[i].arcs);
     for (uint32_t i = 0; i < count; i++) {
         if (in_steps) core_lanes_corner_angles(&batches[i].measured, &batches[i].arcs);
@@ -134,16 +144,19 @@ CORE_INLINE void measure_batches(tile_batch *batches, uint32_t count, norma_weig
     }
 }
 
-/* One batch after the other from end to end is a chain of some 200 steps that each wait for the one before, too long for the processor to see the next one's beginning. So
- * each step is taken for some batches at a time: they wait for nothing of each other. */
-CORE_INLINE void measure_weighted(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
-{
+/* One batch after the other from end to end is a chain of some 200 steps that each wait for the one
+ * before, too long for the processor to see the next one's beginning. So each step is taken for
+ * some batches at a time: they wait for nothing of each other. */
+CORE_INLINE void measure_weighted(
+    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
     tile_batch batches[BATCHES_AT_ONCE];
     for (uint32_t begin = 0; begin < eights.count; begin += BATCHES_AT_ONCE) {
-        const uint32_t count = eights.count - begin < BATCHES_AT_ONCE ? eights.count - begin : BATCHES_AT_ONCE;
+        const uint32_t count =
+            eights.count - begin < BATCHES_AT_ONCE ? eights.count - begin : BATCHES_AT_ONCE;
         for (uint32_t i = 0; i < count; i++) {
             batches[i].eight = number_at(eights, begin + i);
-            read_batch((const double(*)[4])room->positions, t->corners + (size_t)3 * CORE_LANES * batches[i].eight, &batches[i].measured);
+            read_batch((const double(*)[4])room->positions,
+                t->corners + (size_t)3 * CORE_LANES * batches[i].eight, &batches[i].measured);
             norma_core_ask_ahead(&room->ahead);
         }
         measure_batches(batches, count, weight, room);
@@ -152,15 +165,27 @@ CORE_INLINE void measure_weighted(const tile_view *t, tile_some eights, norma_we
 }
 
 /* One loop for each weight, so that none asks inside. */
-CORE_INLINE void measure_triangles(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
-{
+CORE_INLINE void measure_triangles(
+    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
     switch (weight) {
-    case NORMA_WEIGHT_ANGLE:         measure_weighted(t, eights, NORMA_WEIGHT_ANGLE, room); break;
-    case NORMA_WEIGHT_AREA:          measure_weighted(t, eights, NORMA_WEIGHT_AREA, room); break;
-    case NORMA_WEIGHT_MAX:           measure_weighted(t, eights, NORMA_WEIGHT_MAX, room); break;
-    case NORMA_WEIGHT_ANGLE_AREA:    measure_weighted(t, eights, NORMA_WEIGHT_ANGLE_AREA, room); break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS: measure_weighted(t, eights, NORMA_WEIGHT_ANGLE_LENGTHS, room); break;
-    default:                         measure_weighted(t, eights, NORMA_WEIGHT_UNIFORM, room); break;
+    case NORMA_WEIGHT_ANGLE:
+        measure_weighted(t, eights, NORMA_WEIGHT_ANGLE, room);
+        break;
+    case NORMA_WEIGHT_AREA:
+        measure_weighted(t, eights, NORMA_WEIGHT_AREA, room);
+        break;
+    case NORMA_WEIGHT_MAX:
+        measure_weighted(t, eights, NORMA_WEIGHT_MAX, room);
+        break;
+    case NORMA_WEIGHT_ANGLE_AREA:
+        measure_weighted(t, eights, NORMA_WEIGHT_ANGLE_AREA, room);
+        break;
+    case NORMA_WEIGHT_ANGLE_LENGTHS:
+        measure_weighted(t, eights, NORMA_WEIGHT_ANGLE_LENGTHS, room);
+        break;
+    default:
+        measure_weighted(t, eights, NORMA_WEIGHT_UNIFORM, room);
+        break;
     }
 }
 
@@ -170,43 +195,52 @@ CORE_INLINE void measure_triangles(const tile_view *t, tile_some eights, norma_w
 #if defined(CORE_HAS_SHUFFLES)
 typedef core_d4 slot_sum;
 CORE_INLINE slot_sum no_votes(void) { return (slot_sum){0, 0, 0, -0.0}; }
-CORE_INLINE slot_sum add_row(slot_sum sum, const double *row, double weight) { return sum + core_load_row(row) * (core_d4){weight, weight, weight, weight}; }
+CORE_INLINE slot_sum add_row(slot_sum sum, const double *row, double weight) {
+    return sum + core_load_row(row) * (core_d4){weight, weight, weight, weight};
+}
 CORE_INLINE void keep_sum(slot_sum sum, vertex_sum *out) { core_store_row(&out->x, sum); }
 #else
 typedef vertex_sum slot_sum;
 CORE_INLINE slot_sum no_votes(void) { return (slot_sum){0, 0, 0, -0.0}; }
-CORE_INLINE slot_sum add_row(slot_sum sum, const double *row, double weight)
-{
-    return (slot_sum){sum.x + row[0] * weight, sum.y + row[1] * weight, sum.z + row[2] * weight, sum.weight + row[3] * weight};
+CORE_INLINE slot_sum add_row(slot_sum sum, const double *row, double weight) {
+    return (slot_sum){sum.x + row[0] * weight, sum.y + row[1] * weight, sum.z + row[2] * weight,
+        sum.weight + row[3] * weight};
 }
 CORE_INLINE void keep_sum(slot_sum sum, vertex_sum *out) { *out = sum; }
 #endif
 
-typedef struct slot_members { const uint16_t *numbers; uint32_t count; } slot_members;
+typedef struct slot_members {
+    const uint16_t *numbers;
+    uint32_t count;
+} slot_members;
 
-CORE_INLINE slot_members members_of(const tile_view *t, uint32_t slot)
-{
+CORE_INLINE slot_members members_of(const tile_view *t, uint32_t slot) {
     const uint32_t begin = norma_core_tile_start(t, slot);
     return (slot_members){t->members + begin, norma_core_tile_start(t, slot + 1) - begin};
 }
 
-CORE_INLINE slot_sum add_member(const tile_view *t, const tile_room *room, slot_members of, uint32_t i, int polygons, slot_sum sum)
-{
+CORE_INLINE slot_sum add_member(const tile_view *t, const tile_room *room, slot_members of,
+    uint32_t i, int polygons, slot_sum sum) {
     const uint32_t member = of.numbers[i];
-    return add_row(sum, room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)], room->weights[member]);
+    return add_row(sum,
+        room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)],
+        room->weights[member]);
 }
 
-CORE_INLINE void add_rest(const tile_view *t, const tile_room *room, slot_members of, uint32_t from, int polygons, slot_sum sum, vertex_sum *out)
-{
+CORE_INLINE void add_rest(const tile_view *t, const tile_room *room, slot_members of, uint32_t from,
+    int polygons, slot_sum sum, vertex_sum *out) {
     for (uint32_t i = from; i < of.count; i++) sum = add_member(t, room, of, i, polygons, sum);
     keep_sum(sum, out);
 }
 
-/* Four slots at a time as far as the shortest goes: what is added to one waits for what was added before, not for the others'. */
-CORE_INLINE void sum_four(const tile_view *t, const uint32_t slots[4], const tile_room *room, int polygons, vertex_sum *out)
-{
-    const slot_members a = members_of(t, slots[0]), b = members_of(t, slots[1]), c = members_of(t, slots[2]), d = members_of(t, slots[3]);
-    const uint32_t ab = a.count < b.count ? a.count : b.count, cd = c.count < d.count ? c.count : d.count, together = ab < cd ? ab : cd;
+/* Four slots at a time as far as the shortest goes: what is added to one waits for what was added
+ * before, not for the others'. */
+CORE_INLINE void sum_four(const tile_view *t, const uint32_t slots[4], const tile_room *room,
+    int polygons, vertex_sum *out) {
+    const slot_members a = members_of(t, slots[0]), b = members_of(t, slots[1]),
+                       c = members_of(t, slots[2]), d = members_of(t, slots[3]);
+    const uint32_t ab = a.count < b.count ? a.count : b.count,
+                   cd = c.count < d.count ? c.count : d.count, together = ab < cd ? ab : cd;
     slot_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
     for (uint32_t i = 0; i < together; i++) {
         sum_a = add_member(t, room, a, i, polygons, sum_a);
@@ -221,14 +255,18 @@ CORE_INLINE void sum_four(const tile_view *t, const uint32_t slots[4], const til
 }
 
 /* The same of all slots in a row, where their members are listed by fours. */
-CORE_INLINE const uint16_t *sum_listed(const uint16_t *members, uint32_t count, const tile_room *room, vertex_sum *out)
-{
+CORE_INLINE const uint16_t *sum_listed(
+    const uint16_t *members, uint32_t count, const tile_room *room, vertex_sum *out) {
     slot_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
     for (const uint16_t *end = members + (size_t)4 * count; members < end; members += 4) {
-        sum_a = add_row(sum_a, room->normals[members[0] & (TILE_FACES - 1U)], room->weights[members[0]]);
-        sum_b = add_row(sum_b, room->normals[members[1] & (TILE_FACES - 1U)], room->weights[members[1]]);
-        sum_c = add_row(sum_c, room->normals[members[2] & (TILE_FACES - 1U)], room->weights[members[2]]);
-        sum_d = add_row(sum_d, room->normals[members[3] & (TILE_FACES - 1U)], room->weights[members[3]]);
+        sum_a = add_row(
+            sum_a, room->normals[members[0] & (TILE_FACES - 1U)], room->weights[members[0]]);
+        sum_b = add_row(
+            sum_b, room->normals[members[1] & (TILE_FACES - 1U)], room->weights[members[1]]);
+        sum_c = add_row(
+            sum_c, room->normals[members[2] & (TILE_FACES - 1U)], room->weights[members[2]]);
+        sum_d = add_row(
+            sum_d, room->normals[members[3] & (TILE_FACES - 1U)], room->weights[members[3]]);
     }
     keep_sum(sum_a, out);
     keep_sum(sum_b, out + 1);
@@ -237,8 +275,8 @@ CORE_INLINE const uint16_t *sum_listed(const uint16_t *members, uint32_t count, 
     return members;
 }
 
-CORE_INLINE void sum_eight(const tile_view *t, tile_some slots, uint32_t begin, const tile_room *room, int polygons, vertex_sum *out)
-{
+CORE_INLINE void sum_eight(const tile_view *t, tile_some slots, uint32_t begin,
+    const tile_room *room, int polygons, vertex_sum *out) {
     for (uint32_t i = 0; i < CORE_LANES; i += 4) {
         uint32_t names[4];
         name_some(slots, begin + i, 4, names);
@@ -247,14 +285,14 @@ CORE_INLINE void sum_eight(const tile_view *t, tile_some slots, uint32_t begin, 
 }
 
 /* One by one, where not all have a normal. */
-CORE_INLINE int decide_each(const tile_view *t, tile_some slots, tile_room *room, int polygons)
-{
+CORE_INLINE int decide_each(const tile_view *t, tile_some slots, tile_room *room, int polygons) {
     vertex_sum sums[CORE_LANES];
     int all = 1;
     for (uint32_t i = 0; i < slots.count; i++) {
         if (i % CORE_LANES == 0) sum_eight(t, slots, i, room, polygons, sums);
         const vertex_sum *s = &sums[i % CORE_LANES];
-        room->reasons[i] = (uint8_t)norma_core_plan_decide((const double[4]){s->x, s->y, s->z, s->weight}, room->results[i]);
+        room->reasons[i] = (uint8_t)norma_core_plan_decide(
+            (const double[4]){s->x, s->y, s->z, s->weight}, room->results[i]);
         all &= room->reasons[i] == NORMA_REASON_NONE;
     }
     return all;
@@ -265,9 +303,10 @@ typedef struct finisher {
     void (*directions)(const core_lengths *of, float (*normals)[3]);
 } finisher;
 
-/* Eight sums become normals while the next ones are added up, in two steps: see normalize_simd.h. */
-CORE_INLINE int sum_all(const tile_view *t, tile_some slots, finisher finish, tile_room *room, int polygons)
-{
+/* Eight sums become normals while the next ones are added up, in two steps: see normalize_simd.h.
+ */
+CORE_INLINE int sum_all(
+    const tile_view *t, tile_some slots, finisher finish, tile_room *room, int polygons) {
     const uint32_t eights = norma_core_tile_eights(slots.count);
     const uint16_t *members = t->fours;
     vertex_sum sums[2][CORE_LANES];
@@ -275,17 +314,20 @@ CORE_INLINE int sum_all(const tile_view *t, tile_some slots, finisher finish, ti
     core_lane fine = {0};
     memset(room->reasons, NORMA_REASON_NONE, slots.count);
     for (uint32_t i = 0; i < eights + 2; i++) {
-        if (i < eights && (polygons || slots.numbers || !members)) sum_eight(t, slots, i * CORE_LANES, room, polygons, sums[i % 2]);
+        if (i < eights && (polygons || slots.numbers || !members))
+            sum_eight(t, slots, i * CORE_LANES, room, polygons, sums[i % 2]);
         else if (i < eights)
-            for (uint32_t k = 0; k < 2; k++) members = sum_listed(members, t->four_counts[2 * i + k], room, &sums[i % 2][4 * k]);
-        if (i >= 2) finish.directions(&lengths[i % 2], room->results + (size_t)(i - 2) * CORE_LANES);
+            for (uint32_t k = 0; k < 2; k++)
+                members = sum_listed(members, t->four_counts[2 * i + k], room, &sums[i % 2][4 * k]);
+        if (i >= 2)
+            finish.directions(&lengths[i % 2], room->results + (size_t)(i - 2) * CORE_LANES);
         if (i >= 1 && i <= eights) finish.lengths(sums[(i - 1) % 2], &lengths[(i - 1) % 2], fine);
     }
-    return core_lanes_total(fine) == (double)eights * CORE_LANES || decide_each(t, slots, room, polygons);
+    return core_lanes_total(fine) == (double)eights * CORE_LANES ||
+           decide_each(t, slots, room, polygons);
 }
 
-CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, finisher finish, tile_room *room)
-{
+CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, finisher finish, tile_room *room) {
     const tile_some row = {NULL, slots.count};
     if (t->corner_faces) return sum_all(t, slots, finish, room, 1);
     return slots.numbers ? sum_all(t, slots, finish, room, 0) : sum_all(t, row, finish, room, 0);
@@ -293,51 +335,63 @@ CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, finisher finish, 
 
 /* ---- for each instruction set */
 
-static int load_portable(const tile_view *t, const tile_some *eights, const unsigned char *data, size_t stride, double (*out)[4])
-{
+static int load_portable(const tile_view *t, const tile_some *eights, const unsigned char *data,
+    size_t stride, double (*out)[4]) {
     return load_floats(t, eights, data, stride, out);
 }
-static void measure_portable(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) { measure_triangles(t, eights, weight, room); }
-static void lengths_portable(const vertex_sum *sums, core_lengths *out, double *fine) { core_lanes_lengths(sums, out, fine); }
-static void directions_portable(const core_lengths *of, float (*normals)[3]) { core_lanes_directions(of, normals); }
-static int sum_portable(const tile_view *t, tile_some slots, tile_room *room)
-{
+static void measure_portable(
+    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
+    measure_triangles(t, eights, weight, room);
+}
+static void lengths_portable(const vertex_sum *sums, core_lengths *out, double *fine) {
+    core_lanes_lengths(sums, out, fine);
+}
+static void directions_portable(const core_lengths *of, float (*normals)[3]) {
+    core_lanes_directions(of, normals);
+}
+static int sum_portable(const tile_view *t, tile_some slots, tile_room *room) {
     return sum_slots(t, slots, (finisher){lengths_portable, directions_portable}, room);
 }
 
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static int load_avx2(const tile_view *t, const tile_some *eights, const unsigned char *data, size_t stride, double (*out)[4])
-{
+CORE_FOR_AVX2 static int load_avx2(const tile_view *t, const tile_some *eights,
+    const unsigned char *data, size_t stride, double (*out)[4]) {
     return load_floats(t, eights, data, stride, out);
 }
-CORE_FOR_AVX2 static void measure_avx2(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
-{
+CORE_FOR_AVX2 static void measure_avx2(
+    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
     measure_triangles(t, eights, weight, room);
 }
-CORE_FOR_AVX512 static void measure_avx512(const tile_view *t, tile_some eights, norma_weight weight, tile_room *room)
-{
-    if (weight == NORMA_WEIGHT_ANGLE) norma_core_tile_angles_avx512(t, eights, room);
-    else measure_triangles(t, eights, weight, room);
+CORE_FOR_AVX512 static void measure_avx512(
+    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
+    if (weight == NORMA_WEIGHT_ANGLE)
+        norma_core_tile_angles_avx512(t, eights, room);
+    else
+        measure_triangles(t, eights, weight, room);
 }
-CORE_FOR_AVX2 static void lengths_avx2(const vertex_sum *sums, core_lengths *out, double *fine) { core_lanes_lengths(sums, out, fine); }
-CORE_FOR_AVX2 static void directions_avx2(const core_lengths *of, float (*normals)[3]) { core_lanes_directions(of, normals); }
-CORE_FOR_AVX2 static int sum_avx2(const tile_view *t, tile_some slots, tile_room *room)
-{
+CORE_FOR_AVX2 static void lengths_avx2(const vertex_sum *sums, core_lengths *out, double *fine) {
+    core_lanes_lengths(sums, out, fine);
+}
+CORE_FOR_AVX2 static void directions_avx2(const core_lengths *of, float (*normals)[3]) {
+    core_lanes_directions(of, normals);
+}
+CORE_FOR_AVX2 static int sum_avx2(const tile_view *t, tile_some slots, tile_room *room) {
     return sum_slots(t, slots, (finisher){lengths_avx2, directions_avx2}, room);
 }
 
 /* Rows are of four: wider registers do not help to sum them, nor to finish sums. */
-tile_kernels norma_core_tile_kernels(norma_isa isa)
-{
+tile_kernels norma_core_tile_kernels(norma_isa isa) {
     switch (norma_core_level(isa)) {
-    case CORE_AVX512: return (tile_kernels){load_avx2, measure_avx512, sum_avx2};
-    case CORE_AVX2:   return (tile_kernels){load_avx2, measure_avx2, sum_avx2};
-    default:          return (tile_kernels){load_portable, measure_portable, sum_portable};
+    case CORE_AVX512:
+        return (tile_kernels){load_avx2, measure_avx512, sum_avx2};
+    case CORE_AVX2:
+        return (tile_kernels){load_avx2, measure_avx2, sum_avx2};
+    default:
+        return (tile_kernels){load_portable, measure_portable, sum_portable};
     }
 }
 #else
-tile_kernels norma_core_tile_kernels(norma_isa isa)
-{
+tile_kernels norma_core_tile_kernels(norma_isa isa) {
     (void)isa;
     return (tile_kernels){load_portable, measure_portable, sum_portable};
 }

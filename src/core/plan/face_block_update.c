@@ -1,23 +1,24 @@
-/* face_block_update.c: one tile after the other, by whoever is free: positions in, faces measured, slots summed, normals out. */
+/* face_block_update.c: one tile after the other, by whoever is free: positions in, faces measured,
+ * slots summed, normals out. */
 #include "core/plan/face_block.h"
 #include "core/plan/face_block_moved.h"
 #include <math.h>
 
-/* With fewer to do than FEWEST_TILES_TO_SHARE nobody is called for help; tasks are small, so that all end at about the same time. */
+/* With fewer to do than FEWEST_TILES_TO_SHARE nobody is called for help; tasks are small, so that
+ * all end at about the same time. */
 enum { FEWEST_TILES_TO_SHARE = 16, TILES_IN_TASK = 4 };
 
 typedef struct tiles_work {
-    plan_work     *work;
-    tile_kernels   kernels;
-    tile_marks     marks;
-    size_t         tasks, first, count; /* tiles */
-    core_tally     tallies[PLAN_MOST_TASKS];
+    plan_work *work;
+    tile_kernels kernels;
+    tile_marks marks;
+    size_t tasks, first, count; /* tiles */
+    core_tally tallies[PLAN_MOST_TASKS];
 } tiles_work;
 
 /* ---- in */
 
-static void load_one(const core_mesh *mesh, const tile_view *t, uint32_t vertex, tile_room *room)
-{
+static void load_one(const core_mesh *mesh, const tile_view *t, uint32_t vertex, tile_room *room) {
     double *position = room->positions[vertex];
     norma_core_position(mesh, t->vertices[vertex], position);
     position[3] = 0;
@@ -25,44 +26,54 @@ static void load_one(const core_mesh *mesh, const tile_view *t, uint32_t vertex,
 }
 
 /* Of all vertices, or of those of some eights of triangles (NULL: all). */
-static void load_each(const core_mesh *mesh, const tile_view *t, const tile_some *eights, tile_room *room)
-{
+static void load_each(
+    const core_mesh *mesh, const tile_view *t, const tile_some *eights, tile_room *room) {
     room->all_finite = 1;
     for (uint32_t v = 0; v < t->vertex_count && !eights; v++) load_one(mesh, t, v, room);
     for (uint32_t i = 0; eights && i < eights->count; i++)
-        for (uint32_t c = 0; c < 3 * CORE_LANES; c++) load_one(mesh, t, t->corners[3 * CORE_LANES * eights->numbers[i] + c], room);
+        for (uint32_t c = 0; c < 3 * CORE_LANES; c++)
+            load_one(mesh, t, t->corners[3 * CORE_LANES * eights->numbers[i] + c], room);
 }
 
-/* Those of some faces at least, among them the vertices of all slots in which they vote. A vertex is loaded once for each corner where there are few. */
-static void load_positions(const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room)
-{
+/* Those of some faces at least, among them the vertices of all slots in which they vote. A vertex
+ * is loaded once for each corner where there are few. */
+static void load_positions(
+    const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room) {
     const norma_vec3_view *from = &w->work->mesh.positions;
-    const tile_some *eights = !t->corner_faces && faces.numbers && 9 * faces.count < t->vertex_count ? &faces : NULL;
-    if (from->format != NORMA_FORMAT_FLOAT) load_each(&w->work->mesh, t, eights, room);
-    else room->all_finite = w->kernels.load(t, eights, from->data, from->stride, room->positions);
+    const tile_some *eights =
+        !t->corner_faces && faces.numbers && 9 * faces.count < t->vertex_count ? &faces : NULL;
+    if (from->format != NORMA_FORMAT_FLOAT)
+        load_each(&w->work->mesh, t, eights, room);
+    else
+        room->all_finite = w->kernels.load(t, eights, from->data, from->stride, room->positions);
 }
 
 static tile_list list_of(const void *begin, const void *end) { return (tile_list){begin, end}; }
 
-/* What will be read of the next tile, and written of this one, and the names of the vertices of the one after. */
-static tile_ahead look_ahead(const tiles_work *w, const tile_view *t, size_t number)
-{
+/* What will be read of the next tile, and written of this one, and the names of the vertices of the
+ * one after. */
+static tile_ahead look_ahead(const tiles_work *w, const tile_view *t, size_t number) {
     const plan_work *work = w->work;
     const size_t last = w->first + w->count - 1;
-    const tile_view next = norma_core_tile(work->plan, number < last ? number + 1 : last), after = norma_core_tile(work->plan, number + 1 < last ? number + 2 : last);
+    const tile_view next = norma_core_tile(work->plan, number < last ? number + 1 : last),
+                    after = norma_core_tile(work->plan, number + 1 < last ? number + 2 : last);
     tile_ahead ahead = {
-        .lists = {list_of(after.vertices, after.vertices + after.vertex_count), list_of(next.corners, next.corners + next.corner_count)},
-        .read = {next.vertices, next.vertex_count, work->mesh.positions.data, work->mesh.positions.stride},
+        .lists = {list_of(after.vertices, after.vertices + after.vertex_count),
+            list_of(next.corners, next.corners + next.corner_count)},
+        .read = {next.vertices, next.vertex_count, work->mesh.positions.data,
+            work->mesh.positions.stride},
     };
     if (next.fours) ahead.lists[2] = list_of(next.four_counts, next.fours + next.four_count);
-    if (work->plan->of == NORMA_PER_VERTEX) ahead.written = (tile_elements){t->vertices, t->own_count, work->output->normals, work->output->stride};
+    if (work->plan->of == NORMA_PER_VERTEX)
+        ahead.written =
+            (tile_elements){t->vertices, t->own_count, work->output->normals, work->output->stride};
     return ahead;
 }
 
-static core_mesh local_mesh(const tile_view *t, const tile_room *room)
-{
+static core_mesh local_mesh(const tile_view *t, const tile_room *room) {
     return (core_mesh){
-        .positions = {&room->positions, t->vertex_count, sizeof room->positions[0], NORMA_FORMAT_DOUBLE},
+        .positions = {&room->positions, t->vertex_count, sizeof room->positions[0],
+            NORMA_FORMAT_DOUBLE},
         .corners = t->corners,
         .corner_count = t->corner_count,
         .corner_size = sizeof *t->corners,
@@ -75,187 +86,225 @@ static core_mesh local_mesh(const tile_view *t, const tile_room *room)
 
 /* ---- faces that are not triangles, or that doubles do not decide */
 
-static void take_face(const core_mesh *mesh, norma_weight weight, const tile_view *t, uint32_t number, tile_room *room)
-{
+static void take_face(const core_mesh *mesh, norma_weight weight, const tile_view *t,
+    uint32_t number, tile_room *room) {
     core_face face;
-    const uint32_t begin = (uint32_t)norma_core_face_begin(mesh, number), end = (uint32_t)norma_core_face_end(mesh, number);
+    const uint32_t begin = (uint32_t)norma_core_face_begin(mesh, number),
+                   end = (uint32_t)norma_core_face_end(mesh, number);
     norma_core_face_geometry(mesh, number, &face);
     const int directed = (face.flags & CORE_FACE_DIRECTED) != 0;
     for (int k = 0; k < 3; k++) room->normals[number][k] = directed ? face.normal[k] : 0;
     room->normals[number][3] = 1;
     for (uint32_t c = begin; c < end; c++)
         room->weights[norma_core_tile_member(t->corner_faces != NULL, number, c - begin, c)] =
-            directed && norma_core_is_kept(mesh, number, c) ? norma_core_corner_weight(mesh, weight, number, &face, c) : -0.0;
-    if (!directed && (face.flags & CORE_FACE_FINITE)) room->degenerate[room->degenerate_count++] = (uint16_t)number;
+            directed && norma_core_is_kept(mesh, number, c)
+                ? norma_core_corner_weight(mesh, weight, number, &face, c)
+                : -0.0;
+    if (!directed && (face.flags & CORE_FACE_FINITE))
+        room->degenerate[room->degenerate_count++] = (uint16_t)number;
 }
 
-static int has_edges(const tile_view *t, uint32_t face)
-{
+static int has_edges(const tile_view *t, uint32_t face) {
     const uint16_t *at = t->corners + 3 * (size_t)face;
     const uint32_t a = t->weld[at[0]], b = t->weld[at[1]], c = t->weld[at[2]];
     return a != b && b != c && c != a;
 }
 
-/* Corners at one position of the plan may have parted: such a triangle has no vote, whatever it measures. */
-static void measure_welded(const core_mesh *mesh, norma_weight weight, const tile_view *t, tile_some eights, tile_room *room)
-{
+/* Corners at one position of the plan may have parted: such a triangle has no vote, whatever it
+ * measures. */
+static void measure_welded(const core_mesh *mesh, norma_weight weight, const tile_view *t,
+    tile_some eights, tile_room *room) {
     for (uint32_t i = 0; i < eights.count; i++)
-        for (uint32_t face = CORE_LANES * (eights.numbers ? eights.numbers[i] : i), end = face + CORE_LANES; face < end && face < t->face_count; face++)
+        for (uint32_t face = CORE_LANES * (eights.numbers ? eights.numbers[i] : i),
+                      end = face + CORE_LANES;
+             face < end && face < t->face_count; face++)
             if (!has_edges(t, face)) take_face(mesh, weight, t, face, room);
 }
 
 /* faces: triangles by eights. */
-static void measure_faces(const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room)
-{
+static void measure_faces(
+    const tiles_work *w, const tile_view *t, tile_some faces, tile_room *room) {
     const core_mesh mesh = local_mesh(t, room);
     const norma_weight weight = w->work->call->options.weight;
     room->doubted_count = room->degenerate_count = 0;
     if (t->corner_faces) {
-        for (uint32_t i = 0; i < faces.count; i++) take_face(&mesh, weight, t, faces.numbers ? faces.numbers[i] : i, room);
+        for (uint32_t i = 0; i < faces.count; i++)
+            take_face(&mesh, weight, t, faces.numbers ? faces.numbers[i] : i, room);
         return;
     }
-    memcpy(room->normals[TILE_NOBODY], (const double[4]){0, 0, 0, 1}, sizeof room->normals[TILE_NOBODY]);
+    memcpy(room->normals[TILE_NOBODY], (const double[4]){0, 0, 0, 1},
+        sizeof room->normals[TILE_NOBODY]);
     room->weights[TILE_NOBODY] = -0.0;
     w->kernels.measure(t, faces, weight, room);
     for (uint32_t i = 0; i < room->doubted_count; i++)
-        if (!t->weld || has_edges(t, room->doubted[i])) take_face(&mesh, weight, t, room->doubted[i], room);
+        if (!t->weld || has_edges(t, room->doubted[i]))
+            take_face(&mesh, weight, t, room->doubted[i], room);
     if (t->weld) measure_welded(&mesh, weight, t, faces, room);
 }
 
 /* ---- sums that ask for more */
 
-typedef struct tile_cone { const tile_view *t; const tile_room *room; uint32_t first, vertex; } tile_cone;   /* vertex: UINT32_MAX, or alone */
+typedef struct tile_cone {
+    const tile_view *t;
+    const tile_room *room;
+    uint32_t first, vertex;
+} tile_cone; /* vertex: UINT32_MAX, or alone */
 
-static int cone_normal(const void *context, size_t index, double normal[3])
-{
+static int cone_normal(const void *context, size_t index, double normal[3]) {
     const tile_cone *c = context;
     const uint32_t member = c->t->members[c->first + index];
-    if (c->vertex != UINT32_MAX && c->t->corners[norma_core_tile_corner_of(c->t, member)] != c->vertex) return 0;
+    if (c->vertex != UINT32_MAX &&
+        c->t->corners[norma_core_tile_corner_of(c->t, member)] != c->vertex)
+        return 0;
     memcpy(normal, c->room->normals[norma_core_tile_face_of(c->t, member)], 3 * sizeof *normal);
     return !signbit(c->room->weights[member]);
 }
 
-static int decide_cone(const tile_view *t, const tile_room *room, uint32_t slot, uint32_t vertex, double weight, float normal[3])
-{
+static int decide_cone(const tile_view *t, const tile_room *room, uint32_t slot, uint32_t vertex,
+    double weight, float normal[3]) {
     const uint32_t first = norma_core_tile_start(t, slot);
     const tile_cone cone = {t, room, first, vertex};
-    return norma_core_plan_decide_cone(weight, cone_normal, &cone, norma_core_tile_start(t, slot + 1) - first, normal);
+    return norma_core_plan_decide_cone(
+        weight, cone_normal, &cone, norma_core_tile_start(t, slot + 1) - first, normal);
 }
 
 /* Sums tell who has votes. */
-static void decide_cones(const tile_view *t, tile_some slots, tile_room *room)
-{
+static void decide_cones(const tile_view *t, tile_some slots, tile_room *room) {
     room->all_normal = 0;
     for (uint32_t i = 0; i < slots.count; i++) {
         if (room->reasons[i] == NORMA_REASON_UNREFERENCED) continue;
-        room->reasons[i] = (uint8_t)decide_cone(t, room, slots.numbers ? slots.numbers[i] : i, UINT32_MAX, 1, room->results[i]);
+        room->reasons[i] = (uint8_t)decide_cone(
+            t, room, slots.numbers ? slots.numbers[i] : i, UINT32_MAX, 1, room->results[i]);
     }
 }
 
 /* Of a vertex's own corners alone. */
-static int decide_own(const tiles_work *w, const tile_view *t, const tile_room *room, uint32_t slot, uint32_t vertex, float normal[3])
-{
+static int decide_own(const tiles_work *w, const tile_view *t, const tile_room *room, uint32_t slot,
+    uint32_t vertex, float normal[3]) {
     double sum[4] = {0, 0, 0, -0.0};
     for (uint32_t i = norma_core_tile_start(t, slot); i < norma_core_tile_start(t, slot + 1); i++) {
         const uint32_t member = t->members[i];
         if (t->corners[norma_core_tile_corner_of(t, member)] != vertex) continue;
-        for (int k = 0; k < 4; k++) sum[k] += room->weights[member] * room->normals[norma_core_tile_face_of(t, member)][k];
+        for (int k = 0; k < 4; k++)
+            sum[k] += room->weights[member] * room->normals[norma_core_tile_face_of(t, member)][k];
     }
-    return w->work->call->options.weight == NORMA_WEIGHT_VISIBLE ? decide_cone(t, room, slot, vertex, sum[3], normal) : norma_core_plan_decide(sum, normal);
+    return w->work->call->options.weight == NORMA_WEIGHT_VISIBLE
+               ? decide_cone(t, room, slot, vertex, sum[3], normal)
+               : norma_core_plan_decide(sum, normal);
 }
 
 /* ---- out */
 
-static int is_finite(const tile_room *room, uint32_t vertex)
-{
+static int is_finite(const tile_room *room, uint32_t vertex) {
     return room->all_finite || norma_core_finite(room->positions[vertex]);
 }
 
-typedef struct tile_result { uint32_t slot; int reason; float normal[3]; } tile_result;
+typedef struct tile_result {
+    uint32_t slot;
+    int reason;
+    float normal[3];
+} tile_result;
 
-static tile_result result_at(const tile_room *room, tile_some slots, uint32_t i)
-{
-    return (tile_result){slots.numbers ? slots.numbers[i] : i, room->reasons[i], {room->results[i][0], room->results[i][1], room->results[i][2]}};
+static tile_result result_at(const tile_room *room, tile_some slots, uint32_t i) {
+    return (tile_result){slots.numbers ? slots.numbers[i] : i, room->reasons[i],
+        {room->results[i][0], room->results[i][1], room->results[i][2]}};
 }
 
-static void write_vertex(const tiles_work *w, const tile_view *t, const tile_room *room, const tile_result *result, uint32_t vertex, core_tally *tally)
-{
+static void write_vertex(const tiles_work *w, const tile_view *t, const tile_room *room,
+    const tile_result *result, uint32_t vertex, core_tally *tally) {
     tile_result own = *result;
-    if (!is_finite(room, vertex)) own.reason = NORMA_REASON_NON_FINITE;
-    else if (own.reason == NORMA_REASON_CANCELLED && decide_own(w, t, room, own.slot, vertex, own.normal) == NORMA_REASON_NONE) own.reason = NORMA_REASON_NONE;
+    if (!is_finite(room, vertex))
+        own.reason = NORMA_REASON_NON_FINITE;
+    else if (own.reason == NORMA_REASON_CANCELLED &&
+             decide_own(w, t, room, own.slot, vertex, own.normal) == NORMA_REASON_NONE)
+        own.reason = NORMA_REASON_NONE;
     norma_core_write_element(w->work->output, t->vertices[vertex], own.reason, own.normal, tally);
 }
 
-static void write_vertices(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
-{
+static void write_vertices(const tiles_work *w, const tile_view *t, const tile_room *room,
+    tile_some slots, core_tally *tally) {
     for (uint32_t i = 0; i < slots.count; i++) {
         const tile_result result = result_at(room, slots, i);
-        const uint32_t begin = t->vertex_starts ? t->vertex_starts[result.slot] : result.slot, end = t->vertex_starts ? t->vertex_starts[result.slot + 1] : begin + 1;
+        const uint32_t begin = t->vertex_starts ? t->vertex_starts[result.slot] : result.slot,
+                       end = t->vertex_starts ? t->vertex_starts[result.slot + 1] : begin + 1;
         for (uint32_t v = begin; v < end; v++) write_vertex(w, t, room, &result, v, tally);
     }
 }
 
-/* Nearly all tiles: a vertex for each slot, all of them with a normal, and nobody asks for reasons. */
-static void write_plain(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots)
-{
-    for (uint32_t i = 0; i < slots.count; i++) norma_core_write_normal(w->work->output, t->vertices[slots.numbers ? slots.numbers[i] : i], room->results[i]);
+/* Nearly all tiles: a vertex for each slot, all of them with a normal, and nobody asks for reasons.
+ */
+static void write_plain(
+    const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots) {
+    for (uint32_t i = 0; i < slots.count; i++)
+        norma_core_write_normal(
+            w->work->output, t->vertices[slots.numbers ? slots.numbers[i] : i], room->results[i]);
 }
 
-static int is_plain(const tiles_work *w, const tile_view *t, const tile_room *room)
-{
+static int is_plain(const tiles_work *w, const tile_view *t, const tile_room *room) {
     return room->all_finite && room->all_normal && !t->slot_of && !w->work->output->reasons;
 }
 
-static void write_corners(const tiles_work *w, const tile_view *t, const tile_room *room, tile_some slots, core_tally *tally)
-{
+static void write_corners(const tiles_work *w, const tile_view *t, const tile_room *room,
+    tile_some slots, core_tally *tally) {
     for (uint32_t i = 0; i < slots.count; i++) {
         const tile_result result = result_at(room, slots, i);
-        for (uint32_t m = norma_core_tile_start(t, result.slot); m < norma_core_tile_start(t, result.slot + 1); m++) {
-            const uint32_t member = t->members[m], vertex = t->corners[norma_core_tile_corner_of(t, member)];
-            norma_core_write_element(w->work->output, norma_core_tile_mesh_corner(t, member), is_finite(room, vertex) ? result.reason : NORMA_REASON_NON_FINITE, result.normal,
-                                     tally);
+        for (uint32_t m = norma_core_tile_start(t, result.slot);
+             m < norma_core_tile_start(t, result.slot + 1); m++) {
+            const uint32_t member = t->members[m],
+                           vertex = t->corners[norma_core_tile_corner_of(t, member)];
+            norma_core_write_element(w->work->output, norma_core_tile_mesh_corner(t, member),
+                is_finite(room, vertex) ? result.reason : NORMA_REASON_NON_FINITE, result.normal,
+                tally);
         }
     }
 }
 
 /* A face without a direction is counted where the normal of its first corner is written. */
-static void count_degenerate(const tiles_work *w, const tile_view *t, const tile_room *room, const uint8_t *slot_is_written, core_tally *tally)
-{
+static void count_degenerate(const tiles_work *w, const tile_view *t, const tile_room *room,
+    const uint8_t *slot_is_written, core_tally *tally) {
     for (uint32_t i = 0; i < room->degenerate_count; i++) {
-        const uint32_t face = room->degenerate[i], begin = t->face_starts ? t->face_starts[face] : 3 * face;
+        const uint32_t face = room->degenerate[i],
+                       begin = t->face_starts ? t->face_starts[face] : 3 * face;
         const uint32_t member = norma_core_tile_member(t->corner_faces != NULL, face, 0, begin);
         if (t->face_starts && t->face_starts[face + 1] == begin) continue;
-        if (norma_core_tile_writes(t, w->work->plan->of, member, slot_is_written)) norma_core_count_one(&tally->degenerate, t->faces[face]);
+        if (norma_core_tile_writes(t, w->work->plan->of, member, slot_is_written))
+            norma_core_count_one(&tally->degenerate, t->faces[face]);
     }
 }
 
 /* ---- tiles */
 
-static void update_tile(const tiles_work *w, const tile_view *t, const tile_touch *touch, const tile_ahead *ahead, core_tally *tally)
-{
+static void update_tile(const tiles_work *w, const tile_view *t, const tile_touch *touch,
+    const tile_ahead *ahead, core_tally *tally) {
     tile_room room;
     room.ahead = *ahead;
-    const tile_some faces = {touch ? touch->faces : NULL, touch ? touch->face_count : t->corner_faces ? t->face_count : norma_core_tile_eights(t->face_count)};
-    const tile_some slots = {touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
+    const tile_some faces = {
+        touch ? touch->faces : NULL, touch             ? touch->face_count
+                                     : t->corner_faces ? t->face_count
+                                                       : norma_core_tile_eights(t->face_count)};
+    const tile_some slots = {
+        touch ? touch->slots : NULL, touch ? touch->slot_count : t->slot_count};
     load_positions(w, t, faces, &room);
     measure_faces(w, t, faces, &room);
     room.all_normal = w->kernels.sum(t, slots, &room);
     if (w->work->call->options.weight == NORMA_WEIGHT_VISIBLE) decide_cones(t, slots, &room);
-    if (w->work->plan->of == NORMA_PER_CORNER) write_corners(w, t, &room, slots, tally);
-    else if (is_plain(w, t, &room)) write_plain(w, t, &room, slots);
-    else write_vertices(w, t, &room, slots, tally);
-    if (room.degenerate_count) count_degenerate(w, t, &room, touch ? touch->slot_is_touched : NULL, tally);
+    if (w->work->plan->of == NORMA_PER_CORNER)
+        write_corners(w, t, &room, slots, tally);
+    else if (is_plain(w, t, &room))
+        write_plain(w, t, &room, slots);
+    else
+        write_vertices(w, t, &room, slots, tally);
+    if (room.degenerate_count)
+        count_degenerate(w, t, &room, touch ? touch->slot_is_touched : NULL, tally);
 }
 
-static void update_whole(const tiles_work *w, size_t i, core_tally *tally)
-{
+static void update_whole(const tiles_work *w, size_t i, core_tally *tally) {
     const tile_view t = norma_core_tile(w->work->plan, i);
     const tile_ahead ahead = look_ahead(w, &t, i);
     update_tile(w, &t, NULL, &ahead, tally);
 }
 
-static void update_part(const tiles_work *w, size_t i, core_tally *tally)
-{
+static void update_part(const tiles_work *w, size_t i, core_tally *tally) {
     const tile_view t = norma_core_tile(w->work->plan, i);
     const tile_ahead nothing = {0};
     tile_touch touch;
@@ -263,20 +312,22 @@ static void update_part(const tiles_work *w, size_t i, core_tally *tally)
     if (touch.slot_count) update_tile(w, &t, &touch, &nothing, tally);
 }
 
-static void update_some(void *context, size_t task)
-{
+static void update_some(void *context, size_t task) {
     tiles_work *w = context;
     const plan_range range = norma_core_plan_range(w->count, w->tasks, task);
     for (size_t i = w->first + range.begin; i < w->first + range.end; i++) {
-        const tile_moved moved = w->work->moved ? norma_core_tile_moved(&w->marks, &w->work->plan->tiles[i]) : TILE_ALL_MOVED;
-        if (moved == TILE_ALL_MOVED) update_whole(w, i, &w->tallies[task]);
-        else if (moved == TILE_PARTLY_MOVED) update_part(w, i, &w->tallies[task]);
+        const tile_moved moved = w->work->moved
+                                     ? norma_core_tile_moved(&w->marks, &w->work->plan->tiles[i])
+                                     : TILE_ALL_MOVED;
+        if (moved == TILE_ALL_MOVED)
+            update_whole(w, i, &w->tallies[task]);
+        else if (moved == TILE_PARTLY_MOVED)
+            update_part(w, i, &w->tallies[task]);
     }
 }
 
 /* busy: how many tiles there is something to do in. */
-static norma_result run(tiles_work *w, size_t first, size_t count, size_t busy)
-{
+static norma_result run(tiles_work *w, size_t first, size_t count, size_t busy) {
     w->first = first;
     w->count = count;
     w->tasks = busy < FEWEST_TILES_TO_SHARE ? 1 : busy / TILES_IN_TASK;
@@ -287,8 +338,7 @@ static norma_result run(tiles_work *w, size_t first, size_t count, size_t busy)
     return result;
 }
 
-static norma_result update_moved(tiles_work *w)
-{
+static norma_result update_moved(tiles_work *w) {
     norma_result result = NORMA_OK;
     norma_core_marks_open(w->work, &w->marks);
     while (result == NORMA_OK && norma_core_marks_next(w->work, &w->marks))
@@ -297,8 +347,7 @@ static norma_result update_moved(tiles_work *w)
     return result;
 }
 
-norma_result norma_core_plan_update_tiles(plan_work *work)
-{
+norma_result norma_core_plan_update_tiles(plan_work *work) {
     tiles_work w = {.work = work};
     const size_t count = work->plan->tile_count;
     if (!count) return NORMA_OK;
@@ -306,10 +355,11 @@ norma_result norma_core_plan_update_tiles(plan_work *work)
     return work->moved ? update_moved(&w) : run(&w, 0, count, count);
 }
 
-void norma_core_plan_tile_vertices(const norma_plan *plan, uint32_t *vertices)
-{
+void norma_core_plan_tile_vertices(const norma_plan *plan, uint32_t *vertices) {
     for (size_t i = 0; i < plan->tile_count; i++) {
         const tile_view t = norma_core_tile(plan, i);
-        for (uint32_t m = 0; m < t.member_count; m++) vertices[norma_core_tile_mesh_corner(&t, t.members[m])] = t.vertices[t.corners[norma_core_tile_corner_of(&t, t.members[m])]];
+        for (uint32_t m = 0; m < t.member_count; m++)
+            vertices[norma_core_tile_mesh_corner(&t, t.members[m])] =
+                t.vertices[t.corners[norma_core_tile_corner_of(&t, t.members[m])]];
     }
 }

@@ -2,8 +2,7 @@
 #include "core/plan/plan.h"
 #include <math.h>
 
-void *norma_core_plan_keep(norma_plan *plan, size_t count, size_t size)
-{
+void *norma_core_plan_keep(norma_plan *plan, size_t count, size_t size) {
     if (plan->block_count == PLAN_MOST_BLOCKS) return NULL;
     void *memory = norma_core_allocate(&plan->memory, count, size);
     if (!memory) return NULL;
@@ -14,34 +13,38 @@ void *norma_core_plan_keep(norma_plan *plan, size_t count, size_t size)
 
 size_t norma_plan_bytes(const norma_plan *plan) { return plan ? plan->bytes : 0; }
 
-void norma_plan_destroy(norma_plan *plan)
-{
+void norma_plan_destroy(norma_plan *plan) {
     if (!plan) return;
-    for (size_t i = 0; i < plan->block_count; i++) norma_core_release(&plan->memory, plan->blocks[i].memory, plan->blocks[i].count, plan->blocks[i].size);
+    for (size_t i = 0; i < plan->block_count; i++)
+        norma_core_release(
+            &plan->memory, plan->blocks[i].memory, plan->blocks[i].count, plan->blocks[i].size);
     const core_call memory = plan->memory;
     norma_core_release(&memory, plan, 1, sizeof *plan);
 }
 
-static norma_plan *new_plan(const core_surface *surface, norma_element of)
-{
+static norma_plan *new_plan(const core_surface *surface, norma_element of) {
     norma_plan *plan = norma_core_allocate(surface->call, 1, sizeof *plan);
     if (!plan) return NULL;
-    *plan = (norma_plan){.of = of, .vertex_count = surface->mesh.positions.count, .corner_count = surface->mesh.corner_count, .face_count = surface->mesh.face_count, .scale = surface->mesh.scale};
+    *plan = (norma_plan){.of = of,
+        .vertex_count = surface->mesh.positions.count,
+        .corner_count = surface->mesh.corner_count,
+        .face_count = surface->mesh.face_count,
+        .scale = surface->mesh.scale};
     plan->memory.options.allocator = surface->call->options.allocator;
     plan->bytes = sizeof *plan;
     return plan;
 }
 
 /* Vertices that no corner names, and faces that name none. */
-static norma_result find_lonely(norma_plan *plan, const core_surface *surface)
-{
+static norma_result find_lonely(norma_plan *plan, const core_surface *surface) {
     const core_mesh *mesh = &surface->mesh;
     uint8_t *used = norma_core_allocate(surface->call, plan->vertex_count, 1);
     if (!used) return NORMA_ERROR_MEMORY;
     memset(used, 0, plan->vertex_count);
     for (size_t c = 0; c < mesh->corner_count; c++) used[norma_core_corner(mesh, c)] = 1;
     for (size_t f = 0; f < mesh->face_count && mesh->face_starts; f++)
-        if (norma_core_face_begin(mesh, f) == norma_core_face_end(mesh, f)) norma_core_count_one(&plan->empty_faces, f);
+        if (norma_core_face_begin(mesh, f) == norma_core_face_end(mesh, f))
+            norma_core_count_one(&plan->empty_faces, f);
     for (size_t v = 0; v < plan->vertex_count; v++) plan->lonely_count += !used[v];
     plan->lonely = norma_core_plan_keep(plan, plan->lonely_count, sizeof *plan->lonely);
     for (size_t v = 0, found = 0; v < plan->vertex_count && plan->lonely; v++)
@@ -50,8 +53,7 @@ static norma_result find_lonely(norma_plan *plan, const core_surface *surface)
     return plan->lonely ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-static norma_result fill(norma_plan *plan, core_surface *surface)
-{
+static norma_result fill(norma_plan *plan, core_surface *surface) {
     plan_slots slots;
     const size_t count = surface->mesh.positions.count;
     norma_core_stage(surface->call, 0.5, 0.8);
@@ -67,24 +69,30 @@ static norma_result fill(norma_plan *plan, core_surface *surface)
     return result;
 }
 
-norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float crease_angle_rad, const norma_options *options, norma_plan **plan)
-{
+norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float crease_angle_rad,
+    const norma_options *options, norma_plan **plan) {
     core_call call;
     core_mesh checked;
     core_surface surface;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK && (!plan || isnan(crease_angle_rad) || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER))) result = NORMA_ERROR_ARGUMENT;
+    if (result == NORMA_OK &&
+        (!plan || isnan(crease_angle_rad) || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER)))
+        result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result == NORMA_OK) result = norma_core_surface_open(&call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
+    if (result == NORMA_OK)
+        result = norma_core_surface_open(
+            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
     if (result != NORMA_OK) return result;
     norma_plan *made = new_plan(&surface, of);
     result = made ? fill(made, &surface) : NORMA_ERROR_MEMORY;
     norma_core_stage(&call, 1, 1);
     if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
     norma_core_surface_close(&surface);
-    if (result == NORMA_OK) *plan = made;
-    else norma_plan_destroy(made);
+    if (result == NORMA_OK)
+        *plan = made;
+    else
+        norma_plan_destroy(made);
     return result;
 }

@@ -1,16 +1,16 @@
-/* position_order.c: positions in the order of a curve that stays near itself (Morton 1966), so that those that follow each other are neighbours, whatever the order of the mesh. */
+/* position_order.c: positions in the order of a curve that stays near itself (Morton 1966), so that
+ * those that follow each other are neighbours, whatever the order of the mesh. */
 #include "core/plan/plan.h"
 #include <math.h>
 
 enum { LEVELS = 16, KEY_BITS = 32, DIGIT_BITS = 11, DIGITS = 3 };
 
 typedef struct curve {
-    double   low[3], scale;
-    uint32_t spread[3][2][256];        /* what a byte of a coordinate contributes to the key */
+    double low[3], scale;
+    uint32_t spread[3][2][256]; /* what a byte of a coordinate contributes to the key */
 } curve;
 
-static void find_box(const core_mesh *mesh, double low[3], double high[3])
-{
+static void find_box(const core_mesh *mesh, double low[3], double high[3]) {
     for (int k = 0; k < 3; k++) {
         low[k] = INFINITY;
         high[k] = -INFINITY;
@@ -26,16 +26,15 @@ static void find_box(const core_mesh *mesh, double low[3], double high[3])
     }
 }
 
-static int levels_of(double extent, double scale)
-{
+static int levels_of(double extent, double scale) {
     int levels = 0;
     for (uint32_t cells = (uint32_t)(extent * scale); cells; cells >>= 1) levels++;
     return levels;
 }
 
-/* Cells are cubes; an axis along which the mesh is thin has fewer of them, and takes fewer bits of the key. */
-static void lay_out(curve *c, const int levels[3])
-{
+/* Cells are cubes; an axis along which the mesh is thin has fewer of them, and takes fewer bits of
+ * the key. */
+static void lay_out(curve *c, const int levels[3]) {
     int bit = KEY_BITS;
     memset(c->spread, 0, sizeof c->spread);
     for (int level = LEVELS; level-- > 0 && bit > 0;)
@@ -47,20 +46,19 @@ static void lay_out(curve *c, const int levels[3])
         }
 }
 
-static void begin_curve(const core_mesh *mesh, curve *c)
-{
+static void begin_curve(const core_mesh *mesh, curve *c) {
     double high[3], widest = 0;
     int levels[3];
     find_box(mesh, c->low, high);
     for (int k = 0; k < 3; k++) widest = fmax(widest, high[k] - c->low[k]);
     c->scale = widest > 0 && widest <= 0x1p1000 ? ((1 << LEVELS) - 1) / widest : 0;
     if (!(c->scale <= 0x1p1000)) c->scale = 0;
-    for (int k = 0; k < 3; k++) levels[k] = c->scale > 0 ? levels_of(high[k] - c->low[k], c->scale) : 0;
+    for (int k = 0; k < 3; k++)
+        levels[k] = c->scale > 0 ? levels_of(high[k] - c->low[k], c->scale) : 0;
     lay_out(c, levels);
 }
 
-static uint32_t key_of(const curve *c, const double p[3])
-{
+static uint32_t key_of(const curve *c, const double p[3]) {
     uint32_t key = 0;
     if (!norma_core_finite(p)) return UINT32_MAX;
     for (int k = 0; k < 3; k++) {
@@ -71,8 +69,7 @@ static uint32_t key_of(const curve *c, const double p[3])
 }
 
 /* Radix sort by the high words, the low ones ascending before and after. */
-static void sort_by_key(uint64_t *items, uint64_t *other, size_t count)
-{
+static void sort_by_key(uint64_t *items, uint64_t *other, size_t count) {
     for (int digit = 0; digit < DIGITS; digit++) {
         const int shift = 32 + digit * DIGIT_BITS;
         size_t starts[1 << DIGIT_BITS], sum = 0;
@@ -83,18 +80,19 @@ static void sort_by_key(uint64_t *items, uint64_t *other, size_t count)
             starts[d] = sum;
             sum += here;
         }
-        for (size_t i = 0; i < count; i++) other[starts[items[i] >> shift & ((1 << DIGIT_BITS) - 1)]++] = items[i];
+        for (size_t i = 0; i < count; i++)
+            other[starts[items[i] >> shift & ((1 << DIGIT_BITS) - 1)]++] = items[i];
         uint64_t *sorted = other;
         other = items;
         items = sorted;
     }
 }
 
-norma_result norma_core_plan_order(const core_surface *surface, uint32_t *order, size_t *count)
-{
+norma_result norma_core_plan_order(const core_surface *surface, uint32_t *order, size_t *count) {
     const core_mesh *mesh = &surface->mesh;
     const size_t room = mesh->positions.count;
-    uint64_t *items = norma_core_allocate(surface->call, room, sizeof *items), *other = norma_core_allocate(surface->call, room, sizeof *other);
+    uint64_t *items = norma_core_allocate(surface->call, room, sizeof *items),
+             *other = norma_core_allocate(surface->call, room, sizeof *other);
     *count = 0;
     if (items && other) {
         curve c;

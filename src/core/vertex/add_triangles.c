@@ -1,6 +1,9 @@
-/* add_triangles.c: eight triangles at a time are read, measured and added; eight sums at a time become normals. Compiled for each instruction set. */
+/* add_triangles.c: eight triangles at a time are read, measured and added; eight sums at a time
+ * become normals. Compiled for each instruction set. */
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("no-tree-slp-vectorize")    /* this compiler gathers neighbouring addresses into vectors, only to take them out again one by one */
+#pragma GCC optimize(                                                                              \
+    "no-tree-slp-vectorize") /* this compiler gathers neighbouring addresses into vectors, only to \
+                                take them out again one by one */
 #endif
 #include "core/vertex/add_triangles.h"
 #include "core/vertex/add_triangles_avx512.h"
@@ -9,26 +12,29 @@
 #include "core/vertex/normalize_simd.h"
 #include "core/face/measure_simd.h"
 
-enum { AHEAD = 32, BATCHES_AT_ONCE = 8 };  /* triangles between asking for memory and using it */
+enum { AHEAD = 32, BATCHES_AT_ONCE = 8 }; /* triangles between asking for memory and using it */
 
 typedef struct triangle_batch {
     core_batch measured;
-    uint32_t   at[3 * CORE_LANES];        /* the corners' positions, welded where they are */
+    uint32_t at[3 * CORE_LANES]; /* the corners' positions, welded where they are */
 } triangle_batch;
 
-static int lanes_left(size_t f, size_t end) { return end - f < CORE_LANES ? (int)(end - f) : CORE_LANES; }
+static int lanes_left(size_t f, size_t end) {
+    return end - f < CORE_LANES ? (int)(end - f) : CORE_LANES;
+}
 
 /* ---- reading */
 
 /* Lanes beyond the end repeat the first. */
-static void read_few_corners(const core_mesh *mesh, size_t f, int lanes, uint32_t at[3 * CORE_LANES])
-{
+static void read_few_corners(
+    const core_mesh *mesh, size_t f, int lanes, uint32_t at[3 * CORE_LANES]) {
     for (int i = 0; i < CORE_LANES; i++)
-        for (int k = 0; k < 3; k++) at[3 * i + k] = norma_core_corner(mesh, 3 * (i < lanes ? f + (size_t)i : f) + (size_t)k);
+        for (int k = 0; k < 3; k++)
+            at[3 * i + k] =
+                norma_core_corner(mesh, 3 * (i < lanes ? f + (size_t)i : f) + (size_t)k);
 }
 
-static void read_other_formats(const core_mesh *mesh, triangle_batch *t)
-{
+static void read_other_formats(const core_mesh *mesh, triangle_batch *t) {
     core_batch *m = &t->measured;
     for (int i = 0; i < CORE_LANES; i++) {
         double p[3][3];
@@ -41,94 +47,106 @@ static void read_other_formats(const core_mesh *mesh, triangle_batch *t)
     }
 }
 
-CORE_INLINE void read_batch(const core_mesh *mesh, size_t f, int lanes, triangle_batch *t)
-{
+CORE_INLINE void read_batch(const core_mesh *mesh, size_t f, int lanes, triangle_batch *t) {
     const size_t tight = 3 * sizeof(float);
-    if (mesh->corner_size == 4 && lanes == CORE_LANES) memcpy(t->at, (const unsigned char *)mesh->corners + 12 * f, sizeof t->at);
-    else read_few_corners(mesh, f, lanes, t->at);
-    if (mesh->positions.format != NORMA_FORMAT_FLOAT) read_other_formats(mesh, t);
-    else if (mesh->positions.stride == tight) core_gather_edges((core_points){mesh->positions.data, tight, t->at}, &t->measured);   /* a product that costs nothing */
-    else core_gather_edges((core_points){mesh->positions.data, mesh->positions.stride, t->at}, &t->measured);
+    if (mesh->corner_size == 4 && lanes == CORE_LANES)
+        memcpy(t->at, (const unsigned char *)mesh->corners + 12 * f, sizeof t->at);
+    else
+        read_few_corners(mesh, f, lanes, t->at);
+    if (mesh->positions.format != NORMA_FORMAT_FLOAT)
+        read_other_formats(mesh, t);
+    else if (mesh->positions.stride == tight)
+        core_gather_edges((core_points){mesh->positions.data, tight, t->at},
+            &t->measured); /* a product that costs nothing */
+    else
+        core_gather_edges(
+            (core_points){mesh->positions.data, mesh->positions.stride, t->at}, &t->measured);
     if (mesh->weld)
         for (int i = 0; i < 3 * CORE_LANES; i++) t->at[i] = mesh->weld[t->at[i]];
 }
 
-/* Asks for the memory of triangles to come, into the second cache, to which twice as many requests are under way at once as to the first: positions, which may lie
- * across two lines, and sums. Where there is a map of welded positions, that is asked for earlier still. */
-CORE_INLINE void look_ahead(const core_adder *adder, size_t f)
-{
+/* Asks for the memory of triangles to come, into the second cache, to which twice as many requests
+ * are under way at once as to the first: positions, which may lie across two lines, and sums. Where
+ * there is a map of welded positions, that is asked for earlier still. */
+CORE_INLINE void look_ahead(const core_adder *adder, size_t f) {
     const core_mesh *mesh = adder->mesh;
-    const size_t begin = 3 * (f + AHEAD), end = begin + (size_t)3 * CORE_LANES, map = (size_t)3 * AHEAD;
+    const size_t begin = 3 * (f + AHEAD), end = begin + (size_t)3 * CORE_LANES,
+                 map = (size_t)3 * AHEAD;
     for (size_t c = begin; c < end && c < mesh->corner_count; c++) {
         const uint32_t at = norma_core_corner(mesh, c);
-        const unsigned char *position = (const unsigned char *)mesh->positions.data + at * mesh->positions.stride;
+        const unsigned char *position =
+            (const unsigned char *)mesh->positions.data + at * mesh->positions.stride;
         __builtin_prefetch(position, 0, 2);
         __builtin_prefetch(position + 11, 0, 2);
         const uint32_t sum = norma_core_welded(mesh, at) - adder->first;
         if (sum < adder->count) __builtin_prefetch(&adder->sums[sum], 0, 2);
-        if (mesh->weld && c + map < mesh->corner_count) __builtin_prefetch(&mesh->weld[norma_core_corner(mesh, c + map)], 0, 2);
+        if (mesh->weld && c + map < mesh->corner_count)
+            __builtin_prefetch(&mesh->weld[norma_core_corner(mesh, c + map)], 0, 2);
     }
 }
 
 /* ---- adding */
 
-CORE_INLINE void measure_batch(core_batch *m, norma_weight weight)
-{
+CORE_INLINE void measure_batch(core_batch *m, norma_weight weight) {
     core_lanes_measure(m, weight, core_weighs_evenly(weight) ? CORE_NO_CORNER : CORE_ALL_CORNERS);
     for (int i = 0; i < CORE_LANES && weight == NORMA_WEIGHT_AREA; i++)
         for (int x = 0; x < 3; x++) m->normal[x][i] *= m->twice_area[i];
 }
 
-CORE_INLINE int all_sure(const core_batch *m)
-{
+CORE_INLINE int all_sure(const core_batch *m) {
     double sure = 0;
     for (int i = 0; i < CORE_LANES; i++) sure += m->sure[i];
     return sure == CORE_LANES;
 }
 
-CORE_INLINE unsigned which_are_sure(const core_batch *m)
-{
+CORE_INLINE unsigned which_are_sure(const core_batch *m) {
     unsigned sure = 0;
     if (all_sure(m)) return CORE_ALL_SURE;
     for (int i = 0; i < CORE_LANES; i++) sure |= m->sure[i] != 0 ? 1U << i : 0;
     return sure;
 }
 
-CORE_INLINE core_eight batch_to_rows(const triangle_batch *t, norma_weight weight, core_rows *rows)
-{
+CORE_INLINE core_eight batch_to_rows(
+    const triangle_batch *t, norma_weight weight, core_rows *rows) {
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
     const core_batch *m = &t->measured;
-    core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2], weight == NORMA_WEIGHT_AREA ? m->twice_area : ones, rows);
-    return (core_eight){(const double(*)[4])rows->row, m->weight, (const unsigned char *)t->at, which_are_sure(m)};
+    core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2],
+        weight == NORMA_WEIGHT_AREA ? m->twice_area : ones, rows);
+    return (core_eight){
+        (const double(*)[4])rows->row, m->weight, (const unsigned char *)t->at, which_are_sure(m)};
 }
 
-CORE_INLINE void add_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes, norma_weight weight)
-{
+CORE_INLINE void add_batch(
+    const core_adder *adder, const triangle_batch *t, size_t f, int lanes, norma_weight weight) {
     core_rows rows;
     const core_eight eight = batch_to_rows(t, weight, &rows);
     core_add_eight(adder, &eight, f, lanes, weight);
 }
 
-/* One batch after the other from end to end is a chain of some 200 steps that each wait for the one before, too long for the processor to see the next one's beginning. So
- * each step is taken for some batches at a time: they wait for nothing of each other. */
-CORE_INLINE void add_weighted(const core_adder *adder, size_t begin, size_t end, norma_weight weight)
-{
+/* One batch after the other from end to end is a chain of some 200 steps that each wait for the one
+ * before, too long for the processor to see the next one's beginning. So each step is taken for
+ * some batches at a time: they wait for nothing of each other. */
+CORE_INLINE void add_weighted(
+    const core_adder *adder, size_t begin, size_t end, norma_weight weight) {
     triangle_batch t[BATCHES_AT_ONCE];
     for (size_t f = begin; f < end; f += BATCHES_AT_ONCE * CORE_LANES) {
-        const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES ? (left + CORE_LANES - 1) / CORE_LANES : BATCHES_AT_ONCE;
+        const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES
+                                                   ? (left + CORE_LANES - 1) / CORE_LANES
+                                                   : BATCHES_AT_ONCE;
         for (size_t i = 0; i < batches; i++) {
             if (adder->scattered) look_ahead(adder, f + i * CORE_LANES);
             read_batch(adder->mesh, f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), &t[i]);
         }
         for (size_t i = 0; i < batches; i++) measure_batch(&t[i].measured, weight);
-        for (size_t i = 0; i < batches; i++) add_batch(adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), weight);
+        for (size_t i = 0; i < batches; i++)
+            add_batch(
+                adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), weight);
     }
 }
 
 #if defined(__wasm_simd128__)
 /* What pairs leave, those that doubles do not decide and a last one, goes through a batch. */
-CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end)
-{
+CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) {
     const int pairs = core_can_add_pairs(adder);
     for (size_t f = begin, next; f < end; f = next) {
         if (pairs) f = core_add_pairs(adder, f, end);
@@ -137,29 +155,45 @@ CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end)
     }
 }
 #else
-CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) { add_weighted(adder, begin, end, NORMA_WEIGHT_AREA); }
+CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) {
+    add_weighted(adder, begin, end, NORMA_WEIGHT_AREA);
+}
 #endif
 
-CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end)
-{
+CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end) {
     switch (adder->weight) {
-    case NORMA_WEIGHT_ANGLE:         add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE); break;
-    case NORMA_WEIGHT_AREA:          add_by_area(adder, begin, end); break;
-#if defined(__wasm__)          /* what is seldom asked for goes through one loop there, for the module's size */
-    default:                         add_weighted(adder, begin, end, adder->weight); break;
+    case NORMA_WEIGHT_ANGLE:
+        add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE);
+        break;
+    case NORMA_WEIGHT_AREA:
+        add_by_area(adder, begin, end);
+        break;
+#if defined(__wasm__) /* what is seldom asked for goes through one loop there, for the module's    \
+                         size */
+    default:
+        add_weighted(adder, begin, end, adder->weight);
+        break;
 #else
-    case NORMA_WEIGHT_MAX:           add_weighted(adder, begin, end, NORMA_WEIGHT_MAX); break;
-    case NORMA_WEIGHT_ANGLE_AREA:    add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE_AREA); break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS: add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE_LENGTHS); break;
-    default:                         add_weighted(adder, begin, end, NORMA_WEIGHT_UNIFORM); break;
+    case NORMA_WEIGHT_MAX:
+        add_weighted(adder, begin, end, NORMA_WEIGHT_MAX);
+        break;
+    case NORMA_WEIGHT_ANGLE_AREA:
+        add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE_AREA);
+        break;
+    case NORMA_WEIGHT_ANGLE_LENGTHS:
+        add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE_LENGTHS);
+        break;
+    default:
+        add_weighted(adder, begin, end, NORMA_WEIGHT_UNIFORM);
+        break;
 #endif
     }
 }
 
 /* ---- queueing */
 
-CORE_INLINE void queue_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes, size_t in_chunk, core_queue *queue, norma_weight weight)
-{
+CORE_INLINE void queue_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes,
+    size_t in_chunk, core_queue *queue, norma_weight weight) {
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
     const core_eight eight = batch_to_rows(t, weight, (core_rows *)(void *)queue->row[in_chunk]);
     const double *w[3];
@@ -171,67 +205,87 @@ CORE_INLINE void queue_batch(const core_adder *adder, const triangle_batch *t, s
         if (!core_is_decided(&eight, i)) adder->add_face(adder->context, f + (size_t)i);
 }
 
-CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale)
-{
+CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale) {
     uint32_t listed[CORE_PARTS + 1] = {0};
     for (size_t f = 0; f < faces; f++)
         for (size_t k = 0; k < 3; k++) {
-            const uint32_t at = queue->at[3 * f + k], part = (uint32_t)((at * scale) >> CORE_PART_BITS), list = at == CORE_NOWHERE ? CORE_PARTS : part;
+            const uint32_t at = queue->at[3 * f + k],
+                           part = (uint32_t)((at * scale) >> CORE_PART_BITS),
+                           list = at == CORE_NOWHERE ? CORE_PARTS : part;
             queue->list[list][listed[list]++] = (uint16_t)(4 * f + k);
         }
     memcpy(queue->listed, listed, sizeof listed);
 }
 
-CORE_INLINE void queue_weighted(const core_adder *adder, size_t begin, size_t end, core_queue *queue, norma_weight weight)
-{
+CORE_INLINE void queue_weighted(
+    const core_adder *adder, size_t begin, size_t end, core_queue *queue, norma_weight weight) {
     triangle_batch t[BATCHES_AT_ONCE];
     for (size_t f = begin; f < end; f += BATCHES_AT_ONCE * CORE_LANES) {
-        const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES ? (left + CORE_LANES - 1) / CORE_LANES : BATCHES_AT_ONCE;
+        const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES
+                                                   ? (left + CORE_LANES - 1) / CORE_LANES
+                                                   : BATCHES_AT_ONCE;
         for (size_t i = 0; i < batches; i++) {
             look_ahead(adder, f + i * CORE_LANES);
             read_batch(adder->mesh, f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), &t[i]);
         }
         for (size_t i = 0; i < batches; i++) measure_batch(&t[i].measured, weight);
         for (size_t i = 0; i < batches; i++)
-            queue_batch(adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), f + i * CORE_LANES - begin, queue, weight);
+            queue_batch(adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end),
+                f + i * CORE_LANES - begin, queue, weight);
     }
 }
 
-CORE_INLINE void queue_triangles(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue)
-{
-#if defined(__wasm__)          /* queues are for threads, which are not there: one small loop instead of six */
+CORE_INLINE void queue_triangles(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
+#if defined(__wasm__) /* queues are for threads, which are not there: one small loop instead of    \
+                         six */
     queue_weighted(adder, begin, end, queue, adder->weight);
 #else
     switch (adder->weight) {
-    case NORMA_WEIGHT_ANGLE:         queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE); break;
-    case NORMA_WEIGHT_AREA:          queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_AREA); break;
-    case NORMA_WEIGHT_MAX:           queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_MAX); break;
-    case NORMA_WEIGHT_ANGLE_AREA:    queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_AREA); break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS: queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_LENGTHS); break;
-    default:                         queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_UNIFORM); break;
+    case NORMA_WEIGHT_ANGLE:
+        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE);
+        break;
+    case NORMA_WEIGHT_AREA:
+        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_AREA);
+        break;
+    case NORMA_WEIGHT_MAX:
+        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_MAX);
+        break;
+    case NORMA_WEIGHT_ANGLE_AREA:
+        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_AREA);
+        break;
+    case NORMA_WEIGHT_ANGLE_LENGTHS:
+        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_LENGTHS);
+        break;
+    default:
+        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_UNIFORM);
+        break;
     }
 #endif
     list_corners(queue, end - begin, scale);
 }
 
-CORE_INLINE vertex_sum *sum_of_corner(const core_queue *queue, uint16_t corner, vertex_sum *sums) { return &sums[queue->at[corner - (corner >> 2)]]; }
+CORE_INLINE vertex_sum *sum_of_corner(const core_queue *queue, uint16_t corner, vertex_sum *sums) {
+    return &sums[queue->at[corner - (corner >> 2)]];
+}
 
-CORE_INLINE void drain_queue(const core_queue *queue, size_t part, vertex_sum *sums)
-{
+CORE_INLINE void drain_queue(const core_queue *queue, size_t part, vertex_sum *sums) {
     enum { CORNERS_AHEAD = 64 };
     const uint16_t *list = queue->list[part];
     const size_t count = queue->listed[part];
-    for (size_t i = 0; i < count && i < CORNERS_AHEAD; i++) __builtin_prefetch(sum_of_corner(queue, list[i], sums), 1, 2);
+    for (size_t i = 0; i < count && i < CORNERS_AHEAD; i++)
+        __builtin_prefetch(sum_of_corner(queue, list[i], sums), 1, 2);
     for (size_t i = 0; i < count; i++) {
-        if (i + CORNERS_AHEAD < count) __builtin_prefetch(sum_of_corner(queue, list[i + CORNERS_AHEAD], sums), 1, 2);
-        core_add_row(&sum_of_corner(queue, list[i], sums)->x, queue->row[list[i] >> 2], queue->weight[list[i] >> 2][list[i] & 3]);
+        if (i + CORNERS_AHEAD < count)
+            __builtin_prefetch(sum_of_corner(queue, list[i + CORNERS_AHEAD], sums), 1, 2);
+        core_add_row(&sum_of_corner(queue, list[i], sums)->x, queue->row[list[i] >> 2],
+            queue->weight[list[i] >> 2][list[i] & 3]);
     }
 }
 
 /* ---- finishing */
 
-CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3])
-{
+CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3]) {
     core_lengths lengths;
     core_lane fine = {0};
     core_lanes_lengths(sums, &lengths, fine);
@@ -241,23 +295,49 @@ CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3])
 
 /* ---- for each instruction set */
 
-static void add_portable(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, begin, end); }
-static void queue_portable(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) { queue_triangles(adder, begin, end, scale, queue); }
-static void drain_portable(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
-static int finish_portable(const vertex_sum *sums, float (*normals)[3]) { return finish_sums(sums, normals); }
+static void add_portable(const core_adder *adder, size_t begin, size_t end) {
+    add_triangles(adder, begin, end);
+}
+static void queue_portable(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
+    queue_triangles(adder, begin, end, scale, queue);
+}
+static void drain_portable(const core_queue *queue, size_t part, vertex_sum *sums) {
+    drain_queue(queue, part, sums);
+}
+static int finish_portable(const vertex_sum *sums, float (*normals)[3]) {
+    return finish_sums(sums, normals);
+}
 
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void add_avx2(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, begin, end); }
-CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, size_t end) { add_triangles(adder, norma_core_add_eights_avx512(adder, begin, end), end); }
-CORE_FOR_AVX2 static void queue_avx2(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) { queue_triangles(adder, begin, end, scale, queue); }
-CORE_FOR_AVX512 static void queue_avx512(const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) { queue_triangles(adder, begin, end, scale, queue); }
-CORE_FOR_AVX2 static void drain_avx2(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
-CORE_FOR_AVX512 static void drain_avx512(const core_queue *queue, size_t part, vertex_sum *sums) { drain_queue(queue, part, sums); }
-CORE_FOR_AVX2 static int finish_avx2(const vertex_sum *sums, float (*normals)[3]) { return finish_sums(sums, normals); }
+CORE_FOR_AVX2 static void add_avx2(const core_adder *adder, size_t begin, size_t end) {
+    add_triangles(adder, begin, end);
+}
+CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, size_t end) {
+    add_triangles(adder, norma_core_add_eights_avx512(adder, begin, end), end);
+}
+CORE_FOR_AVX2 static void queue_avx2(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
+    queue_triangles(adder, begin, end, scale, queue);
+}
+CORE_FOR_AVX512 static void queue_avx512(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
+    queue_triangles(adder, begin, end, scale, queue);
+}
+CORE_FOR_AVX2 static void drain_avx2(const core_queue *queue, size_t part, vertex_sum *sums) {
+    drain_queue(queue, part, sums);
+}
+CORE_FOR_AVX512 static void drain_avx512(const core_queue *queue, size_t part, vertex_sum *sums) {
+    drain_queue(queue, part, sums);
+}
+CORE_FOR_AVX2 static int finish_avx2(const vertex_sum *sums, float (*normals)[3]) {
+    return finish_sums(sums, normals);
+}
 static core_add_triangles *const ADD[] = {add_portable, add_avx2, add_avx512};
 static core_queue_triangles *const QUEUE[] = {queue_portable, queue_avx2, queue_avx512};
 static core_drain_queue *const DRAIN[] = {drain_portable, drain_avx2, drain_avx512};
-static core_finish_sums *const FINISH[] = {finish_portable, finish_avx2, finish_avx2};    /* rows are of four */
+static core_finish_sums *const FINISH[] = {
+    finish_portable, finish_avx2, finish_avx2}; /* rows are of four */
 #else
 static core_add_triangles *const ADD[] = {add_portable};
 static core_queue_triangles *const QUEUE[] = {queue_portable};
@@ -266,6 +346,8 @@ static core_finish_sums *const FINISH[] = {finish_portable};
 #endif
 
 core_add_triangles *norma_core_choose_add(norma_isa isa) { return ADD[norma_core_level(isa)]; }
-core_queue_triangles *norma_core_choose_queue(norma_isa isa) { return QUEUE[norma_core_level(isa)]; }
-core_drain_queue   *norma_core_choose_drain(norma_isa isa) { return DRAIN[norma_core_level(isa)]; }
-core_finish_sums   *norma_core_choose_finish(norma_isa isa) { return FINISH[norma_core_level(isa)]; }
+core_queue_triangles *norma_core_choose_queue(norma_isa isa) {
+    return QUEUE[norma_core_level(isa)];
+}
+core_drain_queue *norma_core_choose_drain(norma_isa isa) { return DRAIN[norma_core_level(isa)]; }
+core_finish_sums *norma_core_choose_finish(norma_isa isa) { return FINISH[norma_core_level(isa)]; }

@@ -1,7 +1,8 @@
-/* add_triangles_avx512.c: triangles of floats added to the sums of their corners, eight in the registers of AVX-512 from corners to rows. The numbers and their bits are those of add_triangles.c;
- * 8.5 instead of 12.4 ns a triangle by angle, 6.8 instead of 10.7 by area. */
+/* add_triangles_avx512.c: triangles of floats added to the sums of their corners, eight in the
+ * registers of AVX-512 from corners to rows. The numbers and their bits are those of
+ * add_triangles.c; 8.5 instead of 12.4 ns a triangle by angle, 6.8 instead of 10.7 by area. */
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("no-tree-slp-vectorize")    /* as in add_triangles.c */
+#pragma GCC optimize("no-tree-slp-vectorize") /* as in add_triangles.c */
 #endif
 #include "core/vertex/add_triangles_avx512.h"
 #if defined(CORE_HAS_X86)
@@ -11,47 +12,56 @@
 /* What is kept of eight triangles until they are added. */
 typedef struct kept_eight {
     _Alignas(64) double row[CORE_LANES][4];
-    double   weight[3][CORE_LANES];
+    double weight[3][CORE_LANES];
     uint32_t welded[3 * CORE_LANES];
     unsigned sure;
 } kept_eight;
 
-static const unsigned char *corners_of(const core_mesh *mesh, size_t f) { return (const unsigned char *)mesh->corners + 3 * sizeof(uint32_t) * f; }
+static const unsigned char *corners_of(const core_mesh *mesh, size_t f) {
+    return (const unsigned char *)mesh->corners + 3 * sizeof(uint32_t) * f;
+}
 
 /* ---- reading */
 
 /* Three floats, and not a byte beyond them. */
-CORE_IN_REGISTERS __m128 read_point(const core_mesh *mesh, const unsigned char *corner)
-{
+CORE_IN_REGISTERS __m128 read_point(const core_mesh *mesh, const unsigned char *corner) {
     uint32_t at;
     memcpy(&at, corner, sizeof at);
-    return _mm_maskz_loadu_ps(7, (const unsigned char *)mesh->positions.data + at * mesh->positions.stride);
+    return _mm_maskz_loadu_ps(
+        7, (const unsigned char *)mesh->positions.data + at * mesh->positions.stride);
 }
 
 /* Corner k of triangles i and i + 4. */
-CORE_IN_REGISTERS __m256d two_points(const core_mesh *mesh, const unsigned char *corners, int i, int k)
-{
-    const __m128 low = read_point(mesh, corners + 4 * (3 * i + k)), high = read_point(mesh, corners + 4 * (3 * i + 12 + k));
+CORE_IN_REGISTERS __m256d two_points(
+    const core_mesh *mesh, const unsigned char *corners, int i, int k) {
+    const __m128 low = read_point(mesh, corners + 4 * (3 * i + k)),
+                 high = read_point(mesh, corners + 4 * (3 * i + 12 + k));
     return _mm256_castps_pd(_mm256_insertf128_ps(_mm256_castps128_ps256(low), high, 1));
 }
 
-CORE_IN_REGISTERS __m256d low_pairs(__m256d a, __m256d b) { return _mm256_castps_pd(_mm256_unpacklo_ps(_mm256_castpd_ps(a), _mm256_castpd_ps(b))); }
-CORE_IN_REGISTERS __m256d high_pairs(__m256d a, __m256d b) { return _mm256_castps_pd(_mm256_unpackhi_ps(_mm256_castpd_ps(a), _mm256_castpd_ps(b))); }
-CORE_IN_REGISTERS __m512d to_doubles(__m256d floats) { return _mm512_cvtps_pd(_mm256_castpd_ps(floats)); }
+CORE_IN_REGISTERS __m256d low_pairs(__m256d a, __m256d b) {
+    return _mm256_castps_pd(_mm256_unpacklo_ps(_mm256_castpd_ps(a), _mm256_castpd_ps(b)));
+}
+CORE_IN_REGISTERS __m256d high_pairs(__m256d a, __m256d b) {
+    return _mm256_castps_pd(_mm256_unpackhi_ps(_mm256_castpd_ps(a), _mm256_castpd_ps(b)));
+}
+CORE_IN_REGISTERS __m512d to_doubles(__m256d floats) {
+    return _mm512_cvtps_pd(_mm256_castpd_ps(floats));
+}
 
 /* Corner k of eight triangles, axis by axis. */
-CORE_IN_REGISTERS void read_corner(const core_mesh *mesh, const unsigned char *corners, int k, __m512d axis[3])
-{
+CORE_IN_REGISTERS void read_corner(
+    const core_mesh *mesh, const unsigned char *corners, int k, __m512d axis[3]) {
     __m256d r[4];
     for (int i = 0; i < 4; i++) r[i] = two_points(mesh, corners, i, k);
-    const __m256d xy01 = low_pairs(r[0], r[1]), xy23 = low_pairs(r[2], r[3]), z01 = high_pairs(r[0], r[1]), z23 = high_pairs(r[2], r[3]);
+    const __m256d xy01 = low_pairs(r[0], r[1]), xy23 = low_pairs(r[2], r[3]),
+                  z01 = high_pairs(r[0], r[1]), z23 = high_pairs(r[2], r[3]);
     axis[0] = to_doubles(_mm256_unpacklo_pd(xy01, xy23));
     axis[1] = to_doubles(_mm256_unpackhi_pd(xy01, xy23));
     axis[2] = to_doubles(_mm256_unpacklo_pd(z01, z23));
 }
 
-CORE_IN_REGISTERS void open_faces(const core_mesh *mesh, size_t f, core_opened_eight *o)
-{
+CORE_IN_REGISTERS void open_faces(const core_mesh *mesh, size_t f, core_opened_eight *o) {
     __m512d p[3][3];
     for (int k = 0; k < 3; k++) read_corner(mesh, corners_of(mesh, f), k, p[k]);
     core_open_eight(p, o);
@@ -59,8 +69,7 @@ CORE_IN_REGISTERS void open_faces(const core_mesh *mesh, size_t f, core_opened_e
 
 /* ---- adding */
 
-CORE_IN_REGISTERS void keep_welded(const core_mesh *mesh, size_t f, kept_eight *kept)
-{
+CORE_IN_REGISTERS void keep_welded(const core_mesh *mesh, size_t f, kept_eight *kept) {
     const unsigned char *corners = corners_of(mesh, f);
     for (size_t c = 0; c < 3 * CORE_LANES; c++) {
         uint32_t at;
@@ -69,16 +78,19 @@ CORE_IN_REGISTERS void keep_welded(const core_mesh *mesh, size_t f, kept_eight *
     }
 }
 
-CORE_IN_REGISTERS void add_kept(const core_adder *adder, const kept_eight *kept, size_t f, norma_weight weight)
-{
-    const core_eight eight = {(const double(*)[4])kept->row, (const double(*)[CORE_LANES])kept->weight, adder->mesh->weld ? (const unsigned char *)kept->welded : corners_of(adder->mesh, f), kept->sure};
+CORE_IN_REGISTERS void add_kept(
+    const core_adder *adder, const kept_eight *kept, size_t f, norma_weight weight) {
+    const core_eight eight = {(const double(*)[4])kept->row,
+        (const double(*)[CORE_LANES])kept->weight,
+        adder->mesh->weld ? (const unsigned char *)kept->welded : corners_of(adder->mesh, f),
+        kept->sure};
     core_add_eight(adder, &eight, f, CORE_LANES, weight);
 }
 
 /* ---- each weight */
 
-CORE_IN_REGISTERS void keep_angles(const core_opened_eight *o, const core_sloped_eight *s, kept_eight *kept)
-{
+CORE_IN_REGISTERS void keep_angles(
+    const core_opened_eight *o, const core_sloped_eight *s, kept_eight *kept) {
     __m512d weight[3];
     core_weigh_eight(s, weight);
     core_store_eight_rows(o->normal, _mm512_set1_pd(1), kept->row);
@@ -86,8 +98,8 @@ CORE_IN_REGISTERS void keep_angles(const core_opened_eight *o, const core_sloped
 }
 
 /* Where all corners weigh the same. */
-CORE_IN_REGISTERS void keep_even(const core_opened_eight *o, __m512d inverse, norma_weight weight, kept_eight *kept)
-{
+CORE_IN_REGISTERS void keep_even(
+    const core_opened_eight *o, __m512d inverse, norma_weight weight, kept_eight *kept) {
     const int by_area = weight == NORMA_WEIGHT_AREA;
     __m512d row[3];
     for (int x = 0; x < 3; x++) {
@@ -97,9 +109,10 @@ CORE_IN_REGISTERS void keep_even(const core_opened_eight *o, __m512d inverse, no
     core_store_eight_rows(row, by_area ? o->length : _mm512_set1_pd(1), kept->row);
 }
 
-/* The next eight are read and multiplied and the last eight added while this one's divisions are under way: what waits for them would otherwise keep the processor from seeing that far ahead. */
-CORE_IN_REGISTERS size_t add_weighted(const core_adder *adder, size_t begin, size_t end, norma_weight weight)
-{
+/* The next eight are read and multiplied and the last eight added while this one's divisions are
+ * under way: what waits for them would otherwise keep the processor from seeing that far ahead. */
+CORE_IN_REGISTERS size_t add_weighted(
+    const core_adder *adder, size_t begin, size_t end, norma_weight weight) {
     const core_mesh *mesh = adder->mesh;
     const size_t eights = (end - begin) / CORE_LANES;
     const int evenly = core_weighs_evenly(weight);
@@ -112,12 +125,16 @@ CORE_IN_REGISTERS size_t add_weighted(const core_adder *adder, size_t begin, siz
         core_opened_eight o = next;
         core_sloped_eight s;
         __m512d inverse;
-        if (evenly) inverse = _mm512_div_pd(_mm512_set1_pd(1), o.length);
-        else core_slope_eight(&o, &s);
+        if (evenly)
+            inverse = _mm512_div_pd(_mm512_set1_pd(1), o.length);
+        else
+            core_slope_eight(&o, &s);
         open_faces(mesh, i + 1 < eights ? f + CORE_LANES : f, &next);
         if (i > 0) add_kept(adder, last, f - CORE_LANES, weight);
-        if (evenly) keep_even(&o, inverse, weight, this);
-        else keep_angles(&o, &s, this);
+        if (evenly)
+            keep_even(&o, inverse, weight, this);
+        else
+            keep_angles(&o, &s, this);
         if (mesh->weld) keep_welded(mesh, f, this);
         this->sure = o.sure;
     }
@@ -125,15 +142,23 @@ CORE_IN_REGISTERS size_t add_weighted(const core_adder *adder, size_t begin, siz
     return begin + eights * CORE_LANES;
 }
 
-CORE_FOR_AVX512 size_t norma_core_add_eights_avx512(const core_adder *adder, size_t begin, size_t end)
-{
-    if (adder->scattered) return begin;          /* waits for memory, for which it is better to ask for much at once: 46 to 63 ns here, 43 there */
-    if (adder->mesh->corner_size != sizeof(uint32_t) || adder->mesh->positions.format != NORMA_FORMAT_FLOAT) return begin;
+CORE_FOR_AVX512 size_t norma_core_add_eights_avx512(
+    const core_adder *adder, size_t begin, size_t end) {
+    if (adder->scattered)
+        return begin; /* waits for memory, for which it is better to ask for much at once: 46 to 63
+                         ns here, 43 there */
+    if (adder->mesh->corner_size != sizeof(uint32_t) ||
+        adder->mesh->positions.format != NORMA_FORMAT_FLOAT)
+        return begin;
     switch (adder->weight) {
-    case NORMA_WEIGHT_ANGLE:   return add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE);
-    case NORMA_WEIGHT_AREA:    return add_weighted(adder, begin, end, NORMA_WEIGHT_AREA);
-    case NORMA_WEIGHT_UNIFORM: return add_weighted(adder, begin, end, NORMA_WEIGHT_UNIFORM);
-    default:                   return begin;
+    case NORMA_WEIGHT_ANGLE:
+        return add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE);
+    case NORMA_WEIGHT_AREA:
+        return add_weighted(adder, begin, end, NORMA_WEIGHT_AREA);
+    case NORMA_WEIGHT_UNIFORM:
+        return add_weighted(adder, begin, end, NORMA_WEIGHT_UNIFORM);
+    default:
+        return begin;
     }
 }
 #endif

@@ -1,4 +1,5 @@
-/* add_triangles_avx512.h: the one loop of add_triangles.c that is written for an instruction set. */
+/* add_triangles_avx512.h: the one loop of add_triangles.c that is written for an instruction set.
+ */
 #ifndef NORMA_CORE_VERTEX_ADD_AVX512_H
 #define NORMA_CORE_VERTEX_ADD_AVX512_H
 #include "core/call/instruction_set.h"

@@ -1,41 +1,45 @@
-/* queued_sums.c: sums of a mesh whose faces name positions far apart, by several at once. Each measures chunks of faces of its own and leaves what they add in queues; then each takes
- * what waits for a part of the positions, from the first face to the last. So no face is measured twice, and every sum is taken in ascending order of faces, whoever takes it. A segment of
- * the faces is queued and drained at a time, so that the queues stay in the cache; the next segment is queued into others, so that nobody waits for the last to be drained.
+/* queued_sums.c: sums of a mesh whose faces name positions far apart, by several at once. Each
+ * measures chunks of faces of its own and leaves what they add in queues; then each takes what
+ * waits for a part of the positions, from the first face to the last. So no face is measured twice,
+ * and every sum is taken in ascending order of faces, whoever takes it. A segment of the faces is
+ * queued and drained at a time, so that the queues stay in the cache; the next segment is queued
+ * into others, so that nobody waits for the last to be drained.
  *
- * All jobs are tasks of one call: of each segment those that queue a chunk, then those that drain a part. Tasks are begun in order, so that one that waits for others waits for some that are
- * at work. Jobs of the caller's need not be: they get the tasks that wait for nothing, stage by stage. */
+ * All jobs are tasks of one call: of each segment those that queue a chunk, then those that drain a
+ * part. Tasks are begun in order, so that one that waits for others waits for some that are at
+ * work. Jobs of the caller's need not be: they get the tasks that wait for nothing, stage by stage.
+ */
 #include "core/vertex/queued_sums.h"
 #include <stdatomic.h>
 
 enum { MOST_CHUNKS = 64, LEAST_CHUNKS = 16, BYTES_FOR_EIGHT_FACES = 15, SETS = 2 };
 
 typedef struct queue_work {
-    const core_surface   *surface;
-    const core_mesh      *mesh;
+    const core_surface *surface;
+    const core_mesh *mesh;
     core_queue_triangles *queue_faces;
-    core_drain_queue     *drain;
-    vertex_sum           *sums;
-    core_queue           *queues;                      /* of the chunks of two segments */
-    norma_count           degenerate[MOST_CHUNKS];     /* met by each of them, in all segments */
-    size_t                chunks, parts;               /* jobs of a segment */
-    size_t                segments, first_job;         /* first_job: of the tasks that run now */
-    uint64_t              scale;                       /* of positions to parts */
-    atomic_size_t        *queued;                      /* of each segment, its chunks */
-    atomic_size_t         drained[CORE_PARTS];         /* of each part, the segments */
+    core_drain_queue *drain;
+    vertex_sum *sums;
+    core_queue *queues;                  /* of the chunks of two segments */
+    norma_count degenerate[MOST_CHUNKS]; /* met by each of them, in all segments */
+    size_t chunks, parts;                /* jobs of a segment */
+    size_t segments, first_job;          /* first_job: of the tasks that run now */
+    uint64_t scale;                      /* of positions to parts */
+    atomic_size_t *queued;               /* of each segment, its chunks */
+    atomic_size_t drained[CORE_PARTS];   /* of each part, the segments */
 } queue_work;
 
 /* ---- queueing */
 
 typedef struct face_queuer {
     const core_surface *surface;
-    core_queue         *queue;
-    size_t              begin;
-    norma_count        *degenerate;
+    core_queue *queue;
+    size_t begin;
+    norma_count *degenerate;
 } face_queuer;
 
 /* A triangle that doubles do not decide, or whose corners are not three. */
-static void queue_face(void *context, size_t f)
-{
+static void queue_face(void *context, size_t f) {
     const face_queuer *q = context;
     const core_mesh *mesh = &q->surface->mesh;
     const size_t in_chunk = f - q->begin;
@@ -45,75 +49,83 @@ static void queue_face(void *context, size_t f)
     if (!directed && (face.flags & CORE_FACE_FINITE)) norma_core_count_one(q->degenerate, f);
     for (size_t k = 0; k < 3; k++) {
         q->queue->row[in_chunk][k] = face.normal[k];
-        if (directed && norma_core_is_kept(mesh, f, 3 * f + k)) q->queue->weight[in_chunk][k] = norma_core_corner_weight(mesh, q->surface->call->options.weight, f, &face, 3 * f + k);
-        else q->queue->at[3 * in_chunk + k] = CORE_NOWHERE;
+        if (directed && norma_core_is_kept(mesh, f, 3 * f + k))
+            q->queue->weight[in_chunk][k] = norma_core_corner_weight(
+                mesh, q->surface->call->options.weight, f, &face, 3 * f + k);
+        else
+            q->queue->at[3 * in_chunk + k] = CORE_NOWHERE;
     }
     q->queue->row[in_chunk][3] = 1;
 }
 
 /* Stage by stage there is nothing to wait for. */
-static void wait_for(const queue_work *work, const atomic_size_t *value, size_t least)
-{
+static void wait_for(const queue_work *work, const atomic_size_t *value, size_t least) {
     if (!work->surface->call->options.parallel_for) norma_core_wait(value, least);
 }
 
 /* The queues of a segment are those of the last but one, when that is drained. */
-static void wait_until_free(const queue_work *work, size_t segment)
-{
+static void wait_until_free(const queue_work *work, size_t segment) {
     if (segment < SETS) return;
-    for (size_t part = 0; part < work->parts; part++) wait_for(work, &work->drained[part], segment - SETS + 1);
+    for (size_t part = 0; part < work->parts; part++)
+        wait_for(work, &work->drained[part], segment - SETS + 1);
 }
 
-static void queue_faces(queue_work *work, size_t queue, size_t begin, size_t end)
-{
+static void queue_faces(queue_work *work, size_t queue, size_t begin, size_t end) {
     face_queuer queuer = {work->surface, &work->queues[queue], begin, &work->degenerate[queue]};
     const norma_options *o = &work->surface->call->options;
-    const core_adder adder = {work->mesh, o->weight, work->sums, 0, 0, 0, 1, o->weld == NORMA_WELD_DISTANCE, queue_face, &queuer};
+    const core_adder adder = {work->mesh, o->weight, work->sums, 0, 0, 0, 1,
+        o->weld == NORMA_WELD_DISTANCE, queue_face, &queuer};
     work->queue_faces(&adder, begin, end, work->scale, &work->queues[queue]);
 }
 
-static void queue_chunk(queue_work *work, size_t segment, size_t number)
-{
-    const size_t begin = (segment * work->chunks + number) * CORE_FACES_IN_CHUNK, faces = work->mesh->face_count;
+static void queue_chunk(queue_work *work, size_t segment, size_t number) {
+    const size_t begin = (segment * work->chunks + number) * CORE_FACES_IN_CHUNK,
+                 faces = work->mesh->face_count;
     wait_until_free(work, segment);
-    if (begin < faces) queue_faces(work, segment % SETS * work->chunks + number, begin, faces - begin < CORE_FACES_IN_CHUNK ? faces : begin + CORE_FACES_IN_CHUNK);
+    if (begin < faces)
+        queue_faces(work, segment % SETS * work->chunks + number, begin,
+            faces - begin < CORE_FACES_IN_CHUNK ? faces : begin + CORE_FACES_IN_CHUNK);
     atomic_fetch_add_explicit(&work->queued[segment], 1, memory_order_release);
 }
 
 /* ---- draining */
 
-static void clear_part(void *context, size_t part)
-{
+static void clear_part(void *context, size_t part) {
     const queue_work *work = context;
-    const uint64_t count = work->mesh->positions.count, begin = count * part / work->parts, end = count * (part + 1) / work->parts;
+    const uint64_t count = work->mesh->positions.count, begin = count * part / work->parts,
+                   end = count * (part + 1) / work->parts;
     norma_core_clear_sums(work->sums + begin, (size_t)(end - begin));
 }
 
-static void drain_part(queue_work *work, size_t segment, size_t part)
-{
+static void drain_part(queue_work *work, size_t segment, size_t part) {
     wait_for(work, &work->queued[segment], work->chunks);
     wait_for(work, &work->drained[part], segment);
-    for (size_t chunk = 0; chunk < work->chunks && (segment * work->chunks + chunk) * CORE_FACES_IN_CHUNK < work->mesh->face_count; chunk++)
+    for (size_t chunk = 0;
+         chunk < work->chunks &&
+         (segment * work->chunks + chunk) * CORE_FACES_IN_CHUNK < work->mesh->face_count;
+         chunk++)
         work->drain(&work->queues[segment % SETS * work->chunks + chunk], part, work->sums);
     atomic_store_explicit(&work->drained[part], segment + 1, memory_order_release);
 }
 
 /* ---- jobs */
 
-static void run_job(void *context, size_t task)
-{
+static void run_job(void *context, size_t task) {
     queue_work *work = context;
-    const size_t job = work->first_job + task, jobs = work->chunks + work->parts, segment = job / jobs, number = job % jobs;
-    if (number < work->chunks) queue_chunk(work, segment, number);
-    else drain_part(work, segment, number - work->chunks);
+    const size_t job = work->first_job + task, jobs = work->chunks + work->parts,
+                 segment = job / jobs, number = job % jobs;
+    if (number < work->chunks)
+        queue_chunk(work, segment, number);
+    else
+        drain_part(work, segment, number - work->chunks);
 }
 
-static norma_result run_staged(core_call *call, queue_work *work)
-{
+static norma_result run_staged(core_call *call, queue_work *work) {
     const double from = call->progress_from, to = call->progress_to;
     norma_result result = NORMA_OK;
     for (size_t segment = 0; segment < work->segments && result == NORMA_OK; segment++) {
-        norma_core_stage(call, from + (to - from) * (double)segment / (double)work->segments, from + (to - from) * (double)(segment + 1) / (double)work->segments);
+        norma_core_stage(call, from + (to - from) * (double)segment / (double)work->segments,
+            from + (to - from) * (double)(segment + 1) / (double)work->segments);
         work->first_job = segment * (work->chunks + work->parts);
         result = norma_core_parallel(call, work->chunks, run_job, work);
         work->first_job += work->chunks;
@@ -123,37 +135,47 @@ static norma_result run_staged(core_call *call, queue_work *work)
     return result;
 }
 
-static norma_result run(core_call *call, queue_work *work)
-{
-    const double from = call->progress_from, to = call->progress_to, cleared = from + 0.1 * (to - from);
+static norma_result run(core_call *call, queue_work *work) {
+    const double from = call->progress_from, to = call->progress_to,
+                 cleared = from + 0.1 * (to - from);
     for (size_t i = 0; i < work->segments; i++) atomic_init(&work->queued[i], 0);
     for (size_t i = 0; i < work->parts; i++) atomic_init(&work->drained[i], 0);
     norma_core_stage(call, from, cleared);
     norma_result result = norma_core_parallel(call, work->parts, clear_part, work);
     norma_core_stage(call, cleared, to);
-    if (result == NORMA_OK) result = call->options.parallel_for ? run_staged(call, work) : norma_core_parallel(call, work->segments * (work->chunks + work->parts), run_job, work);
+    if (result == NORMA_OK)
+        result = call->options.parallel_for
+                     ? run_staged(call, work)
+                     : norma_core_parallel(
+                           call, work->segments * (work->chunks + work->parts), run_job, work);
     norma_core_stage(call, from, to);
     return result;
 }
 
 /* No more than there are at work: each part reads most of the queues. */
-static size_t parts_for(const core_call *call)
-{
+static size_t parts_for(const core_call *call) {
     size_t parts = 1;
-    while (parts < CORE_PARTS && (call->options.parallel_for || parts < norma_core_workers(call))) parts *= 2;
+    while (parts < CORE_PARTS && (call->options.parallel_for || parts < norma_core_workers(call)))
+        parts *= 2;
     return parts;
 }
 
-norma_result norma_core_queue_vertices(const core_surface *surface, const core_mesh *mesh, vertex_sum *sums, norma_count *degenerate, int *done)
-{
+norma_result norma_core_queue_vertices(const core_surface *surface, const core_mesh *mesh,
+    vertex_sum *sums, norma_count *degenerate, int *done) {
     core_call *call = surface->call;
     size_t chunks = mesh->face_count / 8 * BYTES_FOR_EIGHT_FACES / sizeof(core_queue);
     *done = 0;
     if (chunks < LEAST_CHUNKS) return NORMA_OK;
     if (chunks > MOST_CHUNKS) chunks = MOST_CHUNKS;
-    const size_t chunks_in_all = mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);
-    queue_work work = {.surface = surface, .mesh = mesh, .sums = sums, .queue_faces = norma_core_choose_queue(call->options.isa), .drain = norma_core_choose_drain(call->options.isa),
-                       .chunks = chunks / SETS, .parts = parts_for(call)};
+    const size_t chunks_in_all =
+        mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);
+    queue_work work = {.surface = surface,
+        .mesh = mesh,
+        .sums = sums,
+        .queue_faces = norma_core_choose_queue(call->options.isa),
+        .drain = norma_core_choose_drain(call->options.isa),
+        .chunks = chunks / SETS,
+        .parts = parts_for(call)};
     work.segments = chunks_in_all / work.chunks + (chunks_in_all % work.chunks != 0);
     work.scale = ((uint64_t)work.parts << CORE_PART_BITS) / mesh->positions.count;
     work.queues = norma_core_allocate(call, chunks, sizeof *work.queues);

@@ -1,4 +1,5 @@
-/* vertex_normals.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became of its position, or of itself, and is written. */
+/* vertex_normals.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became
+ * of its position, or of itself, and is written. */
 #include "core/mesh/nearest.h"
 #include "core/mesh/scattered_positions.h"
 #include "core/vertex/add_triangles.h"
@@ -6,19 +7,18 @@
 enum { VERTICES_IN_CHUNK = 16384 };
 
 typedef struct vertex_work {
-    core_vertices      vertices;
+    core_vertices vertices;
     const core_output *output;
-    core_finish_sums  *finish;
-    core_tally        *tallies;
+    core_finish_sums *finish;
+    core_tally *tallies;
 } vertex_work;
 
-static int resolve(const core_vertices *vertices, size_t vertex, float normal[3])
-{
-    return vertices->sums ? norma_core_resolve_sum(vertices, vertex, normal) : norma_core_resolve_cone(vertices, vertex, normal);
+static int resolve(const core_vertices *vertices, size_t vertex, float normal[3]) {
+    return vertices->sums ? norma_core_resolve_sum(vertices, vertex, normal)
+                          : norma_core_resolve_cone(vertices, vertex, normal);
 }
 
-void norma_core_release_vertices(core_vertices *vertices)
-{
+void norma_core_release_vertices(core_vertices *vertices) {
     const core_call *call = vertices->surface->call;
     norma_core_release(call, vertices->sums, vertices->count, sizeof *vertices->sums);
     norma_core_release(call, vertices->own, vertices->count, sizeof *vertices->own);
@@ -28,8 +28,7 @@ void norma_core_release_vertices(core_vertices *vertices)
     *vertices = (core_vertices){.surface = vertices->surface};
 }
 
-static void write_some(const vertex_work *work, size_t begin, size_t end, core_tally *tally)
-{
+static void write_some(const vertex_work *work, size_t begin, size_t end, core_tally *tally) {
     for (size_t v = begin; v < end; v++) {
         float normal[3];
         const int reason = resolve(&work->vertices, v, normal);
@@ -38,8 +37,7 @@ static void write_some(const vertex_work *work, size_t begin, size_t end, core_t
 }
 
 /* Some vertices at once, where each has a normal of its own: else 0, and nothing written. */
-static int write_batch(const vertex_work *work, size_t begin)
-{
+static int write_batch(const vertex_work *work, size_t begin) {
     const core_vertices *vertices = &work->vertices;
     const uint32_t *weld = vertices->surface->mesh.weld;
     vertex_sum welded[CORE_LANES];
@@ -50,8 +48,7 @@ static int write_batch(const vertex_work *work, size_t begin)
     return 1;
 }
 
-static void write_chunk(void *context, size_t chunk)
-{
+static void write_chunk(void *context, size_t chunk) {
     const vertex_work *work = context;
     const size_t begin = chunk * VERTICES_IN_CHUNK, count = work->vertices.count;
     const size_t end = count - begin < VERTICES_IN_CHUNK ? count : begin + VERTICES_IN_CHUNK;
@@ -62,10 +59,10 @@ static void write_chunk(void *context, size_t chunk)
     }
 }
 
-static norma_result write_all(vertex_work *work, core_tally *sum)
-{
+static norma_result write_all(vertex_work *work, core_tally *sum) {
     core_call *call = work->vertices.surface->call;
-    const size_t count = work->vertices.count, chunks = count / VERTICES_IN_CHUNK + (count % VERTICES_IN_CHUNK != 0);
+    const size_t count = work->vertices.count,
+                 chunks = count / VERTICES_IN_CHUNK + (count % VERTICES_IN_CHUNK != 0);
     work->tallies = norma_core_allocate(call, chunks, sizeof *work->tallies);
     if (!work->tallies) return NORMA_ERROR_MEMORY;
     memset(work->tallies, 0, chunks * sizeof *work->tallies);
@@ -75,26 +72,28 @@ static norma_result write_all(vertex_work *work, core_tally *sum)
     return result;
 }
 
-static void write_nearest(const vertex_work *work, core_nearest *nearest)
-{
+static void write_nearest(const vertex_work *work, core_nearest *nearest) {
     for (size_t v = 0; v < work->vertices.count; v++) {
         float normal[3];
         if (resolve(&work->vertices, v, normal) == NORMA_REASON_NONE) continue;
         const uint32_t source = norma_core_nearest_find(nearest, (uint32_t)v);
-        if (source == UINT32_MAX) normal[0] = normal[1] = normal[2] = 0;
-        else resolve(&work->vertices, source, normal);
+        if (source == UINT32_MAX)
+            normal[0] = normal[1] = normal[2] = 0;
+        else
+            resolve(&work->vertices, source, normal);
         norma_core_write_normal(work->output, v, normal);
     }
 }
 
-static norma_result fill_from_nearest(const vertex_work *work, size_t queries)
-{
+static norma_result fill_from_nearest(const vertex_work *work, size_t queries) {
     core_nearest nearest;
-    norma_result result = norma_core_nearest_begin(work->vertices.surface->call, &work->vertices.surface->mesh, &nearest);
+    norma_result result = norma_core_nearest_begin(
+        work->vertices.surface->call, &work->vertices.surface->mesh, &nearest);
     if (result != NORMA_OK) return result;
     for (size_t v = 0; v < work->vertices.count; v++) {
         float normal[3];
-        if (resolve(&work->vertices, v, normal) == NORMA_REASON_NONE) norma_core_nearest_add(&nearest, (uint32_t)v, (uint32_t)v);
+        if (resolve(&work->vertices, v, normal) == NORMA_REASON_NONE)
+            norma_core_nearest_add(&nearest, (uint32_t)v, (uint32_t)v);
     }
     result = norma_core_nearest_plant(&nearest, queries);
     if (result == NORMA_OK) write_nearest(work, &nearest);
@@ -102,8 +101,8 @@ static norma_result fill_from_nearest(const vertex_work *work, size_t queries)
     return result;
 }
 
-static norma_result compute(core_surface *surface, const core_range *ranges, const core_output *output, norma_report *report)
-{
+static norma_result compute(core_surface *surface, const core_range *ranges,
+    const core_output *output, norma_report *report) {
     core_call *call = surface->call;
     vertex_work work = {.output = output, .finish = norma_core_choose_finish(call->options.isa)};
     core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
@@ -113,24 +112,31 @@ static norma_result compute(core_surface *surface, const core_range *ranges, con
     if (result == NORMA_OK && done) norma_core_write_report(report, &tally, NULL, NULL);
     if (result != NORMA_OK || done) return result;
     tally = (core_tally){{0, 0}, {0, 0}, {0, 0}, {0, 0}};
-    result = call->options.weight == NORMA_WEIGHT_VISIBLE ? norma_core_cone_vertices(surface, &work.vertices, &tally)
-                                                                       : norma_core_sum_vertices(surface, norma_core_is_scattered(&surface->mesh), &work.vertices, &tally);
+    result = call->options.weight == NORMA_WEIGHT_VISIBLE
+                 ? norma_core_cone_vertices(surface, &work.vertices, &tally)
+                 : norma_core_sum_vertices(
+                       surface, norma_core_is_scattered(&surface->mesh), &work.vertices, &tally);
     if (result != NORMA_OK) return result;
     norma_core_stage(call, 0.9, 0.97);
     result = write_all(&work, &tally);
-    const size_t without = tally.non_finite.count + tally.unreferenced.count + tally.cancelled.count;
-    if (result == NORMA_OK && output->nearest && without) result = fill_from_nearest(&work, without);
+    const size_t without =
+        tally.non_finite.count + tally.unreferenced.count + tally.cancelled.count;
+    if (result == NORMA_OK && output->nearest && without)
+        result = fill_from_nearest(&work, without);
     if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
     norma_core_release_vertices(&work.vertices);
     return result;
 }
 
-static norma_result open_and_compute(core_call *call, core_mesh *checked, core_range *ranges, const core_output *output, norma_report *report)
-{
+static norma_result open_and_compute(core_call *call, core_mesh *checked, core_range *ranges,
+    const core_output *output, norma_report *report) {
     core_surface surface;
     norma_core_stage(call, 0, 0.05);
     norma_result result = norma_core_mesh_ranges(call, checked, ranges);
-    if (result == NORMA_OK) result = norma_core_surface_open(call, checked, call->options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_RINGS : CORE_FOR_SUMS, 0, &surface);
+    if (result == NORMA_OK)
+        result = norma_core_surface_open(call, checked,
+            call->options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_RINGS : CORE_FOR_SUMS, 0,
+            &surface);
     if (result != NORMA_OK) return result;
     result = compute(&surface, ranges, output, report);
     norma_core_stage(call, 1, 1);
@@ -139,14 +145,15 @@ static norma_result open_and_compute(core_call *call, core_mesh *checked, core_r
     return result;
 }
 
-norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *options, float *normals, size_t capacity, norma_report *report)
-{
+norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *options,
+    float *normals, size_t capacity, norma_report *report) {
     core_call call;
     core_mesh checked;
     core_output output;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) result = norma_core_output_open(&call, normals, checked.positions.count, capacity, &output);
+    if (result == NORMA_OK)
+        result = norma_core_output_open(&call, normals, checked.positions.count, capacity, &output);
     if (result != NORMA_OK) return result;
     const size_t chunks = checked.corner_count / (3 * CORE_FACES_IN_CHUNK) + 1;
     core_range *ranges = norma_core_allocate(&call, chunks, sizeof *ranges);

@@ -1,35 +1,42 @@
-/* vertex_sums.c: the weighted sum at each position. Faces are gone through in ascending order, and each adds to the sums of its corners; when several work, each owns a range
- * of positions and passes over the chunks of faces that do not touch it. So every sum is taken in the same order whoever takes it. */
+/* vertex_sums.c: the weighted sum at each position. Faces are gone through in ascending order, and
+ * each adds to the sums of its corners; when several work, each owns a range of positions and
+ * passes over the chunks of faces that do not touch it. So every sum is taken in the same order
+ * whoever takes it. */
 #include "core/mesh/scattered_positions.h"
 #include "core/vertex/queued_sums.h"
 #include <math.h>
 
-enum { FACES_IN_CHUNK = CORE_FACES_IN_CHUNK, FEWEST_FACES_TO_SHARE = 1 << 15, RANGES_FOR_JOBS = 8, MOST_RANGES = 64 };
+enum {
+    FACES_IN_CHUNK = CORE_FACES_IN_CHUNK,
+    FEWEST_FACES_TO_SHARE = 1 << 15,
+    RANGES_FOR_JOBS = 8,
+    MOST_RANGES = 64
+};
 
-typedef struct position_range { uint32_t begin, end; } position_range;   /* from begin to before end; of a chunk of faces: what they touch */
+typedef struct position_range {
+    uint32_t begin, end;
+} position_range; /* from begin to before end; of a chunk of faces: what they touch */
 
 typedef struct sum_work {
-    core_vertices      *vertices;
-    core_mesh           mesh;              /* the surface's, its positions perhaps copied */
-    int                 scattered;
+    core_vertices *vertices;
+    core_mesh mesh; /* the surface's, its positions perhaps copied */
+    int scattered;
     core_add_triangles *add;
-    size_t              ranges, chunks;
-    position_range     *touched;           /* by each chunk; NULL for one range */
-    norma_count         degenerate[MOST_RANGES];
+    size_t ranges, chunks;
+    position_range *touched; /* by each chunk; NULL for one range */
+    norma_count degenerate[MOST_RANGES];
 } sum_work;
 
 /* ---- one face by itself: a polygon, or a triangle that doubles do not decide */
 
-static void add(vertex_sum *sum, double weight, const double normal[3])
-{
+static void add(vertex_sum *sum, double weight, const double normal[3]) {
     sum->x += weight * normal[0];
     sum->y += weight * normal[1];
     sum->z += weight * normal[2];
     sum->weight += weight;
 }
 
-void norma_core_add_face(void *context, size_t f)
-{
+void norma_core_add_face(void *context, size_t f) {
     const core_face_adder *adder = context;
     const core_surface *surface = adder->surface;
     const core_mesh *mesh = &surface->mesh;
@@ -37,39 +44,40 @@ void norma_core_add_face(void *context, size_t f)
     core_face face;
     norma_core_surface_face(surface, f, &face);
     if (!(face.flags & CORE_FACE_DIRECTED)) {
-        if (!surface->faces && (face.flags & CORE_FACE_FINITE) && norma_core_welded_corner(mesh, begin) - adder->first < adder->count)
+        if (!surface->faces && (face.flags & CORE_FACE_FINITE) &&
+            norma_core_welded_corner(mesh, begin) - adder->first < adder->count)
             norma_core_count_one(adder->degenerate, f);
         return;
     }
     for (size_t c = begin; c < end; c++) {
         const uint32_t sum = norma_core_welded_corner(mesh, c) - adder->first;
         if (sum >= adder->count || !norma_core_is_kept(mesh, f, c)) continue;
-        add(&adder->sums[sum], norma_core_corner_weight(mesh, surface->call->options.weight, f, &face, c), face.normal);
+        add(&adder->sums[sum],
+            norma_core_corner_weight(mesh, surface->call->options.weight, f, &face, c),
+            face.normal);
     }
 }
 
-void norma_core_clear_sums(vertex_sum *sums, size_t count)
-{
+void norma_core_clear_sums(vertex_sum *sums, size_t count) {
     for (size_t i = 0; i < count; i++) sums[i] = (vertex_sum){0, 0, 0, -0.0};
 }
 
 /* ---- chunks and ranges */
 
-static void chunk_faces(const sum_work *work, size_t chunk, size_t *begin, size_t *end)
-{
+static void chunk_faces(const sum_work *work, size_t chunk, size_t *begin, size_t *end) {
     const size_t count = work->vertices->surface->mesh.face_count;
     *begin = chunk * FACES_IN_CHUNK;
     *end = count - *begin < FACES_IN_CHUNK ? count : *begin + FACES_IN_CHUNK;
 }
 
-static void touch_chunk(void *context, size_t chunk)
-{
+static void touch_chunk(void *context, size_t chunk) {
     const sum_work *work = context;
     const core_mesh *mesh = &work->vertices->surface->mesh;
     position_range touched = {UINT32_MAX, 0};
     size_t begin, end;
     chunk_faces(work, chunk, &begin, &end);
-    for (size_t c = norma_core_face_begin(mesh, begin); c < norma_core_face_end(mesh, end - 1); c++) {
+    for (size_t c = norma_core_face_begin(mesh, begin); c < norma_core_face_end(mesh, end - 1);
+         c++) {
         const uint32_t position = norma_core_welded_corner(mesh, c);
         if (position < touched.begin) touched.begin = position;
         if (position >= touched.end) touched.end = position + 1;
@@ -77,30 +85,33 @@ static void touch_chunk(void *context, size_t chunk)
     work->touched[chunk] = touched;
 }
 
-static void add_chunk(sum_work *work, size_t range_number, position_range range, size_t chunk)
-{
+static void add_chunk(sum_work *work, size_t range_number, position_range range, size_t chunk) {
     const core_surface *surface = work->vertices->surface;
     vertex_sum *sums = work->vertices->sums + range.begin;
     const uint32_t count = range.end - range.begin;
     size_t begin, end;
-    if (work->touched && (work->touched[chunk].begin >= range.end || work->touched[chunk].end <= range.begin)) return;
+    if (work->touched &&
+        (work->touched[chunk].begin >= range.end || work->touched[chunk].end <= range.begin))
+        return;
     chunk_faces(work, chunk, &begin, &end);
-    core_face_adder face_adder = {surface, sums, range.begin, count, &work->degenerate[range_number]};
-    const core_adder adder = {&work->mesh, surface->call->options.weight, sums, range.begin, count, work->ranges == 1, work->scattered, surface->call->options.weld == NORMA_WELD_DISTANCE,
-                              norma_core_add_face, &face_adder};
-    if (!surface->faces) work->add(&adder, begin, end);
+    core_face_adder face_adder = {
+        surface, sums, range.begin, count, &work->degenerate[range_number]};
+    const core_adder adder = {&work->mesh, surface->call->options.weight, sums, range.begin, count,
+        work->ranges == 1, work->scattered, surface->call->options.weld == NORMA_WELD_DISTANCE,
+        norma_core_add_face, &face_adder};
+    if (!surface->faces)
+        work->add(&adder, begin, end);
     else
         for (size_t f = begin; f < end; f++) norma_core_add_face(&face_adder, f);
 }
 
-static position_range range_of(const sum_work *work, size_t number)
-{
+static position_range range_of(const sum_work *work, size_t number) {
     const uint64_t count = work->vertices->count;
-    return (position_range){(uint32_t)(count * number / work->ranges), (uint32_t)(count * (number + 1) / work->ranges)};
+    return (position_range){
+        (uint32_t)(count * number / work->ranges), (uint32_t)(count * (number + 1) / work->ranges)};
 }
 
-static void sum_range(void *context, size_t number)
-{
+static void sum_range(void *context, size_t number) {
     sum_work *work = context;
     const position_range range = range_of(work, number);
     norma_core_clear_sums(work->vertices->sums + range.begin, range.end - range.begin);
@@ -108,20 +119,21 @@ static void sum_range(void *context, size_t number)
 }
 
 /* Alone, chunks are what progress is told by. */
-static norma_result sum_alone(sum_work *work)
-{
+static norma_result sum_alone(sum_work *work) {
     enum { CHUNKS_BETWEEN_TELLING = 64 };
     const position_range range = range_of(work, 0);
     for (size_t v = 0; v < range.end; v++) work->vertices->sums[v] = (vertex_sum){0, 0, 0, -0.0};
     for (size_t chunk = 0; chunk < work->chunks; chunk++) {
-        if (chunk % CHUNKS_BETWEEN_TELLING == 0 && norma_core_progress(work->vertices->surface->call, (double)chunk / (double)work->chunks)) return NORMA_CANCELLED;
+        if (chunk % CHUNKS_BETWEEN_TELLING == 0 &&
+            norma_core_progress(
+                work->vertices->surface->call, (double)chunk / (double)work->chunks))
+            return NORMA_CANCELLED;
         add_chunk(work, 0, range, chunk);
     }
     return NORMA_OK;
 }
 
-static norma_result sum_shared(sum_work *work)
-{
+static norma_result sum_shared(sum_work *work) {
     core_call *call = work->vertices->surface->call;
     work->touched = norma_core_allocate(call, work->chunks, sizeof *work->touched);
     if (!work->touched) return NORMA_ERROR_MEMORY;
@@ -131,8 +143,7 @@ static norma_result sum_shared(sum_work *work)
     return result;
 }
 
-static size_t ranges_for(const core_surface *surface)
-{
+static size_t ranges_for(const core_surface *surface) {
     const core_call *call = surface->call;
     if (call->options.parallel_for) return RANGES_FOR_JOBS;
     if (surface->mesh.face_count < FEWEST_FACES_TO_SHARE) return 1;
@@ -142,8 +153,7 @@ static size_t ranges_for(const core_surface *surface)
 
 /* ---- sums that cancel: once more, over the corners of each vertex alone */
 
-static void sum_of(const vertex_sum *s, double sum[3])
-{
+static void sum_of(const vertex_sum *s, double sum[3]) {
     sum[0] = s->x;
     sum[1] = s->y;
     sum[2] = s->z;
@@ -151,15 +161,13 @@ static void sum_of(const vertex_sum *s, double sum[3])
 
 static int has_votes(const vertex_sum *s) { return !signbit(s->weight); }
 
-static int cancels(const vertex_sum *s)
-{
+static int cancels(const vertex_sum *s) {
     double sum[3];
     sum_of(s, sum);
     return has_votes(s) && norma_core_cancels(sum, s->weight);
 }
 
-static void add_own(core_vertices *vertices, size_t f)
-{
+static void add_own(core_vertices *vertices, size_t f) {
     const core_surface *surface = vertices->surface;
     const core_mesh *mesh = &surface->mesh;
     core_face face;
@@ -168,50 +176,53 @@ static void add_own(core_vertices *vertices, size_t f)
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
         const uint32_t number = vertices->own[norma_core_corner(mesh, c)];
         if (number == UINT32_MAX || !norma_core_is_kept(mesh, f, c)) continue;
-        add(&vertices->own_sums[number], norma_core_corner_weight(mesh, surface->call->options.weight, f, &face, c), face.normal);
+        add(&vertices->own_sums[number],
+            norma_core_corner_weight(mesh, surface->call->options.weight, f, &face, c),
+            face.normal);
     }
 }
 
-static int touches_own(const core_vertices *vertices, size_t f)
-{
+static int touches_own(const core_vertices *vertices, size_t f) {
     const core_mesh *mesh = &vertices->surface->mesh;
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
         if (vertices->own[norma_core_corner(mesh, c)] != UINT32_MAX) return 1;
     return 0;
 }
 
-static norma_result sum_own(core_vertices *vertices)
-{
+static norma_result sum_own(core_vertices *vertices) {
     const core_call *call = vertices->surface->call;
     const core_mesh *mesh = &vertices->surface->mesh;
     size_t cancelled = 0;
-    if (!mesh->weld) return NORMA_OK;                   /* a position has the corners of one vertex */
-    for (size_t v = 0; v < vertices->count; v++) cancelled += (size_t)cancels(&vertices->sums[norma_core_welded(mesh, (uint32_t)v)]);
+    if (!mesh->weld) return NORMA_OK; /* a position has the corners of one vertex */
+    for (size_t v = 0; v < vertices->count; v++)
+        cancelled += (size_t)cancels(&vertices->sums[norma_core_welded(mesh, (uint32_t)v)]);
     if (!cancelled) return NORMA_OK;
     vertices->own = norma_core_allocate(call, vertices->count, sizeof *vertices->own);
     vertices->own_sums = norma_core_allocate(call, cancelled, sizeof *vertices->own_sums);
     vertices->own_count = cancelled;
     if (!vertices->own || !vertices->own_sums) return NORMA_ERROR_MEMORY;
     uint32_t number = 0;
-    for (size_t v = 0; v < vertices->count; v++) vertices->own[v] = cancels(&vertices->sums[mesh->weld[v]]) ? number++ : UINT32_MAX;
+    for (size_t v = 0; v < vertices->count; v++)
+        vertices->own[v] = cancels(&vertices->sums[mesh->weld[v]]) ? number++ : UINT32_MAX;
     norma_core_clear_sums(vertices->own_sums, cancelled);
     for (size_t f = 0; f < mesh->face_count; f++)
         if (touches_own(vertices, f)) add_own(vertices, f);
     return NORMA_OK;
 }
 
-int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3])
-{
+int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]) {
     const core_mesh *mesh = &vertices->surface->mesh;
     if (vertices->own && vertices->own[vertex] != UINT32_MAX) {
         const vertex_sum *own = &vertices->own_sums[vertices->own[vertex]];
-        return has_votes(own) ? norma_core_resolve_record(mesh, own, vertex, normal) : NORMA_REASON_CANCELLED;
+        return has_votes(own) ? norma_core_resolve_record(mesh, own, vertex, normal)
+                              : NORMA_REASON_CANCELLED;
     }
-    return norma_core_resolve_record(mesh, &vertices->sums[norma_core_welded(mesh, (uint32_t)vertex)], vertex, normal);
+    return norma_core_resolve_record(
+        mesh, &vertices->sums[norma_core_welded(mesh, (uint32_t)vertex)], vertex, normal);
 }
 
-int norma_core_resolve_record(const core_mesh *mesh, const vertex_sum *s, size_t vertex, float normal[3])
-{
+int norma_core_resolve_record(
+    const core_mesh *mesh, const vertex_sum *s, size_t vertex, float normal[3]) {
     double sum[3];
     if (!has_votes(s)) {
         norma_core_position(mesh, (uint32_t)vertex, sum);
@@ -223,12 +234,13 @@ int norma_core_resolve_record(const core_mesh *mesh, const vertex_sum *s, size_t
     return NORMA_REASON_NONE;
 }
 
-/* Triangles are measured from positions in memory of our own where they are scattered; polygons are measured already. */
-static norma_result copy_positions(sum_work *work)
-{
+/* Triangles are measured from positions in memory of our own where they are scattered; polygons are
+ * measured already. */
+static norma_result copy_positions(sum_work *work) {
     core_surface *surface = work->vertices->surface;
     core_call *call = surface->call;
-    const double from = call->progress_from, to = call->progress_to, copied = from + 0.1 * (to - from);
+    const double from = call->progress_from, to = call->progress_to,
+                 copied = from + 0.1 * (to - from);
     work->mesh = surface->mesh;
     if (!work->scattered || surface->faces) return NORMA_OK;
     norma_core_stage(call, from, copied);
@@ -237,29 +249,34 @@ static norma_result copy_positions(sum_work *work)
     return result;
 }
 
-static norma_result sum_all(sum_work *work)
-{
+static norma_result sum_all(sum_work *work) {
     core_surface *surface = work->vertices->surface;
     norma_result result = copy_positions(work);
     int done = 0;
-    if (result == NORMA_OK && work->scattered && !surface->faces && work->ranges > 1) result = norma_core_queue_vertices(surface, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
+    if (result == NORMA_OK && work->scattered && !surface->faces && work->ranges > 1)
+        result = norma_core_queue_vertices(
+            surface, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
     if (result == NORMA_OK && !done) result = work->ranges > 1 ? sum_shared(work) : sum_alone(work);
     norma_core_release_scattered(surface->call, &surface->mesh, &work->mesh);
     return result;
 }
 
-norma_result norma_core_sum_vertices(core_surface *surface, int scattered, core_vertices *vertices, core_tally *tally)
-{
+norma_result norma_core_sum_vertices(
+    core_surface *surface, int scattered, core_vertices *vertices, core_tally *tally) {
     const size_t count = surface->mesh.positions.count, faces = surface->mesh.face_count;
     *vertices = (core_vertices){.surface = surface, .count = count};
     vertices->sums = norma_core_allocate(surface->call, count, sizeof *vertices->sums);
     if (!vertices->sums) return NORMA_ERROR_MEMORY;
-    sum_work work = {.vertices = vertices, .scattered = scattered, .add = norma_core_choose_add(surface->call->options.isa), .ranges = ranges_for(surface),
-                     .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
+    sum_work work = {.vertices = vertices,
+        .scattered = scattered,
+        .add = norma_core_choose_add(surface->call->options.isa),
+        .ranges = ranges_for(surface),
+        .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
     norma_result result = sum_all(&work);
     if (result == NORMA_OK) result = sum_own(vertices);
     norma_core_count_add(&tally->degenerate, &surface->degenerate_faces);
-    for (size_t i = 0; i < work.ranges; i++) norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
+    for (size_t i = 0; i < work.ranges; i++)
+        norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
     if (result != NORMA_OK) norma_core_release_vertices(vertices);
     return result;
 }

@@ -1,4 +1,5 @@
-/* document_save.c: documents on their way out: where one may be written, its files whole or not at all, and as it would be read again. */
+/* document_save.c: documents on their way out: where one may be written, its files whole or not at
+ * all, and as it would be read again. */
 #include "io/format/format.h"
 #include "io/stream/sink.h"
 #include <errno.h>
@@ -10,27 +11,33 @@ static int same_extension(const char *a, const char *b) {
     return of_a && of_b && !strchr(of_a, '/') && strcmp(of_a, of_b) == 0;
 }
 
-/* A name must not promise another format than the bytes have; a source of a strange name that was opened with its format told may be written under that. */
+/* A name must not promise another format than the bytes have; a source of a strange name that was
+ * opened with its format told may be written under that. */
 static int name_fits(const norma_document *document, const char *path) {
     norma_file_format named = norma_file_format_of_path(path);
-    return named == document->format || (named == NORMA_FILE_UNKNOWN && same_extension(path, document->path)) || norma_file_same(path, document->path) ||
-           norma_file_is_stream(path);
+    return named == document->format ||
+           (named == NORMA_FILE_UNKNOWN && same_extension(path, document->path)) ||
+           norma_file_same(path, document->path) || norma_file_is_stream(path);
 }
 
-static norma_document_result check_target(const norma_document *document, const char *path, int in_place, norma_document_error *error) {
+static norma_document_result check_target(
+    const norma_document *document, const char *path, int in_place, norma_document_error *error) {
     if (!path)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no path to write to was given");
+        return norma_document_fail(
+            document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no path to write to was given");
     const norma_document target = {.path = (char *)(uintptr_t)path};
     if (!in_place && norma_file_same(path, document->path) && !norma_file_is_stream(path))
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-                                   "is the input itself; expected another name, or to be told to work in place");
-    if (!in_place && document->functions->reads_from && document->functions->reads_from(document, path))
-        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "is one of the files that %s is read from; expected another name",
-                                   document->path);
+            "is the input itself; expected another name, or to be told to work in place");
+    if (!in_place && document->functions->reads_from &&
+        document->functions->reads_from(document, path))
+        return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "is one of the files that %s is read from; expected another name", document->path);
     if (!name_fits(document, path)) {
         const char *name = norma_file_format_name(document->format);
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-                                   "%s is %s, and the output has its input's format; expected a name that ends in .%s", document->path, name, name);
+            "%s is %s, and the output has its input's format; expected a name that ends in .%s",
+            document->path, name, name);
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -38,7 +45,8 @@ static norma_document_result check_target(const norma_document *document, const 
 typedef struct file_sink {
     const norma_document *document;
     file_writer *writer;
-    uint64_t written, forgotten; /* up to where in the output what is copied from the source has left memory */
+    uint64_t written,
+        forgotten; /* up to where in the output what is copied from the source has left memory */
     int error, cancelled;
 } file_sink;
 
@@ -49,10 +57,12 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
     const norma_document *document = sink->document;
     for (const unsigned char *at = bytes; size > 0 && !sink->error;) {
         size_t part = size < slice ? size : slice;
-        double fraction = document->source.size ? (double)(sink->written + part) / (double)document->source.size : 1;
-        sink->cancelled = document->progress && document->progress(document->progress_user, fraction < 1 ? fraction : 1);
-        if (sink->cancelled)
-            return 1;
+        double fraction = document->source.size
+                              ? (double)(sink->written + part) / (double)document->source.size
+                              : 1;
+        sink->cancelled = document->progress &&
+                          document->progress(document->progress_user, fraction < 1 ? fraction : 1);
+        if (sink->cancelled) return 1;
         sink->error = norma_file_writer_write(sink->writer, at, part);
         sink->written += part;
         if (document->lean && sink->written - sink->forgotten >= slice) {
@@ -66,9 +76,13 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
 }
 
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path) {
-    file_writer **list = norma_io_grow(writers->list, &writers->list_capacity, writers->count + 1, sizeof *list);
+    file_writer **list =
+        norma_io_grow(writers->list, &writers->list_capacity, writers->count + 1, sizeof *list);
     writers->list = list ? list : writers->list;
-    char **paths = list ? norma_io_grow(writers->paths, &writers->path_capacity, writers->count + 1, sizeof *paths) : NULL, *copy = paths ? norma_io_copy_text(path, strlen(path)) : NULL;
+    char **paths = list ? norma_io_grow(writers->paths, &writers->path_capacity, writers->count + 1,
+                              sizeof *paths)
+                        : NULL,
+         *copy = paths ? norma_io_copy_text(path, strlen(path)) : NULL;
     writers->paths = paths ? paths : writers->paths;
     if (!copy) {
         norma_file_writer_abandon(writer);
@@ -81,7 +95,10 @@ int norma_document_add_writer(companion_writers *writers, file_writer *writer, c
 
 int norma_document_add_folder(companion_writers *writers, const char *path) {
     int made;
-    char *copy = norma_io_copy_text(path, strlen(path)), **folders = copy ? norma_io_grow(writers->folders, &writers->folder_capacity, writers->folder_count + 1, sizeof *folders) : NULL;
+    char *copy = norma_io_copy_text(path, strlen(path)),
+         **folders = copy ? norma_io_grow(writers->folders, &writers->folder_capacity,
+                                writers->folder_count + 1, sizeof *folders)
+                          : NULL;
     writers->folders = folders ? folders : writers->folders;
     const int error = folders ? norma_folder_make(path, &made) : ENOMEM;
     if (error || !made)
@@ -93,13 +110,11 @@ int norma_document_add_folder(companion_writers *writers, const char *path) {
 
 static void free_writers(companion_writers *writers, int abandon) {
     for (size_t i = 0; i < writers->count; ++i) {
-        if (abandon)
-            norma_file_writer_abandon(writers->list[i]);
+        if (abandon) norma_file_writer_abandon(writers->list[i]);
         free(writers->paths[i]);
     }
     while (writers->folder_count > 0) { /* what lies in another was made after it */
-        if (abandon)
-            norma_folder_remove(writers->folders[writers->folder_count - 1]);
+        if (abandon) norma_folder_remove(writers->folders[writers->folder_count - 1]);
         free(writers->folders[--writers->folder_count]);
     }
     free(writers->list);
@@ -108,36 +123,38 @@ static void free_writers(companion_writers *writers, int abandon) {
 }
 
 /* Everything that can fail for want of room or by the format happens before the first rename. */
-static norma_document_result write_target(norma_document *document, const char *path, int in_place, file_writer *writer, companion_writers *companions,
-                                          norma_document_error *error) {
+static norma_document_result write_target(norma_document *document, const char *path, int in_place,
+    file_writer *writer, companion_writers *companions, norma_document_error *error) {
     file_sink sink = {.document = document, .writer = writer};
     int stream = norma_file_is_stream(path);
-    norma_document_result result = document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
+    norma_document_result result =
+        document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
     if (sink.cancelled)
         return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
-    if (!sink.error && !result)
-        sink.error = norma_file_writer_prepare(writer);
+    if (!sink.error && !result) sink.error = norma_file_writer_prepare(writer);
     if (sink.error && sink.error != FILE_CHANGED)
         return norma_document_fail_file(path, error, "cannot be written", sink.error);
     if (!result && !stream && document->functions->write_companions)
         result = document->functions->write_companions(document, path, in_place, companions, error);
     /* After all of it is read for the last time; what went wrong before may come of it. */
-    if (norma_document_changed(document, error))
-        return NORMA_DOCUMENT_ERROR_FILE;
-    return sink.error ? norma_document_fail_file(document->path, error, "cannot be read", sink.error) : result;
+    if (norma_document_changed(document, error)) return NORMA_DOCUMENT_ERROR_FILE;
+    return sink.error
+               ? norma_document_fail_file(document->path, error, "cannot be read", sink.error)
+               : result;
 }
 
-static norma_document_result save(norma_document *document, const char *path, const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
+static norma_document_result save(norma_document *document, const char *path,
+    const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
     file_writer *writer;
     size_t at;
     int failed = norma_file_writer_open(path, &writer);
-    if (failed)
-        return norma_document_fail_file(path, error, "cannot be written", failed);
+    if (failed) return norma_document_fail_file(path, error, "cannot be written", failed);
     if (options->in_place && norma_file_same(path, document->path))
         norma_file_writer_expect(writer, &document->stamp);
     document->progress = options->progress;
     document->progress_user = options->progress_user;
-    norma_document_result result = write_target(document, path, options->in_place, writer, writers, error);
+    norma_document_result result =
+        write_target(document, path, options->in_place, writer, writers, error);
     document->progress = NULL;
     if (result) {
         norma_file_writer_abandon(writer);
@@ -146,64 +163,67 @@ static norma_document_result save(norma_document *document, const char *path, co
     if (!norma_document_add_writer(writers, writer, path))
         return norma_document_fail_memory(document, error);
     failed = norma_file_writers_commit(writers->list, writers->count, &at);
-    if (failed)
-        norma_document_fail_file(writers->paths[at], error, "cannot be written", failed);
+    if (failed) norma_document_fail_file(writers->paths[at], error, "cannot be written", failed);
     for (size_t i = 0; i < writers->count; ++i) writers->list[i] = NULL;
-    return !failed ? NORMA_DOCUMENT_OK : failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE;
+    return !failed            ? NORMA_DOCUMENT_OK
+           : failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY
+                              : NORMA_DOCUMENT_ERROR_FILE;
 }
 
-norma_document_result norma_document_save(norma_document *document, const char *path, const norma_save_options *given, norma_document_error *error) {
+norma_document_result norma_document_save(norma_document *document, const char *path,
+    const norma_save_options *given, norma_document_error *error) {
     norma_document_result result = norma_document_usable(document, error);
     norma_save_options options;
     norma_document_copy_options(&options, sizeof options, sizeof options, given);
-    if (!result)
-        result = check_target(document, path, options.in_place, error);
-    if (result)
-        return result;
+    if (!result) result = check_target(document, path, options.in_place, error);
+    if (result) return result;
     companion_writers writers = {0};
     result = save(document, path, &options, &writers, error);
     free_writers(&writers, result != NORMA_DOCUMENT_OK);
     return result;
 }
 
-norma_document_result norma_document_write(norma_document *document, norma_write *write, void *user, norma_document_error *error) {
+norma_document_result norma_document_write(
+    norma_document *document, norma_write *write, void *user, norma_document_error *error) {
     norma_document_result result = norma_document_usable(document, error);
-    if (result)
-        return result;
+    if (result) return result;
     if (!write)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no function to write with was given");
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no function to write with was given");
     result = document->functions->write(document, NULL, write, user, error);
     return norma_document_changed(document, error) ? NORMA_DOCUMENT_ERROR_FILE : result;
 }
 
 /* ---- a document as it would be read from what was saved */
 
-norma_document_result norma_document_settle(norma_document *document, const char *path, const norma_document_options *given, norma_document **settled,
-                                            norma_document_error *error) {
+norma_document_result norma_document_settle(norma_document *document, const char *path,
+    const norma_document_options *given, norma_document **settled, norma_document_error *error) {
     norma_document_result result = norma_document_usable(document, error);
     if (!settled)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the document was given");
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no place for the document was given");
     *settled = NULL;
-    if (result)
-        return result;
+    if (result) return result;
     norma_document_options options;
-    norma_document_copy_options(&options, sizeof options, offsetof(norma_document_options, lenient), given);
+    norma_document_copy_options(
+        &options, sizeof options, offsetof(norma_document_options, lenient), given);
     options.format = document->format;
     norma_document *made = norma_document_make(document->path, document->folder != NULL, &options);
-    if (!made)
-        return norma_document_fail_memory(document, error);
+    if (!made) return norma_document_fail_memory(document, error);
     norma_memory_sink bytes = {0};
-    result = document->functions->write(document, path && !norma_file_is_stream(path) ? path : NULL, norma_memory_sink_write, &bytes, error);
+    result = document->functions->write(document, path && !norma_file_is_stream(path) ? path : NULL,
+        norma_memory_sink_write, &bytes, error);
     if (result == NORMA_DOCUMENT_ERROR_FILE)
-        result = norma_document_fail_memory(document, error); /* only that can fail of a sink in memory */
-    made->source = (file_bytes){.data = bytes.bytes ? bytes.bytes : (const void *)"", .size = bytes.size, .owned = bytes.bytes != NULL};
+        result = norma_document_fail_memory(
+            document, error); /* only that can fail of a sink in memory */
+    made->source = (file_bytes){.data = bytes.bytes ? bytes.bytes : (const void *)"",
+        .size = bytes.size,
+        .owned = bytes.bytes != NULL};
     made->stamp = document->stamp;
-    if (norma_document_changed(document, error))
-        result = NORMA_DOCUMENT_ERROR_FILE;
+    if (norma_document_changed(document, error)) result = NORMA_DOCUMENT_ERROR_FILE;
     if (!result && document->functions->settle)
         result = document->functions->settle(document, made, error);
-    if (!result)
-        result = norma_document_read(made, error);
+    if (!result) result = norma_document_read(made, error);
     if (result)
         norma_document_close(made);
     else

@@ -1,4 +1,5 @@
-/* scene.c: the public functions about what else belongs to a surface, and the memory that their answers live in. */
+/* scene.c: the public functions about what else belongs to a surface, and the memory that their
+ * answers live in. */
 #include "io/format/scene.h"
 #include <stdlib.h>
 #include <string.h>
@@ -11,11 +12,9 @@ struct scene_block {
 };
 
 void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size) {
-    if (size && count > (SIZE_MAX - sizeof(scene_block)) / size)
-        return NULL;
+    if (size && count > (SIZE_MAX - sizeof(scene_block)) / size) return NULL;
     scene_block *block = norma_io_allocate(sizeof *block + count * size, 1);
-    if (!block)
-        return NULL;
+    if (!block) return NULL;
     block->next = scene->blocks;
     scene->blocks = block;
     return block->bytes;
@@ -24,19 +23,16 @@ void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size) {
 char *norma_scene_text(norma_scene *scene, const char *text) {
     size_t length = strlen(text);
     char *copy = norma_scene_allocate(scene, length + 1, 1);
-    if (copy)
-        memcpy(copy, text, length);
+    if (copy) memcpy(copy, text, length);
     return copy;
 }
 
 char *norma_scene_join(norma_scene *scene, const char *first, const char *second) {
     size_t a = strlen(first), b = strlen(second), comma = a && b;
     char *both = norma_scene_allocate(scene, a + comma + b + 1, 1);
-    if (!both)
-        return NULL;
+    if (!both) return NULL;
     memcpy(both, first, a);
-    if (comma)
-        both[a] = ',';
+    if (comma) both[a] = ',';
     memcpy(both + a + comma, second, b);
     return both;
 }
@@ -44,8 +40,7 @@ char *norma_scene_join(norma_scene *scene, const char *first, const char *second
 norma_scene *norma_scene_create(void) { return norma_io_allocate(1, sizeof(norma_scene)); }
 
 void norma_scene_forget(norma_scene *scene) {
-    if (!scene)
-        return;
+    if (!scene) return;
     for (scene_block *block = scene->blocks, *next; block; block = next) {
         next = block->next;
         free(block);
@@ -54,8 +49,7 @@ void norma_scene_forget(norma_scene *scene) {
 }
 
 void norma_scene_destroy(norma_scene *scene) {
-    if (!scene)
-        return;
+    if (!scene) return;
     norma_scene_forget(scene);
     free(scene);
 }
@@ -67,113 +61,131 @@ static const scene_functions *functions_of(const norma_document *document) {
     return document->functions->scene ? document->functions->scene : &nothing;
 }
 
-static norma_document_result check_mesh(norma_document *document, size_t index, norma_document_error *error) {
+static norma_document_result check_mesh(
+    norma_document *document, size_t index, norma_document_error *error) {
     norma_mesh_info info;
     size_t count = norma_document_mesh_count(document);
     if (index >= count || norma_document_mesh_info(document, index, &info))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "mesh %zu of %zu was asked for", index, count);
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "mesh %zu of %zu was asked for", index, count);
     if (info.not_read)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, info.where[0] ? info.where : NULL, "%s", info.not_read);
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT,
+            info.where[0] ? info.where : NULL, "%s", info.not_read);
     return NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result need_materials(norma_document *document) {
-    if (document->scene->materials || !functions_of(document)->materials)
-        return NORMA_DOCUMENT_OK;
+    if (document->scene->materials || !functions_of(document)->materials) return NORMA_DOCUMENT_OK;
     return functions_of(document)->materials(document, NULL);
 }
 
-size_t norma_document_material_count(norma_document *document) { return document && !need_materials(document) ? document->scene->material_count : 0; }
+size_t norma_document_material_count(norma_document *document) {
+    return document && !need_materials(document) ? document->scene->material_count : 0;
+}
 
-norma_document_result norma_document_material_info(norma_document *document, size_t index, norma_material_info *info) {
-    if (!info)
-        return NORMA_DOCUMENT_ERROR_ARGUMENT;
-    *info = (norma_material_info){.name = "", .where = "", .base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1, .ignore = ""};
-    norma_document_result result = document ? need_materials(document) : NORMA_DOCUMENT_ERROR_ARGUMENT;
+norma_document_result norma_document_material_info(
+    norma_document *document, size_t index, norma_material_info *info) {
+    if (!info) return NORMA_DOCUMENT_ERROR_ARGUMENT;
+    *info = (norma_material_info){.name = "",
+        .where = "",
+        .base_color = {1, 1, 1, 1},
+        .metallic = 1,
+        .roughness = 1,
+        .ignore = ""};
+    norma_document_result result =
+        document ? need_materials(document) : NORMA_DOCUMENT_ERROR_ARGUMENT;
     if (result || index >= document->scene->material_count)
         return result ? result : NORMA_DOCUMENT_ERROR_ARGUMENT;
     *info = document->scene->materials[index];
     return NORMA_DOCUMENT_OK;
 }
 
-static const norma_mesh_attributes no_attributes = {.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""};
+static const norma_mesh_attributes no_attributes = {
+    .material = SIZE_MAX, .tangent_encoding = "", .ignore = ""};
 
-static norma_document_result make_attributes(norma_document *document, size_t index, norma_document_error *error) {
+static norma_document_result make_attributes(
+    norma_document *document, size_t index, norma_document_error *error) {
     norma_scene *scene = document->scene;
     if (need_materials(document)) /* of an OBJ, its attributes as well */
         return norma_document_fail_memory(document, error);
-    if (!scene->attributes && !(scene->attributes = norma_scene_allocate(scene, norma_document_mesh_count(document), sizeof *scene->attributes)))
+    if (!scene->attributes &&
+        !(scene->attributes = norma_scene_allocate(
+              scene, norma_document_mesh_count(document), sizeof *scene->attributes)))
         return norma_document_fail_memory(document, error);
-    if (scene->attributes[index])
-        return NORMA_DOCUMENT_OK;
+    if (scene->attributes[index]) return NORMA_DOCUMENT_OK;
     norma_mesh_attributes *made = norma_scene_allocate(scene, 1, sizeof *made);
-    if (!made)
-        return norma_document_fail_memory(document, error);
+    if (!made) return norma_document_fail_memory(document, error);
     *made = no_attributes;
-    norma_document_result result = functions_of(document)->attributes ? functions_of(document)->attributes(document, index, made, error) : NORMA_DOCUMENT_OK;
-    if (!result)
-        scene->attributes[index] = made;
+    norma_document_result result =
+        functions_of(document)->attributes
+            ? functions_of(document)->attributes(document, index, made, error)
+            : NORMA_DOCUMENT_OK;
+    if (!result) scene->attributes[index] = made;
     return result;
 }
 
-norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error) {
+norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
     norma_document_result result = norma_document_usable(document, error);
-    if (result)
-        return result;
+    if (result) return result;
     if (!attributes)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the attributes was given");
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no place for the attributes was given");
     *attributes = no_attributes;
     result = check_mesh(document, index, error);
-    if (!result)
-        result = make_attributes(document, index, error);
-    if (!result)
-        *attributes = *document->scene->attributes[index];
+    if (!result) result = make_attributes(document, index, error);
+    if (!result) *attributes = *document->scene->attributes[index];
     return result;
 }
 
-norma_document_result norma_document_morph_data(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error) {
+norma_document_result norma_document_morph_data(norma_document *document, size_t mesh,
+    size_t target, norma_morph_data *data, norma_document_error *error) {
     norma_mesh_info info;
     norma_document_result result = norma_document_usable(document, error);
-    if (result)
-        return result;
+    if (result) return result;
     if (!data)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no place for the target's data was given");
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no place for the target's data was given");
     *data = (norma_morph_data){0};
     result = check_mesh(document, mesh, error);
-    if (result)
-        return result;
+    if (result) return result;
     norma_document_mesh_info(document, mesh, &info);
     if (target >= info.morph_targets || !functions_of(document)->morph)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "morph target %zu of %zu was asked for", target, info.morph_targets);
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "morph target %zu of %zu was asked for", target, info.morph_targets);
     return functions_of(document)->morph(document, mesh, target, data, error);
 }
 
 size_t norma_document_skin_count(norma_document *document) {
-    return document && functions_of(document)->skin_count ? functions_of(document)->skin_count(document) : 0;
+    return document && functions_of(document)->skin_count
+               ? functions_of(document)->skin_count(document)
+               : 0;
 }
 
-norma_document_result norma_document_skin_info(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
+norma_document_result norma_document_skin_info(
+    norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
     norma_document_result result = norma_document_usable(document, error);
-    if (result)
-        return result;
+    if (result) return result;
     size_t count = norma_document_skin_count(document);
     if (!info || index >= count)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "skin %zu of %zu was asked for", index, count);
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "skin %zu of %zu was asked for", index, count);
     *info = (norma_skin_info){.name = "", .where = "", .ignore = "", .joint = SIZE_MAX};
     return functions_of(document)->skin(document, index, info, error);
 }
 
 static norma_document_result need_unread(norma_document *document) {
-    if (document->scene->unread || !functions_of(document)->unread)
-        return NORMA_DOCUMENT_OK;
+    if (document->scene->unread || !functions_of(document)->unread) return NORMA_DOCUMENT_OK;
     return functions_of(document)->unread(document, NULL);
 }
 
-size_t norma_document_unread_count(norma_document *document) { return document && !need_unread(document) ? document->scene->unread_count : 0; }
+size_t norma_document_unread_count(norma_document *document) {
+    return document && !need_unread(document) ? document->scene->unread_count : 0;
+}
 
-norma_document_result norma_document_unread(norma_document *document, size_t index, norma_unread *unread) {
-    if (!unread)
-        return NORMA_DOCUMENT_ERROR_ARGUMENT;
+norma_document_result norma_document_unread(
+    norma_document *document, size_t index, norma_unread *unread) {
+    if (!unread) return NORMA_DOCUMENT_ERROR_ARGUMENT;
     *unread = (norma_unread){.where = "", .why = ""};
     norma_document_result result = document ? need_unread(document) : NORMA_DOCUMENT_ERROR_ARGUMENT;
     if (result || index >= document->scene->unread_count)
@@ -182,18 +194,25 @@ norma_document_result norma_document_unread(norma_document *document, size_t ind
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_document_instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error) {
+norma_document_result norma_document_instance_world(norma_document *document, size_t index,
+    size_t instance, double world[16], norma_document_error *error) {
     norma_node_info info;
     norma_document_clear(error);
     if (!document || !world || index >= norma_document_node_count(document))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "node %zu of %zu was asked for", index,
-                                   norma_document_node_count(document));
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "node %zu of %zu was asked for", index, norma_document_node_count(document));
     norma_document_result result = norma_document_node_info(document, index, &info);
     if (result) { /* its instances cannot be read; who reads them says why */
-        norma_document_result why = functions_of(document)->instance_world ? functions_of(document)->instance_world(document, index, 0, world, error) : NORMA_DOCUMENT_OK;
-        return why ? why : norma_document_fail(document, error, result, NULL, "node %zu cannot be described", index);
+        norma_document_result why =
+            functions_of(document)->instance_world
+                ? functions_of(document)->instance_world(document, index, 0, world, error)
+                : NORMA_DOCUMENT_OK;
+        return why ? why
+                   : norma_document_fail(
+                         document, error, result, NULL, "node %zu cannot be described", index);
     }
     if (instance >= info.instances || !functions_of(document)->instance_world)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, info.where, "instance %zu of %zu was asked for", instance, info.instances);
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, info.where,
+            "instance %zu of %zu was asked for", instance, info.instances);
     return functions_of(document)->instance_world(document, index, instance, world, error);
 }

@@ -1,12 +1,13 @@
 /* atomic_write.c: files that are written whole or not at all.
  *
- * Writing goes to a temporary file beside the target, which is flushed and renamed over it (rename is atomic in POSIX), and then the folder is flushed: whatever
- * happens, a crash or a full disk, the old file or the new one is whole. On Linux the temporary file has no name (open(2), O_TMPFILE) until all of it is on the disk: what is
- * stopped before leaves nothing. */
+ * Writing goes to a temporary file beside the target, which is flushed and renamed over it (rename
+ * is atomic in POSIX), and then the folder is flushed: whatever happens, a crash or a full disk,
+ * the old file or the new one is whole. On Linux the temporary file has no name (open(2),
+ * O_TMPFILE) until all of it is on the disk: what is stopped before leaves nothing. */
 #if defined(__linux__)
-#define _GNU_SOURCE                   /* O_TMPFILE */
+#define _GNU_SOURCE /* O_TMPFILE */
 #endif
-#define _DEFAULT_SOURCE               /* flock */
+#define _DEFAULT_SOURCE /* flock */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
 #include "io/file/file_stamp.h"
@@ -27,9 +28,10 @@ struct file_writer {
     int held;        /* the file that is to be replaced, locked against other writers; -1: none */
     int folder;      /* of the target; -1: not open, or may not be read */
     char *target;    /* where it goes: path with its symbolic links followed */
-    char *temporary; /* NULL: has no name yet, or the target is a device or a pipe, written as it is */
+    char *temporary; /* NULL: has no name yet, or the target is a device or a pipe, written as it is
+                      */
     int nameless, prepared, replaces, placed;
-    int error;       /* the first one; every later call returns it */
+    int error; /* the first one; every later call returns it */
     file_stamp *expected;
     size_t used;
     unsigned char buffer[BUFFER_SIZE];
@@ -46,8 +48,7 @@ static size_t folder_length(const char *path) {
 static char *join(const char *path, size_t folder, const char *name) {
     size_t length = strlen(name);
     char *joined = malloc(folder + length + 1);
-    if (!joined)
-        return NULL;
+    if (!joined) return NULL;
     memcpy(joined, path, folder);
     memcpy(joined + folder, name, length + 1);
     return joined;
@@ -74,10 +75,13 @@ static int resolve(const char *path, char **resolved) {
     return ENOMEM;
 }
 
-/* Tries one name after the other until one is free; make returns 0 or errno, and EEXIST or EINTR for another try. */
-static int name_temporary(file_writer *writer, int (*make)(file_writer *writer, const char *name, mode_t mode), mode_t mode) {
+/* Tries one name after the other until one is free; make returns 0 or errno, and EEXIST or EINTR
+ * for another try. */
+static int name_temporary(file_writer *writer,
+    int (*make)(file_writer *writer, const char *name, mode_t mode), mode_t mode) {
     int error = EEXIST;
-    for (unsigned number = 0; number < MOST_NAMES && (error == EEXIST || error == EINTR); ++number) {
+    for (unsigned number = 0; number < MOST_NAMES && (error == EEXIST || error == EINTR);
+         ++number) {
         char name[64];
         snprintf(name, sizeof name, ".norma-%ld-%u.tmp", (long)getpid(), number);
         char *temporary = join(writer->target, folder_length(writer->target), name);
@@ -97,30 +101,29 @@ static int make_named(file_writer *writer, const char *name, mode_t mode) {
 
 /* ---- temporary files without a name */
 
-/* Owner and permissions of the file that is to be replaced. Where the owner cannot be kept, neither are the bits that lend his rights. */
+/* Owner and permissions of the file that is to be replaced. Where the owner cannot be kept, neither
+ * are the bits that lend his rights. */
 static int keep_permissions(int descriptor, const struct stat *old) {
     mode_t mode = old->st_mode & 07777;
-    if (fchown(descriptor, old->st_uid, old->st_gid))
-        mode &= 0777;
+    if (fchown(descriptor, old->st_uid, old->st_gid)) mode &= 0777;
     return fchmod(descriptor, mode) ? errno : 0;
 }
 
 #if defined(O_TMPFILE)
-static void name_of_descriptor(int descriptor, char name[48]) { snprintf(name, 48, "/proc/self/fd/%d", descriptor); }
+static void name_of_descriptor(int descriptor, char name[48]) {
+    snprintf(name, 48, "/proc/self/fd/%d", descriptor);
+}
 
 /* 0: not on this file system, or not without /proc. */
 static int open_nameless(file_writer *writer, mode_t mode) {
     char name[48], *folder = join(writer->target, folder_length(writer->target), ".");
-    if (!folder)
-        return 0;
+    if (!folder) return 0;
     writer->descriptor = open(folder, O_RDWR | O_TMPFILE | O_CLOEXEC, mode);
     free(folder);
-    if (writer->descriptor < 0)
-        return 0;
+    if (writer->descriptor < 0) return 0;
     name_of_descriptor(writer->descriptor, name);
     writer->nameless = access(name, F_OK) == 0;
-    if (!writer->nameless)
-        close(writer->descriptor);
+    if (!writer->nameless) close(writer->descriptor);
     return writer->nameless;
 }
 
@@ -134,15 +137,14 @@ static int make_link(file_writer *writer, const char *temporary, mode_t mode) {
 static int write_all(file_writer *writer, const unsigned char *bytes, size_t size);
 static int flush_descriptor(int descriptor);
 
-/* For a file system that gives no name to what it made without one: what was written is copied to a file that has one. */
+/* For a file system that gives no name to what it made without one: what was written is copied to a
+ * file that has one. */
 static int copy_to_named(file_writer *writer) {
     const int from = writer->descriptor;
     struct stat status;
-    if (fstat(from, &status))
-        return errno;
+    if (fstat(from, &status)) return errno;
     int error = name_temporary(writer, make_named, 0600);
-    if (!error)
-        error = keep_permissions(writer->descriptor, &status);
+    if (!error) error = keep_permissions(writer->descriptor, &status);
     for (off_t at = 0; !error && at < status.st_size;) {
         const ssize_t got = pread(from, writer->buffer, BUFFER_SIZE, at);
         if (got > 0) {
@@ -152,16 +154,14 @@ static int copy_to_named(file_writer *writer) {
             error = got == 0 ? EIO : errno;
         }
     }
-    if (!error)
-        error = flush_descriptor(writer->descriptor);
+    if (!error) error = flush_descriptor(writer->descriptor);
     close(from);
     return error;
 }
 
 /* It must be on the disk before it has a name. */
 static int give_name(file_writer *writer) {
-    if (!writer->nameless)
-        return 0;
+    if (!writer->nameless) return 0;
     writer->nameless = 0;
     return name_temporary(writer, make_link, 0) ? copy_to_named(writer) : 0;
 }
@@ -172,16 +172,15 @@ static int give_name(file_writer *writer) { return (void)writer, 0; }
 
 /* ---- opening */
 
-static int open_temporary(file_writer *writer, mode_t mode) { return open_nameless(writer, mode) ? 0 : name_temporary(writer, make_named, mode); }
+static int open_temporary(file_writer *writer, mode_t mode) {
+    return open_nameless(writer, mode) ? 0 : name_temporary(writer, make_named, mode);
+}
 
 static int open_target(file_writer *writer) {
     struct stat old;
-    if (stat(writer->target, &old))
-        return errno == ENOENT ? open_temporary(writer, 0666) : errno;
-    if (S_ISDIR(old.st_mode))
-        return EISDIR;
-    if (access(writer->target, W_OK))
-        return errno;
+    if (stat(writer->target, &old)) return errno == ENOENT ? open_temporary(writer, 0666) : errno;
+    if (S_ISDIR(old.st_mode)) return EISDIR;
+    if (access(writer->target, W_OK)) return errno;
     if (!S_ISREG(old.st_mode)) {
         do writer->descriptor = open(writer->target, O_WRONLY | O_CLOEXEC);
         while (writer->descriptor < 0 && errno == EINTR);
@@ -195,14 +194,14 @@ static int open_target(file_writer *writer) {
 int norma_file_writer_open(const char *path, file_writer **writer) {
     *writer = NULL;
     file_writer *made = malloc(sizeof *made);
-    if (!made)
-        return ENOMEM;
+    if (!made) return ENOMEM;
     memset(made, 0, offsetof(file_writer, buffer));
     made->descriptor = made->held = made->folder = -1;
-    /* The links of /proc/self/fd name no path that could be opened, so what is no regular file is not resolved. */
-    int error = norma_file_is_stream(path) ? ((made->target = join(path, 0, path)) ? 0 : ENOMEM) : resolve(path, &made->target);
-    if (!error)
-        error = open_target(made);
+    /* The links of /proc/self/fd name no path that could be opened, so what is no regular file is
+     * not resolved. */
+    int error = norma_file_is_stream(path) ? ((made->target = join(path, 0, path)) ? 0 : ENOMEM)
+                                           : resolve(path, &made->target);
+    if (!error) error = open_target(made);
     if (error) {
         norma_file_writer_abandon(made);
         return error;
@@ -211,20 +210,26 @@ int norma_file_writer_open(const char *path, file_writer **writer) {
     return 0;
 }
 
-void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) { writer->expected = stamp->known ? stamp : NULL; }
+void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) {
+    writer->expected = stamp->known ? stamp : NULL;
+}
 
 /* ---- writing */
 
 static int write_all(file_writer *writer, const unsigned char *bytes, size_t size) {
     while (size > 0 && !writer->error) {
-        ssize_t written = write(writer->descriptor, bytes, size < WRITE_AT_ONCE ? size : WRITE_AT_ONCE);
+        ssize_t written =
+            write(writer->descriptor, bytes, size < WRITE_AT_ONCE ? size : WRITE_AT_ONCE);
         if (written > 0) {
             bytes += written;
             size -= (size_t)written;
         } else if (written == 0) {
             writer->error = EIO;
         } else if (errno != EINTR) {
-            writer->error = errno == EFAULT ? FILE_CHANGED : errno; /* EFAULT: bytes of a mapped file that has become shorter */
+            writer->error =
+                errno == EFAULT
+                    ? FILE_CHANGED
+                    : errno; /* EFAULT: bytes of a mapped file that has become shorter */
         }
     }
     return writer->error;
@@ -237,13 +242,10 @@ static int flush_buffer(file_writer *writer) {
 }
 
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size) {
-    if (writer->error || size == 0)
-        return writer->error;
+    if (writer->error || size == 0) return writer->error;
     writer->prepared = 0;
-    if (size > BUFFER_SIZE - writer->used && flush_buffer(writer))
-        return writer->error;
-    if (size >= BUFFER_SIZE)
-        return write_all(writer, bytes, size);
+    if (size > BUFFER_SIZE - writer->used && flush_buffer(writer)) return writer->error;
+    if (size >= BUFFER_SIZE) return write_all(writer, bytes, size);
     memcpy(writer->buffer + writer->used, bytes, size);
     writer->used += size;
     return 0;
@@ -257,21 +259,19 @@ static int flush_descriptor(int descriptor) {
 }
 
 int norma_file_writer_prepare(file_writer *writer) {
-    if (writer->error || writer->prepared || flush_buffer(writer))
-        return writer->error;
-    if (writer->nameless || writer->temporary)
-        writer->error = flush_descriptor(writer->descriptor);
+    if (writer->error || writer->prepared || flush_buffer(writer)) return writer->error;
+    if (writer->nameless || writer->temporary) writer->error = flush_descriptor(writer->descriptor);
     writer->prepared = !writer->error;
     return writer->error;
 }
 
 /* ---- into place */
 
-/* Holds what is to be replaced against other writers like this one, and looks at it then: so of two that have read it at once, the second one sees that it has gone. A file
- * system without locks is no reason to write nothing. */
+/* Holds what is to be replaced against other writers like this one, and looks at it then: so of two
+ * that have read it at once, the second one sees that it has gone. A file system without locks is
+ * no reason to write nothing. */
 static int hold_expected(file_writer *writer) {
-    if (!writer->expected)
-        return 0;
+    if (!writer->expected) return 0;
 #if defined(LOCK_EX)
     writer->held = open(writer->target, O_RDONLY | O_CLOEXEC);
     if (writer->held >= 0 && flock(writer->held, LOCK_EX | LOCK_NB) && errno == EWOULDBLOCK)
@@ -282,8 +282,7 @@ static int hold_expected(file_writer *writer) {
 
 /* The new name must survive a crash as well. */
 static int open_folder(file_writer *writer) {
-    if (!writer->nameless && !writer->temporary)
-        return 0;
+    if (!writer->nameless && !writer->temporary) return 0;
     char *folder = join(writer->target, folder_length(writer->target), ".");
     const int error = folder ? norma_folder_open(folder, &writer->folder) : ENOMEM;
     free(folder);
@@ -299,39 +298,38 @@ static int put_in_place(file_writer *writer) {
         writer->descriptor = -1;
         error = close(descriptor) && errno != EINTR ? errno : 0;
     }
-    if (!error && rename(writer->temporary, writer->target))
-        error = errno;
+    if (!error && rename(writer->temporary, writer->target)) error = errno;
     if (!error) {
         free(writer->temporary);
         writer->temporary = NULL;
         writer->placed = 1;
-        if (writer->expected && is_known)
-            *writer->expected = norma_file_stamp_of(&status);
+        if (writer->expected && is_known) *writer->expected = norma_file_stamp_of(&status);
         error = writer->folder >= 0 ? norma_folder_flush(writer->folder) : 0;
     }
     return error;
 }
 
 static int commit_one(file_writer *writer) {
-    if (writer->temporary)
-        return put_in_place(writer);
+    if (writer->temporary) return put_in_place(writer);
     int descriptor = writer->descriptor;
     writer->descriptor = -1;
     return close(descriptor) && errno != EINTR ? errno : 0;
 }
 
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) {
-    /* Whatever could fail for want of room, memory or descriptors comes before the first is renamed. */
-    static int (*const steps[])(file_writer *) = {norma_file_writer_prepare, open_folder, hold_expected, give_name, commit_one};
+    /* Whatever could fail for want of room, memory or descriptors comes before the first is
+     * renamed. */
+    static int (*const steps[])(file_writer *) = {
+        norma_file_writer_prepare, open_folder, hold_expected, give_name, commit_one};
     size_t done = 0;
     int error = 0;
     for (size_t step = 0; step < sizeof steps / sizeof *steps && !error; ++step)
         for (done = 0; done < count && !(error = steps[step](writers[done]));) ++done;
     *failed = done;
-    /* What replaced an older file stays: the files before the last one only ever gain bytes. And all stays where only the last folder could not be flushed. */
+    /* What replaced an older file stays: the files before the last one only ever gain bytes. And
+     * all stays where only the last folder could not be flushed. */
     for (size_t i = 0; error && !writers[count - 1]->placed && i < count; ++i)
-        if (writers[i]->placed && !writers[i]->replaces)
-            unlink(writers[i]->target);
+        if (writers[i]->placed && !writers[i]->replaces) unlink(writers[i]->target);
     for (size_t i = 0; i < count; ++i) norma_file_writer_abandon(writers[i]);
     return error;
 }
@@ -342,16 +340,11 @@ int norma_file_writer_commit(file_writer *writer) {
 }
 
 void norma_file_writer_abandon(file_writer *writer) {
-    if (!writer)
-        return;
-    if (writer->descriptor >= 0)
-        close(writer->descriptor);
-    if (writer->held >= 0)
-        close(writer->held);
-    if (writer->folder >= 0)
-        close(writer->folder);
-    if (writer->temporary)
-        unlink(writer->temporary);
+    if (!writer) return;
+    if (writer->descriptor >= 0) close(writer->descriptor);
+    if (writer->held >= 0) close(writer->held);
+    if (writer->folder >= 0) close(writer->folder);
+    if (writer->temporary) unlink(writer->temporary);
     free(writer->temporary);
     free(writer->target);
     free(writer);

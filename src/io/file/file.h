@@ -8,8 +8,8 @@
 /* Which file it was, and how it was, when it was read. */
 typedef struct file_stamp {
     uint64_t device, inode, size;
-    int64_t  seconds, nanoseconds;   /* of its last modification */
-    int      known;                  /* zero: no regular file, or none at all */
+    int64_t seconds, nanoseconds; /* of its last modification */
+    int known;                    /* zero: no regular file, or none at all */
 } file_stamp;
 
 typedef struct file_bytes {
@@ -22,14 +22,17 @@ typedef struct file_bytes {
 /* What these functions return beside 0 and errno. */
 enum { FILE_CHANGED = -1, FILE_IN_USE = -2 };
 
-/* Large regular files are mapped, unless they are to be copied; small ones, pipes and devices are read to their end. Returns 0, errno, or FILE_CHANGED. A mapped file that
- * another program shortens raises SIGBUS where its lost bytes are read. */
+/* Large regular files are mapped, unless they are to be copied; small ones, pipes and devices are
+ * read to their end. Returns 0, errno, or FILE_CHANGED. A mapped file that another program shortens
+ * raises SIGBUS where its lost bytes are read. */
 int norma_file_open(const char *path, int copied, file_bytes *bytes);
 void norma_file_close(file_bytes *bytes);
-/* What has been read of a large mapped file need not stay in this process's memory; it is mapped again where it is needed. */
+/* What has been read of a large mapped file need not stay in this process's memory; it is mapped
+ * again where it is needed. */
 void norma_file_forget(const file_bytes *bytes);
 
-/* Whether the file has been written to since the stamp was taken. Another file that has taken its name meanwhile is no change: what was read is whole. */
+/* Whether the file has been written to since the stamp was taken. Another file that has taken its
+ * name meanwhile is no change: what was read is whole. */
 int norma_file_has_changed(const char *path, const file_stamp *stamp);
 /* Whether path still names that file, as it was. */
 int norma_file_is_unchanged(const char *path, const file_stamp *stamp);
@@ -38,28 +41,35 @@ int norma_file_same(const char *a, const char *b);
 /* Whether path is there and is neither a regular file nor a folder: a device, a pipe. */
 int norma_file_is_stream(const char *path);
 
-/* An atomic writer: bytes go through a buffer to a temporary file in the folder of path, which has no name until all is written, where the system can do that; prepare
- * flushes it to the disk; commit prepares, renames it to path and flushes the folder; abandon removes it. Each returns 0, errno or what stands above. Permissions are
- * those of the file that is replaced, else 0666 less the umask. A symbolic link stays, what it points to is replaced; a file that may not be written is not replaced
- * either. A device or a pipe is written as it is. */
+/* An atomic writer: bytes go through a buffer to a temporary file in the folder of path, which has
+ * no name until all is written, where the system can do that; prepare flushes it to the disk;
+ * commit prepares, renames it to path and flushes the folder; abandon removes it. Each returns 0,
+ * errno or what stands above. Permissions are those of the file that is replaced, else 0666 less
+ * the umask. A symbolic link stays, what it points to is replaced; a file that may not be written
+ * is not replaced either. A device or a pipe is written as it is. */
 typedef struct file_writer file_writer;
 int norma_file_writer_open(const char *path, file_writer **writer);
-/* What is replaced must be the file of this stamp, unchanged: else commit fails with FILE_CHANGED, or FILE_IN_USE while another writer replaces it. Once replaced, *stamp is
- * that of the new one. It must outlive the writer. */
+/* What is replaced must be the file of this stamp, unchanged: else commit fails with FILE_CHANGED,
+ * or FILE_IN_USE while another writer replaces it. Once replaced, *stamp is that of the new one. It
+ * must outlive the writer. */
 void norma_file_writer_expect(file_writer *writer, file_stamp *stamp);
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size);
 int norma_file_writer_prepare(file_writer *writer);
-int norma_file_writer_commit(file_writer *writer);   /* frees the writer, also on failure (then the temporary file is gone) */
+int norma_file_writer_commit(
+    file_writer *writer); /* frees the writer, also on failure (then the temporary file is gone) */
 void norma_file_writer_abandon(file_writer *writer); /* frees; NULL is fine */
-/* Several files: all are prepared and looked at before the first is renamed, and each is in its place on the disk before the next one that may name it. After a failure
- * those that were not there before are gone again; *failed is the number of the one that failed. Frees all. */
+/* Several files: all are prepared and looked at before the first is renamed, and each is in its
+ * place on the disk before the next one that may name it. After a failure those that were not there
+ * before are gone again; *failed is the number of the one that failed. Frees all. */
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed);
 
-/* Makes a folder and sees to it that its name is on the disk; *made is 0 where it was there. Returns 0 or errno. */
+/* Makes a folder and sees to it that its name is on the disk; *made is 0 where it was there.
+ * Returns 0 or errno. */
 int norma_folder_make(const char *path, int *made);
 void norma_folder_remove(const char *path); /* where it is empty; else it stays */
-/* What a file_writer needs, not on Windows: to have names in a folder on the disk. A folder that may not be read cannot be flushed, and some file systems flush none: no reason
- * to call a file unwritten. The descriptor is -1 then. */
+/* What a file_writer needs, not on Windows: to have names in a folder on the disk. A folder that
+ * may not be read cannot be flushed, and some file systems flush none: no reason to call a file
+ * unwritten. The descriptor is -1 then. */
 int norma_folder_open(const char *path, int *descriptor);
 int norma_folder_flush(int descriptor);
 #endif

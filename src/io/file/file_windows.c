@@ -1,7 +1,9 @@
 /* file_windows.c: mapped_file.c, atomic_write.c and folder.c for Windows. Paths are UTF-8.
  *
- * Files are read whole, never mapped: a mapped file could not be replaced. Writing goes to a temporary file beside the target, which is flushed (FlushFileBuffers) and moved
- * over it (MoveFileEx with MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH, which returns when the move is on the disk). */
+ * Files are read whole, never mapped: a mapped file could not be replaced. Writing goes to a
+ * temporary file beside the target, which is flushed (FlushFileBuffers) and moved over it
+ * (MoveFileEx with MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH, which returns when the move
+ * is on the disk). */
 #define WIN32_LEAN_AND_MEAN
 #include "io/file/file.h"
 #include <windows.h>
@@ -13,33 +15,47 @@
 enum { BUFFER_SIZE = 1 << 18, FIRST_READ = 1 << 16, MOST_NAMES = 10000, AT_ONCE = 1 << 28 };
 
 static int error_of(DWORD error) {
-    static const struct { DWORD system; int error; } known[] = {
-        {ERROR_FILE_NOT_FOUND, ENOENT}, {ERROR_PATH_NOT_FOUND, ENOENT},  {ERROR_INVALID_NAME, ENOENT},       {ERROR_ACCESS_DENIED, EACCES},  {ERROR_SHARING_VIOLATION, EBUSY},
-        {ERROR_FILE_EXISTS, EEXIST},    {ERROR_ALREADY_EXISTS, EEXIST},  {ERROR_DISK_FULL, ENOSPC},          {ERROR_HANDLE_DISK_FULL, ENOSPC},
-        {ERROR_WRITE_PROTECT, EROFS},   {ERROR_BROKEN_PIPE, EPIPE},      {ERROR_NO_DATA, EPIPE},             {ERROR_FILENAME_EXCED_RANGE, ENAMETOOLONG},
-        {ERROR_DIRECTORY, ENOTDIR},     {ERROR_NOT_ENOUGH_MEMORY, ENOMEM}, {ERROR_OUTOFMEMORY, ENOMEM},      {ERROR_TOO_MANY_OPEN_FILES, EMFILE},
+    static const struct {
+        DWORD system;
+        int error;
+    } known[] = {
+        {ERROR_FILE_NOT_FOUND, ENOENT},
+        {ERROR_PATH_NOT_FOUND, ENOENT},
+        {ERROR_INVALID_NAME, ENOENT},
+        {ERROR_ACCESS_DENIED, EACCES},
+        {ERROR_SHARING_VIOLATION, EBUSY},
+        {ERROR_FILE_EXISTS, EEXIST},
+        {ERROR_ALREADY_EXISTS, EEXIST},
+        {ERROR_DISK_FULL, ENOSPC},
+        {ERROR_HANDLE_DISK_FULL, ENOSPC},
+        {ERROR_WRITE_PROTECT, EROFS},
+        {ERROR_BROKEN_PIPE, EPIPE},
+        {ERROR_NO_DATA, EPIPE},
+        {ERROR_FILENAME_EXCED_RANGE, ENAMETOOLONG},
+        {ERROR_DIRECTORY, ENOTDIR},
+        {ERROR_NOT_ENOUGH_MEMORY, ENOMEM},
+        {ERROR_OUTOFMEMORY, ENOMEM},
+        {ERROR_TOO_MANY_OPEN_FILES, EMFILE},
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
-        if (known[i].system == error)
-            return known[i].error;
+        if (known[i].system == error) return known[i].error;
     return EIO;
 }
 
 /* NULL: out of memory, or no UTF-8. */
 static wchar_t *wide(const char *path) {
     const int count = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, NULL, 0);
-    wchar_t  *out = count > 0 ? malloc((size_t)count * sizeof *out) : NULL;
-    if (out)
-        MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, out, count);
+    wchar_t *out = count > 0 ? malloc((size_t)count * sizeof *out) : NULL;
+    if (out) MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, out, count);
     return out;
 }
 
 static int open_handle(const char *path, DWORD access, DWORD share, DWORD how, HANDLE *handle) {
     wchar_t *name = wide(path);
     *handle = INVALID_HANDLE_VALUE;
-    if (!name)
-        return EINVAL;
-    *handle = CreateFileW(name, access, share, NULL, how, FILE_ATTRIBUTE_NORMAL | (how == OPEN_EXISTING ? FILE_FLAG_BACKUP_SEMANTICS : 0), NULL);
+    if (!name) return EINVAL;
+    *handle = CreateFileW(name, access, share, NULL, how,
+        FILE_ATTRIBUTE_NORMAL | (how == OPEN_EXISTING ? FILE_FLAG_BACKUP_SEMANTICS : 0), NULL);
     const DWORD error = GetLastError();
     free(name);
     return *handle == INVALID_HANDLE_VALUE ? error_of(error) : 0;
@@ -48,38 +64,48 @@ static int open_handle(const char *path, DWORD access, DWORD share, DWORD how, H
 /* ---- what a file is */
 
 /* 0: it is no file of a disk. */
-static int information(HANDLE handle, BY_HANDLE_FILE_INFORMATION *info) { return GetFileType(handle) == FILE_TYPE_DISK && GetFileInformationByHandle(handle, info); }
+static int information(HANDLE handle, BY_HANDLE_FILE_INFORMATION *info) {
+    return GetFileType(handle) == FILE_TYPE_DISK && GetFileInformationByHandle(handle, info);
+}
 
 static uint64_t joined_halves(DWORD high, DWORD low) { return (uint64_t)high << 32 | low; }
 
 static file_stamp stamp_of(const BY_HANDLE_FILE_INFORMATION *info) {
-    const uint64_t ticks = joined_halves(info->ftLastWriteTime.dwHighDateTime, info->ftLastWriteTime.dwLowDateTime);       /* of 100 nanoseconds */
-    return (file_stamp){.device = info->dwVolumeSerialNumber, .inode = joined_halves(info->nFileIndexHigh, info->nFileIndexLow),
-                        .size = joined_halves(info->nFileSizeHigh, info->nFileSizeLow), .seconds = (int64_t)(ticks / 10000000), .nanoseconds = (int64_t)(ticks % 10000000) * 100,
-                        .known = !(info->dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY)};
+    const uint64_t ticks = joined_halves(info->ftLastWriteTime.dwHighDateTime,
+        info->ftLastWriteTime.dwLowDateTime); /* of 100 nanoseconds */
+    return (file_stamp){.device = info->dwVolumeSerialNumber,
+        .inode = joined_halves(info->nFileIndexHigh, info->nFileIndexLow),
+        .size = joined_halves(info->nFileSizeHigh, info->nFileSizeLow),
+        .seconds = (int64_t)(ticks / 10000000),
+        .nanoseconds = (int64_t)(ticks % 10000000) * 100,
+        .known = !(info->dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY)};
 }
 
 static int stamp_path(const char *path, file_stamp *stamp) {
     HANDLE handle;
     BY_HANDLE_FILE_INFORMATION info;
-    if (open_handle(path, 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING, &handle))
+    if (open_handle(path, 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING,
+            &handle))
         return 0;
     const int is_known = information(handle, &info);
     CloseHandle(handle);
-    if (is_known)
-        *stamp = stamp_of(&info);
+    if (is_known) *stamp = stamp_of(&info);
     return is_known;
 }
 
-static int is_same_file(const file_stamp *a, const file_stamp *b) { return a->device == b->device && a->inode == b->inode; }
+static int is_same_file(const file_stamp *a, const file_stamp *b) {
+    return a->device == b->device && a->inode == b->inode;
+}
 
 static int are_equal(const file_stamp *a, const file_stamp *b) {
-    return is_same_file(a, b) && a->size == b->size && a->seconds == b->seconds && a->nanoseconds == b->nanoseconds;
+    return is_same_file(a, b) && a->size == b->size && a->seconds == b->seconds &&
+           a->nanoseconds == b->nanoseconds;
 }
 
 int norma_file_has_changed(const char *path, const file_stamp *stamp) {
     file_stamp now;
-    return stamp->known && stamp_path(path, &now) && now.known && is_same_file(&now, stamp) && !are_equal(&now, stamp);
+    return stamp->known && stamp_path(path, &now) && now.known && is_same_file(&now, stamp) &&
+           !are_equal(&now, stamp);
 }
 
 int norma_file_is_unchanged(const char *path, const file_stamp *stamp) {
@@ -89,12 +115,14 @@ int norma_file_is_unchanged(const char *path, const file_stamp *stamp) {
 
 int norma_file_same(const char *a, const char *b) {
     file_stamp of_a, of_b;
-    return strcmp(a, b) == 0 || (stamp_path(a, &of_a) && stamp_path(b, &of_b) && is_same_file(&of_a, &of_b));
+    return strcmp(a, b) == 0 ||
+           (stamp_path(a, &of_a) && stamp_path(b, &of_b) && is_same_file(&of_a, &of_b));
 }
 
 int norma_file_is_stream(const char *path) {
     HANDLE handle;
-    if (open_handle(path, 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING, &handle))
+    if (open_handle(path, 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING,
+            &handle))
         return 0;
     const int is_stream = GetFileType(handle) != FILE_TYPE_DISK;
     CloseHandle(handle);
@@ -104,19 +132,19 @@ int norma_file_is_stream(const char *path) {
 /* ---- reading */
 
 static int read_to_end(HANDLE handle, uint64_t expected, file_bytes *bytes) {
-    if (expected >= SIZE_MAX / 2)
-        return EFBIG;
+    if (expected >= SIZE_MAX / 2) return EFBIG;
     size_t capacity = expected ? (size_t)expected + 1 : FIRST_READ, size = 0;
     unsigned char *data = malloc(capacity);
     while (data) {
         DWORD got = 0;
         if (size == capacity) {
             unsigned char *larger = capacity > SIZE_MAX / 2 ? NULL : realloc(data, capacity *= 2);
-            if (!larger)
-                break;
+            if (!larger) break;
             data = larger;
         }
-        if (!ReadFile(handle, data + size, (DWORD)(capacity - size < AT_ONCE ? capacity - size : AT_ONCE), &got, NULL) && GetLastError() != ERROR_BROKEN_PIPE) {
+        if (!ReadFile(handle, data + size,
+                (DWORD)(capacity - size < AT_ONCE ? capacity - size : AT_ONCE), &got, NULL) &&
+            GetLastError() != ERROR_BROKEN_PIPE) {
             const int error = error_of(GetLastError());
             free(data);
             return error;
@@ -136,9 +164,9 @@ int norma_file_open(const char *path, int copied, file_bytes *bytes) {
     BY_HANDLE_FILE_INFORMATION info, after;
     (void)copied;
     *bytes = (file_bytes){0};
-    int error = open_handle(path, GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING, &handle);
-    if (error)
-        return error;
+    int error = open_handle(path, GENERIC_READ,
+        FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING, &handle);
+    if (error) return error;
     const int is_file = information(handle, &info);
     const file_stamp before = is_file ? stamp_of(&info) : (file_stamp){0};
     error = is_file && !before.known ? EISDIR : read_to_end(handle, before.size, bytes);
@@ -148,14 +176,12 @@ int norma_file_open(const char *path, int copied, file_bytes *bytes) {
         error = are_equal(&before, &now) ? 0 : FILE_CHANGED;
     }
     CloseHandle(handle);
-    if (error)
-        norma_file_close(bytes);
+    if (error) norma_file_close(bytes);
     return error;
 }
 
 void norma_file_close(file_bytes *bytes) {
-    if (bytes->owned)
-        free((void *)(uintptr_t)bytes->data);
+    if (bytes->owned) free((void *)(uintptr_t)bytes->data);
     *bytes = (file_bytes){0};
 }
 
@@ -174,7 +200,9 @@ struct file_writer {
 
 static size_t folder_length(const char *path) {
     size_t length = strlen(path);
-    while (length > 0 && path[length - 1] != '/' && path[length - 1] != '\\' && path[length - 1] != ':') --length;
+    while (length > 0 && path[length - 1] != '/' && path[length - 1] != '\\' &&
+           path[length - 1] != ':')
+        --length;
     return length;
 }
 
@@ -192,11 +220,12 @@ static int open_temporary(file_writer *writer) {
     int error = EEXIST;
     for (unsigned number = 0; number < MOST_NAMES && error == EEXIST; ++number) {
         char name[64];
-        snprintf(name, sizeof name, ".norma-%lu-%u.tmp", (unsigned long)GetCurrentProcessId(), number);
+        snprintf(
+            name, sizeof name, ".norma-%lu-%u.tmp", (unsigned long)GetCurrentProcessId(), number);
         char *temporary = join(writer->target, folder_length(writer->target), name);
-        if (!temporary)
-            return ENOMEM;
-        error = open_handle(temporary, GENERIC_WRITE | DELETE, FILE_SHARE_READ | FILE_SHARE_DELETE, CREATE_NEW, &writer->handle);
+        if (!temporary) return ENOMEM;
+        error = open_handle(temporary, GENERIC_WRITE | DELETE, FILE_SHARE_READ | FILE_SHARE_DELETE,
+            CREATE_NEW, &writer->handle);
         if (error)
             free(temporary);
         else
@@ -207,24 +236,24 @@ static int open_temporary(file_writer *writer) {
 
 static int open_target(file_writer *writer) {
     file_stamp old;
-    wchar_t   *name = wide(writer->target);
-    if (!name)
-        return EINVAL;
+    wchar_t *name = wide(writer->target);
+    if (!name) return EINVAL;
     const DWORD attributes = GetFileAttributesW(name);
     free(name);
     if (norma_file_is_stream(writer->target))
-        return open_handle(writer->target, GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_WRITE, OPEN_EXISTING, &writer->handle);
+        return open_handle(writer->target, GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_WRITE,
+            OPEN_EXISTING, &writer->handle);
     writer->replaces = stamp_path(writer->target, &old);
-    if (writer->replaces && !old.known)
-        return EISDIR;
-    return attributes != INVALID_FILE_ATTRIBUTES && attributes & FILE_ATTRIBUTE_READONLY ? EACCES : open_temporary(writer);
+    if (writer->replaces && !old.known) return EISDIR;
+    return attributes != INVALID_FILE_ATTRIBUTES && attributes & FILE_ATTRIBUTE_READONLY
+               ? EACCES
+               : open_temporary(writer);
 }
 
 int norma_file_writer_open(const char *path, file_writer **writer) {
     *writer = NULL;
     file_writer *made = calloc(1, sizeof *made);
-    if (!made)
-        return ENOMEM;
+    if (!made) return ENOMEM;
     made->handle = INVALID_HANDLE_VALUE;
     made->target = join(path, 0, path);
     const int error = made->target ? open_target(made) : ENOMEM;
@@ -235,12 +264,15 @@ int norma_file_writer_open(const char *path, file_writer **writer) {
     return error;
 }
 
-void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) { writer->expected = stamp->known ? stamp : NULL; }
+void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) {
+    writer->expected = stamp->known ? stamp : NULL;
+}
 
 static int write_all(file_writer *writer, const unsigned char *bytes, size_t size) {
     while (size > 0 && !writer->error) {
         DWORD written = 0;
-        if (!WriteFile(writer->handle, bytes, (DWORD)(size < AT_ONCE ? size : AT_ONCE), &written, NULL))
+        if (!WriteFile(
+                writer->handle, bytes, (DWORD)(size < AT_ONCE ? size : AT_ONCE), &written, NULL))
             writer->error = error_of(GetLastError());
         else if (written == 0)
             writer->error = EIO;
@@ -257,38 +289,40 @@ static int flush_buffer(file_writer *writer) {
 }
 
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size) {
-    if (writer->error || size == 0)
-        return writer->error;
-    if (size > BUFFER_SIZE - writer->used && flush_buffer(writer))
-        return writer->error;
-    if (size >= BUFFER_SIZE)
-        return write_all(writer, bytes, size);
+    if (writer->error || size == 0) return writer->error;
+    if (size > BUFFER_SIZE - writer->used && flush_buffer(writer)) return writer->error;
+    if (size >= BUFFER_SIZE) return write_all(writer, bytes, size);
     memcpy(writer->buffer + writer->used, bytes, size);
     writer->used += size;
     return 0;
 }
 
 int norma_file_writer_prepare(file_writer *writer) {
-    if (!writer->error && !flush_buffer(writer) && writer->temporary && !FlushFileBuffers(writer->handle))
+    if (!writer->error && !flush_buffer(writer) && writer->temporary &&
+        !FlushFileBuffers(writer->handle))
         writer->error = error_of(GetLastError());
     return writer->error;
 }
 
-static int look_at_expected(file_writer *writer) { return !writer->expected || norma_file_is_unchanged(writer->target, writer->expected) ? 0 : FILE_CHANGED; }
+static int look_at_expected(file_writer *writer) {
+    return !writer->expected || norma_file_is_unchanged(writer->target, writer->expected)
+               ? 0
+               : FILE_CHANGED;
+}
 
 static int put_in_place(file_writer *writer) {
     const HANDLE handle = writer->handle;
     writer->handle = INVALID_HANDLE_VALUE;
-    if (!CloseHandle(handle))
-        return error_of(GetLastError());
-    if (!writer->temporary)
-        return 0;
+    if (!CloseHandle(handle)) return error_of(GetLastError());
+    if (!writer->temporary) return 0;
     wchar_t *from = wide(writer->temporary), *to = wide(writer->target);
-    int error = !from || !to ? ENOMEM : MoveFileExW(from, to, MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH) ? 0 : error_of(GetLastError());
+    int error = !from || !to ? ENOMEM
+                : MoveFileExW(from, to, MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH)
+                    ? 0
+                    : error_of(GetLastError());
     free(from);
     free(to);
-    if (error)
-        return error;
+    if (error) return error;
     free(writer->temporary);
     writer->temporary = NULL;
     writer->placed = 1;
@@ -299,21 +333,20 @@ static int put_in_place(file_writer *writer) {
 
 static void remove_file(const char *path) {
     wchar_t *name = wide(path);
-    if (name)
-        DeleteFileW(name);
+    if (name) DeleteFileW(name);
     free(name);
 }
 
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) {
-    static int (*const steps[])(file_writer *) = {norma_file_writer_prepare, look_at_expected, put_in_place};
+    static int (*const steps[])(file_writer *) = {
+        norma_file_writer_prepare, look_at_expected, put_in_place};
     size_t done = 0;
     int error = 0;
     for (size_t step = 0; step < sizeof steps / sizeof *steps && !error; ++step)
         for (done = 0; done < count && !(error = steps[step](writers[done]));) ++done;
     *failed = done;
     for (size_t i = 0; error && i < count; ++i)
-        if (writers[i]->placed && !writers[i]->replaces)
-            remove_file(writers[i]->target);
+        if (writers[i]->placed && !writers[i]->replaces) remove_file(writers[i]->target);
     for (size_t i = 0; i < count; ++i) norma_file_writer_abandon(writers[i]);
     return error;
 }
@@ -324,12 +357,9 @@ int norma_file_writer_commit(file_writer *writer) {
 }
 
 void norma_file_writer_abandon(file_writer *writer) {
-    if (!writer)
-        return;
-    if (writer->handle != INVALID_HANDLE_VALUE)
-        CloseHandle(writer->handle);
-    if (writer->temporary)
-        remove_file(writer->temporary);
+    if (!writer) return;
+    if (writer->handle != INVALID_HANDLE_VALUE) CloseHandle(writer->handle);
+    if (writer->temporary) remove_file(writer->temporary);
     free(writer->temporary);
     free(writer->target);
     free(writer);
@@ -347,7 +377,6 @@ int norma_folder_make(const char *path, int *made) {
 
 void norma_folder_remove(const char *path) {
     wchar_t *name = wide(path);
-    if (name)
-        RemoveDirectoryW(name);
+    if (name) RemoveDirectoryW(name);
     free(name);
 }

@@ -1,4 +1,5 @@
-/* folder.c: the folders that files go to: opened and flushed, so that names in them survive a crash, made where they are missing, and taken away again. */
+/* folder.c: the folders that files go to: opened and flushed, so that names in them survive a
+ * crash, made where they are missing, and taken away again. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
 #include <errno.h>
@@ -28,8 +29,7 @@ static int flush_parent(const char *path) {
     const size_t length = slash ? (size_t)(slash - path) + 1 : 0;
     char *parent = malloc(length + 2);
     int descriptor = -1;
-    if (!parent)
-        return ENOMEM;
+    if (!parent) return ENOMEM;
     memcpy(parent, path, length);
     memcpy(parent + length, ".", 2);
     int error = norma_folder_open(parent, &descriptor);
@@ -43,8 +43,7 @@ static int flush_parent(const char *path) {
 
 int norma_folder_make(const char *path, int *made) {
     *made = mkdir(path, 0777) == 0;
-    if (!*made)
-        return errno == EEXIST ? 0 : errno;
+    if (!*made) return errno == EEXIST ? 0 : errno;
     const int error = flush_parent(path);
     if (error) {
         norma_folder_remove(path);

@@ -1,5 +1,6 @@
-/* mapped_file.c: the bytes of a file, mapped for reading, and whether they still are what the file holds. */
-#define _DEFAULT_SOURCE               /* madvise */
+/* mapped_file.c: the bytes of a file, mapped for reading, and whether they still are what the file
+ * holds. */
+#define _DEFAULT_SOURCE /* madvise */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
 #include "io/file/file_stamp.h"
@@ -56,22 +57,17 @@ static int map_whole(int descriptor, size_t size, file_bytes *bytes) {
 /* A regular file of no size may be one of /proc, whose size is not known before it is read. */
 static int read_regular(int descriptor, int copied, const struct stat *status, file_bytes *bytes) {
     struct stat after;
-    if ((uintmax_t)status->st_size > SIZE_MAX / 2)
-        return EFBIG;
+    if ((uintmax_t)status->st_size > SIZE_MAX / 2) return EFBIG;
     const size_t size = (size_t)status->st_size;
-    int error = size > SMALL_FILE && !copied ? map_whole(descriptor, size, bytes) : read_to_end(descriptor, size, bytes);
-    if (error)
-        return error;
-    if (size > 0)
-        bytes->stamp = norma_file_stamp_of(status);
-    if (bytes->mapped || size == 0)
-        return 0;
+    int error = size > SMALL_FILE && !copied ? map_whole(descriptor, size, bytes)
+                                             : read_to_end(descriptor, size, bytes);
+    if (error) return error;
+    if (size > 0) bytes->stamp = norma_file_stamp_of(status);
+    if (bytes->mapped || size == 0) return 0;
     error = fstat(descriptor, &after) ? errno : 0;
     const file_stamp now = norma_file_stamp_of(&after);
-    if (!error && !norma_file_stamps_equal(&now, &bytes->stamp))
-        error = FILE_CHANGED;
-    if (error)
-        norma_file_close(bytes);
+    if (!error && !norma_file_stamps_equal(&now, &bytes->stamp)) error = FILE_CHANGED;
+    if (error) norma_file_close(bytes);
     return error;
 }
 
@@ -80,14 +76,13 @@ int norma_file_open(const char *path, int copied, file_bytes *bytes) {
     int descriptor;
     do descriptor = open(path, O_RDONLY | O_CLOEXEC);
     while (descriptor < 0 && errno == EINTR);
-    if (descriptor < 0)
-        return errno;
+    if (descriptor < 0) return errno;
     struct stat status;
     int error = fstat(descriptor, &status) ? errno : 0;
-    if (!error && S_ISDIR(status.st_mode))
-        error = EISDIR;
+    if (!error && S_ISDIR(status.st_mode)) error = EISDIR;
     if (!error)
-        error = S_ISREG(status.st_mode) ? read_regular(descriptor, copied, &status, bytes) : read_to_end(descriptor, 0, bytes);
+        error = S_ISREG(status.st_mode) ? read_regular(descriptor, copied, &status, bytes)
+                                        : read_to_end(descriptor, 0, bytes);
     close(descriptor);
     return error;
 }
@@ -116,31 +111,41 @@ file_stamp norma_file_stamp_of(const struct stat *status) {
 #if defined(__APPLE__)
     const struct timespec modified = status->st_mtimespec;
 #elif defined(_WIN32)
-    const struct { time_t tv_sec; long tv_nsec; } modified = {status->st_mtime, 0};
+    const struct {
+        time_t tv_sec;
+        long tv_nsec;
+    } modified = {status->st_mtime, 0};
 #else
     const struct timespec modified = status->st_mtim;
 #endif
-    return (file_stamp){.device = (uint64_t)status->st_dev, .inode = (uint64_t)status->st_ino, .size = (uint64_t)status->st_size, .seconds = (int64_t)modified.tv_sec,
-                        .nanoseconds = (int64_t)modified.tv_nsec, .known = S_ISREG(status->st_mode)};
+    return (file_stamp){.device = (uint64_t)status->st_dev,
+        .inode = (uint64_t)status->st_ino,
+        .size = (uint64_t)status->st_size,
+        .seconds = (int64_t)modified.tv_sec,
+        .nanoseconds = (int64_t)modified.tv_nsec,
+        .known = S_ISREG(status->st_mode)};
 }
 
-static int is_same_file(const file_stamp *a, const file_stamp *b) { return a->device == b->device && a->inode == b->inode; }
+static int is_same_file(const file_stamp *a, const file_stamp *b) {
+    return a->device == b->device && a->inode == b->inode;
+}
 
 int norma_file_stamps_equal(const file_stamp *a, const file_stamp *b) {
-    return is_same_file(a, b) && a->size == b->size && a->seconds == b->seconds && a->nanoseconds == b->nanoseconds;
+    return is_same_file(a, b) && a->size == b->size && a->seconds == b->seconds &&
+           a->nanoseconds == b->nanoseconds;
 }
 
 static int stamp_path(const char *path, file_stamp *stamp) {
     struct stat status;
-    if (stat(path, &status))
-        return 0;
+    if (stat(path, &status)) return 0;
     *stamp = norma_file_stamp_of(&status);
     return stamp->known;
 }
 
 int norma_file_has_changed(const char *path, const file_stamp *stamp) {
     file_stamp now;
-    return stamp->known && stamp_path(path, &now) && is_same_file(&now, stamp) && !norma_file_stamps_equal(&now, stamp);
+    return stamp->known && stamp_path(path, &now) && is_same_file(&now, stamp) &&
+           !norma_file_stamps_equal(&now, stamp);
 }
 
 int norma_file_is_unchanged(const char *path, const file_stamp *stamp) {
@@ -152,7 +157,8 @@ int norma_file_same(const char *a, const char *b) {
     struct stat of_a, of_b;
     if (strcmp(a, b) == 0) /* also where the system does not answer */
         return 1;
-    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
+    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+           of_a.st_ino == of_b.st_ino;
 }
 
 int norma_file_is_stream(const char *path) {

@@ -1,9 +1,13 @@
-/* system_text.c: what an error number means, in the same words on every system and in every locale. strerror would follow the program's locale. */
+/* system_text.c: what an error number means, in the same words on every system and in every locale.
+ * strerror would follow the program's locale. */
 #include "io/file/system_text.h"
 #include <errno.h>
 #include <stddef.h>
 
-static const struct { int error; const char *text; } TEXTS[] = {
+static const struct {
+    int error;
+    const char *text;
+} TEXTS[] = {
     {EACCES, "Permission denied"},
     {EBADF, "Bad file descriptor"},
     {EBUSY, "Device or resource busy"},
@@ -39,7 +43,6 @@ static const struct { int error; const char *text; } TEXTS[] = {
 
 const char *norma_system_text(int error) {
     for (size_t i = 0; i < sizeof TEXTS / sizeof *TEXTS; ++i)
-        if (TEXTS[i].error == error)
-            return TEXTS[i].text;
+        if (TEXTS[i].error == error) return TEXTS[i].text;
     return NULL;
 }

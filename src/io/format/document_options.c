@@ -1,34 +1,28 @@
-/* document_options.c: small things that every format needs: checked allocation, compute options as the core's, sums of reports, formats and their names. */
+/* document_options.c: small things that every format needs: checked allocation, compute options as
+ * the core's, sums of reports, formats and their names. */
 #include "io/format/format.h"
 #include <stdlib.h>
 #include <string.h>
 
 void *norma_io_allocate(size_t count, size_t size) {
-    if (size && count > SIZE_MAX / size)
-        return NULL;
+    if (size && count > SIZE_MAX / size) return NULL;
     return calloc(count ? count : 1, size ? size : 1);
 }
 
 char *norma_io_copy_text(const char *text, size_t length) {
     char *copy = norma_io_allocate(length + 1, 1);
-    if (copy)
-        memcpy(copy, text, length);
+    if (copy) memcpy(copy, text, length);
     return copy;
 }
 
 void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size) {
-    if (block && needed <= *capacity)
-        return block;
+    if (block && needed <= *capacity) return block;
     size_t larger = *capacity > SIZE_MAX / 2 ? needed : *capacity * 2;
-    if (larger < needed)
-        larger = needed;
-    if (larger < 16)
-        larger = 16;
-    if (size && larger > SIZE_MAX / size)
-        return NULL;
+    if (larger < needed) larger = needed;
+    if (larger < 16) larger = 16;
+    if (size && larger > SIZE_MAX / size) return NULL;
     void *grown = realloc(block, larger * (size ? size : 1));
-    if (grown)
-        *capacity = larger;
+    if (grown) *capacity = larger;
     return grown;
 }
 
@@ -68,22 +62,24 @@ static const struct {
     norma_file_format format;
     const char *name; /* and the extension */
 } formats[] = {
-    {NORMA_FILE_OBJ, "obj"}, {NORMA_FILE_PLY, "ply"}, {NORMA_FILE_STL, "stl"}, {NORMA_FILE_GLTF, "gltf"}, {NORMA_FILE_GLB, "glb"},
+    {NORMA_FILE_OBJ, "obj"},
+    {NORMA_FILE_PLY, "ply"},
+    {NORMA_FILE_STL, "stl"},
+    {NORMA_FILE_GLTF, "gltf"},
+    {NORMA_FILE_GLB, "glb"},
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 
 const char *norma_file_format_name(norma_file_format format) {
     for (size_t i = 0; i < FORMAT_COUNT; ++i)
-        if (formats[i].format == format)
-            return formats[i].name;
+        if (formats[i].format == format) return formats[i].name;
     return "";
 }
 
 static int equal_case_aside(const char *text, const char *lower) {
     while (*text && *lower) {
         char letter = *text >= 'A' && *text <= 'Z' ? (char)(*text - 'A' + 'a') : *text;
-        if (letter != *lower)
-            return 0;
+        if (letter != *lower) return 0;
         ++text;
         ++lower;
     }
@@ -95,7 +91,6 @@ norma_file_format norma_file_format_of_path(const char *path) {
     const char *name = slash ? slash + 1 : path;
     const char *dot = name ? strrchr(name, '.') : NULL;
     for (size_t i = 0; dot && i < FORMAT_COUNT; ++i)
-        if (equal_case_aside(dot + 1, formats[i].name))
-            return formats[i].format;
+        if (equal_case_aside(dot + 1, formats[i].name)) return formats[i].format;
     return NORMA_FILE_UNKNOWN;
 }

@@ -1,4 +1,5 @@
-/* format.h: what the formats and document.c share. A format is a table of functions over its own state. */
+/* format.h: what the formats and document.c share. A format is a table of functions over its own
+ * state. */
 #ifndef NORMA_DOCUMENT_INTERNAL_H
 #define NORMA_DOCUMENT_INTERNAL_H
 #include <norma/document.h>
@@ -7,103 +8,137 @@
 typedef struct format_functions format_functions;
 typedef struct scene_functions scene_functions;
 
-typedef struct companion_writers {         /* freed by who made it; paths: what messages name */
+typedef struct companion_writers { /* freed by who made it; paths: what messages name */
     file_writer **list;
-    char        **paths, **folders;        /* folders: made for them, to go where the save fails */
-    size_t        count, folder_count, list_capacity, path_capacity, folder_capacity;
+    char **paths, **folders; /* folders: made for them, to go where the save fails */
+    size_t count, folder_count, list_capacity, path_capacity, folder_capacity;
 } companion_writers;
 /* 0: memory is out, and the writer is abandoned. */
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
 /* Makes a folder for them, where there is none. 0, or errno. */
 int norma_document_add_folder(companion_writers *writers, const char *path);
 
-typedef struct given_buffer {              /* a buffer file of a .gltf that is not on the disk yet */
-    unsigned char *bytes;                  /* NULL: the file's */
-    size_t         size;
-    file_stamp     stamp;                  /* of the file that it takes the place of */
-    int            changed;
+typedef struct given_buffer { /* a buffer file of a .gltf that is not on the disk yet */
+    unsigned char *bytes;     /* NULL: the file's */
+    size_t size;
+    file_stamp stamp; /* of the file that it takes the place of */
+    int changed;
 } given_buffer;
 
 struct norma_document {
     const format_functions *functions;
-    norma_file_format       format;
-    norma_document_depth    depth;
-    uint32_t                threads;
-    norma_progress         *progress;      /* of the opening or the saving that is under way; may be NULL */
-    void                   *progress_user;
-    char                   *path;          /* as the caller gave it; what messages name; "<stdin>" or the like from memory */
-    char                   *folder;        /* with its last slash; "" the current one; NULL: none, external files are refused */
-    file_bytes              source;        /* the whole file, mapped or the caller's */
-    file_stamp              stamp;         /* of the file at path when it was read */
-    void                   *state;         /* the format's own */
-    given_buffer           *given;         /* NULL, or of a settled .gltf: by the number of the buffer */
-    size_t                  given_count;
-    char                  **notes;
-    size_t                  note_count, note_capacity;
-    int                     failed;        /* a change went wrong half-way: it can only be closed */
-    int                     lean;          /* what is read of the source while it is saved leaves memory again: what was computed takes enough */
-    int                     copied;        /* files are read into memory, not mapped */
-    int                     lenient;       /* what norma check judges is read instead of refused */
-    struct norma_scene     *scene;         /* what else is told of it (scene.h) */
+    norma_file_format format;
+    norma_document_depth depth;
+    uint32_t threads;
+    norma_progress *progress; /* of the opening or the saving that is under way; may be NULL */
+    void *progress_user;
+    char *path;   /* as the caller gave it; what messages name; "<stdin>" or the like from memory */
+    char *folder; /* with its last slash; "" the current one; NULL: none, external files are refused
+                   */
+    file_bytes source;   /* the whole file, mapped or the caller's */
+    file_stamp stamp;    /* of the file at path when it was read */
+    void *state;         /* the format's own */
+    given_buffer *given; /* NULL, or of a settled .gltf: by the number of the buffer */
+    size_t given_count;
+    char **notes;
+    size_t note_count, note_capacity;
+    int failed; /* a change went wrong half-way: it can only be closed */
+    int lean; /* what is read of the source while it is saved leaves memory again: what was computed
+                 takes enough */
+    int copied;                /* files are read into memory, not mapped */
+    int lenient;               /* what norma check judges is read instead of refused */
+    struct norma_scene *scene; /* what else is told of it (scene.h) */
 };
 
-/* Each returns NORMA_DOCUMENT_OK or what norma_document_fail returned. State is freed by close also after a failed open. */
+/* Each returns NORMA_DOCUMENT_OK or what norma_document_fail returned. State is freed by close also
+ * after a failed open. */
 struct format_functions {
     norma_document_result (*open)(norma_document *document, norma_document_error *error);
-    void                  (*close)(norma_document *document);
-    size_t                (*mesh_count)(const norma_document *document);
-    norma_document_result (*mesh_info)(const norma_document *document, size_t index, norma_mesh_info *info);
-    norma_document_result (*mesh_data)(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
-    size_t                (*node_count)(const norma_document *document);                                                       /* NULL: none */
-    norma_document_result (*node_info)(const norma_document *document, size_t index, norma_node_info *info);
-    norma_document_result (*compute)(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error);
-    norma_document_result (*transform)(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
-    norma_document_result (*edit)(norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
-    norma_document_result (*equal_vertices)(norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error); /* NULL: vertices have nothing else to compare */
-    norma_document_result (*recentre)(norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error); /* NULL: by a transform */
-    /* The document's own bytes in order. glTF: the text or GLB, as it is to stand at path (NULL: with data URIs). */
-    norma_document_result (*write)(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error);
-    /* NULL, or the other files that belong beside path (a .gltf's buffers, its images), written and prepared, and added to writers, which the caller commits: in order, so
-     * that they are in place before the file that names them. Called when the bytes of path are written and flushed to its temporary. */
-    norma_document_result (*write_companions)(norma_document *document, const char *path, int in_place, companion_writers *writers, norma_document_error *error);
-    /* NULL, or the first of the files beside its own that has changed since this document was read from it, the caller's to free. */
-    char                 *(*changed_companion)(const norma_document *document);
-    /* NULL, or hands settled, which is about to be read from what write gave, what stands in no file yet. */
-    norma_document_result (*settle)(const norma_document *document, norma_document *settled, norma_document_error *error);
+    void (*close)(norma_document *document);
+    size_t (*mesh_count)(const norma_document *document);
+    norma_document_result (*mesh_info)(
+        const norma_document *document, size_t index, norma_mesh_info *info);
+    norma_document_result (*mesh_data)(
+        norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
+    size_t (*node_count)(const norma_document *document); /* NULL: none */
+    norma_document_result (*node_info)(
+        const norma_document *document, size_t index, norma_node_info *info);
+    norma_document_result (*compute)(norma_document *document, const norma_compute_options *options,
+        norma_compute_summary *summary, norma_document_error *error);
+    norma_document_result (*transform)(norma_document *document,
+        const norma_transform_options *options, norma_transform_summary *summary,
+        norma_document_error *error);
+    norma_document_result (*edit)(
+        norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
+    norma_document_result (*equal_vertices)(norma_document *document, size_t mesh, uint32_t *first,
+        norma_document_error *error); /* NULL: vertices have nothing else to compare */
+    norma_document_result (*recentre)(norma_document *document, const uint8_t *meshes, int *changed,
+        norma_document_error *error); /* NULL: by a transform */
+    /* The document's own bytes in order. glTF: the text or GLB, as it is to stand at path (NULL:
+     * with data URIs). */
+    norma_document_result (*write)(norma_document *document, const char *path, norma_write *write,
+        void *user, norma_document_error *error);
+    /* NULL, or the other files that belong beside path (a .gltf's buffers, its images), written and
+     * prepared, and added to writers, which the caller commits: in order, so that they are in place
+     * before the file that names them. Called when the bytes of path are written and flushed to its
+     * temporary. */
+    norma_document_result (*write_companions)(norma_document *document, const char *path,
+        int in_place, companion_writers *writers, norma_document_error *error);
+    /* NULL, or the first of the files beside its own that has changed since this document was read
+     * from it, the caller's to free. */
+    char *(*changed_companion)(const norma_document *document);
+    /* NULL, or hands settled, which is about to be read from what write gave, what stands in no
+     * file yet. */
+    norma_document_result (*settle)(
+        const norma_document *document, norma_document *settled, norma_document_error *error);
     /* NULL, or whether path is one of the files that this document was read from. */
-    int                   (*reads_from)(const norma_document *document, const char *path);
-    const scene_functions  *scene;                                                                                              /* NULL: nothing else is told */
+    int (*reads_from)(const norma_document *document, const char *path);
+    const scene_functions *scene; /* NULL: nothing else is told */
 };
 
-extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions, norma_gltf_functions; /* gltf: .gltf and .glb */
+extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions,
+    norma_gltf_functions; /* gltf: .gltf and .glb */
 
-/* Fills error (may be NULL) with "PATH: " and the formatted message, and returns result. place, if not NULL, is put after the path: "PATH:PLACE: message"
- * (a line number, "byte 120", "accessor 3"). */
+/* Fills error (may be NULL) with "PATH: " and the formatted message, and returns result. place, if
+ * not NULL, is put after the path: "PATH:PLACE: message" (a line number, "byte 120", "accessor 3").
+ */
 #if defined(__GNUC__)
 __attribute__((format(printf, 5, 6)))
 #endif
-norma_document_result norma_document_fail(const norma_document *document, norma_document_error *error, norma_document_result result, const char *place, const char *format, ...);
+norma_document_result
+norma_document_fail(const norma_document *document, norma_document_error *error,
+    norma_document_result result, const char *place, const char *format, ...);
 /* What an error of file.h means, in words. */
 void norma_document_system_text(int system_error, char *text, size_t room);
-/* "PATH: WHAT: the system's text", for any path; result FILE, or MEMORY where the system says so. */
-norma_document_result norma_document_fail_file(const char *path, norma_document_error *error, const char *what, int system_error);
+/* "PATH: WHAT: the system's text", for any path; result FILE, or MEMORY where the system says so.
+ */
+norma_document_result norma_document_fail_file(
+    const char *path, norma_document_error *error, const char *what, int system_error);
 /* Here, so that whoever reads the callers, an analyser too, sees that it fails. */
-static inline norma_document_result norma_document_fail_memory(const norma_document *document, norma_document_error *error) {
+static inline norma_document_result norma_document_fail_memory(
+    const norma_document *document, norma_document_error *error) {
     (void)norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MEMORY, NULL, "out of memory");
     return NORMA_DOCUMENT_ERROR_MEMORY;
 }
-/* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here (the readers should have caught them), cancelled stays. */
-norma_document_result norma_document_fail_core(const norma_document *document, norma_document_error *error, norma_result result);
+/* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here
+ * (the readers should have caught them), cancelled stays. */
+norma_document_result norma_document_fail_core(
+    const norma_document *document, norma_document_error *error, norma_result result);
 
-/* What document.c and document_save.c share. A caller's header may be older or newer than this library: what it does not know is zero, what we do not know is left out; a
- * size of 0 is that of the first version. */
-void                  norma_document_copy_options(void *copy, size_t size, size_t first_size, const void *given);
-void                  norma_document_clear(norma_document_error *error);
-norma_document_result norma_document_usable(const norma_document *document, norma_document_error *error); /* opened whole, and no change of it has failed */
-norma_document       *norma_document_make(const char *name, int has_folder, const norma_document_options *options); /* NULL: out of memory */
-norma_document_result norma_document_read(norma_document *document, norma_document_error *error);                   /* by its format, from its source */
-/* Whether a file that it is read from has been written to, with the error. Mapped bytes are those of the file as it is now: half of them may be old, half of them new. */
-int                   norma_document_changed(const norma_document *document, norma_document_error *error);
+/* What document.c and document_save.c share. A caller's header may be older or newer than this
+ * library: what it does not know is zero, what we do not know is left out; a size of 0 is that of
+ * the first version. */
+void norma_document_copy_options(void *copy, size_t size, size_t first_size, const void *given);
+void norma_document_clear(norma_document_error *error);
+norma_document_result norma_document_usable(const norma_document *document,
+    norma_document_error *error); /* opened whole, and no change of it has failed */
+norma_document *norma_document_make(const char *name, int has_folder,
+    const norma_document_options *options); /* NULL: out of memory */
+norma_document_result norma_document_read(
+    norma_document *document, norma_document_error *error); /* by its format, from its source */
+/* Whether a file that it is read from has been written to, with the error. Mapped bytes are those
+ * of the file as it is now: half of them may be old, half of them new. */
+int norma_document_changed(const norma_document *document, norma_document_error *error);
 
 /* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
 #if defined(__GNUC__)
@@ -112,12 +147,15 @@ __attribute__((format(printf, 2, 3)))
 int norma_document_add_note(norma_document *document, const char *format, ...);
 
 /* Checked sizes: 0 where count * size overflows or memory is out. *block may be NULL before. */
-void *norma_io_allocate(size_t count, size_t size);                 /* zeroed; never of zero bytes */
+void *norma_io_allocate(size_t count, size_t size); /* zeroed; never of zero bytes */
 char *norma_io_copy_text(const char *text, size_t length);
-void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
+void *norma_io_grow(void *block, size_t *capacity, size_t needed,
+    size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
 
-/* The core options that compute options ask for, with the nearest fallback in force; threads and progress carried over. */
+/* The core options that compute options ask for, with the nearest fallback in force; threads and
+ * progress carried over. */
 void norma_options_of_compute(const norma_compute_options *options, norma_options *core);
-/* Adds the report of one mesh to the sum; the firsts become SIZE_MAX from the second mesh on (meshes_before > 0). */
+/* Adds the report of one mesh to the sum; the firsts become SIZE_MAX from the second mesh on
+ * (meshes_before > 0). */
 void norma_add_report(norma_report *sum, const norma_report *report, size_t meshes_before);
 #endif

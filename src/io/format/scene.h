@@ -1,5 +1,6 @@
-/* scene.h: what a document tells beside its meshes: materials, attributes, morphs, skins, what was not read. Made on first use, kept until the document is
- * closed. Each format that has any of it gives a table of functions; an entry that is NULL stands for none. Internal to io. */
+/* scene.h: what a document tells beside its meshes: materials, attributes, morphs, skins, what was
+ * not read. Made on first use, kept until the document is closed. Each format that has any of it
+ * gives a table of functions; an entry that is NULL stands for none. Internal to io. */
 #ifndef NORMA_IO_SCENE_H
 #define NORMA_IO_SCENE_H
 #include "io/format/format.h"
@@ -11,8 +12,8 @@ typedef struct norma_scene {
     norma_material_info *materials; /* NULL: not asked for yet; so for all that follows */
     size_t material_count;
     norma_mesh_attributes **attributes; /* for each mesh */
-    norma_node_info *nodes;             /* for each node of the file: the fields that are not about drawing */
-    norma_morph_data **morphs;          /* for each target, as the format numbers them */
+    norma_node_info *nodes; /* for each node of the file: the fields that are not about drawing */
+    norma_morph_data **morphs; /* for each target, as the format numbers them */
     norma_skin_info **skins;
     norma_unread *unread;
     size_t unread_count;
@@ -20,13 +21,19 @@ typedef struct norma_scene {
 } norma_scene;
 
 typedef struct scene_functions {
-    norma_document_result (*materials)(norma_document *document, norma_document_error *error); /* fills materials and material_count */
-    norma_document_result (*attributes)(norma_document *document, size_t mesh, norma_mesh_attributes *attributes, norma_document_error *error);
-    norma_document_result (*morph)(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error);
+    norma_document_result (*materials)(norma_document *document,
+        norma_document_error *error); /* fills materials and material_count */
+    norma_document_result (*attributes)(norma_document *document, size_t mesh,
+        norma_mesh_attributes *attributes, norma_document_error *error);
+    norma_document_result (*morph)(norma_document *document, size_t mesh, size_t target,
+        norma_morph_data *data, norma_document_error *error);
     size_t (*skin_count)(const norma_document *document);
-    norma_document_result (*skin)(norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
-    norma_document_result (*unread)(norma_document *document, norma_document_error *error); /* fills unread and unread_count */
-    norma_document_result (*instance_world)(norma_document *document, size_t node, size_t instance, double world[16], norma_document_error *error);
+    norma_document_result (*skin)(
+        norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
+    norma_document_result (*unread)(
+        norma_document *document, norma_document_error *error); /* fills unread and unread_count */
+    norma_document_result (*instance_world)(norma_document *document, size_t node, size_t instance,
+        double world[16], norma_document_error *error);
 } scene_functions;
 
 extern const scene_functions norma_obj_scene, norma_ply_scene, norma_gltf_scene;
@@ -39,5 +46,6 @@ char *norma_scene_join(norma_scene *scene, const char *first, const char *second
 
 norma_scene *norma_scene_create(void);
 void norma_scene_destroy(norma_scene *scene); /* NULL is fine */
-void norma_scene_forget(norma_scene *scene);  /* what was told is no longer so: the file's bytes are others now */
+void norma_scene_forget(
+    norma_scene *scene); /* what was told is no longer so: the file's bytes are others now */
 #endif

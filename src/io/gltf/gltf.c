@@ -1,4 +1,5 @@
-/* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it requires, and its table of functions. */
+/* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
+ * requires, and its table of functions. */
 #include "io/gltf/read/asset.h"
 #include "io/format/edit.h"
 #include "io/gltf/write/patch.h"
@@ -11,21 +12,21 @@
 enum { GLB_HEADER = 12, GLB_CHUNK_HEADER = 8 };
 static const uint32_t GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BIN = 0x004E4942;
 
-static uint32_t read_u32(const unsigned char *at)
-{
+static uint32_t read_u32(const unsigned char *at) {
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-static norma_document_result fail_glb(const gltf *g, norma_document_error *error, size_t byte, const char *expected)
-{
+static norma_document_result fail_glb(
+    const gltf *g, norma_document_error *error, size_t byte, const char *expected) {
     char place[40];
     snprintf(place, sizeof place, "byte %zu", byte);
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "expected %s", expected);
+    return norma_document_fail(
+        g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "expected %s", expected);
 }
 
-/* Chunks behind the JSON: the first BIN is the buffer without a uri; all others are kept as they are. */
-static norma_document_result read_chunks(gltf *g, size_t end, norma_document_error *error)
-{
+/* Chunks behind the JSON: the first BIN is the buffer without a uri; all others are kept as they
+ * are. */
+static norma_document_result read_chunks(gltf *g, size_t end, norma_document_error *error) {
     const unsigned char *bytes = g->document->source.data;
     size_t at = GLB_HEADER;
     for (uint32_t i = 0; at < end; ++i) {
@@ -41,8 +42,7 @@ static norma_document_result read_chunks(gltf *g, size_t end, norma_document_err
             g->text = (const char *)bytes + at + GLB_CHUNK_HEADER;
             g->text_size = length;
         } else if (type == GLB_BIN) {
-            if (g->bin)
-                return fail_glb(g, error, at, "one BIN chunk");
+            if (g->bin) return fail_glb(g, error, at, "one BIN chunk");
             g->bin = bytes + at + GLB_CHUNK_HEADER;
             g->bin_size = length;
             g->bin_chunk = at;
@@ -52,100 +52,105 @@ static norma_document_result read_chunks(gltf *g, size_t end, norma_document_err
     return g->text ? NORMA_DOCUMENT_OK : fail_glb(g, error, at, "a JSON chunk");
 }
 
-static norma_document_result read_glb(gltf *g, norma_document_error *error)
-{
+static norma_document_result read_glb(gltf *g, norma_document_error *error) {
     const file_bytes *source = &g->document->source;
     if (source->size < GLB_HEADER || read_u32(source->data) != GLB_MAGIC)
         return fail_glb(g, error, 0, "the 12 bytes of a GLB header, \"glTF\" first");
     uint32_t version = read_u32(source->data + 4), length = read_u32(source->data + 8);
     if (version != 2)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "byte 4", "GLB version %u; expected 2", (unsigned)version);
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "byte 4",
+            "GLB version %u; expected 2", (unsigned)version);
     if (length != source->size)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 8", "the header says %u bytes, the file has %zu; expected as many", (unsigned)length,
-                                   source->size);
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 8",
+            "the header says %u bytes, the file has %zu; expected as many", (unsigned)length,
+            source->size);
     return read_chunks(g, length, error);
 }
 
-static norma_document_result parse_text(gltf *g, norma_document_error *error)
-{
+static norma_document_result parse_text(gltf *g, norma_document_error *error) {
     json_error wrong;
     if (norma_json_parse(g->text, g->text_size, &g->json, &wrong))
-        return norma_json_is(&g->json, 0, JSON_OBJECT) ? NORMA_DOCUMENT_OK : norma_gltf_malformed(g, error, 0, "an object");
-    if (!wrong.expected)
-        return norma_document_fail_memory(g->document, error);
+        return norma_json_is(&g->json, 0, JSON_OBJECT)
+                   ? NORMA_DOCUMENT_OK
+                   : norma_gltf_malformed(g, error, 0, "an object");
+    if (!wrong.expected) return norma_document_fail_memory(g->document, error);
     char place[40];
-    snprintf(place, sizeof place, "byte %zu", wrong.byte + (size_t)((const unsigned char *)g->text - g->document->source.data));
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "no JSON; expected %s", wrong.expected);
+    snprintf(place, sizeof place, "byte %zu",
+        wrong.byte + (size_t)((const unsigned char *)g->text - g->document->source.data));
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
+        "no JSON; expected %s", wrong.expected);
 }
 
 /* "2.0" or "2.1" in a version string. */
-static int is_version_2(const gltf *g, uint32_t token)
-{
+static int is_version_2(const gltf *g, uint32_t token) {
     const json_token *t = &g->json.tokens[token];
-    return t->type == JSON_STRING && t->end - t->start >= 5 && g->text[t->start + 1] == '2' && g->text[t->start + 2] == '.';
+    return t->type == JSON_STRING && t->end - t->start >= 5 && g->text[t->start + 1] == '2' &&
+           g->text[t->start + 2] == '.';
 }
 
-int norma_gltf_needs_later(const gltf *g)
-{
-    uint32_t least = norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "minVersion");
+int norma_gltf_needs_later(const gltf *g) {
+    uint32_t least =
+        norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "minVersion");
     return least != JSON_NONE && !norma_json_equals(&g->json, least, "2.0");
 }
 
-static norma_document_result check_version(const gltf *g, norma_document_error *error)
-{
-    uint32_t version = norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "version");
+static norma_document_result check_version(const gltf *g, norma_document_error *error) {
+    uint32_t version =
+        norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "version");
     if (version == JSON_NONE)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "/asset/version", "expected a version, as every glTF file has");
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
+            "/asset/version", "expected a version, as every glTF file has");
     if (!is_version_2(g, version))
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/asset/version", "is not glTF 2; expected version 2.0");
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+            "/asset/version", "is not glTF 2; expected version 2.0");
     if (norma_gltf_needs_later(g) && !g->document->lenient)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/asset/minVersion", "needs a later version of glTF than is read here; expected 2.0");
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+            "/asset/minVersion", "needs a later version of glTF than is read here; expected 2.0");
     return NORMA_DOCUMENT_OK;
 }
 
 /* What a file may require without a word in it changing what its meshes' numbers mean. */
-int norma_gltf_is_known(const char *name)
-{
-    static const char *const prefixes[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_lights_", "EXT_texture_", "MSFT_texture_", "KHR_animation_", "KHR_audio_"};
-    static const char *const names[] = {"KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_xmp",
-                                        "KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability", "MSFT_lod", "VRM", "VRMC_vrm"};
+int norma_gltf_is_known(const char *name) {
+    static const char *const prefixes[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_",
+        "EXT_lights_", "EXT_texture_", "MSFT_texture_", "KHR_animation_", "KHR_audio_"};
+    static const char *const names[] = {"KHR_mesh_quantization", "EXT_meshopt_compression",
+        "KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_xmp",
+        "KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability", "MSFT_lod", "VRM",
+        "VRMC_vrm"};
     for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; ++i)
-        if (strncmp(name, prefixes[i], strlen(prefixes[i])) == 0)
-            return 1;
+        if (strncmp(name, prefixes[i], strlen(prefixes[i])) == 0) return 1;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
-        if (strcmp(name, names[i]) == 0)
-            return 1;
+        if (strcmp(name, names[i]) == 0) return 1;
     return 0;
 }
 
-static norma_document_result check_required(const gltf *g, norma_document_error *error)
-{
+static norma_document_result check_required(const gltf *g, norma_document_error *error) {
     const json *j = &g->json;
     uint32_t list = norma_json_member(j, 0, "extensionsRequired");
     if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
         return norma_gltf_malformed(g, error, list, "an array");
-    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE; item = norma_json_next(j, list, item)) {
+    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
+         item = norma_json_next(j, list, item)) {
         char *name = norma_json_string(j, item);
-        if (!name)
-            return norma_gltf_malformed(g, error, item, "the name of an extension");
+        if (!name) return norma_gltf_malformed(g, error, item, "the name of an extension");
         int draco = strcmp(name, "KHR_draco_mesh_compression") == 0;
-        int known = norma_gltf_is_known(name) || (draco && g->document->depth == NORMA_DOCUMENT_SUMMARY) || g->document->lenient;
+        int known = norma_gltf_is_known(name) ||
+                    (draco && g->document->depth == NORMA_DOCUMENT_SUMMARY) || g->document->lenient;
         norma_document_result result = NORMA_DOCUMENT_OK;
         if (!known)
-            result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "/extensionsRequired", "requires %s, which %s", name,
-                                         draco ? "is not read yet; expected meshes without Draco's compression" : "is not known here");
+            result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+                "/extensionsRequired", "requires %s, which %s", name,
+                draco ? "is not read yet; expected meshes without Draco's compression"
+                      : "is not known here");
         free(name);
-        if (result)
-            return result;
+        if (result) return result;
     }
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_open(norma_document *document, norma_document_error *error)
-{
+norma_document_result norma_gltf_open(norma_document *document, norma_document_error *error) {
     gltf *g = norma_io_allocate(1, sizeof *g);
-    if (!g)
-        return norma_document_fail_memory(document, error);
+    if (!g) return norma_document_fail_memory(document, error);
     document->state = g;
     g->document = document;
     g->text = (const char *)document->source.data;
@@ -156,13 +161,12 @@ norma_document_result norma_gltf_open(norma_document *document, norma_document_e
         g->text = NULL;
         result = read_glb(g, error);
     }
-    if (!result)
-        result = parse_text(g, error);
-    norma_document_result (*const steps[])(gltf *, norma_document_error *) = {norma_gltf_read_buffers, norma_gltf_read_accessors, norma_gltf_read_meshes, norma_gltf_read_nodes};
-    if (!result)
-        result = check_version(g, error);
-    if (!result)
-        result = check_required(g, error);
+    if (!result) result = parse_text(g, error);
+    norma_document_result (*const steps[])(gltf *, norma_document_error *) = {
+        norma_gltf_read_buffers, norma_gltf_read_accessors, norma_gltf_read_meshes,
+        norma_gltf_read_nodes};
+    if (!result) result = check_version(g, error);
+    if (!result) result = check_required(g, error);
     for (size_t i = 0; !result && i < sizeof steps / sizeof steps[0]; ++i)
         result = steps[i](g, error);
     if (!result && !(g->edits = norma_json_edits_create(&g->json, 0)))
@@ -170,11 +174,9 @@ norma_document_result norma_gltf_open(norma_document *document, norma_document_e
     return result;
 }
 
-void norma_gltf_close(norma_document *document)
-{
+void norma_gltf_close(norma_document *document) {
     gltf *g = norma_gltf_of(document);
-    if (!g)
-        return;
+    if (!g) return;
     norma_gltf_patch_free(g);
     norma_json_edits_destroy(g->edits);
     for (uint32_t i = 0; g->buffers && i < g->buffer_count; ++i) {
@@ -182,23 +184,18 @@ void norma_gltf_close(norma_document *document)
         free(g->buffers[i].owned);
         norma_file_close(&g->buffers[i].file);
     }
-    for (uint32_t i = 0; g->views && i < g->view_count; ++i)
-        free(g->views[i].decoded);
-    for (uint32_t i = 0; g->accessors && i < g->accessor_count; ++i)
-        free(g->accessors[i].owned);
-    for (uint32_t i = 0; g->meshes && i < g->mesh_count; ++i)
-        free(g->meshes[i].name);
+    for (uint32_t i = 0; g->views && i < g->view_count; ++i) free(g->views[i].decoded);
+    for (uint32_t i = 0; g->accessors && i < g->accessor_count; ++i) free(g->accessors[i].owned);
+    for (uint32_t i = 0; g->meshes && i < g->mesh_count; ++i) free(g->meshes[i].name);
     for (uint32_t i = 0; g->primitives && i < g->primitive_count; ++i) {
         free(g->primitives[i].corners);
         free(g->primitives[i].corner_normals);
     }
-    for (uint32_t i = 0; g->attributes && i < g->attribute_count; ++i)
-        free(g->attributes[i].name);
-    for (uint32_t i = 0; g->nodes && i < g->node_count; ++i)
-        free(g->nodes[i].name);
-    void *const blocks[] = {g->buffers, g->views, g->accessors, g->meshes, g->primitives, g->targets, g->attributes, g->nodes, g->drawing};
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i)
-        free(blocks[i]);
+    for (uint32_t i = 0; g->attributes && i < g->attribute_count; ++i) free(g->attributes[i].name);
+    for (uint32_t i = 0; g->nodes && i < g->node_count; ++i) free(g->nodes[i].name);
+    void *const blocks[] = {g->buffers, g->views, g->accessors, g->meshes, g->primitives,
+        g->targets, g->attributes, g->nodes, g->drawing};
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
     norma_json_free(&g->json);
     free(g);
     document->state = NULL;
@@ -206,11 +203,12 @@ void norma_gltf_close(norma_document *document)
 
 /* ---- members of the JSON, checked */
 
-char *norma_gltf_pointer(const gltf *g, uint32_t token, char *out, size_t capacity)
-{
+char *norma_gltf_pointer(const gltf *g, uint32_t token, char *out, size_t capacity) {
     uint32_t chain[JSON_DEPTH + 1];
     size_t depth = 0, used = 0;
-    for (uint32_t t = token; t != JSON_NONE && g->json.tokens[t].parent != JSON_NONE && depth < JSON_DEPTH; t = g->json.tokens[t].parent)
+    for (uint32_t t = token;
+         t != JSON_NONE && g->json.tokens[t].parent != JSON_NONE && depth < JSON_DEPTH;
+         t = g->json.tokens[t].parent)
         chain[depth++] = t;
     out[0] = '\0';
     while (depth-- > 0 && used + 1 < capacity) {
@@ -218,9 +216,12 @@ char *norma_gltf_pointer(const gltf *g, uint32_t token, char *out, size_t capaci
         int written;
         if (g->json.tokens[parent].type == JSON_OBJECT) {
             const json_token *key = &g->json.tokens[t - 1];
-            written = snprintf(out + used, capacity - used, "/%.*s", (int)(key->end - key->start > 66 ? 64 : key->end - key->start - 2), g->text + key->start + 1);
+            written = snprintf(out + used, capacity - used, "/%.*s",
+                (int)(key->end - key->start > 66 ? 64 : key->end - key->start - 2),
+                g->text + key->start + 1);
         } else {
-            for (uint32_t i = norma_json_first(&g->json, parent); i != t; i = norma_json_next(&g->json, parent, i))
+            for (uint32_t i = norma_json_first(&g->json, parent); i != t;
+                 i = norma_json_next(&g->json, parent, i))
                 ++number;
             written = snprintf(out + used, capacity - used, "/%u", (unsigned)number);
         }
@@ -229,59 +230,57 @@ char *norma_gltf_pointer(const gltf *g, uint32_t token, char *out, size_t capaci
     return out;
 }
 
-norma_document_result norma_gltf_malformed(const gltf *g, norma_document_error *error, uint32_t token, const char *expected)
-{
+norma_document_result norma_gltf_malformed(
+    const gltf *g, norma_document_error *error, uint32_t token, const char *expected) {
     char place[200];
     norma_gltf_pointer(g, token, place, sizeof place);
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place[0] ? place : "/", "expected %s", expected);
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
+        place[0] ? place : "/", "expected %s", expected);
 }
 
-int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value)
-{
+int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value) {
     uint32_t token = norma_json_member(&g->json, object, key);
     uint64_t read;
-    if (token == JSON_NONE)
-        return 1;
-    if (!norma_json_uint(&g->json, token, &read) || read > SIZE_MAX / 4)
-        return 0;
+    if (token == JSON_NONE) return 1;
+    if (!norma_json_uint(&g->json, token, &read) || read > SIZE_MAX / 4) return 0;
     *value = (size_t)read;
     return 1;
 }
 
-int norma_gltf_index_member(const gltf *g, uint32_t object, const char *key, uint32_t limit, uint32_t *value)
-{
+int norma_gltf_index_member(
+    const gltf *g, uint32_t object, const char *key, uint32_t limit, uint32_t *value) {
     uint32_t token = norma_json_member(&g->json, object, key);
     uint64_t read;
-    if (token == JSON_NONE)
-        return 1;
-    if (!norma_json_uint(&g->json, token, &read) || read >= limit)
-        return 0;
+    if (token == JSON_NONE) return 1;
+    if (!norma_json_uint(&g->json, token, &read) || read >= limit) return 0;
     *value = (uint32_t)read;
     return 1;
 }
 
 /* ---- what is in it */
 
-static size_t mesh_count(const norma_document *document)
-{
+static size_t mesh_count(const norma_document *document) {
     return norma_gltf_of(document)->primitive_count;
 }
 
-static const char *encoding_of(const gltf *g, uint32_t normal)
-{
-    if (normal == GLTF_NONE)
-        return "";
+static const char *encoding_of(const gltf *g, uint32_t normal) {
+    if (normal == GLTF_NONE) return "";
     switch (g->accessors[normal].component) {
-    case GLTF_BYTE: return "snorm8";
-    case GLTF_SHORT: return "snorm16";
-    case GLTF_UBYTE: return "unorm8";
-    case GLTF_USHORT: return "unorm16";
-    default: return "float";
+    case GLTF_BYTE:
+        return "snorm8";
+    case GLTF_SHORT:
+        return "snorm16";
+    case GLTF_UBYTE:
+        return "unorm8";
+    case GLTF_USHORT:
+        return "unorm16";
+    default:
+        return "float";
     }
 }
 
-static norma_document_result mesh_info(const norma_document *document, size_t index, norma_mesh_info *info)
-{
+static norma_document_result mesh_info(
+    const norma_document *document, size_t index, norma_mesh_info *info) {
     const gltf *g = norma_gltf_of(document);
     const gltf_primitive *p = &g->primitives[index];
     *info = (norma_mesh_info){
@@ -301,16 +300,18 @@ static norma_document_result mesh_info(const norma_document *document, size_t in
     return NORMA_DOCUMENT_OK;
 }
 
-static size_t node_count(const norma_document *document)
-{
+static size_t node_count(const norma_document *document) {
     return norma_gltf_of(document)->drawing_count;
 }
 
-static norma_document_result node_info(const norma_document *document, size_t index, norma_node_info *info)
-{
+static norma_document_result node_info(
+    const norma_document *document, size_t index, norma_node_info *info) {
     const gltf *g = norma_gltf_of(document);
     const gltf_node *node = &g->nodes[g->drawing[index]];
-    *info = (norma_node_info){.name = node->name, .node = g->drawing[index], .mesh = node->mesh, .instances = node->instances};
+    *info = (norma_node_info){.name = node->name,
+        .node = g->drawing[index],
+        .mesh = node->mesh,
+        .instances = node->instances};
     memcpy(info->world, node->world, sizeof info->world);
     return norma_gltf_describe_node(document, index, info);
 }

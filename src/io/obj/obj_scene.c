@@ -1,5 +1,5 @@
-/* obj_scene.c: what an OBJ's faces have beside positions and normals: texture vertices and materials. A second walk over the same statements, for those who
- * ask. */
+/* obj_scene.c: what an OBJ's faces have beside positions and normals: texture vertices and
+ * materials. A second walk over the same statements, for those who ask. */
 #include "io/obj/obj.h"
 #include "io/obj/statements.h"
 #include "io/text/number.h"
@@ -28,7 +28,8 @@ typedef struct walk {
 
 static size_t hash_of(const char *text, size_t length) {
     uint64_t hash = UINT64_C(14695981039346656037);
-    for (size_t i = 0; i < length; ++i) hash = (hash ^ (unsigned char)text[i]) * UINT64_C(1099511628211);
+    for (size_t i = 0; i < length; ++i)
+        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(1099511628211);
     return (size_t)(hash ^ hash >> 29);
 }
 
@@ -36,8 +37,7 @@ static uint32_t *slot_of(const walk *w, const char *text, size_t length) {
     size_t at = hash_of(text, length) & (w->table_size - 1);
     for (; w->table[at]; at = (at + 1) & (w->table_size - 1)) {
         const char *name = w->names[w->table[at] - 1];
-        if (strlen(name) == length && memcmp(name, text, length) == 0)
-            break;
+        if (strlen(name) == length && memcmp(name, text, length) == 0) break;
     }
     return &w->table[at];
 }
@@ -45,12 +45,12 @@ static uint32_t *slot_of(const walk *w, const char *text, size_t length) {
 static int grow_table(walk *w) {
     size_t larger = w->table_size ? 2 * w->table_size : 64;
     uint32_t *table = norma_io_allocate(larger, sizeof *table);
-    if (!table)
-        return 0;
+    if (!table) return 0;
     free(w->table);
     w->table = table;
     w->table_size = larger;
-    for (size_t i = 0; i < w->name_count; ++i) *slot_of(w, w->names[i], strlen(w->names[i])) = (uint32_t)i + 1;
+    for (size_t i = 0; i < w->name_count; ++i)
+        *slot_of(w, w->names[i], strlen(w->names[i])) = (uint32_t)i + 1;
     return 1;
 }
 
@@ -64,12 +64,12 @@ static void use_material(walk *w, const char *text, size_t length) {
     }
     uint32_t *slot = slot_of(w, text, length);
     if (!*slot) {
-        const char **names = norma_io_grow((void *)w->names, &w->name_room, w->name_count + 1, sizeof *names);
+        const char **names =
+            norma_io_grow((void *)w->names, &w->name_room, w->name_count + 1, sizeof *names);
         char *name = names ? norma_scene_allocate(w->document->scene, length + 1, 1) : NULL;
         w->names = names ? names : w->names;
         w->failed |= !name;
-        if (!name)
-            return;
+        if (!name) return;
         memcpy(name, text, length);
         w->names[w->name_count] = name;
         *slot = (uint32_t)++w->name_count;
@@ -87,7 +87,8 @@ static void read_material(walk *w, const char *p) {
 }
 
 static void read_texcoord(walk *w, const char *p) {
-    float *grown = norma_io_grow(w->texcoords, &w->texcoord_room, w->texcoord_count + 1, 2 * sizeof *grown);
+    float *grown =
+        norma_io_grow(w->texcoords, &w->texcoord_room, w->texcoord_count + 1, 2 * sizeof *grown);
     if (!grown) {
         w->failed = 1;
         return;
@@ -106,7 +107,8 @@ static void read_texcoord(walk *w, const char *p) {
 static uint32_t texture_of(const walk *w, const obj_corner *corner) {
     int64_t index;
     const char *slash = memchr(corner->begin, '/', (size_t)(corner->end - corner->begin));
-    if (!corner->has_texture || !slash || !norma_number_parse_integer(slash + 1, corner->end, &index))
+    if (!corner->has_texture || !slash ||
+        !norma_number_parse_integer(slash + 1, corner->end, &index))
         return UINT32_MAX;
     uint32_t number = norma_obj_resolve(index, w->texcoord_count);
     return number == UINT32_MAX - 2 ? UINT32_MAX : number;
@@ -115,14 +117,16 @@ static uint32_t texture_of(const walk *w, const obj_corner *corner) {
 static void read_face(walk *w, const char *p) {
     obj_corner corner;
     size_t first = w->corner;
-    for (p = norma_obj_skip_blanks(p, w->end); w->corner < w->state->corner_count && norma_obj_corner(p, w->end, &corner);
+    for (p = norma_obj_skip_blanks(p, w->end);
+         w->corner < w->state->corner_count && norma_obj_corner(p, w->end, &corner);
          p = norma_obj_skip_blanks(corner.end, w->end))
         w->corner_texcoords[w->corner++] = texture_of(w, &corner);
     if (w->corner > first && w->face < w->state->face_count)
         w->face_materials[w->face++] = w->material;
 }
 
-/* ---- plain lines, nearly all of a file: no sign, no blank but spaces, no joined lines, no comment behind them. What is not plain is read the long way. */
+/* ---- plain lines, nearly all of a file: no sign, no blank but spaces, no joined lines, no comment
+ * behind them. What is not plain is read the long way. */
 
 static inline int is_digit(char c) { return (unsigned char)(c - '0') < 10; }
 
@@ -139,12 +143,9 @@ static inline const char *read_plain_corner(const char *p, const char *end, uint
     uint32_t skipped;
     *texture = 0;
     p = read_plain(p, end, &skipped);
-    if (!p || p >= end || *p != '/')
-        return p;
-    if (++p < end && *p != '/' && !(p = read_plain(p, end, texture)))
-        return NULL;
-    if (!p || p >= end || *p != '/')
-        return p;
+    if (!p || p >= end || *p != '/') return p;
+    if (++p < end && *p != '/' && !(p = read_plain(p, end, texture))) return NULL;
+    if (!p || p >= end || *p != '/') return p;
     return read_plain(p + 1, end, &skipped);
 }
 
@@ -154,11 +155,9 @@ static const char *read_plain_face(walk *w, const char *p) {
     while (corner < w->state->corner_count) {
         uint32_t texture;
         while (p < w->end && *p == ' ') ++p;
-        if (p < w->end && *p == '\n')
-            break;
+        if (p < w->end && *p == '\n') break;
         p = read_plain_corner(p, w->end, &texture);
-        if (!p || p >= w->end || (*p != ' ' && *p != '\n'))
-            return NULL;
+        if (!p || p >= w->end || (*p != ' ' && *p != '\n')) return NULL;
         w->corner_texcoords[corner++] = texture - 1;
     }
     while (p < w->end && *p == ' ') ++p;
@@ -171,22 +170,20 @@ static const char *read_plain_face(walk *w, const char *p) {
 
 static const char *skip_line(const char *p, const char *end) {
     for (const char *at = p; at < end && *at != '\r' && *at != '\\'; ++at)
-        if (*at == '\n')
-            return at;
+        if (*at == '\n') return at;
     return norma_obj_statement_end(p, end);
 }
 
 static int is_word(const char *p, const char *end, const char *word, size_t length) {
-    return (size_t)(end - p) > length && memcmp(p, word, length) == 0 && norma_obj_is_blank(p[length]);
+    return (size_t)(end - p) > length && memcmp(p, word, length) == 0 &&
+           norma_obj_is_blank(p[length]);
 }
 
 /* Where its line ends. */
 static const char *read_statement(walk *w, const char *p) {
     const char *rest = p, *plain = NULL;
-    if (*p == 'f' && is_word(p, w->end, "f", 1))
-        plain = read_plain_face(w, p + 1);
-    if (plain)
-        return plain;
+    if (*p == 'f' && is_word(p, w->end, "f", 1)) plain = read_plain_face(w, p + 1);
+    if (plain) return plain;
     if (*p == 'f' && norma_obj_keyword(p, w->end, &rest) == OBJ_FACE)
         read_face(w, rest);
     else if (*p == 'v' && is_word(p, w->end, "vt", 2))
@@ -198,8 +195,7 @@ static const char *read_statement(walk *w, const char *p) {
 
 static void read_all(walk *w) {
     const char *text = (const char *)w->document->source.data;
-    if (w->document->source.size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
-        text += 3;
+    if (w->document->source.size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) text += 3;
     for (const char *p = text; p < w->end && !w->failed;) {
         p = norma_obj_skip_blanks(p, w->end);
         p = p < w->end ? norma_obj_skip_end(read_statement(w, p), w->end) : p;
@@ -211,10 +207,13 @@ static void read_all(walk *w) {
 static int keep_materials(walk *w) {
     norma_scene *scene = w->document->scene;
     norma_material_info *materials = norma_scene_allocate(scene, w->name_count, sizeof *materials);
-    if (!materials)
-        return 0;
+    if (!materials) return 0;
     for (size_t i = 0; i < w->name_count; ++i)
-        materials[i] = (norma_material_info){.name = w->names[i], .where = "", .base_color = {1, 1, 1, 1}, .roughness = 1, .ignore = ""};
+        materials[i] = (norma_material_info){.name = w->names[i],
+            .where = "",
+            .base_color = {1, 1, 1, 1},
+            .roughness = 1,
+            .ignore = ""};
     scene->materials = materials;
     scene->material_count = w->name_count;
     return 1;
@@ -222,8 +221,7 @@ static int keep_materials(walk *w) {
 
 static int several(const walk *w) {
     for (size_t i = 1; i < w->face; ++i)
-        if (w->face_materials[i] != w->face_materials[0])
-            return 1;
+        if (w->face_materials[i] != w->face_materials[0]) return 1;
     return 0;
 }
 
@@ -231,14 +229,13 @@ static int several(const walk *w) {
 static void keep_texcoords(walk *w, norma_mesh_attributes *made) {
     int any = 0;
     for (size_t i = 0; i < w->corner; ++i) {
-        if (w->corner_texcoords[i] >= w->texcoord_count)
-            w->corner_texcoords[i] = UINT32_MAX;
+        if (w->corner_texcoords[i] >= w->texcoord_count) w->corner_texcoords[i] = UINT32_MAX;
         any |= w->corner_texcoords[i] != UINT32_MAX;
     }
-    float *kept = any ? norma_scene_allocate(w->document->scene, w->texcoord_count, 2 * sizeof *kept) : NULL;
+    float *kept =
+        any ? norma_scene_allocate(w->document->scene, w->texcoord_count, 2 * sizeof *kept) : NULL;
     w->failed |= any && !kept;
-    if (!kept)
-        return;
+    if (!kept) return;
     memcpy(kept, w->texcoords, w->texcoord_count * 2 * sizeof *kept);
     made->texcoords = kept;
     made->texcoord_count = w->texcoord_count;
@@ -248,7 +245,8 @@ static void keep_texcoords(walk *w, norma_mesh_attributes *made) {
 /* 1: some corners name a normal and others none; 2: one names a normal that is not there. */
 static uint8_t fault_of(const obj_state *state, size_t face) {
     int bad = 0, without = 0, with = 0;
-    for (size_t i = norma_obj_face_start(state, face); i < norma_obj_face_start(state, face + 1); ++i) {
+    for (size_t i = norma_obj_face_start(state, face); i < norma_obj_face_start(state, face + 1);
+         ++i) {
         bad |= state->corner_normals[i] == OBJ_BAD_NORMAL;
         without |= state->corner_normals[i] == OBJ_NO_NORMAL;
         with |= state->corner_normals[i] < OBJ_BAD_NORMAL;
@@ -261,8 +259,7 @@ static void judge_normals(walk *w, norma_mesh_attributes *made) {
     uint8_t *faults = NULL;
     for (size_t face = 0; state->corner_normals && face < state->face_count; ++face) {
         uint8_t fault = fault_of(state, face);
-        if (!fault)
-            continue;
+        if (!fault) continue;
         if (!faults && !(faults = norma_scene_allocate(w->document->scene, state->face_count, 1))) {
             w->failed = 1;
             return;
@@ -278,27 +275,27 @@ static void judge_normals(walk *w, norma_mesh_attributes *made) {
 static norma_document_result walk_all(norma_document *document, norma_document_error *error) {
     norma_scene *scene = document->scene;
     const obj_state *state = document->state;
-    walk w = {.document = document, .state = state, .end = (const char *)document->source.data + document->source.size, .material = UINT32_MAX};
+    walk w = {.document = document,
+        .state = state,
+        .end = (const char *)document->source.data + document->source.size,
+        .material = UINT32_MAX};
     norma_mesh_attributes *made = norma_scene_allocate(scene, 1, sizeof *made);
     norma_mesh_attributes **list = norma_scene_allocate(scene, 1, sizeof *list);
-    w.corner_texcoords = norma_scene_allocate(scene, state->corner_count, sizeof *w.corner_texcoords);
+    w.corner_texcoords =
+        norma_scene_allocate(scene, state->corner_count, sizeof *w.corner_texcoords);
     w.face_materials = norma_scene_allocate(scene, state->face_count, sizeof *w.face_materials);
     w.failed = !made || !list || !w.corner_texcoords || !w.face_materials;
-    if (!w.failed)
-        read_all(&w);
+    if (!w.failed) read_all(&w);
     if (!w.failed) {
         *made = (norma_mesh_attributes){.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""};
         keep_texcoords(&w, made);
         judge_normals(&w, made);
-        if (w.face && w.face_materials[0] != UINT32_MAX)
-            made->material = w.face_materials[0];
-        if (several(&w))
-            made->face_materials = w.face_materials;
+        if (w.face && w.face_materials[0] != UINT32_MAX) made->material = w.face_materials[0];
+        if (several(&w)) made->face_materials = w.face_materials;
         list[0] = made;
     }
     w.failed = w.failed || !keep_materials(&w);
-    if (!w.failed)
-        scene->attributes = list;
+    if (!w.failed) scene->attributes = list;
     free(w.texcoords);
     free((void *)w.names);
     free(w.table);
@@ -308,9 +305,9 @@ static norma_document_result walk_all(norma_document *document, norma_document_e
 static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
     const obj_state *state = document->state;
     norma_unread *unread = norma_scene_allocate(document->scene, 1, sizeof *unread);
-    if (!unread)
-        return norma_document_fail_memory(document, error);
-    *unread = (norma_unread){.where = "", .why = "free-form surfaces, of which only polygons that stand beside them are read"};
+    if (!unread) return norma_document_fail_memory(document, error);
+    *unread = (norma_unread){.where = "",
+        .why = "free-form surfaces, of which only polygons that stand beside them are read"};
     document->scene->unread = unread;
     document->scene->unread_count = state->has_surfaces != 0;
     return NORMA_DOCUMENT_OK;

@@ -1,7 +1,10 @@
-/* read_parallel.c: an OBJ read by threads. The text is cut into stretches of whole statements. Whoever reads one waits for its turn, in the order of the text, to be told where
- * its elements go, and copies them there while others go on; so the arrays are those that one reader would make, whoever read what.
+/* read_parallel.c: an OBJ read by threads. The text is cut into stretches of whole statements.
+ * Whoever reads one waits for its turn, in the order of the text, to be told where its elements go,
+ * and copies them there while others go on; so the arrays are those that one reader would make,
+ * whoever read what.
  *
- * What goes wrong is not told from here: the text is then read once more, as one part from its beginning, which knows what stands before each statement. */
+ * What goes wrong is not told from here: the text is then read once more, as one part from its
+ * beginning, which knows what stands before each statement. */
 #include "io/obj/text_stretch.h"
 #include "io/obj/vertex_lines.h"
 #include <pthread.h>
@@ -12,66 +15,64 @@
 #include "io/text/number.h"
 #include "io/obj/statements.h"
 
-enum { STRETCH = 1 << 18 };                   /* bytes; what it becomes stays in a core's own cache */
+enum { STRETCH = 1 << 18 }; /* bytes; what it becomes stays in a core's own cache */
 
 typedef struct spare_part {
-    obj_part           part;
+    obj_part part;
     struct spare_part *next;
 } spare_part;
 
 typedef struct gathering {
     const norma_document *document;
-    obj_state            *state;
-    const char           *text, *end;
-    pthread_mutex_t       lock;
-    pthread_cond_t        moved;               /* turn, or copying */
-    size_t                turn, copying;       /* the stretch whose turn it is; how many copy now */
-    spare_part           *spares;
+    obj_state *state;
+    const char *text, *end;
+    pthread_mutex_t lock;
+    pthread_cond_t moved; /* turn, or copying */
+    size_t turn, copying; /* the stretch whose turn it is; how many copy now */
+    spare_part *spares;
     norma_document_result result;
-    int64_t               group;               /* in force */
-    uint32_t              last_position, last_normal;
-    int                   known;
-    obj_oddity            unknown, empty_face, odd_number;
+    int64_t group; /* in force */
+    uint32_t last_position, last_normal;
+    int known;
+    obj_oddity unknown, empty_face, odd_number;
 } gathering;
 
 /* Where a part's elements go. */
 typedef struct place {
     obj_stretch at;
-    size_t      corner;
-    int         with_normals, with_faces;
+    size_t corner;
+    int with_normals, with_faces;
 } place;
 
 /* ---- room */
 
-/* Room for count more elements behind used ones; where there is none, for as many as the rest of the text would hold if it were like this part. Nobody copies meanwhile. */
-static int reserve(gathering *g, const obj_part *part, void *array, size_t *room, size_t used, size_t count, size_t size)
-{
+/* Room for count more elements behind used ones; where there is none, for as many as the rest of
+ * the text would hold if it were like this part. Nobody copies meanwhile. */
+static int reserve(gathering *g, const obj_part *part, void *array, size_t *room, size_t used,
+    size_t count, size_t size) {
     void *block;
     memcpy(&block, array, sizeof block);
-    if (block && used + count <= *room)
-        return 1;
-    while (g->copying)
-        pthread_cond_wait(&g->moved, &g->lock);
+    if (block && used + count <= *room) return 1;
+    while (g->copying) pthread_cond_wait(&g->moved, &g->lock);
     const double left = (double)(g->end - part->begin) / (double)(part->end - part->begin);
     const double guess = (double)used + 1.01 * left * (double)count;
-    const size_t wanted =
-        used + count < (size_t)OBJ_MOST && guess < (double)OBJ_MOST ? (size_t)guess : used + count; /* left is at least 1, and the guess never less */
+    const size_t wanted = used + count < (size_t)OBJ_MOST && guess < (double)OBJ_MOST
+                              ? (size_t)guess
+                              : used + count; /* left is at least 1, and the guess never less */
     void *grown = norma_io_move_block(block, block ? used * size : 0, wanted, size);
-    if (!grown)
-        return 0;
+    if (!grown) return 0;
     memcpy(array, &grown, sizeof grown);
     *room = wanted;
     return 1;
 }
 
 /* From the first corner on that names a normal, every corner has a number. */
-static int reserve_corner_normals(gathering *g, const obj_part *part)
-{
+static int reserve_corner_normals(gathering *g, const obj_part *part) {
     obj_state *state = g->state;
     const int first = !state->corner_normals;
-    if (first && !part->names_normals)
-        return 1;
-    if (!reserve(g, part, &state->corner_normals, &state->corner_normal_room, state->corner_count, part->corner_count, sizeof(uint32_t)))
+    if (first && !part->names_normals) return 1;
+    if (!reserve(g, part, &state->corner_normals, &state->corner_normal_room, state->corner_count,
+            part->corner_count, sizeof(uint32_t)))
         return 0;
     if (first && state->corner_count)
         memset(state->corner_normals, 0xff, state->corner_count * sizeof(uint32_t));
@@ -79,47 +80,51 @@ static int reserve_corner_normals(gathering *g, const obj_part *part)
 }
 
 /* The same with faces that are no triangles. */
-static int reserve_face_starts(gathering *g, const obj_part *part)
-{
+static int reserve_face_starts(gathering *g, const obj_part *part) {
     obj_state *state = g->state;
     const int first = !state->face_starts;
-    if (first && !part->has_polygons)
-        return 1;
-    if (!reserve(g, part, &state->face_starts, &state->face_room, state->face_count + 1, part->face_count, sizeof(uint32_t)))
+    if (first && !part->has_polygons) return 1;
+    if (!reserve(g, part, &state->face_starts, &state->face_room, state->face_count + 1,
+            part->face_count, sizeof(uint32_t)))
         return 0;
     for (size_t i = 0; first && i <= state->face_count; ++i)
         state->face_starts[i] = (uint32_t)(3 * i);
     return 1;
 }
 
-static int reserve_all(gathering *g, const obj_part *part)
-{
+static int reserve_all(gathering *g, const obj_part *part) {
     obj_state *s = g->state;
-    return (!part->position_count || reserve(g, part, &s->positions, &s->position_room, s->position_count, part->position_count, 3 * sizeof(double))) &&
-           (!part->corner_count || reserve(g, part, &s->corners, &s->corner_room, s->corner_count, part->corner_count, sizeof(uint32_t))) &&
-           (!part->normal_count || reserve(g, part, &s->normals, &s->normal_room, s->normal_count, part->normal_count, 3 * sizeof(float))) &&
-           (!part->normal_count || reserve(g, part, &s->normal_offsets, &s->normal_offset_room, s->normal_count, part->normal_count, sizeof(size_t))) &&
-           (!part->other_count || reserve(g, part, &s->other_normals, &s->other_room, s->other_count, part->other_count, sizeof(uint32_t))) &&
+    return (!part->position_count ||
+               reserve(g, part, &s->positions, &s->position_room, s->position_count,
+                   part->position_count, 3 * sizeof(double))) &&
+           (!part->corner_count || reserve(g, part, &s->corners, &s->corner_room, s->corner_count,
+                                       part->corner_count, sizeof(uint32_t))) &&
+           (!part->normal_count || reserve(g, part, &s->normals, &s->normal_room, s->normal_count,
+                                       part->normal_count, 3 * sizeof(float))) &&
+           (!part->normal_count || reserve(g, part, &s->normal_offsets, &s->normal_offset_room,
+                                       s->normal_count, part->normal_count, sizeof(size_t))) &&
+           (!part->other_count || reserve(g, part, &s->other_normals, &s->other_room,
+                                      s->other_count, part->other_count, sizeof(uint32_t))) &&
            reserve_corner_normals(g, part) && reserve_face_starts(g, part);
 }
 
 /* ---- in turn */
 
-static int too_many(const obj_state *state, const obj_part *part)
-{
-    return part->position_count > OBJ_MOST - state->position_count || part->normal_count > OBJ_MOST - state->normal_count ||
+static int too_many(const obj_state *state, const obj_part *part) {
+    return part->position_count > OBJ_MOST - state->position_count ||
+           part->normal_count > OBJ_MOST - state->normal_count ||
            part->corner_count > OBJ_MOST - state->corner_count;
 }
 
 /* Numbers that count back, now that it is known from where. 0: a position before the first. */
-static int resolve_relatives(const obj_state *state, obj_part *part)
-{
+static int resolve_relatives(const obj_state *state, obj_part *part) {
     for (size_t i = 0; i < part->relative_count; ++i) {
         const obj_relative *relative = &part->relatives[i];
-        const int64_t value = relative->value + (int64_t)(relative->list == OBJ_OF_CORNER ? state->position_count : state->normal_count);
+        const int64_t value =
+            relative->value + (int64_t)(relative->list == OBJ_OF_CORNER ? state->position_count
+                                                                        : state->normal_count);
         if (relative->list == OBJ_OF_CORNER) {
-            if (value < 0)
-                return 0;
+            if (value < 0) return 0;
             part->corners[relative->slot] = (uint32_t)value;
         } else if (relative->list == OBJ_OF_CORNER_NORMAL) {
             part->corner_normals[relative->slot] = value < 0 ? OBJ_BAD_NORMAL : (uint32_t)value;
@@ -132,47 +137,41 @@ static int resolve_relatives(const obj_state *state, obj_part *part)
     return 1;
 }
 
-static void add_oddity(obj_oddity *sum, const obj_oddity *oddity)
-{
+static void add_oddity(obj_oddity *sum, const obj_oddity *oddity) {
     sum->first = sum->count ? sum->first : oddity->first;
     sum->count += oddity->count;
 }
 
-static int add_runs(gathering *g, const obj_part *part)
-{
+static int add_runs(gathering *g, const obj_part *part) {
     obj_state *state = g->state;
     size_t first_face = 0;
     for (size_t i = 0; i <= part->run_count; ++i) {
         const size_t end = i < part->run_count ? part->runs[i].first_face : part->face_count;
         state->has_groups |= g->group != 0 && end > first_face;
         first_face = end;
-        if (i == part->run_count || part->runs[i].group == g->group)
-            continue;
+        if (i == part->run_count || part->runs[i].group == g->group) continue;
         g->group = part->runs[i].group;
-        obj_run *grown = norma_io_grow(state->runs, &state->run_room, state->run_count + 1, sizeof *grown);
-        if (!grown)
-            return 0;
+        obj_run *grown =
+            norma_io_grow(state->runs, &state->run_room, state->run_count + 1, sizeof *grown);
+        if (!grown) return 0;
         state->runs = grown;
-        if (state->run_count && state->runs[state->run_count - 1].first_face == state->face_count + end)
-            --state->run_count;                            /* no face lies between */
-        state->runs[state->run_count++] = (obj_run){ state->face_count + end, g->group };
+        if (state->run_count &&
+            state->runs[state->run_count - 1].first_face == state->face_count + end)
+            --state->run_count; /* no face lies between */
+        state->runs[state->run_count++] = (obj_run){state->face_count + end, g->group};
     }
     return 1;
 }
 
-static int take_name(obj_state *state, const obj_part *part)
-{
-    if (state->name || !part->name)
-        return 1;
+static int take_name(obj_state *state, const obj_part *part) {
+    if (state->name || !part->name) return 1;
     const size_t length = (size_t)(part->name_end - part->name);
     state->name = norma_io_allocate(length + 1, 1);
-    if (state->name)
-        memcpy(state->name, part->name, length);
+    if (state->name) memcpy(state->name, part->name, length);
     return state->name != NULL;
 }
 
-static void add_counts(gathering *g, const obj_part *part)
-{
+static void add_counts(gathering *g, const obj_part *part) {
     obj_state *state = g->state;
     state->position_count += part->position_count;
     state->corner_count += part->corner_count;
@@ -183,9 +182,9 @@ static void add_counts(gathering *g, const obj_part *part)
     state->bad_normal_count += part->bad_normal_count;
     state->has_normals |= part->has_normals;
     state->has_surfaces |= part->has_surfaces;
-    if (state->block == SIZE_MAX)
-        state->block = part->block;
-    g->last_position = part->last_position > g->last_position ? part->last_position : g->last_position;
+    if (state->block == SIZE_MAX) state->block = part->block;
+    g->last_position =
+        part->last_position > g->last_position ? part->last_position : g->last_position;
     g->last_normal = part->last_normal > g->last_normal ? part->last_normal : g->last_normal;
     g->known |= part->known;
     add_oddity(&g->unknown, &part->unknown);
@@ -193,18 +192,15 @@ static void add_counts(gathering *g, const obj_part *part)
     add_oddity(&g->odd_number, &part->odd_number);
 }
 
-static norma_document_result take_turn(gathering *g, obj_part *part, size_t index, place *to)
-{
+static norma_document_result take_turn(gathering *g, obj_part *part, size_t index, place *to) {
     obj_state *state = g->state;
-    if (part->result)
-        return part->result;
-    if (too_many(state, part))
-        return NORMA_DOCUMENT_ERROR_UNSUPPORTED;
-    if (!resolve_relatives(state, part))
-        return NORMA_DOCUMENT_ERROR_MALFORMED;
+    if (part->result) return part->result;
+    if (too_many(state, part)) return NORMA_DOCUMENT_ERROR_UNSUPPORTED;
+    if (!resolve_relatives(state, part)) return NORMA_DOCUMENT_ERROR_MALFORMED;
     if (!reserve_all(g, part) || !add_runs(g, part) || !take_name(state, part))
         return NORMA_DOCUMENT_ERROR_MEMORY;
-    to->at = (obj_stretch){ (size_t)(part->begin - g->text), state->position_count, state->normal_count, state->face_count, state->other_count };
+    to->at = (obj_stretch){(size_t)(part->begin - g->text), state->position_count,
+        state->normal_count, state->face_count, state->other_count};
     to->corner = state->corner_count;
     to->with_normals = state->corner_normals != NULL;
     to->with_faces = state->face_starts != NULL;
@@ -215,64 +211,65 @@ static norma_document_result take_turn(gathering *g, obj_part *part, size_t inde
 
 /* ---- side by side */
 
-static void copy_list(void *to, const void *from, size_t size)
-{
-    if (size)
-        memcpy(to, from, size);
+static void copy_list(void *to, const void *from, size_t size) {
+    if (size) memcpy(to, from, size);
 }
 
-static void copy_part(const obj_state *state, const obj_part *part, const place *to)
-{
+static void copy_part(const obj_state *state, const obj_part *part, const place *to) {
     if (part->position_count)
-        copy_list(state->positions + 3 * to->at.position, part->positions, part->position_count * 3 * sizeof(double));
+        copy_list(state->positions + 3 * to->at.position, part->positions,
+            part->position_count * 3 * sizeof(double));
     if (part->normal_count) {
-        copy_list(state->normals + 3 * to->at.normal, part->normals, part->normal_count * 3 * sizeof(float));
-        copy_list(state->normal_offsets + to->at.normal, part->normal_offsets, part->normal_count * sizeof(size_t));
+        copy_list(state->normals + 3 * to->at.normal, part->normals,
+            part->normal_count * 3 * sizeof(float));
+        copy_list(state->normal_offsets + to->at.normal, part->normal_offsets,
+            part->normal_count * sizeof(size_t));
     }
     if (part->other_count)
-        copy_list(state->other_normals + to->at.other, part->other_normals, part->other_count * sizeof(uint32_t));
+        copy_list(state->other_normals + to->at.other, part->other_normals,
+            part->other_count * sizeof(uint32_t));
     if (part->corner_count)
-        copy_list(state->corners + to->corner, part->corners, part->corner_count * sizeof(uint32_t));
+        copy_list(
+            state->corners + to->corner, part->corners, part->corner_count * sizeof(uint32_t));
     if (part->corner_count && part->names_normals)
-        copy_list(state->corner_normals + to->corner, part->corner_normals, part->corner_count * sizeof(uint32_t));
+        copy_list(state->corner_normals + to->corner, part->corner_normals,
+            part->corner_count * sizeof(uint32_t));
     else if (part->corner_count && to->with_normals)
         memset(state->corner_normals + to->corner, 0xff, part->corner_count * sizeof(uint32_t));
     for (size_t i = 0; to->with_faces && i < part->face_count; ++i)
         state->face_starts[to->at.face + i + 1] = (uint32_t)to->corner + part->face_ends[i];
 }
 
-static spare_part *get_spare(gathering *g)
-{
+static spare_part *get_spare(gathering *g) {
     pthread_mutex_lock(&g->lock);
     spare_part *spare = g->spares;
-    if (spare)
-        g->spares = spare->next;
+    if (spare) g->spares = spare->next;
     const int failed = g->result != NORMA_DOCUMENT_OK;
     pthread_mutex_unlock(&g->lock);
-    if (!spare)
-        spare = norma_io_allocate(1, sizeof *spare);
+    if (!spare) spare = norma_io_allocate(1, sizeof *spare);
     if (spare && failed)
-        spare->part.result = NORMA_DOCUMENT_ERROR_MALFORMED; /* not read: an earlier one has failed */
+        spare->part.result =
+            NORMA_DOCUMENT_ERROR_MALFORMED; /* not read: an earlier one has failed */
     else if (spare)
         spare->part.result = NORMA_DOCUMENT_OK;
     return spare;
 }
 
-static void gather_stretch(void *context, size_t index)
-{
+static void gather_stretch(void *context, size_t index) {
     gathering *g = context;
     spare_part *spare = get_spare(g);
-    place to = { .with_normals = 0 };
+    place to = {.with_normals = 0};
     if (spare && !spare->part.result) {
         obj_part *part = &spare->part;
         part->text = g->text;
         part->begin = g->text + g->state->stretches[index].offset;
-        part->end = index + 1 < g->state->stretch_count ? g->text + g->state->stretches[index + 1].offset : g->end;
+        part->end = index + 1 < g->state->stretch_count
+                        ? g->text + g->state->stretches[index + 1].offset
+                        : g->end;
         norma_obj_read_part(g->document, part, NULL);
     }
     pthread_mutex_lock(&g->lock);
-    while (g->turn != index)
-        pthread_cond_wait(&g->moved, &g->lock);
+    while (g->turn != index) pthread_cond_wait(&g->moved, &g->lock);
     if (!g->result)
         g->result = spare ? take_turn(g, &spare->part, index, &to) : NORMA_DOCUMENT_ERROR_MEMORY;
     const int taken = !g->result;
@@ -280,8 +277,7 @@ static void gather_stretch(void *context, size_t index)
     g->copying += (size_t)taken;
     pthread_cond_broadcast(&g->moved);
     pthread_mutex_unlock(&g->lock);
-    if (taken)
-        copy_part(g->state, &spare->part, &to);
+    if (taken) copy_part(g->state, &spare->part, &to);
     pthread_mutex_lock(&g->lock);
     g->copying -= (size_t)taken;
     if (spare) {
@@ -294,13 +290,11 @@ static void gather_stretch(void *context, size_t index)
 
 /* ---- all of it */
 
-static int cut(gathering *g, const char *start)
-{
+static int cut(gathering *g, const char *start) {
     obj_state *state = g->state;
     const size_t most = (size_t)(g->end - start) / STRETCH + 2;
     state->stretches = norma_io_allocate(most + 1, sizeof *state->stretches);
-    if (!state->stretches)
-        return 0;
+    if (!state->stretches) return 0;
     for (const char *p = start; p < g->end || state->stretch_count == 0;) {
         state->stretches[state->stretch_count++].offset = (size_t)(p - g->text);
         p = g->end - p > STRETCH ? norma_obj_part_end(g->text, p + STRETCH - 1, g->end) : g->end;
@@ -308,22 +302,22 @@ static int cut(gathering *g, const char *start)
     return 1;
 }
 
-static norma_document_result run(gathering *g, norma_document_error *error)
-{
-    const norma_options options = { .struct_size = sizeof options, .threads = g->document->threads, .progress = g->document->progress, .progress_user = g->document->progress_user };
+static norma_document_result run(gathering *g, norma_document_error *error) {
+    const norma_options options = {.struct_size = sizeof options,
+        .threads = g->document->threads,
+        .progress = g->document->progress,
+        .progress_user = g->document->progress_user};
     core_call call;
     norma_result failed = norma_core_begin(&call, &options);
-    if (!failed)
-        failed = norma_core_parallel(&call, g->state->stretch_count, gather_stretch, g);
-    if (failed)
-        return norma_document_fail_core(g->document, error, failed);
+    if (!failed) failed = norma_core_parallel(&call, g->state->stretch_count, gather_stretch, g);
+    if (failed) return norma_document_fail_core(g->document, error, failed);
     obj_state *state = g->state;
-    state->stretches[state->stretch_count] = (obj_stretch){ (size_t)(g->end - g->text), state->position_count, state->normal_count, state->face_count, state->other_count };
+    state->stretches[state->stretch_count] = (obj_stretch){(size_t)(g->end - g->text),
+        state->position_count, state->normal_count, state->face_count, state->other_count};
     return g->result;
 }
 
-static void free_spares(gathering *g)
-{
+static void free_spares(gathering *g) {
     while (g->spares) {
         spare_part *next = g->spares->next;
         norma_obj_free_part(&g->spares->part);
@@ -333,48 +327,48 @@ static void free_spares(gathering *g)
 }
 
 /* The text from its beginning, for the message. */
-static norma_document_result tell(const gathering *g, const char *start, norma_document_error *error)
-{
-    obj_part part = { .text = g->text, .begin = start, .end = g->end, .whole = 1 };
+static norma_document_result tell(
+    const gathering *g, const char *start, norma_document_error *error) {
+    obj_part part = {.text = g->text, .begin = start, .end = g->end, .whole = 1};
     norma_document_result result = norma_obj_read_part(g->document, &part, error);
     norma_obj_free_part(&part);
-    return result ? result : norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, NULL, "not OBJ text");
+    return result ? result
+                  : norma_document_fail(
+                        g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, NULL, "not OBJ text");
 }
 
 /* ---- what only the whole shows */
 
 /* The first face's line that names a position past the last one. */
-static norma_document_result fail_position(const gathering *g, const char *start, norma_document_error *error)
-{
+static norma_document_result fail_position(
+    const gathering *g, const char *start, norma_document_error *error) {
     const obj_state *state = g->state;
     size_t corner = 0;
-    for (const char *p = start; p < g->end; p = norma_obj_skip_end(norma_obj_statement_end(p, g->end), g->end)) {
+    for (const char *p = start; p < g->end;
+         p = norma_obj_skip_end(norma_obj_statement_end(p, g->end), g->end)) {
         p = norma_obj_skip_blanks(p, g->end);
-        if (norma_obj_keyword(p, g->end, &p) != OBJ_FACE)
-            continue;
+        if (norma_obj_keyword(p, g->end, &p) != OBJ_FACE) continue;
         for (obj_corner token;; p = token.end) {
             p = norma_obj_skip_blanks(p, g->end);
-            if (!norma_obj_corner(p, g->end, &token))
-                break;
-            if (state->corners[corner++] < state->position_count)
-                continue;
+            if (!norma_obj_corner(p, g->end, &token)) break;
+            if (state->corners[corner++] < state->position_count) continue;
             char line[24];
             line[norma_number_format_integer(norma_obj_line(g->text, p), line)] = 0;
-            return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, line, "position %lld of a face, where the file holds %zu positions",
-                                       (long long)token.position, state->position_count);
+            return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, line,
+                "position %lld of a face, where the file holds %zu positions",
+                (long long)token.position, state->position_count);
         }
     }
     return NORMA_DOCUMENT_OK;
 }
 
-/* Normals are the part that is computed: what names one that is not there is no reason to refuse the file. */
-static void mark_bad_normals(obj_state *state)
-{
+/* Normals are the part that is computed: what names one that is not there is no reason to refuse
+ * the file. */
+static void mark_bad_normals(obj_state *state) {
     state->bad_normal_count = 0;
     state->has_normals = 0;
     for (size_t i = 0; state->corner_normals && i < state->corner_count; ++i) {
-        if (state->corner_normals[i] == OBJ_NO_NORMAL)
-            continue;
+        if (state->corner_normals[i] == OBJ_NO_NORMAL) continue;
         if (state->corner_normals[i] >= state->normal_count)
             state->corner_normals[i] = OBJ_BAD_NORMAL;
         state->bad_normal_count += state->corner_normals[i] == OBJ_BAD_NORMAL;
@@ -383,50 +377,50 @@ static void mark_bad_normals(obj_state *state)
 }
 
 /* Where a statement's first token stands, for a note: at most 40 bytes of it, and its line. */
-static void add_note(const gathering *g, norma_document *document, const obj_oddity *oddity, const char *what)
-{
-    if (!oddity->count)
-        return;
+static void add_note(
+    const gathering *g, norma_document *document, const obj_oddity *oddity, const char *what) {
+    if (!oddity->count) return;
     const char *token = norma_obj_skip_blanks(oddity->first, g->end);
     const char *token_end = norma_obj_token_end(token, g->end);
     int length = token_end - token > 40 ? 40 : (int)(token_end - token);
-    norma_document_add_note(document, "%zu %s, the first \"%.*s\" in line %zu", oddity->count, what, length, token, norma_obj_line(g->text, token));
+    norma_document_add_note(document, "%zu %s, the first \"%.*s\" in line %zu", oddity->count, what,
+        length, token, norma_obj_line(g->text, token));
 }
 
-static norma_document_result fail_unknown(const gathering *g, norma_document_error *error)
-{
+static norma_document_result fail_unknown(const gathering *g, norma_document_error *error) {
     char line[24];
     const char *word = g->unknown.first, *word_end = norma_obj_token_end(word, g->end);
     line[norma_number_format_integer(norma_obj_line(g->text, word), line)] = 0;
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, line, "\"%.*s\" where an OBJ statement was expected",
-                               word_end - word > 40 ? 40 : (int)(word_end - word), word);
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, line,
+        "\"%.*s\" where an OBJ statement was expected",
+        word_end - word > 40 ? 40 : (int)(word_end - word), word);
 }
 
-static norma_document_result check_whole(gathering *g, const char *start, norma_document *document, norma_document_error *error)
-{
+static norma_document_result check_whole(
+    gathering *g, const char *start, norma_document *document, norma_document_error *error) {
     obj_state *state = g->state;
-    if (!g->known && g->unknown.count)
-        return fail_unknown(g, error);
+    if (!g->known && g->unknown.count) return fail_unknown(g, error);
     if (state->corner_count && g->last_position >= state->position_count)
         return fail_position(g, start, error);
-    if (g->last_normal >= state->normal_count)
-        mark_bad_normals(state);
+    if (g->last_normal >= state->normal_count) mark_bad_normals(state);
     for (size_t i = 0; i < state->other_count; ++i)
         if (state->other_normals[i] >= state->normal_count)
             state->other_normals[i] = OBJ_BAD_NORMAL;
-    add_note(g, document, &g->unknown, "statements of kinds that OBJ does not have are kept as they are");
+    add_note(g, document, &g->unknown,
+        "statements of kinds that OBJ does not have are kept as they are");
     add_note(g, document, &g->empty_face, "faces without a corner are kept as they are");
     add_note(g, document, &g->odd_number, "numbers end in something else, which is passed over");
     return NORMA_DOCUMENT_OK;
 }
 
-static int is_utf16(const unsigned char *bytes, size_t size)
-{
-    return size >= 2 && ((bytes[0] == 0xfe && bytes[1] == 0xff) || (bytes[0] == 0xff && bytes[1] == 0xfe) || (!bytes[0] && bytes[1]) || (bytes[0] && !bytes[1]));
+static int is_utf16(const unsigned char *bytes, size_t size) {
+    return size >= 2 &&
+           ((bytes[0] == 0xfe && bytes[1] == 0xff) || (bytes[0] == 0xff && bytes[1] == 0xfe) ||
+               (!bytes[0] && bytes[1]) || (bytes[0] && !bytes[1]));
 }
 
-static norma_document_result gather(gathering *g, const char *start, norma_document *document, norma_document_error *error)
-{
+static norma_document_result gather(
+    gathering *g, const char *start, norma_document *document, norma_document_error *error) {
     if (!cut(g, start) || pthread_mutex_init(&g->lock, NULL))
         return norma_document_fail_memory(document, error);
     if (pthread_cond_init(&g->moved, NULL)) {
@@ -437,32 +431,34 @@ static norma_document_result gather(gathering *g, const char *start, norma_docum
     free_spares(g);
     pthread_cond_destroy(&g->moved);
     pthread_mutex_destroy(&g->lock);
-    if (result == NORMA_DOCUMENT_ERROR_MEMORY)
-        return norma_document_fail_memory(document, error);
+    if (result == NORMA_DOCUMENT_ERROR_MEMORY) return norma_document_fail_memory(document, error);
     if (result == NORMA_DOCUMENT_ERROR_MALFORMED || result == NORMA_DOCUMENT_ERROR_UNSUPPORTED)
         return tell(g, start, error);
-    if (!result)
-        result = check_whole(g, start, document, error);
+    if (!result) result = check_whole(g, start, document, error);
     norma_file_forget(&document->source);
     return result;
 }
 
-norma_document_result norma_obj_read(norma_document *document, obj_state *state, norma_document_error *error)
-{
+norma_document_result norma_obj_read(
+    norma_document *document, obj_state *state, norma_document_error *error) {
     const unsigned char *bytes = document->source.data;
     const size_t size = document->source.size;
-    gathering g = { .document = document, .state = state, .text = (const char *)bytes, .end = (const char *)bytes + size };
+    gathering g = {.document = document,
+        .state = state,
+        .text = (const char *)bytes,
+        .end = (const char *)bytes + size};
     state->block = SIZE_MAX;
     if (!size)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, NULL, "the file is empty; expected OBJ statements");
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, NULL,
+            "the file is empty; expected OBJ statements");
     if (is_utf16(bytes, size))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "UTF-16 text; expected ASCII or UTF-8 (convert it first)");
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "UTF-16 text; expected ASCII or UTF-8 (convert it first)");
     const int marked = size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0;
     return gather(&g, g.text + (marked ? 3 : 0), document, error);
 }
 
-void norma_obj_free(obj_state *state)
-{
+void norma_obj_free(obj_state *state) {
     norma_obj_free_vertices(state->vertices);
     free(state->stretches);
     free(state->positions);

@@ -1,5 +1,6 @@
-/* read_stretch.c: one pass over a part of the text, statement by statement, into arrays. They grow with what the text holds, never by a count in it. Faces may name
- * positions that follow them: whether each is there is seen when all parts are together. */
+/* read_stretch.c: one pass over a part of the text, statement by statement, into arrays. They grow
+ * with what the text holds, never by a count in it. Faces may name positions that follow them:
+ * whether each is there is seen when all parts are together. */
 #include "io/obj/text_stretch.h"
 #include <math.h>
 #include <stdlib.h>
@@ -10,57 +11,55 @@
 
 typedef struct reader {
     const norma_document *document;
-    norma_document_error *error;               /* NULL: nobody is told; a whole reading tells */
-    obj_part             *part;
-    const char           *end;                 /* of the part */
-    const char           *statement;           /* where the one that is read now begins, blanks before it included */
-    void                 *grown;               /* what RESERVE got */
+    norma_document_error *error; /* NULL: nobody is told; a whole reading tells */
+    obj_part *part;
+    const char *end;       /* of the part */
+    const char *statement; /* where the one that is read now begins, blanks before it included */
+    void *grown;           /* what RESERVE got */
 } reader;
 
-static norma_document_result fail_at(const reader *r, const char *p, const char *expected)
-{
+static norma_document_result fail_at(const reader *r, const char *p, const char *expected) {
     char place[24];
-    if (!r->error)
-        return NORMA_DOCUMENT_ERROR_MALFORMED;
+    if (!r->error) return NORMA_DOCUMENT_ERROR_MALFORMED;
     const char *token_end = norma_obj_token_end(p, r->end);
     int length = token_end - p > 40 ? 40 : (int)(token_end - p);
     place[norma_number_format_integer(norma_obj_line(r->part->text, p), place)] = 0;
     if (length == 0)
-        return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "the statement ends where %s was expected", expected);
-    return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "\"%.*s\" where %s was expected", length, p, expected);
+        return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
+            "the statement ends where %s was expected", expected);
+    return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
+        "\"%.*s\" where %s was expected", length, p, expected);
 }
 
-static norma_document_result fail_count(const reader *r, const char *what)
-{
-    return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "more than 4294967293 %s; this version reads no more", what);
+static norma_document_result fail_count(const reader *r, const char *what) {
+    return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+        "more than 4294967293 %s; this version reads no more", what);
 }
 
-static norma_document_result fail_memory(const reader *r)
-{
+static norma_document_result fail_memory(const reader *r) {
     return norma_document_fail_memory(r->document, r->error);
 }
 
 /* Nonzero where block has room for needed elements of size bytes, or was given it. */
-#define RESERVE(r, block, room, needed, size) \
-    (((block) && (needed) <= (room)) || (((r)->grown = norma_io_grow((block), &(room), (needed), (size))) != NULL && ((block) = (r)->grown, 1)))
+#define RESERVE(r, block, room, needed, size)                                                      \
+    (((block) && (needed) <= (room)) ||                                                            \
+        (((r)->grown = norma_io_grow((block), &(room), (needed), (size))) != NULL &&               \
+            ((block) = (r)->grown, 1)))
 
-static void see_oddity(obj_oddity *oddity, const char *p)
-{
-    if (!oddity->count++)
-        oddity->first = p;
+static void see_oddity(obj_oddity *oddity, const char *p) {
+    if (!oddity->count++) oddity->first = p;
 }
 
-/* What follows a number in its token is passed over, as other readers do ("3.1+e2" is 3.1), and noted; but not a comma, which were a decimal one. */
-static norma_document_result read_numbers(reader *r, const char **p, double numbers[3], const char *expected)
-{
+/* What follows a number in its token is passed over, as other readers do ("3.1+e2" is 3.1), and
+ * noted; but not a comma, which were a decimal one. */
+static norma_document_result read_numbers(
+    reader *r, const char **p, double numbers[3], const char *expected) {
     for (int i = 0; i < 3; ++i) {
         *p = norma_obj_skip_blanks(*p, r->end);
         const char *next = norma_digits_plain(*p, r->end, &numbers[i]);
-        if (!next)
-            next = norma_number_parse(*p, r->end, &numbers[i]);
+        if (!next) next = norma_number_parse(*p, r->end, &numbers[i]);
         int whole = next && norma_obj_is_delimiter(next, r->end);
-        if (!next || (!whole && *next == ','))
-            return fail_at(r, *p, expected);
+        if (!next || (!whole && *next == ',')) return fail_at(r, *p, expected);
         if (!whole) {
             see_oddity(&r->part->odd_number, *p);
             next = norma_obj_number_end(next, r->end);
@@ -70,45 +69,39 @@ static norma_document_result read_numbers(reader *r, const char **p, double numb
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_position(reader *r, const char **p)
-{
+static norma_document_result read_position(reader *r, const char **p) {
     obj_part *part = r->part;
-    if (part->position_count >= OBJ_MOST)
-        return fail_count(r, "positions");
-    if (!RESERVE(r, part->positions, part->position_room, part->position_count + 1, 3 * sizeof(double)))
+    if (part->position_count >= OBJ_MOST) return fail_count(r, "positions");
+    if (!RESERVE(
+            r, part->positions, part->position_room, part->position_count + 1, 3 * sizeof(double)))
         return fail_memory(r);
-    norma_document_result result = read_numbers(r, p, part->positions + 3 * part->position_count, "one of a position's three numbers");
+    norma_document_result result = read_numbers(
+        r, p, part->positions + 3 * part->position_count, "one of a position's three numbers");
     part->position_count += result == NORMA_DOCUMENT_OK;
     return result;
 }
 
-static float to_float(double value)
-{
-    return fabs(value) > 3.4028235677973366e38 ? copysignf(INFINITY, (float)copysign(1, value)) : (float)value;
+static float to_float(double value) {
+    return fabs(value) > 3.4028235677973366e38 ? copysignf(INFINITY, (float)copysign(1, value))
+                                               : (float)value;
 }
 
-static void see_block(const reader *r)
-{
-    if (r->part->block == SIZE_MAX)
-        r->part->block = (size_t)(r->statement - r->part->text);
+static void see_block(const reader *r) {
+    if (r->part->block == SIZE_MAX) r->part->block = (size_t)(r->statement - r->part->text);
 }
 
-static norma_document_result read_normal(reader *r, const char **p)
-{
+static norma_document_result read_normal(reader *r, const char **p) {
     obj_part *part = r->part;
     size_t count = part->normal_count;
     double numbers[3];
-    if (count >= OBJ_MOST)
-        return fail_count(r, "normals");
+    if (count >= OBJ_MOST) return fail_count(r, "normals");
     if (!RESERVE(r, part->normals, part->normal_room, count + 1, 3 * sizeof(float)) ||
         !RESERVE(r, part->normal_offsets, part->normal_offset_room, count + 1, sizeof(size_t)))
         return fail_memory(r);
     norma_document_result result = read_numbers(r, p, numbers, "one of a normal's three numbers");
-    if (result)
-        return result;
+    if (result) return result;
     see_block(r);
-    for (int i = 0; i < 3; ++i)
-        part->normals[3 * count + (size_t)i] = to_float(numbers[i]);
+    for (int i = 0; i < 3; ++i) part->normals[3 * count + (size_t)i] = to_float(numbers[i]);
     part->normal_offsets[count] = (size_t)(r->statement - part->text);
     part->normal_count = count + 1;
     return NORMA_DOCUMENT_OK;
@@ -116,36 +109,37 @@ static norma_document_result read_normal(reader *r, const char **p)
 
 /* ---- faces */
 
-/* The number that an index means, of an element in slot of a list, where count of what it names stand before it in the part; UINT32_MAX: none. What counts back is
- * remembered, and nothing yet. */
-static norma_document_result resolve(reader *r, int64_t index, size_t count, obj_list list, size_t slot, uint32_t *number)
-{
+/* The number that an index means, of an element in slot of a list, where count of what it names
+ * stand before it in the part; UINT32_MAX: none. What counts back is remembered, and nothing yet.
+ */
+static norma_document_result resolve(
+    reader *r, int64_t index, size_t count, obj_list list, size_t slot, uint32_t *number) {
     obj_part *part = r->part;
     if (index >= 0 || part->whole) {
         *number = norma_obj_resolve(index, count);
         return NORMA_DOCUMENT_OK;
     }
     *number = 0;
-    if (!RESERVE(r, part->relatives, part->relative_room, part->relative_count + 1, sizeof(obj_relative)))
+    if (!RESERVE(r, part->relatives, part->relative_room, part->relative_count + 1,
+            sizeof(obj_relative)))
         return fail_memory(r);
-    const int64_t least = -(int64_t)OBJ_MOST - 1;    /* farther back is before all that may be there */
-    part->relatives[part->relative_count++] = (obj_relative){ list, slot, (index < least ? 2 * least : index) + (int64_t)count };
+    const int64_t least = -(int64_t)OBJ_MOST - 1; /* farther back is before all that may be there */
+    part->relatives[part->relative_count++] =
+        (obj_relative){list, slot, (index < least ? 2 * least : index) + (int64_t)count};
     return NORMA_DOCUMENT_OK;
 }
 
 /* The normal of the corner that comes next. Those before the first one that names any have none. */
-static norma_document_result name_normal(reader *r, const obj_corner *corner, uint32_t *normal)
-{
+static norma_document_result name_normal(reader *r, const obj_corner *corner, uint32_t *normal) {
     obj_part *part = r->part;
     *normal = OBJ_NO_NORMAL;
-    if (!corner->has_normal)
-        return NORMA_DOCUMENT_OK;
+    if (!corner->has_normal) return NORMA_DOCUMENT_OK;
     if (!part->names_normals && part->corner_count)
         memset(part->corner_normals, 0xff, part->corner_count * sizeof *part->corner_normals);
     part->names_normals = 1;
-    norma_document_result result = resolve(r, corner->normal, part->normal_count, OBJ_OF_CORNER_NORMAL, part->corner_count, normal);
-    if (result || (corner->normal < 0 && !part->whole))
-        return result;
+    norma_document_result result = resolve(
+        r, corner->normal, part->normal_count, OBJ_OF_CORNER_NORMAL, part->corner_count, normal);
+    if (result || (corner->normal < 0 && !part->whole)) return result;
     if (*normal == UINT32_MAX)
         *normal = OBJ_BAD_NORMAL;
     else if (*normal > part->last_normal)
@@ -155,49 +149,47 @@ static norma_document_result name_normal(reader *r, const obj_corner *corner, ui
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result add_corner(reader *r, const obj_corner *corner)
-{
+static norma_document_result add_corner(reader *r, const obj_corner *corner) {
     obj_part *part = r->part;
     size_t count = part->corner_count;
     uint32_t position, normal;
-    if (count >= OBJ_MOST)
-        return fail_count(r, "corners");
+    if (count >= OBJ_MOST) return fail_count(r, "corners");
     if (!RESERVE(r, part->corners, part->corner_room, count + 1, sizeof(uint32_t)) ||
         !RESERVE(r, part->corner_normals, part->corner_normal_room, count + 1, sizeof(uint32_t)))
         return fail_memory(r);
-    norma_document_result result = resolve(r, corner->position, part->position_count, OBJ_OF_CORNER, count, &position);
+    norma_document_result result =
+        resolve(r, corner->position, part->position_count, OBJ_OF_CORNER, count, &position);
     if (!result && position == UINT32_MAX)
-        return fail_at(r, corner->begin, corner->position ? "a position that stands before this face" : "a position, numbered from 1,");
-    if (!result)
-        result = name_normal(r, corner, &normal);
-    if (result)
-        return result;
-    if (position > part->last_position)
-        part->last_position = position;
+        return fail_at(r, corner->begin,
+            corner->position ? "a position that stands before this face"
+                             : "a position, numbered from 1,");
+    if (!result) result = name_normal(r, corner, &normal);
+    if (result) return result;
+    if (position > part->last_position) part->last_position = position;
     part->corners[count] = position;
-    if (part->names_normals)
-        part->corner_normals[count] = normal;
+    if (part->names_normals) part->corner_normals[count] = normal;
     part->corner_count = count + 1;
     return NORMA_DOCUMENT_OK;
 }
 
-/* Corners that are a number of at most seven digits and nothing else, as far as there is room and they come: how many. */
-static size_t add_plain_corners(reader *r, const char **p)
-{
+/* Corners that are a number of at most seven digits and nothing else, as far as there is room and
+ * they come: how many. */
+static size_t add_plain_corners(reader *r, const char **p) {
     obj_part *part = r->part;
     const size_t before = part->corner_count;
     size_t count = before;
     uint32_t last = part->last_position;
 #if NORMA_DIGITS_BY_WORD
-    const size_t room = part->corner_normal_room < part->corner_room ? part->corner_normal_room : part->corner_room;
-    for (const char *at = *p; r->end - at >= 16 && count < room && !part->names_normals && *at == ' ';) {
+    const size_t room =
+        part->corner_normal_room < part->corner_room ? part->corner_normal_room : part->corner_room;
+    for (const char *at = *p;
+         r->end - at >= 16 && count < room && !part->names_normals && *at == ' ';) {
         const uint64_t bytes = norma_digits_load(++at);
         const int digits = norma_digits_count(bytes);
         if (digits == 0 || digits == 8 || (at[digits] != ' ' && !norma_obj_is_end(at[digits])))
             break;
         const uint32_t position = (uint32_t)norma_digits_join(bytes, digits) - 1;
-        if (position == UINT32_MAX)
-            break;
+        if (position == UINT32_MAX) break;
         last = position > last ? position : last;
         part->corners[count++] = position;
         at += digits;
@@ -209,8 +201,7 @@ static size_t add_plain_corners(reader *r, const char **p)
     return count - before;
 }
 
-static norma_document_result end_face(reader *r, size_t corners)
-{
+static norma_document_result end_face(reader *r, size_t corners) {
     obj_part *part = r->part;
     if (!RESERVE(r, part->face_ends, part->face_room, part->face_count + 1, sizeof(uint32_t)))
         return fail_memory(r);
@@ -220,52 +211,48 @@ static norma_document_result end_face(reader *r, size_t corners)
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_face(reader *r, const char **p)
-{
+static norma_document_result read_face(reader *r, const char **p) {
     size_t corners = add_plain_corners(r, p);
     for (;; ++corners) {
         obj_corner corner;
         *p = norma_obj_skip_blanks(*p, r->end);
-        if (*p >= r->end || norma_obj_is_end(**p) || **p == '#')
-            break;
+        if (*p >= r->end || norma_obj_is_end(**p) || **p == '#') break;
         if (!norma_obj_corner(*p, r->end, &corner))
             return fail_at(r, *p, "a corner (v, v/vt, v//vn or v/vt/vn)");
         norma_document_result result = add_corner(r, &corner);
-        if (result)
-            return result;
+        if (result) return result;
         *p = corner.end;
     }
-    if (corners >= 3)
-        return end_face(r, corners);
-    if (corners == 0) {                        /* it says nothing, and is passed through like what is not known */
+    if (corners >= 3) return end_face(r, corners);
+    if (corners == 0) { /* it says nothing, and is passed through like what is not known */
         see_oddity(&r->part->empty_face, r->statement);
         return NORMA_DOCUMENT_OK;
     }
-    if (!r->error)
-        return NORMA_DOCUMENT_ERROR_MALFORMED;
+    if (!r->error) return NORMA_DOCUMENT_ERROR_MALFORMED;
     char place[24];
     const char *first = norma_obj_skip_blanks(r->statement, r->end);
     place[norma_number_format_integer(norma_obj_line(r->part->text, first), place)] = 0;
-    return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "a face of %zu corners, where at least three were expected", corners);
+    return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
+        "a face of %zu corners, where at least three were expected", corners);
 }
 
 /* Normals that surfaces, curves, lines and points name: a v/vt/vn anywhere in them. */
-static norma_document_result read_referring(reader *r, const char **p)
-{
+static norma_document_result read_referring(reader *r, const char **p) {
     obj_part *part = r->part;
     for (;;) {
         obj_corner corner;
         *p = norma_obj_skip_blanks(*p, r->end);
-        if (*p >= r->end || norma_obj_is_end(**p) || **p == '#')
-            return NORMA_DOCUMENT_OK;
+        if (*p >= r->end || norma_obj_is_end(**p) || **p == '#') return NORMA_DOCUMENT_OK;
         if (norma_obj_corner(*p, r->end, &corner) && corner.has_normal) {
             uint32_t normal;
-            if (!RESERVE(r, part->other_normals, part->other_room, part->other_count + 1, sizeof(uint32_t)))
+            if (!RESERVE(r, part->other_normals, part->other_room, part->other_count + 1,
+                    sizeof(uint32_t)))
                 return fail_memory(r);
-            norma_document_result result = resolve(r, corner.normal, part->normal_count, OBJ_OF_OTHER_NORMAL, part->other_count, &normal);
-            if (result)
-                return result;
-            part->other_normals[part->other_count++] = normal == UINT32_MAX ? OBJ_BAD_NORMAL : normal;
+            norma_document_result result = resolve(r, corner.normal, part->normal_count,
+                OBJ_OF_OTHER_NORMAL, part->other_count, &normal);
+            if (result) return result;
+            part->other_normals[part->other_count++] =
+                normal == UINT32_MAX ? OBJ_BAD_NORMAL : normal;
         }
         *p = norma_obj_token_end(*p, r->end);
     }
@@ -274,17 +261,15 @@ static norma_document_result read_referring(reader *r, const char **p)
 /* ---- other statements */
 
 /* Another number for every other text. */
-static int64_t group_of_text(const char *p, const char *end)
-{
+static int64_t group_of_text(const char *p, const char *end) {
     uint64_t hash = UINT64_C(14695981039346656037);
-    for (; p < end; ++p)
-        hash = (hash ^ (unsigned char)*p) * UINT64_C(1099511628211);
+    for (; p < end; ++p) hash = (hash ^ (unsigned char)*p) * UINT64_C(1099511628211);
     return (int64_t)(hash >> 2 | UINT64_C(1) << 62);
 }
 
-/* A number, "off", or nothing, which is off. Numbers too large for 64 bits, and words, are groups as well: equal texts are equal. */
-static norma_document_result read_smoothing(reader *r, const char **p)
-{
+/* A number, "off", or nothing, which is off. Numbers too large for 64 bits, and words, are groups
+ * as well: equal texts are equal. */
+static norma_document_result read_smoothing(reader *r, const char **p) {
     obj_part *part = r->part;
     int64_t group = 0;
     *p = norma_obj_skip_blanks(*p, r->end);
@@ -295,89 +280,94 @@ static norma_document_result read_smoothing(reader *r, const char **p)
         group = group_of_text(*p, token_end);
     if (!RESERVE(r, part->runs, part->run_room, part->run_count + 1, sizeof(obj_run)))
         return fail_memory(r);
-    part->runs[part->run_count++] = (obj_run){ part->face_count, group };
+    part->runs[part->run_count++] = (obj_run){part->face_count, group};
     return NORMA_DOCUMENT_OK;
 }
 
-static void read_object(reader *r, const char **p)
-{
+static void read_object(reader *r, const char **p) {
     *p = norma_obj_skip_blanks(*p, r->end);
     const char *name = *p;
     *p = norma_obj_statement_end(*p, r->end);
-    if (r->part->name)
-        return;
+    if (r->part->name) return;
     const char *name_end = *p;
-    while (name_end > name && norma_obj_is_blank(name_end[-1]))
-        --name_end;
+    while (name_end > name && norma_obj_is_blank(name_end[-1])) --name_end;
     r->part->name = name;
     r->part->name_end = name_end;
 }
 
-/* A word that is no OBJ statement is passed through, and noted; but what is not even text is no OBJ. */
-static norma_document_result see_unknown(reader *r, const char *word, const char *word_end)
-{
+/* A word that is no OBJ statement is passed through, and noted; but what is not even text is no
+ * OBJ. */
+static norma_document_result see_unknown(reader *r, const char *word, const char *word_end) {
     for (const char *p = word; p < word_end; ++p)
         if ((unsigned char)*p < 0x20 || *p == 0x7f) {
             char place[24];
-            if (!r->error)
-                return NORMA_DOCUMENT_ERROR_MALFORMED;
+            if (!r->error) return NORMA_DOCUMENT_ERROR_MALFORMED;
             place[norma_number_format_integer(norma_obj_line(r->part->text, p), place)] = 0;
-            return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "a byte of value %d where a statement's text was expected", (unsigned char)*p);
+            return norma_document_fail(r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
+                "a byte of value %d where a statement's text was expected", (unsigned char)*p);
         }
     see_oddity(&r->part->unknown, word);
     return NORMA_DOCUMENT_OK;
 }
 
-/* Reads what the statement's kind needs; *p then lies somewhere in the statement, at a token or a token's end. */
-static norma_document_result read_statement(reader *r, const char **p)
-{
+/* Reads what the statement's kind needs; *p then lies somewhere in the statement, at a token or a
+ * token's end. */
+static norma_document_result read_statement(reader *r, const char **p) {
     const char *word = *p;
     obj_kind kind = norma_obj_keyword(word, r->end, p);
     r->part->has_surfaces |= kind == OBJ_SURFACE;
     r->part->known |= kind != OBJ_NOTHING && kind != OBJ_UNKNOWN;
     switch (kind) {
-    case OBJ_POSITION: return read_position(r, p);
-    case OBJ_NORMAL: return read_normal(r, p);
-    case OBJ_FACE: return read_face(r, p);
+    case OBJ_POSITION:
+        return read_position(r, p);
+    case OBJ_NORMAL:
+        return read_normal(r, p);
+    case OBJ_FACE:
+        return read_face(r, p);
     case OBJ_REFERRING:
-    case OBJ_SURFACE: return read_referring(r, p);
-    case OBJ_SMOOTHING: return read_smoothing(r, p);
-    case OBJ_OBJECT: read_object(r, p); return NORMA_DOCUMENT_OK;
-    case OBJ_UNKNOWN: return see_unknown(r, word, *p);
-    default: return NORMA_DOCUMENT_OK;
+    case OBJ_SURFACE:
+        return read_referring(r, p);
+    case OBJ_SMOOTHING:
+        return read_smoothing(r, p);
+    case OBJ_OBJECT:
+        read_object(r, p);
+        return NORMA_DOCUMENT_OK;
+    case OBJ_UNKNOWN:
+        return see_unknown(r, word, *p);
+    default:
+        return NORMA_DOCUMENT_OK;
     }
 }
 
 /* ---- parts */
 
-static void empty(obj_part *part)
-{
-    part->position_count = part->corner_count = part->face_count = part->normal_count = part->other_count = part->run_count = part->relative_count = 0;
+static void empty(obj_part *part) {
+    part->position_count = part->corner_count = part->face_count = part->normal_count =
+        part->other_count = part->run_count = part->relative_count = 0;
     part->last_position = part->last_normal = 0;
     part->bad_normal_count = 0;
     part->name = part->name_end = NULL;
     part->block = SIZE_MAX;
-    part->names_normals = part->has_normals = part->has_surfaces = part->has_polygons = part->known = 0;
-    part->unknown = part->empty_face = part->odd_number = (obj_oddity){ 0, NULL };
+    part->names_normals = part->has_normals = part->has_surfaces = part->has_polygons =
+        part->known = 0;
+    part->unknown = part->empty_face = part->odd_number = (obj_oddity){0, NULL};
 }
 
-norma_document_result norma_obj_read_part(const norma_document *document, obj_part *part, norma_document_error *error)
-{
-    reader r = { .document = document, .error = error, .part = part, .end = part->end };
+norma_document_result norma_obj_read_part(
+    const norma_document *document, obj_part *part, norma_document_error *error) {
+    reader r = {.document = document, .error = error, .part = part, .end = part->end};
     empty(part);
     part->result = NORMA_DOCUMENT_OK;
     for (const char *p = part->begin; p < part->end && !part->result;) {
         r.statement = p;
         p = norma_obj_skip_blanks(p, part->end);
         part->result = read_statement(&r, &p);
-        if (!part->result)
-            p = norma_obj_skip_end(norma_obj_statement_end(p, part->end), part->end);
+        if (!part->result) p = norma_obj_skip_end(norma_obj_statement_end(p, part->end), part->end);
     }
     return part->result;
 }
 
-void norma_obj_free_part(obj_part *part)
-{
+void norma_obj_free_part(obj_part *part) {
     free(part->positions);
     free(part->corners);
     free(part->corner_normals);
@@ -389,16 +379,14 @@ void norma_obj_free_part(obj_part *part)
     free(part->relatives);
 }
 
-/* A backslash before the line end, blanks between them aside, may join the next line: what follows such a line is taken as no beginning. */
-static int may_be_joined(const char *text, const char *line_end)
-{
-    while (line_end > text && norma_obj_is_blank(line_end[-1]))
-        --line_end;
+/* A backslash before the line end, blanks between them aside, may join the next line: what follows
+ * such a line is taken as no beginning. */
+static int may_be_joined(const char *text, const char *line_end) {
+    while (line_end > text && norma_obj_is_blank(line_end[-1])) --line_end;
     return line_end > text && line_end[-1] == '\\';
 }
 
-const char *norma_obj_part_end(const char *text, const char *from, const char *end)
-{
+const char *norma_obj_part_end(const char *text, const char *from, const char *end) {
     for (const char *p = from; p < end;) {
         if (!norma_obj_is_end(*p)) {
             ++p;
@@ -406,8 +394,7 @@ const char *norma_obj_part_end(const char *text, const char *from, const char *e
         }
         const char *line_end = *p == '\n' && p > text && p[-1] == '\r' ? p - 1 : p;
         p = norma_obj_skip_end(p, end);
-        if (!may_be_joined(text, line_end))
-            return p;
+        if (!may_be_joined(text, line_end)) return p;
     }
     return end;
 }

@@ -4,72 +4,57 @@
 #include "io/text/digits.h"
 #include "io/text/number.h"
 
-/* A backslash at p, then nothing but blanks up to the line end: the byte after that, else NULL. At the end of the text it joins nothing. */
-static const char *joined(const char *p, const char *end)
-{
-    if (*p != '\\')
-        return NULL;
-    do
-        ++p;
+/* A backslash at p, then nothing but blanks up to the line end: the byte after that, else NULL. At
+ * the end of the text it joins nothing. */
+static const char *joined(const char *p, const char *end) {
+    if (*p != '\\') return NULL;
+    do ++p;
     while (p < end && norma_obj_is_blank(*p));
-    if (p < end && !norma_obj_is_end(*p))
-        return NULL;
+    if (p < end && !norma_obj_is_end(*p)) return NULL;
     return norma_obj_skip_end(p, end);
 }
 
-const char *norma_obj_skip_joined(const char *p, const char *end)
-{
+const char *norma_obj_skip_joined(const char *p, const char *end) {
     while (p < end) {
         if (norma_obj_is_blank(*p)) {
             ++p;
             continue;
         }
         const char *next = joined(p, end);
-        if (!next)
-            break;
+        if (!next) break;
         p = next;
     }
     return p;
 }
 
-int norma_obj_is_joined(const char *p, const char *end)
-{
-    return joined(p, end) != NULL;
-}
+int norma_obj_is_joined(const char *p, const char *end) { return joined(p, end) != NULL; }
 
-const char *norma_obj_token_end(const char *p, const char *end)
-{
-    while (p < end && !norma_obj_is_blank(*p) && !norma_obj_is_end(*p) && (*p != '\\' || !joined(p, end)))
+const char *norma_obj_token_end(const char *p, const char *end) {
+    while (p < end && !norma_obj_is_blank(*p) && !norma_obj_is_end(*p) &&
+           (*p != '\\' || !joined(p, end)))
         ++p;
     return p;
 }
 
-const char *norma_obj_number_end(const char *p, const char *end)
-{
+const char *norma_obj_number_end(const char *p, const char *end) {
     return norma_obj_is_delimiter(p, end) ? p : norma_obj_token_end(p, end);
 }
 
-static const char *line_end(const char *p, const char *end)
-{
-    while (p < end && !norma_obj_is_end(*p))
-        ++p;
+static const char *line_end(const char *p, const char *end) {
+    while (p < end && !norma_obj_is_end(*p)) ++p;
     return p;
 }
 
-const char *norma_obj_find_statement_end(const char *p, const char *end)
-{
+const char *norma_obj_find_statement_end(const char *p, const char *end) {
     for (;;) {
         p = norma_obj_skip_blanks(p, end);
-        if (p >= end || norma_obj_is_end(*p))
-            return p;
-        if (*p == '#')
-            return line_end(p, end);
+        if (p >= end || norma_obj_is_end(*p)) return p;
+        if (*p == '#') return line_end(p, end);
         p = norma_obj_token_end(p, end);
     }
 }
 
-size_t norma_obj_line(const char *text, const char *p)
-{
+size_t norma_obj_line(const char *text, const char *p) {
     size_t line = 1;
     for (const char *q = text; q < p; ++q)
         line += *q == '\n' || (*q == '\r' && (q + 1 == p || q[1] != '\n'));
@@ -77,41 +62,43 @@ size_t norma_obj_line(const char *text, const char *p)
 }
 
 /* All of the OBJ specification 3.0, and the older statements that it names. */
-static const struct { const char *word; obj_kind kind; } keywords[] = {
-    { "v", OBJ_POSITION }, { "vn", OBJ_NORMAL }, { "f", OBJ_FACE }, { "vt", OBJ_OTHER }, { "fo", OBJ_FACE }, { "s", OBJ_SMOOTHING }, { "o", OBJ_OBJECT }, { "l", OBJ_REFERRING },
-    { "p", OBJ_REFERRING }, { "curv", OBJ_REFERRING }, { "surf", OBJ_SURFACE }, { "vp", OBJ_OTHER }, { "g", OBJ_OTHER },
-    { "usemtl", OBJ_OTHER }, { "mtllib", OBJ_OTHER }, { "mg", OBJ_OTHER }, { "usemap", OBJ_OTHER }, { "maplib", OBJ_OTHER }, { "cstype", OBJ_OTHER },
-    { "deg", OBJ_OTHER }, { "bmat", OBJ_OTHER }, { "step", OBJ_OTHER }, { "curv2", OBJ_OTHER }, { "parm", OBJ_OTHER }, { "trim", OBJ_OTHER },
-    { "hole", OBJ_OTHER }, { "scrv", OBJ_OTHER }, { "sp", OBJ_OTHER }, { "end", OBJ_OTHER }, { "con", OBJ_OTHER }, { "bevel", OBJ_OTHER },
-    { "c_interp", OBJ_OTHER }, { "d_interp", OBJ_OTHER }, { "lod", OBJ_OTHER }, { "shadow_obj", OBJ_OTHER }, { "trace_obj", OBJ_OTHER }, { "ctech", OBJ_OTHER },
-    { "stech", OBJ_OTHER }, { "call", OBJ_OTHER }, { "csh", OBJ_OTHER }, { "bsp", OBJ_OTHER }, { "bzp", OBJ_OTHER }, { "cdc", OBJ_OTHER },
-    { "cdp", OBJ_OTHER }, { "res", OBJ_OTHER }
-};
+static const struct {
+    const char *word;
+    obj_kind kind;
+} keywords[] = {{"v", OBJ_POSITION}, {"vn", OBJ_NORMAL}, {"f", OBJ_FACE}, {"vt", OBJ_OTHER},
+    {"fo", OBJ_FACE}, {"s", OBJ_SMOOTHING}, {"o", OBJ_OBJECT}, {"l", OBJ_REFERRING},
+    {"p", OBJ_REFERRING}, {"curv", OBJ_REFERRING}, {"surf", OBJ_SURFACE}, {"vp", OBJ_OTHER},
+    {"g", OBJ_OTHER}, {"usemtl", OBJ_OTHER}, {"mtllib", OBJ_OTHER}, {"mg", OBJ_OTHER},
+    {"usemap", OBJ_OTHER}, {"maplib", OBJ_OTHER}, {"cstype", OBJ_OTHER}, {"deg", OBJ_OTHER},
+    {"bmat", OBJ_OTHER}, {"step", OBJ_OTHER}, {"curv2", OBJ_OTHER}, {"parm", OBJ_OTHER},
+    {"trim", OBJ_OTHER}, {"hole", OBJ_OTHER}, {"scrv", OBJ_OTHER}, {"sp", OBJ_OTHER},
+    {"end", OBJ_OTHER}, {"con", OBJ_OTHER}, {"bevel", OBJ_OTHER}, {"c_interp", OBJ_OTHER},
+    {"d_interp", OBJ_OTHER}, {"lod", OBJ_OTHER}, {"shadow_obj", OBJ_OTHER},
+    {"trace_obj", OBJ_OTHER}, {"ctech", OBJ_OTHER}, {"stech", OBJ_OTHER}, {"call", OBJ_OTHER},
+    {"csh", OBJ_OTHER}, {"bsp", OBJ_OTHER}, {"bzp", OBJ_OTHER}, {"cdc", OBJ_OTHER},
+    {"cdp", OBJ_OTHER}, {"res", OBJ_OTHER}};
 
-static obj_kind look_up(const char *word, size_t length)
-{
+static obj_kind look_up(const char *word, size_t length) {
     for (size_t i = 0; i < sizeof keywords / sizeof keywords[0]; ++i)
         if (strlen(keywords[i].word) == length && memcmp(keywords[i].word, word, length) == 0)
             return keywords[i].kind;
     return OBJ_UNKNOWN;
 }
 
-obj_kind norma_obj_keyword(const char *p, const char *end, const char **rest)
-{
-    if (p + 1 < end && p[1] == ' ' && (*p == 'v' || *p == 'f')) {          /* nearly all lines of a file */
+obj_kind norma_obj_keyword(const char *p, const char *end, const char **rest) {
+    if (p + 1 < end && p[1] == ' ' && (*p == 'v' || *p == 'f')) { /* nearly all lines of a file */
         *rest = p + 1;
         return *p == 'v' ? OBJ_POSITION : OBJ_FACE;
     }
     *rest = p;
-    if (p >= end || norma_obj_is_end(*p) || *p == '#')
-        return OBJ_NOTHING;
+    if (p >= end || norma_obj_is_end(*p) || *p == '#') return OBJ_NOTHING;
     *rest = norma_obj_token_end(p, end);
     return look_up(p, (size_t)(*rest - p));
 }
 
-/* The digits at *p, fewer than 18, with something else behind them. 0: something else stands there, or it cannot be told so simply. */
-static inline int read_digits(const char **p, const char *end, int64_t *index)
-{
+/* The digits at *p, fewer than 18, with something else behind them. 0: something else stands there,
+ * or it cannot be told so simply. */
+static inline int read_digits(const char **p, const char *end, int64_t *index) {
 #if NORMA_DIGITS_BY_WORD
     if (end - *p >= 8) {
         const uint64_t bytes = norma_digits_load(*p);
@@ -127,46 +114,38 @@ static inline int read_digits(const char **p, const char *end, int64_t *index)
     int64_t value = 0;
     for (; digits < end && digits - *p < 18 && (unsigned char)(*digits - '0') < 10; ++digits)
         value = 10 * value + (*digits - '0');
-    if (digits == *p || (digits < end && (unsigned char)(*digits - '0') < 10))
-        return 0;
+    if (digits == *p || (digits < end && (unsigned char)(*digits - '0') < 10)) return 0;
     *index = value;
     *p = digits;
     return 1;
 }
 
-/* An integer, or nothing where the text is empty there (*is_there); 0 where something else stands there. */
-static int read_index(const char **p, const char *end, int64_t *index, int *is_there)
-{
+/* An integer, or nothing where the text is empty there (*is_there); 0 where something else stands
+ * there. */
+static int read_index(const char **p, const char *end, int64_t *index, int *is_there) {
     *is_there = 1;
-    if (read_digits(p, end, index))      /* nearly always */
+    if (read_digits(p, end, index)) /* nearly always */
         return 1;
     *is_there = !norma_obj_is_delimiter(*p, end) && **p != '/';
-    if (!*is_there)
-        return 1;
+    if (!*is_there) return 1;
     const char *next = norma_number_parse_integer(*p, end, index);
-    if (next)
-        *p = next;
+    if (next) *p = next;
     return next != NULL;
 }
 
-int norma_obj_corner(const char *p, const char *end, obj_corner *corner)
-{
+int norma_obj_corner(const char *p, const char *end, obj_corner *corner) {
     int64_t texture;
     int has_position;
-    *corner = (obj_corner){ .begin = p };
-    if (!read_index(&p, end, &corner->position, &has_position) || !has_position)
-        return 0;
+    *corner = (obj_corner){.begin = p};
+    if (!read_index(&p, end, &corner->position, &has_position) || !has_position) return 0;
     corner->texture_end = p;
     if (p < end && *p == '/') {
         ++p;
-        if (!read_index(&p, end, &texture, &corner->has_texture))
-            return 0;
-        if (corner->has_texture)
-            corner->texture_end = p;
+        if (!read_index(&p, end, &texture, &corner->has_texture)) return 0;
+        if (corner->has_texture) corner->texture_end = p;
         if (p < end && *p == '/') {
             ++p;
-            if (!read_index(&p, end, &corner->normal, &corner->has_normal))
-                return 0;
+            if (!read_index(&p, end, &corner->normal, &corner->has_normal)) return 0;
         }
     }
     corner->end = p;

@@ -1,80 +1,92 @@
-/* binary_rows.c: binary rows with some properties replaced or put in. A plan becomes a short program of steps that runs once for each row; neighbouring
- * properties that are only copied are one step. */
+/* binary_rows.c: binary rows with some properties replaced or put in. A plan becomes a short
+ * program of steps that runs once for each row; neighbouring properties that are only copied are
+ * one step. */
 #include "io/ply/ply.h"
 #include "io/stream/ordered.h"
 #include <stdlib.h>
 
 typedef enum step_kind {
-    STEP_COPY,                           /* size bytes of the old row */
-    STEP_SKIP,                           /* size bytes of the old row are left out */
-    STEP_SIDE,                           /* size bytes of an array, which moves on by stride each row */
+    STEP_COPY, /* size bytes of the old row */
+    STEP_SKIP, /* size bytes of the old row are left out */
+    STEP_SIDE, /* size bytes of an array, which moves on by stride each row */
     STEP_VALUE,
-    STEP_LIST, STEP_INDICES, STEP_CORNERS
+    STEP_LIST,
+    STEP_INDICES,
+    STEP_CORNERS
 } step_kind;
 
 typedef struct row_step {
-    step_kind            kind;
-    size_t               size, stride;
+    step_kind kind;
+    size_t size, stride;
     const unsigned char *side;
-    const ply_item      *item;
+    const ply_item *item;
 } row_step;
 
 typedef struct row_writer {
     const ply_state *state;
-    const ply_plan  *plan;
-    norma_sink      *sink;
-    row_step        *steps;
-    size_t           step_count;
-    int              spliced;            /* the steps only copy, skip and take from the side */
-    const uint32_t  *next_index;         /* of faces */
-    const uint32_t  *triangle;           /* of the face that is cut, which this row is; or NULL */
-    const int64_t   *next_item;          /* of strips */
+    const ply_plan *plan;
+    norma_sink *sink;
+    row_step *steps;
+    size_t step_count;
+    int spliced;                /* the steps only copy, skip and take from the side */
+    const uint32_t *next_index; /* of faces */
+    const uint32_t *triangle;   /* of the face that is cut, which this row is; or NULL */
+    const int64_t *next_item;   /* of strips */
 } row_writer;
 
 /* ---- the program */
 
-static void add_step(row_writer *writer, row_step step)
-{
+static void add_step(row_writer *writer, row_step step) {
     row_step *last = writer->step_count ? &writer->steps[writer->step_count - 1] : NULL;
     if (last && last->kind == step.kind && (step.kind == STEP_COPY || step.kind == STEP_SKIP)) {
         last->size += step.size;
         return;
     }
-    if (last && last->kind == STEP_SIDE && step.kind == STEP_SIDE && last->stride == step.stride && last->side + last->size == step.side) {
+    if (last && last->kind == STEP_SIDE && step.kind == STEP_SIDE && last->stride == step.stride &&
+        last->side + last->size == step.side) {
         last->size += step.size;
         return;
     }
     writer->steps[writer->step_count++] = step;
 }
 
-static void add_value(row_writer *writer, const ply_item *item)
-{
+static void add_value(row_writer *writer, const ply_item *item) {
     const int native = norma_ply_is_native(writer->state->header.encoding);
     if (native && item->type == PLY_FLOAT && item->column.floats)
-        add_step(writer, (row_step){.kind = STEP_SIDE, .size = 4, .stride = 12, .side = (const unsigned char *)item->column.floats});
+        add_step(writer, (row_step){.kind = STEP_SIDE,
+                             .size = 4,
+                             .stride = 12,
+                             .side = (const unsigned char *)item->column.floats});
     else if (native && item->type == PLY_DOUBLE && item->column.doubles)
-        add_step(writer, (row_step){.kind = STEP_SIDE, .size = 8, .stride = 24, .side = (const unsigned char *)item->column.doubles});
+        add_step(writer, (row_step){.kind = STEP_SIDE,
+                             .size = 8,
+                             .stride = 24,
+                             .side = (const unsigned char *)item->column.doubles});
     else
         add_step(writer, (row_step){.kind = STEP_VALUE, .item = item});
 }
 
-/* Triangles alone whose new corners are stored as they are in memory (rows of 13 bytes: a count of one, three numbers of four): their count stays, the corners come from the
- * side. 0: they are no such. */
-static int add_triangle(row_writer *writer)
-{
+/* Triangles alone whose new corners are stored as they are in memory (rows of 13 bytes: a count of
+ * one, three numbers of four): their count stays, the corners come from the side. 0: they are no
+ * such. */
+static int add_triangle(row_writer *writer) {
     const ply_plan *plan = writer->plan;
     const size_t size = sizeof(uint32_t);
-    if (plan->lists || plan->cut_rows || plan->element->triangle_row != 1 + 3 * size || !norma_ply_is_native(writer->state->header.encoding))
+    if (plan->lists || plan->cut_rows || plan->element->triangle_row != 1 + 3 * size ||
+        !norma_ply_is_native(writer->state->header.encoding))
         return 0;
     add_step(writer, (row_step){.kind = STEP_COPY, .size = 1});
-    add_step(writer, (row_step){.kind = STEP_SIDE, .size = 3 * size, .stride = 3 * size, .side = (const unsigned char *)plan->indices});
+    add_step(writer, (row_step){.kind = STEP_SIDE,
+                         .size = 3 * size,
+                         .stride = 3 * size,
+                         .side = (const unsigned char *)plan->indices});
     add_step(writer, (row_step){.kind = STEP_SKIP, .size = 3 * size});
     return 1;
 }
 
-/* Skips move behind the values that neighbour them, so that three replaced numbers are one step each way. */
-static void compile(row_writer *writer)
-{
+/* Skips move behind the values that neighbour them, so that three replaced numbers are one step
+ * each way. */
+static void compile(row_writer *writer) {
     size_t skipped = 0;
     for (size_t i = 0; i < writer->plan->item_count; ++i) {
         const ply_item *item = &writer->plan->items[i];
@@ -83,11 +95,9 @@ static void compile(row_writer *writer)
             skipped += item->source ? norma_ply_type_size(item->source->type) : 0;
             continue;
         }
-        if (skipped > 0)
-            add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
+        if (skipped > 0) add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
         skipped = 0;
-        if (item->action == PLY_INDICES && add_triangle(writer))
-            continue;
+        if (item->action == PLY_INDICES && add_triangle(writer)) continue;
         if (item->action == PLY_INDICES)
             add_step(writer, (row_step){.kind = STEP_INDICES, .item = item});
         else if (item->action == PLY_CORNERS)
@@ -95,10 +105,10 @@ static void compile(row_writer *writer)
         else if (norma_ply_is_list(item->source))
             add_step(writer, (row_step){.kind = STEP_LIST, .item = item});
         else
-            add_step(writer, (row_step){.kind = STEP_COPY, .size = norma_ply_type_size(item->type)});
+            add_step(
+                writer, (row_step){.kind = STEP_COPY, .size = norma_ply_type_size(item->type)});
     }
-    if (skipped > 0)
-        add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
+    if (skipped > 0) add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
     writer->spliced = 1;
     for (size_t i = 0; i < writer->step_count; ++i)
         writer->spliced &= writer->steps[i].kind <= STEP_SIDE;
@@ -107,8 +117,7 @@ static void compile(row_writer *writer)
 /* ---- its steps */
 
 /* Sizes that stand for one vector of floats or doubles are copied in line. */
-static void put_bytes(norma_sink *sink, const unsigned char *bytes, size_t size)
-{
+static void put_bytes(norma_sink *sink, const unsigned char *bytes, size_t size) {
     if (size == 1)
         *norma_sink_room(sink, 1) = *bytes;
     else if (size == 12)
@@ -119,25 +128,27 @@ static void put_bytes(norma_sink *sink, const unsigned char *bytes, size_t size)
         norma_sink_put(sink, bytes, size);
 }
 
-static void put_value(const row_writer *writer, const ply_item *item, size_t number)
-{
+static void put_value(const row_writer *writer, const ply_item *item, size_t number) {
     const ply_column *column = &item->column;
-    double value = column->floats ? (double)column->floats[3 * number] : column->doubles[3 * number];
-    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type, writer->state->header.encoding, value);
+    double value =
+        column->floats ? (double)column->floats[3 * number] : column->doubles[3 * number];
+    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type,
+        writer->state->header.encoding, value);
 }
 
-static void put_triangle(row_writer *writer, const ply_item *item)
-{
+static void put_triangle(row_writer *writer, const ply_item *item) {
     const ply_encoding encoding = writer->state->header.encoding;
-    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->count_type)), item->count_type, encoding, 3);
+    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->count_type)),
+        item->count_type, encoding, 3);
     for (int k = 0; k < 3; ++k)
-        norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type, encoding, (double)writer->next_index[writer->triangle[k]]);
+        norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type,
+            encoding, (double)writer->next_index[writer->triangle[k]]);
 }
 
-static void put_face(row_writer *writer, const ply_item *item, const unsigned char *at)
-{
+static void put_face(row_writer *writer, const ply_item *item, const unsigned char *at) {
     const ply_encoding encoding = writer->state->header.encoding;
-    const size_t count = (size_t)norma_ply_get_integer(at, item->source->count_type, encoding), size = norma_ply_type_size(item->type);
+    const size_t count = (size_t)norma_ply_get_integer(at, item->source->count_type, encoding),
+                 size = norma_ply_type_size(item->type);
     if (writer->triangle) {
         put_triangle(writer, item);
         return;
@@ -149,29 +160,37 @@ static void put_face(row_writer *writer, const ply_item *item, const unsigned ch
         return;
     }
     for (size_t i = 0; i < count; ++i)
-        norma_ply_put(norma_sink_room(writer->sink, size), item->type, encoding, *writer->next_index++);
+        norma_ply_put(
+            norma_sink_room(writer->sink, size), item->type, encoding, *writer->next_index++);
 }
 
-static void put_strip(row_writer *writer, const ply_item *item, size_t row)
-{
+static void put_strip(row_writer *writer, const ply_item *item, size_t row) {
     const ply_encoding encoding = writer->state->header.encoding;
     const uint32_t count = writer->plan->lists->counts[row];
-    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->count_type)), item->count_type, encoding, count);
+    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->count_type)),
+        item->count_type, encoding, count);
     for (uint32_t i = 0; i < count; ++i)
-        norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type, encoding, (double)*writer->next_item++);
+        norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type,
+            encoding, (double)*writer->next_item++);
 }
 
-/* Where faces turn, the first corner's tuple stays and the others turn round, as the corners do; a triangle of a face that is cut has the tuples of its corners. */
-static void put_corners(const row_writer *writer, const ply_item *item, const unsigned char *at, size_t row)
-{
+/* Where faces turn, the first corner's tuple stays and the others turn round, as the corners do; a
+ * triangle of a face that is cut has the tuples of its corners. */
+static void put_corners(
+    const row_writer *writer, const ply_item *item, const unsigned char *at, size_t row) {
     const ply_encoding encoding = writer->state->header.encoding;
-    const size_t corners = norma_ply_row_corners(writer->plan, row), count = (size_t)norma_ply_get_integer(at, item->source->count_type, encoding);
-    const size_t count_size = norma_ply_type_size(item->source->count_type), bytes = count * norma_ply_type_size(item->type);
+    const size_t corners = norma_ply_row_corners(writer->plan, row),
+                 count = (size_t)norma_ply_get_integer(at, item->source->count_type, encoding);
+    const size_t count_size = norma_ply_type_size(item->source->count_type),
+                 bytes = count * norma_ply_type_size(item->type);
     const uint8_t *rows = writer->plan->reversed_rows;
-    const int in_step = corners > 0 && count % corners == 0, turns = writer->plan->reversed && (!rows || rows[row]);
-    const size_t tuple = in_step ? bytes / corners : 0, of_triangle = in_step ? count / corners * 3 : 0;
+    const int in_step = corners > 0 && count % corners == 0,
+              turns = writer->plan->reversed && (!rows || rows[row]);
+    const size_t tuple = in_step ? bytes / corners : 0,
+                 of_triangle = in_step ? count / corners * 3 : 0;
     if (writer->triangle && in_step)
-        norma_ply_put(norma_sink_room(writer->sink, count_size), item->source->count_type, encoding, (double)of_triangle);
+        norma_ply_put(norma_sink_room(writer->sink, count_size), item->source->count_type, encoding,
+            (double)of_triangle);
     else
         norma_sink_put(writer->sink, at, count_size);
     at += count_size;
@@ -180,17 +199,30 @@ static void put_corners(const row_writer *writer, const ply_item *item, const un
         return;
     }
     for (size_t i = 0; i < (writer->triangle ? 3 : corners); ++i)
-        norma_sink_put(writer->sink, at + (writer->triangle ? writer->triangle[i] : i == 0 ? 0 : corners - i) * tuple, tuple);
+        norma_sink_put(writer->sink,
+            at + (writer->triangle ? writer->triangle[i]
+                     : i == 0      ? 0
+                                   : corners - i) *
+                     tuple,
+            tuple);
 }
 
-static const unsigned char *run_step(row_writer *writer, const row_step *step, const unsigned char *at, size_t row, size_t number)
-{
+static const unsigned char *run_step(
+    row_writer *writer, const row_step *step, const unsigned char *at, size_t row, size_t number) {
     switch (step->kind) {
-    case STEP_COPY: put_bytes(writer->sink, at, step->size); return at + step->size;
-    case STEP_SKIP: return at + step->size;
-    case STEP_SIDE: put_bytes(writer->sink, step->side + step->stride * number, step->size); return at;
-    case STEP_VALUE: put_value(writer, step->item, number); return at;
-    default: break;
+    case STEP_COPY:
+        put_bytes(writer->sink, at, step->size);
+        return at + step->size;
+    case STEP_SKIP:
+        return at + step->size;
+    case STEP_SIDE:
+        put_bytes(writer->sink, step->side + step->stride * number, step->size);
+        return at;
+    case STEP_VALUE:
+        put_value(writer, step->item, number);
+        return at;
+    default:
+        break;
     }
     const size_t size = norma_ply_property_size(&writer->state->header, step->item->source, at);
     if (step->kind == STEP_LIST)
@@ -204,45 +236,42 @@ static const unsigned char *run_step(row_writer *writer, const row_step *step, c
     return at + size;
 }
 
-static const unsigned char *splice_row(const row_writer *writer, const unsigned char *at, size_t number)
-{
-    for (const row_step *step = writer->steps, *end = step + writer->step_count; step < end; ++step) {
+static const unsigned char *splice_row(
+    const row_writer *writer, const unsigned char *at, size_t number) {
+    for (const row_step *step = writer->steps, *end = step + writer->step_count; step < end;
+         ++step) {
         if (step->kind != STEP_SKIP)
-            put_bytes(writer->sink, step->kind == STEP_COPY ? at : step->side + step->stride * number, step->size);
+            put_bytes(writer->sink,
+                step->kind == STEP_COPY ? at : step->side + step->stride * number, step->size);
         at += step->kind == STEP_SIDE ? 0 : step->size;
     }
     return at;
 }
 
-static const unsigned char *write_row(row_writer *writer, const unsigned char *at, size_t row, size_t number)
-{
-    if (writer->spliced)
-        return splice_row(writer, at, number);
+static const unsigned char *write_row(
+    row_writer *writer, const unsigned char *at, size_t row, size_t number) {
+    if (writer->spliced) return splice_row(writer, at, number);
     for (size_t i = 0; i < writer->step_count; ++i)
         at = run_step(writer, &writer->steps[i], at, row, number);
     return at;
 }
 
-static const unsigned char *drop_row(row_writer *writer, const unsigned char *at, size_t row)
-{
-    if (writer->next_index)
-        writer->next_index += norma_ply_row_corners(writer->plan, row);
+static const unsigned char *drop_row(row_writer *writer, const unsigned char *at, size_t row) {
+    if (writer->next_index) writer->next_index += norma_ply_row_corners(writer->plan, row);
     return norma_ply_row_end(&writer->state->header, writer->plan->element, at);
 }
 
 /* As many copies of the row as it becomes triangles. */
-static const unsigned char *cut_row(row_writer *writer, const unsigned char *at, size_t row)
-{
+static const unsigned char *cut_row(row_writer *writer, const unsigned char *at, size_t row) {
     const size_t corners = norma_ply_row_corners(writer->plan, row);
     writer->triangle = writer->plan->cut_corners + 3 * norma_ply_row_begin(writer->plan, row);
-    for (size_t i = 0; i + 2 < corners; ++i, writer->triangle += 3)
-        write_row(writer, at, row, row);
+    for (size_t i = 0; i + 2 < corners; ++i, writer->triangle += 3) write_row(writer, at, row, row);
     writer->triangle = NULL;
     return drop_row(writer, at, row);
 }
 
-static norma_document_result write_added(norma_document *document, row_writer *writer, norma_document_error *error)
-{
+static norma_document_result write_added(
+    norma_document *document, row_writer *writer, norma_document_error *error) {
     const ply_plan *plan = writer->plan;
     const ply_element *element = plan->element;
     ply_span *spans = NULL;
@@ -251,7 +280,10 @@ static norma_document_result write_added(norma_document *document, row_writer *w
         result = norma_ply_row_spans(document, element, &spans, error);
     for (size_t i = 0; i < plan->added_count && !result; ++i) {
         const size_t row = plan->added[i];
-        write_row(writer, writer->state->bytes + (spans ? spans[row].offset : element->begin + row * element->fixed_size), row, (size_t)element->count + i);
+        write_row(writer,
+            writer->state->bytes +
+                (spans ? spans[row].offset : element->begin + row * element->fixed_size),
+            row, (size_t)element->count + i);
     }
     free(spans);
     return result;
@@ -259,54 +291,55 @@ static norma_document_result write_added(norma_document *document, row_writer *w
 
 /* ---- rows that do not hang on the ones before them, in slices made side by side */
 
-enum { SLICE = 1 << 13 };                /* rows */
+enum { SLICE = 1 << 13 }; /* rows */
 
 typedef struct row_slices {
     const row_writer *writer;
-    size_t            row_size, slices;  /* slices of old rows; those of added ones follow */
+    size_t row_size, slices; /* slices of old rows; those of added ones follow */
 } row_slices;
 
 /* The bytes of each row, where all have as many. */
-static size_t even_row(const ply_plan *plan)
-{
-    if (plan->lists || plan->dropped_rows || plan->cut_rows)
-        return 0;
+static size_t even_row(const ply_plan *plan) {
+    if (plan->lists || plan->dropped_rows || plan->cut_rows) return 0;
     return plan->element->list_count == 0 ? plan->element->fixed_size : plan->element->triangle_row;
 }
 
-static void make_slice(void *context, size_t index, norma_piece *piece)
-{
+static void make_slice(void *context, size_t index, norma_piece *piece) {
     const row_slices *slices = context;
     const ply_plan *plan = slices->writer->plan;
     const int added = index >= slices->slices;
-    const size_t first = (added ? index - slices->slices : index) * SLICE, count = added ? plan->added_count : (size_t)plan->element->count;
+    const size_t first = (added ? index - slices->slices : index) * SLICE,
+                 count = added ? plan->added_count : (size_t)plan->element->count;
     const unsigned char *rows = slices->writer->state->bytes + plan->element->begin;
     row_writer writer = *slices->writer;
     writer.sink = &piece->sink;
-    if (writer.next_index)
-        writer.next_index += 3 * first;
+    if (writer.next_index) writer.next_index += 3 * first;
     for (size_t i = first; i < count && i < first + SLICE; ++i) {
         const size_t row = added ? plan->added[i] : i;
-        write_row(&writer, rows + row * slices->row_size, row, added ? (size_t)plan->element->count + i : i);
+        write_row(&writer, rows + row * slices->row_size, row,
+            added ? (size_t)plan->element->count + i : i);
     }
 }
 
-static norma_document_result write_slices(norma_document *document, const row_writer *writer, size_t row_size, norma_document_error *error)
-{
+static norma_document_result write_slices(norma_document *document, const row_writer *writer,
+    size_t row_size, norma_document_error *error) {
     const ply_plan *plan = writer->plan;
     norma_sink *sink = writer->sink;
-    row_slices slices = {.writer = writer, .row_size = row_size, .slices = ((size_t)plan->element->count + SLICE - 1) / SLICE};
+    row_slices slices = {.writer = writer,
+        .row_size = row_size,
+        .slices = ((size_t)plan->element->count + SLICE - 1) / SLICE};
     norma_sink_flush(sink);
-    if (sink->failed)
-        return NORMA_DOCUMENT_OK;
-    norma_ordered_result result =
-        norma_write_ordered(document->threads, slices.slices + (plan->added_count + SLICE - 1) / SLICE, make_slice, &slices, sink->write, sink->user);
+    if (sink->failed) return NORMA_DOCUMENT_OK;
+    norma_ordered_result result = norma_write_ordered(document->threads,
+        slices.slices + (plan->added_count + SLICE - 1) / SLICE, make_slice, &slices, sink->write,
+        sink->user);
     sink->failed = result == NORMA_ORDERED_REFUSED;
-    return result == NORMA_ORDERED_MEMORY ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
+    return result == NORMA_ORDERED_MEMORY ? norma_document_fail_memory(document, error)
+                                          : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result write_in_turn(norma_document *document, row_writer *writer, norma_document_error *error)
-{
+static norma_document_result write_in_turn(
+    norma_document *document, row_writer *writer, norma_document_error *error) {
     const ply_plan *plan = writer->plan;
     const unsigned char *at = writer->state->bytes + plan->element->begin;
     for (size_t row = 0; row < plan->element->count && !writer->sink->failed; ++row)
@@ -316,15 +349,20 @@ static norma_document_result write_in_turn(norma_document *document, row_writer 
     return write_added(document, writer, error);
 }
 
-norma_document_result norma_ply_write_rows(norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error)
-{
-    row_writer writer = {.state = document->state, .plan = plan, .sink = sink, .next_index = plan->indices, .next_item = plan->lists ? plan->lists->items : NULL};
+norma_document_result norma_ply_write_rows(
+    norma_document *document, const ply_plan *plan, norma_sink *sink, norma_document_error *error) {
+    row_writer writer = {.state = document->state,
+        .plan = plan,
+        .sink = sink,
+        .next_index = plan->indices,
+        .next_item = plan->lists ? plan->lists->items : NULL};
     const size_t row_size = even_row(plan);
     writer.steps = norma_io_allocate(2 * plan->item_count + 1, sizeof *writer.steps);
-    if (!writer.steps)
-        return norma_document_fail_memory(document, error);
+    if (!writer.steps) return norma_document_fail_memory(document, error);
     compile(&writer);
-    norma_document_result result = row_size && sink->write ? write_slices(document, &writer, row_size, error) : write_in_turn(document, &writer, error);
+    norma_document_result result = row_size && sink->write
+                                       ? write_slices(document, &writer, row_size, error)
+                                       : write_in_turn(document, &writer, error);
     free(writer.steps);
     return result;
 }

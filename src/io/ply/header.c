@@ -1,81 +1,93 @@
-/* header.c: the header of a PLY file: elements, properties and where each word of them stands, so that single words can be replaced.
+/* header.c: the header of a PLY file: elements, properties and where each word of them stands, so
+ * that single words can be replaced.
  *
- * Lines end in LF, CRLF or CR. Which of them is told by the first line: in a file whose first line ends in CR alone, a body may begin with 0x0A, and in one
- * with LF a line may still end in CRLF. */
+ * Lines end in LF, CRLF or CR. Which of them is told by the first line: in a file whose first line
+ * ends in CR alone, a body may begin with 0x0A, and in one with LF a line may still end in CRLF. */
 #include "io/ply/ply.h"
 #include "io/text/number.h"
 #include <stdlib.h>
 
 enum { MAX_WORDS = 6 };
 
-static const struct { const char *name, *bits_name; size_t size; } types[] = {
-    [PLY_INT8] = {"char", "int8", 1},    [PLY_UINT8] = {"uchar", "uint8", 1},   [PLY_INT16] = {"short", "int16", 2},   [PLY_UINT16] = {"ushort", "uint16", 2},
-    [PLY_INT32] = {"int", "int32", 4},   [PLY_UINT32] = {"uint", "uint32", 4},  [PLY_FLOAT] = {"float", "float32", 4}, [PLY_DOUBLE] = {"double", "float64", 8},
+static const struct {
+    const char *name, *bits_name;
+    size_t size;
+} types[] = {
+    [PLY_INT8] = {"char", "int8", 1},
+    [PLY_UINT8] = {"uchar", "uint8", 1},
+    [PLY_INT16] = {"short", "int16", 2},
+    [PLY_UINT16] = {"ushort", "uint16", 2},
+    [PLY_INT32] = {"int", "int32", 4},
+    [PLY_UINT32] = {"uint", "uint32", 4},
+    [PLY_FLOAT] = {"float", "float32", 4},
+    [PLY_DOUBLE] = {"double", "float64", 8},
     [PLY_NO_TYPE] = {"", "", 0},
 };
 
 size_t norma_ply_type_size(ply_type type) { return types[type].size; }
-const char *norma_ply_type_name(ply_type type, int with_bits) { return with_bits ? types[type].bits_name : types[type].name; }
+const char *norma_ply_type_name(ply_type type, int with_bits) {
+    return with_bits ? types[type].bits_name : types[type].name;
+}
 
-int norma_ply_span_is(const ply_state *state, ply_span span, const char *text)
-{
-    return span.length == strlen(text) && memcmp(state->bytes + span.offset, text, span.length) == 0;
+int norma_ply_span_is(const ply_state *state, ply_span span, const char *text) {
+    return span.length == strlen(text) &&
+           memcmp(state->bytes + span.offset, text, span.length) == 0;
 }
 
 /* ---- lines and words */
 
 typedef struct header_line {
-    size_t   number, begin, end, next;   /* next: where the next line begins */
+    size_t number, begin, end, next; /* next: where the next line begins */
     ply_span words[MAX_WORDS];
-    size_t   word_count;                 /* all of them, also those beyond MAX_WORDS */
+    size_t word_count; /* all of them, also those beyond MAX_WORDS */
 } header_line;
 
 typedef struct header_reader {
-    norma_document       *document;
+    norma_document *document;
     norma_document_error *error;
-    ply_state            *state;
-    header_line           line;
-    int                   cr_only;
+    ply_state *state;
+    header_line line;
+    int cr_only;
 } header_reader;
 
-static norma_document_result fail_line(const header_reader *reader, const char *what, ply_span span)
-{
+static norma_document_result fail_line(
+    const header_reader *reader, const char *what, ply_span span) {
     char place[24];
     place[norma_number_format_integer(reader->line.number, place)] = '\0';
     const ply_state *state = reader->state;
     int length = span.length > 60 ? 60 : (int)span.length;
     if (length == 0)
-        return norma_document_fail(reader->document, reader->error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "%s", what);
-    return norma_document_fail(reader->document, reader->error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "\"%.*s\": %s", length,
-                               (const char *)state->bytes + span.offset, what);
+        return norma_document_fail(
+            reader->document, reader->error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "%s", what);
+    return norma_document_fail(reader->document, reader->error, NORMA_DOCUMENT_ERROR_MALFORMED,
+        place, "\"%.*s\": %s", length, (const char *)state->bytes + span.offset, what);
 }
 
-static int is_blank(unsigned char byte) { return byte == ' ' || byte == '\t' || byte == '\r' || byte == '\n' || byte == '\v' || byte == '\f'; }
+static int is_blank(unsigned char byte) {
+    return byte == ' ' || byte == '\t' || byte == '\r' || byte == '\n' || byte == '\v' ||
+           byte == '\f';
+}
 
-static void split_words(const ply_state *state, header_line *line)
-{
+static void split_words(const ply_state *state, header_line *line) {
     line->word_count = 0;
     for (size_t at = line->begin; at < line->end;) {
-        while (at < line->end && is_blank(state->bytes[at]))
-            ++at;
+        while (at < line->end && is_blank(state->bytes[at])) ++at;
         size_t begin = at;
-        while (at < line->end && !is_blank(state->bytes[at]))
-            ++at;
+        while (at < line->end && !is_blank(state->bytes[at])) ++at;
         if (at > begin && line->word_count++ < MAX_WORDS)
             line->words[line->word_count - 1] = (ply_span){begin, at - begin};
     }
 }
 
 /* 0 at the end of the file. */
-static int next_line(header_reader *reader)
-{
+static int next_line(header_reader *reader) {
     const ply_state *state = reader->state;
     header_line *line = &reader->line;
-    if (line->next >= state->size)
-        return 0;
+    if (line->next >= state->size) return 0;
     line->begin = line->next;
     const unsigned char *from = state->bytes + line->begin;
-    const unsigned char *found = memchr(from, reader->cr_only ? '\r' : '\n', state->size - line->begin);
+    const unsigned char *found =
+        memchr(from, reader->cr_only ? '\r' : '\n', state->size - line->begin);
     line->end = found ? (size_t)(found - state->bytes) : state->size;
     line->next = found ? line->end + 1 : state->size;
     ++line->number;
@@ -86,137 +98,154 @@ static int next_line(header_reader *reader)
 /* From its first word, which it has, to the end of its last. */
 static ply_span whole_line(const ply_state *state, const header_line *line) {
     size_t begin = line->words[0].offset, end = line->end;
-    while (is_blank(state->bytes[end - 1]))
-        --end;
+    while (is_blank(state->bytes[end - 1])) --end;
     return (ply_span){begin, end - begin};
 }
 
-static norma_document_result read_magic(header_reader *reader)
-{
+static norma_document_result read_magic(header_reader *reader) {
     ply_state *state = reader->state;
     if (state->size < 4 || memcmp(state->bytes, "ply", 3) != 0 || !is_blank(state->bytes[3]))
-        return norma_document_fail(reader->document, reader->error, NORMA_DOCUMENT_ERROR_MALFORMED, "1", "%s; expected a line \"ply\"",
-                                   state->size == 0 ? "the file is empty" : "not a PLY file");
+        return norma_document_fail(reader->document, reader->error, NORMA_DOCUMENT_ERROR_MALFORMED,
+            "1", "%s; expected a line \"ply\"",
+            state->size == 0 ? "the file is empty" : "not a PLY file");
     size_t at = 3;
-    while (at < state->size && (state->bytes[at] == ' ' || state->bytes[at] == '\t'))
-        ++at;
+    while (at < state->size && (state->bytes[at] == ' ' || state->bytes[at] == '\t')) ++at;
     size_t length = 1;
     if (at + 1 < state->size && state->bytes[at] == '\r')
         length = state->bytes[at + 1] == '\n' ? 2 : 1;
     reader->cr_only = at < state->size && state->bytes[at] == '\r' && length == 1;
     state->header.line_break = (ply_span){at, at < state->size ? length : 0};
     next_line(reader);
-    return reader->line.word_count == 1 ? NORMA_DOCUMENT_OK : fail_line(reader, "expected \"ply\" alone on the first line", whole_line(reader->state, &reader->line));
+    return reader->line.word_count == 1
+               ? NORMA_DOCUMENT_OK
+               : fail_line(reader, "expected \"ply\" alone on the first line",
+                     whole_line(reader->state, &reader->line));
 }
 
 /* ---- statements */
 
-static norma_document_result read_format(header_reader *reader)
-{
-    static const char *const names[] = {[PLY_ASCII] = "ascii", [PLY_LITTLE_ENDIAN] = "binary_little_endian", [PLY_BIG_ENDIAN] = "binary_big_endian"};
+static norma_document_result read_format(header_reader *reader) {
+    static const char *const names[] = {[PLY_ASCII] = "ascii",
+        [PLY_LITTLE_ENDIAN] = "binary_little_endian",
+        [PLY_BIG_ENDIAN] = "binary_big_endian"};
     const header_line *line = &reader->line;
     if (line->word_count != 3 || !norma_ply_span_is(reader->state, line->words[2], "1.0"))
-        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"", whole_line(reader->state, line));
+        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"",
+            whole_line(reader->state, line));
     for (int i = PLY_ASCII; i <= PLY_BIG_ENDIAN; ++i) {
         if (norma_ply_span_is(reader->state, line->words[1], names[i])) {
             reader->state->header.encoding = (ply_encoding)i;
             return NORMA_DOCUMENT_OK;
         }
     }
-    return fail_line(reader, "unknown encoding; expected ascii, binary_little_endian or binary_big_endian", line->words[1]);
+    return fail_line(reader,
+        "unknown encoding; expected ascii, binary_little_endian or binary_big_endian",
+        line->words[1]);
 }
 
-static norma_document_result read_element(header_reader *reader)
-{
+static norma_document_result read_element(header_reader *reader) {
     const header_line *line = &reader->line;
     ply_state *state = reader->state;
     ply_header *header = &state->header;
     if (line->word_count != 3)
-        return fail_line(reader, "expected \"element\", a name and a count", whole_line(reader->state, line));
+        return fail_line(
+            reader, "expected \"element\", a name and a count", whole_line(reader->state, line));
     int64_t count;
-    const char *text = (const char *)state->bytes + line->words[2].offset, *end = text + line->words[2].length;
+    const char *text = (const char *)state->bytes + line->words[2].offset,
+               *end = text + line->words[2].length;
     if (norma_number_parse_integer(text, end, &count) != end || count < 0)
         return fail_line(reader, "expected a count of rows", line->words[2]);
-    ply_element *grown = norma_io_grow(header->elements, &header->element_capacity, header->element_count + 1, sizeof *grown);
-    if (!grown)
-        return norma_document_fail_memory(reader->document, reader->error);
+    ply_element *grown = norma_io_grow(
+        header->elements, &header->element_capacity, header->element_count + 1, sizeof *grown);
+    if (!grown) return norma_document_fail_memory(reader->document, reader->error);
     header->elements = grown;
-    grown[header->element_count++] =
-        (ply_element){.name = line->words[1], .count_text = line->words[2], .count = (uint64_t)count, .first_property = header->property_count};
+    grown[header->element_count++] = (ply_element){.name = line->words[1],
+        .count_text = line->words[2],
+        .count = (uint64_t)count,
+        .first_property = header->property_count};
     return NORMA_DOCUMENT_OK;
 }
 
-static ply_type type_of(const ply_state *state, ply_span word)
-{
+static ply_type type_of(const ply_state *state, ply_span word) {
     for (int i = 0; i < PLY_NO_TYPE; ++i)
-        if (norma_ply_span_is(state, word, types[i].name) || norma_ply_span_is(state, word, types[i].bits_name))
+        if (norma_ply_span_is(state, word, types[i].name) ||
+            norma_ply_span_is(state, word, types[i].bits_name))
             return (ply_type)i;
     return PLY_NO_TYPE;
 }
 
-static norma_document_result parse_property(header_reader *reader, ply_property *property)
-{
+static norma_document_result parse_property(header_reader *reader, ply_property *property) {
     const header_line *line = &reader->line;
     const ply_state *state = reader->state;
     int is_list = line->word_count > 1 && norma_ply_span_is(state, line->words[1], "list");
     if (line->word_count != (is_list ? 5u : 3u))
-        return fail_line(reader, is_list ? "expected \"property list\", the types of count and items, and a name" : "expected \"property\", a type and a name", whole_line(reader->state, line));
+        return fail_line(reader,
+            is_list ? "expected \"property list\", the types of count and items, and a name"
+                    : "expected \"property\", a type and a name",
+            whole_line(reader->state, line));
     size_t type_word = is_list ? 3 : 1;
-    *property = (ply_property){.name = line->words[type_word + 1], .type_text = line->words[type_word], .line_end = line->next, .count_type = PLY_NO_TYPE};
+    *property = (ply_property){.name = line->words[type_word + 1],
+        .type_text = line->words[type_word],
+        .line_end = line->next,
+        .count_type = PLY_NO_TYPE};
     property->type = type_of(state, property->type_text);
     if (property->type == PLY_NO_TYPE)
-        return fail_line(reader, "unknown type; expected char, uchar, short, ushort, int, uint, float, double or int8 to float64", property->type_text);
-    if (!is_list)
-        return NORMA_DOCUMENT_OK;
+        return fail_line(reader,
+            "unknown type; expected char, uchar, short, ushort, int, uint, float, double or int8 "
+            "to float64",
+            property->type_text);
+    if (!is_list) return NORMA_DOCUMENT_OK;
     property->count_type_text = line->words[2];
     property->count_type = type_of(state, line->words[2]);
     if (property->count_type >= PLY_FLOAT)
-        return fail_line(reader, "expected an integer type for the count of a list", line->words[2]);
+        return fail_line(
+            reader, "expected an integer type for the count of a list", line->words[2]);
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_property(header_reader *reader)
-{
+static norma_document_result read_property(header_reader *reader) {
     ply_header *header = &reader->state->header;
     if (header->element_count == 0)
-        return fail_line(reader, "a property before the first element", whole_line(reader->state, &reader->line));
+        return fail_line(reader, "a property before the first element",
+            whole_line(reader->state, &reader->line));
     ply_property property = {0};
     norma_document_result result = parse_property(reader, &property);
-    if (result)
-        return result;
-    ply_property *grown = norma_io_grow(header->properties, &header->property_capacity, header->property_count + 1, sizeof *grown);
-    if (!grown)
-        return norma_document_fail_memory(reader->document, reader->error);
+    if (result) return result;
+    ply_property *grown = norma_io_grow(
+        header->properties, &header->property_capacity, header->property_count + 1, sizeof *grown);
+    if (!grown) return norma_document_fail_memory(reader->document, reader->error);
     header->properties = grown;
     grown[header->property_count++] = property;
     ply_element *element = &header->elements[header->element_count - 1];
     ++element->property_count;
     element->list_count += property.count_type != PLY_NO_TYPE;
-    element->fixed_size += norma_ply_type_size(norma_ply_is_list(&property) ? property.count_type : property.type);
+    element->fixed_size +=
+        norma_ply_type_size(norma_ply_is_list(&property) ? property.count_type : property.type);
     return NORMA_DOCUMENT_OK;
 }
 
-/* Old Blender versions wrote a line without the word "comment" before the first element: passed over there, with a note. */
-static norma_document_result read_unknown(header_reader *reader, int has_format)
-{
+/* Old Blender versions wrote a line without the word "comment" before the first element: passed
+ * over there, with a note. */
+static norma_document_result read_unknown(header_reader *reader, int has_format) {
     const header_line *line = &reader->line;
     if (!has_format)
-        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"", whole_line(reader->state, line));
+        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"",
+            whole_line(reader->state, line));
     if (reader->state->header.element_count > 0)
-        return fail_line(reader, "expected element, property, comment, obj_info or end_header", whole_line(reader->state, line));
+        return fail_line(reader, "expected element, property, comment, obj_info or end_header",
+            whole_line(reader->state, line));
     ply_span text = whole_line(reader->state, line);
     int length = text.length > 60 ? 60 : (int)text.length;
-    norma_document_add_note(reader->document, "header line %zu is no PLY statement and was passed over: \"%.*s\"", line->number, length,
-                            (const char *)reader->state->bytes + text.offset);
+    norma_document_add_note(reader->document,
+        "header line %zu is no PLY statement and was passed over: \"%.*s\"", line->number, length,
+        (const char *)reader->state->bytes + text.offset);
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_statement(header_reader *reader, int *has_format, int *ended)
-{
+static norma_document_result read_statement(header_reader *reader, int *has_format, int *ended) {
     const header_line *line = &reader->line;
     const ply_state *state = reader->state;
-    if (line->word_count == 0)
-        return NORMA_DOCUMENT_OK;
+    if (line->word_count == 0) return NORMA_DOCUMENT_OK;
     ply_span word = line->words[0];
     if (norma_ply_span_is(state, word, "comment") || norma_ply_span_is(state, word, "obj_info"))
         return NORMA_DOCUMENT_OK;
@@ -224,10 +253,8 @@ static norma_document_result read_statement(header_reader *reader, int *has_form
         *has_format = 1;
         return read_format(reader);
     }
-    if (*has_format && norma_ply_span_is(state, word, "element"))
-        return read_element(reader);
-    if (*has_format && norma_ply_span_is(state, word, "property"))
-        return read_property(reader);
+    if (*has_format && norma_ply_span_is(state, word, "element")) return read_element(reader);
+    if (*has_format && norma_ply_span_is(state, word, "property")) return read_property(reader);
     if (*has_format && norma_ply_span_is(state, word, "end_header") && line->word_count == 1) {
         *ended = 1;
         return NORMA_DOCUMENT_OK;
@@ -237,18 +264,14 @@ static norma_document_result read_statement(header_reader *reader, int *has_form
 
 /* ---- which property plays which part */
 
-static int find_element(const ply_state *state, const char *name)
-{
+static int find_element(const ply_state *state, const char *name) {
     for (size_t i = 0; i < state->header.element_count; ++i)
-        if (norma_ply_span_is(state, state->header.elements[i].name, name))
-            return (int)i;
+        if (norma_ply_span_is(state, state->header.elements[i].name, name)) return (int)i;
     return PLY_NONE;
 }
 
-static int find_property(const ply_state *state, int element, const char *name)
-{
-    if (element == PLY_NONE)
-        return PLY_NONE;
+static int find_property(const ply_state *state, int element, const char *name) {
+    if (element == PLY_NONE) return PLY_NONE;
     const ply_element *of = &state->header.elements[element];
     for (size_t i = 0; i < of->property_count; ++i)
         if (norma_ply_span_is(state, state->header.properties[of->first_property + i].name, name))
@@ -256,67 +279,76 @@ static int find_property(const ply_state *state, int element, const char *name)
     return PLY_NONE;
 }
 
-static int find_list(const ply_state *state, int element)
-{
+static int find_list(const ply_state *state, int element) {
     int found = find_property(state, element, "vertex_indices");
     return found != PLY_NONE ? found : find_property(state, element, "vertex_index");
 }
 
-static norma_document_result fail_name(const norma_document *document, norma_document_error *error, const ply_state *state, ply_span name, const char *what)
-{
-    return norma_ply_fail_at(document, error, name.offset, "\"%.*s\": %s", name.length > 60 ? 60 : (int)name.length, (const char *)state->bytes + name.offset, what);
+static norma_document_result fail_name(const norma_document *document, norma_document_error *error,
+    const ply_state *state, ply_span name, const char *what) {
+    return norma_ply_fail_at(document, error, name.offset, "\"%.*s\": %s",
+        name.length > 60 ? 60 : (int)name.length, (const char *)state->bytes + name.offset, what);
 }
 
 /* A name that we use may stand but once in its element. */
-static norma_document_result check_triple(const norma_document *document, norma_document_error *error, int element, const int found[3])
-{
+static norma_document_result check_triple(
+    const norma_document *document, norma_document_error *error, int element, const int found[3]) {
     const ply_state *state = document->state;
     const ply_element *of = norma_ply_element(&state->header, element);
     for (int axis = 0; axis < 3 && of; ++axis) {
-        if (found[axis] == PLY_NONE)
-            continue;
+        if (found[axis] == PLY_NONE) continue;
         const ply_property *property = norma_ply_property(&state->header, of, found[axis]);
         if (norma_ply_is_list(property))
-            return fail_name(document, error, state, property->name, "a list; expected a single number");
+            return fail_name(
+                document, error, state, property->name, "a list; expected a single number");
         for (size_t i = (size_t)found[axis] + 1; i < of->property_count; ++i) {
             const ply_property *other = norma_ply_property(&state->header, of, (int)i);
-            if (other->name.length == property->name.length && memcmp(state->bytes + other->name.offset, state->bytes + property->name.offset, other->name.length) == 0)
-                return fail_name(document, error, state, other->name, "the property stands twice in this element");
+            if (other->name.length == property->name.length &&
+                memcmp(state->bytes + other->name.offset, state->bytes + property->name.offset,
+                    other->name.length) == 0)
+                return fail_name(document, error, state, other->name,
+                    "the property stands twice in this element");
         }
     }
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result check_list(const norma_document *document, norma_document_error *error, int element, int list)
-{
+static norma_document_result check_list(
+    const norma_document *document, norma_document_error *error, int element, int list) {
     const ply_state *state = document->state;
-    if (list == PLY_NONE)
-        return NORMA_DOCUMENT_OK;
-    const ply_property *property = norma_ply_property(&state->header, norma_ply_element(&state->header, element), list);
+    if (list == PLY_NONE) return NORMA_DOCUMENT_OK;
+    const ply_property *property =
+        norma_ply_property(&state->header, norma_ply_element(&state->header, element), list);
     if (!norma_ply_is_list(property) || property->type >= PLY_FLOAT)
         return fail_name(document, error, state, property->name, "expected a list of integers");
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result check_elements(const norma_document *document, norma_document_error *error)
-{
+static norma_document_result check_elements(
+    const norma_document *document, norma_document_error *error) {
     const ply_state *state = document->state;
     for (size_t i = 0; i < state->header.element_count; ++i) {
         ply_span name = state->header.elements[i].name;
-        const int ours = norma_ply_span_is(state, name, "vertex") || norma_ply_span_is(state, name, "face") || norma_ply_span_is(state, name, "tristrips");
+        const int ours = norma_ply_span_is(state, name, "vertex") ||
+                         norma_ply_span_is(state, name, "face") ||
+                         norma_ply_span_is(state, name, "tristrips");
         for (size_t k = 0; ours && k < i; ++k) {
             ply_span other = state->header.elements[k].name;
-            if (other.length == name.length && memcmp(state->bytes + other.offset, state->bytes + name.offset, name.length) == 0)
-                return fail_name(document, error, state, name, "the element stands twice in this header");
+            if (other.length == name.length &&
+                memcmp(state->bytes + other.offset, state->bytes + name.offset, name.length) == 0)
+                return fail_name(
+                    document, error, state, name, "the element stands twice in this header");
         }
     }
     return NORMA_DOCUMENT_OK;
 }
 
-static int count_found(const int found[3]) { return (found[0] != PLY_NONE) + (found[1] != PLY_NONE) + (found[2] != PLY_NONE); }
+static int count_found(const int found[3]) {
+    return (found[0] != PLY_NONE) + (found[1] != PLY_NONE) + (found[2] != PLY_NONE);
+}
 
-static norma_document_result assign_parts(const norma_document *document, norma_document_error *error)
-{
+static norma_document_result assign_parts(
+    const norma_document *document, norma_document_error *error) {
     static const char *const axes[3] = {"x", "y", "z"}, *const normal_axes[3] = {"nx", "ny", "nz"};
     ply_state *state = document->state;
     ply_header *header = &state->header;
@@ -324,7 +356,8 @@ static norma_document_result assign_parts(const norma_document *document, norma_
     header->face = find_element(state, "face");
     header->strips = find_element(state, "tristrips");
     if (header->vertex == PLY_NONE)
-        return norma_ply_fail_at(document, error, header->body - 1, "the header declares no element \"vertex\"");
+        return norma_ply_fail_at(
+            document, error, header->body - 1, "the header declares no element \"vertex\"");
     for (int axis = 0; axis < 3; ++axis) {
         header->position[axis] = find_property(state, header->vertex, axes[axis]);
         header->normal[axis] = find_property(state, header->vertex, normal_axes[axis]);
@@ -334,10 +367,13 @@ static norma_document_result assign_parts(const norma_document *document, norma_
     header->strip_list = find_list(state, header->strips);
     const ply_element *vertex = norma_ply_element(header, header->vertex);
     if (count_found(header->position) != 3)
-        return fail_name(document, error, state, vertex->name, "the element lacks properties; expected x, y and z");
+        return fail_name(document, error, state, vertex->name,
+            "the element lacks properties; expected x, y and z");
     if (count_found(header->normal) % 3 != 0)
-        return fail_name(document, error, state, vertex->name, "the element has a part of nx, ny and nz; expected all or none");
-    if (count_found(header->face_normal) != 3 || check_triple(document, NULL, header->face, header->face_normal))
+        return fail_name(document, error, state, vertex->name,
+            "the element has a part of nx, ny and nz; expected all or none");
+    if (count_found(header->face_normal) != 3 ||
+        check_triple(document, NULL, header->face, header->face_normal))
         header->face_normal[0] = header->face_normal[1] = header->face_normal[2] = PLY_NONE;
     norma_document_result result = check_elements(document, error);
     result = result ? result : check_triple(document, error, header->vertex, header->position);
@@ -346,19 +382,18 @@ static norma_document_result assign_parts(const norma_document *document, norma_
     return result ? result : check_list(document, error, header->strips, header->strip_list);
 }
 
-norma_document_result norma_ply_read_header(norma_document *document, norma_document_error *error)
-{
+norma_document_result norma_ply_read_header(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     header_reader reader = {.document = document, .error = error, .state = state};
     norma_document_result result = read_magic(&reader);
     int has_format = 0, ended = 0;
     while (!result && !ended) {
         if (!next_line(&reader))
-            return fail_line(&reader, "the file ends within the header; expected \"end_header\"", (ply_span){0, 0});
+            return fail_line(&reader, "the file ends within the header; expected \"end_header\"",
+                (ply_span){0, 0});
         result = read_statement(&reader, &has_format, &ended);
     }
-    if (result)
-        return result;
+    if (result) return result;
     state->header.body = reader.line.next;
     return assign_parts(document, error);
 }

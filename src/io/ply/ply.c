@@ -1,12 +1,12 @@
-/* ply.c: PLY documents. The file's bytes stay as they are; what compute and transform change is kept beside them until it is written, or until another
- * change needs to see it: then it becomes the document's bytes, which are read anew. */
+/* ply.c: PLY documents. The file's bytes stay as they are; what compute and transform change is
+ * kept beside them until it is written, or until another change needs to see it: then it becomes
+ * the document's bytes, which are read anew. */
 #include "io/ply/ply.h"
 #include "io/format/edit.h"
 #include "io/format/scene.h"
 #include <stdlib.h>
 
-static void free_state_content(ply_state *state)
-{
+static void free_state_content(ply_state *state) {
     norma_ply_free_edit(&state->edit);
     norma_ply_free_mesh(&state->mesh);
     free(state->normals);
@@ -16,44 +16,35 @@ static void free_state_content(ply_state *state)
     *state = (ply_state){0};
 }
 
-static norma_document_result read_bytes(norma_document *document, norma_document_error *error)
-{
+static norma_document_result read_bytes(norma_document *document, norma_document_error *error) {
     norma_document_result result = norma_ply_read_header(document, error);
-    if (!result)
-        result = norma_ply_locate(document, error);
+    if (!result) result = norma_ply_locate(document, error);
     return result ? result : norma_ply_read_mesh(document, error);
 }
 
-static norma_document_result open_ply(norma_document *document, norma_document_error *error)
-{
+static norma_document_result open_ply(norma_document *document, norma_document_error *error) {
     ply_state *state = norma_io_allocate(1, sizeof *state);
-    if (!state)
-        return norma_document_fail_memory(document, error);
+    if (!state) return norma_document_fail_memory(document, error);
     document->state = state;
     state->bytes = document->source.data;
     state->size = document->source.size;
     return read_bytes(document, error);
 }
 
-static void close_ply(norma_document *document)
-{
-    if (!document->state)
-        return;
+static void close_ply(norma_document *document) {
+    if (!document->state) return;
     free_state_content(document->state);
     free(document->state);
     document->state = NULL;
 }
 
-norma_document_result norma_ply_settle(norma_document *document, norma_document_error *error)
-{
+norma_document_result norma_ply_settle(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
-    if (!norma_ply_has_edit(state))
-        return NORMA_DOCUMENT_OK;
+    if (!norma_ply_has_edit(state)) return NORMA_DOCUMENT_OK;
     unsigned char *bytes;
     size_t size;
     norma_document_result result = norma_rewrite_to_memory(document, &bytes, &size, error);
-    if (result)
-        return result;
+    if (result) return result;
     free_state_content(state);
     state->own = bytes;
     state->bytes = bytes;
@@ -61,27 +52,25 @@ norma_document_result norma_ply_settle(norma_document *document, norma_document_
     return norma_rewrite_read(document, read_bytes, error);
 }
 
-static size_t count_meshes(const norma_document *document)
-{
+static size_t count_meshes(const norma_document *document) {
     (void)document;
     return 1;
 }
 
-static const char *encoding_of(const ply_state *state)
-{
+static const char *encoding_of(const ply_state *state) {
     const ply_header *header = &state->header;
     const ply_element *vertex = norma_ply_element(header, header->vertex);
-    if (header->encoding == PLY_ASCII)
-        return "text";
+    if (header->encoding == PLY_ASCII) return "text";
     const ply_type first = norma_ply_property(header, vertex, header->normal[0])->type;
     for (int axis = 1; axis < 3; ++axis)
-        if (norma_ply_property(header, vertex, header->normal[axis])->type != first)
-            return "mixed";
-    return first == PLY_INT8 ? "snorm8" : first == PLY_INT16 ? "snorm16" : norma_ply_type_name(first, first < PLY_FLOAT);
+        if (norma_ply_property(header, vertex, header->normal[axis])->type != first) return "mixed";
+    return first == PLY_INT8    ? "snorm8"
+           : first == PLY_INT16 ? "snorm16"
+                                : norma_ply_type_name(first, first < PLY_FLOAT);
 }
 
-static norma_document_result describe_mesh(const norma_document *document, size_t index, norma_mesh_info *info)
-{
+static norma_document_result describe_mesh(
+    const norma_document *document, size_t index, norma_mesh_info *info) {
     ply_state *state = document->state;
     (void)index;
     info->vertices = state->vertices + state->edit.added_count;
@@ -98,14 +87,16 @@ static norma_document_result describe_mesh(const norma_document *document, size_
 }
 
 /* As floats of unit length where whole codes stand for fractions. */
-static norma_document_result decode_normals(norma_document *document, norma_document_error *error)
-{
+static norma_document_result decode_normals(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
     double *values = NULL;
-    norma_document_result result = norma_ply_read_columns(document, vertex, state->header.normal, &values, error);
+    norma_document_result result =
+        norma_ply_read_columns(document, vertex, state->header.normal, &values, error);
     const size_t count = 3 * state->vertices;
-    state->normals = result || count > SIZE_MAX / sizeof(float) ? NULL : norma_io_allocate(count, sizeof *state->normals);
+    state->normals = result || count > SIZE_MAX / sizeof(float)
+                         ? NULL
+                         : norma_io_allocate(count, sizeof *state->normals);
     if (state->normals) {
         const double scale = norma_ply_normal_scale(&state->header, vertex, state->header.normal);
         for (size_t i = 0; i < count; ++i) {
@@ -119,18 +110,18 @@ static norma_document_result decode_normals(norma_document *document, norma_docu
     return result;
 }
 
-static norma_document_result give_mesh(norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error)
-{
+static norma_document_result give_mesh(
+    norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
     norma_document_result result = norma_ply_settle(document, error);
     ply_state *state = document->state;
     if (!result && !state->normals && state->header.normal[0] != PLY_NONE)
         result = decode_normals(document, error);
-    if (result)
-        return result;
+    if (result) return result;
     data->mesh = norma_ply_core_mesh(state);
     if (state->normals)
-        data->normals = (norma_vec3_view){.data = state->normals, .count = state->vertices, .format = NORMA_FORMAT_FLOAT};
+        data->normals = (norma_vec3_view){
+            .data = state->normals, .count = state->vertices, .format = NORMA_FORMAT_FLOAT};
     return NORMA_DOCUMENT_OK;
 }
 

@@ -1,5 +1,5 @@
-/* ply_compute.c: normals of a PLY. One for each vertex; where a crease asks for several, the vertex gets copies at the end, so that all old ones keep their
- * numbers. */
+/* ply_compute.c: normals of a PLY. One for each vertex; where a crease asks for several, the vertex
+ * gets copies at the end, so that all old ones keep their numbers. */
 #include "io/ply/ply.h"
 #include "io/stream/large_memory.h"
 #include "io/stream/tasks.h"
@@ -7,22 +7,21 @@
 #include <stdlib.h>
 
 typedef struct ply_job {
-    norma_document              *document;
-    norma_document_error        *error;
-    ply_state                   *state;
+    norma_document *document;
+    norma_document_error *error;
+    ply_state *state;
     const norma_compute_options *options;
-    norma_compute_summary       *summary;
-    norma_options                core;
-    double                      *stored;    /* with NORMA_ONLY_BROKEN: the normals as they are, else NULL */
-    uint8_t                     *wanted;    /* with it, nonzero: this vertex's normal is broken */
-    float                       *normals;   /* of the vertices as they will be */
-    uint8_t                     *reasons;   /* why one holds the fallback */
-    uint32_t                    *corners, *added;
-    size_t                       added_count;
+    norma_compute_summary *summary;
+    norma_options core;
+    double *stored;   /* with NORMA_ONLY_BROKEN: the normals as they are, else NULL */
+    uint8_t *wanted;  /* with it, nonzero: this vertex's normal is broken */
+    float *normals;   /* of the vertices as they will be */
+    uint8_t *reasons; /* why one holds the fallback */
+    uint32_t *corners, *added;
+    size_t added_count;
 } ply_job;
 
-static void free_job(ply_job *job)
-{
+static void free_job(ply_job *job) {
     free(job->stored);
     free(job->wanted);
     free(job->normals);
@@ -31,18 +30,19 @@ static void free_job(ply_job *job)
     free(job->added);
 }
 
-static norma_document_result fail_memory(const ply_job *job) { return norma_document_fail_memory(job->document, job->error); }
+static norma_document_result fail_memory(const ply_job *job) {
+    return norma_document_fail_memory(job->document, job->error);
+}
 
-static void clear_report(norma_report *report)
-{
+static void clear_report(norma_report *report) {
     const norma_count none = {0, SIZE_MAX};
     *report = (norma_report){none, none, none, none, none, none};
 }
 
 /* ---- encodings */
 
-void norma_ply_normal_types(const ply_header *header, const ply_element *element, const int properties[3], ply_type types[3])
-{
+void norma_ply_normal_types(const ply_header *header, const ply_element *element,
+    const int properties[3], ply_type types[3]) {
     const double scale = norma_ply_normal_scale(header, element, properties);
     for (int axis = 0; axis < 3; ++axis) {
         const ply_type stored = norma_ply_property(header, element, properties[axis])->type;
@@ -50,19 +50,17 @@ void norma_ply_normal_types(const ply_header *header, const ply_element *element
     }
 }
 
-norma_document_result norma_ply_encode_normals(norma_document *document, const ply_type types[3], float *normals, size_t count, norma_document_error *error)
-{
-    if (types[0] >= PLY_FLOAT || count == 0)
-        return NORMA_DOCUMENT_OK;
+norma_document_result norma_ply_encode_normals(norma_document *document, const ply_type types[3],
+    float *normals, size_t count, norma_document_error *error) {
+    if (types[0] >= PLY_FLOAT || count == 0) return NORMA_DOCUMENT_OK;
     const norma_vec3_view view = {.data = normals, .count = count, .format = NORMA_FORMAT_FLOAT};
     const int narrow = types[0] == PLY_INT8;
     int8_t *bytes = narrow ? norma_io_allocate(3 * count, sizeof *bytes) : NULL;
     int16_t *shorts = narrow ? NULL : norma_io_allocate(3 * count, sizeof *shorts);
-    if (!bytes && !shorts)
-        return norma_document_fail_memory(document, error);
-    norma_result result = narrow ? norma_encode_snorm8(view, bytes, 0, count) : norma_encode_snorm16(view, shorts, 0, count);
-    for (size_t i = 0; i < 3 * count; ++i)
-        normals[i] = narrow ? (float)bytes[i] : (float)shorts[i];
+    if (!bytes && !shorts) return norma_document_fail_memory(document, error);
+    norma_result result = narrow ? norma_encode_snorm8(view, bytes, 0, count)
+                                 : norma_encode_snorm16(view, shorts, 0, count);
+    for (size_t i = 0; i < 3 * count; ++i) normals[i] = narrow ? (float)bytes[i] : (float)shorts[i];
     free(bytes);
     free(shorts);
     return result ? norma_document_fail_core(document, error, result) : NORMA_DOCUMENT_OK;
@@ -70,14 +68,13 @@ norma_document_result norma_ply_encode_normals(norma_document *document, const p
 
 /* ---- what is to be done */
 
-/* N101 to N103: not finite, shorter than 1e-6, or not of unit length within what the encoding can do. */
-static int is_broken(const double stored[3], double scale)
-{
+/* N101 to N103: not finite, shorter than 1e-6, or not of unit length within what the encoding can
+ * do. */
+static int is_broken(const double stored[3], double scale) {
     double square = 0;
     for (int axis = 0; axis < 3; ++axis) {
         double value = stored[axis] / scale;
-        if (!isfinite(value))
-            return 1;
+        if (!isfinite(value)) return 1;
         value = scale > 1 && value < -1 ? -1 : value;
         square += value * value;
     }
@@ -85,14 +82,13 @@ static int is_broken(const double stored[3], double scale)
     return length < 1e-6 || fabs(length - 1) > (scale == 127 ? .00682 : 5e-4);
 }
 
-static norma_document_result find_broken(ply_job *job, size_t *broken)
-{
+static norma_document_result find_broken(ply_job *job, size_t *broken) {
     ply_state *state = job->state;
     const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
-    norma_document_result result = norma_ply_read_columns(job->document, vertex, state->header.normal, &job->stored, job->error);
+    norma_document_result result = norma_ply_read_columns(
+        job->document, vertex, state->header.normal, &job->stored, job->error);
     job->wanted = norma_io_allocate(state->vertices, 1);
-    if (!result && !job->wanted)
-        return fail_memory(job);
+    if (!result && !job->wanted) return fail_memory(job);
     const double scale = norma_ply_normal_scale(&state->header, vertex, state->header.normal);
     for (size_t i = 0; !result && i < state->vertices; ++i) {
         job->wanted[i] = (uint8_t)is_broken(job->stored + 3 * i, scale);
@@ -103,33 +99,32 @@ static norma_document_result find_broken(ply_job *job, size_t *broken)
 
 /* ---- one normal for each vertex */
 
-static norma_document_result compute_smooth(ply_job *job)
-{
+static norma_document_result compute_smooth(ply_job *job) {
     const size_t count = job->state->vertices;
     job->normals = norma_io_block(count, 3 * sizeof *job->normals);
     job->reasons = norma_io_allocate(count, 1);
-    if (!job->normals || !job->reasons)
-        return fail_memory(job);
+    if (!job->normals || !job->reasons) return fail_memory(job);
     const norma_mesh mesh = norma_ply_core_mesh(job->state);
     job->core.reasons = job->reasons;
-    norma_result result = norma_vertex_normals(&mesh, &job->core, job->normals, count, &job->summary->report);
+    norma_result result =
+        norma_vertex_normals(&mesh, &job->core, job->normals, count, &job->summary->report);
     return result ? norma_document_fail_core(job->document, job->error, result) : NORMA_DOCUMENT_OK;
 }
 
 /* ---- split vertices */
 
 typedef struct split_mesh {
-    norma_mesh mesh;                     /* with a face (v, v, v) for each vertex that no face uses: so it takes part, and gets the nearest normal */
-    uint32_t  *own_corners, *own_starts; /* NULL where there is no such vertex */
-    size_t     idle;                     /* how many there are */
-    uint32_t  *corners, *sources;
-    float     *normals;
-    uint8_t   *reasons;
-    size_t     count;
+    norma_mesh mesh; /* with a face (v, v, v) for each vertex that no face uses: so it takes part,
+                        and gets the nearest normal */
+    uint32_t *own_corners, *own_starts; /* NULL where there is no such vertex */
+    size_t idle;                        /* how many there are */
+    uint32_t *corners, *sources;
+    float *normals;
+    uint8_t *reasons;
+    size_t count;
 } split_mesh;
 
-static void free_split(split_mesh *split)
-{
+static void free_split(split_mesh *split) {
     free(split->own_corners);
     free(split->own_starts);
     free(split->corners);
@@ -138,23 +133,20 @@ static void free_split(split_mesh *split)
     free(split->reasons);
 }
 
-static int append_idle(split_mesh *split, const uint8_t *used, size_t vertices)
-{
+static int append_idle(split_mesh *split, const uint8_t *used, size_t vertices) {
     const norma_mesh *mesh = &split->mesh;
-    const size_t corner_count = mesh->corner_count + 3 * split->idle, faces = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
+    const size_t corner_count = mesh->corner_count + 3 * split->idle,
+                 faces = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
     split->own_corners = norma_io_allocate(corner_count, sizeof *split->own_corners);
     split->own_starts = norma_io_allocate(faces + split->idle + 1, sizeof *split->own_starts);
-    if (!split->own_corners || !split->own_starts)
-        return 0;
+    if (!split->own_corners || !split->own_starts) return 0;
     memcpy(split->own_corners, mesh->corners, mesh->corner_count * sizeof *split->own_corners);
     for (size_t i = 0; i <= faces; ++i)
         split->own_starts[i] = mesh->face_starts ? mesh->face_starts[i] : (uint32_t)(3 * i);
     size_t corner = mesh->corner_count, face = faces;
     for (size_t vertex = 0; vertex < vertices; ++vertex) {
-        if (used[vertex])
-            continue;
-        for (int k = 0; k < 3; ++k)
-            split->own_corners[corner++] = (uint32_t)vertex;
+        if (used[vertex]) continue;
+        for (int k = 0; k < 3; ++k) split->own_corners[corner++] = (uint32_t)vertex;
         split->own_starts[++face] = (uint32_t)corner;
     }
     split->mesh.corners = split->own_corners;
@@ -164,18 +156,14 @@ static int append_idle(split_mesh *split, const uint8_t *used, size_t vertices)
     return 1;
 }
 
-static norma_document_result gather_split_mesh(const ply_job *job, split_mesh *split)
-{
+static norma_document_result gather_split_mesh(const ply_job *job, split_mesh *split) {
     const ply_mesh *mesh = &job->state->mesh;
     const size_t vertices = job->state->vertices;
     split->mesh = norma_ply_core_mesh(job->state);
     uint8_t *used = norma_io_allocate(vertices, 1);
-    if (!used)
-        return fail_memory(job);
-    for (size_t i = 0; i < mesh->corner_count; ++i)
-        used[mesh->corners[i]] = 1;
-    for (size_t i = 0; i < vertices; ++i)
-        split->idle += !used[i];
+    if (!used) return fail_memory(job);
+    for (size_t i = 0; i < mesh->corner_count; ++i) used[mesh->corners[i]] = 1;
+    for (size_t i = 0; i < vertices; ++i) split->idle += !used[i];
     int ok = split->idle == 0;
     if (!ok && split->idle <= (UINT32_MAX - mesh->corner_count) / 3)
         ok = append_idle(split, used, vertices);
@@ -184,16 +172,15 @@ static norma_document_result gather_split_mesh(const ply_job *job, split_mesh *s
 }
 
 /* How many of the faces appended count as degenerate: a vertex that is not finite makes none. */
-static size_t degenerate_idle(const split_mesh *split)
-{
+static size_t degenerate_idle(const split_mesh *split) {
     size_t count = 0;
-    for (size_t c = split->mesh.corner_count - 3 * split->idle; c < split->mesh.corner_count; c += 3)
+    for (size_t c = split->mesh.corner_count - 3 * split->idle; c < split->mesh.corner_count;
+         c += 3)
         count += split->reasons[split->corners[c]] != NORMA_REASON_NON_FINITE;
     return count;
 }
 
-static norma_document_result run_split(ply_job *job, split_mesh *split, double crease)
-{
+static norma_document_result run_split(ply_job *job, split_mesh *split, double crease) {
     const size_t most = split->mesh.corner_count;
     norma_edges edges = {0};
     split->corners = norma_io_block(most, sizeof *split->corners);
@@ -204,10 +191,9 @@ static norma_document_result run_split(ply_job *job, split_mesh *split, double c
         return fail_memory(job);
     job->core.reasons = split->reasons;
     job->core.edges = &edges;
-    norma_result result = norma_split(&split->mesh, (float)crease, &job->core, split->corners, most, split->sources, split->normals, most, &split->count,
-                                      &job->summary->report);
-    if (result)
-        return norma_document_fail_core(job->document, job->error, result);
+    norma_result result = norma_split(&split->mesh, (float)crease, &job->core, split->corners, most,
+        split->sources, split->normals, most, &split->count, &job->summary->report);
+    if (result) return norma_document_fail_core(job->document, job->error, result);
     norma_count *degenerate = &job->summary->report.degenerate_faces;
     degenerate->count -= degenerate_idle(split);
     degenerate->first = degenerate->count ? degenerate->first : SIZE_MAX;
@@ -216,9 +202,9 @@ static norma_document_result run_split(ply_job *job, split_mesh *split, double c
     return NORMA_DOCUMENT_OK;
 }
 
-/* The first copy of a vertex keeps its number, all further ones go to the end; a vertex whose normal is not wanted has no further ones. 0: out of memory. */
-static int number_places(ply_job *job, const split_mesh *split, uint32_t *place)
-{
+/* The first copy of a vertex keeps its number, all further ones go to the end; a vertex whose
+ * normal is not wanted has no further ones. 0: out of memory. */
+static int number_places(ply_job *job, const split_mesh *split, uint32_t *place) {
     const size_t vertices = job->state->vertices;
     uint8_t *taken = norma_io_allocate(vertices, 1);
     for (size_t i = 0; taken && i < split->count; ++i) {
@@ -235,13 +221,11 @@ static int number_places(ply_job *job, const split_mesh *split, uint32_t *place)
     return taken != NULL;
 }
 
-static int place_normals(ply_job *job, const split_mesh *split, const uint32_t *place)
-{
+static int place_normals(ply_job *job, const split_mesh *split, const uint32_t *place) {
     const size_t count = job->state->vertices + job->added_count;
     job->normals = norma_io_allocate(count, 3 * sizeof *job->normals);
     job->reasons = norma_io_allocate(count, 1);
-    if (!job->normals || !job->reasons)
-        return 0;
+    if (!job->normals || !job->reasons) return 0;
     for (size_t i = 0; i < split->count; ++i) {
         memcpy(job->normals + 3 * (size_t)place[i], split->normals + 3 * i, 3 * sizeof(float));
         job->reasons[place[i]] = split->reasons[i];
@@ -253,25 +237,25 @@ enum { LEAST_SLICE = 1 << 16 };
 
 typedef struct placing {
     const uint32_t *place;
-    uint32_t       *corners;             /* they get their places where they stand */
-    size_t          count, slices;
+    uint32_t *corners; /* they get their places where they stand */
+    size_t count, slices;
 } placing;
 
-static void place_slice(void *context, size_t slice)
-{
+static void place_slice(void *context, size_t slice) {
     const placing *p = context;
     const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
     for (size_t i = norma_io_slice(p->count, p->slices, slice); i < end; ++i)
         p->corners[i] = p->place[p->corners[i]];
 }
 
-static norma_document_result place_vertices(ply_job *job, split_mesh *split)
-{
+static norma_document_result place_vertices(ply_job *job, split_mesh *split) {
     uint32_t *place = norma_io_allocate(split->count, sizeof *place);
     job->added = norma_io_allocate(split->count, sizeof *job->added);
-    const int ok = place && job->added && number_places(job, split, place) && place_normals(job, split, place);
+    const int ok =
+        place && job->added && number_places(job, split, place) && place_normals(job, split, place);
     if (ok) {
-        placing p = {.place = place, .corners = split->corners, .count = job->state->mesh.corner_count};
+        placing p = {
+            .place = place, .corners = split->corners, .count = job->state->mesh.corner_count};
         p.slices = norma_io_slices(p.count, LEAST_SLICE);
         norma_io_tasks(job->core.threads, p.slices, place_slice, &p);
         job->corners = split->corners;
@@ -281,15 +265,12 @@ static norma_document_result place_vertices(ply_job *job, split_mesh *split)
     return ok ? NORMA_DOCUMENT_OK : fail_memory(job);
 }
 
-static void count_reason(norma_count *count, size_t index)
-{
-    if (count->count++ == 0)
-        count->first = index;
+static void count_reason(norma_count *count, size_t index) {
+    if (count->count++ == 0) count->first = index;
 }
 
 /* The report counts vertices as they are numbered in the file. */
-static void report_reasons(const ply_job *job)
-{
+static void report_reasons(const ply_job *job) {
     norma_report *report = &job->summary->report;
     const norma_count none = {0, SIZE_MAX};
     report->non_finite = report->unreferenced = report->cancelled = none;
@@ -303,20 +284,19 @@ static void report_reasons(const ply_job *job)
     }
 }
 
-static norma_document_result compute_split(ply_job *job, double crease)
-{
+static norma_document_result compute_split(ply_job *job, double crease) {
     split_mesh split = {0};
-    norma_file_forget(&job->document->source); /* its faces are copied; what is needed of its vertices comes back */
+    norma_file_forget(
+        &job->document
+             ->source); /* its faces are copied; what is needed of its vertices comes back */
     norma_document_result result = gather_split_mesh(job, &split);
     if (!result && job->state->vertices + split.mesh.corner_count > UINT32_MAX)
-        result = norma_document_fail(job->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "splitting could need more than 4294967295 vertices");
-    if (!result)
-        result = run_split(job, &split, crease);
+        result = norma_document_fail(job->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+            NULL, "splitting could need more than 4294967295 vertices");
+    if (!result) result = run_split(job, &split, crease);
     norma_file_forget(&job->document->source); /* and again: all that follows needs no positions */
-    if (!result)
-        result = place_vertices(job, &split);
-    if (!result)
-        report_reasons(job);
+    if (!result) result = place_vertices(job, &split);
+    if (!result) report_reasons(job);
     job->document->lean = 1;
     free_split(&split);
     return result;
@@ -324,29 +304,25 @@ static norma_document_result compute_split(ply_job *job, double crease)
 
 /* ---- into the document */
 
-/* Where the whole mesh has no direction, there is no nearest normal: files then get the z axis. Counts what was filled, of the normals that are wanted. */
-static void fill(ply_job *job)
-{
+/* Where the whole mesh has no direction, there is no nearest normal: files then get the z axis.
+ * Counts what was filled, of the normals that are wanted. */
+static void fill(ply_job *job) {
     const size_t vertices = job->state->vertices, count = vertices + job->added_count;
     for (size_t i = 0; i < count; ++i) {
         const uint32_t source = i < vertices ? (uint32_t)i : job->added[i - vertices];
         float *normal = job->normals + 3 * i;
-        if (!job->reasons[i])
-            continue;
+        if (!job->reasons[i]) continue;
         job->summary->filled += !job->wanted || job->wanted[source];
-        if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
-            normal[2] = 1;
+        if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0) normal[2] = 1;
     }
 }
 
 /* The old normals with the broken ones replaced. */
-static norma_document_result keep_stored(ply_job *job)
-{
+static norma_document_result keep_stored(ply_job *job) {
     ply_edit *edit = &job->state->edit;
     const size_t vertices = job->state->vertices, count = vertices + job->added_count;
     double *all = realloc(job->stored, (count ? count : 1) * 3 * sizeof *all);
-    if (!all)
-        return fail_memory(job);
+    if (!all) return fail_memory(job);
     job->stored = NULL;
     edit->stored_normals = all;
     for (size_t i = 0; i < count; ++i)
@@ -355,44 +331,41 @@ static norma_document_result keep_stored(ply_job *job)
     return NORMA_DOCUMENT_OK;
 }
 
-/* The sign of a stored zero says nothing: it stays, so that a file whose normals are right already stays as it is. */
-static norma_document_result keep_zero_signs(const ply_job *job)
-{
+/* The sign of a stored zero says nothing: it stays, so that a file whose normals are right already
+ * stays as it is. */
+static norma_document_result keep_zero_signs(const ply_job *job) {
     const ply_state *state = job->state;
     double *stored = NULL;
-    if (state->header.normal[0] == PLY_NONE || job->stored)
-        return NORMA_DOCUMENT_OK;
-    norma_document_result result =
-        norma_ply_read_columns(job->document, norma_ply_element(&state->header, state->header.vertex), state->header.normal, &stored, job->error);
+    if (state->header.normal[0] == PLY_NONE || job->stored) return NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_ply_read_columns(job->document,
+        norma_ply_element(&state->header, state->header.vertex), state->header.normal, &stored,
+        job->error);
     for (size_t i = 0; i < 3 * state->vertices && !result; ++i)
-        if (job->normals[i] == 0 && stored[i] == 0)
-            job->normals[i] = (float)stored[i];
+        if (job->normals[i] == 0 && stored[i] == 0) job->normals[i] = (float)stored[i];
     free(stored);
     return result;
 }
 
-static norma_document_result take_result(ply_job *job)
-{
+static norma_document_result take_result(ply_job *job) {
     ply_state *state = job->state;
     ply_edit *edit = &state->edit;
     const ply_header *header = &state->header;
     const int had = header->normal[0] != PLY_NONE;
     edit->normal_types[0] = edit->normal_types[1] = edit->normal_types[2] = PLY_FLOAT;
     if (had)
-        norma_ply_normal_types(header, norma_ply_element(header, header->vertex), header->normal, edit->normal_types);
-    norma_document_result result = norma_ply_encode_normals(job->document, edit->normal_types, job->normals, state->vertices + job->added_count, job->error);
-    if (!result)
-        result = keep_zero_signs(job);
-    if (result)
-        return result;
+        norma_ply_normal_types(
+            header, norma_ply_element(header, header->vertex), header->normal, edit->normal_types);
+    norma_document_result result = norma_ply_encode_normals(job->document, edit->normal_types,
+        job->normals, state->vertices + job->added_count, job->error);
+    if (!result) result = keep_zero_signs(job);
+    if (result) return result;
     if (job->stored) {
         result = keep_stored(job);
     } else {
         edit->normals = job->normals;
         job->normals = NULL;
     }
-    if (result || job->added_count == 0)
-        return result;
+    if (result || job->added_count == 0) return result;
     edit->added = job->added;
     edit->added_count = job->added_count;
     edit->corners = job->corners;
@@ -400,21 +373,19 @@ static norma_document_result take_result(ply_job *job)
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result compute_all(ply_job *job)
-{
+static norma_document_result compute_all(ply_job *job) {
     norma_document_result result;
     size_t broken = 0;
     if (job->options->only == NORMA_ONLY_BROKEN && job->state->header.normal[0] != PLY_NONE) {
         result = find_broken(job, &broken);
-        if (result || broken == 0)
-            return result;
+        if (result || broken == 0) return result;
     }
     if (job->summary->shading == NORMA_SHADING_SMOOTH)
         result = compute_smooth(job);
     else
-        result = compute_split(job, job->summary->shading == NORMA_SHADING_FLAT ? 0 : job->summary->crease_angle_rad);
-    if (result)
-        return result;
+        result = compute_split(
+            job, job->summary->shading == NORMA_SHADING_FLAT ? 0 : job->summary->crease_angle_rad);
+    if (result) return result;
     fill(job);
     result = take_result(job);
     if (!result)
@@ -423,21 +394,28 @@ static norma_document_result compute_all(ply_job *job)
     return result;
 }
 
-norma_document_result norma_ply_compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error)
-{
+norma_document_result norma_ply_compute(norma_document *document,
+    const norma_compute_options *options, norma_compute_summary *summary,
+    norma_document_error *error) {
     norma_document_result result = norma_ply_settle(document, error);
-    if (result)
-        return result;
+    if (result) return result;
     ply_state *state = document->state;
-    ply_job job = {.document = document, .error = error, .state = state, .options = options, .summary = summary};
+    ply_job job = {.document = document,
+        .error = error,
+        .state = state,
+        .options = options,
+        .summary = summary};
     norma_options_of_compute(options, &job.core);
     clear_report(&summary->report);
     summary->faces = state->faces;
     summary->vertices_before = summary->vertices_after = state->vertices;
-    summary->shading = options->shading == NORMA_SHADING_DEFAULT ? NORMA_SHADING_SMOOTH : options->shading;
-    summary->crease_angle_rad = summary->shading == NORMA_SHADING_CREASE ? options->crease_angle_rad : 0;
+    summary->shading =
+        options->shading == NORMA_SHADING_DEFAULT ? NORMA_SHADING_SMOOTH : options->shading;
+    summary->crease_angle_rad =
+        summary->shading == NORMA_SHADING_CREASE ? options->crease_angle_rad : 0;
     if (state->mesh.corner_count == 0) {
-        norma_document_add_note(document, "points without faces: there is nothing to take normals from, so the file stays as it is");
+        norma_document_add_note(document, "points without faces: there is nothing to take normals "
+                                          "from, so the file stays as it is");
         return NORMA_DOCUMENT_OK;
     }
     if (options->only == NORMA_ONLY_MISSING && state->header.normal[0] != PLY_NONE)

@@ -1,4 +1,5 @@
-/* ply_read.c: positions, corners and normals of a PLY for the core: views of the file's own bytes where their layout allows, decoded copies elsewhere. */
+/* ply_read.c: positions, corners and normals of a PLY for the core: views of the file's own bytes
+ * where their layout allows, decoded copies elsewhere. */
 #include "io/ply/ply.h"
 #include "io/stream/large_memory.h"
 #include "io/stream/tasks.h"
@@ -6,16 +7,15 @@
 
 /* ---- three properties of each row */
 
-static size_t offset_in_row(const ply_header *header, const ply_element *element, int property)
-{
+static size_t offset_in_row(const ply_header *header, const ply_element *element, int property) {
     size_t offset = 0;
     for (int i = 0; i < property; ++i)
         offset += norma_ply_type_size(norma_ply_property(header, element, i)->type);
     return offset;
 }
 
-static void read_fixed_rows(const ply_state *state, const ply_element *element, const int properties[3], double *values)
-{
+static void read_fixed_rows(
+    const ply_state *state, const ply_element *element, const int properties[3], double *values) {
     const ply_header *header = &state->header;
     const unsigned char *rows = state->bytes + element->begin;
     for (int axis = 0; axis < 3; ++axis) {
@@ -26,8 +26,8 @@ static void read_fixed_rows(const ply_state *state, const ply_element *element, 
     }
 }
 
-static void read_rows_with_lists(const ply_state *state, const ply_element *element, const int properties[3], double *values)
-{
+static void read_rows_with_lists(
+    const ply_state *state, const ply_element *element, const int properties[3], double *values) {
     const ply_header *header = &state->header;
     const unsigned char *at = state->bytes + element->begin;
     for (size_t row = 0; row < element->count; ++row) {
@@ -35,18 +35,20 @@ static void read_rows_with_lists(const ply_state *state, const ply_element *elem
             const ply_property *property = norma_ply_property(header, element, (int)i);
             for (int axis = 0; axis < 3; ++axis)
                 if (properties[axis] == (int)i)
-                    values[3 * row + (size_t)axis] = norma_ply_get(at, property->type, header->encoding);
+                    values[3 * row + (size_t)axis] =
+                        norma_ply_get(at, property->type, header->encoding);
             at += norma_ply_property_size(header, property, at);
         }
     }
 }
 
-norma_document_result norma_ply_read_columns(norma_document *document, const ply_element *element, const int properties[3], double **values, norma_document_error *error)
-{
+norma_document_result norma_ply_read_columns(norma_document *document, const ply_element *element,
+    const int properties[3], double **values, norma_document_error *error) {
     const ply_state *state = document->state;
-    double *read = element->count > SIZE_MAX / 24 ? NULL : norma_io_allocate((size_t)element->count, 3 * sizeof *read);
-    if (!read)
-        return norma_document_fail_memory(document, error);
+    double *read = element->count > SIZE_MAX / 24
+                       ? NULL
+                       : norma_io_allocate((size_t)element->count, 3 * sizeof *read);
+    if (!read) return norma_document_fail_memory(document, error);
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (state->header.encoding == PLY_ASCII)
         result = norma_ply_read_text_columns(document, element, properties, read, error);
@@ -62,34 +64,40 @@ norma_document_result norma_ply_read_columns(norma_document *document, const ply
     return result;
 }
 
-static norma_format format_of(ply_type type)
-{
-    static const norma_format formats[] = {[PLY_INT8] = NORMA_FORMAT_INT8,     [PLY_UINT8] = NORMA_FORMAT_UINT8, [PLY_INT16] = NORMA_FORMAT_INT16,
-                                           [PLY_UINT16] = NORMA_FORMAT_UINT16, [PLY_FLOAT] = NORMA_FORMAT_FLOAT, [PLY_DOUBLE] = NORMA_FORMAT_DOUBLE};
+static norma_format format_of(ply_type type) {
+    static const norma_format formats[] = {[PLY_INT8] = NORMA_FORMAT_INT8,
+        [PLY_UINT8] = NORMA_FORMAT_UINT8,
+        [PLY_INT16] = NORMA_FORMAT_INT16,
+        [PLY_UINT16] = NORMA_FORMAT_UINT16,
+        [PLY_FLOAT] = NORMA_FORMAT_FLOAT,
+        [PLY_DOUBLE] = NORMA_FORMAT_DOUBLE};
     return formats[type];
 }
 
 /* Whether the core can read the three right from the file. */
-static int view_rows(const ply_state *state, const ply_element *element, const int properties[3], norma_vec3_view *view)
-{
+static int view_rows(const ply_state *state, const ply_element *element, const int properties[3],
+    norma_vec3_view *view) {
     const ply_header *header = &state->header;
     const ply_property *first = norma_ply_property(header, element, properties[0]);
     const size_t size = norma_ply_type_size(first->type);
-    if (header->encoding == PLY_ASCII || (!norma_ply_is_native(header->encoding) && size > 1) || element->list_count > 0)
+    if (header->encoding == PLY_ASCII || (!norma_ply_is_native(header->encoding) && size > 1) ||
+        element->list_count > 0)
         return 0;
-    if (first->type == PLY_INT32 || first->type == PLY_UINT32)
-        return 0;
+    if (first->type == PLY_INT32 || first->type == PLY_UINT32) return 0;
     for (int axis = 1; axis < 3; ++axis)
-        if (properties[axis] != properties[0] + axis || norma_ply_property(header, element, properties[axis])->type != first->type)
+        if (properties[axis] != properties[0] + axis ||
+            norma_ply_property(header, element, properties[axis])->type != first->type)
             return 0;
-    *view = (norma_vec3_view){.data = state->bytes + element->begin + offset_in_row(header, element, properties[0]), .count = (size_t)element->count,
-                              .stride = element->fixed_size, .format = format_of(first->type)};
+    *view = (norma_vec3_view){
+        .data = state->bytes + element->begin + offset_in_row(header, element, properties[0]),
+        .count = (size_t)element->count,
+        .stride = element->fixed_size,
+        .format = format_of(first->type)};
     return 1;
 }
 
 /* In place: each float lies before or on the double it comes from. */
-static float *narrow(double *values, size_t count)
-{
+static float *narrow(double *values, size_t count) {
     unsigned char *bytes = (unsigned char *)values;
     for (size_t i = 0; i < count; ++i) {
         float value = (float)values[i];
@@ -98,73 +106,73 @@ static float *narrow(double *values, size_t count)
     return (float *)(void *)values;
 }
 
-static int fits_float(const ply_header *header, const ply_element *element, const int properties[3])
-{
+static int fits_float(
+    const ply_header *header, const ply_element *element, const int properties[3]) {
     for (int axis = 0; axis < 3; ++axis) {
         ply_type type = norma_ply_property(header, element, properties[axis])->type;
-        if (type == PLY_INT32 || type == PLY_UINT32 || type == PLY_DOUBLE)
-            return 0;
+        if (type == PLY_INT32 || type == PLY_UINT32 || type == PLY_DOUBLE) return 0;
     }
     return 1;
 }
 
-static norma_document_result read_positions(norma_document *document, norma_document_error *error)
-{
+static norma_document_result read_positions(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_header *header = &state->header;
     const ply_element *vertex = norma_ply_element(header, header->vertex);
     if (view_rows(state, vertex, header->position, &state->mesh.positions))
         return NORMA_DOCUMENT_OK;
     double *values = NULL;
-    norma_document_result result = norma_ply_read_columns(document, vertex, header->position, &values, error);
+    norma_document_result result =
+        norma_ply_read_columns(document, vertex, header->position, &values, error);
     state->mesh.own_positions = values;
-    if (result)
-        return result;
+    if (result) return result;
     int single = fits_float(header, vertex, header->position);
-    if (single)
-        narrow(values, 3 * (size_t)vertex->count);
-    state->mesh.positions = (norma_vec3_view){.data = values, .count = (size_t)vertex->count, .format = single ? NORMA_FORMAT_FLOAT : NORMA_FORMAT_DOUBLE};
+    if (single) narrow(values, 3 * (size_t)vertex->count);
+    state->mesh.positions = (norma_vec3_view){.data = values,
+        .count = (size_t)vertex->count,
+        .format = single ? NORMA_FORMAT_FLOAT : NORMA_FORMAT_DOUBLE};
     return NORMA_DOCUMENT_OK;
 }
 
-double norma_ply_normal_scale(const ply_header *header, const ply_element *element, const int properties[3])
-{
+double norma_ply_normal_scale(
+    const ply_header *header, const ply_element *element, const int properties[3]) {
     ply_type first = norma_ply_property(header, element, properties[0])->type;
     for (int axis = 1; axis < 3; ++axis)
-        if (norma_ply_property(header, element, properties[axis])->type != first)
-            return 1;
+        if (norma_ply_property(header, element, properties[axis])->type != first) return 1;
     return first == PLY_INT8 ? 127 : first == PLY_INT16 ? 32767 : 1;
 }
 
 /* ---- lists */
 
-static size_t list_offset(const ply_header *header, const ply_element *element, int list, const unsigned char *row)
-{
+static size_t list_offset(
+    const ply_header *header, const ply_element *element, int list, const unsigned char *row) {
     const unsigned char *at = row;
     for (int i = 0; i < list; ++i)
         at += norma_ply_property_size(header, norma_ply_property(header, element, i), at);
     return (size_t)(at - row);
 }
 
-static size_t count_binary_lists(const ply_state *state, const ply_element *element, int list, uint32_t *counts)
-{
+static size_t count_binary_lists(
+    const ply_state *state, const ply_element *element, int list, uint32_t *counts) {
     const ply_header *header = &state->header;
     const ply_type count_type = norma_ply_property(header, element, list)->count_type;
     const unsigned char *row = state->bytes + element->begin;
     size_t total = 0;
     for (size_t i = 0; i < element->count; ++i) {
-        counts[i] = (uint32_t)norma_ply_get_integer(row + list_offset(header, element, list, row), count_type, header->encoding);
+        counts[i] = (uint32_t)norma_ply_get_integer(
+            row + list_offset(header, element, list, row), count_type, header->encoding);
         total += counts[i];
         row = norma_ply_row_end(header, element, row);
     }
     return total;
 }
 
-static void read_binary_lists(const ply_state *state, const ply_element *element, int list, ply_lists *lists)
-{
+static void read_binary_lists(
+    const ply_state *state, const ply_element *element, int list, ply_lists *lists) {
     const ply_header *header = &state->header;
     const ply_property *property = norma_ply_property(header, element, list);
-    const size_t item_size = norma_ply_type_size(property->type), count_size = norma_ply_type_size(property->count_type);
+    const size_t item_size = norma_ply_type_size(property->type),
+                 count_size = norma_ply_type_size(property->count_type);
     const unsigned char *row = state->bytes + element->begin;
     int64_t *out = lists->items;
     for (size_t i = 0; i < element->count; ++i) {
@@ -175,24 +183,26 @@ static void read_binary_lists(const ply_state *state, const ply_element *element
     }
 }
 
-norma_document_result norma_ply_read_lists(norma_document *document, const ply_element *element, int property, ply_lists *lists, norma_document_error *error)
-{
+norma_document_result norma_ply_read_lists(norma_document *document, const ply_element *element,
+    int property, ply_lists *lists, norma_document_error *error) {
     const ply_state *state = document->state;
-    lists->counts = element->count > SIZE_MAX / 4 ? NULL : norma_io_allocate((size_t)element->count, sizeof *lists->counts);
-    if (!lists->counts)
-        return norma_document_fail_memory(document, error);
+    lists->counts = element->count > SIZE_MAX / 4
+                        ? NULL
+                        : norma_io_allocate((size_t)element->count, sizeof *lists->counts);
+    if (!lists->counts) return norma_document_fail_memory(document, error);
     if (state->header.encoding == PLY_ASCII)
         return norma_ply_read_text_lists(document, element, property, lists, error);
-    lists->item_count = lists->item_capacity = count_binary_lists(state, element, property, lists->counts);
-    lists->items = lists->item_count > SIZE_MAX / 8 ? NULL : norma_io_allocate(lists->item_count, sizeof *lists->items);
-    if (!lists->items)
-        return norma_document_fail_memory(document, error);
+    lists->item_count = lists->item_capacity =
+        count_binary_lists(state, element, property, lists->counts);
+    lists->items = lists->item_count > SIZE_MAX / 8
+                       ? NULL
+                       : norma_io_allocate(lists->item_count, sizeof *lists->items);
+    if (!lists->items) return norma_document_fail_memory(document, error);
     read_binary_lists(state, element, property, lists);
     return NORMA_DOCUMENT_OK;
 }
 
-void norma_ply_free_lists(ply_lists *lists)
-{
+void norma_ply_free_lists(ply_lists *lists) {
     free(lists->items);
     free(lists->counts);
     *lists = (ply_lists){0};
@@ -202,81 +212,85 @@ void norma_ply_free_lists(ply_lists *lists)
 
 static size_t triangles_of(uint32_t corners) { return corners > 2 ? corners - 2 : 0; }
 
-static norma_document_result fail_index(norma_document *document, norma_document_error *error, const char *element, size_t row, int64_t index)
-{
+static norma_document_result fail_index(norma_document *document, norma_document_error *error,
+    const char *element, size_t row, int64_t index) {
     const ply_state *state = document->state;
-    const ply_element *of = norma_ply_element(&state->header, element[0] == 'f' ? state->header.face : state->header.strips);
+    const ply_element *of = norma_ply_element(
+        &state->header, element[0] == 'f' ? state->header.face : state->header.strips);
     ply_span *spans = NULL;
     norma_ply_row_spans(document, of, &spans, NULL);
     size_t offset = spans ? spans[row].offset : of->begin;
     free(spans);
-    return norma_ply_fail_at(document, error, offset, "%s %zu has index %lld; expected 0 to %lld", element, row, (long long)index, (long long)state->vertices - 1);
+    return norma_ply_fail_at(document, error, offset, "%s %zu has index %lld; expected 0 to %lld",
+        element, row, (long long)index, (long long)state->vertices - 1);
 }
 
-static norma_document_result fail_too_many(const norma_document *document, norma_document_error *error)
-{
-    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "more than 4294967295 vertices or corners");
+static norma_document_result fail_too_many(
+    const norma_document *document, norma_document_error *error) {
+    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+        "more than 4294967295 vertices or corners");
 }
 
 /* The commonest layout: triangles of a byte and three 32-bit numbers in this machine's order. */
-static int is_plain_triangles(const ply_state *state, const ply_element *face)
-{
+static int is_plain_triangles(const ply_state *state, const ply_element *face) {
     const ply_property *list = norma_ply_property(&state->header, face, state->header.face_list);
-    return face->triangle_row == 13 && norma_ply_is_native(state->header.encoding) && (list->type == PLY_INT32 || list->type == PLY_UINT32);
+    return face->triangle_row == 13 && norma_ply_is_native(state->header.encoding) &&
+           (list->type == PLY_INT32 || list->type == PLY_UINT32);
 }
 
 enum { LEAST_SLICE = 1 << 15 };
 
 typedef struct triangle_copy {
     const unsigned char *rows;
-    uint32_t            *corners;
-    size_t               count, slices;
-    uint32_t             greatest[256];  /* of each slice */
+    uint32_t *corners;
+    size_t count, slices;
+    uint32_t greatest[256]; /* of each slice */
 } triangle_copy;
 
-static void copy_slice(void *context, size_t slice)
-{
+static void copy_slice(void *context, size_t slice) {
     triangle_copy *copy = context;
     const size_t end = norma_io_slice(copy->count, copy->slices, slice + 1);
     uint32_t greatest = 0;
     for (size_t i = norma_io_slice(copy->count, copy->slices, slice); i < end; ++i) {
         uint32_t *corners = copy->corners + 3 * i;
         memcpy(corners, copy->rows + 13 * i + 1, 12);
-        for (size_t k = 0; k < 3; ++k)
-            greatest = corners[k] > greatest ? corners[k] : greatest;
+        for (size_t k = 0; k < 3; ++k) greatest = corners[k] > greatest ? corners[k] : greatest;
     }
     copy->greatest[slice] = greatest;
 }
 
-static norma_document_result read_plain_triangles(norma_document *document, const ply_element *face, norma_document_error *error)
-{
+static norma_document_result read_plain_triangles(
+    norma_document *document, const ply_element *face, norma_document_error *error) {
     ply_state *state = document->state;
     const size_t count = (size_t)face->count;
-    triangle_copy copy = {.rows = state->bytes + face->begin, .corners = norma_io_block(count, 12), .count = count, .slices = norma_io_slices(count, LEAST_SLICE)};
+    triangle_copy copy = {.rows = state->bytes + face->begin,
+        .corners = norma_io_block(count, 12),
+        .count = count,
+        .slices = norma_io_slices(count, LEAST_SLICE)};
     uint32_t *corners = state->mesh.corners = copy.corners, greatest = 0;
-    if (!corners)
-        return norma_document_fail_memory(document, error);
+    if (!corners) return norma_document_fail_memory(document, error);
     norma_io_tasks(document->threads, copy.slices, copy_slice, &copy);
     for (size_t i = 0; i < copy.slices; ++i)
         greatest = copy.greatest[i] > greatest ? copy.greatest[i] : greatest;
     for (size_t i = 0; greatest >= state->vertices && i < 3 * count; ++i)
         if (corners[i] >= state->vertices)
-            return fail_index(document, error, "face", i / 3, norma_ply_property(&state->header, face, 0)->type == PLY_INT32 ? (int32_t)corners[i] : (int64_t)corners[i]);
+            return fail_index(document, error, "face", i / 3,
+                norma_ply_property(&state->header, face, 0)->type == PLY_INT32
+                    ? (int32_t)corners[i]
+                    : (int64_t)corners[i]);
     state->mesh.polygon_corners = 3 * count;
     state->mesh.triangle_count = count;
     return NORMA_DOCUMENT_OK;
 }
 
-static int all_triangles(const uint32_t *counts, size_t count)
-{
+static int all_triangles(const uint32_t *counts, size_t count) {
     for (size_t i = 0; i < count; ++i)
-        if (counts[i] != 3)
-            return 0;
+        if (counts[i] != 3) return 0;
     return 1;
 }
 
-static norma_document_result take_face_lists(norma_document *document, const ply_lists *lists, size_t rows, norma_document_error *error)
-{
+static norma_document_result take_face_lists(
+    norma_document *document, const ply_lists *lists, size_t rows, norma_document_error *error) {
     ply_state *state = document->state;
     ply_mesh *mesh = &state->mesh;
     mesh->corners = malloc(lists->item_count ? lists->item_count * sizeof *mesh->corners : 1);
@@ -287,24 +301,22 @@ static norma_document_result take_face_lists(norma_document *document, const ply
     size_t corner = 0;
     for (size_t row = 0; row < rows; ++row) {
         for (uint32_t k = 0; k < lists->counts[row]; ++k, ++corner) {
-            if ((uint64_t)lists->items[corner] >= state->vertices)             /* a negative one is beyond all */
+            if ((uint64_t)lists->items[corner] >=
+                state->vertices) /* a negative one is beyond all */
                 return fail_index(document, error, "face", row, lists->items[corner]);
             mesh->corners[corner] = (uint32_t)lists->items[corner];
         }
-        if (mesh->face_starts)
-            mesh->face_starts[row + 1] = (uint32_t)corner;
+        if (mesh->face_starts) mesh->face_starts[row + 1] = (uint32_t)corner;
         mesh->triangle_count += triangles_of(lists->counts[row]);
     }
     mesh->polygon_corners = corner;
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_faces(norma_document *document, norma_document_error *error)
-{
+static norma_document_result read_faces(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_element *face = norma_ply_element(&state->header, state->header.face);
-    if (state->header.face_list == PLY_NONE)
-        return NORMA_DOCUMENT_OK;
+    if (state->header.face_list == PLY_NONE) return NORMA_DOCUMENT_OK;
     state->mesh.polygon_count = state->mesh.face_count = (size_t)face->count;
     norma_document_result result;
     if (is_plain_triangles(state, face)) {
@@ -312,10 +324,8 @@ static norma_document_result read_faces(norma_document *document, norma_document
     } else {
         ply_lists lists = {0};
         result = norma_ply_read_lists(document, face, state->header.face_list, &lists, error);
-        if (!result && lists.item_count > UINT32_MAX)
-            result = fail_too_many(document, error);
-        if (!result)
-            result = take_face_lists(document, &lists, (size_t)face->count, error);
+        if (!result && lists.item_count > UINT32_MAX) result = fail_too_many(document, error);
+        if (!result) result = take_face_lists(document, &lists, (size_t)face->count, error);
         norma_ply_free_lists(&lists);
     }
     state->mesh.corner_count = state->mesh.polygon_corners;
@@ -324,8 +334,8 @@ static norma_document_result read_faces(norma_document *document, norma_document
 
 /* ---- strips, unrolled behind the faces */
 
-static norma_document_result check_strips(norma_document *document, const ply_lists *lists, size_t rows, size_t *triangles, norma_document_error *error)
-{
+static norma_document_result check_strips(norma_document *document, const ply_lists *lists,
+    size_t rows, size_t *triangles, norma_document_error *error) {
     const ply_state *state = document->state;
     const int64_t *items = lists->items;
     for (size_t row = 0; row < rows; items += lists->counts[row], ++row) {
@@ -337,54 +347,48 @@ static norma_document_result check_strips(norma_document *document, const ply_li
     return NORMA_DOCUMENT_OK;
 }
 
-static int make_room_for_strips(ply_mesh *mesh, size_t triangles)
-{
+static int make_room_for_strips(ply_mesh *mesh, size_t triangles) {
     size_t corners = mesh->corner_count + 3 * triangles;
     uint32_t *grown = realloc(mesh->corners, corners ? corners * sizeof *grown : 1);
-    if (!grown)
-        return 0;
+    if (!grown) return 0;
     mesh->corners = grown;
-    if (!mesh->face_starts)
-        return 1;
-    uint32_t *starts = realloc(mesh->face_starts, (mesh->face_count + triangles + 1) * sizeof *starts);
-    if (!starts)
-        return 0;
+    if (!mesh->face_starts) return 1;
+    uint32_t *starts =
+        realloc(mesh->face_starts, (mesh->face_count + triangles + 1) * sizeof *starts);
+    if (!starts) return 0;
     mesh->face_starts = starts;
     return 1;
 }
 
-static norma_document_result take_strips(norma_document *document, const ply_lists *lists, size_t rows, norma_document_error *error)
-{
+static norma_document_result take_strips(
+    norma_document *document, const ply_lists *lists, size_t rows, norma_document_error *error) {
     ply_state *state = document->state;
     ply_mesh *mesh = &state->mesh;
     size_t triangles = 0;
     norma_document_result result = check_strips(document, lists, rows, &triangles, error);
-    if (result)
-        return result;
-    if (triangles > (UINT32_MAX - mesh->corner_count) / 3)
-        return fail_too_many(document, error);
-    if (!make_room_for_strips(mesh, triangles))
-        return norma_document_fail_memory(document, error);
+    if (result) return result;
+    if (triangles > (UINT32_MAX - mesh->corner_count) / 3) return fail_too_many(document, error);
+    if (!make_room_for_strips(mesh, triangles)) return norma_document_fail_memory(document, error);
     const int64_t *items = lists->items;
     for (size_t row = 0; row < rows; items += lists->counts[row], ++row)
-        mesh->corner_count += 3 * norma_ply_strip_triangles(items, lists->counts[row], mesh->corners + mesh->corner_count);
+        mesh->corner_count += 3 * norma_ply_strip_triangles(items, lists->counts[row],
+                                      mesh->corners + mesh->corner_count);
     for (size_t i = 0; mesh->face_starts && i < triangles; ++i)
-        mesh->face_starts[mesh->face_count + i + 1] = (uint32_t)(mesh->polygon_corners + 3 * (i + 1));
+        mesh->face_starts[mesh->face_count + i + 1] =
+            (uint32_t)(mesh->polygon_corners + 3 * (i + 1));
     mesh->face_count += triangles;
     mesh->triangle_count += triangles;
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_strips(norma_document *document, norma_document_error *error)
-{
+static norma_document_result read_strips(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_element *strips = norma_ply_element(&state->header, state->header.strips);
-    if (state->header.strip_list == PLY_NONE)
-        return NORMA_DOCUMENT_OK;
+    if (state->header.strip_list == PLY_NONE) return NORMA_DOCUMENT_OK;
     ply_lists lists = {0};
-    norma_document_result result = norma_ply_read_lists(document, strips, state->header.strip_list, &lists, error);
-    if (!result)
-        result = take_strips(document, &lists, (size_t)strips->count, error);
+    norma_document_result result =
+        norma_ply_read_lists(document, strips, state->header.strip_list, &lists, error);
+    if (!result) result = take_strips(document, &lists, (size_t)strips->count, error);
     norma_ply_free_lists(&lists);
     return result;
 }
@@ -392,13 +396,11 @@ static norma_document_result read_strips(norma_document *document, norma_documen
 /* ---- the whole, or its counts alone */
 
 /* Without the items of the lists: a summary of faces reads their lengths only. */
-static norma_document_result count_faces(norma_document *document, norma_document_error *error)
-{
+static norma_document_result count_faces(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_header *header = &state->header;
     const ply_element *face = norma_ply_element(header, header->face);
-    if (header->face_list == PLY_NONE)
-        return NORMA_DOCUMENT_OK;
+    if (header->face_list == PLY_NONE) return NORMA_DOCUMENT_OK;
     state->mesh.face_count = (size_t)face->count;
     if (face->triangle_row) {
         state->mesh.triangle_count += (size_t)face->count;
@@ -406,7 +408,8 @@ static norma_document_result count_faces(norma_document *document, norma_documen
     }
     if (header->encoding == PLY_ASCII) {
         ply_lists lists = {0};
-        norma_document_result result = norma_ply_read_lists(document, face, header->face_list, &lists, error);
+        norma_document_result result =
+            norma_ply_read_lists(document, face, header->face_list, &lists, error);
         for (size_t i = 0; !result && i < face->count; ++i)
             state->mesh.triangle_count += triangles_of(lists.counts[i]);
         norma_ply_free_lists(&lists);
@@ -415,54 +418,56 @@ static norma_document_result count_faces(norma_document *document, norma_documen
     const ply_property *list = norma_ply_property(header, face, header->face_list);
     const unsigned char *row = state->bytes + face->begin;
     for (size_t i = 0; i < face->count; ++i, row = norma_ply_row_end(header, face, row))
-        state->mesh.triangle_count +=
-            triangles_of((uint32_t)norma_ply_get_integer(row + list_offset(header, face, header->face_list, row), list->count_type, header->encoding));
+        state->mesh.triangle_count += triangles_of(
+            (uint32_t)norma_ply_get_integer(row + list_offset(header, face, header->face_list, row),
+                list->count_type, header->encoding));
     return NORMA_DOCUMENT_OK;
 }
 
-/* Words that should be normals are looked at now, so that a file that cannot be computed is not opened. */
-static norma_document_result check_text_normals(norma_document *document, const ply_element *element, const int properties[3], norma_document_error *error)
-{
-    if (properties[0] == PLY_NONE)
-        return NORMA_DOCUMENT_OK;
+/* Words that should be normals are looked at now, so that a file that cannot be computed is not
+ * opened. */
+static norma_document_result check_text_normals(norma_document *document,
+    const ply_element *element, const int properties[3], norma_document_error *error) {
+    if (properties[0] == PLY_NONE) return NORMA_DOCUMENT_OK;
     double *values = NULL;
-    norma_document_result result = norma_ply_read_columns(document, element, properties, &values, error);
+    norma_document_result result =
+        norma_ply_read_columns(document, element, properties, &values, error);
     free(values);
     return result;
 }
 
-norma_document_result norma_ply_read_mesh(norma_document *document, norma_document_error *error)
-{
+norma_document_result norma_ply_read_mesh(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const int whole = document->depth == NORMA_DOCUMENT_WHOLE;
     const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
-    if (vertex->count > UINT32_MAX)
-        return fail_too_many(document, error);
+    if (vertex->count > UINT32_MAX) return fail_too_many(document, error);
     state->vertices = (size_t)vertex->count;
     norma_document_result result = whole ? read_positions(document, error) : NORMA_DOCUMENT_OK;
-    if (!result)
-        result = whole ? read_faces(document, error) : count_faces(document, error);
-    if (!result)
-        result = read_strips(document, error);
+    if (!result) result = whole ? read_faces(document, error) : count_faces(document, error);
+    if (!result) result = read_strips(document, error);
     if (!result && whole && state->header.encoding == PLY_ASCII) {
         result = check_text_normals(document, vertex, state->header.normal, error);
         if (!result)
-            result = check_text_normals(document, norma_ply_element(&state->header, state->header.face), state->header.face_normal, error);
+            result =
+                check_text_normals(document, norma_ply_element(&state->header, state->header.face),
+                    state->header.face_normal, error);
     }
     state->faces = state->mesh.face_count;
     state->triangles = state->mesh.triangle_count;
     return result;
 }
 
-norma_mesh norma_ply_core_mesh(const ply_state *state)
-{
+norma_mesh norma_ply_core_mesh(const ply_state *state) {
     const ply_mesh *mesh = &state->mesh;
-    return (norma_mesh){.positions = mesh->positions, .corners = mesh->corners, .corner_count = mesh->corner_count, .corner_size = 4,
-                        .face_starts = mesh->face_starts, .face_count = mesh->face_count};
+    return (norma_mesh){.positions = mesh->positions,
+        .corners = mesh->corners,
+        .corner_count = mesh->corner_count,
+        .corner_size = 4,
+        .face_starts = mesh->face_starts,
+        .face_count = mesh->face_count};
 }
 
-void norma_ply_free_mesh(ply_mesh *mesh)
-{
+void norma_ply_free_mesh(ply_mesh *mesh) {
     free(mesh->own_positions);
     free(mesh->corners);
     free(mesh->face_starts);

@@ -1,4 +1,5 @@
-/* ply_scene.c: what a PLY's vertices have beside positions and normals: UVs and colours, by the names that programs give them. */
+/* ply_scene.c: what a PLY's vertices have beside positions and normals: UVs and colours, by the
+ * names that programs give them. */
 #include "io/ply/ply.h"
 #include "io/format/scene.h"
 #include <stdlib.h>
@@ -12,30 +13,34 @@ static int find(const ply_state *state, const ply_element *element, const char *
     return PLY_NONE;
 }
 
-/* width properties of each row (at most three are read at once), over scale, into every stride-th float. */
-static norma_document_result read_floats(norma_document *document, const ply_element *element, const int properties[3], size_t width, double scale,
-                                         size_t stride, float *out, norma_document_error *error) {
+/* width properties of each row (at most three are read at once), over scale, into every stride-th
+ * float. */
+static norma_document_result read_floats(norma_document *document, const ply_element *element,
+    const int properties[3], size_t width, double scale, size_t stride, float *out,
+    norma_document_error *error) {
     double *values;
-    norma_document_result result = norma_ply_read_columns(document, element, properties, &values, error);
-    if (result)
-        return result;
+    norma_document_result result =
+        norma_ply_read_columns(document, element, properties, &values, error);
+    if (result) return result;
     for (size_t row = 0; row < element->count; ++row)
-        for (size_t k = 0; k < width; ++k) out[stride * row + k] = (float)(values[3 * row + k] / scale);
+        for (size_t k = 0; k < width; ++k)
+            out[stride * row + k] = (float)(values[3 * row + k] / scale);
     free(values);
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_texcoords(norma_document *document, const ply_element *vertex, norma_mesh_attributes *attributes,
-                                            norma_document_error *error) {
-    static const char *const names[][2] = {{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}, {"texcoord_u", "texcoord_v"}};
+static norma_document_result read_texcoords(norma_document *document, const ply_element *vertex,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
+    static const char *const names[][2] = {
+        {"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}, {"texcoord_u", "texcoord_v"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        int u = find(document->state, vertex, names[i][0]), v = find(document->state, vertex, names[i][1]);
+        int u = find(document->state, vertex, names[i][0]),
+            v = find(document->state, vertex, names[i][1]);
         const int properties[3] = {u, v, v};
-        if (u == PLY_NONE || v == PLY_NONE)
-            continue;
-        float *texcoords = norma_scene_allocate(document->scene, (size_t)vertex->count, 2 * sizeof *texcoords);
-        if (!texcoords)
-            return norma_document_fail_memory(document, error);
+        if (u == PLY_NONE || v == PLY_NONE) continue;
+        float *texcoords =
+            norma_scene_allocate(document->scene, (size_t)vertex->count, 2 * sizeof *texcoords);
+        if (!texcoords) return norma_document_fail_memory(document, error);
         attributes->texcoords = texcoords;
         attributes->texcoord_count = (size_t)vertex->count;
         return read_floats(document, vertex, properties, 2, 1, 2, texcoords, error);
@@ -43,27 +48,31 @@ static norma_document_result read_texcoords(norma_document *document, const ply_
     return NORMA_DOCUMENT_OK;
 }
 
-static double color_scale(ply_type type) { return type == PLY_UINT8 ? 255 : type == PLY_UINT16 ? 65535 : 1; }
-
-static norma_document_result read_colors(norma_document *document, const ply_element *vertex, norma_mesh_attributes *attributes, norma_document_error *error) {
-    const ply_state *state = document->state;
-    const int rgb[3] = {find(state, vertex, "red"), find(state, vertex, "green"), find(state, vertex, "blue")};
-    if (rgb[0] == PLY_NONE || rgb[1] == PLY_NONE || rgb[2] == PLY_NONE)
-        return NORMA_DOCUMENT_OK;
-    float *colors = norma_scene_allocate(document->scene, (size_t)vertex->count, 4 * sizeof *colors);
-    if (!colors)
-        return norma_document_fail_memory(document, error);
-    for (size_t i = 0; i < vertex->count; ++i) colors[4 * i + 3] = 1;
-    attributes->colors = colors;
-    return read_floats(document, vertex, rgb, 3, color_scale(norma_ply_property(&state->header, vertex, rgb[0])->type), 4, colors, error);
+static double color_scale(ply_type type) {
+    return type == PLY_UINT8 ? 255 : type == PLY_UINT16 ? 65535 : 1;
 }
 
-static norma_document_result read_attributes(norma_document *document, size_t mesh, norma_mesh_attributes *attributes, norma_document_error *error) {
+static norma_document_result read_colors(norma_document *document, const ply_element *vertex,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
+    const ply_state *state = document->state;
+    const int rgb[3] = {
+        find(state, vertex, "red"), find(state, vertex, "green"), find(state, vertex, "blue")};
+    if (rgb[0] == PLY_NONE || rgb[1] == PLY_NONE || rgb[2] == PLY_NONE) return NORMA_DOCUMENT_OK;
+    float *colors =
+        norma_scene_allocate(document->scene, (size_t)vertex->count, 4 * sizeof *colors);
+    if (!colors) return norma_document_fail_memory(document, error);
+    for (size_t i = 0; i < vertex->count; ++i) colors[4 * i + 3] = 1;
+    attributes->colors = colors;
+    return read_floats(document, vertex, rgb, 3,
+        color_scale(norma_ply_property(&state->header, vertex, rgb[0])->type), 4, colors, error);
+}
+
+static norma_document_result read_attributes(norma_document *document, size_t mesh,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
     const ply_state *state = document->state;
     const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
     (void)mesh;
-    if (!vertex)
-        return NORMA_DOCUMENT_OK;
+    if (!vertex) return NORMA_DOCUMENT_OK;
     norma_document_result result = read_texcoords(document, vertex, attributes, error);
     return result ? result : read_colors(document, vertex, attributes, error);
 }

@@ -1,14 +1,14 @@
-/* ply_transform.c: a PLY under a matrix: positions in their own types where those hold the result, normals through the normal matrix, faces turned round
- * under a mirror. */
+/* ply_transform.c: a PLY under a matrix: positions in their own types where those hold the result,
+ * normals through the normal matrix, faces turned round under a mirror. */
 #include "io/ply/ply.h"
 #include "io/format/transform_stored_normals.h"
 #include <stdlib.h>
 
 /* ---- positions */
 
-/* Whole numbers that do not hold the result become floats (32-bit ones doubles), and floats doubles. */
-static void choose_types(const ply_state *state, ply_edit *edit)
-{
+/* Whole numbers that do not hold the result become floats (32-bit ones doubles), and floats
+ * doubles. */
+static void choose_types(const ply_state *state, ply_edit *edit) {
     const ply_header *header = &state->header;
     const ply_element *vertex = norma_ply_element(header, header->vertex);
     int whole = 1, wide = 0;
@@ -28,16 +28,15 @@ static void choose_types(const ply_state *state, ply_edit *edit)
     }
 }
 
-static norma_document_result transform_positions(norma_document *document, const double matrix[16], norma_document_error *error)
-{
+static norma_document_result transform_positions(
+    norma_document *document, const double matrix[16], norma_document_error *error) {
     ply_state *state = document->state;
     ply_edit *edit = &state->edit;
     edit->positions = norma_io_allocate(state->vertices, 3 * sizeof *edit->positions);
-    if (!edit->positions)
-        return norma_document_fail_memory(document, error);
-    norma_result result = norma_transform_positions_double(matrix, state->mesh.positions, edit->positions, 0, state->vertices);
-    if (result)
-        return norma_document_fail_core(document, error, result);
+    if (!edit->positions) return norma_document_fail_memory(document, error);
+    norma_result result = norma_transform_positions_double(
+        matrix, state->mesh.positions, edit->positions, 0, state->vertices);
+    if (result) return norma_document_fail_core(document, error, result);
     choose_types(state, edit);
     return NORMA_DOCUMENT_OK;
 }
@@ -45,20 +44,20 @@ static norma_document_result transform_positions(norma_document *document, const
 /* ---- normals */
 
 typedef struct carried_normals {
-    float   *normals;
+    float *normals;
     ply_type types[3];
 } carried_normals;
 
-static norma_document_result carry_normals(norma_document *document, const normal_carrier *carrier, const ply_element *element, const int properties[3],
-                                           carried_normals *carried, norma_document_error *error)
-{
+static norma_document_result carry_normals(norma_document *document, const normal_carrier *carrier,
+    const ply_element *element, const int properties[3], carried_normals *carried,
+    norma_document_error *error) {
     const ply_header *header = &((const ply_state *)document->state)->header;
     const size_t count = (size_t)element->count;
     double *stored = NULL;
-    norma_document_result result = norma_ply_read_columns(document, element, properties, &stored, error);
+    norma_document_result result =
+        norma_ply_read_columns(document, element, properties, &stored, error);
     carried->normals = result ? NULL : norma_io_allocate(count, 3 * sizeof *carried->normals);
-    if (!result && !carried->normals)
-        result = norma_document_fail_memory(document, error);
+    if (!result && !carried->normals) result = norma_document_fail_memory(document, error);
     if (!result)
         result = norma_carry_normals(document, carrier, stored, count, carried->normals, error);
     if (!result) {
@@ -69,19 +68,21 @@ static norma_document_result carry_normals(norma_document *document, const norma
     return result;
 }
 
-static norma_document_result transform_normals(norma_document *document, const normal_carrier *carrier, norma_document_error *error)
-{
+static norma_document_result transform_normals(
+    norma_document *document, const normal_carrier *carrier, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_header *header = &state->header;
     norma_document_result result = NORMA_DOCUMENT_OK;
     carried_normals carried = {0};
     if (header->normal[0] != PLY_NONE) {
-        result = carry_normals(document, carrier, norma_ply_element(header, header->vertex), header->normal, &carried, error);
+        result = carry_normals(document, carrier, norma_ply_element(header, header->vertex),
+            header->normal, &carried, error);
         state->edit.normals = carried.normals;
         memcpy(state->edit.normal_types, carried.types, sizeof carried.types);
     }
     if (!result && header->face_normal[0] != PLY_NONE) {
-        result = carry_normals(document, carrier, norma_ply_element(header, header->face), header->face_normal, &carried, error);
+        result = carry_normals(document, carrier, norma_ply_element(header, header->face),
+            header->face_normal, &carried, error);
         state->edit.face_normals = carried.normals;
         memcpy(state->edit.face_normal_types, carried.types, sizeof carried.types);
     }
@@ -90,42 +91,35 @@ static norma_document_result transform_normals(norma_document *document, const n
 
 /* ---- faces */
 
-static norma_document_result reverse_faces(norma_document *document, norma_document_error *error)
-{
+static norma_document_result reverse_faces(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_mesh *mesh = &state->mesh;
-    if (mesh->corner_count == 0)
-        return NORMA_DOCUMENT_OK;
+    if (mesh->corner_count == 0) return NORMA_DOCUMENT_OK;
     uint32_t *corners = malloc(mesh->corner_count * sizeof *corners);
-    if (!corners)
-        return norma_document_fail_memory(document, error);
+    if (!corners) return norma_document_fail_memory(document, error);
     state->edit.corners = corners;
     state->edit.reversed = 1;
     memcpy(corners, mesh->corners, mesh->corner_count * sizeof *corners);
-    norma_result result = norma_reverse_winding(corners, sizeof *corners, mesh->corner_count, mesh->face_starts, mesh->face_count);
+    norma_result result = norma_reverse_winding(
+        corners, sizeof *corners, mesh->corner_count, mesh->face_starts, mesh->face_count);
     return result ? norma_document_fail_core(document, error, result) : NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_ply_transform(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error)
-{
+norma_document_result norma_ply_transform(norma_document *document,
+    const norma_transform_options *options, norma_transform_summary *summary,
+    norma_document_error *error) {
     norma_document_result result = norma_ply_settle(document, error);
-    if (result)
-        return result;
+    if (result) return result;
     ply_state *state = document->state;
     summary->vertices = state->vertices;
     summary->meshes = 1;
-    if (norma_carry_is_identity(options->matrix))
-        return NORMA_DOCUMENT_OK;
+    if (norma_carry_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
     normal_carrier carrier;
     result = norma_carry_begin(document, options, summary, &carrier, error);
-    if (result)
-        return result;
+    if (result) return result;
     result = transform_positions(document, options->matrix, error);
-    if (!result)
-        result = transform_normals(document, &carrier, error);
-    if (!result && carrier.mirrored)
-        result = reverse_faces(document, error);
-    if (!result)
-        result = norma_ply_drop_idle_edit(document, &summary->changed, error);
+    if (!result) result = transform_normals(document, &carrier, error);
+    if (!result && carrier.mirrored) result = reverse_faces(document, error);
+    if (!result) result = norma_ply_drop_idle_edit(document, &summary->changed, error);
     return result ? result : norma_carry_progress(document, options, 1, error);
 }

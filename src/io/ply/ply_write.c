@@ -1,16 +1,17 @@
-/* ply_write.c: a changed PLY: the header with single words replaced and lines put in, then each element by its plan. */
+/* ply_write.c: a changed PLY: the header with single words replaced and lines put in, then each
+ * element by its plan. */
 #include "io/ply/ply.h"
 #include "io/text/number.h"
 #include <stdlib.h>
 
-int norma_ply_has_edit(const ply_state *state)
-{
+int norma_ply_has_edit(const ply_state *state) {
     const ply_edit *edit = &state->edit;
-    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows || edit->dropped_vertices || edit->cut_rows;
+    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals ||
+           edit->corners || edit->added_count > 0 || edit->dropped_rows || edit->dropped_vertices ||
+           edit->cut_rows;
 }
 
-void norma_ply_free_edit(ply_edit *edit)
-{
+void norma_ply_free_edit(ply_edit *edit) {
     free(edit->normals);
     free(edit->stored_normals);
     free(edit->positions);
@@ -27,40 +28,44 @@ void norma_ply_free_edit(ply_edit *edit)
 
 /* ---- plans */
 
-static int axis_of(const int properties[3], int property)
-{
+static int axis_of(const int properties[3], int property) {
     for (int axis = 0; axis < 3; ++axis)
-        if (properties[axis] == property)
-            return axis;
+        if (properties[axis] == property) return axis;
     return PLY_NONE;
 }
 
-static ply_item value_item(const ply_property *source, ply_type type, ply_column column)
-{
-    return (ply_item){.source = source, .action = PLY_VALUE, .type = type, .count_type = PLY_NO_TYPE, .column = column};
+static ply_item value_item(const ply_property *source, ply_type type, ply_column column) {
+    return (ply_item){.source = source,
+        .action = PLY_VALUE,
+        .type = type,
+        .count_type = PLY_NO_TYPE,
+        .column = column};
 }
 
-static ply_column normal_column(const ply_edit *edit, int axis)
-{
-    return (ply_column){.floats = edit->normals ? edit->normals + axis : NULL, .doubles = edit->normals ? NULL : edit->stored_normals + axis, .unit = 1};
+static ply_column normal_column(const ply_edit *edit, int axis) {
+    return (ply_column){.floats = edit->normals ? edit->normals + axis : NULL,
+        .doubles = edit->normals ? NULL : edit->stored_normals + axis,
+        .unit = 1};
 }
 
-static void plan_vertex(const ply_state *state, ply_plan *plan)
-{
+static void plan_vertex(const ply_state *state, ply_plan *plan) {
     const ply_header *header = &state->header;
     const ply_edit *edit = &state->edit;
     const int has_normals = edit->normals || edit->stored_normals;
     int last_position = 0;
     for (int axis = 0; axis < 3; ++axis)
-        last_position = header->position[axis] > last_position ? header->position[axis] : last_position;
+        last_position =
+            header->position[axis] > last_position ? header->position[axis] : last_position;
     size_t count = 0;
     for (int i = 0; i < (int)plan->element->property_count; ++i) {
         const ply_property *property = norma_ply_property(header, plan->element, i);
         const int position = axis_of(header->position, i), normal = axis_of(header->normal, i);
         ply_item *item = &plan->items[count++];
-        *item = (ply_item){.source = property, .type = property->type, .count_type = property->count_type};
+        *item = (ply_item){
+            .source = property, .type = property->type, .count_type = property->count_type};
         if (edit->positions && position != PLY_NONE)
-            *item = value_item(property, edit->position_types[position], (ply_column){.doubles = edit->positions + position});
+            *item = value_item(property, edit->position_types[position],
+                (ply_column){.doubles = edit->positions + position});
         else if (has_normals && normal != PLY_NONE)
             *item = value_item(property, edit->normal_types[normal], normal_column(edit, normal));
         if (has_normals && header->normal[0] == PLY_NONE && i == last_position)
@@ -71,47 +76,56 @@ static void plan_vertex(const ply_state *state, ply_plan *plan)
     plan->added = edit->added;
     plan->added_count = edit->added_count;
     plan->dropped_rows = edit->dropped_vertices;
-    plan->changed = has_normals || edit->positions || edit->added_count > 0 || edit->dropped_vertices;
+    plan->changed =
+        has_normals || edit->positions || edit->added_count > 0 || edit->dropped_vertices;
 }
 
-/* The narrowest type that counts up to value: the same, or a wider one that is signed or unsigned as it was. */
-static ply_type widen(ply_type type, double value, int needs_sign)
-{
-    static const ply_type signed_types[] = {PLY_INT8, PLY_INT16, PLY_INT32}, unsigned_types[] = {PLY_UINT8, PLY_UINT16, PLY_UINT32};
+/* The narrowest type that counts up to value: the same, or a wider one that is signed or unsigned
+ * as it was. */
+static ply_type widen(ply_type type, double value, int needs_sign) {
+    static const ply_type signed_types[] = {PLY_INT8, PLY_INT16, PLY_INT32},
+                          unsigned_types[] = {PLY_UINT8, PLY_UINT16, PLY_UINT32};
     const int is_signed = needs_sign || type == PLY_INT8 || type == PLY_INT16 || type == PLY_INT32;
     if (norma_ply_type_holds(type, value) && (!needs_sign || norma_ply_type_holds(type, -1)))
         return type;
     for (int i = 0; i < 3; ++i) {
         ply_type wider = is_signed ? signed_types[i] : unsigned_types[i];
-        if (norma_ply_type_holds(wider, value))
-            return wider;
+        if (norma_ply_type_holds(wider, value)) return wider;
     }
     return PLY_UINT32;
 }
 
-static double highest_index(const ply_state *state) { return (double)(state->vertices + state->edit.added_count) - 1; }
-
-/* Wedge texture coordinates, as MeshLab writes them: pairs or triples in the order of the corners. */
-static int goes_with_corners(const ply_state *state, const ply_property *property)
-{
-    return norma_ply_is_list(property) && (norma_ply_span_is(state, property->name, "texcoord") || norma_ply_span_is(state, property->name, "texcoords"));
+static double highest_index(const ply_state *state) {
+    return (double)(state->vertices + state->edit.added_count) - 1;
 }
 
-static void plan_faces(const ply_state *state, ply_plan *plan)
-{
+/* Wedge texture coordinates, as MeshLab writes them: pairs or triples in the order of the corners.
+ */
+static int goes_with_corners(const ply_state *state, const ply_property *property) {
+    return norma_ply_is_list(property) &&
+           (norma_ply_span_is(state, property->name, "texcoord") ||
+               norma_ply_span_is(state, property->name, "texcoords"));
+}
+
+static void plan_faces(const ply_state *state, ply_plan *plan) {
     const ply_edit nothing = {0};
     const ply_header *header = &state->header;
-    const ply_edit *edit = header->face_list == PLY_NONE ? &nothing : &state->edit; /* rows without a list of corners are no faces */
+    const ply_edit *edit = header->face_list == PLY_NONE
+                               ? &nothing
+                               : &state->edit; /* rows without a list of corners are no faces */
     for (int i = 0; i < (int)plan->element->property_count; ++i) {
         const ply_property *property = norma_ply_property(header, plan->element, i);
         const int normal = axis_of(header->face_normal, i);
         ply_item *item = &plan->items[i];
-        *item = (ply_item){.source = property, .type = property->type, .count_type = property->count_type};
+        *item = (ply_item){
+            .source = property, .type = property->type, .count_type = property->count_type};
         if (edit->corners && i == header->face_list) {
             item->action = PLY_INDICES;
-            item->type = edit->added_count ? widen(property->type, highest_index(state), 0) : property->type;
+            item->type =
+                edit->added_count ? widen(property->type, highest_index(state), 0) : property->type;
         } else if (edit->face_normals && normal != PLY_NONE) {
-            *item = value_item(property, edit->face_normal_types[normal], (ply_column){.floats = edit->face_normals + normal, .unit = 1});
+            *item = value_item(property, edit->face_normal_types[normal],
+                (ply_column){.floats = edit->face_normals + normal, .unit = 1});
         } else if ((edit->reversed || edit->cut_rows) && goes_with_corners(state, property)) {
             item->action = PLY_CORNERS;
         }
@@ -129,35 +143,38 @@ static void plan_faces(const ply_state *state, ply_plan *plan)
 }
 
 /* Those of a strip that are not left out; how many. */
-static size_t keep_triangles(const uint32_t *corners, const uint8_t *dropped, size_t count, uint32_t *kept)
-{
+static size_t keep_triangles(
+    const uint32_t *corners, const uint8_t *dropped, size_t count, uint32_t *kept) {
     size_t left = 0;
     for (size_t i = 0; i < count; ++i)
-        if (!dropped || !dropped[i])
-            memcpy(kept + 3 * left++, corners + 3 * i, 3 * sizeof *kept);
+        if (!dropped || !dropped[i]) memcpy(kept + 3 * left++, corners + 3 * i, 3 * sizeof *kept);
     return left;
 }
 
 /* One list anew into out, or as it was where its triangles are; the count. own: room for them. */
-static size_t encode_list(const int64_t *items, size_t count, const uint32_t *kept, size_t left, uint32_t *own, int64_t *out)
-{
-    if (norma_ply_strip_triangles(items, count, own) != left || (left && memcmp(own, kept, 3 * left * sizeof *kept) != 0))
+static size_t encode_list(const int64_t *items, size_t count, const uint32_t *kept, size_t left,
+    uint32_t *own, int64_t *out) {
+    if (norma_ply_strip_triangles(items, count, own) != left ||
+        (left && memcmp(own, kept, 3 * left * sizeof *kept) != 0))
         return norma_ply_strip_encode(kept, left, out);
-    if (count)
-        memcpy(out, items, count * sizeof *out);
+    if (count) memcpy(out, items, count * sizeof *out);
     return count;
 }
 
-/* The strips anew: where a crease or a mirror parts their triangles, they end in -1 and begin again. */
-static norma_document_result encode_strips(norma_document *document, const ply_element *strips, ply_lists *lists, norma_document_error *error)
-{
+/* The strips anew: where a crease or a mirror parts their triangles, they end in -1 and begin
+ * again. */
+static norma_document_result encode_strips(norma_document *document, const ply_element *strips,
+    ply_lists *lists, norma_document_error *error) {
     const ply_state *state = document->state;
     ply_lists old = {0};
-    norma_document_result result = norma_ply_read_lists(document, strips, state->header.strip_list, &old, error);
+    norma_document_result result =
+        norma_ply_read_lists(document, strips, state->header.strip_list, &old, error);
     const uint32_t *corners = state->edit.corners + state->mesh.polygon_corners;
-    const uint8_t *dropped = state->edit.dropped_rows ? state->edit.dropped_rows + state->mesh.polygon_count : NULL;
+    const uint8_t *dropped =
+        state->edit.dropped_rows ? state->edit.dropped_rows + state->mesh.polygon_count : NULL;
     const size_t all = state->mesh.face_count - state->mesh.polygon_count;
-    uint32_t *kept = norma_io_allocate(all, 3 * sizeof *kept), *own = norma_io_allocate(all, 3 * sizeof *own);
+    uint32_t *kept = norma_io_allocate(all, 3 * sizeof *kept),
+             *own = norma_io_allocate(all, 3 * sizeof *own);
     const int64_t *items = old.items;
     const size_t room = 4 * all + old.item_count;
     if (!result) {
@@ -169,7 +186,8 @@ static norma_document_result encode_strips(norma_document *document, const ply_e
     for (size_t row = 0; !result && row < strips->count; items += old.counts[row], ++row) {
         size_t triangles = norma_ply_strip_triangles(items, old.counts[row], NULL);
         const size_t left = keep_triangles(corners, dropped, triangles, kept);
-        lists->counts[row] = (uint32_t)encode_list(items, old.counts[row], kept, left, own, lists->items + lists->item_count);
+        lists->counts[row] = (uint32_t)encode_list(
+            items, old.counts[row], kept, left, own, lists->items + lists->item_count);
         lists->item_count += lists->counts[row];
         corners += 3 * triangles;
         dropped = dropped ? dropped + triangles : NULL;
@@ -180,24 +198,22 @@ static norma_document_result encode_strips(norma_document *document, const ply_e
     return result;
 }
 
-static norma_document_result plan_strips(norma_document *document, ply_plan *plan, ply_lists *lists, norma_document_error *error)
-{
+static norma_document_result plan_strips(
+    norma_document *document, ply_plan *plan, ply_lists *lists, norma_document_error *error) {
     const ply_state *state = document->state;
     const ply_header *header = &state->header;
     for (int i = 0; i < (int)plan->element->property_count; ++i) {
         const ply_property *property = norma_ply_property(header, plan->element, i);
-        plan->items[i] = (ply_item){.source = property, .type = property->type, .count_type = property->count_type};
+        plan->items[i] = (ply_item){
+            .source = property, .type = property->type, .count_type = property->count_type};
     }
     plan->item_count = plan->element->property_count;
-    if (!state->edit.corners || header->strip_list == PLY_NONE)
-        return NORMA_DOCUMENT_OK;
+    if (!state->edit.corners || header->strip_list == PLY_NONE) return NORMA_DOCUMENT_OK;
     norma_document_result result = encode_strips(document, plan->element, lists, error);
-    if (result)
-        return result;
+    if (result) return result;
     int restarts = 0;
     uint32_t longest = 0;
-    for (size_t i = 0; i < lists->item_count; ++i)
-        restarts |= lists->items[i] < 0;
+    for (size_t i = 0; i < lists->item_count; ++i) restarts |= lists->items[i] < 0;
     for (size_t row = 0; row < plan->element->count; ++row)
         longest = lists->counts[row] > longest ? lists->counts[row] : longest;
     ply_item *item = &plan->items[header->strip_list];
@@ -209,13 +225,12 @@ static norma_document_result plan_strips(norma_document *document, ply_plan *pla
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result make_plan(norma_document *document, size_t index, ply_plan *plan, ply_lists *lists, norma_document_error *error)
-{
+static norma_document_result make_plan(norma_document *document, size_t index, ply_plan *plan,
+    ply_lists *lists, norma_document_error *error) {
     const ply_state *state = document->state;
     plan->element = &state->header.elements[index];
     plan->items = norma_io_allocate(plan->element->property_count + 3, sizeof *plan->items);
-    if (!plan->items)
-        return norma_document_fail_memory(document, error);
+    if (!plan->items) return norma_document_fail_memory(document, error);
     if ((int)index == state->header.vertex)
         plan_vertex(state, plan);
     else if ((int)index == state->header.face)
@@ -229,31 +244,27 @@ static norma_document_result make_plan(norma_document *document, size_t index, p
 
 typedef struct header_writer {
     const ply_state *state;
-    norma_sink      *sink;
-    size_t           at;                 /* up to where the old header has been copied */
+    norma_sink *sink;
+    size_t at; /* up to where the old header has been copied */
 } header_writer;
 
-static void copy_to(header_writer *writer, size_t offset)
-{
+static void copy_to(header_writer *writer, size_t offset) {
     norma_sink_put(writer->sink, writer->state->bytes + writer->at, offset - writer->at);
     writer->at = offset;
 }
 
-static void replace_word(header_writer *writer, ply_span word, const char *text)
-{
+static void replace_word(header_writer *writer, ply_span word, const char *text) {
     copy_to(writer, word.offset);
     norma_sink_put(writer->sink, text, strlen(text));
     writer->at = word.offset + word.length;
 }
 
-static int names_bits(const ply_state *state, ply_span type_text)
-{
+static int names_bits(const ply_state *state, ply_span type_text) {
     unsigned char last = state->bytes[type_text.offset + type_text.length - 1];
     return last >= '0' && last <= '9';
 }
 
-static void insert_normal_line(header_writer *writer, const ply_property *after, int axis)
-{
+static void insert_normal_line(header_writer *writer, const ply_property *after, int axis) {
     const ply_state *state = writer->state;
     const char *type = norma_ply_type_name(PLY_FLOAT, names_bits(state, after->type_text));
     const char name[] = {' ', 'n', (char)('x' + axis)};
@@ -261,11 +272,11 @@ static void insert_normal_line(header_writer *writer, const ply_property *after,
     norma_sink_put(writer->sink, "property ", 9);
     norma_sink_put(writer->sink, type, strlen(type));
     norma_sink_put(writer->sink, name, sizeof name);
-    norma_sink_put(writer->sink, state->bytes + state->header.line_break.offset, state->header.line_break.length);
+    norma_sink_put(writer->sink, state->bytes + state->header.line_break.offset,
+        state->header.line_break.length);
 }
 
-static void write_header_part(header_writer *writer, const ply_plan *plan)
-{
+static void write_header_part(header_writer *writer, const ply_plan *plan) {
     const ply_property *before = NULL;
     int inserted = 0;
     size_t dropped = 0, added = plan->added_count;
@@ -287,7 +298,8 @@ static void write_header_part(header_writer *writer, const ply_plan *plan)
         before = item->source;
         const int bits = names_bits(writer->state, before->type_text);
         if (item->count_type != before->count_type)
-            replace_word(writer, before->count_type_text, norma_ply_type_name(item->count_type, bits));
+            replace_word(
+                writer, before->count_type_text, norma_ply_type_name(item->count_type, bits));
         if (item->type != before->type)
             replace_word(writer, before->type_text, norma_ply_type_name(item->type, bits));
     }
@@ -295,12 +307,11 @@ static void write_header_part(header_writer *writer, const ply_plan *plan)
 
 /* ---- all of it */
 
-static norma_document_result write_elements(norma_document *document, const ply_plan *plans, norma_sink *sink, norma_document_error *error)
-{
+static norma_document_result write_elements(norma_document *document, const ply_plan *plans,
+    norma_sink *sink, norma_document_error *error) {
     const ply_state *state = document->state;
     header_writer writer = {.state = state, .sink = sink};
-    for (size_t i = 0; i < state->header.element_count; ++i)
-        write_header_part(&writer, &plans[i]);
+    for (size_t i = 0; i < state->header.element_count; ++i) write_header_part(&writer, &plans[i]);
     copy_to(&writer, state->header.body);
     size_t at = state->header.body;
     for (size_t i = 0; i < state->header.element_count; ++i) {
@@ -312,56 +323,54 @@ static norma_document_result write_elements(norma_document *document, const ply_
             result = norma_ply_write_text_rows(document, &plans[i], sink, error);
         else
             result = norma_ply_write_rows(document, &plans[i], sink, error);
-        if (result)
-            return result;
+        if (result) return result;
         at = element->end;
     }
     norma_sink_put(sink, state->bytes + at, state->size - at);
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result write_changed(norma_document *document, norma_sink *sink, norma_document_error *error)
-{
+static norma_document_result write_changed(
+    norma_document *document, norma_sink *sink, norma_document_error *error) {
     const ply_state *state = document->state;
     ply_lists lists = {0};
     ply_plan *plans = norma_io_allocate(state->header.element_count, sizeof *plans);
-    norma_document_result result = plans ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
+    norma_document_result result =
+        plans ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
     for (size_t i = 0; !result && i < state->header.element_count; ++i)
         result = make_plan(document, i, &plans[i], &lists, error);
-    if (!result)
-        result = write_elements(document, plans, sink, error);
-    for (size_t i = 0; plans && i < state->header.element_count; ++i)
-        free(plans[i].items);
+    if (!result) result = write_elements(document, plans, sink, error);
+    for (size_t i = 0; plans && i < state->header.element_count; ++i) free(plans[i].items);
     free(plans);
     norma_ply_free_lists(&lists);
     return result;
 }
 
-static norma_document_result write_body(norma_document *document, norma_sink *sink, norma_document_error *error)
-{
+static norma_document_result write_body(
+    norma_document *document, norma_sink *sink, norma_document_error *error) {
     const ply_state *state = document->state;
-    if (norma_ply_has_edit(state))
-        return write_changed(document, sink, error);
+    if (norma_ply_has_edit(state)) return write_changed(document, sink, error);
     norma_sink_put(sink, state->bytes, state->size);
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_ply_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
-{
+norma_document_result norma_ply_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error) {
     (void)path;
     return norma_rewrite(document, write_body, write, user, error);
 }
 
 /* ---- whether anything would change at all */
 
-norma_document_result norma_ply_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error)
-{
+norma_document_result norma_ply_drop_idle_edit(
+    norma_document *document, int *changed, norma_document_error *error) {
     ply_state *state = document->state;
-    *changed = state->edit.added_count > 0 || state->edit.dropped_rows || state->edit.cut_rows || state->edit.dropped_vertices || (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
-    if (*changed)
-        return NORMA_DOCUMENT_OK;
-    norma_document_result result = norma_rewrite_compare(document, state->bytes, state->size, changed, error);
-    if (!*changed)
-        norma_ply_free_edit(&state->edit);
+    *changed = state->edit.added_count > 0 || state->edit.dropped_rows || state->edit.cut_rows ||
+               state->edit.dropped_vertices ||
+               (state->header.normal[0] == PLY_NONE && state->edit.normals != NULL);
+    if (*changed) return NORMA_DOCUMENT_OK;
+    norma_document_result result =
+        norma_rewrite_compare(document, state->bytes, state->size, changed, error);
+    if (!*changed) norma_ply_free_edit(&state->edit);
     return result;
 }

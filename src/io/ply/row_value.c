@@ -3,48 +3,47 @@
 #include "io/text/number.h"
 #include <math.h>
 
-int norma_ply_is_native(ply_encoding encoding)
-{
+int norma_ply_is_native(ply_encoding encoding) {
     const uint16_t probe = 1;
     unsigned char first;
     memcpy(&first, &probe, 1);
     return encoding == (first ? PLY_LITTLE_ENDIAN : PLY_BIG_ENDIAN);
 }
 
-static uint64_t load(const unsigned char *at, size_t size, ply_encoding encoding)
-{
+static uint64_t load(const unsigned char *at, size_t size, ply_encoding encoding) {
     uint64_t bits = 0;
     for (size_t i = 0; i < size; ++i)
         bits = bits << 8 | at[encoding == PLY_BIG_ENDIAN ? i : size - 1 - i];
     return bits;
 }
 
-static void store(unsigned char *at, size_t size, ply_encoding encoding, uint64_t bits)
-{
+static void store(unsigned char *at, size_t size, ply_encoding encoding, uint64_t bits) {
     for (size_t i = 0; i < size; ++i)
         at[encoding == PLY_BIG_ENDIAN ? size - 1 - i : i] = (unsigned char)(bits >> (8 * i));
 }
 
-int64_t norma_ply_get_integer(const unsigned char *at, ply_type type, ply_encoding encoding)
-{
+int64_t norma_ply_get_integer(const unsigned char *at, ply_type type, ply_encoding encoding) {
     switch (type) {
-    case PLY_INT8: return *at < 0x80 ? *at : (int64_t)*at - 0x100;
-    case PLY_UINT8: return *at;
+    case PLY_INT8:
+        return *at < 0x80 ? *at : (int64_t)*at - 0x100;
+    case PLY_UINT8:
+        return *at;
     case PLY_INT16: {
         int64_t value = (int64_t)load(at, 2, encoding);
         return value < 0x8000 ? value : value - 0x10000;
     }
-    case PLY_UINT16: return (int64_t)load(at, 2, encoding);
+    case PLY_UINT16:
+        return (int64_t)load(at, 2, encoding);
     case PLY_INT32: {
         int64_t value = (int64_t)load(at, 4, encoding);
         return value < INT64_C(0x80000000) ? value : value - INT64_C(0x100000000);
     }
-    default: return (int64_t)load(at, 4, encoding);
+    default:
+        return (int64_t)load(at, 4, encoding);
     }
 }
 
-double norma_ply_get(const unsigned char *at, ply_type type, ply_encoding encoding)
-{
+double norma_ply_get(const unsigned char *at, ply_type type, ply_encoding encoding) {
     if (type == PLY_FLOAT) {
         uint32_t bits = (uint32_t)load(at, 4, encoding);
         float value;
@@ -60,8 +59,7 @@ double norma_ply_get(const unsigned char *at, ply_type type, ply_encoding encodi
     return (double)norma_ply_get_integer(at, type, encoding);
 }
 
-void norma_ply_put(unsigned char *at, ply_type type, ply_encoding encoding, double value)
-{
+void norma_ply_put(unsigned char *at, ply_type type, ply_encoding encoding, double value) {
     if (type == PLY_FLOAT) {
         float narrow = (float)value;
         uint32_t bits;
@@ -76,24 +74,26 @@ void norma_ply_put(unsigned char *at, ply_type type, ply_encoding encoding, doub
     }
 }
 
-int norma_ply_type_holds(ply_type type, double value)
-{
-    static const double lowest[] = {[PLY_INT8] = -128, [PLY_INT16] = -32768, [PLY_INT32] = -2147483648.0, [PLY_DOUBLE] = 0};
-    static const double highest[] = {[PLY_INT8] = 127,        [PLY_UINT8] = 255,           [PLY_INT16] = 32767,        [PLY_UINT16] = 65535,
-                                     [PLY_INT32] = 2147483647.0, [PLY_UINT32] = 4294967295.0, [PLY_DOUBLE] = 0};
-    if (type == PLY_FLOAT)
-        return !isfinite(value) || fabs(value) < 0x1.ffffffp127;
-    if (type == PLY_DOUBLE)
-        return 1;
+int norma_ply_type_holds(ply_type type, double value) {
+    static const double lowest[] = {
+        [PLY_INT8] = -128, [PLY_INT16] = -32768, [PLY_INT32] = -2147483648.0, [PLY_DOUBLE] = 0};
+    static const double highest[] = {[PLY_INT8] = 127,
+        [PLY_UINT8] = 255,
+        [PLY_INT16] = 32767,
+        [PLY_UINT16] = 65535,
+        [PLY_INT32] = 2147483647.0,
+        [PLY_UINT32] = 4294967295.0,
+        [PLY_DOUBLE] = 0};
+    if (type == PLY_FLOAT) return !isfinite(value) || fabs(value) < 0x1.ffffffp127;
+    if (type == PLY_DOUBLE) return 1;
     return value >= lowest[type] && value <= highest[type] && value == floor(value);
 }
 
-size_t norma_ply_format(ply_type type, double value, int unit, char text[32])
-{
-    if (type == PLY_DOUBLE && !unit)
-        return norma_number_format_double(value, text);
+size_t norma_ply_format(ply_type type, double value, int unit, char text[32]) {
+    if (type == PLY_DOUBLE && !unit) return norma_number_format_double(value, text);
     if (type >= PLY_FLOAT)
-        return unit ? norma_number_format_normal((float)value, text) : norma_number_format_float((float)value, text);
+        return unit ? norma_number_format_normal((float)value, text)
+                    : norma_number_format_float((float)value, text);
     size_t sign = value < 0;
     text[0] = '-';
     size_t length = sign + norma_number_format_integer((uint64_t)(int64_t)fabs(value), text + sign);

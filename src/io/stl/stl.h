@@ -1,4 +1,5 @@
-/* stl.h: what the files of the STL reader and writer share. An STL file is a list of facets, each a normal and three vertices, as text or binary. */
+/* stl.h: what the files of the STL reader and writer share. An STL file is a list of facets, each a
+ * normal and three vertices, as text or binary. */
 #ifndef NORMA_IO_STL_H
 #define NORMA_IO_STL_H
 #include "io/format/format.h"
@@ -7,45 +8,62 @@
 enum { STL_HEADER = 84, STL_FACET = 50, STL_NORMAL = 12, STL_VERTICES = 36 };
 
 typedef struct stl_state {
-    const unsigned char *bytes;          /* the source's, or own */
-    size_t               size;
-    unsigned char       *own;
-    int                  binary;
-    size_t               facets;
-    char                *name;           /* of the first solid */
-    int                  many_digits;    /* text: some number of a vertex has more digits than a float */
-    void                *positions;      /* nine numbers a facet, decoded on demand: floats, in text doubles */
-    float               *stored;         /* normals as they are in the file, decoded on demand */
+    const unsigned char *bytes; /* the source's, or own */
+    size_t size;
+    unsigned char *own;
+    int binary;
+    size_t facets;
+    char *name;      /* of the first solid */
+    int many_digits; /* text: some number of a vertex has more digits than a float */
+    void *positions; /* nine numbers a facet, decoded on demand: floats, in text doubles */
+    float *stored;   /* normals as they are in the file, decoded on demand */
     /* Changes not yet in the bytes; NULL: none. */
-    float               *normals;        /* three for each facet */
-    double              *vertices;       /* nine for each facet */
+    float *normals;   /* three for each facet */
+    double *vertices; /* nine for each facet */
 } stl_state;
 
-/* ascii_facets.c: told the three words of each normal (part 0) and vertex (parts 1 to 3). Nonzero stops: then memory is out. */
-typedef struct stl_word { const char *text, *end; } stl_word;
-typedef int stl_visitor(void *user, size_t facet, int part, const stl_word words[3], const double values[3]);
-norma_document_result norma_stl_scan(norma_document *document, stl_visitor *visit, void *user, norma_document_error *error);
-norma_document_result norma_stl_read_text(norma_document *document, norma_document_error *error); /* facets and name */
+/* ascii_facets.c: told the three words of each normal (part 0) and vertex (parts 1 to 3). Nonzero
+ * stops: then memory is out. */
+typedef struct stl_word {
+    const char *text, *end;
+} stl_word;
+typedef int stl_visitor(
+    void *user, size_t facet, int part, const stl_word words[3], const double values[3]);
+norma_document_result norma_stl_scan(
+    norma_document *document, stl_visitor *visit, void *user, norma_document_error *error);
+norma_document_result norma_stl_read_text(
+    norma_document *document, norma_document_error *error); /* facets and name */
 norma_document_result norma_stl_decode_text(norma_document *document, norma_document_error *error);
-norma_document_result norma_stl_write_text(norma_document *document, norma_sink *sink, norma_document_error *error);
+norma_document_result norma_stl_write_text(
+    norma_document *document, norma_sink *sink, norma_document_error *error);
 
 /* binary_facets.c */
-int                   norma_stl_is_binary(const stl_state *state);
+int norma_stl_is_binary(const stl_state *state);
 norma_document_result norma_stl_read_binary(norma_document *document, norma_document_error *error);
-norma_document_result norma_stl_decode_binary(norma_document *document, norma_document_error *error);
-void                  norma_stl_load(const stl_state *state, size_t facet, float normal[3], float vertices[9]); /* each may be NULL */
-norma_document_result norma_stl_write_binary(norma_document *document, norma_sink *sink, norma_document_error *error);
+norma_document_result norma_stl_decode_binary(
+    norma_document *document, norma_document_error *error);
+void norma_stl_load(const stl_state *state, size_t facet, float normal[3],
+    float vertices[9]); /* each may be NULL */
+norma_document_result norma_stl_write_binary(
+    norma_document *document, norma_sink *sink, norma_document_error *error);
 
 /* stl_compute.c */
-norma_document_result norma_stl_compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error);
-norma_document_result norma_stl_transform(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
+norma_document_result norma_stl_compute(norma_document *document,
+    const norma_compute_options *options, norma_compute_summary *summary,
+    norma_document_error *error);
+norma_document_result norma_stl_transform(norma_document *document,
+    const norma_transform_options *options, norma_transform_summary *summary,
+    norma_document_error *error);
 
 /* stl.c */
 norma_document_result norma_stl_decode(norma_document *document, norma_document_error *error);
 /* The file is to be these bytes from now on, which become the document's. */
-norma_document_result norma_stl_take_bytes(norma_document *document, unsigned char *bytes, size_t size, norma_document_error *error);
+norma_document_result norma_stl_take_bytes(
+    norma_document *document, unsigned char *bytes, size_t size, norma_document_error *error);
 norma_document_result norma_stl_settle(norma_document *document, norma_document_error *error);
-norma_document_result norma_stl_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error);
-norma_document_result norma_stl_drop_idle_edit(norma_document *document, int *changed, norma_document_error *error);
-norma_mesh            norma_stl_core_mesh(const stl_state *state);
+norma_document_result norma_stl_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error);
+norma_document_result norma_stl_drop_idle_edit(
+    norma_document *document, int *changed, norma_document_error *error);
+norma_mesh norma_stl_core_mesh(const stl_state *state);
 #endif

@@ -1,5 +1,6 @@
-/* ordered.c: a file made piece by piece, by threads, and handed on in order. The calling thread hands on what is ready, and makes pieces itself while nothing is: so that
- * what the system needs for writing goes on beside the making. */
+/* ordered.c: a file made piece by piece, by threads, and handed on in order. The calling thread
+ * hands on what is ready, and makes pieces itself while nothing is: so that what the system needs
+ * for writing goes on beside the making. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/stream/ordered.h"
 #include <pthread.h>
@@ -10,41 +11,35 @@
 
 enum { MOST_HELPERS = 255 };
 
-typedef struct line {                    /* in which pieces stand */
-    pthread_mutex_t   lock;
-    pthread_cond_t    ready, room;       /* told: the calling thread, the others */
+typedef struct line { /* in which pieces stand */
+    pthread_mutex_t lock;
+    pthread_cond_t ready, room; /* told: the calling thread, the others */
     norma_make_piece *make;
-    void             *context;
-    norma_piece      *pieces;
-    unsigned char    *made;
-    size_t            count, places;     /* piece i stands at place i % places */
-    size_t            next, handed_on;   /* the next to be made; how many are gone */
-    int               stop;
+    void *context;
+    norma_piece *pieces;
+    unsigned char *made;
+    size_t count, places;   /* piece i stands at place i % places */
+    size_t next, handed_on; /* the next to be made; how many are gone */
+    int stop;
 } line;
 
-static void make_piece(line *l, size_t index)
-{
+static void make_piece(line *l, size_t index) {
     norma_piece *piece = &l->pieces[index % l->places];
-    if (!piece->sink.block)
-        norma_sink_flush(&piece->sink);  /* its first block */
+    if (!piece->sink.block) norma_sink_flush(&piece->sink); /* its first block */
     piece->sink.used = 0;
     piece->span = NULL;
     piece->span_size = 0;
-    if (!piece->sink.failed)
-        l->make(l->context, index, piece);
+    if (!piece->sink.failed) l->make(l->context, index, piece);
 }
 
 /* Takes a piece to make, if there is one whose place is free. */
-static int take(line *l, size_t *index)
-{
-    if (l->stop || l->next >= l->count || l->next >= l->handed_on + l->places)
-        return 0;
+static int take(line *l, size_t *index) {
+    if (l->stop || l->next >= l->count || l->next >= l->handed_on + l->places) return 0;
     *index = l->next++;
     return 1;
 }
 
-static void *help(void *context)
-{
+static void *help(void *context) {
     line *l = context;
     size_t index;
     pthread_mutex_lock(&l->lock);
@@ -63,17 +58,15 @@ static void *help(void *context)
     return NULL;
 }
 
-static norma_ordered_result hand_on(const norma_piece *piece, norma_write *write, void *user)
-{
-    if (piece->sink.failed)
-        return NORMA_ORDERED_MEMORY;
+static norma_ordered_result hand_on(const norma_piece *piece, norma_write *write, void *user) {
+    if (piece->sink.failed) return NORMA_ORDERED_MEMORY;
     if (piece->sink.used && write(user, piece->sink.block, piece->sink.used))
         return NORMA_ORDERED_REFUSED;
-    return piece->span_size && write(user, piece->span, piece->span_size) ? NORMA_ORDERED_REFUSED : NORMA_ORDERED_OK;
+    return piece->span_size && write(user, piece->span, piece->span_size) ? NORMA_ORDERED_REFUSED
+                                                                          : NORMA_ORDERED_OK;
 }
 
-static norma_ordered_result lead(line *l, norma_write *write, void *user)
-{
+static norma_ordered_result lead(line *l, norma_write *write, void *user) {
     norma_ordered_result result = NORMA_ORDERED_OK;
     size_t index;
     pthread_mutex_lock(&l->lock);
@@ -101,41 +94,38 @@ static norma_ordered_result lead(line *l, norma_write *write, void *user)
     return result;
 }
 
-/* A thread that cannot be had is done without. Signals are for the calling thread: one that hangs in a write must be the one that is interrupted. */
-static size_t start_helpers(line *l, size_t threads, pthread_t helpers[MOST_HELPERS])
-{
+/* A thread that cannot be had is done without. Signals are for the calling thread: one that hangs
+ * in a write must be the one that is interrupted. */
+static size_t start_helpers(line *l, size_t threads, pthread_t helpers[MOST_HELPERS]) {
     size_t started = 0;
-#if !defined(_WIN32)                      /* which sends signals to threads of their own */
+#if !defined(_WIN32) /* which sends signals to threads of their own */
     sigset_t all, before;
     sigfillset(&all);
-    /* What a thread's own instruction raises must reach whoever watches for it: blocked, it would end the process. */
+    /* What a thread's own instruction raises must reach whoever watches for it: blocked, it would
+     * end the process. */
     static const int own[] = {SIGBUS, SIGSEGV, SIGILL, SIGFPE};
     for (size_t i = 0; i < sizeof own / sizeof *own; ++i) sigdelset(&all, own[i]);
     const int masked = pthread_sigmask(SIG_BLOCK, &all, &before) == 0;
 #endif
-    while (started + 1 < threads && started < MOST_HELPERS && started + 1 < l->count && pthread_create(&helpers[started], NULL, help, l) == 0)
+    while (started + 1 < threads && started < MOST_HELPERS && started + 1 < l->count &&
+           pthread_create(&helpers[started], NULL, help, l) == 0)
         ++started;
 #if !defined(_WIN32)
-    if (masked)
-        pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (masked) pthread_sigmask(SIG_SETMASK, &before, NULL);
 #endif
     return started;
 }
 
-static norma_ordered_result run(line *l, size_t threads, norma_write *write, void *user)
-{
+static norma_ordered_result run(line *l, size_t threads, norma_write *write, void *user) {
     pthread_t helpers[MOST_HELPERS];
     const size_t started = start_helpers(l, threads, helpers);
     norma_ordered_result result = lead(l, write, user);
-    for (size_t i = 0; i < started; ++i)
-        pthread_join(helpers[i], NULL);
+    for (size_t i = 0; i < started; ++i) pthread_join(helpers[i], NULL);
     return result;
 }
 
-static norma_ordered_result open_and_run(line *l, size_t threads, norma_write *write, void *user)
-{
-    if (pthread_mutex_init(&l->lock, NULL))
-        return NORMA_ORDERED_MEMORY;
+static norma_ordered_result open_and_run(line *l, size_t threads, norma_write *write, void *user) {
+    if (pthread_mutex_init(&l->lock, NULL)) return NORMA_ORDERED_MEMORY;
     norma_ordered_result result = NORMA_ORDERED_MEMORY;
     if (pthread_cond_init(&l->ready, NULL) == 0) {
         if (pthread_cond_init(&l->room, NULL) == 0) {
@@ -148,15 +138,18 @@ static norma_ordered_result open_and_run(line *l, size_t threads, norma_write *w
     return result;
 }
 
-norma_ordered_result norma_write_ordered(uint32_t threads, size_t count, norma_make_piece *make, void *context, norma_write *write, void *user)
-{
+norma_ordered_result norma_write_ordered(uint32_t threads, size_t count, norma_make_piece *make,
+    void *context, norma_write *write, void *user) {
     const size_t workers = norma_io_threads(threads);
-    line l = {.make = make, .context = context, .count = count, .places = workers > count / 2 ? count + 1 : 2 * workers};
+    line l = {.make = make,
+        .context = context,
+        .count = count,
+        .places = workers > count / 2 ? count + 1 : 2 * workers};
     l.pieces = norma_io_allocate(l.places, sizeof *l.pieces);
     l.made = norma_io_allocate(l.places, 1);
-    norma_ordered_result result = l.pieces && l.made ? open_and_run(&l, workers, write, user) : NORMA_ORDERED_MEMORY;
-    for (size_t i = 0; l.pieces && i < l.places; ++i)
-        free(l.pieces[i].sink.block);
+    norma_ordered_result result =
+        l.pieces && l.made ? open_and_run(&l, workers, write, user) : NORMA_ORDERED_MEMORY;
+    for (size_t i = 0; l.pieces && i < l.places; ++i) free(l.pieces[i].sink.block);
     free(l.pieces);
     free(l.made);
     return result;

@@ -3,8 +3,7 @@
 #include "io/format/format.h"
 #include <stdlib.h>
 
-norma_sink *norma_sink_create(norma_write *write, void *user)
-{
+norma_sink *norma_sink_create(norma_write *write, void *user) {
     norma_sink *sink = malloc(sizeof *sink);
     unsigned char *block = malloc(SINK_BLOCK);
     if (!sink || !block) {
@@ -16,16 +15,16 @@ norma_sink *norma_sink_create(norma_write *write, void *user)
     return sink;
 }
 
-static void hand_on(norma_sink *sink, const void *bytes, size_t size)
-{
-    if (!sink->failed && size > 0)
-        sink->failed = sink->write(sink->user, bytes, size) != 0;
+static void hand_on(norma_sink *sink, const void *bytes, size_t size) {
+    if (!sink->failed && size > 0) sink->failed = sink->write(sink->user, bytes, size) != 0;
 }
 
-/* So that size bytes more fit behind those that are kept. Without memory what is there is dropped: a block, if there is one, has room for SINK_BLOCK. */
-static void keep_more(norma_sink *sink, size_t size)
-{
-    unsigned char *grown = sink->used > SIZE_MAX / 4 - size ? NULL : norma_io_grow(sink->block, &sink->capacity, sink->used + size, 1);
+/* So that size bytes more fit behind those that are kept. Without memory what is there is dropped:
+ * a block, if there is one, has room for SINK_BLOCK. */
+static void keep_more(norma_sink *sink, size_t size) {
+    unsigned char *grown = sink->used > SIZE_MAX / 4 - size
+                               ? NULL
+                               : norma_io_grow(sink->block, &sink->capacity, sink->used + size, 1);
     if (grown) {
         sink->block = grown;
         return;
@@ -34,8 +33,7 @@ static void keep_more(norma_sink *sink, size_t size)
     sink->used = 0;
 }
 
-void norma_sink_flush(norma_sink *sink)
-{
+void norma_sink_flush(norma_sink *sink) {
     if (!sink->write) {
         keep_more(sink, SINK_BLOCK);
         return;
@@ -44,12 +42,10 @@ void norma_sink_flush(norma_sink *sink)
     sink->used = 0;
 }
 
-void norma_sink_put_slowly(norma_sink *sink, const void *bytes, size_t size)
-{
+void norma_sink_put_slowly(norma_sink *sink, const void *bytes, size_t size) {
     if (!sink->write) {
         keep_more(sink, size);
-        if (sink->failed)
-            return;
+        if (sink->failed) return;
     } else {
         norma_sink_flush(sink);
         if (size >= SINK_BLOCK / 2) {
@@ -61,8 +57,7 @@ void norma_sink_put_slowly(norma_sink *sink, const void *bytes, size_t size)
     sink->used += size;
 }
 
-int norma_sink_finish(norma_sink *sink)
-{
+int norma_sink_finish(norma_sink *sink) {
     norma_sink_flush(sink);
     int failed = sink->failed;
     free(sink->block);
@@ -70,25 +65,20 @@ int norma_sink_finish(norma_sink *sink)
     return failed;
 }
 
-int norma_memory_sink_write(void *memory_sink, const void *bytes, size_t size)
-{
+int norma_memory_sink_write(void *memory_sink, const void *bytes, size_t size) {
     norma_memory_sink *sink = memory_sink;
-    if (size > SIZE_MAX - sink->size)
-        return 1;
+    if (size > SIZE_MAX - sink->size) return 1;
     unsigned char *grown = norma_io_grow(sink->bytes, &sink->capacity, sink->size + size, 1);
-    if (!grown)
-        return 1;
+    if (!grown) return 1;
     sink->bytes = grown;
     memcpy(grown + sink->size, bytes, size);
     sink->size += size;
     return 0;
 }
 
-int norma_compare_sink_write(void *compare_sink, const void *bytes, size_t size)
-{
+int norma_compare_sink_write(void *compare_sink, const void *bytes, size_t size) {
     norma_compare_sink *sink = compare_sink;
-    if (size > sink->left || memcmp(sink->expected, bytes, size) != 0)
-        return 1;
+    if (size > sink->left || memcmp(sink->expected, bytes, size) != 0) return 1;
     sink->expected += size;
     sink->left -= size;
     return 0;

@@ -1,5 +1,7 @@
-/* json.c: strict JSON (RFC 8259) into tokens that say where each value lies. One pass, no recursion, depth bounded. Our own rather than jsmn: that one lets
- * through wrong separators, bad numbers and rubbish behind the end even in its strict mode, and checking for them afterwards is a second parser. */
+/* json.c: strict JSON (RFC 8259) into tokens that say where each value lies. One pass, no
+ * recursion, depth bounded. Our own rather than jsmn: that one lets through wrong separators, bad
+ * numbers and rubbish behind the end even in its strict mode, and checking for them afterwards is a
+ * second parser. */
 #include "io/text/json.h"
 #include "io/text/number.h"
 #include <math.h>
@@ -8,94 +10,80 @@
 
 typedef struct parser {
     const char *text;
-    size_t      size, at;
-    json       *out;
-    uint32_t    capacity, parent, depth;
+    size_t size, at;
+    json *out;
+    uint32_t capacity, parent, depth;
     json_error *error;
 } parser;
 
-static int fail(parser *p, const char *expected)
-{
+static int fail(parser *p, const char *expected) {
     p->error->byte = p->at;
     p->error->expected = expected;
     return 0;
 }
 
-static int peek(const parser *p)
-{
-    return p->at < p->size ? (unsigned char)p->text[p->at] : -1;
-}
+static int peek(const parser *p) { return p->at < p->size ? (unsigned char)p->text[p->at] : -1; }
 
-static void skip_space(parser *p)
-{
-    while (p->at < p->size && (p->text[p->at] == ' ' || p->text[p->at] == '\n' || p->text[p->at] == '\r' || p->text[p->at] == '\t'))
+static void skip_space(parser *p) {
+    while (p->at < p->size && (p->text[p->at] == ' ' || p->text[p->at] == '\n' ||
+                                  p->text[p->at] == '\r' || p->text[p->at] == '\t'))
         ++p->at;
 }
 
-static json_token *add_token(parser *p, json_type type)
-{
+static json_token *add_token(parser *p, json_type type) {
     json *out = p->out;
     if (out->count == p->capacity) {
         uint32_t larger = p->capacity ? p->capacity * 2 : 256;
-        json_token *grown = p->capacity > UINT32_MAX / 4 ? NULL : realloc(out->tokens, larger * sizeof *grown);
-        if (!grown)
-            return NULL;
+        json_token *grown =
+            p->capacity > UINT32_MAX / 4 ? NULL : realloc(out->tokens, larger * sizeof *grown);
+        if (!grown) return NULL;
         out->tokens = grown;
         p->capacity = larger;
     }
     json_token *token = &out->tokens[out->count++];
-    *token = (json_token){.start = p->at, .end = p->at, .parent = p->parent, .next = out->count, .type = type};
+    *token = (json_token){
+        .start = p->at, .end = p->at, .parent = p->parent, .next = out->count, .type = type};
     return token;
 }
 
 static int is_digit(int c) { return c >= '0' && c <= '9'; }
 
-static int hex_value(int c)
-{
-    if (is_digit(c))
-        return c - '0';
-    if (c >= 'a' && c <= 'f')
-        return c - 'a' + 10;
+static int hex_value(int c) {
+    if (is_digit(c)) return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-static int skip_digits(parser *p)
-{
-    if (!is_digit(peek(p)))
-        return fail(p, "a digit");
-    while (is_digit(peek(p)))
-        ++p->at;
+static int skip_digits(parser *p) {
+    if (!is_digit(peek(p))) return fail(p, "a digit");
+    while (is_digit(peek(p))) ++p->at;
     return 1;
 }
 
-static int skip_number(parser *p)
-{
-    if (peek(p) == '-')
-        ++p->at;
+static int skip_number(parser *p) {
+    if (peek(p) == '-') ++p->at;
     if (peek(p) == '0')
         ++p->at;
     else if (!skip_digits(p))
         return 0;
     if (peek(p) == '.') {
         ++p->at;
-        if (!skip_digits(p))
-            return 0;
+        if (!skip_digits(p)) return 0;
     }
     if (peek(p) == 'e' || peek(p) == 'E') {
         ++p->at;
-        if (peek(p) == '+' || peek(p) == '-')
-            ++p->at;
+        if (peek(p) == '+' || peek(p) == '-') ++p->at;
         return skip_digits(p);
     }
     return 1;
 }
 
-static int skip_escape(parser *p)
-{
+static int skip_escape(parser *p) {
     int c = peek(p);
     if (c == 'u') {
         for (int i = 1; i <= 4; ++i)
-            if (p->at + (size_t)i >= p->size || hex_value((unsigned char)p->text[p->at + (size_t)i]) < 0)
+            if (p->at + (size_t)i >= p->size ||
+                hex_value((unsigned char)p->text[p->at + (size_t)i]) < 0)
                 return fail(p, "four hexadecimal digits behind \\u");
         p->at += 5;
         return 1;
@@ -106,23 +94,25 @@ static int skip_escape(parser *p)
     return 1;
 }
 
-/* Length of the UTF-8 character at bytes; 0: none. Overlong forms, surrogates and what is beyond U+10FFFF are none. */
-static size_t utf8_length(const unsigned char *bytes, size_t left)
-{
+/* Length of the UTF-8 character at bytes; 0: none. Overlong forms, surrogates and what is beyond
+ * U+10FFFF are none. */
+static size_t utf8_length(const unsigned char *bytes, size_t left) {
     unsigned first = bytes[0];
-    size_t length = first < 0x80 ? 1 : first >= 0xC2 && first <= 0xDF ? 2 : (first & 0xF0) == 0xE0 ? 3 : first >= 0xF0 && first <= 0xF4 ? 4 : 0;
-    if (length == 0 || length > left)
-        return 0;
+    size_t length = first < 0x80                     ? 1
+                    : first >= 0xC2 && first <= 0xDF ? 2
+                    : (first & 0xF0) == 0xE0         ? 3
+                    : first >= 0xF0 && first <= 0xF4 ? 4
+                                                     : 0;
+    if (length == 0 || length > left) return 0;
     for (size_t i = 1; i < length; ++i)
-        if ((bytes[i] & 0xC0) != 0x80)
-            return 0;
-    if ((first == 0xE0 && bytes[1] < 0xA0) || (first == 0xED && bytes[1] > 0x9F) || (first == 0xF0 && bytes[1] < 0x90) || (first == 0xF4 && bytes[1] > 0x8F))
+        if ((bytes[i] & 0xC0) != 0x80) return 0;
+    if ((first == 0xE0 && bytes[1] < 0xA0) || (first == 0xED && bytes[1] > 0x9F) ||
+        (first == 0xF0 && bytes[1] < 0x90) || (first == 0xF4 && bytes[1] > 0x8F))
         return 0;
     return length;
 }
 
-static int skip_string(parser *p)
-{
+static int skip_string(parser *p) {
     ++p->at;
     while (p->at < p->size) {
         unsigned char c = (unsigned char)p->text[p->at];
@@ -130,24 +120,21 @@ static int skip_string(parser *p)
             ++p->at;
             return 1;
         }
-        if (c < 0x20)
-            return fail(p, "no control character in a string");
+        if (c < 0x20) return fail(p, "no control character in a string");
         if (c == '\\') {
             ++p->at;
-            if (!skip_escape(p))
-                return 0;
+            if (!skip_escape(p)) return 0;
             continue;
         }
-        size_t length = c < 0x80 ? 1 : utf8_length((const unsigned char *)p->text + p->at, p->size - p->at);
-        if (length == 0)
-            return fail(p, "valid UTF-8");
+        size_t length =
+            c < 0x80 ? 1 : utf8_length((const unsigned char *)p->text + p->at, p->size - p->at);
+        if (length == 0) return fail(p, "valid UTF-8");
         p->at += length;
     }
     return fail(p, "the closing quote of a string");
 }
 
-static int skip_word(parser *p, const char *word)
-{
+static int skip_word(parser *p, const char *word) {
     size_t length = strlen(word);
     if (p->size - p->at < length || memcmp(p->text + p->at, word, length) != 0)
         return fail(p, "a value");
@@ -156,35 +143,36 @@ static int skip_word(parser *p, const char *word)
 }
 
 /* A value that is no container. */
-static int parse_scalar(parser *p)
-{
+static int parse_scalar(parser *p) {
     int c = peek(p);
-    json_type type = c == '"' ? JSON_STRING : c == 't' ? JSON_TRUE : c == 'f' ? JSON_FALSE : c == 'n' ? JSON_NULL : JSON_NUMBER;
-    if (type == JSON_NUMBER && c != '-' && !is_digit(c))
-        return fail(p, "a value");
+    json_type type = c == '"'   ? JSON_STRING
+                     : c == 't' ? JSON_TRUE
+                     : c == 'f' ? JSON_FALSE
+                     : c == 'n' ? JSON_NULL
+                                : JSON_NUMBER;
+    if (type == JSON_NUMBER && c != '-' && !is_digit(c)) return fail(p, "a value");
     uint32_t number = p->out->count;
-    if (!add_token(p, type))
-        return fail(p, NULL);
-    int ok = type == JSON_STRING ? skip_string(p) : type == JSON_NUMBER ? skip_number(p) : skip_word(p, type == JSON_TRUE ? "true" : type == JSON_FALSE ? "false" : "null");
+    if (!add_token(p, type)) return fail(p, NULL);
+    int ok = type == JSON_STRING   ? skip_string(p)
+             : type == JSON_NUMBER ? skip_number(p)
+                                   : skip_word(p, type == JSON_TRUE    ? "true"
+                                                  : type == JSON_FALSE ? "false"
+                                                                       : "null");
     p->out->tokens[number].end = p->at;
     return ok;
 }
 
-static int open_container(parser *p)
-{
-    if (p->depth == JSON_DEPTH)
-        return fail(p, "arrays and objects nested at most 256 deep");
+static int open_container(parser *p) {
+    if (p->depth == JSON_DEPTH) return fail(p, "arrays and objects nested at most 256 deep");
     uint32_t number = p->out->count;
-    if (!add_token(p, peek(p) == '{' ? JSON_OBJECT : JSON_ARRAY))
-        return fail(p, NULL);
+    if (!add_token(p, peek(p) == '{' ? JSON_OBJECT : JSON_ARRAY)) return fail(p, NULL);
     p->parent = number;
     ++p->depth;
     ++p->at;
     return 1;
 }
 
-static void close_container(parser *p)
-{
+static void close_container(parser *p) {
     json_token *token = &p->out->tokens[p->parent];
     ++p->at;
     token->end = p->at;
@@ -193,23 +181,18 @@ static void close_container(parser *p)
     --p->depth;
 }
 
-static int parse_key(parser *p)
-{
+static int parse_key(parser *p) {
     skip_space(p);
-    if (peek(p) != '"')
-        return fail(p, "a member's name in quotes");
-    if (!parse_scalar(p))
-        return 0;
+    if (peek(p) != '"') return fail(p, "a member's name in quotes");
+    if (!parse_scalar(p)) return 0;
     skip_space(p);
-    if (peek(p) != ':')
-        return fail(p, "a colon");
+    if (peek(p) != ':') return fail(p, "a colon");
     ++p->at;
     return 1;
 }
 
 /* Everything between a value's end and the next value's begin; *done where the root has ended. */
-static int parse_between(parser *p, int *done)
-{
+static int parse_between(parser *p, int *done) {
     for (;;) {
         if (p->parent == JSON_NONE) {
             *done = 1;
@@ -229,15 +212,12 @@ static int parse_between(parser *p, int *done)
     }
 }
 
-static int parse_value(parser *p, int *ended)
-{
+static int parse_value(parser *p, int *ended) {
     skip_space(p);
     int c = peek(p);
     *ended = 1;
-    if (c != '{' && c != '[')
-        return parse_scalar(p);
-    if (!open_container(p))
-        return 0;
+    if (c != '{' && c != '[') return parse_scalar(p);
+    if (!open_container(p)) return 0;
     skip_space(p);
     if (peek(p) == (c == '{' ? '}' : ']')) {
         close_container(p);
@@ -247,98 +227,80 @@ static int parse_value(parser *p, int *ended)
     return c == '[' || parse_key(p);
 }
 
-int norma_json_parse(const char *text, size_t size, json *parsed, json_error *error)
-{
+int norma_json_parse(const char *text, size_t size, json *parsed, json_error *error) {
     *parsed = (json){.text = text, .size = size};
     *error = (json_error){0};
     parser p = {.text = text, .size = size, .out = parsed, .parent = JSON_NONE, .error = error};
     int done = 0, ended;
     while (!done) {
-        if (!parse_value(&p, &ended) || (ended && !parse_between(&p, &done)))
-            return 0;
+        if (!parse_value(&p, &ended) || (ended && !parse_between(&p, &done))) return 0;
     }
     skip_space(&p);
     return p.at == size ? 1 : fail(&p, "nothing behind the end");
 }
 
-void norma_json_free(json *parsed)
-{
+void norma_json_free(json *parsed) {
     free(parsed->tokens);
     *parsed = (json){0};
 }
 
 /* ---- asking */
 
-int norma_json_is(const json *j, uint32_t token, json_type type)
-{
+int norma_json_is(const json *j, uint32_t token, json_type type) {
     return token != JSON_NONE && j->tokens[token].type == type;
 }
 
-uint32_t norma_json_size(const json *j, uint32_t container)
-{
+uint32_t norma_json_size(const json *j, uint32_t container) {
     return container == JSON_NONE ? 0 : j->tokens[container].size;
 }
 
-uint32_t norma_json_first(const json *j, uint32_t container)
-{
-    if (norma_json_size(j, container) == 0)
-        return JSON_NONE;
+uint32_t norma_json_first(const json *j, uint32_t container) {
+    if (norma_json_size(j, container) == 0) return JSON_NONE;
     return container + (j->tokens[container].type == JSON_OBJECT ? 2 : 1);
 }
 
-uint32_t norma_json_next(const json *j, uint32_t container, uint32_t value)
-{
+uint32_t norma_json_next(const json *j, uint32_t container, uint32_t value) {
     uint32_t next = j->tokens[value].next;
-    if (next >= j->tokens[container].next)
-        return JSON_NONE;
+    if (next >= j->tokens[container].next) return JSON_NONE;
     return next + (j->tokens[container].type == JSON_OBJECT);
 }
 
-uint32_t norma_json_member(const json *j, uint32_t object, const char *key)
-{
+uint32_t norma_json_member(const json *j, uint32_t object, const char *key) {
     uint32_t found = JSON_NONE;
-    if (!norma_json_is(j, object, JSON_OBJECT))
-        return JSON_NONE;
-    for (uint32_t value = norma_json_first(j, object); value != JSON_NONE; value = norma_json_next(j, object, value))
-        if (norma_json_equals(j, value - 1, key))
-            found = value;
+    if (!norma_json_is(j, object, JSON_OBJECT)) return JSON_NONE;
+    for (uint32_t value = norma_json_first(j, object); value != JSON_NONE;
+         value = norma_json_next(j, object, value))
+        if (norma_json_equals(j, value - 1, key)) found = value;
     return found;
 }
 
-uint32_t norma_json_element(const json *j, uint32_t array, uint32_t index)
-{
-    if (!norma_json_is(j, array, JSON_ARRAY) || index >= j->tokens[array].size)
-        return JSON_NONE;
+uint32_t norma_json_element(const json *j, uint32_t array, uint32_t index) {
+    if (!norma_json_is(j, array, JSON_ARRAY) || index >= j->tokens[array].size) return JSON_NONE;
     uint32_t value = norma_json_first(j, array);
-    while (index-- > 0)
-        value = j->tokens[value].next;
+    while (index-- > 0) value = j->tokens[value].next;
     return value;
 }
 
-static uint32_t read_hex4(const char *at)
-{
+static uint32_t read_hex4(const char *at) {
     uint32_t value = 0;
-    for (int i = 0; i < 4; ++i)
-        value = value * 16 + (uint32_t)hex_value((unsigned char)at[i]);
+    for (int i = 0; i < 4; ++i) value = value * 16 + (uint32_t)hex_value((unsigned char)at[i]);
     return value;
 }
 
-static size_t put_utf8(char *out, uint32_t code)
-{
+static size_t put_utf8(char *out, uint32_t code) {
     if (code < 0x80) {
         out[0] = (char)code;
         return 1;
     }
     size_t length = code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
-    for (size_t i = length; i-- > 1; code >>= 6)
-        out[i] = (char)(0x80 | (code & 0x3F));
+    for (size_t i = length; i-- > 1; code >>= 6) out[i] = (char)(0x80 | (code & 0x3F));
     out[0] = (char)((length == 2 ? 0xC0 : length == 3 ? 0xE0 : 0xF0) | code);
     return length;
 }
 
-/* One escape behind its backslash; lone surrogates become U+FFFD, U+0000 too: C strings end there. */
-static size_t decode_escape(const char **at, const char *end, char *out)
-{
+/* One escape behind its backslash; lone surrogates become U+FFFD, U+0000 too: C strings end there.
+ */
+static size_t decode_escape(const char **at, const char *end, char *out) {
     static const char names[] = "bfnrt", values[] = "\b\f\n\r\t";
     char c = *(*at)++;
     if (c != 'u') {
@@ -358,29 +320,25 @@ static size_t decode_escape(const char **at, const char *end, char *out)
     return put_utf8(out, code == 0 || (code >= 0xD800 && code < 0xE000) ? 0xFFFD : code);
 }
 
-int norma_json_equals(const json *j, uint32_t string, const char *text)
-{
-    if (!norma_json_is(j, string, JSON_STRING))
-        return 0;
-    const char *at = j->text + j->tokens[string].start + 1, *end = j->text + j->tokens[string].end - 1;
+int norma_json_equals(const json *j, uint32_t string, const char *text) {
+    if (!norma_json_is(j, string, JSON_STRING)) return 0;
+    const char *at = j->text + j->tokens[string].start + 1,
+               *end = j->text + j->tokens[string].end - 1;
     while (at < end) {
         char bytes[4];
         size_t length = 1;
         bytes[0] = *at++;
-        if (bytes[0] == '\\')
-            length = decode_escape(&at, end, bytes);
-        if (strncmp(text, bytes, length) != 0)
-            return 0;
+        if (bytes[0] == '\\') length = decode_escape(&at, end, bytes);
+        if (strncmp(text, bytes, length) != 0) return 0;
         text += length;
     }
     return *text == '\0';
 }
 
-char *norma_json_string(const json *j, uint32_t string)
-{
-    if (!norma_json_is(j, string, JSON_STRING))
-        return NULL;
-    const char *at = j->text + j->tokens[string].start + 1, *end = j->text + j->tokens[string].end - 1;
+char *norma_json_string(const json *j, uint32_t string) {
+    if (!norma_json_is(j, string, JSON_STRING)) return NULL;
+    const char *at = j->text + j->tokens[string].start + 1,
+               *end = j->text + j->tokens[string].end - 1;
     char *out = malloc((size_t)(end - at) + 4), *to = out;
     while (out && at < end) {
         if (*at == '\\') {
@@ -390,23 +348,20 @@ char *norma_json_string(const json *j, uint32_t string)
             *to++ = *at++;
         }
     }
-    if (out)
-        *to = '\0';
+    if (out) *to = '\0';
     return out;
 }
 
-int norma_json_number(const json *j, uint32_t number, double *value)
-{
-    if (!norma_json_is(j, number, JSON_NUMBER))
-        return 0;
+int norma_json_number(const json *j, uint32_t number, double *value) {
+    if (!norma_json_is(j, number, JSON_NUMBER)) return 0;
     const char *end = j->text + j->tokens[number].end;
     return norma_number_parse(j->text + j->tokens[number].start, end, value) == end;
 }
 
-int norma_json_uint(const json *j, uint32_t number, uint64_t *value)
-{
+int norma_json_uint(const json *j, uint32_t number, uint64_t *value) {
     double read;
-    if (!norma_json_number(j, number, &read) || !(read >= 0 && read <= 9007199254740992.0) || read != floor(read))
+    if (!norma_json_number(j, number, &read) || !(read >= 0 && read <= 9007199254740992.0) ||
+        read != floor(read))
         return 0;
     *value = (uint64_t)read;
     return 1;

@@ -1,44 +1,43 @@
-/* json_edit.c: changes to a JSON text. Each is kept with the value that it is about; writing turns them into splices of the old text, so that every byte
- * that no splice covers is copied as it was. What is added stands behind what was there, with the white space that the last one there had before it. */
+/* json_edit.c: changes to a JSON text. Each is kept with the value that it is about; writing turns
+ * them into splices of the old text, so that every byte that no splice covers is copied as it was.
+ * What is added stands behind what was there, with the white space that the last one there had
+ * before it. */
 #include "io/text/json.h"
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct addition {
-    char    *key;                 /* NULL in an array */
-    char    *text;
-    uint32_t next;                /* the container's next addition, or JSON_NONE */
+    char *key; /* NULL in an array */
+    char *text;
+    uint32_t next; /* the container's next addition, or JSON_NONE */
 } addition;
 
 typedef struct edit {
     uint32_t token;
-    char    *replacement;         /* NULL: none */
-    int      removed;
-    int      child_removed;
+    char *replacement; /* NULL: none */
+    int removed;
+    int child_removed;
     uint32_t first_added, last_added;
 } edit;
 
 struct json_edits {
     const json *j;
-    uint32_t    first, tokens;    /* the value that they are about: itself and all that is in it */
-    uint32_t   *of_token;         /* for each of these tokens the number of its edit + 1; 0: none */
-    edit       *list;
-    addition   *additions;
-    uint32_t    count, capacity, addition_count, addition_capacity;
-    int         failed;
+    uint32_t first, tokens; /* the value that they are about: itself and all that is in it */
+    uint32_t *of_token;     /* for each of these tokens the number of its edit + 1; 0: none */
+    edit *list;
+    addition *additions;
+    uint32_t count, capacity, addition_count, addition_capacity;
+    int failed;
 };
 
-static char *copy_text(const char *text)
-{
+static char *copy_text(const char *text) {
     size_t size = strlen(text) + 1;
     char *copy = malloc(size);
-    if (copy)
-        memcpy(copy, text, size);
+    if (copy) memcpy(copy, text, size);
     return copy;
 }
 
-json_edits *norma_json_edits_create(const json *j, uint32_t value)
-{
+json_edits *norma_json_edits_create(const json *j, uint32_t value) {
     const uint32_t tokens = value < j->count ? j->tokens[value].next - value : 0;
     json_edits *edits = calloc(1, sizeof *edits);
     uint32_t *of_token = calloc(tokens ? tokens : 1, sizeof *of_token);
@@ -54,12 +53,9 @@ json_edits *norma_json_edits_create(const json *j, uint32_t value)
     return edits;
 }
 
-void norma_json_edits_destroy(json_edits *edits)
-{
-    if (!edits)
-        return;
-    for (uint32_t i = 0; i < edits->count; ++i)
-        free(edits->list[i].replacement);
+void norma_json_edits_destroy(json_edits *edits) {
+    if (!edits) return;
+    for (uint32_t i = 0; i < edits->count; ++i) free(edits->list[i].replacement);
     for (uint32_t i = 0; i < edits->addition_count; ++i) {
         free(edits->additions[i].key);
         free(edits->additions[i].text);
@@ -70,26 +66,21 @@ void norma_json_edits_destroy(json_edits *edits)
     free(edits);
 }
 
-static int grow(void **block, uint32_t *capacity, uint32_t count, size_t size)
-{
-    if (count < *capacity)
-        return 1;
+static int grow(void **block, uint32_t *capacity, uint32_t count, size_t size) {
+    if (count < *capacity) return 1;
     uint32_t larger = *capacity ? *capacity * 2 : 16;
     void *grown = *capacity > UINT32_MAX / 4 ? NULL : realloc(*block, larger * size);
-    if (!grown)
-        return 0;
+    if (!grown) return 0;
     *block = grown;
     *capacity = larger;
     return 1;
 }
 
-static int is_within(const json_edits *edits, uint32_t token)
-{
+static int is_within(const json_edits *edits, uint32_t token) {
     return token >= edits->first && token - edits->first < edits->tokens;
 }
 
-static edit *edit_of(json_edits *edits, uint32_t token)
-{
+static edit *edit_of(json_edits *edits, uint32_t token) {
     if (!is_within(edits, token)) {
         edits->failed = 1;
         return NULL;
@@ -100,36 +91,36 @@ static edit *edit_of(json_edits *edits, uint32_t token)
             edits->failed = 1;
             return NULL;
         }
-        edits->list[edits->count] = (edit){.token = token, .first_added = JSON_NONE, .last_added = JSON_NONE};
+        edits->list[edits->count] =
+            (edit){.token = token, .first_added = JSON_NONE, .last_added = JSON_NONE};
         *number = ++edits->count;
     }
     return &edits->list[*number - 1];
 }
 
-static const edit *find_edit(const json_edits *edits, uint32_t token)
-{
+static const edit *find_edit(const json_edits *edits, uint32_t token) {
     const uint32_t number = is_within(edits, token) ? edits->of_token[token - edits->first] : 0;
     return number ? &edits->list[number - 1] : NULL;
 }
 
-static int add_copy_of(json_edits *copy, const json_edits *edits)
-{
+static int add_copy_of(json_edits *copy, const json_edits *edits) {
     copy->list = calloc(edits->count ? edits->count : 1, sizeof *copy->list);
-    copy->additions = calloc(edits->addition_count ? edits->addition_count : 1, sizeof *copy->additions);
-    if (!copy->list || !copy->additions)
-        return 0;
+    copy->additions =
+        calloc(edits->addition_count ? edits->addition_count : 1, sizeof *copy->additions);
+    if (!copy->list || !copy->additions) return 0;
     copy->capacity = edits->count;
     copy->addition_capacity = edits->addition_count;
     for (; copy->count < edits->count; ++copy->count) {
         edit *e = &copy->list[copy->count];
         *e = edits->list[copy->count];
-        if (e->replacement && !(e->replacement = copy_text(e->replacement)))
-            return 0;
+        if (e->replacement && !(e->replacement = copy_text(e->replacement))) return 0;
     }
     for (; copy->addition_count < edits->addition_count; ++copy->addition_count) {
         addition *to = &copy->additions[copy->addition_count];
         const addition *from = &edits->additions[copy->addition_count];
-        *to = (addition){.next = from->next, .text = copy_text(from->text), .key = from->key ? copy_text(from->key) : NULL};
+        *to = (addition){.next = from->next,
+            .text = copy_text(from->text),
+            .key = from->key ? copy_text(from->key) : NULL};
         if (!to->text || (from->key && !to->key)) {
             free(to->text);
             free(to->key);
@@ -141,8 +132,7 @@ static int add_copy_of(json_edits *copy, const json_edits *edits)
     return 1;
 }
 
-json_edits *norma_json_edits_copy(const json_edits *edits)
-{
+json_edits *norma_json_edits_copy(const json_edits *edits) {
     json_edits *copy = norma_json_edits_create(edits->j, edits->first);
     if (copy && !add_copy_of(copy, edits)) {
         norma_json_edits_destroy(copy);
@@ -151,18 +141,11 @@ json_edits *norma_json_edits_copy(const json_edits *edits)
     return copy;
 }
 
-void norma_json_edits_fail(json_edits *edits)
-{
-    edits->failed = 1;
-}
+void norma_json_edits_fail(json_edits *edits) { edits->failed = 1; }
 
-int norma_json_edits_any(const json_edits *edits)
-{
-    return edits->count > 0;
-}
+int norma_json_edits_any(const json_edits *edits) { return edits->count > 0; }
 
-static void set_text(json_edits *edits, char **place, const char *text)
-{
+static void set_text(json_edits *edits, char **place, const char *text) {
     char *copy = copy_text(text);
     if (!copy) {
         edits->failed = 1;
@@ -172,36 +155,32 @@ static void set_text(json_edits *edits, char **place, const char *text)
     *place = copy;
 }
 
-void norma_json_replace(json_edits *edits, uint32_t value, const char *text)
-{
+void norma_json_replace(json_edits *edits, uint32_t value, const char *text) {
     edit *e = edit_of(edits, value);
-    if (!e)
-        return;
+    if (!e) return;
     e->removed = 0;
     set_text(edits, &e->replacement, text);
 }
 
-static void mark_removed(json_edits *edits, uint32_t value)
-{
+static void mark_removed(json_edits *edits, uint32_t value) {
     edit *e = edit_of(edits, value);
-    if (!e)
-        return;
+    if (!e) return;
     e->removed = 1;
     uint32_t parent = edits->j->tokens[value].parent;
     e = parent == JSON_NONE ? NULL : edit_of(edits, parent);
-    if (e)
-        e->child_removed = 1;
+    if (e) e->child_removed = 1;
 }
 
-static void add(json_edits *edits, uint32_t container, const char *key, const char *text)
-{
+static void add(json_edits *edits, uint32_t container, const char *key, const char *text) {
     edit *e = edit_of(edits, container);
-    if (!e || !grow((void **)&edits->additions, &edits->addition_capacity, edits->addition_count, sizeof *edits->additions)) {
+    if (!e || !grow((void **)&edits->additions, &edits->addition_capacity, edits->addition_count,
+                  sizeof *edits->additions)) {
         edits->failed = 1;
         return;
     }
     addition *added = &edits->additions[edits->addition_count];
-    *added = (addition){.next = JSON_NONE, .text = copy_text(text), .key = key ? copy_text(key) : NULL};
+    *added =
+        (addition){.next = JSON_NONE, .text = copy_text(text), .key = key ? copy_text(key) : NULL};
     if (!added->text || (key && !added->key)) {
         free(added->text);
         free(added->key);
@@ -215,20 +194,19 @@ static void add(json_edits *edits, uint32_t container, const char *key, const ch
     e->last_added = edits->addition_count++;
 }
 
-void norma_json_append(json_edits *edits, uint32_t array, const char *text)
-{
+void norma_json_append(json_edits *edits, uint32_t array, const char *text) {
     add(edits, array, NULL, text);
 }
 
-void norma_json_set(json_edits *edits, uint32_t object, const char *key, const char *text)
-{
+void norma_json_set(json_edits *edits, uint32_t object, const char *key, const char *text) {
     uint32_t value = norma_json_member(edits->j, object, key);
     if (value != JSON_NONE) {
         norma_json_replace(edits, value, text);
         return;
     }
     const edit *e = find_edit(edits, object);
-    for (uint32_t i = e ? e->first_added : JSON_NONE; i != JSON_NONE; i = edits->additions[i].next) {
+    for (uint32_t i = e ? e->first_added : JSON_NONE; i != JSON_NONE;
+         i = edits->additions[i].next) {
         if (strcmp(edits->additions[i].key, key) == 0) {
             set_text(edits, &edits->additions[i].text, text);
             return;
@@ -237,16 +215,14 @@ void norma_json_set(json_edits *edits, uint32_t object, const char *key, const c
     add(edits, object, key, text);
 }
 
-void norma_json_unset(json_edits *edits, uint32_t object, const char *key)
-{
-    for (uint32_t value = norma_json_first(edits->j, object); value != JSON_NONE; value = norma_json_next(edits->j, object, value))
-        if (norma_json_equals(edits->j, value - 1, key))
-            mark_removed(edits, value);
+void norma_json_unset(json_edits *edits, uint32_t object, const char *key) {
+    for (uint32_t value = norma_json_first(edits->j, object); value != JSON_NONE;
+         value = norma_json_next(edits->j, object, value))
+        if (norma_json_equals(edits->j, value - 1, key)) mark_removed(edits, value);
 }
 
 /* With those of the same name before it, one of which would count instead. */
-void norma_json_remove(json_edits *edits, uint32_t value)
-{
+void norma_json_remove(json_edits *edits, uint32_t value) {
     const uint32_t parent = edits->j->tokens[value].parent;
     if (parent == JSON_NONE || !norma_json_is(edits->j, parent, JSON_OBJECT)) {
         mark_removed(edits, value);
@@ -260,22 +236,19 @@ void norma_json_remove(json_edits *edits, uint32_t value)
     free(key);
 }
 
-static void uint_text(uint64_t number, char out[24])
-{
+static void uint_text(uint64_t number, char out[24]) {
     json_text text = {.data = out, .capacity = 24};
     norma_json_add_uint(&text, number);
     out[text.size] = '\0';
 }
 
-void norma_json_replace_uint(json_edits *edits, uint32_t value, uint64_t number)
-{
+void norma_json_replace_uint(json_edits *edits, uint32_t value, uint64_t number) {
     char text[24];
     uint_text(number, text);
     norma_json_replace(edits, value, text);
 }
 
-void norma_json_set_uint(json_edits *edits, uint32_t object, const char *key, uint64_t number)
-{
+void norma_json_set_uint(json_edits *edits, uint32_t object, const char *key, uint64_t number) {
     char text[24];
     uint_text(number, text);
     norma_json_set(edits, object, key, text);
@@ -291,15 +264,16 @@ typedef struct splice {
 
 typedef struct splices {
     splice *list;
-    size_t  count, capacity;
-    int     failed;
+    size_t count, capacity;
+    int failed;
 } splices;
 
-static void add_splice(splices *s, splice one)
-{
+static void add_splice(splices *s, splice one) {
     if (s->count == s->capacity) {
         size_t larger = s->capacity ? s->capacity * 2 : 32;
-        splice *grown = s->capacity > SIZE_MAX / (4 * sizeof *grown) ? NULL : realloc(s->list, larger * sizeof *grown);
+        splice *grown = s->capacity > SIZE_MAX / (4 * sizeof *grown)
+                            ? NULL
+                            : realloc(s->list, larger * sizeof *grown);
         if (!grown) {
             s->failed = 1;
             return;
@@ -310,24 +284,25 @@ static void add_splice(splices *s, splice one)
     s->list[s->count++] = one;
 }
 
-/* No two begin at one place: each value is replaced, removed or added to once, and what is added comes behind a container's last value or its bracket. */
+/* No two begin at one place: each value is replaced, removed or added to once, and what is added
+ * comes behind a container's last value or its bracket. */
 static int compare_splices(const void *a, const void *b) {
     const splice *x = a, *y = b;
     return x->start < y->start ? -1 : x->start > y->start;
 }
 
-static size_t item_start(const json *j, uint32_t container, uint32_t value)
-{
+static size_t item_start(const json *j, uint32_t container, uint32_t value) {
     return j->tokens[j->tokens[container].type == JSON_OBJECT ? value - 1 : value].start;
 }
 
-/* Removals with the comma that goes with each: the one before it, or the one behind where nothing before it stays. */
-static void splice_removed(const json_edits *edits, uint32_t container, splices *s)
-{
+/* Removals with the comma that goes with each: the one before it, or the one behind where nothing
+ * before it stays. */
+static void splice_removed(const json_edits *edits, uint32_t container, splices *s) {
     const json *j = edits->j;
     int kept = 0;
     uint32_t previous = JSON_NONE;
-    for (uint32_t value = norma_json_first(j, container); value != JSON_NONE; value = norma_json_next(j, container, value)) {
+    for (uint32_t value = norma_json_first(j, container); value != JSON_NONE;
+         value = norma_json_next(j, container, value)) {
         const edit *e = find_edit(edits, value);
         uint32_t next = norma_json_next(j, container, value);
         if (!e || !e->removed)
@@ -335,21 +310,22 @@ static void splice_removed(const json_edits *edits, uint32_t container, splices 
         else if (kept)
             add_splice(s, (splice){.start = j->tokens[previous].end, .end = j->tokens[value].end});
         else
-            add_splice(s, (splice){.start = item_start(j, container, value), .end = next == JSON_NONE ? j->tokens[value].end : item_start(j, container, next)});
+            add_splice(s, (splice){.start = item_start(j, container, value),
+                              .end = next == JSON_NONE ? j->tokens[value].end
+                                                       : item_start(j, container, next)});
         previous = value;
     }
 }
 
-static uint32_t last_value(const json *j, uint32_t container)
-{
+static uint32_t last_value(const json *j, uint32_t container) {
     uint32_t last = JSON_NONE;
-    for (uint32_t value = norma_json_first(j, container); value != JSON_NONE; value = norma_json_next(j, container, value))
+    for (uint32_t value = norma_json_first(j, container); value != JSON_NONE;
+         value = norma_json_next(j, container, value))
         last = value;
     return last;
 }
 
-static void collect(const json_edits *edits, uint32_t root, splices *s)
-{
+static void collect(const json_edits *edits, uint32_t root, splices *s) {
     const json *j = edits->j;
     for (uint32_t token = root; token < j->tokens[root].next;) {
         const edit *e = find_edit(edits, token);
@@ -358,12 +334,13 @@ static void collect(const json_edits *edits, uint32_t root, splices *s)
             continue;
         }
         if (e && e->replacement) {
-            add_splice(s, (splice){.start = j->tokens[token].start, .end = j->tokens[token].end, .text = e->replacement});
+            add_splice(s, (splice){.start = j->tokens[token].start,
+                              .end = j->tokens[token].end,
+                              .text = e->replacement});
             token = j->tokens[token].next;
             continue;
         }
-        if (e && e->child_removed)
-            splice_removed(edits, token, s);
+        if (e && e->child_removed) splice_removed(edits, token, s);
         if (e && e->first_added != JSON_NONE) {
             uint32_t last = last_value(j, token);
             size_t at = last == JSON_NONE ? j->tokens[token].start + 1 : j->tokens[last].end;
@@ -375,24 +352,21 @@ static void collect(const json_edits *edits, uint32_t root, splices *s)
 
 static int is_space(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 
-int norma_json_keeps_any(const json_edits *edits, uint32_t container)
-{
-    for (uint32_t value = norma_json_first(edits->j, container); value != JSON_NONE; value = norma_json_next(edits->j, container, value)) {
+int norma_json_keeps_any(const json_edits *edits, uint32_t container) {
+    for (uint32_t value = norma_json_first(edits->j, container); value != JSON_NONE;
+         value = norma_json_next(edits->j, container, value)) {
         const edit *e = find_edit(edits, value);
-        if (!e || !e->removed)
-            return 1;
+        if (!e || !e->removed) return 1;
     }
     return 0;
 }
 
-static void write_additions(const json_edits *edits, const edit *e, json_text *out)
-{
+static void write_additions(const json_edits *edits, const edit *e, json_text *out) {
     const json *j = edits->j;
     uint32_t last = last_value(j, e->token);
     int comma = norma_json_keeps_any(edits, e->token);
     size_t space_end = last == JSON_NONE ? 0 : item_start(j, e->token, last), space = space_end;
-    while (space > 0 && is_space(j->text[space - 1]))
-        --space;
+    while (space > 0 && is_space(j->text[space - 1])) --space;
     for (uint32_t i = e->first_added; i != JSON_NONE; i = edits->additions[i].next) {
         if (comma) {
             norma_json_add(out, ",", 1);
@@ -401,34 +375,29 @@ static void write_additions(const json_edits *edits, const edit *e, json_text *o
         if (edits->additions[i].key) {
             norma_json_add_quoted(out, edits->additions[i].key);
             norma_json_add(out, ":", 1);
-            if (space_end > space)
-                norma_json_add(out, " ", 1);
+            if (space_end > space) norma_json_add(out, " ", 1);
         }
         norma_json_add_text(out, edits->additions[i].text);
         comma = 1;
     }
 }
 
-int norma_json_write(const json_edits *edits, uint32_t value, json_text *out)
-{
+int norma_json_write(const json_edits *edits, uint32_t value, json_text *out) {
     const json *j = edits->j;
     splices s = {0};
     collect(edits, value, &s);
-    if (s.count)
-        qsort(s.list, s.count, sizeof *s.list, compare_splices);
-    size_t at = value == 0 ? 0 : j->tokens[value].start, end = value == 0 ? j->size : j->tokens[value].end;
+    if (s.count) qsort(s.list, s.count, sizeof *s.list, compare_splices);
+    size_t at = value == 0 ? 0 : j->tokens[value].start,
+           end = value == 0 ? j->size : j->tokens[value].end;
     for (size_t i = 0; i < s.count; ++i) {
         const splice *one = &s.list[i];
         if (one->start > at) {
             norma_json_add(out, j->text + at, one->start - at);
             at = one->start;
         }
-        if (one->text)
-            norma_json_add_text(out, one->text);
-        if (one->additions_of)
-            write_additions(edits, one->additions_of, out);
-        if (one->end > at)
-            at = one->end;
+        if (one->text) norma_json_add_text(out, one->text);
+        if (one->additions_of) write_additions(edits, one->additions_of, out);
+        if (one->end > at) at = one->end;
     }
     norma_json_add(out, j->text + at, end - at);
     free(s.list);

@@ -4,14 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-void norma_json_add(json_text *text, const char *bytes, size_t size)
-{
-    if (text->failed || size == 0)
-        return;
+void norma_json_add(json_text *text, const char *bytes, size_t size) {
+    if (text->failed || size == 0) return;
     if (size > text->capacity - text->size) {
         size_t larger = text->capacity < 256 ? 256 : text->capacity;
-        while (larger - text->size < size && larger <= SIZE_MAX / 2)
-            larger *= 2;
+        while (larger - text->size < size && larger <= SIZE_MAX / 2) larger *= 2;
         char *grown = larger - text->size < size ? NULL : realloc(text->data, larger);
         if (!grown) {
             text->failed = 1;
@@ -24,31 +21,26 @@ void norma_json_add(json_text *text, const char *bytes, size_t size)
     text->size += size;
 }
 
-void norma_json_add_text(json_text *text, const char *terminated)
-{
+void norma_json_add_text(json_text *text, const char *terminated) {
     norma_json_add(text, terminated, strlen(terminated));
 }
 
-void norma_json_add_uint(json_text *text, uint64_t value)
-{
+void norma_json_add_uint(json_text *text, uint64_t value) {
     char digits[20];
     norma_json_add(text, digits, norma_number_format_integer(value, digits));
 }
 
-void norma_json_add_number(json_text *text, double value)
-{
+void norma_json_add_number(json_text *text, double value) {
     char digits[32];
     norma_json_add(text, digits, norma_number_format_double(value, digits));
 }
 
-void norma_json_add_float(json_text *text, float value)
-{
+void norma_json_add_float(json_text *text, float value) {
     char digits[32];
     norma_json_add(text, digits, norma_number_format_float(value, digits));
 }
 
-void norma_json_add_quoted(json_text *text, const char *utf8)
-{
+void norma_json_add_quoted(json_text *text, const char *utf8) {
     norma_json_add(text, "\"", 1);
     for (; *utf8; ++utf8) {
         unsigned char c = (unsigned char)*utf8;

@@ -1,7 +1,9 @@
 /* number_format.c: the fewest digits that read back as the same number.
  *
- * Six digits (fifteen for a double) that read back are the only ones that do, so that, with the zeros at the end cut, they are the fewest; otherwise one digit
- * more is tried after another, up to nine (seventeen); subnormal numbers begin with one. Whether digits read back is asked of exact arithmetic, never assumed. */
+ * Six digits (fifteen for a double) that read back are the only ones that do, so that, with the
+ * zeros at the end cut, they are the fewest; otherwise one digit more is tried after another, up to
+ * nine (seventeen); subnormal numbers begin with one. Whether digits read back is asked of exact
+ * arithmetic, never assumed. */
 #include "io/text/number.h"
 #include "io/text/number_big.h"
 #include "io/text/digits.h"
@@ -10,23 +12,20 @@
 #include <string.h>
 
 /* "00" to "99": two digits for one division. */
-static const char pairs[] = "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434445464748495051525354555657585960616263646566676869"
+static const char pairs[] = "0001020304050607080910111213141516171819202122232425262728293031323334"
+                            "3536373839404142434445464748495051525354555657585960616263646566676869"
                             "707172737475767778798081828384858687888990919293949596979899";
 
-static size_t digits_of(uint64_t value)
-{
+static size_t digits_of(uint64_t value) {
     size_t digits = 1;
-    for (; value >= 10000; value /= 10000)
-        digits += 4;
+    for (; value >= 10000; value /= 10000) digits += 4;
     return digits + (value >= 10) + (value >= 100) + (value >= 1000);
 }
 
-size_t norma_number_format_integer(uint64_t value, char out[20])
-{
+size_t norma_number_format_integer(uint64_t value, char out[20]) {
     const size_t length = digits_of(value);
     char *p = out + length;
-    for (; value >= 100; value /= 100)
-        memcpy(p -= 2, pairs + 2 * (value % 100), 2);
+    for (; value >= 100; value /= 100) memcpy(p -= 2, pairs + 2 * (value % 100), 2);
     if (value >= 10)
         memcpy(out, pairs + 2 * value, 2);
     else
@@ -34,70 +33,62 @@ size_t norma_number_format_integer(uint64_t value, char out[20])
     return length;
 }
 
-static size_t write_fixed(const char *digits, int count, int point, char *out)
-{
+static size_t write_fixed(const char *digits, int count, int point, char *out) {
     char *p = out;
     if (point <= 0) {
         *p++ = '0';
         *p++ = '.';
-        for (int i = point; i < 0; ++i)
-            *p++ = '0';
+        for (int i = point; i < 0; ++i) *p++ = '0';
     }
     for (int i = 0; i < count || i < point; ++i) {
-        if (i == point && point > 0)
-            *p++ = '.';
+        if (i == point && point > 0) *p++ = '.';
         *p++ = i < count ? digits[i] : '0';
     }
     return (size_t)(p - out);
 }
 
-static size_t write_exponent(const char *digits, int count, int exponent, char *out)
-{
+static size_t write_exponent(const char *digits, int count, int exponent, char *out) {
     char *p = out;
     *p++ = digits[0];
-    if (count > 1)
-        *p++ = '.';
+    if (count > 1) *p++ = '.';
     memcpy(p, digits + 1, (size_t)count - 1);
     p += count - 1;
     *p++ = 'e';
     *p++ = exponent < 0 ? '-' : '+';
     char text[20];
-    size_t length = norma_number_format_integer((uint64_t)(exponent < 0 ? -exponent : exponent), text);
+    size_t length =
+        norma_number_format_integer((uint64_t)(exponent < 0 ? -exponent : exponent), text);
     memcpy(p, text, length);
     return (size_t)(p - out) + length;
 }
 
 /* digits * 10^exponent as text; digits not 0. */
-static size_t write_decimal(uint64_t digits, int exponent, char *out)
-{
+static size_t write_decimal(uint64_t digits, int exponent, char *out) {
     char text[20];
-    for (; digits % 10 == 0; ++exponent)
-        digits /= 10;
+    for (; digits % 10 == 0; ++exponent) digits /= 10;
     int count = (int)norma_number_format_integer(digits, text);
-    int point = count + exponent;                       /* digits before the point */
-    if (point > -5 && point <= 16)
-        return write_fixed(text, count, point, out);
+    int point = count + exponent; /* digits before the point */
+    if (point > -5 && point <= 16) return write_fixed(text, count, point, out);
     return write_exponent(text, count, point - 1, out);
 }
 
-/* The integer nearest to mantissa * 2^binary * 10^decimal, which is below 2^60: by long division of integers of any length. */
-static uint64_t scale_exact(uint64_t mantissa, int binary, int decimal)
-{
+/* The integer nearest to mantissa * 2^binary * 10^decimal, which is below 2^60: by long division of
+ * integers of any length. */
+static uint64_t scale_exact(uint64_t mantissa, int binary, int decimal) {
     big_number numerator, denominator;
     norma_big_set(&numerator, mantissa);
     norma_big_set(&denominator, 1);
-    norma_big_multiply_power(decimal > 0 ? &numerator : &denominator, 10, decimal > 0 ? decimal : -decimal);
+    norma_big_multiply_power(
+        decimal > 0 ? &numerator : &denominator, 10, decimal > 0 ? decimal : -decimal);
     norma_big_shift_left(binary > 0 ? &numerator : &denominator, binary > 0 ? binary : -binary);
     int shift = norma_big_bits(&numerator) - norma_big_bits(&denominator);
-    if (shift < -1)
-        return 0;
+    if (shift < -1) return 0;
     shift = shift < 0 ? 0 : shift;
     norma_big_shift_left(&denominator, shift);
     uint64_t quotient = 0;
-    for (int i = 0; i <= shift + 1; ++i) {              /* one bit more than the integer has: the half */
+    for (int i = 0; i <= shift + 1; ++i) { /* one bit more than the integer has: the half */
         int bit = norma_big_compare(&numerator, &denominator) >= 0;
-        if (bit)
-            norma_big_subtract(&numerator, &denominator);
+        if (bit) norma_big_subtract(&numerator, &denominator);
         quotient = quotient << 1 | (uint64_t)bit;
         norma_big_shift_left(&numerator, 1);
     }
@@ -105,18 +96,18 @@ static uint64_t scale_exact(uint64_t mantissa, int binary, int decimal)
 }
 
 /* The same, in 128 bits where they hold it. */
-static uint64_t scale(uint64_t mantissa, int binary, int decimal)
-{
+static uint64_t scale(uint64_t mantissa, int binary, int decimal) {
 #if defined(__SIZEOF_INT128__)
     __extension__ typedef unsigned __int128 wide;
     if (decimal >= -27 && decimal <= 27) {
         uint64_t five = 1;
-        for (int i = decimal < 0 ? -decimal : decimal; i; --i)
-            five *= 5;
+        for (int i = decimal < 0 ? -decimal : decimal; i; --i) five *= 5;
         int shift = binary + decimal;
         if (decimal >= 0 && shift <= 0) {
             wide product = (wide)mantissa * five;
-            return shift == 0 ? (uint64_t)product : shift < -120 ? 0 : (uint64_t)(((product >> (-shift - 1)) + 1) >> 1);
+            return shift == 0     ? (uint64_t)product
+                   : shift < -120 ? 0
+                                  : (uint64_t)(((product >> (-shift - 1)) + 1) >> 1);
         }
         if (decimal < 0 && shift >= 0 && shift < 64)
             return (uint64_t)((((wide)mantissa << (shift + 1)) / five + 1) >> 1);
@@ -126,51 +117,45 @@ static uint64_t scale(uint64_t mantissa, int binary, int decimal)
 }
 
 /* value, finite and above 0, to count significant digits: *digits of that many, times 10^return. */
-static int round_digits(double value, int count, uint64_t *digits)
-{
+static int round_digits(double value, int count, uint64_t *digits) {
     int binary;
     double fraction = frexp(value, &binary);
     uint64_t mantissa = (uint64_t)ldexp(fraction, 53);
     uint64_t limit = 1;
-    for (int i = 0; i < count; ++i)
-        limit *= 10;
+    for (int i = 0; i < count; ++i) limit *= 10;
     /* 1233 / 4096 is a little below log10 of 2: a guess that is right or one too low. */
-    int decimal = (binary - 1) * 1233 >= 0 ? (binary - 1) * 1233 / 4096 : -((1 - binary) * 1233 / 4096) - 1;
+    int decimal =
+        (binary - 1) * 1233 >= 0 ? (binary - 1) * 1233 / 4096 : -((1 - binary) * 1233 / 4096) - 1;
     int exponent = decimal - count + 1;
     *digits = scale(mantissa, binary - 53, -exponent);
-    while (*digits >= limit)
-        *digits = scale(mantissa, binary - 53, -++exponent);
-    while (*digits < limit / 10)
-        *digits = scale(mantissa, binary - 53, -(--exponent));
+    while (*digits >= limit) *digits = scale(mantissa, binary - 53, -++exponent);
+    while (*digits < limit / 10) *digits = scale(mantissa, binary - 53, -(--exponent));
     return exponent;
 }
 
-/* As nothing between the decimal and its double crosses the middle between two floats, reading by way of double gives the same float. */
-static int reads_back_as_float(float value, uint64_t digits, int exponent)
-{
+/* As nothing between the decimal and its double crosses the middle between two floats, reading by
+ * way of double gives the same float. */
+static int reads_back_as_float(float value, uint64_t digits, int exponent) {
     double read = norma_number_of_decimal(digits, exponent);
-    if ((float)read != value)
-        return 0;
+    if ((float)read != value) return 0;
     double below = 0.5 * ((double)nextafterf(value, 0.0f) + (double)value);
     double above = (double)nextafterf(value, INFINITY);
     above = isinf(above) ? (double)value + ((double)value - below) : 0.5 * (above + (double)value);
     return read > below && read < above;
 }
 
-static int reads_back(double value, int is_float, uint64_t digits, int exponent)
-{
-    return is_float ? reads_back_as_float((float)value, digits, exponent) : norma_number_of_decimal(digits, exponent) == value;
+static int reads_back(double value, int is_float, uint64_t digits, int exponent) {
+    return is_float ? reads_back_as_float((float)value, digits, exponent)
+                    : norma_number_of_decimal(digits, exponent) == value;
 }
 
-static size_t format_shortest(double value, int is_float, char *out)
-{
+static size_t format_shortest(double value, int is_float, char *out) {
     size_t length = 0;
     if (isnan(value)) {
         memcpy(out, "nan", 4);
         return 3;
     }
-    if (signbit(value))
-        out[length++] = '-';
+    if (signbit(value)) out[length++] = '-';
     value = fabs(value);
     if (isinf(value)) {
         memcpy(out + length, "inf", 3);
@@ -184,8 +169,7 @@ static size_t format_shortest(double value, int is_float, char *out)
         int exponent = 0;
         for (int count = subnormal ? 1 : is_float ? FLT_DIG : DBL_DIG; count <= most; ++count) {
             exponent = round_digits(value, count, &digits);
-            if (reads_back(value, is_float, digits, exponent))
-                break;
+            if (reads_back(value, is_float, digits, exponent)) break;
         }
         length += write_decimal(digits, exponent, out + length);
     }
@@ -193,43 +177,35 @@ static size_t format_shortest(double value, int is_float, char *out)
     return length;
 }
 
-size_t norma_number_format_float(float value, char out[32])
-{
+size_t norma_number_format_float(float value, char out[32]) {
     return format_shortest((double)value, 1, out);
 }
 
-size_t norma_number_format_double(double value, char out[32])
-{
+size_t norma_number_format_double(double value, char out[32]) {
     return format_shortest(value, 0, out);
 }
 
-static void write_eight(uint32_t number, char *out)
-{
+static void write_eight(uint32_t number, char *out) {
 #if NORMA_DIGITS_BY_WORD
     const uint64_t text = norma_digits_split(number) | UINT64_C(0x3030303030303030);
     memcpy(out, &text, sizeof text);
 #else
-    for (int i = 6; i >= 0; i -= 2, number /= 100)
-        memcpy(out + i, pairs + 2 * (number % 100), 2);
+    for (int i = 6; i >= 0; i -= 2, number /= 100) memcpy(out + i, pairs + 2 * (number % 100), 2);
 #endif
 }
 
-size_t norma_number_format_normal(float value, char out[32])
-{
-    if (!(value >= -1.0f && value <= 1.0f))
-        return norma_number_format_float(value, out);
+size_t norma_number_format_normal(float value, char out[32]) {
+    if (!(value >= -1.0f && value <= 1.0f)) return norma_number_format_float(value, out);
     char *p = out;
     uint32_t decimals = (uint32_t)(fabs((double)value) * 1e8 + 0.5);
-    if (value < 0 && decimals)
-        *p++ = '-';
+    if (value < 0 && decimals) *p++ = '-';
     *p++ = (char)('0' + decimals / 100000000);
     decimals %= 100000000;
     if (decimals) {
         *p++ = '.';
         write_eight(decimals, p);
         p += 8;
-        while (p[-1] == '0')
-            --p;
+        while (p[-1] == '0') --p;
     }
     *p = 0;
     return (size_t)(p - out);

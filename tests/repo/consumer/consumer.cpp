@@ -6,8 +6,7 @@
 #include <iostream>
 #include <vector>
 
-int main()
-{
+int main() {
     const std::vector<float> positions{0, 0, 0, 1, 0, 0, 0, 1, 0};
     norma_mesh mesh{};
     mesh.positions.data = positions.data();

@@ -1,10 +1,10 @@
-/* core.c: a program that needs the core alone. Prints bits, so that two builds of the library can be compared. */
+/* core.c: a program that needs the core alone. Prints bits, so that two builds of the library can
+ * be compared. */
 #include <norma/norma.h>
 #include <stdio.h>
 #include <string.h>
 
-static void print_bits(const char *what, const float *numbers, size_t count)
-{
+static void print_bits(const char *what, const float *numbers, size_t count) {
     printf("%s", what);
     for (size_t i = 0; i < count; i++) {
         uint32_t bits;
@@ -14,17 +14,23 @@ static void print_bits(const char *what, const float *numbers, size_t count)
     printf("\n");
 }
 
-int main(void)
-{
+int main(void) {
     /* A box of 1 x 2 x 3 leaning on a corner that is pulled out, as six quads. */
-    static const float positions[] = {0, 0, 0, 1, 0, 0, 1, 2, 0, 0, 2, 0, 0, 0, 3, 1, 0, 3, 1.5F, 2.25F, 3.125F, 0, 2, 3};
-    static const uint32_t corners[] = {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7};
+    static const float positions[] = {
+        0, 0, 0, 1, 0, 0, 1, 2, 0, 0, 2, 0, 0, 0, 3, 1, 0, 3, 1.5F, 2.25F, 3.125F, 0, 2, 3};
+    static const uint32_t corners[] = {
+        0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7};
     static const uint32_t starts[] = {0, 4, 8, 12, 16, 20, 24};
-    const norma_mesh mesh = {.positions = {.data = positions, .count = 8}, .corners = corners, .corner_count = 24, .face_starts = starts, .face_count = 6};
+    const norma_mesh mesh = {.positions = {.data = positions, .count = 8},
+        .corners = corners,
+        .corner_count = 24,
+        .face_starts = starts,
+        .face_count = 6};
     float normals[72], matrix[9];
 
     for (int weight = NORMA_WEIGHT_ANGLE; weight <= NORMA_WEIGHT_ANGLE_LENGTHS; weight++) {
-        const norma_options options = {.struct_size = sizeof options, .weight = (norma_weight)weight, .threads = 2};
+        const norma_options options = {
+            .struct_size = sizeof options, .weight = (norma_weight)weight, .threads = 2};
         if (norma_vertex_normals(&mesh, &options, normals, 24, NULL) != NORMA_OK) return 1;
         print_bits("vertices", normals, 24);
     }

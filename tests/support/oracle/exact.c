@@ -6,13 +6,9 @@
 
 _Static_assert(ULONG_MAX >= UINT64_MAX, "64 bits are taken from a GMP integer at a time");
 
-void exact_init(exact_vec3 *v) {
-    mpz_inits(v->x[0], v->x[1], v->x[2], NULL);
-}
+void exact_init(exact_vec3 *v) { mpz_inits(v->x[0], v->x[1], v->x[2], NULL); }
 
-void exact_clear(exact_vec3 *v) {
-    mpz_clears(v->x[0], v->x[1], v->x[2], NULL);
-}
+void exact_clear(exact_vec3 *v) { mpz_clears(v->x[0], v->x[1], v->x[2], NULL); }
 
 int exact_exponent(const double *numbers, size_t count) {
     int least = INT_MAX;
@@ -63,11 +59,12 @@ int exact_is_zero(const exact_vec3 *v) {
 
 long double exact_round(const mpz_t n, int exponent) {
     if (mpz_sgn(n) == 0) return 0;
-    mpz_t             top;
-    const size_t      bits = mpz_sizeinbase(n, 2), cut = bits > 64 ? bits - 64 : 0;
+    mpz_t top;
+    const size_t bits = mpz_sizeinbase(n, 2), cut = bits > 64 ? bits - 64 : 0;
     mpz_init(top);
     mpz_tdiv_q_2exp(top, n, cut);
-    const long double size = ldexpl((long double)mpz_get_ui(top), (int)cut + exponent); /* mpz_get_ui drops the sign */
+    const long double size =
+        ldexpl((long double)mpz_get_ui(top), (int)cut + exponent); /* mpz_get_ui drops the sign */
     mpz_clear(top);
     return mpz_sgn(n) < 0 ? -size : size;
 }

@@ -1,4 +1,5 @@
-/* oracle.c: the mesh as the contract sees it: which positions are one, which corners of a face are left, the exact vector of each face. See oracle.h. */
+/* oracle.c: the mesh as the contract sees it: which positions are one, which corners of a face are
+ * left, the exact vector of each face. See oracle.h. */
 #include "oracle/oracle.h"
 #include "oracle/exact.h"
 #include <math.h>
@@ -15,20 +16,39 @@ void *oracle_allocate(size_t count, size_t size) {
     return block;
 }
 
-int oracle_finite(const double p[3]) {
-    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
-}
+int oracle_finite(const double p[3]) { return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]); }
 
 /* ---- reading the caller's arrays */
 
 static double read_number(const unsigned char *at, norma_format format) {
     switch (format) {
-        case NORMA_FORMAT_FLOAT: { float f; memcpy(&f, at, sizeof f); return (double)f; }
-        case NORMA_FORMAT_DOUBLE: { double d; memcpy(&d, at, sizeof d); return d; }
-        case NORMA_FORMAT_INT8: { int8_t i; memcpy(&i, at, sizeof i); return i; }
-        case NORMA_FORMAT_UINT8: return *at;
-        case NORMA_FORMAT_INT16: { int16_t i; memcpy(&i, at, sizeof i); return i; }
-        case NORMA_FORMAT_UINT16: { uint16_t i; memcpy(&i, at, sizeof i); return i; }
+    case NORMA_FORMAT_FLOAT: {
+        float f;
+        memcpy(&f, at, sizeof f);
+        return (double)f;
+    }
+    case NORMA_FORMAT_DOUBLE: {
+        double d;
+        memcpy(&d, at, sizeof d);
+        return d;
+    }
+    case NORMA_FORMAT_INT8: {
+        int8_t i;
+        memcpy(&i, at, sizeof i);
+        return i;
+    }
+    case NORMA_FORMAT_UINT8:
+        return *at;
+    case NORMA_FORMAT_INT16: {
+        int16_t i;
+        memcpy(&i, at, sizeof i);
+        return i;
+    }
+    case NORMA_FORMAT_UINT16: {
+        uint16_t i;
+        memcpy(&i, at, sizeof i);
+        return i;
+    }
     }
     abort();
 }
@@ -42,27 +62,34 @@ static void read_mesh(oracle *o, const norma_mesh *mesh) {
     const norma_vec3_view *view = &mesh->positions;
     const size_t size = size_of(view->format), stride = view->stride ? view->stride : 3 * size;
     o->position_count = view->count;
-    o->positions      = oracle_allocate(view->count, sizeof *o->positions);
+    o->positions = oracle_allocate(view->count, sizeof *o->positions);
     for (size_t v = 0; v < view->count; ++v)
-        for (size_t i = 0; i < 3; ++i) o->positions[v][i] = read_number((const unsigned char *)view->data + v * stride + i * size, view->format);
+        for (size_t i = 0; i < 3; ++i)
+            o->positions[v][i] = read_number(
+                (const unsigned char *)view->data + v * stride + i * size, view->format);
 
     o->corner_count = mesh->corner_count;
-    o->corners      = oracle_allocate(o->corner_count, sizeof *o->corners);
+    o->corners = oracle_allocate(o->corner_count, sizeof *o->corners);
     for (size_t c = 0; c < o->corner_count; ++c) {
-        if (!mesh->corners) o->corners[c] = c;
-        else if (mesh->corner_size == 1) o->corners[c] = ((const uint8_t *)mesh->corners)[c];
-        else if (mesh->corner_size == 2) o->corners[c] = ((const uint16_t *)mesh->corners)[c];
-        else o->corners[c] = ((const uint32_t *)mesh->corners)[c];
+        if (!mesh->corners)
+            o->corners[c] = c;
+        else if (mesh->corner_size == 1)
+            o->corners[c] = ((const uint8_t *)mesh->corners)[c];
+        else if (mesh->corner_size == 2)
+            o->corners[c] = ((const uint16_t *)mesh->corners)[c];
+        else
+            o->corners[c] = ((const uint32_t *)mesh->corners)[c];
     }
 
     o->face_count = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
-    o->starts     = oracle_allocate(o->face_count + 1, sizeof *o->starts);
-    o->faces      = oracle_allocate(o->corner_count, sizeof *o->faces);
-    for (size_t f = 0; f <= o->face_count; ++f) o->starts[f] = mesh->face_starts ? mesh->face_starts[f] : 3 * f;
+    o->starts = oracle_allocate(o->face_count + 1, sizeof *o->starts);
+    o->faces = oracle_allocate(o->corner_count, sizeof *o->faces);
+    for (size_t f = 0; f <= o->face_count; ++f)
+        o->starts[f] = mesh->face_starts ? mesh->face_starts[f] : 3 * f;
     for (size_t f = 0; f < o->face_count; ++f)
         for (size_t c = o->starts[f]; c < o->starts[f + 1]; ++c) o->faces[c] = f;
     o->smoothing_groups = mesh->smoothing_groups;
-    o->hard_edges       = mesh->hard_edges;
+    o->hard_edges = mesh->hard_edges;
 }
 
 /* ---- which positions are one */
@@ -98,19 +125,26 @@ static size_t root(size_t *parent, size_t v) {
     return v;
 }
 
-/* Distances within 2^-50 of the limit count as at it: whether 1 + 1e-32 is more than 1 is asked of nobody. */
+/* Distances within 2^-50 of the limit count as at it: whether 1 + 1e-32 is more than 1 is asked of
+ * nobody. */
 static int within(const double a[3], const double b[3], double distance) {
-    const long double x = (long double)a[0] - (long double)b[0], y = (long double)a[1] - (long double)b[1], z = (long double)a[2] - (long double)b[2];
+    const long double x = (long double)a[0] - (long double)b[0],
+                      y = (long double)a[1] - (long double)b[1],
+                      z = (long double)a[2] - (long double)b[2];
     return x * x + y * y + z * z <= (long double)distance * (long double)distance * (1 + 0x1p-49L);
 }
 
-static void weld_sorted(const sorted_position *sorted, size_t count, norma_weld weld, double distance, size_t *parent) {
+static void weld_sorted(
+    const sorted_position *sorted, size_t count, norma_weld weld, double distance, size_t *parent) {
     for (size_t i = 0; i < count; ++i)
         for (size_t j = i + 1; j < count; ++j) {
             const int equal = !memcmp(sorted[i].p, sorted[j].p, sizeof sorted[i].p);
             if (weld == NORMA_WELD_EXACT && !equal) break;
-            if (weld == NORMA_WELD_DISTANCE && sorted[j].p[0] - sorted[i].p[0] > distance * 1.0000001) break;
-            if (equal || (oracle_finite(sorted[i].p) && oracle_finite(sorted[j].p) && within(sorted[i].p, sorted[j].p, distance)))
+            if (weld == NORMA_WELD_DISTANCE &&
+                sorted[j].p[0] - sorted[i].p[0] > distance * 1.0000001)
+                break;
+            if (equal || (oracle_finite(sorted[i].p) && oracle_finite(sorted[j].p) &&
+                             within(sorted[i].p, sorted[j].p, distance)))
                 parent[root(parent, sorted[j].index)] = root(parent, sorted[i].index);
             if (weld == NORMA_WELD_EXACT) break; /* the next of the run continues it */
         }
@@ -118,7 +152,7 @@ static void weld_sorted(const sorted_position *sorted, size_t count, norma_weld 
 
 static void weld_positions(oracle *o, norma_weld weld, double distance) {
     size_t *parent = oracle_allocate(o->position_count, sizeof *parent);
-    o->shared      = oracle_allocate(o->position_count, sizeof *o->shared);
+    o->shared = oracle_allocate(o->position_count, sizeof *o->shared);
     for (size_t v = 0; v < o->position_count; ++v) parent[v] = v;
     if (weld != NORMA_WELD_NONE) {
         sorted_position *sorted = oracle_allocate(o->position_count, sizeof *sorted);
@@ -137,7 +171,7 @@ static void weld_positions(oracle *o, norma_weld weld, double distance) {
 
 static size_t keep_corners(oracle *o, size_t face) {
     const size_t start = o->starts[face], end = o->starts[face + 1];
-    size_t       left  = 0;
+    size_t left = 0;
     for (size_t c = start; c < end; ++c) {
         const size_t after = c + 1 < end ? c + 1 : start;
         o->kept[c] = o->shared[o->corners[c]] == o->shared[o->corners[after]] ? ORACLE_NONE : c;
@@ -147,7 +181,8 @@ static size_t keep_corners(oracle *o, size_t face) {
         for (size_t c = start; c < end; ++c) o->kept[c] = ORACLE_NONE;
         return left;
     }
-    for (size_t c = start; c < end; ++c) { /* a corner that is not left stands under the next one that is */
+    for (size_t c = start; c < end;
+         ++c) { /* a corner that is not left stands under the next one that is */
         size_t last = c;
         while (o->kept[last] != last) last = last + 1 < end ? last + 1 : start;
         if (o->kept[c] != c) o->kept[c] = last;
@@ -163,8 +198,8 @@ static size_t keep_corners(oracle *o, size_t face) {
 
 static void face_vector(oracle *o, size_t face) {
     const size_t start = o->kept[o->starts[face]];
-    int          exponent = 1 << 20;
-    exact_vec3   first, here, after, sum;
+    int exponent = 1 << 20;
+    exact_vec3 first, here, after, sum;
     exact_init(&first);
     exact_init(&here);
     exact_init(&after);
@@ -200,28 +235,33 @@ static void face_vector(oracle *o, size_t face) {
 }
 
 static void read_faces(oracle *o) {
-    o->kept       = oracle_allocate(o->corner_count, sizeof *o->kept);
-    o->next       = oracle_allocate(o->corner_count, sizeof *o->next);
-    o->previous   = oracle_allocate(o->corner_count, sizeof *o->previous);
-    o->kinds      = oracle_allocate(o->face_count, sizeof *o->kinds);
+    o->kept = oracle_allocate(o->corner_count, sizeof *o->kept);
+    o->next = oracle_allocate(o->corner_count, sizeof *o->next);
+    o->previous = oracle_allocate(o->corner_count, sizeof *o->previous);
+    o->kinds = oracle_allocate(o->face_count, sizeof *o->kinds);
     o->directions = oracle_allocate(o->face_count, sizeof *o->directions);
-    o->areas      = oracle_allocate(o->face_count, sizeof *o->areas);
+    o->areas = oracle_allocate(o->face_count, sizeof *o->areas);
     for (size_t f = 0; f < o->face_count; ++f) {
-        int          finite = 1;
-        const size_t left   = keep_corners(o, f);
-        for (size_t c = o->starts[f]; c < o->starts[f + 1]; ++c) finite &= oracle_finite(o->positions[o->corners[c]]);
-        if (!finite) o->kinds[f] = left < 3 ? ORACLE_NON_FINITE_FEW : ORACLE_NON_FINITE;
-        else if (left < 3) o->kinds[f] = ORACLE_FEW;
-        else face_vector(o, f);
+        int finite = 1;
+        const size_t left = keep_corners(o, f);
+        for (size_t c = o->starts[f]; c < o->starts[f + 1]; ++c)
+            finite &= oracle_finite(o->positions[o->corners[c]]);
+        if (!finite)
+            o->kinds[f] = left < 3 ? ORACLE_NON_FINITE_FEW : ORACLE_NON_FINITE;
+        else if (left < 3)
+            o->kinds[f] = ORACLE_FEW;
+        else
+            face_vector(o, f);
     }
 }
 
 static void list_corners_by_position(oracle *o) {
     o->by_shared_start = oracle_allocate(o->shared_count + 2, sizeof *o->by_shared_start);
-    o->by_shared       = oracle_allocate(o->corner_count, sizeof *o->by_shared);
+    o->by_shared = oracle_allocate(o->corner_count, sizeof *o->by_shared);
     for (size_t c = 0; c < o->corner_count; ++c)
         if (o->kept[c] == c) ++o->by_shared_start[o->shared[o->corners[c]] + 2];
-    for (size_t s = 2; s < o->shared_count + 2; ++s) o->by_shared_start[s] += o->by_shared_start[s - 1];
+    for (size_t s = 2; s < o->shared_count + 2; ++s)
+        o->by_shared_start[s] += o->by_shared_start[s - 1];
     for (size_t c = 0; c < o->corner_count; ++c)
         if (o->kept[c] == c) o->by_shared[o->by_shared_start[o->shared[o->corners[c]] + 1]++] = c;
 }
@@ -235,8 +275,9 @@ void oracle_create(oracle *o, const norma_mesh *mesh, norma_weld weld, double di
 }
 
 void oracle_destroy(oracle *o) {
-    void *const blocks[] = {o->positions, o->starts, o->corners, o->faces,      o->shared, o->kept,
-                            o->next,      o->previous, o->kinds, o->directions, o->areas,  o->by_shared_start, o->by_shared, o->weights, o->bent};
+    void *const blocks[] = {o->positions, o->starts, o->corners, o->faces, o->shared, o->kept,
+        o->next, o->previous, o->kinds, o->directions, o->areas, o->by_shared_start, o->by_shared,
+        o->weights, o->bent};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i) free(blocks[i]);
     memset(o, 0, sizeof *o);
 }
@@ -255,11 +296,12 @@ static void square_distance(mpz_t out, const double a[3], const double b[3], int
     exact_clear(&q);
 }
 
-size_t oracle_nearest(const oracle *o, const size_t *vertices, const uint8_t *reasons, size_t count, size_t element) {
-    const double *here     = o->positions[vertices[element]];
-    size_t        best     = ORACLE_NONE;
-    const int     exponent = -1074;
-    mpz_t         least, distance;
+size_t oracle_nearest(
+    const oracle *o, const size_t *vertices, const uint8_t *reasons, size_t count, size_t element) {
+    const double *here = o->positions[vertices[element]];
+    size_t best = ORACLE_NONE;
+    const int exponent = -1074;
+    mpz_t least, distance;
     mpz_inits(least, distance, NULL);
     for (size_t i = 0; i < count; ++i) {
         if (reasons[i] != NORMA_REASON_NONE) continue;
@@ -269,7 +311,8 @@ size_t oracle_nearest(const oracle *o, const size_t *vertices, const uint8_t *re
         }
         square_distance(distance, here, o->positions[vertices[i]], exponent);
         const int order = best == ORACLE_NONE ? -1 : mpz_cmp(distance, least);
-        const int same  = vertices[i] == vertices[element], best_same = best != ORACLE_NONE && vertices[best] == vertices[element];
+        const int same = vertices[i] == vertices[element],
+                  best_same = best != ORACLE_NONE && vertices[best] == vertices[element];
         if (order < 0 || (order == 0 && same && !best_same)) {
             best = i;
             mpz_set(least, distance);
@@ -280,6 +323,7 @@ size_t oracle_nearest(const oracle *o, const size_t *vertices, const uint8_t *re
 }
 
 long double oracle_angle(const long double a[3], const long double b[3]) {
-    const long double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    const long double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2],
+                      z = a[0] * b[1] - a[1] * b[0];
     return atan2l(sqrtl(x * x + y * y + z * z), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
 }

@@ -1,51 +1,64 @@
-/* oracle.h: what DESIGN.md's "Exactly" says, computed slowly and independently of the library: face vectors exactly (GMP), edges by sorting all half-edges of the
- * mesh, fans by flooding, the nearest fallback by trying all. Nothing here shares code or method with src/core. */
+/* oracle.h: what DESIGN.md's "Exactly" says, computed slowly and independently of the library: face
+ * vectors exactly (GMP), edges by sorting all half-edges of the mesh, fans by flooding, the nearest
+ * fallback by trying all. Nothing here shares code or method with src/core. */
 #ifndef NORMA_TESTS_ORACLE_H
 #define NORMA_TESTS_ORACLE_H
 #include <norma/norma.h>
 
 #define ORACLE_NONE SIZE_MAX
 
-typedef enum oracle_face_kind { ORACLE_DIRECTED, ORACLE_NO_AREA, ORACLE_FEW, ORACLE_NON_FINITE, ORACLE_NON_FINITE_FEW } oracle_face_kind;
+typedef enum oracle_face_kind {
+    ORACLE_DIRECTED,
+    ORACLE_NO_AREA,
+    ORACLE_FEW,
+    ORACLE_NON_FINITE,
+    ORACLE_NON_FINITE_FEW
+} oracle_face_kind;
 
 typedef struct oracle {
-    size_t   position_count, corner_count, face_count;
+    size_t position_count, corner_count, face_count;
     double (*positions)[3];
-    size_t  *starts;                 /* face_count + 1 */
-    size_t  *corners;                /* position of each corner */
-    size_t  *faces;                  /* face of each corner */
-    size_t  *shared;                 /* of each position: the number of the welded position that it is */
-    size_t   shared_count;
-    size_t  *kept;                   /* of each corner: the corner that stands for it, itself or a later one of its run; NONE: the face has no edges */
-    size_t  *next, *previous;        /* of each corner that stands for itself: its neighbours among those */
+    size_t *starts;  /* face_count + 1 */
+    size_t *corners; /* position of each corner */
+    size_t *faces;   /* face of each corner */
+    size_t *shared;  /* of each position: the number of the welded position that it is */
+    size_t shared_count;
+    size_t *kept; /* of each corner: the corner that stands for it, itself or a later one of its
+                     run; NONE: the face has no edges */
+    size_t *next, *previous; /* of each corner that stands for itself: its neighbours among those */
     oracle_face_kind *kinds;
-    long double (*directions)[3];    /* of each face, unit; zero without one */
-    long double *areas;              /* twice the area */
-    size_t  *by_shared_start;        /* shared_count + 1 offsets into by_shared: */
-    size_t  *by_shared;              /* the kept corners at each welded position, ascending */
+    long double (*directions)[3]; /* of each face, unit; zero without one */
+    long double *areas;           /* twice the area */
+    size_t *by_shared_start;      /* shared_count + 1 offsets into by_shared: */
+    size_t *by_shared;            /* the kept corners at each welded position, ascending */
     const uint32_t *smoothing_groups;
-    const uint8_t  *hard_edges;
-    long double *weights;            /* of each kept corner, once oracle_keep_weights was called for weight */
-    unsigned char *bent;             /* with them: whether the corner is exactly between convex and reflex */
+    const uint8_t *hard_edges;
+    long double *weights; /* of each kept corner, once oracle_keep_weights was called for weight */
+    unsigned char *bent;  /* with them: whether the corner is exactly between convex and reflex */
     norma_weight weight;
 } oracle;
 
-/* The mesh must be valid; its groups and hard edges must outlive the oracle. Aborts when memory runs out. */
+/* The mesh must be valid; its groups and hard edges must outlive the oracle. Aborts when memory
+ * runs out. */
 void oracle_create(oracle *o, const norma_mesh *mesh, norma_weld weld, double distance);
 void oracle_destroy(oracle *o);
 
-/* A kept corner's weight, any but VISIBLE; its face must have a direction. bent (may be NULL): set where the edges' plane stands upright on the polygon's, so that
- * rounding decides whether the corner is reflex. */
+/* A kept corner's weight, any but VISIBLE; its face must have a direction. bent (may be NULL): set
+ * where the edges' plane stands upright on the polygon's, so that rounding decides whether the
+ * corner is reflex. */
 long double oracle_weight(const oracle *o, size_t corner, norma_weight weight, int *bent);
 /* Computes the weights of all corners, so that sums taken again and again are cheap. */
 void oracle_keep_weights(oracle *o, norma_weight weight);
 
 typedef struct oracle_normal {
     enum norma_reason reason;
-    long double  normal[3];          /* unit where the reason is NONE */
-    long double  ratio;              /* |sum| / sum of weights; VISIBLE: the cosine of the smallest cone's half angle (<= 0: cancelled) */
-    int          own_index;          /* the sum over the shared position cancelled, this is that over the vertex's own corners */
-    int          doubtful;           /* no answer: VISIBLE with more normals than brute force likes; a bent polygon's corner between convex and reflex */
+    long double normal[3]; /* unit where the reason is NONE */
+    long double ratio; /* |sum| / sum of weights; VISIBLE: the cosine of the smallest cone's half
+                          angle (<= 0: cancelled) */
+    int own_index; /* the sum over the shared position cancelled, this is that over the vertex's own
+                      corners */
+    int doubtful;  /* no answer: VISIBLE with more normals than brute force likes; a bent polygon's
+                      corner between convex and reflex */
 } oracle_normal;
 
 /* The sum over the given kept corners. NONE, UNREFERENCED or CANCELLED. */
@@ -54,25 +67,33 @@ oracle_normal oracle_vertex(const oracle *o, size_t vertex, norma_weight weight)
 oracle_normal oracle_face(const oracle *o, size_t face);
 
 typedef struct oracle_fans {
-    size_t *fan;                     /* of each corner: the number of its fan; a corner without edges has a fan for itself */
-    size_t  fan_count;
-    size_t *start, *corners;         /* the kept corners of each fan, ascending */
-    unsigned char *doubtful;         /* of each fan: an edge of it lies so near the threshold that either answer passes */
+    size_t *fan; /* of each corner: the number of its fan; a corner without edges has a fan for
+                    itself */
+    size_t fan_count;
+    size_t *start, *corners; /* the kept corners of each fan, ascending */
+    unsigned char *doubtful; /* of each fan: an edge of it lies so near the threshold that either
+                                answer passes */
     norma_count non_manifold, conflicts;
     norma_edges edges;
-    size_t      own_edges;           /* edges that a face runs along more than once: the contract counts faces and leaves them open; fans there are in doubt */
-    size_t      many;                /* edges along which more than two faces run: whether these are smooth or hard, both or neither, is left open too; not in edges */
+    size_t own_edges; /* edges that a face runs along more than once: the contract counts faces and
+                         leaves them open; fans there are in doubt */
+    size_t many; /* edges along which more than two faces run: whether these are smooth or hard,
+                    both or neither, is left open too; not in edges */
 } oracle_fans;
 
 /* doubt_rad: how near to the threshold a dihedral angle is doubtful. */
-void          oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad, norma_non_manifold non_manifold, long double doubt_rad);
-void          oracle_fans_destroy(oracle_fans *fans);
-oracle_normal oracle_corner(const oracle *o, const oracle_fans *fans, size_t corner, norma_weight weight);
+void oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad,
+    norma_non_manifold non_manifold, long double doubt_rad);
+void oracle_fans_destroy(oracle_fans *fans);
+oracle_normal oracle_corner(
+    const oracle *o, const oracle_fans *fans, size_t corner, norma_weight weight);
 
-/* Where each element that has no normal (reasons) gets it from under NORMA_FALLBACK_NEAREST: the element, or NONE. positions: of each element its vertex. */
-size_t oracle_nearest(const oracle *o, const size_t *vertices, const uint8_t *reasons, size_t count, size_t element);
+/* Where each element that has no normal (reasons) gets it from under NORMA_FALLBACK_NEAREST: the
+ * element, or NONE. positions: of each element its vertex. */
+size_t oracle_nearest(
+    const oracle *o, const size_t *vertices, const uint8_t *reasons, size_t count, size_t element);
 
 long double oracle_angle(const long double a[3], const long double b[3]);
-int         oracle_finite(const double p[3]);
-void       *oracle_allocate(size_t count, size_t size); /* zeroed; aborts when memory runs out */
+int oracle_finite(const double p[3]);
+void *oracle_allocate(size_t count, size_t size); /* zeroed; aborts when memory runs out */
 #endif

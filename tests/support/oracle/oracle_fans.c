@@ -1,5 +1,6 @@
-/* oracle_fans.c: who shares an edge, which shared edges are smooth, which corners they join. All half-edges of the mesh are sorted by the pair of positions they
- * join; fans are found by flooding. See oracle.h and DESIGN.md, "Who shares an edge". */
+/* oracle_fans.c: who shares an edge, which shared edges are smooth, which corners they join. All
+ * half-edges of the mesh are sorted by the pair of positions they join; fans are found by flooding.
+ * See oracle.h and DESIGN.md, "Who shares an edge". */
 #include "oracle/exact.h"
 #include "oracle/oracle.h"
 #include <math.h>
@@ -7,31 +8,32 @@
 
 typedef struct half_edge {
     size_t low, high, corner; /* the welded positions, and the corner it begins at */
-    int    upwards;           /* from low to high */
+    int upwards;              /* from low to high */
 } half_edge;
 
 typedef struct link {
-    size_t from, to;          /* corners of one position that a smooth edge joins, or whose doubtful edge might */
-    int    doubtful;
+    size_t from,
+        to; /* corners of one position that a smooth edge joins, or whose doubtful edge might */
+    int doubtful;
 } link;
 
 typedef struct pair {
     const half_edge *a, *b;
-    int doubtful;             /* along an edge that one of the faces runs along twice */
+    int doubtful; /* along an edge that one of the faces runs along twice */
 } pair;
 
 typedef struct finder {
-    const oracle      *o;
-    oracle_fans       *fans;
-    half_edge         *edges;
-    size_t             edge_count;
-    pair              *pairs;          /* who shares an edge with whom, each pair once */
-    size_t             pair_count, pair_room;
-    size_t            *lenders;        /* of each face without a direction: the face it borrows from, or NONE */
-    unsigned char     *unsure;         /* whether that is in doubt */
-    link              *links;
-    size_t             link_count;
-    long double        crease, doubt;
+    const oracle *o;
+    oracle_fans *fans;
+    half_edge *edges;
+    size_t edge_count;
+    pair *pairs; /* who shares an edge with whom, each pair once */
+    size_t pair_count, pair_room;
+    size_t *lenders;       /* of each face without a direction: the face it borrows from, or NONE */
+    unsigned char *unsure; /* whether that is in doubt */
+    link *links;
+    size_t link_count;
+    long double crease, doubt;
     norma_non_manifold non_manifold;
 } finder;
 
@@ -44,18 +46,22 @@ static int compare_half_edges(const void *left, const void *right) {
 
 static void sort_half_edges(finder *s) {
     const oracle *o = s->o;
-    s->edges        = oracle_allocate(o->corner_count, sizeof *s->edges);
+    s->edges = oracle_allocate(o->corner_count, sizeof *s->edges);
     for (size_t c = 0; c < o->corner_count; ++c) {
         if (o->kept[c] != c) continue;
         const size_t from = o->shared[o->corners[c]], to = o->shared[o->corners[o->next[c]]];
-        s->edges[s->edge_count++] = (half_edge){.low = from < to ? from : to, .high = from < to ? to : from, .corner = c, .upwards = from < to};
+        s->edges[s->edge_count++] = (half_edge){.low = from < to ? from : to,
+            .high = from < to ? to : from,
+            .corner = c,
+            .upwards = from < to};
     }
     qsort(s->edges, s->edge_count, sizeof *s->edges, compare_half_edges);
 }
 
 /* Whether the faces of two corners have the same positions in opposite order. */
 static int are_twins(const oracle *o, size_t a, size_t b) {
-    size_t i = a, j = o->next[b], steps = 0; /* the half-edges from a and from b run against each other: a's begin is the end of b's */
+    size_t i = a, j = o->next[b], steps = 0; /* the half-edges from a and from b run against each
+                                                other: a's begin is the end of b's */
     do {
         if (o->shared[o->corners[i]] != o->shared[o->corners[j]]) return 0;
         i = o->next[i];
@@ -66,13 +72,14 @@ static int are_twins(const oracle *o, size_t a, size_t b) {
 }
 
 static int are_partners(const oracle *o, const half_edge *a, const half_edge *b) {
-    return a->upwards != b->upwards && o->faces[a->corner] != o->faces[b->corner] && !are_twins(o, a->corner, b->corner);
+    return a->upwards != b->upwards && o->faces[a->corner] != o->faces[b->corner] &&
+           !are_twins(o, a->corner, b->corner);
 }
 
 static void add_pair(finder *s, const half_edge *a, const half_edge *b, int doubtful) {
     if (s->pair_count == s->pair_room) {
         s->pair_room = s->pair_room ? 2 * s->pair_room : 1024;
-        s->pairs     = realloc(s->pairs, s->pair_room * sizeof *s->pairs);
+        s->pairs = realloc(s->pairs, s->pair_room * sizeof *s->pairs);
         if (!s->pairs) abort();
     }
     s->pairs[s->pair_count++] = (pair){a, b, doubtful};
@@ -86,26 +93,34 @@ static void count_first(norma_count *count, size_t corner) {
 /* The half-edges along one edge, ascending by corner. */
 static void match_edge(finder *s, const half_edge *run, size_t count) {
     size_t *partners = oracle_allocate(count, sizeof *partners), odd = 0, own = 0;
-    for (size_t i = 0; i + 1 < count; ++i) own += s->o->faces[run[i].corner] == s->o->faces[run[i + 1].corner]; /* ascending: a face's corners follow each other */
+    for (size_t i = 0; i + 1 < count; ++i)
+        own += s->o->faces[run[i].corner] ==
+               s->o->faces[run[i + 1].corner]; /* ascending: a face's corners follow each other */
     for (size_t i = 0; i < count; ++i)
-        for (size_t j = 0; j < count; ++j) partners[i] += (size_t)are_partners(s->o, &run[i], &run[j]);
+        for (size_t j = 0; j < count; ++j)
+            partners[i] += (size_t)are_partners(s->o, &run[i], &run[j]);
     for (size_t i = 0; i < count; ++i) {
         odd += partners[i] != 1;
         for (size_t j = i + 1; j < count; ++j)
-            if (are_partners(s->o, &run[i], &run[j]) && (own || s->non_manifold == NORMA_NON_MANIFOLD_SMOOTH || (partners[i] == 1 && partners[j] == 1)))
+            if (are_partners(s->o, &run[i], &run[j]) &&
+                (own || s->non_manifold == NORMA_NON_MANIFOLD_SMOOTH ||
+                    (partners[i] == 1 && partners[j] == 1)))
                 add_pair(s, &run[i], &run[j], own > 0);
     }
     s->fans->own_edges += own > 0;
     ++s->fans->edges.count;
     if (count == 1) ++s->fans->edges.open;
-    if (count == 2 && run[0].upwards == run[1].upwards) count_first(&s->fans->conflicts, run[0].corner);
+    if (count == 2 && run[0].upwards == run[1].upwards)
+        count_first(&s->fans->conflicts, run[0].corner);
     if (count > 2 && odd) count_first(&s->fans->non_manifold, run[0].corner);
     free(partners);
 }
 
 static void match_edges(finder *s) {
     for (size_t begin = 0, end; begin < s->edge_count; begin = end) {
-        for (end = begin + 1; end < s->edge_count && s->edges[end].low == s->edges[begin].low && s->edges[end].high == s->edges[begin].high;) ++end;
+        for (end = begin + 1; end < s->edge_count && s->edges[end].low == s->edges[begin].low &&
+                              s->edges[end].high == s->edges[begin].high;)
+            ++end;
         match_edge(s, s->edges + begin, end - begin);
     }
 }
@@ -115,7 +130,7 @@ static void match_edges(finder *s) {
 /* Whether the edge from corner a is longer than that from corner b. */
 static int is_longer(const oracle *o, size_t a, size_t b) {
     exact_vec3 p, q;
-    mpz_t      length[2];
+    mpz_t length[2];
     mpz_inits(length[0], length[1], NULL);
     exact_init(&p);
     exact_init(&q);
@@ -142,20 +157,23 @@ static size_t longest_edge(const oracle *o, size_t face) {
 
 static void find_lenders(finder *s) {
     const oracle *o = s->o;
-    size_t *borrows = oracle_allocate(o->face_count, sizeof *borrows); /* the corner at which its longest edge begins */
-    s->lenders      = oracle_allocate(o->face_count, sizeof *s->lenders);
-    s->unsure       = oracle_allocate(o->face_count, sizeof *s->unsure);
+    size_t *borrows = oracle_allocate(
+        o->face_count, sizeof *borrows); /* the corner at which its longest edge begins */
+    s->lenders = oracle_allocate(o->face_count, sizeof *s->lenders);
+    s->unsure = oracle_allocate(o->face_count, sizeof *s->unsure);
     for (size_t f = 0; f < o->face_count; ++f) {
         s->lenders[f] = ORACLE_NONE;
-        borrows[f]    = o->kinds[f] == ORACLE_NO_AREA ? longest_edge(o, f) : ORACLE_NONE;
+        borrows[f] = o->kinds[f] == ORACLE_NO_AREA ? longest_edge(o, f) : ORACLE_NONE;
     }
     for (size_t i = 0; i < s->pair_count; ++i)
         for (int side = 0; side < 2; ++side) {
-            const size_t corner = side ? s->pairs[i].b->corner : s->pairs[i].a->corner, other = side ? s->pairs[i].a->corner : s->pairs[i].b->corner;
+            const size_t corner = side ? s->pairs[i].b->corner : s->pairs[i].a->corner,
+                         other = side ? s->pairs[i].a->corner : s->pairs[i].b->corner;
             const size_t face = o->faces[corner], lender = o->faces[other];
             if (borrows[face] == corner && s->pairs[i].doubtful) s->unsure[face] = 1;
             if (borrows[face] != corner || o->kinds[lender] != ORACLE_DIRECTED) continue;
-            if (s->lenders[face] == ORACLE_NONE || lender < s->lenders[face]) s->lenders[face] = lender;
+            if (s->lenders[face] == ORACLE_NONE || lender < s->lenders[face])
+                s->lenders[face] = lender;
         }
     free(borrows);
 }
@@ -169,11 +187,13 @@ static const long double *direction_of(const finder *s, size_t face) {
 
 static int is_smooth(const finder *s, const pair *p, int *doubtful) {
     const oracle *o = s->o;
-    const size_t  a = p->a->corner, b = p->b->corner;
+    const size_t a = p->a->corner, b = p->b->corner;
     const long double *m = direction_of(s, o->faces[a]), *n = direction_of(s, o->faces[b]);
     *doubtful = p->doubtful || s->unsure[o->faces[a]] || s->unsure[o->faces[b]];
     if (o->hard_edges && (o->hard_edges[a] || o->hard_edges[b])) return 0;
-    if (o->smoothing_groups && !(o->smoothing_groups[o->faces[a]] & o->smoothing_groups[o->faces[b]])) return 0;
+    if (o->smoothing_groups &&
+        !(o->smoothing_groups[o->faces[a]] & o->smoothing_groups[o->faces[b]]))
+        return 0;
     if (!m || !n) return 0;
     if (s->crease >= 3.14159265358979323846L) return 1;
     const long double dihedral = oracle_angle(m, n);
@@ -193,11 +213,11 @@ static int compare_links(const void *left, const void *right) {
 
 static void link_corners(finder *s) {
     const oracle *o = s->o;
-    s->links        = oracle_allocate(4 * s->pair_count, sizeof *s->links);
+    s->links = oracle_allocate(4 * s->pair_count, sizeof *s->links);
     for (size_t i = 0; i < s->pair_count; ++i) {
-        int          doubtful;
+        int doubtful;
         const size_t a = s->pairs[i].a->corner, b = s->pairs[i].b->corner;
-        const int    smooth = is_smooth(s, &s->pairs[i], &doubtful);
+        const int smooth = is_smooth(s, &s->pairs[i], &doubtful);
         if (!smooth && !doubtful) continue;
         add_link(s, a, o->next[b], doubtful ? (smooth ? 1 : 2) : 0);
         add_link(s, o->next[a], b, doubtful ? (smooth ? 1 : 2) : 0);
@@ -209,8 +229,12 @@ static void count_smooth_edges(finder *s) {
     size_t pair_at = 0;
     for (size_t begin = 0, end; begin < s->edge_count; begin = end) {
         int doubtful, smooth = 0;
-        for (end = begin + 1; end < s->edge_count && s->edges[end].low == s->edges[begin].low && s->edges[end].high == s->edges[begin].high;) ++end;
-        for (; pair_at < s->pair_count && s->pairs[pair_at].a >= s->edges + begin && s->pairs[pair_at].a < s->edges + end; ++pair_at)
+        for (end = begin + 1; end < s->edge_count && s->edges[end].low == s->edges[begin].low &&
+                              s->edges[end].high == s->edges[begin].high;)
+            ++end;
+        for (; pair_at < s->pair_count && s->pairs[pair_at].a >= s->edges + begin &&
+               s->pairs[pair_at].a < s->edges + end;
+             ++pair_at)
             smooth |= is_smooth(s, &s->pairs[pair_at], &doubtful);
         s->fans->edges.smooth += end - begin == 2 && smooth;
         s->fans->edges.hard += end - begin == 2 && !smooth;
@@ -222,9 +246,10 @@ static void count_smooth_edges(finder *s) {
 enum { REACHED_DOUBT = 1 };
 
 static void flood(finder *s) {
-    const oracle *o     = s->o;
-    oracle_fans  *fans  = s->fans;
-    size_t       *queue = oracle_allocate(o->corner_count, sizeof *queue), *first = oracle_allocate(o->corner_count + 1, sizeof *first), at = 0;
+    const oracle *o = s->o;
+    oracle_fans *fans = s->fans;
+    size_t *queue = oracle_allocate(o->corner_count, sizeof *queue),
+           *first = oracle_allocate(o->corner_count + 1, sizeof *first), at = 0;
     for (size_t c = 0; c <= o->corner_count; ++c) {
         while (at < s->link_count && s->links[at].from < c) ++at;
         first[c] = at;
@@ -232,17 +257,17 @@ static void flood(finder *s) {
     for (size_t c = 0; c < o->corner_count; ++c) fans->fan[c] = ORACLE_NONE;
     for (size_t c = 0; c < o->corner_count; ++c) {
         if (fans->fan[c] != ORACLE_NONE || (o->kept[c] != ORACLE_NONE && o->kept[c] != c)) continue;
-        size_t       begin = 0, end = 0;
+        size_t begin = 0, end = 0;
         const size_t fan = fans->fan_count++;
-        queue[end++]     = c;
-        fans->fan[c]     = fan;
+        queue[end++] = c;
+        fans->fan[c] = fan;
         while (begin < end) {
             const size_t here = queue[begin++];
             for (size_t l = first[here]; l < first[here + 1]; ++l) {
                 if (s->links[l].doubtful) fans->doubtful[fan] |= REACHED_DOUBT;
                 if (s->links[l].doubtful == 2 || fans->fan[s->links[l].to] != ORACLE_NONE) continue;
                 fans->fan[s->links[l].to] = fan;
-                queue[end++]              = s->links[l].to;
+                queue[end++] = s->links[l].to;
             }
         }
     }
@@ -253,7 +278,7 @@ static void flood(finder *s) {
 }
 
 static void list_corners_by_fan(oracle_fans *fans, const oracle *o) {
-    fans->start   = oracle_allocate(fans->fan_count + 2, sizeof *fans->start);
+    fans->start = oracle_allocate(fans->fan_count + 2, sizeof *fans->start);
     fans->corners = oracle_allocate(o->corner_count, sizeof *fans->corners);
     for (size_t c = 0; c < o->corner_count; ++c)
         if (o->kept[c] == c) ++fans->start[fans->fan[c] + 2];
@@ -262,10 +287,15 @@ static void list_corners_by_fan(oracle_fans *fans, const oracle *o) {
         if (o->kept[c] == c) fans->corners[fans->start[fans->fan[c] + 1]++] = c;
 }
 
-void oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad, norma_non_manifold non_manifold, long double doubt_rad) {
-    finder s = {.o = o, .fans = fans, .crease = (long double)crease_rad, .doubt = doubt_rad, .non_manifold = non_manifold};
-    *fans    = (oracle_fans){.non_manifold = {0, SIZE_MAX}, .conflicts = {0, SIZE_MAX}};
-    fans->fan      = oracle_allocate(o->corner_count, sizeof *fans->fan);
+void oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad,
+    norma_non_manifold non_manifold, long double doubt_rad) {
+    finder s = {.o = o,
+        .fans = fans,
+        .crease = (long double)crease_rad,
+        .doubt = doubt_rad,
+        .non_manifold = non_manifold};
+    *fans = (oracle_fans){.non_manifold = {0, SIZE_MAX}, .conflicts = {0, SIZE_MAX}};
+    fans->fan = oracle_allocate(o->corner_count, sizeof *fans->fan);
     fans->doubtful = oracle_allocate(o->corner_count, sizeof *fans->doubtful);
     sort_half_edges(&s);
     match_edges(&s);

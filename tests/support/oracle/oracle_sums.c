@@ -1,6 +1,8 @@
-/* oracle_sums.c: the weights of a corner and the weighted sums, straight from DESIGN.md's words. See oracle.h.
+/* oracle_sums.c: the weights of a corner and the weighted sums, straight from DESIGN.md's words.
+ * See oracle.h.
  *
- * Edge vectors, their products and the sign that tells a reflex corner are exact; what is rounded after that are square roots and arc tangents, to 64 bits. */
+ * Edge vectors, their products and the sign that tells a reflex corner are exact; what is rounded
+ * after that are square roots and arc tangents, to 64 bits. */
 #include "oracle/exact.h"
 #include "oracle/oracle.h"
 #include <math.h>
@@ -12,17 +14,19 @@ static const long double PI_LONG = 3.14159265358979323846264338327950288L;
 
 typedef struct corner_measures {
     long double angle, sine_lengths, a_squared, b_squared; /* sine_lengths: |a x b| */
-    int         bent;
+    int bent;
 } corner_measures;
 
 /* a to the next corner, b to the previous one. */
 static corner_measures measure_corner(const oracle *o, size_t corner) {
-    const double *p[3] = {o->positions[o->corners[corner]], o->positions[o->corners[o->next[corner]]], o->positions[o->corners[o->previous[corner]]]};
-    const double  numbers[9] = {p[0][0], p[0][1], p[0][2], p[1][0], p[1][1], p[1][2], p[2][0], p[2][1], p[2][2]};
-    const int     exponent   = exact_exponent(numbers, 9);
-    exact_vec3    here, a, b, cross;
-    mpz_t         dot, aa, bb;
-    long double   normal[3];
+    const double *p[3] = {o->positions[o->corners[corner]],
+        o->positions[o->corners[o->next[corner]]], o->positions[o->corners[o->previous[corner]]]};
+    const double numbers[9] = {
+        p[0][0], p[0][1], p[0][2], p[1][0], p[1][1], p[1][2], p[2][0], p[2][1], p[2][2]};
+    const int exponent = exact_exponent(numbers, 9);
+    exact_vec3 here, a, b, cross;
+    mpz_t dot, aa, bb;
+    long double normal[3];
     corner_measures m;
     exact_init(&here);
     exact_init(&a);
@@ -40,9 +44,9 @@ static corner_measures measure_corner(const oracle *o, size_t corner) {
     exact_dot(bb, &b, &b);
     exact_round_vec3(normal, &cross, 2 * exponent);
     m.sine_lengths = sqrtl(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    m.angle        = atan2l(m.sine_lengths, exact_round(dot, 2 * exponent));
-    m.a_squared    = exact_round(aa, 2 * exponent);
-    m.b_squared    = exact_round(bb, 2 * exponent);
+    m.angle = atan2l(m.sine_lengths, exact_round(dot, 2 * exponent));
+    m.a_squared = exact_round(aa, 2 * exponent);
+    m.b_squared = exact_round(bb, 2 * exponent);
     const long double *n = o->directions[o->faces[corner]];
     const long double upright = normal[0] * n[0] + normal[1] * n[1] + normal[2] * n[2];
     m.bent = m.sine_lengths > 0 && fabsl(upright) < 1e-12L * m.sine_lengths;
@@ -63,11 +67,17 @@ long double oracle_weight(const oracle *o, size_t corner, norma_weight weight, i
     const corner_measures m = measure_corner(o, corner);
     if (bent) *bent = m.bent && weight != NORMA_WEIGHT_MAX;
     switch (weight) {
-        case NORMA_WEIGHT_ANGLE: return m.angle;
-        case NORMA_WEIGHT_MAX: return m.sine_lengths > 0 ? m.sine_lengths / (m.a_squared * m.b_squared) : 0; /* 0 also beside an edge of no length */
-        case NORMA_WEIGHT_ANGLE_AREA: return m.angle * area;
-        case NORMA_WEIGHT_ANGLE_LENGTHS: return m.angle * sqrtl(m.a_squared) * sqrtl(m.b_squared);
-        default: abort();
+    case NORMA_WEIGHT_ANGLE:
+        return m.angle;
+    case NORMA_WEIGHT_MAX:
+        return m.sine_lengths > 0 ? m.sine_lengths / (m.a_squared * m.b_squared)
+                                  : 0; /* 0 also beside an edge of no length */
+    case NORMA_WEIGHT_ANGLE_AREA:
+        return m.angle * area;
+    case NORMA_WEIGHT_ANGLE_LENGTHS:
+        return m.angle * sqrtl(m.a_squared) * sqrtl(m.b_squared);
+    default:
+        abort();
     }
 }
 
@@ -75,14 +85,15 @@ void oracle_keep_weights(oracle *o, norma_weight weight) {
     free(o->weights);
     free(o->bent);
     o->weights = NULL;
-    o->bent    = NULL;
+    o->bent = NULL;
     if (weight == NORMA_WEIGHT_VISIBLE) return;
     o->weights = oracle_allocate(o->corner_count, sizeof *o->weights);
-    o->bent    = oracle_allocate(o->corner_count, sizeof *o->bent);
-    o->weight  = weight;
+    o->bent = oracle_allocate(o->corner_count, sizeof *o->bent);
+    o->weight = weight;
     for (size_t c = 0; c < o->corner_count; ++c) {
         int bent = 0;
-        if (o->kept[c] == c && o->kinds[o->faces[c]] == ORACLE_DIRECTED) o->weights[c] = oracle_weight(o, c, weight, &bent);
+        if (o->kept[c] == c && o->kinds[o->faces[c]] == ORACLE_DIRECTED)
+            o->weights[c] = oracle_weight(o, c, weight, &bent);
         o->bent[c] = (unsigned char)bent;
     }
 }
@@ -98,11 +109,12 @@ static int normalise(long double v[3]) {
     return 1;
 }
 
-/* ---- most visible: the centre whose worst normal is nearest, tried over all pairs and triples, as the smallest cap touches one, two or three of them */
+/* ---- most visible: the centre whose worst normal is nearest, tried over all pairs and triples, as
+ * the smallest cap touches one, two or three of them */
 
 typedef struct visible {
     const long double (*normals)[3];
-    size_t      count;
+    size_t count;
     long double best[3], cosine;
 } visible;
 
@@ -121,7 +133,8 @@ static void try_triple(visible *v, size_t i, size_t j, size_t k) {
         a[x] = v->normals[j][x] - v->normals[i][x];
         b[x] = v->normals[k][x] - v->normals[i][x];
     }
-    for (int x = 0; x < 3; ++x) centre[x] = a[(x + 1) % 3] * b[(x + 2) % 3] - a[(x + 2) % 3] * b[(x + 1) % 3];
+    for (int x = 0; x < 3; ++x)
+        centre[x] = a[(x + 1) % 3] * b[(x + 2) % 3] - a[(x + 2) % 3] * b[(x + 1) % 3];
     const long double side = dot(centre, v->normals[i]) < 0 ? -1 : 1;
     for (int x = 0; x < 3; ++x) centre[x] *= side;
     try_centre(v, centre);
@@ -142,13 +155,15 @@ static void find_visible(visible *v) {
 
 static oracle_normal sum_visible(const oracle *o, const size_t *corners, size_t count) {
     oracle_normal result = {.reason = NORMA_REASON_UNREFERENCED};
-    long double (*normals)[3] = oracle_allocate(count, sizeof *normals);
-    visible v = {.normals = (const long double (*)[3])normals};
+    long double(*normals)[3] = oracle_allocate(count, sizeof *normals);
+    visible v = {.normals = (const long double(*)[3])normals};
     for (size_t i = 0; i < count; ++i) {
         const long double *n = o->directions[o->faces[corners[i]]];
         size_t same = 0;
         if (o->kinds[o->faces[corners[i]]] != ORACLE_DIRECTED) continue;
-        while (same < v.count && (normals[same][0] != n[0] || normals[same][1] != n[1] || normals[same][2] != n[2])) ++same;
+        while (same < v.count &&
+               (normals[same][0] != n[0] || normals[same][1] != n[1] || normals[same][2] != n[2]))
+            ++same;
         if (same < v.count) continue;
         if (v.count == MOST_VISIBLE) result.doubtful = 1;
         if (v.count == MOST_VISIBLE) break;
@@ -158,7 +173,7 @@ static oracle_normal sum_visible(const oracle *o, const size_t *corners, size_t 
     if (result.doubtful) result.reason = NORMA_REASON_NONE;
     if (v.count && !result.doubtful) {
         find_visible(&v);
-        result.ratio  = v.cosine;
+        result.ratio = v.cosine;
         result.reason = v.cosine > 0 ? NORMA_REASON_NONE : NORMA_REASON_CANCELLED;
         for (int x = 0; x < 3; ++x) result.normal[x] = v.best[x];
     }
@@ -168,16 +183,18 @@ static oracle_normal sum_visible(const oracle *o, const size_t *corners, size_t 
 
 /* ---- sums */
 
-oracle_normal oracle_sum(const oracle *o, const size_t *corners, size_t count, norma_weight weight) {
+oracle_normal oracle_sum(
+    const oracle *o, const size_t *corners, size_t count, norma_weight weight) {
     if (weight == NORMA_WEIGHT_VISIBLE) return sum_visible(o, corners, count);
     oracle_normal result = {.reason = NORMA_REASON_UNREFERENCED};
-    long double   weights = 0;
+    long double weights = 0;
     for (size_t i = 0; i < count; ++i) {
         const size_t face = o->faces[corners[i]];
         if (o->kinds[face] != ORACLE_DIRECTED) continue;
-        const int         kept = o->weights && o->weight == weight;
-        int               bent = kept && o->bent[corners[i]];
-        const long double w    = kept ? o->weights[corners[i]] : oracle_weight(o, corners[i], weight, &bent);
+        const int kept = o->weights && o->weight == weight;
+        int bent = kept && o->bent[corners[i]];
+        const long double w =
+            kept ? o->weights[corners[i]] : oracle_weight(o, corners[i], weight, &bent);
         result.doubtful |= bent;
         result.reason = NORMA_REASON_NONE;
         weights += w;
@@ -186,21 +203,25 @@ oracle_normal oracle_sum(const oracle *o, const size_t *corners, size_t count, n
     if (result.reason == NORMA_REASON_UNREFERENCED) return result;
     const long double length = sqrtl(dot(result.normal, result.normal));
     result.ratio = weights > 0 ? length / weights : 0;
-    if (result.ratio <= 0x1p-20L) result.reason = NORMA_REASON_CANCELLED;
-    else normalise(result.normal);
+    if (result.ratio <= 0x1p-20L)
+        result.reason = NORMA_REASON_CANCELLED;
+    else
+        normalise(result.normal);
     return result;
 }
 
 oracle_normal oracle_vertex(const oracle *o, size_t vertex, norma_weight weight) {
-    const size_t  shared = o->shared[vertex], count = o->by_shared_start[shared + 1] - o->by_shared_start[shared];
-    const size_t *all    = o->by_shared + o->by_shared_start[shared];
-    if (!oracle_finite(o->positions[vertex])) return (oracle_normal){.reason = NORMA_REASON_NON_FINITE};
+    const size_t shared = o->shared[vertex],
+                 count = o->by_shared_start[shared + 1] - o->by_shared_start[shared];
+    const size_t *all = o->by_shared + o->by_shared_start[shared];
+    if (!oracle_finite(o->positions[vertex]))
+        return (oracle_normal){.reason = NORMA_REASON_NON_FINITE};
     oracle_normal result = oracle_sum(o, all, count, weight);
     if (result.reason != NORMA_REASON_CANCELLED) return result;
     size_t *own = oracle_allocate(count, sizeof *own), own_count = 0;
     for (size_t i = 0; i < count; ++i)
         if (o->corners[all[i]] == vertex) own[own_count++] = all[i];
-    result           = oracle_sum(o, own, own_count, weight);
+    result = oracle_sum(o, own, own_count, weight);
     result.own_index = 1;
     if (result.reason == NORMA_REASON_UNREFERENCED) result.reason = NORMA_REASON_CANCELLED;
     free(own);
@@ -210,13 +231,18 @@ oracle_normal oracle_vertex(const oracle *o, size_t vertex, norma_weight weight)
 oracle_normal oracle_face(const oracle *o, size_t face) {
     oracle_normal result = {.reason = NORMA_REASON_NONE, .ratio = 1};
     for (int x = 0; x < 3; ++x) result.normal[x] = o->directions[face][x];
-    if (o->kinds[face] == ORACLE_NON_FINITE || o->kinds[face] == ORACLE_NON_FINITE_FEW) result.reason = NORMA_REASON_NON_FINITE;
-    else if (o->kinds[face] != ORACLE_DIRECTED) result.reason = NORMA_REASON_DEGENERATE;
+    if (o->kinds[face] == ORACLE_NON_FINITE || o->kinds[face] == ORACLE_NON_FINITE_FEW)
+        result.reason = NORMA_REASON_NON_FINITE;
+    else if (o->kinds[face] != ORACLE_DIRECTED)
+        result.reason = NORMA_REASON_DEGENERATE;
     return result;
 }
 
-oracle_normal oracle_corner(const oracle *o, const oracle_fans *fans, size_t corner, norma_weight weight) {
+oracle_normal oracle_corner(
+    const oracle *o, const oracle_fans *fans, size_t corner, norma_weight weight) {
     const size_t fan = fans->fan[corner];
-    if (!oracle_finite(o->positions[o->corners[corner]])) return (oracle_normal){.reason = NORMA_REASON_NON_FINITE};
-    return oracle_sum(o, fans->corners + fans->start[fan], fans->start[fan + 1] - fans->start[fan], weight);
+    if (!oracle_finite(o->positions[o->corners[corner]]))
+        return (oracle_normal){.reason = NORMA_REASON_NON_FINITE};
+    return oracle_sum(
+        o, fans->corners + fans->start[fan], fans->start[fan + 1] - fans->start[fan], weight);
 }

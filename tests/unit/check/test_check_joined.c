@@ -1,4 +1,5 @@
-/* Components, and seams, over the primitives of one glTF mesh: a body that is cut by material is closed, a cavity lies in a shell of another material, bodies that touch stay apart. Found at the
+/* Components, and seams, over the primitives of one glTF mesh: a body that is cut by material is
+ * closed, a cavity lies in a shell of another material, bodies that touch stay apart. Found at the
  * primitive of the first face, mended there and in the others. Known by hand. */
 #include <math.h>
 #include <setjmp.h>
@@ -51,8 +52,10 @@ static norma_document *open_parts(gltf_asset *a, const part *parts, int count) {
     char rest[2000] = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[";
     for (int i = 0; i < count; i++) {
         char primitive[100];
-        const int positions = asset_floats(a, &parts[i].positions[0][0], parts[i].vertices, 3), corners = asset_uint16(a, parts[i].corners, parts[i].count);
-        snprintf(primitive, sizeof primitive, "%s{\"attributes\":{\"POSITION\":%d},\"indices\":%d}", i ? "," : "", positions, corners);
+        const int positions = asset_floats(a, &parts[i].positions[0][0], parts[i].vertices, 3),
+                  corners = asset_uint16(a, parts[i].corners, parts[i].count);
+        snprintf(primitive, sizeof primitive, "%s{\"attributes\":{\"POSITION\":%d},\"indices\":%d}",
+            i ? "," : "", positions, corners);
         strcat(rest, primitive);
     }
     strcat(rest, "]}]");
@@ -85,20 +88,24 @@ static void has_only(norma_document *document, const expected *wanted, size_t co
     norma_findings_free(findings);
 }
 
-/* Mended by N302, then clean, and every corner of every face where it was but for the reversed ones; again: nothing. rays: open ones too. */
-static void mends(norma_document *document, int rays, const char *rules, uint8_t (*turned)[MOST], const part *parts, int count) {
+/* Mended by N302, then clean, and every corner of every face where it was but for the reversed
+ * ones; again: nothing. rays: open ones too. */
+static void mends(norma_document *document, int rays, const char *rules, uint8_t (*turned)[MOST],
+    const part *parts, int count) {
     uint8_t mask[128] = {0};
     norma_mend_summary summary;
     size_t size;
     assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
-    const norma_check_options options = {.struct_size = sizeof options, .rules = mask, .open_by_rays = rays};
+    const norma_check_options options = {
+        .struct_size = sizeof options, .rules = mask, .open_by_rays = rays};
     assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(summary.changed, 1);
     unsigned char *bytes = scene_output(document, &size);
     document = scene_reopen(bytes, size, "a.glb");
     for (int i = 0; i < count; i++) {
         norma_mesh_data data;
-        assert_int_equal(norma_document_mesh_data(document, (size_t)i, &data, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(
+            norma_document_mesh_data(document, (size_t)i, &data, NULL), NORMA_DOCUMENT_OK);
         assert_int_equal(data.mesh.corner_count, parts[i].count);
         for (size_t c = 0; c < parts[i].count; c++) {
             const size_t from = !turned[i][c / 3] || c % 3 == 0 ? c : c % 3 == 1 ? c + 1 : c - 1;
@@ -107,8 +114,7 @@ static void mends(norma_document *document, int rays, const char *rules, uint8_t
     }
     assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(summary.changed, 0);
-    if (rays)
-        assert_true(summary.by_rays > 0 && summary.least_confidence > 0);
+    if (rays) assert_true(summary.by_rays > 0 && summary.least_confidence > 0);
     norma_document_close(document);
     free(bytes);
 }
@@ -130,9 +136,10 @@ static void test_cut(void **state) {
         gltf_asset a = {0};
         cut_box(parts, inward);
         norma_document *document = open_parts(&a, parts, 3);
-        has_only(document, &(expected){"N302", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_WARNING}, (size_t)inward);
-        if (inward)
-            mends(document, 0, "N302", all, parts, 3);
+        has_only(document,
+            &(expected){"N302", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_WARNING},
+            (size_t)inward);
+        if (inward) mends(document, 0, "N302", all, parts, 3);
         norma_document_close(document);
         asset_free(&a);
     }
@@ -164,10 +171,12 @@ static void test_rays(void **state) {
     uint8_t mask[128] = {0};
     assert_int_equal(norma_rules_select("N304,N302", mask, NULL), NORMA_OK);
     norma_check_options options = {.struct_size = sizeof options, .rules = mask};
-    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK); /* only when asked */
+    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL),
+        NORMA_DOCUMENT_OK); /* only when asked */
     assert_int_equal(summary.changed, 0);
     options.open_by_rays = 1;
-    assert_int_equal(norma_mend_document(document, &options, 0, &summary, NULL), NORMA_DOCUMENT_OK); /* and not by what is safe */
+    assert_int_equal(norma_mend_document(document, &options, 0, &summary, NULL),
+        NORMA_DOCUMENT_OK); /* and not by what is safe */
     assert_int_equal(summary.changed, 0);
     mends(document, 1, "N304", all, parts, 2);
     norma_document_close(document);
@@ -186,13 +195,16 @@ static void test_cavity(void **state) {
             add_box(&parts[0], 0, 3, outer);
             add_box(&parts[1], 1, 2, inner);
             norma_document *document = open_parts(&a, parts, 2);
-            /* The shell first; then what lies in it, taken as put right: a cavity is fine, a solid may be meant. */
+            /* The shell first; then what lies in it, taken as put right: a cavity is fine, a solid
+             * may be meant. */
             expected wanted[2];
             size_t count = 0;
             if (outer)
-                wanted[count++] = (expected){"N302", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_WARNING};
+                wanted[count++] =
+                    (expected){"N302", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_WARNING};
             if (!inner)
-                wanted[count++] = (expected){"N302", "/meshes/0/primitives/1", 1, 0, NORMA_SEVERITY_INFO};
+                wanted[count++] =
+                    (expected){"N302", "/meshes/0/primitives/1", 1, 0, NORMA_SEVERITY_INFO};
             has_only(document, wanted, count);
             norma_document_close(document);
             asset_free(&a);
@@ -214,7 +226,8 @@ static void test_touching(void **state) {
     }
     memset(turned[1], 1, sizeof turned[1]);
     norma_document *document = open_parts(&a, parts, 2);
-    has_only(document, &(expected){"N302", "/meshes/0/primitives/1", 1, 0, NORMA_SEVERITY_WARNING}, 1);
+    has_only(
+        document, &(expected){"N302", "/meshes/0/primitives/1", 1, 0, NORMA_SEVERITY_WARNING}, 1);
     mends(document, 0, "N302", turned, parts, 2);
     norma_document_close(document);
     asset_free(&a);
@@ -231,13 +244,15 @@ static void test_one_of_two(void **state) {
     add_box(&parts[0], 2, 3, 1);
     memset(turned[0] + 12, 1, 12);
     norma_document *document = open_parts(&a, parts, 1);
-    has_only(document, &(expected){"N302", "/meshes/0/primitives/0", 1, 12, NORMA_SEVERITY_WARNING}, 1);
+    has_only(
+        document, &(expected){"N302", "/meshes/0/primitives/0", 1, 12, NORMA_SEVERITY_WARNING}, 1);
     mends(document, 0, "N302", turned, parts, 1);
     norma_document_close(document);
     asset_free(&a);
 }
 
-/* ---- a quarter of a cylinder of two materials: at the border the second one's normals are turned by five degrees */
+/* ---- a quarter of a cylinder of two materials: at the border the second one's normals are turned
+ * by five degrees */
 
 enum { COLUMNS = 7, ROWS = 5, STRIP = COLUMNS * ROWS };
 static const double QUARTER = 1.5707963267948966, TURNED = 0.08726646259971647;
@@ -249,14 +264,17 @@ static norma_document *open_cylinder(gltf_asset *a, float normals[2][STRIP][3]) 
     for (int half = 0; half < 2; half++)
         for (int y = 0; y < ROWS; y++)
             for (int x = 0; x < COLUMNS; x++) {
-                const double angle = QUARTER * (half * (COLUMNS - 1) + x) / (2 * COLUMNS - 2), shaded = angle + (half == 1 && x == 0 ? TURNED : 0);
-                const float position[3] = {(float)cos(angle), (float)y / 4, (float)-sin(angle)}, normal[3] = {(float)cos(shaded), 0, (float)-sin(shaded)};
+                const double angle = QUARTER * (half * (COLUMNS - 1) + x) / (2 * COLUMNS - 2),
+                             shaded = angle + (half == 1 && x == 0 ? TURNED : 0);
+                const float position[3] = {(float)cos(angle), (float)y / 4, (float)-sin(angle)},
+                            normal[3] = {(float)cos(shaded), 0, (float)-sin(shaded)};
                 memcpy(positions[half][y * COLUMNS + x], position, sizeof position);
                 memcpy(normals[half][y * COLUMNS + x], normal, sizeof normal);
             }
     for (int y = 0; y + 1 < ROWS; y++)
         for (int x = 0; x + 1 < COLUMNS; x++) {
-            const int at = y * COLUMNS + x, quad[6] = {at, at + 1, at + COLUMNS + 1, at, at + COLUMNS + 1, at + COLUMNS};
+            const int at = y * COLUMNS + x,
+                      quad[6] = {at, at + 1, at + COLUMNS + 1, at, at + COLUMNS + 1, at + COLUMNS};
             for (int k = 0; k < 6; k++) corners[count++] = (uint16_t)quad[k];
         }
     for (int half = 0; half < 2; half++) {
@@ -264,8 +282,11 @@ static norma_document *open_cylinder(gltf_asset *a, float normals[2][STRIP][3]) 
         asset_floats(a, &normals[half][0][0], STRIP, 3);
     }
     asset_uint16(a, corners, count);
-    return asset_open(a, "\"nodes\":[{\"mesh\":0}],\"materials\":[{},{}],\"meshes\":[{\"primitives\":[{\"material\":0,\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":4},"
-                         "{\"material\":1,\"attributes\":{\"POSITION\":2,\"NORMAL\":3},\"indices\":4}]}]", 1);
+    return asset_open(a,
+        "\"nodes\":[{\"mesh\":0}],\"materials\":[{},{}],\"meshes\":[{\"primitives\":[{\"material\":"
+        "0,\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":4},"
+        "{\"material\":1,\"attributes\":{\"POSITION\":2,\"NORMAL\":3},\"indices\":4}]}]",
+        1);
 }
 
 static size_t count_seams(norma_document *document) {
@@ -275,12 +296,14 @@ static size_t count_seams(norma_document *document) {
     assert_int_equal(norma_rules_select("N501", mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
     assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
-    for (size_t i = 0; i < norma_findings_count(findings); i++) count += norma_findings_get(findings, i)->count;
+    for (size_t i = 0; i < norma_findings_count(findings); i++)
+        count += norma_findings_get(findings, i)->count;
     norma_findings_free(findings);
     return count;
 }
 
-/* Both sides get the whole surface's normal, which is the cylinder's where it goes on alike on both sides; the ends of the border, where it is open, and all else stay. */
+/* Both sides get the whole surface's normal, which is the cylinder's where it goes on alike on both
+ * sides; the ends of the border, where it is open, and all else stay. */
 static void test_seam(void **state) {
     (void)state;
     gltf_asset a = {0};
@@ -301,14 +324,18 @@ static void test_seam(void **state) {
     assert_int_equal(summary.changed, 0);
     for (int half = 0; half < 2; half++) {
         norma_mesh_data data;
-        assert_int_equal(norma_document_mesh_data(document, (size_t)half, &data, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(
+            norma_document_mesh_data(document, (size_t)half, &data, NULL), NORMA_DOCUMENT_OK);
         for (int v = 0; v < STRIP; v++) {
             const float *n = (const float *)data.normals.data + 3 * v;
-            const int row = v / COLUMNS, border = v % COLUMNS == (half == 0 ? COLUMNS - 1 : 0) && row > 0 && row + 1 < ROWS;
+            const int row = v / COLUMNS, border = v % COLUMNS == (half == 0 ? COLUMNS - 1 : 0) &&
+                                                  row > 0 && row + 1 < ROWS;
             if (!border)
                 assert_memory_equal(n, normals[half][v], sizeof normals[half][v]);
             else
-                assert_true(fabs((double)n[0] - cos(QUARTER / 2)) < 1e-6 && fabs((double)n[1]) < 1e-6 && fabs((double)n[2] + sin(QUARTER / 2)) < 1e-6);
+                assert_true(fabs((double)n[0] - cos(QUARTER / 2)) < 1e-6 &&
+                            fabs((double)n[1]) < 1e-6 &&
+                            fabs((double)n[2] + sin(QUARTER / 2)) < 1e-6);
         }
     }
     norma_document_close(document);
@@ -318,7 +345,12 @@ static void test_seam(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cut), cmocka_unit_test(test_open), cmocka_unit_test(test_rays), cmocka_unit_test(test_cavity), cmocka_unit_test(test_touching), cmocka_unit_test(test_one_of_two),
+        cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_open),
+        cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_cavity),
+        cmocka_unit_test(test_touching),
+        cmocka_unit_test(test_one_of_two),
         cmocka_unit_test(test_seam),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

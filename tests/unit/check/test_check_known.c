@@ -1,5 +1,6 @@
-/* test_check_known.c: files of the data set with a known answer: what INDEX.tsv says of them was measured by scripts that know nothing of this library. And files that are
- * as they should be: no rule of ours has an error or a warning for them. */
+/* test_check_known.c: files of the data set with a known answer: what INDEX.tsv says of them was
+ * measured by scripts that know nothing of this library. And files that are as they should be: no
+ * rule of ours has an error or a warning for them. */
 #include "check.h"
 #include "mesh_files.h"
 #include <norma/check.h>
@@ -11,10 +12,8 @@ static norma_findings *findings_of(const char *name) {
     norma_findings *findings = NULL;
     snprintf(path, sizeof path, "%s/%s", data_folder(), name);
     const norma_document_options options = {.struct_size = sizeof options, .lenient = 1};
-    if (norma_document_open(path, &options, &document, &error))
-        fail_msg("%s", error.message);
-    if (norma_check_document(document, NULL, &findings, &error))
-        fail_msg("%s", error.message);
+    if (norma_document_open(path, &options, &document, &error)) fail_msg("%s", error.message);
+    if (norma_check_document(document, NULL, &findings, &error)) fail_msg("%s", error.message);
     norma_document_close(document);
     return findings;
 }
@@ -24,7 +23,8 @@ static size_t sum_of(const norma_findings *findings, const char *id, norma_sever
     size_t sum = 0;
     for (size_t i = 0; i < norma_findings_count(findings); i++) {
         const norma_finding *f = norma_findings_get(findings, i);
-        if (!strcmp(f->rule->id, id) && (severity == NORMA_SEVERITY_NONE || f->severity == severity))
+        if (!strcmp(f->rule->id, id) &&
+            (severity == NORMA_SEVERITY_NONE || f->severity == severity))
             sum += f->count;
     }
     return sum;
@@ -62,7 +62,8 @@ static const known answers[] = {
     {"large/medical/headsq-bone.ply", "N306", NORMA_SEVERITY_INFO, 1},
     {"large/medical/headsq-bone.ply", "N304", NORMA_SEVERITY_INFO, 2},
     {"large/medical/headsq-skin.ply", "N304", NORMA_SEVERITY_INFO, 2},
-    {"large/foliage/japanese-bridge-garden.glb", "N304", NORMA_SEVERITY_INFO, 25}, /* its parts by material: 177 */
+    {"large/foliage/japanese-bridge-garden.glb", "N304", NORMA_SEVERITY_INFO,
+        25}, /* its parts by material: 177 */
     {"large/foliage/japanese-bridge-garden.glb", "N302", NORMA_SEVERITY_WARNING, 25},
     {"large/interior/garage/garage.gltf", "N304", NORMA_SEVERITY_INFO, 38}, /* likewise 72 */
     {"large/game/steampunk-robot/scene.gltf", "N304", NORMA_SEVERITY_INFO, 40},
@@ -72,22 +73,22 @@ static const known answers[] = {
 
 static void known_answers_are_found(void **state) {
     (void)state;
-    if (!data_folder())
-        skip();
+    if (!data_folder()) skip();
     for (size_t i = 0; i < COUNT_OF(answers); i++) {
         norma_findings *findings = findings_of(answers[i].name);
         const size_t count = sum_of(findings, answers[i].rule, answers[i].severity);
         if (count != answers[i].count)
-            fail_msg("%s: %s counts %zu, not %zu", answers[i].name, answers[i].rule, count, answers[i].count);
+            fail_msg("%s: %s counts %zu, not %zu", answers[i].name, answers[i].rule, count,
+                answers[i].count);
         norma_findings_free(findings);
     }
 }
 
-/* Stale normals: of a bent sausage whose normals are those of the straight one, and a cube that was deformed. */
+/* Stale normals: of a bent sausage whose normals are those of the straight one, and a cube that was
+ * deformed. */
 static void stale_normals_are_found(void **state) {
     (void)state;
-    if (!data_folder())
-        skip();
+    if (!data_folder()) skip();
     norma_findings *findings = findings_of("obj/dcc/sausage.obj");
     assert_true(sum_of(findings, "N202", NORMA_SEVERITY_WARNING) > 100);
     norma_findings_free(findings);
@@ -96,9 +97,9 @@ static void stale_normals_are_found(void **state) {
 /* Hollow heads: cavities of negative volume that lie in them are as they should be. */
 static void cavities_are_no_fault(void **state) {
     (void)state;
-    static const char *const scans[] = {"large/medical/headsq-skin.ply", "large/medical/headsq-bone.ply", "large/medical/mni152-brain.ply"};
-    if (!data_folder())
-        skip();
+    static const char *const scans[] = {"large/medical/headsq-skin.ply",
+        "large/medical/headsq-bone.ply", "large/medical/mni152-brain.ply"};
+    if (!data_folder()) skip();
     for (size_t i = 0; i < COUNT_OF(scans); i++) {
         norma_findings *findings = findings_of(scans[i]);
         assert_int_equal(sum_of(findings, "N302", NORMA_SEVERITY_NONE), 0);
@@ -120,15 +121,14 @@ static void makings_are_told(void **state) {
         {"scan/spot.obj", NORMA_SHADING_FLAT, NORMA_WEIGHT_ANGLE},
         {"obj/wuson.obj", NORMA_SHADING_SMOOTH, NORMA_WEIGHT_UNIFORM},
     };
-    if (!data_folder())
-        skip();
+    if (!data_folder()) skip();
     for (size_t i = 0; i < COUNT_OF(made); i++) {
         norma_findings *findings = findings_of(made[i].name);
         for (size_t k = 0; k < norma_findings_count(findings); k++) {
             const norma_deviation *d = norma_findings_get(findings, k)->deviation;
-            if (!d)
-                continue;
-            if (d->shading != made[i].shading || (d->shading != NORMA_SHADING_FLAT && d->weight != made[i].weight))
+            if (!d) continue;
+            if (d->shading != made[i].shading ||
+                (d->shading != NORMA_SHADING_FLAT && d->weight != made[i].weight))
                 fail_msg("%s: %s", made[i].name, norma_findings_get(findings, k)->message);
             assert_true(d->p50_rad < .05 / DEGREES);
         }
@@ -139,13 +139,29 @@ static void makings_are_told(void **state) {
 static void right_ones_are_left_alone(void **state) {
     (void)state;
     static const char *const clean[] = {
-        "truth/box-ascii.stl", "truth/box-binary.stl", "truth/cube-axis-normals.obj", "truth/cube-no-bottom.obj", "truth/dodecahedron.obj", "truth/icosphere.obj", "scan/bunny.obj", "scan/spot.obj",
-        "gltf/khronos/Box/Box.gltf", "gltf/khronos/BoxInterleaved/BoxInterleaved.gltf", "gltf/khronos/Triangle/Triangle.gltf", "gltf/misc/nonuniform-nested.glb", "large/cad/a_drive_frame_lower.stl",
-        "large/cad/exhaust_filter_housing.stl", "large/scan/pizza.obj", "large/voxel/obj_house5.glb", "large/terrain/terrain-level.glb", "large/hair/long01.obj", "large/game/steampunk-robot/scene.gltf",
-        "obj/dcc/cube-one-smoothing-group.obj", "ply/fish-double.ply",
+        "truth/box-ascii.stl",
+        "truth/box-binary.stl",
+        "truth/cube-axis-normals.obj",
+        "truth/cube-no-bottom.obj",
+        "truth/dodecahedron.obj",
+        "truth/icosphere.obj",
+        "scan/bunny.obj",
+        "scan/spot.obj",
+        "gltf/khronos/Box/Box.gltf",
+        "gltf/khronos/BoxInterleaved/BoxInterleaved.gltf",
+        "gltf/khronos/Triangle/Triangle.gltf",
+        "gltf/misc/nonuniform-nested.glb",
+        "large/cad/a_drive_frame_lower.stl",
+        "large/cad/exhaust_filter_housing.stl",
+        "large/scan/pizza.obj",
+        "large/voxel/obj_house5.glb",
+        "large/terrain/terrain-level.glb",
+        "large/hair/long01.obj",
+        "large/game/steampunk-robot/scene.gltf",
+        "obj/dcc/cube-one-smoothing-group.obj",
+        "ply/fish-double.ply",
     };
-    if (!data_folder())
-        skip();
+    if (!data_folder()) skip();
     for (size_t i = 0; i < COUNT_OF(clean); i++) {
         norma_findings *findings = findings_of(clean[i]);
         for (size_t k = 0; k < norma_findings_count(findings); k++) {
@@ -159,8 +175,11 @@ static void right_ones_are_left_alone(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(known_answers_are_found), cmocka_unit_test(stale_normals_are_found), cmocka_unit_test(cavities_are_no_fault),
-        cmocka_unit_test(makings_are_told),        cmocka_unit_test(right_ones_are_left_alone),
+        cmocka_unit_test(known_answers_are_found),
+        cmocka_unit_test(stale_normals_are_found),
+        cmocka_unit_test(cavities_are_no_fault),
+        cmocka_unit_test(makings_are_told),
+        cmocka_unit_test(right_ones_are_left_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

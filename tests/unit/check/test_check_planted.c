@@ -1,5 +1,6 @@
-/* test_check_planted.c: faults planted in clean surfaces, one at a time: each rule must find them all, at the right place, in the right count and severity; the clean
- * surfaces stay without errors and warnings. */
+/* test_check_planted.c: faults planted in clean surfaces, one at a time: each rule must find them
+ * all, at the right place, in the right count and severity; the clean surfaces stay without errors
+ * and warnings. */
 #include "check.h"
 #include "surfaces.h"
 
@@ -10,21 +11,25 @@ static const double origin[3] = {0, 0, 0};
 static norma_findings *found;
 
 /* Runs the rules, and gives the finding of one. */
-static const norma_finding *look(surface *s, const char *id, norma_severity severity, const norma_check_options *options, norma_file_format format) {
+static const norma_finding *look(surface *s, const char *id, norma_severity severity,
+    const norma_check_options *options, norma_file_format format) {
     norma_findings_free(found);
     found = surface_findings(s, options, format);
     return finding_of(found, id, severity);
 }
-static const norma_finding *in_render(surface *s, const char *id, norma_severity severity) { return look(s, id, severity, NULL, NORMA_FILE_GLB); }
+static const norma_finding *in_render(surface *s, const char *id, norma_severity severity) {
+    return look(s, id, severity, NULL, NORMA_FILE_GLB);
+}
 static const norma_finding *in_print(surface *s, const char *id, norma_severity severity) {
-    return look(s, id, severity, &(norma_check_options){.profile = NORMA_CHECK_PROFILE_PRINT}, NORMA_FILE_GLB);
+    return look(s, id, severity, &(norma_check_options){.profile = NORMA_CHECK_PROFILE_PRINT},
+        NORMA_FILE_GLB);
 }
 
-#define assert_found(finding, n)                                \
-    do {                                                        \
-        const norma_finding *finding_ = (finding);              \
-        assert_non_null(finding_);                              \
-        assert_int_equal(finding_->count, n);                   \
+#define assert_found(finding, n)                                                                   \
+    do {                                                                                           \
+        const norma_finding *finding_ = (finding);                                                 \
+        assert_non_null(finding_);                                                                 \
+        assert_int_equal(finding_->count, n);                                                      \
     } while (0)
 
 static int tear_down(void **state) {
@@ -38,8 +43,10 @@ static int tear_down(void **state) {
 
 static void clean_surfaces_stay_clean(void **state) {
     (void)state;
-    surface all[] = {surface_torus(AROUND, ACROSS), surface_torus(16, 12), surface_box(origin, 1, 0), surface_join(surface_box(origin, 3, 0), surface_box(origin, 1, 1)),
-                     surface_soup(surface_torus(32, 16))};
+    surface all[] = {surface_torus(AROUND, ACROSS), surface_torus(16, 12),
+        surface_box(origin, 1, 0),
+        surface_join(surface_box(origin, 3, 0), surface_box(origin, 1, 1)),
+        surface_soup(surface_torus(32, 16))};
     for (size_t i = 0; i < COUNT_OF(all); i++) {
         (void)in_render(&all[i], "N001", NORMA_SEVERITY_NONE);
         assert_false(findings_trouble(found));
@@ -59,7 +66,8 @@ static void set_normal(surface *s, size_t vertex, double x, double y, double z) 
 }
 
 static void scale_normal(surface *s, size_t vertex, double by) {
-    for (size_t k = 0; k < 3; k++) s->normals[3 * vertex + k] = (float)((double)s->normals[3 * vertex + k] * by);
+    for (size_t k = 0; k < 3; k++)
+        s->normals[3 * vertex + k] = (float)((double)s->normals[3 * vertex + k] * by);
 }
 
 static void lengths(void **state) {
@@ -76,7 +84,8 @@ static void lengths(void **state) {
     assert_found(f, 2);
     assert_int_equal(f->samples[0].vertex, 1234);
     assert_int_equal(f->samples[1].vertex, 1235);
-    assert_true(f->samples[0].has_position && f->samples[0].position[0] == (double)s.positions[3 * 1234]);
+    assert_true(
+        f->samples[0].has_position && f->samples[0].position[0] == (double)s.positions[3 * 1234]);
     assert_int_equal(f->fix, NORMA_FIX_SAFE);
     f = finding_of(found, "N102", NORMA_SEVERITY_ERROR);
     assert_found(f, 2);
@@ -85,7 +94,9 @@ static void lengths(void **state) {
     assert_found(f, 2);
     assert_int_equal(f->worst.vertex, 78);
     assert_true(fabs(f->worst_value - .5) < 1e-6);
-    assert_found(look(&s, "N103", NORMA_SEVERITY_ERROR, &(norma_check_options){.strict = 1}, NORMA_FILE_GLB), 3);
+    assert_found(
+        look(&s, "N103", NORMA_SEVERITY_ERROR, &(norma_check_options){.strict = 1}, NORMA_FILE_GLB),
+        3);
     s.mesh.info.encoding = "snorm8";
     assert_found(in_render(&s, "N103", NORMA_SEVERITY_ERROR), 1);
     scale_normal(&s, 80, 1.0069);
@@ -117,7 +128,8 @@ static void opposing_normals(void **state) {
     for (size_t k = 0; k < 2; k++) scale_normal(&s, 3 * 500 + k, -1);
     assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
     surface_free(&s);
-    s = surface_box(origin, 1, 0); /* all corners of a side 80 degrees off it are still before it; at 100 they are not */
+    s = surface_box(origin, 1,
+        0); /* all corners of a side 80 degrees off it are still before it; at 100 they are not */
     for (size_t k = 20; k < 24; k++) set_normal(&s, k, sin(80 / DEGREES), 0, cos(80 / DEGREES));
     assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
     for (size_t k = 20; k < 24; k++) set_normal(&s, k, sin(100 / DEGREES), 0, cos(100 / DEGREES));
@@ -129,17 +141,21 @@ static void one_normal_far_off(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
     const size_t vertex = 40 * (ACROSS + 1) + 7;
-    const double a = 2 * 3.141592653589793 * 40 / AROUND, b = 2 * 3.141592653589793 * 7 / ACROSS, off = 80 / DEGREES, near_off = 70 / DEGREES;
+    const double a = 2 * 3.141592653589793 * 40 / AROUND, b = 2 * 3.141592653589793 * 7 / ACROSS,
+                 off = 80 / DEGREES, near_off = 70 / DEGREES;
     const double n[3] = {cos(a) * cos(b), sin(a) * cos(b), sin(b)}, t[3] = {-sin(a), cos(a), 0};
-    set_normal(&s, vertex, cos(off) * n[0] + sin(off) * t[0], cos(off) * n[1] + sin(off) * t[1], cos(off) * n[2] + sin(off) * t[2]);
+    set_normal(&s, vertex, cos(off) * n[0] + sin(off) * t[0], cos(off) * n[1] + sin(off) * t[1],
+        cos(off) * n[2] + sin(off) * t[2]);
     const norma_finding *f = in_render(&s, "N202", NORMA_SEVERITY_WARNING);
     assert_found(f, 1);
     assert_int_equal(f->samples[0].vertex, vertex);
     assert_true(fabs(f->worst_value - 80) < 5);
-    set_normal(&s, vertex, cos(near_off) * n[0] + sin(near_off) * t[0], cos(near_off) * n[1] + sin(near_off) * t[1], cos(near_off) * n[2] + sin(near_off) * t[2]);
+    set_normal(&s, vertex, cos(near_off) * n[0] + sin(near_off) * t[0],
+        cos(near_off) * n[1] + sin(near_off) * t[1], cos(near_off) * n[2] + sin(near_off) * t[2]);
     assert_null(in_render(&s, "N202", NORMA_SEVERITY_NONE));
     surface_free(&s);
-    s = surface_box(origin, 1, 0); /* vertices of one side each: along the side next to it a normal is near to a face at its position; away from it, to none */
+    s = surface_box(origin, 1, 0); /* vertices of one side each: along the side next to it a normal
+                                      is near to a face at its position; away from it, to none */
     for (size_t k = 20; k < 24; k++) set_normal(&s, k, s.positions[3 * k] > 0 ? 1 : -1, 0, 0);
     assert_null(in_render(&s, "N202", NORMA_SEVERITY_NONE));
     set_normal(&s, 21, s.positions[3 * 21] > 0 ? -1 : 1, 0, 0);
@@ -151,14 +167,12 @@ static void placeholders(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
     for (size_t v = 0; v < s.vertices; v++)
-        if (v % 25)
-            set_normal(&s, v, 0, 0, 1);
+        if (v % 25) set_normal(&s, v, 0, 0, 1);
     assert_found(in_render(&s, "N203", NORMA_SEVERITY_WARNING), 1);
     s.mesh.material.not_opaque = 1;
     assert_found(in_render(&s, "N203", NORMA_SEVERITY_INFO), 1);
     for (size_t v = 0; v < s.vertices; v++)
-        if (v % 15 == 0)
-            set_normal(&s, v, 1, 0, 0);
+        if (v % 15 == 0) set_normal(&s, v, 1, 0, 0);
     assert_null(in_render(&s, "N203", NORMA_SEVERITY_NONE)); /* nine in a hundred differ */
     surface_free(&s);
     s = surface_torus(64, 32); /* flattened: a plate has one normal */
@@ -170,22 +184,28 @@ static void placeholders(void **state) {
     surface_free(&s);
 }
 
-/* Normals that the library is asked for by other ways than the ones that are tried first are told by their makings. */
+/* Normals that the library is asked for by other ways than the ones that are tried first are told
+ * by their makings. */
 static void explained(void **state) {
     (void)state;
     static const struct {
         norma_weight weight;
         float crease_deg;
-    } ways[] = {{NORMA_WEIGHT_ANGLE, 180}, {NORMA_WEIGHT_AREA, 180}, {NORMA_WEIGHT_UNIFORM, 180}, {NORMA_WEIGHT_AREA, 40}, {NORMA_WEIGHT_MAX, 20}};
+    } ways[] = {{NORMA_WEIGHT_ANGLE, 180}, {NORMA_WEIGHT_AREA, 180}, {NORMA_WEIGHT_UNIFORM, 180},
+        {NORMA_WEIGHT_AREA, 40}, {NORMA_WEIGHT_MAX, 20}};
     for (size_t i = 0; i < COUNT_OF(ways); i++) {
         for (size_t large = 0; large < 2; large++) {
-            surface s = surface_soup(large ? surface_torus(AROUND, 44) : surface_torus(60, 20)); /* edges bend by some 8 or 18 degrees across */
+            surface s = surface_soup(
+                large ? surface_torus(AROUND, 44)
+                      : surface_torus(60, 20)); /* edges bend by some 8 or 18 degrees across */
             s.mesh.info.normals = NORMA_NORMALS_PER_CORNER;
             for (size_t v = 0; v < s.vertices; v++)
-                if (s.positions[3 * v + 2] > 0.9f)
-                    s.positions[3 * v + 2] *= 3;
-            const norma_mesh mesh = {.positions = {s.positions, s.vertices, 0, NORMA_FORMAT_FLOAT}, .corners = s.corners, .corner_count = 3 * s.faces};
-            assert_ok(norma_corner_normals(&mesh, ways[i].crease_deg / (float)DEGREES, &(norma_options){.weight = ways[i].weight}, s.normals, s.vertices, NULL));
+                if (s.positions[3 * v + 2] > 0.9f) s.positions[3 * v + 2] *= 3;
+            const norma_mesh mesh = {.positions = {s.positions, s.vertices, 0, NORMA_FORMAT_FLOAT},
+                .corners = s.corners,
+                .corner_count = 3 * s.faces};
+            assert_ok(norma_corner_normals(&mesh, ways[i].crease_deg / (float)DEGREES,
+                &(norma_options){.weight = ways[i].weight}, s.normals, s.vertices, NULL));
             s.mesh.info.normals = NORMA_NORMALS_PER_VERTEX;
             const norma_finding *f = in_render(&s, "N204", NORMA_SEVERITY_INFO);
             assert_found(f, s.vertices);
@@ -202,7 +222,8 @@ static void explained(void **state) {
 static void facets(void **state) {
     (void)state;
     surface s = surface_soup(surface_torus(AROUND, ACROSS));
-    const norma_mesh mesh = {.positions = {s.positions, s.vertices, 0, NORMA_FORMAT_FLOAT}, .corner_count = 3 * s.faces};
+    const norma_mesh mesh = {
+        .positions = {s.positions, s.vertices, 0, NORMA_FORMAT_FLOAT}, .corner_count = 3 * s.faces};
     assert_ok(norma_face_normals(&mesh, NULL, s.normals, s.faces, NULL));
     s.mesh.info.normals = NORMA_NORMALS_PER_FACET;
     assert_null(look(&s, "N205", NORMA_SEVERITY_NONE, NULL, NORMA_FILE_STL));
@@ -258,7 +279,8 @@ static void turned_inside_out(void **state) {
     const norma_finding *f = in_render(&s, "N302", NORMA_SEVERITY_WARNING);
     assert_found(f, 1);
     assert_int_equal(f->samples[0].face, 0);
-    assert_true(fabs(f->worst_value + 2 * 3.141592653589793 * 3.141592653589793 * 3) < .1); /* the volume of a torus */
+    assert_true(fabs(f->worst_value + 2 * 3.141592653589793 * 3.141592653589793 * 3) <
+                .1); /* the volume of a torus */
     assert_int_equal(f->fix, NORMA_FIX_UNSAFE);
     assert_found(in_print(&s, "N302", NORMA_SEVERITY_ERROR), 1);
     surface_free(&s);
@@ -266,8 +288,10 @@ static void turned_inside_out(void **state) {
 
 static void shells_in_shells(void **state) {
     (void)state;
-    /* From outside in: inside out; its cavity, right once that is put right; a body in it, inside out; a body in that body. */
-    surface s = surface_join(surface_join(surface_box(origin, 4, 1), surface_box(origin, 3, 1)), surface_join(surface_box(origin, 2, 1), surface_box(origin, 1, 0)));
+    /* From outside in: inside out; its cavity, right once that is put right; a body in it, inside
+     * out; a body in that body. */
+    surface s = surface_join(surface_join(surface_box(origin, 4, 1), surface_box(origin, 3, 1)),
+        surface_join(surface_box(origin, 2, 1), surface_box(origin, 1, 0)));
     const norma_finding *f = in_print(&s, "N302", NORMA_SEVERITY_ERROR);
     assert_found(f, 2);
     assert_int_equal(f->samples[0].face, 0);
@@ -278,10 +302,13 @@ static void shells_in_shells(void **state) {
     assert_int_equal(f->fix, NORMA_FIX_NONE);
     assert_found(in_render(&s, "N302", NORMA_SEVERITY_INFO), 1);
     surface_free(&s);
-    s = surface_join(surface_torus(AROUND, ACROSS), surface_box((const double[3]){3, 0, 0}, .2, 0)); /* a turned cavity in a wall of many faces */
+    s = surface_join(
+        surface_torus(AROUND, ACROSS), surface_box((const double[3]){3, 0, 0}, .2,
+                                           0)); /* a turned cavity in a wall of many faces */
     assert_found(in_render(&s, "N302", NORMA_SEVERITY_INFO), 1);
     surface_free(&s);
-    s = surface_join(surface_torus(AROUND, ACROSS), surface_box(origin, .2, 1)); /* in its hole: nothing encloses it */
+    s = surface_join(surface_torus(AROUND, ACROSS),
+        surface_box(origin, .2, 1)); /* in its hole: nothing encloses it */
     assert_found(in_render(&s, "N302", NORMA_SEVERITY_WARNING), 1);
     surface_free(&s);
 }
@@ -311,7 +338,9 @@ static void fins_and_bow_ties(void **state) {
     assert_true(f->samples[0].vertex == edge[0] || f->samples[0].vertex == edge[1]);
     assert_true(f->worst_value == 3);
     const uint32_t lone = inner[2];
-    surface_add_face(&s, (uint32_t[]){s.corners[3 * 2 * (70 * ACROSS + 20)], surface_add_vertex(&s, tip[0], up), surface_add_vertex(&s, tip[1], up)});
+    surface_add_face(
+        &s, (uint32_t[]){s.corners[3 * 2 * (70 * ACROSS + 20)], surface_add_vertex(&s, tip[0], up),
+                surface_add_vertex(&s, tip[1], up)});
     (void)lone;
     assert_found(in_print(&s, "N303", NORMA_SEVERITY_WARNING), 2);
     surface_free(&s);
@@ -353,9 +382,12 @@ static void flat_faces(void **state) {
     (void)state;
     surface s = surface_torus(64, 32);
     const float up[3] = {0, 0, 1};
-    const uint32_t a = surface_add_vertex(&s, (const float[3]){10, 0, 0}, up), b = surface_add_vertex(&s, (const float[3]){12, 0, 0}, up);
-    const uint32_t collinear = surface_add_vertex(&s, (const float[3]){11, 0, 0}, up), thin = surface_add_vertex(&s, (const float[3]){11, 1e-6f, 0}, up);
-    const uint32_t sliver = surface_add_vertex(&s, (const float[3]){11, 1e-3f, 0}, up), fine = surface_add_vertex(&s, (const float[3]){11, 4e-3f, 0}, up);
+    const uint32_t a = surface_add_vertex(&s, (const float[3]){10, 0, 0}, up),
+                   b = surface_add_vertex(&s, (const float[3]){12, 0, 0}, up);
+    const uint32_t collinear = surface_add_vertex(&s, (const float[3]){11, 0, 0}, up),
+                   thin = surface_add_vertex(&s, (const float[3]){11, 1e-6f, 0}, up);
+    const uint32_t sliver = surface_add_vertex(&s, (const float[3]){11, 1e-3f, 0}, up),
+                   fine = surface_add_vertex(&s, (const float[3]){11, 4e-3f, 0}, up);
     const size_t first = surface_add_face(&s, (uint32_t[]){a, b, collinear});
     surface_add_face(&s, (uint32_t[]){a, b, thin});
     surface_add_face(&s, (uint32_t[]){a, a, b});
@@ -381,7 +413,8 @@ static void cancelled(void **state) {
     uint32_t ring[2][4];
     for (int side = 0; side < 2; side++)
         for (int k = 0; k < 4; k++) {
-            const float p[3] = {(float)(10 + (k == 0) - (k == 2)), (float)((k == 1) - (k == 3)), side ? 1 : -1};
+            const float p[3] = {
+                (float)(10 + (k == 0) - (k == 2)), (float)((k == 1) - (k == 3)), side ? 1 : -1};
             ring[side][k] = surface_add_vertex(&s, p, up);
         }
     for (size_t k = 0; k < 4; k++) {
@@ -402,12 +435,16 @@ static void cancelled(void **state) {
 static void polygons(void **state) {
     (void)state;
     static const float shapes[][5][3] = {
-        {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {-.5f, .5f, 0}},            /* convex */
-        {{10, 0, 0}, {12, 0, 0}, {10.5f, .5f, 0}, {10, 2, 0}, {9.5f, 1, 0}},     /* concave, but not as seen from its first corner */
-        {{22, 0, 0}, {20.5f, .5f, 0}, {20, 2, 0}, {19.5f, 1, 0}, {20, 0, 0}},    /* the same from another corner: the fan folds */
-        {{30, 0, 0}, {32, 0, 0}, {30.2f, 1.5f, 0}, {31.8f, 1.4f, 0}, {31, 3, 0}}, /* its edges cross */
-        {{40, 0, 0}, {41, 0, 0}, {41, 1, .05f}, {40, 1, 0}, {39.5f, .5f, 0}},    /* bent by more than a degree */
-        {{50, 0, 0}, {51, 0, 0}, {51, 1, .005f}, {50, 1, 0}, {49.5f, .5f, 0}},   /* by less */
+        {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {-.5f, .5f, 0}}, /* convex */
+        {{10, 0, 0}, {12, 0, 0}, {10.5f, .5f, 0}, {10, 2, 0},
+            {9.5f, 1, 0}}, /* concave, but not as seen from its first corner */
+        {{22, 0, 0}, {20.5f, .5f, 0}, {20, 2, 0}, {19.5f, 1, 0},
+            {20, 0, 0}}, /* the same from another corner: the fan folds */
+        {{30, 0, 0}, {32, 0, 0}, {30.2f, 1.5f, 0}, {31.8f, 1.4f, 0},
+            {31, 3, 0}}, /* its edges cross */
+        {{40, 0, 0}, {41, 0, 0}, {41, 1, .05f}, {40, 1, 0},
+            {39.5f, .5f, 0}}, /* bent by more than a degree */
+        {{50, 0, 0}, {51, 0, 0}, {51, 1, .005f}, {50, 1, 0}, {49.5f, .5f, 0}}, /* by less */
     };
     surface s = {.faces = COUNT_OF(shapes), .vertices = 5 * COUNT_OF(shapes)};
     s.positions = malloc(sizeof shapes);
@@ -430,14 +467,17 @@ static void polygons(void **state) {
 /* ---- seams, soups, cracks */
 
 static void turn_normal(surface *s, size_t vertex, double degrees) {
-    const double x = (double)s->normals[3 * vertex], y = (double)s->normals[3 * vertex + 1], a = degrees / DEGREES;
-    set_normal(s, vertex, cos(a) * x - sin(a) * y, sin(a) * x + cos(a) * y, (double)s->normals[3 * vertex + 2]);
+    const double x = (double)s->normals[3 * vertex], y = (double)s->normals[3 * vertex + 1],
+                 a = degrees / DEGREES;
+    set_normal(s, vertex, cos(a) * x - sin(a) * y, sin(a) * x + cos(a) * y,
+        (double)s->normals[3 * vertex + 2]);
 }
 
 static void a_seam_two_degrees_apart(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
-    for (size_t k = 3; k < 8; k++) turn_normal(&s, k, 2); /* the first of both sides of the seam across */
+    for (size_t k = 3; k < 8; k++)
+        turn_normal(&s, k, 2); /* the first of both sides of the seam across */
     const norma_finding *f = in_render(&s, "N501", NORMA_SEVERITY_WARNING);
     assert_found(f, 5);
     for (size_t i = 0; i < 5; i++) assert_int_equal(f->samples[i].vertex, 3 + i);
@@ -451,8 +491,9 @@ static void a_seam_two_degrees_apart(void **state) {
     surface_free(&s);
     s = surface_torus(AROUND, ACROSS); /* a vertex of one face alone, with UVs of its own */
     const size_t lone = 2 * (50 * ACROSS + 20), old = s.corners[3 * lone];
-    s.corners[3 * lone] = surface_add_vertex(&s, (const float[3]){s.positions[3 * old], s.positions[3 * old + 1], s.positions[3 * old + 2]},
-                                             (const float[3]){s.normals[3 * old], s.normals[3 * old + 1], s.normals[3 * old + 2]});
+    s.corners[3 * lone] = surface_add_vertex(&s,
+        (const float[3]){s.positions[3 * old], s.positions[3 * old + 1], s.positions[3 * old + 2]},
+        (const float[3]){s.normals[3 * old], s.normals[3 * old + 1], s.normals[3 * old + 2]});
     turn_normal(&s, s.corners[3 * lone], 5);
     assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
     surface_free(&s);
@@ -467,7 +508,8 @@ static void a_seam_two_degrees_apart(void **state) {
     surface_free(&s);
 }
 
-/* A torus cut into two primitives of one mesh, the second half with a material of its own: vertices on the border are in both, some turned there. */
+/* A torus cut into two primitives of one mesh, the second half with a material of its own: vertices
+ * on the border are in both, some turned there. */
 static void a_seam_between_primitives(void **state) {
     (void)state;
     for (int turned = 0; turned < 2; turned++) {
@@ -488,14 +530,16 @@ static void a_seam_between_primitives(void **state) {
             meshes[i].attributes.material = i;
         }
         norma_findings *findings = NULL;
-        const norma_check_scene scene = {.meshes = meshes, .mesh_count = 2, .format = NORMA_FILE_GLB};
+        const norma_check_scene scene = {
+            .meshes = meshes, .mesh_count = 2, .format = NORMA_FILE_GLB};
         assert_int_equal(norma_check_scene_run(&scene, NULL, &findings), NORMA_OK);
         const norma_finding *f = finding_of(findings, "N501", NORMA_SEVERITY_NONE);
         if (turned) {
             assert_found(f, 5);
             assert_string_equal(f->where, "/meshes/0/primitives/1");
             assert_true(f->worst_value > 2.8 && f->worst_value < 3.01);
-            for (size_t i = 0; i < 5; i++) assert_int_equal(f->samples[i].vertex, b.corners[3 * half] + 3 + i);
+            for (size_t i = 0; i < 5; i++)
+                assert_int_equal(f->samples[i].vertex, b.corners[3 * half] + 3 + i);
         } else {
             assert_null(f);
         }
@@ -513,26 +557,28 @@ static void soups_and_cracks(void **state) {
     s = surface_torus(AROUND, ACROSS);
     assert_null(in_render(&s, "N502", NORMA_SEVERITY_NONE));
     assert_null(finding_of(found, "N503", NORMA_SEVERITY_NONE));
-    for (size_t k = 10; k < 14; k++) s.positions[3 * k] += 2e-6f; /* diagonal about 12, spacing of floats at 4 about 5e-7 */
+    for (size_t k = 10; k < 14; k++)
+        s.positions[3 * k] += 2e-6f; /* diagonal about 12, spacing of floats at 4 about 5e-7 */
     const norma_finding *f = in_render(&s, "N503", NORMA_SEVERITY_INFO);
     assert_found(f, 8);
     assert_int_equal(f->samples[0].vertex, 10);
     for (size_t k = 10; k < 14; k++) s.positions[3 * k] += 1e-3f;
     assert_null(in_render(&s, "N503", NORMA_SEVERITY_NONE));
     surface_free(&s);
-    /* Every 50th face a little aside, in whatever cell it lies: its positions and those of its neighbours, each once. */
+    /* Every 50th face a little aside, in whatever cell it lies: its positions and those of its
+     * neighbours, each once. */
     s = surface_torus(AROUND, ACROSS);
     uint8_t aside[AROUND * ACROSS] = {0};
     size_t places = 0;
     for (size_t c = 0; c < 3 * s.faces; c++) {
-        const size_t place = s.corners[c] / (ACROSS + 1) % AROUND * ACROSS + s.corners[c] % (ACROSS + 1) % ACROSS;
+        const size_t place =
+            s.corners[c] / (ACROSS + 1) % AROUND * ACROSS + s.corners[c] % (ACROSS + 1) % ACROSS;
         places += c / 3 % 50 == 0 && !aside[place];
         aside[place] |= c / 3 % 50 == 0;
     }
     s = surface_soup(s);
     for (size_t v = 0; v < s.vertices; v++)
-        if (v / 3 % 50 == 0)
-            s.positions[3 * v] += s.positions[3 * v] > 0 ? -6e-6f : 6e-6f;
+        if (v / 3 % 50 == 0) s.positions[3 * v] += s.positions[3 * v] > 0 ? -6e-6f : 6e-6f;
     assert_found(in_render(&s, "N503", NORMA_SEVERITY_INFO), 2 * places);
     surface_free(&s);
 }
@@ -545,7 +591,8 @@ static void far_away(void **state) {
     for (size_t v = 0; v < s.vertices; v++) s.positions[3 * v + 1] += 100000;
     const norma_finding *f = in_render(&s, "N701", NORMA_SEVERITY_WARNING);
     assert_found(f, 1);
-    assert_true(f->worst_value > .02 && f->worst_value < .3); /* spacing .0078, edges from .03 to .3 */
+    assert_true(
+        f->worst_value > .02 && f->worst_value < .3); /* spacing .0078, edges from .03 to .3 */
     surface_free(&s);
     s = surface_torus(AROUND, ACROSS);
     for (size_t v = 0; v < s.vertices; v++) s.positions[3 * v + 1] += 1000;
@@ -566,12 +613,14 @@ static void samples_rules_and_silence(void **state) {
     const norma_finding *f = in_render(&s, "N102", NORMA_SEVERITY_ERROR);
     assert_found(f, 100);
     assert_int_equal(f->sample_count, 10);
-    f = look(&s, "N102", NORMA_SEVERITY_ERROR, &(norma_check_options){.max_samples = 37}, NORMA_FILE_GLB);
+    f = look(&s, "N102", NORMA_SEVERITY_ERROR, &(norma_check_options){.max_samples = 37},
+        NORMA_FILE_GLB);
     assert_int_equal(f->sample_count, 37);
     assert_int_equal(f->samples[36].vertex, 136);
     uint8_t mask[128] = {0};
     assert_ok(norma_rules_select("n3, zero-normal", mask, NULL));
-    (void)look(&s, "N102", NORMA_SEVERITY_ERROR, &(norma_check_options){.rules = mask}, NORMA_FILE_GLB);
+    (void)look(
+        &s, "N102", NORMA_SEVERITY_ERROR, &(norma_check_options){.rules = mask}, NORMA_FILE_GLB);
     assert_int_equal(norma_findings_count(found), 1);
     s.mesh.material.ignore = "N204,zero-normal,no-such-rule";
     assert_null(in_render(&s, "N102", NORMA_SEVERITY_NONE));
@@ -598,7 +647,8 @@ static void lists_of_rules(void **state) {
     assert_string_equal(unknown, "nonsense");
     for (size_t i = 0; i < count; i++) assert_int_equal(mask[i], 0);
     assert_ok(norma_rules_select(" N30 ,triangle-soup,", mask, unknown));
-    for (size_t i = 0; i < count; i++) assert_int_equal(mask[i], !strncmp(rules[i].id, "N30", 3) || !strcmp(rules[i].id, "N502"));
+    for (size_t i = 0; i < count; i++)
+        assert_int_equal(mask[i], !strncmp(rules[i].id, "N30", 3) || !strcmp(rules[i].id, "N502"));
 }
 
 static void assert_same_sample(const norma_sample *a, const norma_sample *b) {
@@ -615,7 +665,9 @@ static void threads_change_nothing(void **state) {
     for (size_t f = 0; f < s.faces; f += 97) surface_turn_face(&s, f);
     for (size_t v = 0; v < s.vertices; v += 331) set_normal(&s, v, 0, 0, v % 2 ? 0 : 3);
     for (size_t v = 0; v < s.vertices; v += 501) s.positions[3 * v] += 3e-6f;
-    norma_findings *one = surface_findings(&s, NULL, NORMA_FILE_GLB), *many = surface_findings(&s, &(norma_check_options){.threads = 8}, NORMA_FILE_GLB);
+    norma_findings *one = surface_findings(&s, NULL, NORMA_FILE_GLB),
+                   *many =
+                       surface_findings(&s, &(norma_check_options){.threads = 8}, NORMA_FILE_GLB);
     assert_int_equal(norma_findings_count(one), norma_findings_count(many));
     for (size_t i = 0; i < norma_findings_count(one); i++) {
         const norma_finding *a = norma_findings_get(one, i), *b = norma_findings_get(many, i);
@@ -623,7 +675,8 @@ static void threads_change_nothing(void **state) {
         assert_string_equal(a->message, b->message);
         assert_int_equal(a->count, b->count);
         assert_int_equal(a->sample_count, b->sample_count);
-        for (size_t k = 0; k < a->sample_count; k++) assert_same_sample(&a->samples[k], &b->samples[k]);
+        for (size_t k = 0; k < a->sample_count; k++)
+            assert_same_sample(&a->samples[k], &b->samples[k]);
         assert_same_sample(&a->worst, &b->worst);
         assert_memory_equal(&a->worst_value, &b->worst_value, sizeof a->worst_value);
     }

@@ -1,5 +1,6 @@
-/* Planted faults for the rules about files, materials, transforms, tangents and morph targets: each in a known place and amount, the numbers by hand; and
- * beside each what comes nearest to it and is right, of which nothing may be said. */
+/* Planted faults for the rules about files, materials, transforms, tangents and morph targets: each
+ * in a known place and amount, the numbers by hand; and beside each what comes nearest to it and is
+ * right, of which nothing may be said. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,8 +24,7 @@ static norma_findings *check(norma_document *document, const char *rules) {
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
     norma_findings *findings;
     norma_document_error error;
-    if (norma_check_document(document, &options, &findings, &error))
-        fail_msg("%s", error.message);
+    if (norma_check_document(document, &options, &findings, &error)) fail_msg("%s", error.message);
     norma_document_close(document);
     return findings;
 }
@@ -43,7 +43,8 @@ static void places_of(const norma_finding *finding, char text[400]) {
     text[0] = 0;
     for (size_t i = 0; i < finding->sample_count; i++) {
         const norma_sample *s = &finding->samples[i];
-        sprintf(text + strlen(text), "%s%c%zu", i ? " " : "", s->vertex != SIZE_MAX ? 'v' : 'f', s->vertex != SIZE_MAX ? s->vertex : s->face);
+        sprintf(text + strlen(text), "%s%c%zu", i ? " " : "", s->vertex != SIZE_MAX ? 'v' : 'f',
+            s->vertex != SIZE_MAX ? s->vertex : s->face);
     }
 }
 
@@ -52,7 +53,8 @@ static void show(const norma_findings *findings) {
         const norma_finding *f = norma_findings_get(findings, i);
         char places[400];
         places_of(f, places);
-        print_error("  {%s, %s, severity %d, %zu, %.9g, \"%s\"} %s\n", f->rule->id, f->where, (int)f->severity, f->count, f->worst_value, places, f->message);
+        print_error("  {%s, %s, severity %d, %zu, %.9g, \"%s\"} %s\n", f->rule->id, f->where,
+            (int)f->severity, f->count, f->worst_value, places, f->message);
     }
 }
 
@@ -63,21 +65,23 @@ static void assert_found(norma_findings *findings, const expected *wanted, size_
         const norma_finding *f = norma_findings_get(findings, i);
         char places[400];
         places_of(f, places);
-        right = !strcmp(f->rule->id, wanted[i].rule) && !strcmp(f->where, wanted[i].where) && f->severity == wanted[i].severity &&
-                f->count == wanted[i].count && !strcmp(places, wanted[i].places) && f->message[0];
+        right = !strcmp(f->rule->id, wanted[i].rule) && !strcmp(f->where, wanted[i].where) &&
+                f->severity == wanted[i].severity && f->count == wanted[i].count &&
+                !strcmp(places, wanted[i].places) && f->message[0];
         right = right && (isnan(wanted[i].worst) ? isnan(f->worst_value)
-                                                 : wanted[i].worst == f->worst_value || fabs(f->worst_value - wanted[i].worst) <= 1e-5 * fabs(wanted[i].worst));
+                                                 : wanted[i].worst == f->worst_value ||
+                                                       fabs(f->worst_value - wanted[i].worst) <=
+                                                           1e-5 * fabs(wanted[i].worst));
     }
-    if (!right)
-        show(findings);
+    if (!right) show(findings);
     norma_findings_free(findings);
     assert_true(right);
 }
 
-#define FOUND(findings, ...)                                                                                                                                   \
-    do {                                                                                                                                                       \
-        const expected wanted_[] = {__VA_ARGS__};                                                                                                              \
-        assert_found(findings, wanted_, sizeof wanted_ / sizeof *wanted_);                                                                                     \
+#define FOUND(findings, ...)                                                                       \
+    do {                                                                                           \
+        const expected wanted_[] = {__VA_ARGS__};                                                  \
+        assert_found(findings, wanted_, sizeof wanted_ / sizeof *wanted_);                         \
     } while (0)
 static void assert_clean(norma_findings *findings) { assert_found(findings, NULL, 0); }
 
@@ -97,9 +101,11 @@ static void add_square(gltf_asset *a) {
     asset_uint16(a, corners, 6);
 }
 
-#define SURFACE   "\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2"
-#define ONE_SIDE  "\"meshes\":[{\"primitives\":[{" SURFACE "}]}]"
-#define TWO_SIDES "\"materials\":[{},{\"doubleSided\":true}],\"meshes\":[{\"primitives\":[{" SURFACE ",\"material\":0},{" SURFACE ",\"material\":1}]}]"
+#define SURFACE  "\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2"
+#define ONE_SIDE "\"meshes\":[{\"primitives\":[{" SURFACE "}]}]"
+#define TWO_SIDES                                                                                  \
+    "\"materials\":[{},{\"doubleSided\":true}],\"meshes\":[{\"primitives\":[{" SURFACE             \
+    ",\"material\":0},{" SURFACE ",\"material\":1}]}]"
 
 static norma_findings *check_nodes(const char *meshes, const char *nodes) {
     char rest[4000];
@@ -113,46 +119,59 @@ static norma_findings *check_nodes(const char *meshes, const char *nodes) {
 
 static void test_mirrored(void **state) {
     (void)state;
-    static const char two_levels_up[] = "\"nodes\":[{\"scale\":[-1,1,1],\"children\":[1,3]},{\"children\":[2]},{\"mesh\":0,\"name\":\"leaf\"},{},{\"mesh\":0}]";
+    static const char two_levels_up[] =
+        "\"nodes\":[{\"scale\":[-1,1,1],\"children\":[1,3]},{\"children\":[2]},{\"mesh\":0,"
+        "\"name\":\"leaf\"},{},{\"mesh\":0}]";
     FOUND(check_nodes(ONE_SIDE, two_levels_up), {"N602", "/nodes/2", I, 1, -1, ""});
     FOUND(check_nodes(TWO_SIDES, two_levels_up), {"N602", "/nodes/2", W, 1, -1, ""});
-    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-2,-2,-2]}]"), {"N602", "/nodes/0", I, 1, -8, ""});
-    assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"scale\":[-1,1,1],\"children\":[1]},{\"scale\":[1,1,-1],\"mesh\":0}]"));
+    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-2,-2,-2]}]"),
+        {"N602", "/nodes/0", I, 1, -8, ""});
+    assert_clean(check_nodes(ONE_SIDE,
+        "\"nodes\":[{\"scale\":[-1,1,1],\"children\":[1]},{\"scale\":[1,1,-1],\"mesh\":0}]"));
     assert_clean(check_nodes(TWO_SIDES, "\"nodes\":[{\"mesh\":0,\"scale\":[-3,-3,3]}]"));
     assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"scale\":[-1,1,1]},{\"mesh\":0}]"));
     /* The node of a skinned mesh does not place it. */
-    assert_clean(check_nodes(TWO_SIDES, "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"mesh\":0,\"skin\":0,\"scale\":[-1,5,1]},{}]"));
+    assert_clean(check_nodes(TWO_SIDES,
+        "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"mesh\":0,\"skin\":0,\"scale\":[-1,5,1]},{}]"));
 }
 
 /* Columns (2c, s) and (-2s, c) at 45 degrees: their cosine is 1.5 / 2.5. */
 static void test_sheared(void **state) {
     (void)state;
-    static const char turned[] = "{\"rotation\":[0,0,0.3826834323650898,0.9238795325112867],\"mesh\":0}";
+    static const char turned[] =
+        "{\"rotation\":[0,0,0.3826834323650898,0.9238795325112867],\"mesh\":0}";
     char nodes[400];
     sprintf(nodes, "\"nodes\":[{\"scale\":[2,1,1],\"children\":[1]},%s]", turned);
-    FOUND(check_nodes(ONE_SIDE, nodes), {"N601", "/nodes/1", I, 1, 2, ""}, {"N604", "/nodes/1", W, 1, 0.6, ""});
+    FOUND(check_nodes(ONE_SIDE, nodes), {"N601", "/nodes/1", I, 1, 2, ""},
+        {"N604", "/nodes/1", W, 1, 0.6, ""});
     sprintf(nodes, "\"nodes\":[{\"scale\":[2,2,2],\"children\":[1]},%s]", turned);
     assert_clean(check_nodes(ONE_SIDE, nodes));
-    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"matrix\":[1,0,0,0, 0.0011,1,0,0, 0,0,1,0, 5,6,7,1]}]"), {"N604", "/nodes/0", W, 1, 0.0011, ""});
-    assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"matrix\":[1,0,0,0, 0.0009,1,0,0, 0,0,1,0, 5,6,7,1]}]"));
+    FOUND(check_nodes(ONE_SIDE,
+              "\"nodes\":[{\"mesh\":0,\"matrix\":[1,0,0,0, 0.0011,1,0,0, 0,0,1,0, 5,6,7,1]}]"),
+        {"N604", "/nodes/0", W, 1, 0.0011, ""});
+    assert_clean(check_nodes(
+        ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"matrix\":[1,0,0,0, 0.0009,1,0,0, 0,0,1,0, 5,6,7,1]}]"));
 }
 
 static void test_uneven(void **state) {
     (void)state;
-    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[1,1.0501,1]},{\"mesh\":0,\"scale\":[1,1.0499,1]},{\"mesh\":0,\"scale\":[1e-7,1e-7,4e-7]},{"
+    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[1,1.0501,1]},{\"mesh\":0,"
+                                "\"scale\":[1,1.0499,1]},{\"mesh\":0,\"scale\":[1e-7,1e-7,4e-7]},{"
                                 "\"mesh\":0,\"scale\":[1e-9,1e-9,1e-9]}]"),
-          {"N601", "/nodes/0", I, 1, 1.0501, ""}, {"N601", "/nodes/2", I, 1, 4, ""});
+        {"N601", "/nodes/0", I, 1, 1.0501, ""}, {"N601", "/nodes/2", I, 1, 4, ""});
     norma_findings *findings = check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[2,1,1]}]");
-    assert_non_null(strstr(norma_findings_get(findings, 0)->message, "36.9 degrees")); /* asin(3 / 5) */
+    assert_non_null(
+        strstr(norma_findings_get(findings, 0)->message, "36.9 degrees")); /* asin(3 / 5) */
     assert_string_equal(norma_findings_get(findings, 0)->label, "node 0");
     norma_findings_free(findings);
 }
 
 static void test_singular(void **state) {
     (void)state;
-    FOUND(check_nodes(TWO_SIDES,
-                      "\"nodes\":[{\"mesh\":0,\"scale\":[1,0,1]},{\"mesh\":0,\"scale\":[0,0,0]},{\"mesh\":0,\"scale\":[1,1,-0.0000001]},{\"mesh\":0}]"),
-          {"N603", "/nodes/0", W, 1, 2, ""}, {"N603", "/nodes/1", W, 1, 0, ""}, {"N603", "/nodes/2", W, 1, 2, ""});
+    FOUND(check_nodes(TWO_SIDES, "\"nodes\":[{\"mesh\":0,\"scale\":[1,0,1]},{\"mesh\":0,\"scale\":["
+                                 "0,0,0]},{\"mesh\":0,\"scale\":[1,1,-0.0000001]},{\"mesh\":0}]"),
+        {"N603", "/nodes/0", W, 1, 2, ""}, {"N603", "/nodes/1", W, 1, 0, ""},
+        {"N603", "/nodes/2", W, 1, 2, ""});
 }
 
 static norma_findings *check_instances(const float *scales, size_t count, const char *node_scale) {
@@ -160,8 +179,10 @@ static norma_findings *check_instances(const float *scales, size_t count, const 
     char rest[1000];
     add_square(&a);
     asset_floats(&a, scales, count, 3);
-    snprintf(rest, sizeof rest, "\"nodes\":[{\"mesh\":0,\"scale\":%s,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"SCALE\":3}}}}]," ONE_SIDE,
-             node_scale);
+    snprintf(rest, sizeof rest,
+        "\"nodes\":[{\"mesh\":0,\"scale\":%s,\"extensions\":{\"EXT_mesh_gpu_instancing\":{"
+        "\"attributes\":{\"SCALE\":3}}}}]," ONE_SIDE,
+        node_scale);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     asset_free(&a);
     return findings;
@@ -169,7 +190,8 @@ static norma_findings *check_instances(const float *scales, size_t count, const 
 
 static void test_instances(void **state) {
     (void)state;
-    static const float mixed[5][3] = {{1, 1, 1}, {-1, 1, 1}, {2, 2, 2}, {-3, -3, -3}, {1, 1, 1}}, all[3][3] = {{-1, 1, 1}, {1, -1, 1}, {-1, -1, -1}},
+    static const float mixed[5][3] = {{1, 1, 1}, {-1, 1, 1}, {2, 2, 2}, {-3, -3, -3}, {1, 1, 1}},
+                       all[3][3] = {{-1, 1, 1}, {1, -1, 1}, {-1, -1, -1}},
                        right[3][3] = {{1, 1, 1}, {-1, -1, 1}, {5, 5, 5}};
     static const float uneven[4][3] = {{1, 1, 1}, {2, 1, 1}, {1, 1, 3}, {1, 0, 1}};
     FOUND(check_instances(&mixed[0][0], 5, "[1,1,1]"), {"N602", "/nodes/0", W, 2, -27, ""});
@@ -177,41 +199,49 @@ static void test_instances(void **state) {
     assert_clean(check_instances(&all[0][0], 3, "[1,1,-1]"));
     assert_clean(check_instances(&right[0][0], 3, "[1,1,1]"));
     FOUND(check_instances(&right[0][0], 3, "[1,-1,1]"), {"N602", "/nodes/0", I, 3, -125, ""});
-    FOUND(check_instances(&uneven[0][0], 4, "[1,1,1]"), {"N601", "/nodes/0", I, 2, 3, ""}, {"N603", "/nodes/0", W, 1, 2, ""});
+    FOUND(check_instances(&uneven[0][0], 4, "[1,1,1]"), {"N601", "/nodes/0", I, 2, 3, ""},
+        {"N603", "/nodes/0", W, 1, 2, ""});
 }
 
 static void test_ignored_nodes(void **state) {
     (void)state;
-    assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1],\"extras\":{\"norma\":{\"ignore\":[\"N602\"]}}}]"));
-    assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"children\":[1],\"extras\":{\"norma\":{\"ignore\":[\"N60\"]}}},{\"mesh\":0,\"scale\":[-1,2,0]}]"));
-    assert_clean(check_nodes(ONE_SIDE, "\"extras\":{\"norma\":{\"ignore\":[\"mirrored\",\"non-uniform-scale\"]}},\"nodes\":[{\"mesh\":0,\"scale\":[-1,2,1]}]"));
-    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-1,2,1],\"extras\":{\"norma\":{\"ignore\":[\"N601\",\"nonsense\"]}}}]"),
-          {"N602", "/nodes/0", I, 1, -2, ""});
+    assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1],\"extras\":{"
+                                       "\"norma\":{\"ignore\":[\"N602\"]}}}]"));
+    assert_clean(check_nodes(ONE_SIDE, "\"nodes\":[{\"children\":[1],\"extras\":{\"norma\":{"
+                                       "\"ignore\":[\"N60\"]}}},{\"mesh\":0,\"scale\":[-1,2,0]}]"));
+    assert_clean(
+        check_nodes(ONE_SIDE, "\"extras\":{\"norma\":{\"ignore\":[\"mirrored\",\"non-uniform-"
+                              "scale\"]}},\"nodes\":[{\"mesh\":0,\"scale\":[-1,2,1]}]"));
+    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[-1,2,1],\"extras\":{\"norma\":{"
+                                "\"ignore\":[\"N601\",\"nonsense\"]}}}]"),
+        {"N602", "/nodes/0", I, 1, -2, ""});
 }
 
 /* ---- skins */
 
 static void test_joints(void **state) {
     (void)state;
-    FOUND(check_nodes(
-              ONE_SIDE,
-              "\"skins\":[{\"joints\":[0]},{\"joints\":[0,1],\"name\":\"arm\"}],\"nodes\":[{\"scale\":[1,1.04,1],\"children\":[1]},{\"scale\":[1,1.02,1]}]"),
-          {"N605", "/skins/1", I, 1, 1.0608, ""});
+    FOUND(check_nodes(ONE_SIDE,
+              "\"skins\":[{\"joints\":[0]},{\"joints\":[0,1],\"name\":\"arm\"}],\"nodes\":[{"
+              "\"scale\":[1,1.04,1],\"children\":[1]},{\"scale\":[1,1.02,1]}]"),
+        {"N605", "/skins/1", I, 1, 1.0608, ""});
     static const float times[2] = {0, 1}, scales[2][3] = {{1, 1, 1}, {1, 1, 1.5F}};
     gltf_asset a = {0};
     asset_floats(&a, times, 2, 1);
     asset_floats(&a, &scales[0][0], 2, 3);
     FOUND(check(asset_open(&a,
-                           "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1]},{}],\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1}],"
-                           "\"channels\":[{\"sampler\":0,"
-                           "\"target\":{\"node\":0,\"path\":\"scale\"}}]}]",
-                           1),
-                MINE),
-          {"N605", "/skins/0", I, 1, 1.5, ""});
+                    "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1]},{}],\"animations\":"
+                    "[{\"samplers\":[{\"input\":0,\"output\":1}],"
+                    "\"channels\":[{\"sampler\":0,"
+                    "\"target\":{\"node\":0,\"path\":\"scale\"}}]}]",
+                    1),
+              MINE),
+        {"N605", "/skins/0", I, 1, 1.5, ""});
     asset_free(&a);
 }
 
-/* ---- tangents: islands, squares side by side, each of four vertices; v downwards, so that the sign +1 is right */
+/* ---- tangents: islands, squares side by side, each of four vertices; v downwards, so that the
+ * sign +1 is right */
 
 enum { ISLANDS = 5, COUNT = 4 * ISLANDS };
 
@@ -223,7 +253,8 @@ typedef struct islands {
 static void make_islands(islands *s) {
     for (int v = 0; v < COUNT; v++) {
         const float *p = square[v % 4];
-        memcpy(s->positions[v], (const float[3]){p[0] + 2.0F * (float)(v / 4), p[1], 0}, sizeof s->positions[v]);
+        memcpy(s->positions[v], (const float[3]){p[0] + 2.0F * (float)(v / 4), p[1], 0},
+            sizeof s->positions[v]);
         memcpy(s->normals[v], up[0], sizeof up[0]);
         memcpy(s->tangents[v], (const float[4]){1, 0, 0, 1}, sizeof s->tangents[v]);
         memcpy(s->uvs[v], (const float[2]){p[0], 1 - p[1]}, sizeof s->uvs[v]);
@@ -250,8 +281,12 @@ static norma_findings *check_islands(const islands *s, int snorm8) {
     else
         asset_floats(&a, &s->tangents[0][0], COUNT, 4);
     asset_floats(&a, &s->uvs[0][0], COUNT, 2);
-    norma_findings *findings = check(
-        asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4},\"indices\":2}]}]", 1), MINE);
+    norma_findings *findings =
+        check(asset_open(&a,
+                  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
+                  "\"TANGENT\":3,\"TEXCOORD_0\":4},\"indices\":2}]}]",
+                  1),
+            MINE);
     asset_free(&a);
     return findings;
 }
@@ -281,7 +316,9 @@ static void test_tangent_lengths(void **state) {
     assert_clean(check_islands(&s, 1));
     s.tangents[6][0] = s.tangents[6][1] = 0.6F; /* .8485 */
     norma_findings *findings = check_islands(&s, 1);
-    assert_true(norma_findings_count(findings) == 1 && norma_findings_get(findings, 0)->count == 1 && norma_findings_get(findings, 0)->samples[0].vertex == 6);
+    assert_true(norma_findings_count(findings) == 1 &&
+                norma_findings_get(findings, 0)->count == 1 &&
+                norma_findings_get(findings, 0)->samples[0].vertex == 6);
     norma_findings_free(findings);
 }
 
@@ -300,8 +337,10 @@ static void test_tangent_lean(void **state) {
     (void)state;
     islands s;
     make_islands(&s);
-    memcpy(s.tangents[2], (const float[4]){(float)sqrt(1 - .11 * .11), 0, .11F, 1}, sizeof s.tangents[2]);
-    memcpy(s.tangents[6], (const float[4]){(float)sqrt(1 - .09 * .09), 0, .09F, 1}, sizeof s.tangents[6]);
+    memcpy(s.tangents[2], (const float[4]){(float)sqrt(1 - .11 * .11), 0, .11F, 1},
+        sizeof s.tangents[2]);
+    memcpy(s.tangents[6], (const float[4]){(float)sqrt(1 - .09 * .09), 0, .09F, 1},
+        sizeof s.tangents[6]);
     memcpy(s.tangents[17], (const float[4]){0, 0, -1, 1}, sizeof s.tangents[17]);
     FOUND(check_islands(&s, 0), {"N803", PRIMITIVE, W, 2, 90, "v2 v17"});
     memcpy(s.normals[2], (const float[3]){0, 0, NAN}, sizeof s.normals[2]); /* nothing to lean on */
@@ -322,12 +361,14 @@ static void test_tangent_windings(void **state) {
     set_signs(&s, 3, 1); /* a mirrored twin that kept its sign */
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, W, 4, NAN, "v12 v13 v14 v15"});
     for (int v = 12; v < 16; v++)
-        for (int k = 0; k < 2; k++) s.uvs[v][k] = 0.125F + s.uvs[v][k] * 0x1p-20F; /* as small as it may be, it counts */
+        for (int k = 0; k < 2; k++)
+            s.uvs[v][k] = 0.125F + s.uvs[v][k] * 0x1p-20F; /* as small as it may be, it counts */
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, W, 4, NAN, "v12 v13 v14 v15"});
     for (int v = 12; v < 16; v++) s.uvs[v][1] = 0.5F; /* no area: no winding */
     assert_clean(check_islands(&s, 0));
-    static const float last_digits[4][2] = {
-        {0.3F, 0.7F}, {0.30000001192F + 0x1p-25F, 0.7F}, {0.3F, 0.7F + 0x1p-24F}, {0.3F - 0x1p-25F, 0.7F - 0x1p-24F}}; /* one point, but for rounding */
+    static const float last_digits[4][2] = {{0.3F, 0.7F}, {0.30000001192F + 0x1p-25F, 0.7F},
+        {0.3F, 0.7F + 0x1p-24F},
+        {0.3F - 0x1p-25F, 0.7F - 0x1p-24F}}; /* one point, but for rounding */
     memcpy(s.uvs[12], last_digits, sizeof last_digits);
     assert_clean(check_islands(&s, 0));
 
@@ -338,7 +379,8 @@ static void test_tangent_windings(void **state) {
     FOUND(check_islands(&s, 0), {"N804", PRIMITIVE, I, 20, NAN, "v0 v1 v2 v3 v4 v5 v6 v7 v8 v9"});
 }
 
-/* A vertex that faces of both windings share cannot be right for both: it is right as long as one agrees. */
+/* A vertex that faces of both windings share cannot be right for both: it is right as long as one
+ * agrees. */
 static void test_tangent_at_a_mirror_line(void **state) {
     (void)state;
     islands s;
@@ -346,7 +388,9 @@ static void test_tangent_at_a_mirror_line(void **state) {
     set_signs(&s, 1, -1);
     mirror_uvs(&s, 1);
     for (int k = 0; k < 6; k++) /* island 1 hangs on the right edge of island 0 */
-        s.corners[6 + k] = (uint16_t)(s.corners[6 + k] == 4 ? 1 : s.corners[6 + k] == 7 ? 2 : s.corners[6 + k]);
+        s.corners[6 + k] = (uint16_t)(s.corners[6 + k] == 4   ? 1
+                                      : s.corners[6 + k] == 7 ? 2
+                                                              : s.corners[6 + k]);
     assert_clean(check_islands(&s, 0));
 }
 
@@ -360,7 +404,10 @@ static norma_findings *check_surface(const char *attributes, const char *materia
     asset_uint16(&a, s.corners, 6 * ISLANDS);
     asset_floats(&a, &s.tangents[0][0], COUNT, 4);
     asset_floats(&a, &s.uvs[0][0], COUNT, 2);
-    snprintf(rest, sizeof rest, "\"materials\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":2,\"material\":0}]}]", material, attributes);
+    snprintf(rest, sizeof rest,
+        "\"materials\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":2,"
+        "\"material\":0}]}]",
+        material, attributes);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     asset_free(&a);
     return findings;
@@ -371,27 +418,34 @@ static norma_findings *check_surface(const char *attributes, const char *materia
 
 static void test_parts_of_tangents(void **state) {
     (void)state;
-    assert_clean(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4", MAPPED));
-    FOUND(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":4", MAPPED), {"N805", PRIMITIVE, I, 1, NAN, ""});
+    assert_clean(
+        check_surface("\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4", MAPPED));
+    FOUND(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":4", MAPPED),
+        {"N805", PRIMITIVE, I, 1, NAN, ""});
     assert_clean(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":4", "{}"));
-    FOUND(check_surface("\"POSITION\":0,\"TANGENT\":3,\"TEXCOORD_0\":4", "{}"), {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"},
-          {"N806", PRIMITIVE, W, 1, NAN, ""});
+    FOUND(check_surface("\"POSITION\":0,\"TANGENT\":3,\"TEXCOORD_0\":4", "{}"),
+        {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"},
+        {"N806", PRIMITIVE, W, 1, NAN, ""});
 }
 
 /* ---- normals there or not */
 
 static void test_presence(void **state) {
     (void)state;
-    FOUND(check_surface("\"POSITION\":0", "{}"), {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"});
+    FOUND(check_surface("\"POSITION\":0", "{}"),
+        {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"});
     assert_clean(check_surface("\"POSITION\":0", UNLIT));
     FOUND(check_surface("\"POSITION\":0,\"NORMAL\":1", UNLIT), {"N105", PRIMITIVE, I, 20, NAN, ""});
     /* Toon shaders of VRM avatars are lit, whatever their fallback says. */
-    assert_clean(check_surface("\"POSITION\":0,\"NORMAL\":1", "{\"extensions\":{\"KHR_materials_unlit\":{},\"VRMC_materials_mtoon\":{}}}"));
-    assert_clean(check_surface("\"POSITION\":0", "{\"extras\":{\"norma\":{\"ignore\":[\"missing-normals\"]}}}"));
+    assert_clean(check_surface("\"POSITION\":0,\"NORMAL\":1",
+        "{\"extensions\":{\"KHR_materials_unlit\":{},\"VRMC_materials_mtoon\":{}}}"));
+    assert_clean(check_surface(
+        "\"POSITION\":0", "{\"extras\":{\"norma\":{\"ignore\":[\"missing-normals\"]}}}"));
 }
 
 static norma_findings *check_counts(size_t normals, const char *extras) {
-    static const uint16_t other_corners[6] = {0, 1, 2, 2, 1, 3}; /* the second face begins behind the first normal */
+    static const uint16_t other_corners[6] = {
+        0, 1, 2, 2, 1, 3}; /* the second face begins behind the first normal */
     gltf_asset a = {0};
     char rest[1000];
     asset_floats(&a, &square[0][0], 4, 3);
@@ -426,9 +480,11 @@ static void test_obj_faces(void **state) {
     static const char head[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n";
     char text[1000];
     snprintf(text, sizeof text,
-             "%sf 1//1 2//1 3//1\nf 1 2 3\nf 1//1 2 3//1\nf 1//0 2//0 3//0\nf 1//1 2//1 3//7\nf 1/1/ 2// 3 4\nf 1//1 3//1 4//1\nf -4//-1 -2//-1 -1//-2\n",
-             head);
-    FOUND(check(open_text(text, "a.obj"), MINE), {"N104", "", I, 2, NAN, "f1 f5"}, {"N106", "", E, 4, NAN, "f2 f3 f4 f7"});
+        "%sf 1//1 2//1 3//1\nf 1 2 3\nf 1//1 2 3//1\nf 1//0 2//0 3//0\nf 1//1 2//1 3//7\nf 1/1/ "
+        "2// 3 4\nf 1//1 3//1 4//1\nf -4//-1 -2//-1 -1//-2\n",
+        head);
+    FOUND(check(open_text(text, "a.obj"), MINE), {"N104", "", I, 2, NAN, "f1 f5"},
+        {"N106", "", E, 4, NAN, "f2 f3 f4 f7"});
     snprintf(text, sizeof text, "%sf 1//1 2//1 3//1 4//1\n", head);
     assert_clean(check(open_text(text, "a.obj"), MINE));
     snprintf(text, sizeof text, "%sf 1 2 3 4\n", head);
@@ -437,8 +493,10 @@ static void test_obj_faces(void **state) {
 
 /* ---- morph targets */
 
-/* A square that turns by angles about its edge in y = 0, as base positions and what a target adds. */
-static norma_findings *check_morphs(const double *degrees, size_t targets, const char *more, const char *material, int snorm8) {
+/* A square that turns by angles about its edge in y = 0, as base positions and what a target adds.
+ */
+static norma_findings *check_morphs(
+    const double *degrees, size_t targets, const char *more, const char *material, int snorm8) {
     gltf_asset a = {0};
     char rest[2000], list[1000] = "";
     if (snorm8) { /* positions as normalised integers, the moves as floats */
@@ -455,9 +513,13 @@ static norma_findings *check_morphs(const double *degrees, size_t targets, const
             moves[v][1] = (float)(cos(angle) - 1);
             moves[v][2] = (float)sin(angle);
         }
-        sprintf(list + strlen(list), "%s{\"POSITION\":%d%s}", t ? "," : "", asset_floats(&a, &moves[0][0], 4, 3), more);
+        sprintf(list + strlen(list), "%s{\"POSITION\":%d%s}", t ? "," : "",
+            asset_floats(&a, &moves[0][0], 4, 3), more);
     }
-    snprintf(rest, sizeof rest, "\"materials\":[%s],\"meshes\":[{\"primitives\":[{" SURFACE ",\"material\":0,\"targets\":[%s]}]}]", material, list);
+    snprintf(rest, sizeof rest,
+        "\"materials\":[%s],\"meshes\":[{\"primitives\":[{" SURFACE
+        ",\"material\":0,\"targets\":[%s]}]}]",
+        material, list);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     asset_free(&a);
     return findings;
@@ -469,7 +531,8 @@ static void test_bending_morphs(void **state) {
     FOUND(check_morphs(six, 1, "", "{}", 0), {"N901", PRIMITIVE, I, 2, 6, "f0 f1"});
     assert_clean(check_morphs(under, 1, "", "{}", 0));
     assert_clean(check_morphs(six, 1, ",\"NORMAL\":1", "{}", 0));
-    FOUND(check_morphs(several, 5, "", "{}", 0), {"N901", PRIMITIVE, I, 6, 120, "f0 f1 f0 f1 f0 f1"});
+    FOUND(
+        check_morphs(several, 5, "", "{}", 0), {"N901", PRIMITIVE, I, 6, 120, "f0 f1 f0 f1 f0 f1"});
     FOUND(check_morphs(six, 1, "", UNLIT, 0), {"N105", PRIMITIVE, I, 4, NAN, ""});
     FOUND(check_morphs(six, 1, "", "{}", 1), {"N901", PRIMITIVE, I, 2, 6, "f0 f1"});
     assert_clean(check_morphs(under, 1, "", "{}", 1));
@@ -480,7 +543,10 @@ static norma_findings *check_deltas(const float *deltas, const char *base) {
     char rest[1000];
     add_square(&a);
     asset_floats(&a, deltas, 4, 3);
-    snprintf(rest, sizeof rest, "\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":2,\"targets\":[{},{\"NORMAL\":3},{\"NORMAL\":3}]}]}]", base);
+    snprintf(rest, sizeof rest,
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":2,\"targets\":[{},{"
+        "\"NORMAL\":3},{\"NORMAL\":3}]}]}]",
+        base);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     asset_free(&a);
     return findings;
@@ -490,24 +556,29 @@ static void test_cancelling_morphs(void **state) {
     (void)state;
     static const float cancels[4][3] = {{0, 0, -2}, {0, 0, -0.89F}, {0, 0, -0.95F}, {0.5F, 0, -1}},
                        fine[4][3] = {{0, 0, -2}, {1, 0, -1}, {0, 0, 0}, {0, 0.1F, -1}};
-    FOUND(check_deltas(&cancels[0][0], "\"POSITION\":0,\"NORMAL\":1"), {"N902", PRIMITIVE, W, 2, 0.05, "v2 v2"}); /* two targets */
+    FOUND(check_deltas(&cancels[0][0], "\"POSITION\":0,\"NORMAL\":1"),
+        {"N902", PRIMITIVE, W, 2, 0.05, "v2 v2"}); /* two targets */
     assert_clean(check_deltas(&fine[0][0], "\"POSITION\":0,\"NORMAL\":1"));
-    FOUND(check_deltas(&fine[0][0], "\"POSITION\":0"), {"N104", PRIMITIVE, I, 2, NAN, "f0 f1"}, {"N903", PRIMITIVE, E, 1, NAN, ""});
+    FOUND(check_deltas(&fine[0][0], "\"POSITION\":0"), {"N104", PRIMITIVE, I, 2, NAN, "f0 f1"},
+        {"N903", PRIMITIVE, E, 1, NAN, ""});
 }
 
 /* ---- files */
 
 static void test_not_checked(void **state) {
     (void)state;
-    static const char rest[] = "\"extensionsRequired\":[\"ACME_gizmo\"],\"meshes\":[{\"primitives\":[{" SURFACE "},{" SURFACE
-                               ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{}}}},{\"attributes\":{\"NORMAL\":1}}]}]";
+    static const char rest[] =
+        "\"extensionsRequired\":[\"ACME_gizmo\"],\"meshes\":[{\"primitives\":[{" SURFACE
+        "},{" SURFACE ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
+                      "\"attributes\":{}}}},{\"attributes\":{\"NORMAL\":1}}]}]";
     gltf_asset a = {0};
     add_square(&a);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     assert_true(norma_findings_partly(findings));
     assert_string_equal(norma_findings_get(findings, 1)->label, "mesh 0 primitive 1");
-    FOUND(findings, {"N002", "/extensionsRequired/0", W, 1, NAN, ""}, {"N002", "/meshes/0/primitives/1", W, 1, NAN, ""},
-          {"N002", "/meshes/0/primitives/2", W, 1, NAN, ""});
+    FOUND(findings, {"N002", "/extensionsRequired/0", W, 1, NAN, ""},
+        {"N002", "/meshes/0/primitives/1", W, 1, NAN, ""},
+        {"N002", "/meshes/0/primitives/2", W, 1, NAN, ""});
     findings = check(asset_open(&a, rest, 1), "N104"); /* a skip is one, whether asked for or not */
     assert_true(norma_findings_partly(findings));
     assert_clean(findings);
@@ -519,9 +590,11 @@ static void test_not_checked(void **state) {
 
 static void test_malformed_skin(void **state) {
     (void)state;
-    norma_findings *findings = check_nodes(ONE_SIDE, "\"skins\":[{\"joints\":[0]},{\"joints\":[9]}],\"nodes\":[{\"mesh\":0,\"scale\":[1,2,1]}]");
+    norma_findings *findings = check_nodes(ONE_SIDE,
+        "\"skins\":[{\"joints\":[0]},{\"joints\":[9]}],\"nodes\":[{\"mesh\":0,\"scale\":[1,2,1]}]");
     assert_true(norma_findings_partly(findings));
-    FOUND(findings, {"N001", "/skins/1", E, 1, NAN, ""}, {"N601", "/nodes/0", I, 1, 2, ""}, {"N605", "/skins/0", I, 1, 2, ""});
+    FOUND(findings, {"N001", "/skins/1", E, 1, NAN, ""}, {"N601", "/nodes/0", I, 1, 2, ""},
+        {"N605", "/skins/0", I, 1, 2, ""});
 }
 
 /* A small file that asks for a million million matrices is told of, soon. */
@@ -549,8 +622,10 @@ static void test_endless_skins(void **state) {
     }
     at += sprintf(at, "],\"animations\":[");
     for (int i = 0; i < ANIMATIONS; i++)
-        at += sprintf(at, "%s{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":%d,\"path\":\"scale\"}}]}",
-                      i ? "," : "", i % NODES);
+        at += sprintf(at,
+            "%s{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":[{\"sampler\":0,\"target\":{"
+            "\"node\":%d,\"path\":\"scale\"}}]}",
+            i ? "," : "", i % NODES);
     sprintf(at, "]");
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     assert_true(norma_findings_partly(findings) && norma_findings_count(findings) == SKINS);
@@ -562,7 +637,8 @@ static void test_endless_skins(void **state) {
 
 static void test_unreadable(void **state) {
     (void)state;
-    const norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_MALFORMED, .message = "a.glb:byte 0: expected more"};
+    const norma_document_error error = {
+        .result = NORMA_DOCUMENT_ERROR_MALFORMED, .message = "a.glb:byte 0: expected more"};
     norma_findings *findings = norma_check_unreadable(&error, NORMA_FILE_GLB, NULL);
     assert_non_null(findings);
     assert_string_equal(norma_findings_get(findings, 0)->message, error.message);
@@ -575,43 +651,57 @@ static void test_arrays(void **state) {
     (void)state;
     static const float tangents[4][4] = {{1, 0, 0, 1}, {1, 0, 0, 2}, {1, 0, 0, 1}, {1, 0, 0, 1}};
     const norma_check_mesh mesh = {.info = {.name = "",
-                                            .where = "/meshes/3/primitives/0",
-                                            .mesh = 3,
-                                            .vertices = 4,
-                                            .faces = 2,
-                                            .triangles = 2,
-                                            .normals = NORMA_NORMALS_PER_VERTEX,
-                                            .encoding = "float",
-                                            .has_tangents = 1},
-                                   .data = {.mesh = {.positions = {square, 4, 0, NORMA_FORMAT_FLOAT}, .corners = corners, .corner_count = 6, .corner_size = 2},
-                                            .normals = {up, 4, 0, NORMA_FORMAT_FLOAT}},
-                                   .attributes = {.material = SIZE_MAX, .tangents = &tangents[0][0], .tangent_count = 4, .tangent_encoding = "float"},
-                                   .material = {.double_sided = 1}};
-    const norma_node_info nodes[2] = {{.name = "one",
-                                       .where = "/nodes/7",
-                                       .node = 7,
+                                       .where = "/meshes/3/primitives/0",
                                        .mesh = 3,
-                                       .instances = 1,
-                                       .skin = SIZE_MAX,
-                                       .world = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
-                                      {.name = "set",
-                                       .where = "/nodes/8",
-                                       .node = 8,
-                                       .mesh = 4,
-                                       .instances = 5,
-                                       .mirrored_instances = 2,
-                                       .skin = SIZE_MAX,
-                                       .world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
-    const norma_skin_info skin = {.name = "", .where = "/skins/0", .joint_count = 1, .anisotropy = 1.2, .joint = 9};
-    const norma_check_scene scene = {
-        .meshes = &mesh, .mesh_count = 1, .nodes = nodes, .node_count = 2, .skins = &skin, .skin_count = 1, .format = NORMA_FILE_GLTF};
+                                       .vertices = 4,
+                                       .faces = 2,
+                                       .triangles = 2,
+                                       .normals = NORMA_NORMALS_PER_VERTEX,
+                                       .encoding = "float",
+                                       .has_tangents = 1},
+        .data = {.mesh = {.positions = {square, 4, 0, NORMA_FORMAT_FLOAT},
+                     .corners = corners,
+                     .corner_count = 6,
+                     .corner_size = 2},
+            .normals = {up, 4, 0, NORMA_FORMAT_FLOAT}},
+        .attributes = {.material = SIZE_MAX,
+            .tangents = &tangents[0][0],
+            .tangent_count = 4,
+            .tangent_encoding = "float"},
+        .material = {.double_sided = 1}};
+    const norma_node_info nodes[2] = {
+        {.name = "one",
+            .where = "/nodes/7",
+            .node = 7,
+            .mesh = 3,
+            .instances = 1,
+            .skin = SIZE_MAX,
+            .world = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
+        {.name = "set",
+            .where = "/nodes/8",
+            .node = 8,
+            .mesh = 4,
+            .instances = 5,
+            .mirrored_instances = 2,
+            .skin = SIZE_MAX,
+            .world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
+    const norma_skin_info skin = {
+        .name = "", .where = "/skins/0", .joint_count = 1, .anisotropy = 1.2, .joint = 9};
+    const norma_check_scene scene = {.meshes = &mesh,
+        .mesh_count = 1,
+        .nodes = nodes,
+        .node_count = 2,
+        .skins = &skin,
+        .skin_count = 1,
+        .format = NORMA_FILE_GLTF};
     uint8_t mask[128] = {0};
     assert_int_equal(norma_rules_select(MINE, mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
     norma_findings *findings;
     assert_int_equal(norma_check_scene_run(&scene, &options, &findings), NORMA_OK);
-    FOUND(findings, {"N802", "/meshes/3/primitives/0", E, 1, NAN, "v1"}, {"N602", "/nodes/7", W, 1, -1, ""}, {"N602", "/nodes/8", W, 2, NAN, ""},
-          {"N605", "/skins/0", I, 1, 1.2, ""});
+    FOUND(findings, {"N802", "/meshes/3/primitives/0", E, 1, NAN, "v1"},
+        {"N602", "/nodes/7", W, 1, -1, ""}, {"N602", "/nodes/8", W, 2, NAN, ""},
+        {"N605", "/skins/0", I, 1, 1.2, ""});
 }
 
 int main(void) {

@@ -1,5 +1,6 @@
-/* What norma check --fix-unsafe makes of planted faults in tangents, morph targets, counts of normals and materials: the fault is gone, what it was about is
- * right by hand, all else keeps its bits, and a second time changes nothing. */
+/* What norma check --fix-unsafe makes of planted faults in tangents, morph targets, counts of
+ * normals and materials: the fault is gone, what it was about is right by hand, all else keeps its
+ * bits, and a second time changes nothing. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +19,8 @@ enum { ISLANDS = 5, COUNT = 4 * ISLANDS };
 static const float square[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
 
 typedef struct islands {
-    float positions[COUNT][3], normals[COUNT + 3][3], tangents[COUNT][4], uvs[COUNT][2], moves[COUNT][3], turns[COUNT][3];
+    float positions[COUNT][3], normals[COUNT + 3][3], tangents[COUNT][4], uvs[COUNT][2],
+        moves[COUNT][3], turns[COUNT][3];
     uint16_t corners[6 * ISLANDS];
     size_t normal_count;
 } islands;
@@ -29,7 +31,8 @@ static void make_islands(islands *s) {
     for (int v = 0; v < COUNT + 3; v++) s->normals[v][2] = 1;
     for (int v = 0; v < COUNT; v++) {
         const float *p = square[v % 4];
-        memcpy(s->positions[v], (const float[3]){p[0] + 2.0F * (float)(v / 4), p[1], 0}, sizeof s->positions[v]);
+        memcpy(s->positions[v], (const float[3]){p[0] + 2.0F * (float)(v / 4), p[1], 0},
+            sizeof s->positions[v]);
         s->tangents[v][0] = s->tangents[v][3] = 1;
         memcpy(s->uvs[v], (const float[2]){p[0], 1 - p[1]}, sizeof s->uvs[v]);
         s->moves[v][1] = p[1] * (float)(cos(0.5) - 1); /* each square turns about its lower edge */
@@ -41,7 +44,8 @@ static void make_islands(islands *s) {
     s->normal_count = COUNT;
 }
 
-/* Accessors: 0 POSITION, 1 NORMAL, 2 TANGENT, 3 TEXCOORD_0, 4 indices, 5 what moves, 6 what turns. */
+/* Accessors: 0 POSITION, 1 NORMAL, 2 TANGENT, 3 TEXCOORD_0, 4 indices, 5 what moves, 6 what turns.
+ */
 static norma_document *open_islands(gltf_asset *a, const islands *s, const char *rest) {
     asset_floats(a, &s->positions[0][0], COUNT, 3);
     asset_floats(a, &s->normals[0][0], s->normal_count, 3);
@@ -53,8 +57,9 @@ static norma_document *open_islands(gltf_asset *a, const islands *s, const char 
     return asset_open(a, rest, 1);
 }
 
-#define ALL                    "\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":3"
-#define MESH(attributes, more) "\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "},\"indices\":4" more "}]}]"
+#define ALL "\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":3"
+#define MESH(attributes, more)                                                                     \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "},\"indices\":4" more "}]}]"
 
 /* ---- mending until nothing is left to mend */
 
@@ -70,9 +75,9 @@ static size_t count_of(norma_document *document, const char *rules) {
     norma_findings *findings;
     norma_document_error error;
     size_t count = 0;
-    if (norma_check_document(document, &options, &findings, &error))
-        fail_msg("%s", error.message);
-    for (size_t i = 0; i < norma_findings_count(findings); i++) count += norma_findings_get(findings, i)->count;
+    if (norma_check_document(document, &options, &findings, &error)) fail_msg("%s", error.message);
+    for (size_t i = 0; i < norma_findings_count(findings); i++)
+        count += norma_findings_get(findings, i)->count;
     norma_findings_free(findings);
     return count;
 }
@@ -85,7 +90,8 @@ static norma_document *reopen(norma_document *document, unsigned char **bytes) {
     norma_document_close(document);
     free(*bytes);
     *bytes = output;
-    const norma_document_options options = {.struct_size = sizeof options, .format = NORMA_FILE_GLB, .lenient = 1};
+    const norma_document_options options = {
+        .struct_size = sizeof options, .format = NORMA_FILE_GLB, .lenient = 1};
     if (norma_document_open_memory(output, size, "mended.glb", &options, &again, &error))
         fail_msg("%s", error.message);
     return again;
@@ -102,7 +108,8 @@ static norma_mend_summary mend(norma_document *document, const char *rules, int 
 }
 
 /* The document is closed; the result lives in bytes. A further time must change nothing. */
-static norma_document *mended(norma_document *document, const char *rules, int unsafe, unsigned char **bytes) {
+static norma_document *mended(
+    norma_document *document, const char *rules, int unsafe, unsigned char **bytes) {
     norma_mend_summary summary = {.again = 1};
     for (int i = 0; i < 4 && summary.again; i++) {
         summary = mend(document, rules, unsafe);
@@ -122,14 +129,16 @@ typedef struct outcome {
     norma_mesh_attributes attributes;
 } outcome;
 
-static void run(outcome *o, const islands *s, const char *rest, const char *rules, int unsafe, size_t before) {
+static void run(
+    outcome *o, const islands *s, const char *rest, const char *rules, int unsafe, size_t before) {
     norma_document_error error;
     *o = (outcome){0};
     norma_document *document = open_islands(&o->asset, s, rest);
     assert_int_equal(count_of(document, rules), before);
     o->document = mended(document, rules, unsafe, &o->bytes);
     assert_int_equal(count_of(o->document, rules), 0);
-    if (norma_document_mesh_data(o->document, 0, &o->data, &error) || norma_document_mesh_attributes(o->document, 0, &o->attributes, &error))
+    if (norma_document_mesh_data(o->document, 0, &o->data, &error) ||
+        norma_document_mesh_attributes(o->document, 0, &o->attributes, &error))
         fail_msg("%s", error.message);
 }
 
@@ -139,25 +148,31 @@ static void finish(outcome *o) {
     asset_free(&o->asset);
 }
 
-/* Positions, UVs and corners, and the normals and tangents that keep marks, have the bits they had. */
-static void assert_kept(const outcome *o, const islands *s, int normals, const int *changed_tangents, size_t changed_count) {
+/* Positions, UVs and corners, and the normals and tangents that keep marks, have the bits they had.
+ */
+static void assert_kept(const outcome *o, const islands *s, int normals,
+    const int *changed_tangents, size_t changed_count) {
     assert_int_equal(o->data.mesh.positions.count, COUNT);
     assert_memory_equal(o->data.mesh.positions.data, s->positions, sizeof s->positions);
     assert_memory_equal(o->attributes.texcoords, s->uvs, sizeof s->uvs);
     assert_int_equal(o->data.mesh.corner_count, 6 * ISLANDS);
-    for (int i = 0; i < 6 * ISLANDS; i++) assert_int_equal(((const uint32_t *)o->data.mesh.corners)[i], s->corners[i]);
+    for (int i = 0; i < 6 * ISLANDS; i++)
+        assert_int_equal(((const uint32_t *)o->data.mesh.corners)[i], s->corners[i]);
     if (normals)
         assert_memory_equal(o->data.normals.data, s->normals, COUNT * sizeof s->normals[0]);
     for (size_t v = 0; changed_tangents && v < COUNT; v++) {
         int changed = 0;
         for (size_t i = 0; i < changed_count; i++) changed |= changed_tangents[i] == (int)v;
-        assert_int_equal(memcmp(o->attributes.tangents + 4 * v, s->tangents[v], sizeof s->tangents[v]) != 0, changed);
+        assert_int_equal(
+            memcmp(o->attributes.tangents + 4 * v, s->tangents[v], sizeof s->tangents[v]) != 0,
+            changed);
     }
 }
 
 static void assert_tangent(const outcome *o, size_t v, double x, double y, double z, float sign) {
     const float *t = o->attributes.tangents + 4 * v;
-    assert_true(fabs((double)t[0] - x) < 1e-6 && fabs((double)t[1] - y) < 1e-6 && fabs((double)t[2] - z) < 1e-6 && t[3] == sign);
+    assert_true(fabs((double)t[0] - x) < 1e-6 && fabs((double)t[1] - y) < 1e-6 &&
+                fabs((double)t[2] - z) < 1e-6 && t[3] == sign);
 }
 
 /* ---- tangents */
@@ -211,10 +226,12 @@ static void test_signs(void **state) {
     norma_document *document = open_islands(&o.asset, &s, MESH(ALL, ""));
     o.document = mended(document, "N804", 1, &o.bytes);
     assert_int_equal(norma_document_mesh_data(o.document, 0, &o.data, NULL), NORMA_DOCUMENT_OK);
-    assert_int_equal(norma_document_mesh_attributes(o.document, 0, &o.attributes, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_mesh_attributes(o.document, 0, &o.attributes, NULL), NORMA_DOCUMENT_OK);
     assert_kept(&o, &s, 1, last, 4);
     assert_tangent(&o, 17, 1, 0, 0, -1);
-    assert_int_equal(count_of(o.document, "N804"), COUNT); /* information: all against their UVs, as the map may be made */
+    assert_int_equal(count_of(o.document, "N804"),
+        COUNT); /* information: all against their UVs, as the map may be made */
     finish(&o);
 }
 
@@ -224,10 +241,14 @@ static void test_missing_tangents(void **state) {
     outcome o;
     make_islands(&s);
     for (int v = 4; v < 8; v++) s.uvs[v][0] = 1 - s.uvs[v][0]; /* mirrored */
-    run(&o, &s, "\"materials\":[{\"normalTexture\":{\"index\":0}}]," MESH("\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":3", ",\"material\":0"), "N805", 1, 1);
+    run(&o, &s,
+        "\"materials\":[{\"normalTexture\":{\"index\":0}}]," MESH(
+            "\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":3", ",\"material\":0"),
+        "N805", 1, 1);
     assert_kept(&o, &s, 1, NULL, 0);
     assert_int_equal(o.attributes.tangent_count, COUNT);
-    for (size_t v = 0; v < COUNT; v++) assert_tangent(&o, v, v / 4 == 1 ? -1 : 1, 0, 0, v / 4 == 1 ? -1 : 1);
+    for (size_t v = 0; v < COUNT; v++)
+        assert_tangent(&o, v, v / 4 == 1 ? -1 : 1, 0, 0, v / 4 == 1 ? -1 : 1);
     assert_int_equal(count_of(o.document, "N8"), 0);
     finish(&o);
 }
@@ -250,7 +271,8 @@ static void test_counts(void **state) {
     outcome o;
     for (size_t count = COUNT - 3; count <= COUNT + 3; count += 2) {
         make_islands(&s);
-        memcpy(s.normals[2], (const float[3]){0.6F, 0, 0.8F}, sizeof s.normals[2]); /* no business of this fix */
+        memcpy(s.normals[2], (const float[3]){0.6F, 0, 0.8F},
+            sizeof s.normals[2]); /* no business of this fix */
         s.normal_count = count;
         run(&o, &s, MESH(ALL, ""), "N106", 0, count < COUNT ? COUNT - count : count - COUNT);
         assert_int_equal(o.data.normals.count, COUNT);
@@ -264,7 +286,9 @@ static void test_unlit(void **state) {
     islands s;
     outcome o;
     make_islands(&s);
-    run(&o, &s, "\"materials\":[{\"extensions\":{\"KHR_materials_unlit\":{}}}]," MESH(ALL, ",\"material\":0,\"targets\":[{\"POSITION\":5,\"NORMAL\":6}]"),
+    run(&o, &s,
+        "\"materials\":[{\"extensions\":{\"KHR_materials_unlit\":{}}}]," MESH(
+            ALL, ",\"material\":0,\"targets\":[{\"POSITION\":5,\"NORMAL\":6}]"),
         "N105", 1, COUNT);
     norma_mesh_info info;
     norma_morph_data morph;
@@ -279,7 +303,8 @@ static void test_unlit(void **state) {
 /* OBJ: what names a normal keeps it; what names none, or one that is not there, gets one. */
 static void test_obj(void **state) {
     (void)state;
-    static const char text[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvn 0 0.6 0.8\nf 1//1 2//1 3//1\nf 1//1 3 4//1\nf 2//0 5//9 6//1\n";
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvn 0 0.6 "
+                               "0.8\nf 1//1 2//1 3//1\nf 1//1 3 4//1\nf 2//0 5//9 6//1\n";
     norma_document *document, *again;
     norma_document_error error;
     const norma_document_options options = {.struct_size = sizeof options, .lenient = 1};
@@ -315,17 +340,20 @@ static void test_bending_morph(void **state) {
     islands s;
     outcome o;
     make_islands(&s);
-    run(&o, &s, MESH(ALL, ",\"targets\":[{\"POSITION\":5},{\"POSITION\":5,\"NORMAL\":6}]"), "N901", 1, 2 * ISLANDS);
+    run(&o, &s, MESH(ALL, ",\"targets\":[{\"POSITION\":5},{\"POSITION\":5,\"NORMAL\":6}]"), "N901",
+        1, 2 * ISLANDS);
     assert_kept(&o, &s, 1, (const int[]){-1}, 1);
     norma_morph_data made, kept;
     assert_int_equal(norma_document_morph_data(o.document, 0, 0, &made, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_document_morph_data(o.document, 0, 1, &kept, NULL), NORMA_DOCUMENT_OK);
-    assert_memory_equal(kept.normals.data, s.turns, sizeof s.turns); /* another target's keep their bits */
+    assert_memory_equal(
+        kept.normals.data, s.turns, sizeof s.turns); /* another target's keep their bits */
     assert_memory_equal(made.positions.data, s.moves, sizeof s.moves);
     assert_int_equal(made.normals.count, COUNT);
     for (size_t v = 0; v < COUNT; v++) {
         const float *delta = (const float *)made.normals.data + 3 * v;
-        assert_true(fabs((double)delta[0]) < 1e-6 && fabs((double)delta[1] + sin(0.5)) < 1e-6 && fabs((double)delta[2] - (cos(0.5) - 1)) < 1e-6);
+        assert_true(fabs((double)delta[0]) < 1e-6 && fabs((double)delta[1] + sin(0.5)) < 1e-6 &&
+                    fabs((double)delta[2] - (cos(0.5) - 1)) < 1e-6);
     }
     finish(&o);
 }
@@ -336,7 +364,9 @@ static void test_morph_without_base(void **state) {
     outcome o;
     norma_morph_data morph;
     make_islands(&s);
-    run(&o, &s, MESH("\"POSITION\":0,\"TEXCOORD_0\":3", ",\"targets\":[{\"POSITION\":5,\"NORMAL\":6}]"), "N903", 1, 1);
+    run(&o, &s,
+        MESH("\"POSITION\":0,\"TEXCOORD_0\":3", ",\"targets\":[{\"POSITION\":5,\"NORMAL\":6}]"),
+        "N903", 1, 1);
     assert_int_equal(norma_document_morph_data(o.document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
     assert_true(morph.positions.count == COUNT && morph.normals.count == 0);
     assert_kept(&o, &s, 0, NULL, 0);
@@ -350,7 +380,8 @@ static void test_baked(void **state) {
     islands s;
     outcome o;
     drawn_scene before = {0}, after = {0};
-    static const char nodes[] = ",\"nodes\":[{\"scale\":[-2,1,1],\"children\":[1]},{\"mesh\":0,\"translation\":[1,2,3],\"rotation\":[0.2705980500730985,0,0."
+    static const char nodes[] = ",\"nodes\":[{\"scale\":[-2,1,1],\"children\":[1]},{\"mesh\":0,"
+                                "\"translation\":[1,2,3],\"rotation\":[0.2705980500730985,0,0."
                                 "2705980500730985,0.9238795325112867]}]";
     make_islands(&s);
     char rest[1000];
@@ -370,7 +401,9 @@ static void test_baked(void **state) {
             int found = 0; /* a mirror that was baked has reversed the corners behind the first */
             for (int c = 0; c < 3; c++) {
                 double off = 0;
-                for (int x = 0; x < 3; x++) off = fmax(off, fabs(before.triangles[i].position[k][x] - after.triangles[i].position[c][x]));
+                for (int x = 0; x < 3; x++)
+                    off = fmax(off, fabs(before.triangles[i].position[k][x] -
+                                         after.triangles[i].position[c][x]));
                 found |= off < 1e-5;
             }
             assert_true(found);
@@ -382,24 +415,30 @@ static void test_baked(void **state) {
     finish(&o);
 }
 
-/* A sheared node whose mesh has numbers that do not fit under it cannot be baked: the fault lies in the file, not in the call. */
+/* A sheared node whose mesh has numbers that do not fit under it cannot be baked: the fault lies in
+ * the file, not in the call. */
 static void test_too_large_to_bake(void **state) {
-    static const float positions[3][3] = {{0, 0, 0}, {3e38F, 0, 0}, {0, 3e38F, 0}}, normals[3][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+    static const float positions[3][3] = {{0, 0, 0}, {3e38F, 0, 0}, {0, 3e38F, 0}},
+                       normals[3][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     gltf_asset a = {0};
     norma_document_error error;
     const norma_check_options options = {.struct_size = sizeof options};
     (void)state;
     asset_floats(&a, positions[0], 3, 3);
     asset_floats(&a, normals[0], 3, 3);
-    norma_document *document = asset_open(&a, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"matrix\":[2,0,0,0,0.5,1,0,0,0,0,1,0,0,0,0,1]}],"
-                                              "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 1);
+    norma_document *document = asset_open(&a,
+        "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"matrix\":[2,0,0,0,0.5,1,"
+        "0,0,0,0,1,0,0,0,0,1]}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]",
+        1);
     norma_document_result result = NORMA_DOCUMENT_OK;
     norma_mend_summary summary = {.again = 1};
     for (int i = 0; i < 4 && !result && summary.again; ++i) {
         result = norma_mend_document(document, &options, 1, &summary, &error);
         if (!result && summary.again) {
             norma_document *settled;
-            assert_int_equal(norma_document_settle(document, NULL, NULL, &settled, NULL), NORMA_DOCUMENT_OK);
+            assert_int_equal(
+                norma_document_settle(document, NULL, NULL, &settled, NULL), NORMA_DOCUMENT_OK);
             norma_document_close(document);
             document = settled;
         }

@@ -1,4 +1,5 @@
-/* test_arguments.c: what the calls refuse, with which result, and that after an error nothing has been written: every output is filled with a pattern before. */
+/* test_arguments.c: what the calls refuse, with which result, and that after an error nothing has
+ * been written: every output is filled with a pattern before. */
 #include "check.h"
 #include "mesh_files.h"
 #include "oracle/shapes.h"
@@ -6,46 +7,53 @@
 enum { ROOM = 512, FACES = 0, VERTICES, CORNERS, SPLIT, CALLS };
 
 typedef struct outputs { /* everything a call may write to */
-    float        normals[3 * ROOM];
-    uint8_t      reasons[ROOM];
-    uint32_t     corners[ROOM], sources[ROOM];
-    size_t       count;
-    norma_edges  edges;
+    float normals[3 * ROOM];
+    uint8_t reasons[ROOM];
+    uint32_t corners[ROOM], sources[ROOM];
+    size_t count;
+    norma_edges edges;
     norma_report report;
 } outputs;
 
-static void fill(outputs *o) {
-    memset(o, 0xa5, sizeof *o);
-}
+static void fill(outputs *o) { memset(o, 0xa5, sizeof *o); }
 
-static norma_result call(int kind, const norma_mesh *mesh, float crease, const norma_options *options, outputs *o, size_t capacity, size_t corner_capacity) {
+static norma_result call(int kind, const norma_mesh *mesh, float crease,
+    const norma_options *options, outputs *o, size_t capacity, size_t corner_capacity) {
     norma_options own = options ? *options : (norma_options){0};
     if (!own.struct_size) {
         own.struct_size = sizeof own;
-        own.edges       = &o->edges;
+        own.edges = &o->edges;
     }
     own.reasons = o->reasons;
     if (kind == FACES) return norma_face_normals(mesh, &own, o->normals, capacity, &o->report);
     if (kind == VERTICES) return norma_vertex_normals(mesh, &own, o->normals, capacity, &o->report);
-    if (kind == CORNERS) return norma_corner_normals(mesh, crease, &own, o->normals, capacity, &o->report);
-    return norma_split(mesh, crease, &own, o->corners, corner_capacity, o->sources, o->normals, capacity, &o->count, &o->report);
+    if (kind == CORNERS)
+        return norma_corner_normals(mesh, crease, &own, o->normals, capacity, &o->report);
+    return norma_split(mesh, crease, &own, o->corners, corner_capacity, o->sources, o->normals,
+        capacity, &o->count, &o->report);
 }
 
-static void expect(int kind, const norma_mesh *mesh, float crease, const norma_options *options, size_t capacity, norma_result expected) {
+static void expect(int kind, const norma_mesh *mesh, float crease, const norma_options *options,
+    size_t capacity, norma_result expected) {
     static outputs got, untouched;
     fill(&got);
     fill(&untouched);
     const norma_result result = call(kind, mesh, crease, options, &got, capacity, ROOM);
-    if (result != expected) fail_msg("call %d: %d (%s), expected %d", kind, (int)result, norma_result_text(result), (int)expected);
-    if (expected < 0 && memcmp(&got, &untouched, sizeof got)) fail_msg("call %d wrote something before it failed", kind);
+    if (result != expected)
+        fail_msg("call %d: %d (%s), expected %d", kind, (int)result, norma_result_text(result),
+            (int)expected);
+    if (expected < 0 && memcmp(&got, &untouched, sizeof got))
+        fail_msg("call %d wrote something before it failed", kind);
 }
 
-static const float    positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+static const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
 static const uint32_t tetrahedron[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
-static const norma_mesh good = {.positions = {positions, 4, 0, NORMA_FORMAT_FLOAT}, .corners = tetrahedron, .corner_count = 12};
+static const norma_mesh good = {
+    .positions = {positions, 4, 0, NORMA_FORMAT_FLOAT}, .corners = tetrahedron, .corner_count = 12};
 static const size_t needed[CALLS] = {4, 4, 12, 12};
 
-static void expect_all(const norma_mesh *mesh, const norma_options *options, norma_result expected) {
+static void expect_all(
+    const norma_mesh *mesh, const norma_options *options, norma_result expected) {
     for (int kind = 0; kind < CALLS; ++kind) expect(kind, mesh, 1, options, ROOM, expected);
 }
 
@@ -76,9 +84,9 @@ static void null_outputs(void **state) {
 
 static void null_options_and_report_are_fine(void **state) {
     (void)state;
-    float    normals[36];
+    float normals[36];
     uint32_t corners[12], sources[12];
-    size_t   count;
+    size_t count;
     assert_ok(norma_face_normals(&good, NULL, normals, 4, NULL));
     assert_ok(norma_vertex_normals(&good, NULL, normals, 4, NULL));
     assert_ok(norma_corner_normals(&good, 1, NULL, normals, 12, NULL));
@@ -104,18 +112,23 @@ static void triangles_in_threes(void **state) {
 
 static void face_starts_run_from_0_to_the_end(void **state) {
     (void)state;
-    static const struct { uint32_t starts[5]; norma_result expected; } cases[] = {
-        {{0, 3, 6, 9, 12}, NORMA_OK}, {{0, 0, 6, 6, 12}, NORMA_OK}, {{0, 12, 12, 12, 12}, NORMA_OK}, {{1, 3, 6, 9, 12}, NORMA_ERROR_ARGUMENT}, {{0, 3, 6, 9, 11}, NORMA_ERROR_ARGUMENT},
-        {{0, 3, 6, 9, 13}, NORMA_ERROR_ARGUMENT}, {{0, 6, 3, 9, 12}, NORMA_ERROR_ARGUMENT}, {{0, 3, 15, 9, 12}, NORMA_ERROR_ARGUMENT}, {{0, 3, 6, 0xffffffffu, 12}, NORMA_ERROR_ARGUMENT}};
+    static const struct {
+        uint32_t starts[5];
+        norma_result expected;
+    } cases[] = {{{0, 3, 6, 9, 12}, NORMA_OK}, {{0, 0, 6, 6, 12}, NORMA_OK},
+        {{0, 12, 12, 12, 12}, NORMA_OK}, {{1, 3, 6, 9, 12}, NORMA_ERROR_ARGUMENT},
+        {{0, 3, 6, 9, 11}, NORMA_ERROR_ARGUMENT}, {{0, 3, 6, 9, 13}, NORMA_ERROR_ARGUMENT},
+        {{0, 6, 3, 9, 12}, NORMA_ERROR_ARGUMENT}, {{0, 3, 15, 9, 12}, NORMA_ERROR_ARGUMENT},
+        {{0, 3, 6, 0xffffffffu, 12}, NORMA_ERROR_ARGUMENT}};
     for (size_t i = 0; i < COUNT_OF(cases); ++i) {
-        norma_mesh mesh  = good;
+        norma_mesh mesh = good;
         mesh.face_starts = cases[i].starts;
-        mesh.face_count  = 4;
+        mesh.face_count = 4;
         expect_all(&mesh, NULL, cases[i].expected);
     }
-    norma_mesh mesh  = good;
+    norma_mesh mesh = good;
     mesh.face_starts = cases[0].starts;
-    mesh.face_count  = 0; /* no face, yet twelve corners */
+    mesh.face_count = 0; /* no face, yet twelve corners */
     expect_all(&mesh, NULL, NORMA_ERROR_ARGUMENT);
     mesh.face_count = 3;
     expect_all(&mesh, NULL, NORMA_ERROR_ARGUMENT);
@@ -124,7 +137,7 @@ static void face_starts_run_from_0_to_the_end(void **state) {
 static void corners_without_indices_need_positions(void **state) {
     (void)state;
     norma_mesh mesh = good;
-    mesh.corners    = NULL;
+    mesh.corners = NULL;
     expect_all(&mesh, NULL, NORMA_ERROR_ARGUMENT);
     mesh.corner_count = 3;
     expect_all(&mesh, NULL, NORMA_OK);
@@ -134,17 +147,22 @@ static void indices_out_of_range(void **state) {
     (void)state;
     for (size_t bad = 0; bad < 12; ++bad)
         for (int size = 1; size <= 4; size *= 2) {
-            uint8_t  c8[12];
+            uint8_t c8[12];
             uint16_t c16[12];
             uint32_t c32[12];
             for (size_t i = 0; i < 12; ++i) {
-                c32[i] = i == bad ? (size == 4 && bad & 1 ? 0xffffffffu : size == 1 ? 255 : 4) : tetrahedron[i];
+                c32[i] = i == bad ? (size == 4 && bad & 1 ? 0xffffffffu
+                                        : size == 1       ? 255
+                                                          : 4)
+                                  : tetrahedron[i];
                 c16[i] = (uint16_t)c32[i];
-                c8[i]  = (uint8_t)c32[i];
+                c8[i] = (uint8_t)c32[i];
             }
-            norma_mesh mesh  = good;
+            norma_mesh mesh = good;
             mesh.corner_size = (size_t)size;
-            mesh.corners     = size == 1 ? (const void *)c8 : size == 2 ? (const void *)c16 : (const void *)c32;
+            mesh.corners = size == 1   ? (const void *)c8
+                           : size == 2 ? (const void *)c16
+                                       : (const void *)c32;
             expect_all(&mesh, NULL, NORMA_ERROR_INDEX);
         }
 }
@@ -153,17 +171,20 @@ static void bad_index_far_into_a_large_mesh(void **state) {
     (void)state;
     mesh_file mesh = {0};
     shape_wavy_grid(&mesh, 200, 0);
-    const norma_mesh view    = mesh_file_view(&mesh);
-    const size_t     bytes   = 12 * mesh.corner_count;
-    float           *normals = test_malloc(bytes), *untouched = test_malloc(bytes);
+    const norma_mesh view = mesh_file_view(&mesh);
+    const size_t bytes = 12 * mesh.corner_count;
+    float *normals = test_malloc(bytes), *untouched = test_malloc(bytes);
     memset(normals, 0xa5, bytes);
     memset(untouched, 0xa5, bytes);
     mesh.corners[mesh.corner_count - 1] = (uint32_t)mesh.position_count;
     for (uint32_t threads = 1; threads <= 8; threads *= 8) {
         const norma_options options = {.threads = threads};
-        assert_int_equal(norma_face_normals(&view, &options, normals, mesh.face_count, NULL), NORMA_ERROR_INDEX);
-        assert_int_equal(norma_vertex_normals(&view, &options, normals, mesh.position_count, NULL), NORMA_ERROR_INDEX);
-        assert_int_equal(norma_corner_normals(&view, 1, &options, normals, mesh.corner_count, NULL), NORMA_ERROR_INDEX);
+        assert_int_equal(
+            norma_face_normals(&view, &options, normals, mesh.face_count, NULL), NORMA_ERROR_INDEX);
+        assert_int_equal(norma_vertex_normals(&view, &options, normals, mesh.position_count, NULL),
+            NORMA_ERROR_INDEX);
+        assert_int_equal(norma_corner_normals(&view, 1, &options, normals, mesh.corner_count, NULL),
+            NORMA_ERROR_INDEX);
         assert_memory_equal(normals, untouched, bytes);
     }
     test_free(normals);
@@ -176,7 +197,7 @@ static void values_outside_the_enums(void **state) {
     norma_mesh mesh = good;
     mesh.positions.format = (norma_format)6;
     expect_all(&mesh, NULL, NORMA_ERROR_ARGUMENT);
-    mesh             = good;
+    mesh = good;
     mesh.corner_size = 3;
     expect_all(&mesh, NULL, NORMA_ERROR_ARGUMENT);
     mesh.corner_size = 8;
@@ -202,22 +223,26 @@ static void instruction_sets_the_machine_lacks(void **state) {
 
 static void bad_weld_distance(void **state) {
     (void)state;
-    expect_all(&good, &(norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = (double)NAN}, NORMA_ERROR_ARGUMENT);
-    expect_all(&good, &(norma_options){.weld = NORMA_WELD_EXACT, .weld_distance = (double)NAN}, NORMA_OK); /* not looked at */
+    expect_all(&good, &(norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = (double)NAN},
+        NORMA_ERROR_ARGUMENT);
+    expect_all(&good, &(norma_options){.weld = NORMA_WELD_EXACT, .weld_distance = (double)NAN},
+        NORMA_OK); /* not looked at */
     expect_all(&good, &(norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 0}, NORMA_OK);
 }
 
 static void capacities(void **state) {
     (void)state;
     for (int kind = 0; kind < CALLS; ++kind)
-        for (size_t capacity = 0; capacity < (kind == SPLIT ? 4 : needed[kind]); ++capacity) expect(kind, &good, 3.2f, NULL, capacity, NORMA_ERROR_CAPACITY);
+        for (size_t capacity = 0; capacity < (kind == SPLIT ? 4 : needed[kind]); ++capacity)
+            expect(kind, &good, 3.2f, NULL, capacity, NORMA_ERROR_CAPACITY);
     expect(SPLIT, &good, 3.2f, NULL, 4, NORMA_OK);
     expect(SPLIT, &good, 0, NULL, 11, NORMA_ERROR_CAPACITY);
     for (size_t corner_capacity = 0; corner_capacity < 12; ++corner_capacity) {
         outputs got, untouched;
         fill(&got);
         fill(&untouched);
-        assert_int_equal(call(SPLIT, &good, 1, NULL, &got, ROOM, corner_capacity), NORMA_ERROR_CAPACITY);
+        assert_int_equal(
+            call(SPLIT, &good, 1, NULL, &got, ROOM, corner_capacity), NORMA_ERROR_CAPACITY);
         assert_memory_equal(&got, &untouched, sizeof got);
     }
 }
@@ -225,7 +250,7 @@ static void capacities(void **state) {
 static void an_index_error_is_not_hidden_by_capacity(void **state) {
     (void)state;
     norma_mesh mesh = good;
-    uint32_t   c[12];
+    uint32_t c[12];
     memcpy(c, tetrahedron, sizeof c);
     c[5] = 9;
     mesh.corners = c;
@@ -244,23 +269,24 @@ static void products_that_overflow(void **state) {
     expect_all(&mesh, NULL, NORMA_ERROR_OVERFLOW);
     mesh.positions.count = SIZE_MAX / 8;
     expect_all(&mesh, NULL, NORMA_ERROR_OVERFLOW);
-    mesh                  = good;
+    mesh = good;
     mesh.positions.stride = SIZE_MAX / 2;
     expect_all(&mesh, NULL, NORMA_ERROR_OVERFLOW);
-    mesh              = good;
+    mesh = good;
     mesh.corner_count = SIZE_MAX - SIZE_MAX % 3;
     expect_all(&mesh, NULL, NORMA_ERROR_OVERFLOW);
     expect_all(&good, &(norma_options){.normal_stride = SIZE_MAX / 2}, NORMA_ERROR_OVERFLOW);
     static const uint32_t starts[] = {0, 12};
-    mesh             = good;
+    mesh = good;
     mesh.face_starts = starts;
-    mesh.face_count  = SIZE_MAX;
+    mesh.face_count = SIZE_MAX;
     expect_all(&mesh, NULL, NORMA_ERROR_OVERFLOW);
 }
 
 static void strides_below_a_vector(void **state) {
     (void)state;
-    for (size_t stride = 1; stride < 12; ++stride) expect_all(&good, &(norma_options){.normal_stride = stride}, NORMA_ERROR_ARGUMENT);
+    for (size_t stride = 1; stride < 12; ++stride)
+        expect_all(&good, &(norma_options){.normal_stride = stride}, NORMA_ERROR_ARGUMENT);
 }
 
 static void empty_meshes(void **state) {
@@ -278,7 +304,7 @@ static void empty_meshes(void **state) {
     assert_ok(norma_vertex_normals(&nothing, NULL, NULL, 0, NULL));
     assert_ok(norma_corner_normals(&nothing, 1, NULL, NULL, 0, NULL));
     only_positions.corner_count = 0;
-    only_positions.corners      = NULL;
+    only_positions.corners = NULL;
     assert_ok(call(VERTICES, &only_positions, 1, NULL, &o, 4, 0));
     assert_int_equal(o.report.unreferenced.count, 4);
     assert_int_equal(o.report.unreferenced.first, 0);
@@ -287,17 +313,22 @@ static void empty_meshes(void **state) {
     for (int i = 0; i < 12; ++i) assert_true(o.normals[i] == 0);
 }
 
-/* Only the first version's fields are read of an old caller, and what a newer caller adds must not be in the way. */
+/* Only the first version's fields are read of an old caller, and what a newer caller adds must not
+ * be in the way. */
 static void struct_sizes(void **state) {
     (void)state;
-    float         normals[36];
-    norma_edges   edges;
+    float normals[36];
+    norma_edges edges;
     norma_options options = {0};
-    struct { norma_options options; unsigned char more[64]; } bigger;
+    struct {
+        norma_options options;
+        unsigned char more[64];
+    } bigger;
     const size_t first = offsetof(norma_options, edges);
     memset(&edges, 0xa5, sizeof edges);
     options.edges = &edges;
-    assert_ok(norma_corner_normals(&good, 1, &options, normals, 12, NULL)); /* 0: the first version, edges are not read */
+    assert_ok(norma_corner_normals(
+        &good, 1, &options, normals, 12, NULL)); /* 0: the first version, edges are not read */
     assert_true(edges.count > 1000);
     options.struct_size = first;
     assert_ok(norma_corner_normals(&good, 1, &options, normals, 12, NULL));
@@ -307,7 +338,7 @@ static void struct_sizes(void **state) {
     assert_int_equal(edges.count, 6);
     memset(&bigger, 0, sizeof bigger);
     memset(&edges, 0xa5, sizeof edges);
-    bigger.options             = options;
+    bigger.options = options;
     bigger.options.struct_size = sizeof bigger;
     assert_ok(norma_corner_normals(&good, 1, &bigger.options, normals, 12, NULL));
     assert_int_equal(edges.count, 6);
@@ -321,7 +352,7 @@ static void struct_sizes(void **state) {
 typedef struct watch {
     double last;
     size_t calls, stop_after;
-    int    fell, outside;
+    int fell, outside;
 } watch;
 
 static int look(void *user, double fraction) {
@@ -334,22 +365,31 @@ static int look(void *user, double fraction) {
 
 static void watch_all_calls(int one_ring) {
     mesh_file mesh = {0};
-    if (one_ring) shape_fan(&mesh, 3000);
-    else shape_wavy_grid(&mesh, 250, 0);
-    const norma_mesh view    = mesh_file_view(&mesh);
-    float           *normals = test_malloc(12 * mesh.corner_count);
-    size_t           cancelled = 0;
+    if (one_ring)
+        shape_fan(&mesh, 3000);
+    else
+        shape_wavy_grid(&mesh, 250, 0);
+    const norma_mesh view = mesh_file_view(&mesh);
+    float *normals = test_malloc(12 * mesh.corner_count);
+    size_t cancelled = 0;
     for (int kind = 0; kind < CALLS; ++kind)
         for (uint32_t threads = 1; threads <= 4; threads *= 4) {
-            watch         w = {0};
+            watch w = {0};
             norma_options options = {.threads = threads, .progress = look, .progress_user = &w};
-            size_t        stop = 1, calls = SIZE_MAX, count;
+            size_t stop = 1, calls = SIZE_MAX, count;
             do {
                 norma_result result;
-                if (kind == FACES) result = norma_face_normals(&view, &options, normals, mesh.corner_count, NULL);
-                else if (kind == VERTICES) result = norma_vertex_normals(&view, &options, normals, mesh.corner_count, NULL);
-                else if (kind == CORNERS) result = norma_corner_normals(&view, 1, &options, normals, mesh.corner_count, NULL);
-                else result = norma_split(&view, 1, &options, NULL, 0, NULL, normals, mesh.corner_count, &count, NULL);
+                if (kind == FACES)
+                    result = norma_face_normals(&view, &options, normals, mesh.corner_count, NULL);
+                else if (kind == VERTICES)
+                    result =
+                        norma_vertex_normals(&view, &options, normals, mesh.corner_count, NULL);
+                else if (kind == CORNERS)
+                    result =
+                        norma_corner_normals(&view, 1, &options, normals, mesh.corner_count, NULL);
+                else
+                    result = norma_split(&view, 1, &options, NULL, 0, NULL, normals,
+                        mesh.corner_count, &count, NULL);
                 assert_false(w.fell);
                 assert_false(w.outside);
                 if (calls == SIZE_MAX) {
@@ -380,7 +420,9 @@ static void every_result_has_its_own_text(void **state) {
     for (int i = -5; i <= 1; ++i) {
         assert_non_null(norma_result_text((norma_result)i));
         assert_true(strlen(norma_result_text((norma_result)i)) > 1);
-        for (int j = -5; j < i; ++j) assert_string_not_equal(norma_result_text((norma_result)i), norma_result_text((norma_result)j));
+        for (int j = -5; j < i; ++j)
+            assert_string_not_equal(
+                norma_result_text((norma_result)i), norma_result_text((norma_result)j));
     }
     assert_non_null(norma_result_text((norma_result)-1000));
     assert_non_null(norma_result_text((norma_result)1000));

@@ -1,4 +1,5 @@
-/* test_normals.c: the cases where the field's tools disagree, one test each, against answers known in closed form (FACTS: edge cases). */
+/* test_normals.c: the cases where the field's tools disagree, one test each, against answers known
+ * in closed form (FACTS: edge cases). */
 #include "check.h"
 #include "mesh_files.h"
 #include "oracle/shapes.h"
@@ -6,19 +7,19 @@
 static const float PI_FLOAT = 3.14159274f; /* not below pi */
 
 typedef struct result {
-    float         normals[3 * 4096];
-    uint8_t       reasons[4096];
-    norma_report  report;
-    norma_edges   edges;
+    float normals[3 * 4096];
+    uint8_t reasons[4096];
+    norma_report report;
+    norma_edges edges;
     norma_options options;
 } result;
 
 static result *fresh(norma_options options) {
-    result *r              = test_calloc(1, sizeof *r);
-    r->options             = options;
+    result *r = test_calloc(1, sizeof *r);
+    r->options = options;
     r->options.struct_size = sizeof r->options;
-    r->options.reasons     = r->reasons;
-    r->options.edges       = &r->edges;
+    r->options.reasons = r->reasons;
+    r->options.edges = &r->edges;
     return r;
 }
 
@@ -40,7 +41,9 @@ static result *vertices(norma_mesh mesh, norma_weight weight) {
 
 static result *corners_with(norma_mesh mesh, double crease_deg, norma_options options) {
     result *r = fresh(options);
-    assert_ok(norma_corner_normals(&mesh, crease_deg >= 180 ? PI_FLOAT : (float)(crease_deg / DEGREES), &r->options, r->normals, 4096, &r->report));
+    assert_ok(
+        norma_corner_normals(&mesh, crease_deg >= 180 ? PI_FLOAT : (float)(crease_deg / DEGREES),
+            &r->options, r->normals, 4096, &r->report));
     return r;
 }
 
@@ -49,21 +52,25 @@ static result *corners(norma_mesh mesh, double crease_deg) {
 }
 
 /* Triangles over positions of three floats each. */
-#define TRIANGLES(p, c) \
-    (norma_mesh){.positions = {p, sizeof(p) / 12, 0, NORMA_FORMAT_FLOAT}, .corners = c, .corner_count = COUNT_OF(c)}
+#define TRIANGLES(p, c)                                                                            \
+    (norma_mesh) {                                                                                 \
+        .positions = {p, sizeof(p) / 12, 0, NORMA_FORMAT_FLOAT}, .corners = c,                     \
+        .corner_count = COUNT_OF(c)                                                                \
+    }
 
-#define at(r, i) ((r)->normals + 3 * (size_t)(i))
-#define assert_same(r, i, j) assert_memory_equal(at(r, i), at(r, j), 12)
+#define at(r, i)              ((r)->normals + 3 * (size_t)(i))
+#define assert_same(r, i, j)  assert_memory_equal(at(r, i), at(r, j), 12)
 #define assert_other(r, i, j) assert_memory_not_equal(at(r, i), at(r, j), 12)
-#define assert_count(counter, n, least) \
-    do {                                \
-        assert_int_equal((counter).count, n);       \
-        assert_true((counter).first == (least));    \
+#define assert_count(counter, n, least)                                                            \
+    do {                                                                                           \
+        assert_int_equal((counter).count, n);                                                      \
+        assert_true((counter).first == (least));                                                   \
     } while (0)
 
 /* ---- polygons */
 
-/* A plus in the plane z = 0, counterclockwise, its first three corners a reflex turn: positions 0 to 11; half-width .5, arms to l. */
+/* A plus in the plane z = 0, counterclockwise, its first three corners a reflex turn: positions 0
+ * to 11; half-width .5, arms to l. */
 static void add_plus(mesh_file *mesh, double l) {
     static const double turn[4][4] = {{1, 0, 0, 1}, {0, -1, 1, 0}, {-1, 0, 0, -1}, {0, 1, -1, 0}};
     const double arm[3][2] = {{l, -.5}, {l, .5}, {.5, .5}};
@@ -85,7 +92,8 @@ static void concave_polygon_points_the_right_way(void **state) {
         result *r = faces(mesh_file_view(&mesh));
         assert_direction(at(r, 0), 0, 0, 1, 0);
         test_free(r);
-        /* A triangle in the plane x = l, twice whose area is that of the plus, stands on corner 0: area weights must lean 45 degrees there. */
+        /* A triangle in the plane x = l, twice whose area is that of the plus, stands on corner 0:
+         * area weights must lean 45 degrees there. */
         mesh_file_add_position(&mesh, lengths[i], -.5, twice_area[i]);
         mesh_file_add_position(&mesh, lengths[i], -1.5, 0);
         mesh_file_add_face(&mesh, (uint32_t[]){0, 12, 13}, 3);
@@ -100,14 +108,15 @@ static void polygon_far_from_the_origin(void **state) {
     (void)state;
     for (double far = 1; far < 8e6; far *= 16) {
         mesh_file mesh = {0};
-        uint32_t  all[8];
-        for (uint32_t i = 0; i < 8; ++i) { /* an octagon on the integer lattice: its normal is (1, 2, -1) wherever it is */
+        uint32_t all[8];
+        for (uint32_t i = 0; i < 8;
+             ++i) { /* an octagon on the integer lattice: its normal is (1, 2, -1) wherever it is */
             static const int u[8] = {2, 3, 3, 2, 1, 0, 0, 1}, v[8] = {0, 1, 2, 3, 3, 2, 1, 0};
             mesh_file_add_position(&mesh, far + u[i], far + v[i], far + u[i] + 2 * v[i]);
             all[i] = i;
         }
         mesh_file_add_face(&mesh, all, 8);
-        float      floats[24];
+        float floats[24];
         norma_mesh view = mesh_file_view_float(&mesh, floats);
         for (int x = 0; x < 24; ++x)
             if ((double)floats[x] != ((double *)mesh.positions)[x]) fail_msg("not a float");
@@ -120,19 +129,24 @@ static void polygon_far_from_the_origin(void **state) {
 
 static void reflex_corner_weighs_its_interior_angle(void **state) {
     (void)state;
-    mesh_file mesh = {0}; /* the floor of an L-shaped room with the two walls of its reflex corner, which is corner 0 */
-    static const double p[][3] = {{0, 0, 0}, {0, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0}, {2, 0, 0}, {0, 0, 1}, {2, 0, 1}, {0, 2, 1}};
-    for (size_t i = 0; i < COUNT_OF(p); ++i) mesh_file_add_position(&mesh, p[i][0], p[i][1], p[i][2]);
+    mesh_file mesh = {0}; /* the floor of an L-shaped room with the two walls of its reflex corner,
+                             which is corner 0 */
+    static const double p[][3] = {{0, 0, 0}, {0, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0},
+        {2, 0, 0}, {0, 0, 1}, {2, 0, 1}, {0, 2, 1}};
+    for (size_t i = 0; i < COUNT_OF(p); ++i)
+        mesh_file_add_position(&mesh, p[i][0], p[i][1], p[i][2]);
     mesh_file_add_face(&mesh, (uint32_t[]){0, 1, 2, 3, 4, 5}, 6);
     mesh_file_add_face(&mesh, (uint32_t[]){0, 5, 7, 6}, 4);
     mesh_file_add_face(&mesh, (uint32_t[]){0, 6, 8, 1}, 4);
     result *r = vertices(mesh_file_view(&mesh), NORMA_WEIGHT_ANGLE);
     assert_direction(at(r, 0), -1, -1, 3, 1e-5);
     test_free(r);
-    r = vertices(mesh_file_view(&mesh), NORMA_WEIGHT_ANGLE_AREA); /* floor 12 * 3/4 turn, walls 2 * 1/4 each */
+    r = vertices(mesh_file_view(&mesh),
+        NORMA_WEIGHT_ANGLE_AREA); /* floor 12 * 3/4 turn, walls 2 * 1/4 each */
     assert_direction(at(r, 0), -4, -4, 72, 1e-5);
     test_free(r);
-    r = vertices(mesh_file_view(&mesh), NORMA_WEIGHT_ANGLE_LENGTHS); /* 3 * 2 * 2, walls 1 * 2 * 1 */
+    r = vertices(
+        mesh_file_view(&mesh), NORMA_WEIGHT_ANGLE_LENGTHS); /* 3 * 2 * 2, walls 1 * 2 * 1 */
     assert_direction(at(r, 0), -1, -1, 6, 1e-5);
     test_free(r);
     r = vertices(mesh_file_view(&mesh), NORMA_WEIGHT_MAX); /* 1 / (2 * 2), walls 1 / (2 * 1) */
@@ -143,10 +157,15 @@ static void reflex_corner_weighs_its_interior_angle(void **state) {
 
 static void repeated_corner_is_one(void **state) {
     (void)state;
-    static const float    p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -0.0f};
+    static const float p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -0.0f};
     static const uint32_t c[] = {0, 4, 1, 1, 2, 0, 3, 1, 0, 2, 3, 0, 4}, starts[] = {0, 5, 8, 13};
-    const norma_mesh mesh = {.positions = {p, 5, 0, NORMA_FORMAT_FLOAT}, .corners = c, .corner_count = 13, .face_starts = starts, .face_count = 3};
-    result *r = vertices(mesh, NORMA_WEIGHT_ANGLE); /* a corner of a cube: xy upwards, xz towards +y, yz twice over its one corner */
+    const norma_mesh mesh = {.positions = {p, 5, 0, NORMA_FORMAT_FLOAT},
+        .corners = c,
+        .corner_count = 13,
+        .face_starts = starts,
+        .face_count = 3};
+    result *r = vertices(mesh, NORMA_WEIGHT_ANGLE); /* a corner of a cube: xy upwards, xz towards
+                                                       +y, yz twice over its one corner */
     assert_direction(at(r, 0), 1, 1, 1, 1e-5);
     assert_same(r, 0, 4);
     assert_int_equal(r->report.degenerate_faces.count, 0);
@@ -163,11 +182,12 @@ static void repeated_corner_is_one(void **state) {
 
 static void degenerate_face_has_no_vote(void **state) {
     (void)state;
-    static const float    p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0, 5, 5, 5};
+    static const float p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0, 5, 5, 5};
     static const uint32_t c[] = {0, 1, 3, 0, 1, 2, 0, 0, 1, 4, 4, 4};
     result *r = faces(TRIANGLES(p, c));
     assert_count(r->report.degenerate_faces, 3, 0);
-    for (int f = 0; f < 4; ++f) assert_int_equal(r->reasons[f], f == 1 ? NORMA_REASON_NONE : NORMA_REASON_DEGENERATE);
+    for (int f = 0; f < 4; ++f)
+        assert_int_equal(r->reasons[f], f == 1 ? NORMA_REASON_NONE : NORMA_REASON_DEGENERATE);
     assert_direction(at(r, 1), 0, 0, 1, 0);
     test_free(r);
     for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w) {
@@ -182,7 +202,7 @@ static void degenerate_face_has_no_vote(void **state) {
 
 static void collinear_slivers_middle_weighs_nothing(void **state) {
     (void)state; /* corner 1 lies between 0 and 2: its angle is pi, its face has no normal */
-    static const float    p[] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 1, 2, 1, 1, 1, 2};
+    static const float p[] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 1, 2, 1, 1, 1, 2};
     static const uint32_t c[] = {0, 1, 2, 1, 3, 4};
     result *r = vertices(TRIANGLES(p, c), NORMA_WEIGHT_ANGLE);
     assert_direction(at(r, 1), 1, 0, 0, 0);
@@ -191,8 +211,10 @@ static void collinear_slivers_middle_weighs_nothing(void **state) {
 }
 
 static void almost_collinear_face_has_an_exact_direction(void **state) {
-    (void)state; /* a float apart from collinear, far away: the products differ in their last bits */
-    static const float    p[] = {8388608, 8388607, 1, 8388609, 8388608, 2, 8388610, 8388609, 3.0000002f};
+    (void)
+        state; /* a float apart from collinear, far away: the products differ in their last bits */
+    static const float p[] = {
+        8388608, 8388607, 1, 8388609, 8388608, 2, 8388610, 8388609, 3.0000002f};
     static const uint32_t c[] = {0, 1, 2};
     result *r = faces(TRIANGLES(p, c)); /* a = (1, 1, 1), b = (2, 2, 2 + e): a x b = (e, -e, 0) */
     assert_direction(at(r, 0), 1, -1, 0, 6e-6);
@@ -201,19 +223,21 @@ static void almost_collinear_face_has_an_exact_direction(void **state) {
 
 static void vertex_without_a_face_gets_the_fallback(void **state) {
     (void)state;
-    static const float    p[] = {9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 7, 0, 1, 1};
+    static const float p[] = {9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 7, 0, 1, 1};
     static const uint32_t c[] = {1, 2, 3, 1, 3, 5};
-    static const float    zero[3] = {0, 0, 0}, given[3] = {0.25f, -2, 1e30f};
+    static const float zero[3] = {0, 0, 0}, given[3] = {0.25f, -2, 1e30f};
     result *r = vertices(TRIANGLES(p, c), NORMA_WEIGHT_ANGLE);
     assert_memory_equal(at(r, 0), zero, 12);
     assert_memory_equal(at(r, 4), zero, 12);
     assert_count(r->report.unreferenced, 2, 0);
     test_free(r);
-    r = vertices_with(TRIANGLES(p, c), (norma_options){.fallback = NORMA_FALLBACK_GIVEN, .fallback_normal = {given[0], given[1], given[2]}});
+    r = vertices_with(TRIANGLES(p, c), (norma_options){.fallback = NORMA_FALLBACK_GIVEN,
+                                           .fallback_normal = {given[0], given[1], given[2]}});
     assert_memory_equal(at(r, 0), given, 12);
     assert_memory_equal(at(r, 4), given, 12);
     test_free(r);
-    r = vertices_with(TRIANGLES(p, c), (norma_options){.fallback = NORMA_FALLBACK_GIVEN, .fallback_normal = {-0.0f, -0.0f, -0.0f}});
+    r = vertices_with(TRIANGLES(p, c), (norma_options){.fallback = NORMA_FALLBACK_GIVEN,
+                                           .fallback_normal = {-0.0f, -0.0f, -0.0f}});
     assert_memory_equal(at(r, 4), zero, 12);
     test_free(r);
     r = vertices_with(TRIANGLES(p, c), (norma_options){.fallback = NORMA_FALLBACK_NEAREST});
@@ -225,7 +249,7 @@ static void vertex_without_a_face_gets_the_fallback(void **state) {
 
 static void mesh_without_any_normal_stays_zero(void **state) {
     (void)state;
-    static const float    p[] = {0, 0, 0, 1, 0, 0, 2, 0, 0}, zero[9] = {0};
+    static const float p[] = {0, 0, 0, 1, 0, 0, 2, 0, 0}, zero[9] = {0};
     static const uint32_t c[] = {0, 1, 2};
     result *r = vertices_with(TRIANGLES(p, c), (norma_options){.fallback = NORMA_FALLBACK_NEAREST});
     assert_memory_equal(at(r, 0), zero, sizeof zero);
@@ -238,8 +262,8 @@ static void mesh_without_any_normal_stays_zero(void **state) {
 
 static void not_finite_position_poisons_nothing(void **state) {
     (void)state;
-    const float           bad[] = {NAN, INFINITY, -INFINITY};
-    static const uint32_t c[]   = {0, 1, 2, 0, 2, 3, 0, 3, 1};
+    const float bad[] = {NAN, INFINITY, -INFINITY};
+    static const uint32_t c[] = {0, 1, 2, 0, 2, 3, 0, 3, 1};
     for (size_t i = 0; i < 9; ++i) {
         float p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, -1, -1, 1};
         p[9 + i / 3] = bad[i % 3];
@@ -256,7 +280,8 @@ static void not_finite_position_poisons_nothing(void **state) {
         r = corners(TRIANGLES(p, c), 180);
         assert_count(r->report.non_finite, 2, 5);
         assert_direction(at(r, 0), 0, 0, 1, 0);
-        assert_int_equal(r->reasons[3], NORMA_REASON_UNREFERENCED); /* its edges are hard, it has no direction */
+        assert_int_equal(
+            r->reasons[3], NORMA_REASON_UNREFERENCED); /* its edges are hard, it has no direction */
         test_free(r);
     }
 }
@@ -265,7 +290,7 @@ static void not_finite_position_poisons_nothing(void **state) {
 
 static void opposite_faces_cancel(void **state) {
     (void)state; /* two triangles that meet in one position, back to back; 0 and 5 are there */
-    static const float    p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0, -1, 0, 0, -0.0f, 0, 0, 0, 0, 0};
+    static const float p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0, -1, 0, 0, -0.0f, 0, 0, 0, 0, 0};
     static const uint32_t one[] = {0, 1, 2, 0, 3, 4, 0, 4, 3, 0, 2, 1}, two[] = {0, 1, 2, 5, 4, 3};
     result *r = vertices(TRIANGLES(p, two), NORMA_WEIGHT_ANGLE);
     assert_direction(at(r, 0), 0, 0, 1, 0); /* each by the corners of its own index */
@@ -277,7 +302,8 @@ static void opposite_faces_cancel(void **state) {
     for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w) {
         r = vertices(TRIANGLES(p, one), (norma_weight)w);
         assert_int_equal(r->reasons[0], NORMA_REASON_CANCELLED);
-        assert_int_equal(r->reasons[5], NORMA_REASON_CANCELLED); /* at a position that faces share, though none names it */
+        assert_int_equal(r->reasons[5],
+            NORMA_REASON_CANCELLED); /* at a position that faces share, though none names it */
         assert_int_equal(r->reasons[6], NORMA_REASON_CANCELLED);
         assert_count(r->report.cancelled, 7, 0);
         test_free(r);
@@ -286,7 +312,7 @@ static void opposite_faces_cancel(void **state) {
 
 static void own_index_answers_where_the_position_cancels(void **state) {
     (void)state;
-    static const float    p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0};
+    static const float p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0};
     static const uint32_t c[] = {0, 1, 2, 3, 2, 1};
     for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w) {
         result *r = vertices(TRIANGLES(p, c), (norma_weight)w);
@@ -300,7 +326,8 @@ static void own_index_answers_where_the_position_cancels(void **state) {
 
 /* ---- fans */
 
-/* A strip of two unit squares in four triangles, bent by degrees along y; hinge vertices 0 and 1. */
+/* A strip of two unit squares in four triangles, bent by degrees along y; hinge vertices 0 and 1.
+ */
 static void add_hinge(mesh_file *mesh, double degrees) {
     const double x = cos(degrees / DEGREES), z = sin(degrees / DEGREES);
     static const uint32_t c[] = {0, 1, 2, 1, 3, 2, 0, 4, 1, 1, 4, 5};
@@ -316,8 +343,8 @@ static void add_hinge(mesh_file *mesh, double degrees) {
 static void dihedral_at_the_threshold_is_smooth(void **state) {
     (void)state;
     for (int i = 0; i < 3; ++i) {
-        const double  bend = i == 0 ? 90 : i == 1 ? 45 : 30;
-        mesh_file     mesh = {0};
+        const double bend = i == 0 ? 90 : i == 1 ? 45 : 30;
+        mesh_file mesh = {0};
         add_hinge(&mesh, bend);
         const norma_mesh view = mesh_file_view(&mesh);
         result *r = corners(view, bend);
@@ -345,8 +372,9 @@ static void flat_planes_at_crease_zero(void **state) {
     shape_box(&mesh, 1, 1, 1, 0);
     const double turn[9] = {.36, .48, -.8, -.8, .6, 0, .48, .64, .6};
     shape_map(&mesh, turn);
-    float    *floats = test_calloc(3 * mesh.position_count, sizeof *floats);
-    result *r = corners(mesh_file_view_float(&mesh, floats), 0); /* the quads' halves are off by 1e-7 */
+    float *floats = test_calloc(3 * mesh.position_count, sizeof *floats);
+    result *r =
+        corners(mesh_file_view_float(&mesh, floats), 0); /* the quads' halves are off by 1e-7 */
     for (int q = 0; q < 6; ++q) {
         assert_same(r, 6 * q, 6 * q + 3);
         assert_same(r, 6 * q + 2, 6 * q + 4);
@@ -355,7 +383,8 @@ static void flat_planes_at_crease_zero(void **state) {
     assert_int_equal(r->edges.smooth, 6);
     assert_int_equal(r->edges.hard, 12);
     test_free(r);
-    r = corners(mesh_file_view_float(&mesh, floats), -1); /* even its own plane is cut: each face for itself, its own always in */
+    r = corners(mesh_file_view_float(&mesh, floats),
+        -1); /* even its own plane is cut: each face for itself, its own always in */
     assert_int_equal(r->edges.smooth, 0);
     assert_int_equal(r->report.cancelled.count + r->report.unreferenced.count, 0);
     test_free(r);
@@ -365,7 +394,7 @@ static void flat_planes_at_crease_zero(void **state) {
 
 static void fold_of_180_degrees_is_shared_at_180(void **state) {
     (void)state; /* one triangle folded back on another, larger one; their normals are opposite */
-    static const float    p[] = {0, 0, 0, 1, 0, 0, 0, 4, 0, 0, 1, 0};
+    static const float p[] = {0, 0, 0, 1, 0, 0, 0, 4, 0, 0, 1, 0};
     static const uint32_t c[] = {0, 1, 2, 1, 0, 3};
     result *r = corners(TRIANGLES(p, c), 180);
     assert_same(r, 1, 3);
@@ -405,8 +434,10 @@ static void fans_that_touch_in_a_vertex_are_separate(void **state) {
     mesh_file mesh = {0}, second = {0};
     shape_cone(&mesh, 8, 1);
     shape_cone(&second, 8, 1);
-    for (size_t i = 1; i < 9; ++i) mesh_file_add_position(&mesh, 2 * second.positions[i][0], 2 * second.positions[i][1], 2);
-    for (uint32_t i = 0; i < 8; ++i) mesh_file_add_face(&mesh, (uint32_t[]){0, 9 + (i + 1) % 8, 9 + i}, 3);
+    for (size_t i = 1; i < 9; ++i)
+        mesh_file_add_position(&mesh, 2 * second.positions[i][0], 2 * second.positions[i][1], 2);
+    for (uint32_t i = 0; i < 8; ++i)
+        mesh_file_add_face(&mesh, (uint32_t[]){0, 9 + (i + 1) % 8, 9 + i}, 3);
     result *r = corners(mesh_file_view(&mesh), 180);
     assert_direction(at(r, 0), 0, 0, 1, 1e-5);
     assert_direction(at(r, 24), 0, 0, -1, 1e-5);
@@ -421,8 +452,8 @@ static void fans_that_touch_in_a_vertex_are_separate(void **state) {
 static void hard_marks_cut_from_either_side(void **state) {
     (void)state;
     for (int side = 0; side < 2; ++side) {
-        mesh_file  mesh      = {0};
-        uint8_t    marks[12] = {0};
+        mesh_file mesh = {0};
+        uint8_t marks[12] = {0};
         add_hinge(&mesh, 20);
         norma_mesh view = mesh_file_view(&mesh);
         marks[side ? 8 : 0] = 255; /* 0: from vertex 0 to 1; 8: from 1 to 0 */
@@ -438,15 +469,22 @@ static void hard_marks_cut_from_either_side(void **state) {
 
 static void mark_of_the_last_repeated_corner_counts(void **state) {
     (void)state; /* hinge of two quads; the one on the left repeats corner 1 */
-    static const float    p[] = {0, 0, 0, 0, 1, 0, -1, 1, 0, -1, 0, 0, 1, 0, -1, 1, 1, -1};
+    static const float p[] = {0, 0, 0, 0, 1, 0, -1, 1, 0, -1, 0, 0, 1, 0, -1, 1, 1, -1};
     static const uint32_t c[] = {0, 0, 1, 2, 3, 0, 4, 5, 1}, starts[] = {0, 5, 9};
     for (int marked = 0; marked < 2; ++marked) {
-        uint8_t    marks[9] = {0};
-        norma_mesh mesh = {.positions = {p, 6, 0, NORMA_FORMAT_FLOAT}, .corners = c, .corner_count = 9, .face_starts = starts, .face_count = 2, .hard_edges = marks};
+        uint8_t marks[9] = {0};
+        norma_mesh mesh = {.positions = {p, 6, 0, NORMA_FORMAT_FLOAT},
+            .corners = c,
+            .corner_count = 9,
+            .face_starts = starts,
+            .face_count = 2,
+            .hard_edges = marks};
         marks[marked] = 1;
         result *r = corners(mesh, 180);
-        if (marked == 0) assert_same(r, 0, 5);
-        else assert_other(r, 0, 5);
+        if (marked == 0)
+            assert_same(r, 0, 5);
+        else
+            assert_other(r, 0, 5);
         assert_same(r, 0, 1);
         test_free(r);
     }
@@ -454,16 +492,22 @@ static void mark_of_the_last_repeated_corner_counts(void **state) {
 
 static void smoothing_groups_share_by_bits(void **state) {
     (void)state;
-    static const struct { uint32_t left, right; int same; } cases[] = {{1, 1, 1}, {1, 2, 0}, {0, 0, 0}, {0, 1, 0}, {0x80000000u, 0xc0000000u, 1}, {6, 3, 1}, {4, 3, 0}};
+    static const struct {
+        uint32_t left, right;
+        int same;
+    } cases[] = {{1, 1, 1}, {1, 2, 0}, {0, 0, 0}, {0, 1, 0}, {0x80000000u, 0xc0000000u, 1},
+        {6, 3, 1}, {4, 3, 0}};
     for (size_t i = 0; i < COUNT_OF(cases); ++i) {
-        mesh_file  mesh      = {0};
-        uint32_t   groups[4] = {cases[i].left, cases[i].left, cases[i].right, cases[i].right};
+        mesh_file mesh = {0};
+        uint32_t groups[4] = {cases[i].left, cases[i].left, cases[i].right, cases[i].right};
         add_hinge(&mesh, 20);
         norma_mesh view = mesh_file_view(&mesh);
         view.smoothing_groups = groups;
         result *r = corners(view, 180);
-        if (cases[i].same) assert_same(r, 0, 6);
-        else assert_other(r, 0, 6);
+        if (cases[i].same)
+            assert_same(r, 0, 6);
+        else
+            assert_other(r, 0, 6);
         test_free(r);
         r = corners(view, 10); /* the crease cuts as well */
         assert_other(r, 0, 6);
@@ -474,7 +518,7 @@ static void smoothing_groups_share_by_bits(void **state) {
 
 static void non_manifold_edge_is_hard_and_counted(void **state) {
     (void)state; /* a flat sheet of two triangles along the edge 0 1, and a fin on it */
-    static const float    p[] = {0, 0, 0, 0, 1, 0, -1, 0, 0, 1, 0, 0, 0, 0, 1};
+    static const float p[] = {0, 0, 0, 0, 1, 0, -1, 0, 0, 1, 0, 0, 0, 0, 1};
     static const uint32_t c[] = {0, 1, 2, 1, 0, 3, 1, 0, 4};
     result *r = corners(TRIANGLES(p, c), 180);
     assert_direction(at(r, 0), 0, 0, 1, 0);
@@ -485,12 +529,14 @@ static void non_manifold_edge_is_hard_and_counted(void **state) {
     assert_int_equal(r->edges.count, 7);
     assert_int_equal(r->edges.open, 6);
     test_free(r);
-    r = corners_with(TRIANGLES(p, c), 30, (norma_options){.non_manifold = NORMA_NON_MANIFOLD_SMOOTH});
+    r = corners_with(
+        TRIANGLES(p, c), 30, (norma_options){.non_manifold = NORMA_NON_MANIFOLD_SMOOTH});
     assert_same(r, 0, 4); /* the sheet stays smooth, the fin is beyond the crease */
     assert_direction(at(r, 7), -1, 0, 0, 0);
     assert_count(r->report.non_manifold_edges, 1, 0);
     test_free(r);
-    r = corners_with(TRIANGLES(p, c), 180, (norma_options){.non_manifold = NORMA_NON_MANIFOLD_SMOOTH});
+    r = corners_with(
+        TRIANGLES(p, c), 180, (norma_options){.non_manifold = NORMA_NON_MANIFOLD_SMOOTH});
     assert_same(r, 0, 4);
     assert_same(r, 0, 7);
     test_free(r);
@@ -498,7 +544,7 @@ static void non_manifold_edge_is_hard_and_counted(void **state) {
 
 static void winding_conflict_is_hard_and_counted(void **state) {
     (void)state;
-    static const float    p[] = {0, 0, 0, 0, 1, 0, -1, 0, 0, 1, 0, 0.125f};
+    static const float p[] = {0, 0, 0, 0, 1, 0, -1, 0, 0, 1, 0, 0.125f};
     static const uint32_t c[] = {1, 2, 0, 3, 0, 1};
     result *r = corners(TRIANGLES(p, c), 180);
     assert_direction(at(r, 0), 0, 0, 1, 0);
@@ -516,13 +562,14 @@ static void leaves_are_smooth_on_each_side(void **state) {
     add_hinge(&mesh, 40);
     for (uint32_t f = 0; f < 4; ++f) { /* each face with its reversed twin, beginning elsewhere */
         const uint32_t *c = mesh.corners + 3 * f;
-        const uint32_t  twin[3] = {c[1], c[0], c[2]};
+        const uint32_t twin[3] = {c[1], c[0], c[2]};
         mesh_file_add_face(&mesh, twin, 3);
     }
     result *r = corners(mesh_file_view(&mesh), 60);
     assert_same(r, 0, 6);
     const double *n = (const double[]){sin(20 / DEGREES), 0, cos(20 / DEGREES)};
-    assert_true(degrees_between(at(r, 0), n) < 8); /* between the two squares' normals: angle weights at a corner of 45 + 90 | 45 degrees */
+    assert_true(degrees_between(at(r, 0), n) < 8); /* between the two squares' normals: angle
+                                                      weights at a corner of 45 + 90 | 45 degrees */
     for (int f = 0; f < 4; ++f) { /* the back is the front's negative, to the bit */
         const float *front = at(r, 3 * f), *back = at(r, 12 + 3 * f);
         for (int x = 0; x < 3; ++x) {
@@ -543,9 +590,10 @@ static void leaves_are_smooth_on_each_side(void **state) {
 }
 
 static void degenerate_face_does_not_cut_a_fan(void **state) {
-    (void)state; /* face 0 to the left of the edge 0 1; a sliver along it with 2 in its middle; faces 2 and 3 to the right, bent by 20 degrees */
-    const float           z = (float)tan(20 / DEGREES);
-    const float           p[] = {0, 0, 0, 2, 0, 0, 1, 0, 0, 1, 1, 0, 1, -1, -z};
+    (void)state; /* face 0 to the left of the edge 0 1; a sliver along it with 2 in its middle;
+                    faces 2 and 3 to the right, bent by 20 degrees */
+    const float z = (float)tan(20 / DEGREES);
+    const float p[] = {0, 0, 0, 2, 0, 0, 1, 0, 0, 1, 1, 0, 1, -1, -z};
     static const uint32_t c[] = {0, 1, 3, 1, 0, 2, 2, 0, 4, 1, 2, 4};
     result *r = corners(TRIANGLES(p, c), 21);
     assert_same(r, 0, 7);
@@ -555,17 +603,19 @@ static void degenerate_face_does_not_cut_a_fan(void **state) {
     assert_count(r->report.degenerate_faces, 1, 1);
     assert_direction(at(r, 2), 0, 0, 1, 0);
     test_free(r);
-    r = corners(TRIANGLES(p, c), 19); /* it borrows the left face's direction: the crease lies on its other side */
+    r = corners(TRIANGLES(p, c),
+        19); /* it borrows the left face's direction: the crease lies on its other side */
     assert_other(r, 0, 7);
     assert_same(r, 0, 4);
     assert_direction(at(r, 4), 0, 0, 1, 0);
-    assert_int_equal(r->reasons[5], NORMA_REASON_UNREFERENCED); /* its middle belongs to nobody left of the crease */
+    assert_int_equal(r->reasons[5],
+        NORMA_REASON_UNREFERENCED); /* its middle belongs to nobody left of the crease */
     test_free(r);
 }
 
 static void borrowing_makes_no_chain(void **state) {
     (void)state; /* two slivers share their longest edge 0 1: neither has anything to lend */
-    static const float    p[] = {0, 0, 0, 4, 0, 0, 1, 0, 0, 3, 0, 0, 2, 1, 0, 2, -1, 0};
+    static const float p[] = {0, 0, 0, 4, 0, 0, 1, 0, 0, 3, 0, 0, 2, 1, 0, 2, -1, 0};
     static const uint32_t c[] = {0, 1, 2, 1, 0, 3, 2, 1, 4, 3, 0, 5};
     result *r = corners(TRIANGLES(p, c), 180);
     assert_int_equal(r->edges.smooth, 0);
@@ -580,8 +630,8 @@ static void pole_of_a_uv_sphere_is_no_crease(void **state) {
     for (int quads = 0; quads < 2; ++quads) {
         mesh_file mesh = {0};
         shape_pole_sphere(&mesh, 32, 16, quads);
-        float  *floats = test_calloc(3 * mesh.position_count, sizeof *floats);
-        result *r      = corners(mesh_file_view_float(&mesh, floats), 30);
+        float *floats = test_calloc(3 * mesh.position_count, sizeof *floats);
+        result *r = corners(mesh_file_view_float(&mesh, floats), 30);
         assert_int_equal(r->report.non_manifold_edges.count, 0);
         assert_int_equal(r->report.winding_conflicts.count, 0);
         assert_int_equal(r->report.cancelled.count, 0);
@@ -591,8 +641,12 @@ static void pole_of_a_uv_sphere_is_no_crease(void **state) {
         assert_int_equal(r->report.degenerate_faces.count, quads ? 0 : 64);
         for (size_t i = 0; i < mesh.corner_count; ++i) {
             const double *p = mesh.positions[mesh.corners[i]];
-            if (r->reasons[i]) assert_int_equal(r->reasons[i], NORMA_REASON_UNREFERENCED); /* corners of the poles' empty halves, which have no edges */
-            else assert_direction(at(r, i), p[0], p[1], p[2], .35);
+            if (r->reasons[i])
+                assert_int_equal(
+                    r->reasons[i], NORMA_REASON_UNREFERENCED); /* corners of the poles' empty
+                                                                  halves, which have no edges */
+            else
+                assert_direction(at(r, i), p[0], p[1], p[2], .35);
         }
         assert_int_equal(r->report.unreferenced.count, quads ? 0 : 3 * 64);
         test_free(r);
@@ -607,17 +661,20 @@ static void uv_seam_vanishes(void **state) {
     (void)state;
     mesh_file mesh = {0};
     shape_uv_sphere(&mesh, 32, 16, 1, 0);
-    float           *floats = test_calloc(3 * mesh.position_count, sizeof *floats);
-    const norma_mesh view   = mesh_file_view_float(&mesh, floats);
-    result *r = vertices(view, NORMA_WEIGHT_AREA), *none = vertices_with(view, (norma_options){.weld = NORMA_WELD_NONE, .weight = NORMA_WEIGHT_AREA});
-    double  welded = 0, apart = 0; /* worst errors along the seam */
+    float *floats = test_calloc(3 * mesh.position_count, sizeof *floats);
+    const norma_mesh view = mesh_file_view_float(&mesh, floats);
+    result *r = vertices(view, NORMA_WEIGHT_AREA),
+           *none = vertices_with(
+               view, (norma_options){.weld = NORMA_WELD_NONE, .weight = NORMA_WEIGHT_AREA});
+    double welded = 0, apart = 0; /* worst errors along the seam */
     for (size_t ring = 0; ring < 15; ++ring) {
-        const size_t  left = 32 + 33 * ring, right = left + 32;
-        const double *p    = mesh.positions[left];
+        const size_t left = 32 + 33 * ring, right = left + 32;
+        const double *p = mesh.positions[left];
         assert_same(r, left, right);
         assert_other(none, left, right);
         welded = fmax(welded, degrees_between(at(r, left), p));
-        apart  = fmax(apart, fmax(degrees_between(at(none, left), p), degrees_between(at(none, right), p)));
+        apart = fmax(
+            apart, fmax(degrees_between(at(none, left), p), degrees_between(at(none, right), p)));
     }
     assert_true(apart > 5.9 && apart < 5.95);
     assert_true(welded < 1.94);
@@ -631,7 +688,8 @@ static void uv_seam_vanishes(void **state) {
 
 static void negative_zero_is_zero(void **state) {
     (void)state;
-    static const float    p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, -0.0f, -0.0f, -0.0f, -0.0f, 1, -0.0f, -0.0f, -0.0f, 1};
+    static const float p[] = {
+        0, 0, 0, 1, 0, 0, 0, 1, 0, -0.0f, -0.0f, -0.0f, -0.0f, 1, -0.0f, -0.0f, -0.0f, 1};
     static const uint32_t c[] = {0, 1, 2, 3, 4, 5};
     result *r = vertices(TRIANGLES(p, c), NORMA_WEIGHT_ANGLE);
     assert_same(r, 0, 3);
@@ -645,16 +703,24 @@ static void distance_welds_by_chains_in_any_order(void **state) {
     static const int orders[][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
     for (size_t k = 0; k < COUNT_OF(orders); ++k)
         for (int far = 0; far < 2; ++far) {
-            /* three triangles, each with a corner near the origin: at 0, 1, 2 (steps of exactly the distance), upright in three planes */
+            /* three triangles, each with a corner near the origin: at 0, 1, 2 (steps of exactly the
+             * distance), upright in three planes */
             const float z[3][3] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
-            float       p[27];
+            float p[27];
             for (int t = 0; t < 3; ++t) {
-                const float *n = z[orders[k][t]], x = (float)orders[k][t] + (far && orders[k][t] == 2 ? 0x1p-20f : 0);
+                const float *n = z[orders[k][t]],
+                            x = (float)orders[k][t] + (far && orders[k][t] == 2 ? 0x1p-20f : 0);
                 for (int v = 0; v < 3; ++v)
-                    for (int i = 0; i < 3; ++i) p[9 * t + 3 * v + i] = (i == 0 ? x : 0) + (v == 1 ? 100 * n[(i + 2) % 3] : v == 2 ? 100 * n[(i + 1) % 3] : 0);
+                    for (int i = 0; i < 3; ++i)
+                        p[9 * t + 3 * v + i] =
+                            (i == 0 ? x : 0) + (v == 1      ? 100 * n[(i + 2) % 3]
+                                                   : v == 2 ? 100 * n[(i + 1) % 3]
+                                                            : 0);
             }
             norma_mesh mesh = {.positions = {p, 9, 0, NORMA_FORMAT_FLOAT}, .corner_count = 9};
-            result    *r    = vertices_with(mesh, (norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 1, .weight = NORMA_WEIGHT_UNIFORM});
+            result *r = vertices_with(mesh, (norma_options){.weld = NORMA_WELD_DISTANCE,
+                                                .weld_distance = 1,
+                                                .weight = NORMA_WEIGHT_UNIFORM});
             size_t at_of[3];
             for (size_t t = 0; t < 3; ++t) at_of[orders[k][t]] = 3 * t;
             assert_same(r, at_of[0], at_of[1]);
@@ -670,8 +736,9 @@ static void distance_welds_by_chains_in_any_order(void **state) {
 }
 
 static void weld_by_distance_empties_small_faces(void **state) {
-    (void)state; /* a tiny triangle's corners become one: no edges, no direction; the face round it keeps its own positions */
-    static const float    p[] = {0, 0, 0, 0.25f, 0, 0, 0, 0.25f, 0, 8, 0, 0, 0, 8, 0};
+    (void)state; /* a tiny triangle's corners become one: no edges, no direction; the face round it
+                    keeps its own positions */
+    static const float p[] = {0, 0, 0, 0.25f, 0, 0, 0, 0.25f, 0, 8, 0, 0, 0, 8, 0};
     static const uint32_t c[] = {0, 2, 1, 1, 3, 4};
     result *r = fresh((norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 0.5});
     norma_mesh mesh = TRIANGLES(p, c);
@@ -692,10 +759,10 @@ static void tiny_and_huge(void **state) {
     for (int e = -149; e <= 127; e += 4)
         for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w) {
             mesh_file mesh = {0};
-            float     floats[24];
+            float floats[24];
             shape_box(&mesh, ldexp(1, e), ldexp(1, e), ldexp(1, e), 1);
             norma_mesh view = mesh_file_view_float(&mesh, floats);
-            result    *r    = vertices(view, (norma_weight)w);
+            result *r = vertices(view, (norma_weight)w);
             assert_direction(at(r, 7), 1, 1, 1, 1e-5);
             assert_direction(at(r, 0), -1, -1, -1, 1e-5);
             assert_int_equal(r->report.degenerate_faces.count + r->report.cancelled.count, 0);
@@ -712,7 +779,8 @@ static void tiny_and_huge(void **state) {
 
 static void edges_of_both_extremes_in_one_face(void **state) {
     (void)state;
-    static const float    p[] = {0, 0, 0, 1e38f, 0, 0, 0, 1e-38f, 0, 3e38f, -3e38f, 3e38f, -3e38f, 3e38f, 3e38f, -3e38f, -3e38f, 3e38f, 0, 0, 1e-45f};
+    static const float p[] = {0, 0, 0, 1e38f, 0, 0, 0, 1e-38f, 0, 3e38f, -3e38f, 3e38f, -3e38f,
+        3e38f, 3e38f, -3e38f, -3e38f, 3e38f, 0, 0, 1e-45f};
     static const uint32_t c[] = {0, 1, 2, 3, 4, 5, 0, 1, 6};
     result *r = faces(TRIANGLES(p, c));
     assert_direction(at(r, 0), 0, 0, 1, 0);
@@ -741,13 +809,18 @@ static void doubles_of_any_size(void **state) {
 static void interpolates_as_phong(void **state) {
     (void)state;
     static const float x[3] = {1, 0, 0}, y[3] = {0, 1, 0}, z[3] = {0, 0, 1};
-    static const struct { float weights[3]; double expected[3]; } cases[] = {
-        {{1, 0, 0}, {1, 0, 0}}, {{.5f, .5f, 0}, {1, 1, 0}}, {{.25f, .25f, .5f}, {1, 1, 2}}, {{1e-30f, 1e-30f, 1e-30f}, {1, 1, 1}}};
+    static const struct {
+        float weights[3];
+        double expected[3];
+    } cases[] = {{{1, 0, 0}, {1, 0, 0}}, {{.5f, .5f, 0}, {1, 1, 0}}, {{.25f, .25f, .5f}, {1, 1, 2}},
+        {{1e-30f, 1e-30f, 1e-30f}, {1, 1, 1}}};
     for (size_t i = 0; i < COUNT_OF(cases); ++i) {
         float n[3];
         assert_ok(norma_interpolate_normal(x, y, z, cases[i].weights, n));
         assert_direction(n, cases[i].expected[0], cases[i].expected[1], cases[i].expected[2], 1e-5);
-        assert_true(fabs(sqrt((double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2]) - 1) < 2e-7);
+        assert_true(fabs(sqrt((double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] +
+                              (double)n[2] * (double)n[2]) -
+                         1) < 2e-7);
     }
 }
 

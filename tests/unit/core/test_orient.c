@@ -1,13 +1,17 @@
-/* test_orient.c: norma_orient on bodies whose faces were turned at random, hollow ones, solids in solids, touching ones, one-sided ones and open ones. What is right is known
- * from how they were built. */
+/* test_orient.c: norma_orient on bodies whose faces were turned at random, hollow ones, solids in
+ * solids, touching ones, one-sided ones and open ones. What is right is known from how they were
+ * built. */
 #include "check.h"
 #include "mesh_files.h"
 
 /* A box wound outward, or inward. */
 static void add_box(mesh_file *mesh, double x, double y, double z, double half, int inward) {
-    static const uint8_t quads[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    static const uint8_t quads[6][4] = {
+        {0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     const uint32_t first = (uint32_t)mesh->position_count;
-    for (int i = 0; i < 8; i++) mesh_file_add_position(mesh, x + (i & 1 ? half : -half), y + (i & 2 ? half : -half), z + (i & 4 ? half : -half));
+    for (int i = 0; i < 8; i++)
+        mesh_file_add_position(mesh, x + (i & 1 ? half : -half), y + (i & 2 ? half : -half),
+            z + (i & 4 ? half : -half));
     for (int q = 0; q < 6; q++) {
         uint32_t quad[4];
         for (uint32_t k = 0; k < 4; k++) quad[inward ? 3 - k : k] = first + quads[q][k];
@@ -28,7 +32,9 @@ static norma_orient_report orient(const mesh_file *mesh, norma_orient_open open,
     return report;
 }
 
-static uint32_t random_next(uint32_t *state) { return *state = *state * 1664525u + 1013904223u, *state >> 8; }
+static uint32_t random_next(uint32_t *state) {
+    return *state = *state * 1664525u + 1013904223u, *state >> 8;
+}
 
 static void faces_turned_at_random_are_found(void **state) {
     (void)state;
@@ -55,11 +61,11 @@ static void a_cavity_stays_one_and_what_is_in_it_looks_outward(void **state) {
     (void)state;
     mesh_file mesh = {0};
     uint8_t reverse[64];
-    add_box(&mesh, 0, 0, 0, 4, 1);            /* a shell, inside out */
-    add_box(&mesh, 0.1, 0, 0, 3, 1);          /* its cavity, right */
-    add_box(&mesh, 0.1, 0.1, 0, 2, 1);        /* a body in the cavity, inside out */
-    add_box(&mesh, 0.1, 0.1, 0.1, 1, 0);      /* a body in that body: nothing can be known */
-    add_box(&mesh, 20, 0, 0, 4, 0);           /* elsewhere, right */
+    add_box(&mesh, 0, 0, 0, 4, 1);       /* a shell, inside out */
+    add_box(&mesh, 0.1, 0, 0, 3, 1);     /* its cavity, right */
+    add_box(&mesh, 0.1, 0.1, 0, 2, 1);   /* a body in the cavity, inside out */
+    add_box(&mesh, 0.1, 0.1, 0.1, 1, 0); /* a body in that body: nothing can be known */
+    add_box(&mesh, 20, 0, 0, 4, 0);      /* elsewhere, right */
     const norma_orient_report report = orient(&mesh, NORMA_ORIENT_OPEN_KEPT, reverse);
     static const uint8_t expected[5] = {1, 0, 1, 0, 0};
     for (size_t f = 0; f < mesh.face_count; f++) assert_int_equal(reverse[f], expected[f / 6]);
@@ -93,11 +99,13 @@ static void a_moebius_band_is_left(void **state) {
     for (int i = 0; i < STEPS; i++) {
         const double turn_rad = i * 2 * 3.141592653589793 / STEPS;
         for (int side = -1; side <= 1; side += 2)
-            mesh_file_add_position(&mesh, cos(turn_rad) * (3 + side * cos(turn_rad / 2)), sin(turn_rad) * (3 + side * cos(turn_rad / 2)), side * sin(turn_rad / 2));
+            mesh_file_add_position(&mesh, cos(turn_rad) * (3 + side * cos(turn_rad / 2)),
+                sin(turn_rad) * (3 + side * cos(turn_rad / 2)), side * sin(turn_rad / 2));
     }
     for (uint32_t i = 0; i < STEPS; i++) {
         const uint32_t next = (i + 1) % STEPS, cross = next == 0;
-        mesh_file_add_face(&mesh, (uint32_t[]){2 * i, 2 * next + cross, 2 * next + 1 - cross, 2 * i + 1}, 4);
+        mesh_file_add_face(
+            &mesh, (uint32_t[]){2 * i, 2 * next + cross, 2 * next + 1 - cross, 2 * i + 1}, 4);
     }
     const norma_orient_report report = orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, reverse);
     assert_int_equal(report.one_sided, 1);
@@ -119,7 +127,8 @@ static void fixed_point(uint64_t number, double p[3]) {
     } while (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > 1);
 }
 
-/* A small sheet close above a wide box, looking down at it: every ray from its front meets the box, none from its back meets anything, the one without any x in its direction as well. */
+/* A small sheet close above a wide box, looking down at it: every ray from its front meets the box,
+ * none from its back meets anything, the one without any x in its direction as well. */
 static void a_ray_without_a_direction_along_x(void **state) {
     (void)state;
     double p[3], across = 0, along = 0, wanted;
@@ -128,7 +137,8 @@ static void a_ray_without_a_direction_along_x(void **state) {
     while (fabs(p[0]) > 0.05);
     wanted = -0.999 * p[0];
     int found = 0;
-    for (int i = 0; i < 1000 && !found; i++) { /* the sheet's normal is (across, 0, -along), made unit */
+    for (int i = 0; i < 1000 && !found;
+         i++) { /* the sheet's normal is (across, 0, -along), made unit */
         across = wanted / 64;
         along = sqrt(1 - wanted * wanted) / 64 * (1 + i * 0x1p-51);
         found = across / sqrt(across * across + along * along) == wanted;
@@ -170,22 +180,24 @@ static void rays_turn_what_is_open(void **state) {
     }
 }
 
-/* Of every mesh of the data set: turning faces as told leaves no conflict but at one-sided parts, and a second look turns nothing more. */
+/* Of every mesh of the data set: turning faces as told leaves no conflict but at one-sided parts,
+ * and a second look turns nothing more. */
 static void once_is_enough(void *user, const char *path, const char *name) {
     mesh_file mesh = {0};
     (void)user;
-    if (mesh_file_load(path, &mesh) != 0 || mesh.face_count == 0 || mesh.face_count > 100000 / SLOWER) {
+    if (mesh_file_load(path, &mesh) != 0 || mesh.face_count == 0 ||
+        mesh.face_count > 100000 / SLOWER) {
         mesh_file_free(&mesh);
         return;
     }
     uint8_t *reverse = malloc(mesh.face_count);
     const norma_orient_report first = orient(&mesh, NORMA_ORIENT_OPEN_KEPT, reverse);
     for (size_t f = 0; f < mesh.face_count; f++)
-        if (reverse[f])
-            turn(&mesh, f);
+        if (reverse[f]) turn(&mesh, f);
     const norma_orient_report second = orient(&mesh, NORMA_ORIENT_OPEN_KEPT, reverse);
     if (second.reversed_faces || (second.winding_conflicts && !first.one_sided))
-        fail_msg("%s: %zu faces turned again, %zu conflicts left", name, second.reversed_faces, second.winding_conflicts);
+        fail_msg("%s: %zu faces turned again, %zu conflicts left", name, second.reversed_faces,
+            second.winding_conflicts);
     assert_int_equal(second.inward, 0);
     assert_int_equal(first.parts, second.parts);
     free(reverse);
@@ -195,8 +207,7 @@ static void once_is_enough(void *user, const char *path, const char *name) {
 static void turned_meshes_stay(void **state) {
     (void)state;
     const char *folder = data_folder();
-    if (!folder)
-        skip();
+    if (!folder) skip();
     assert_true(data_for_each(folder, once_is_enough, NULL) > 0);
 }
 
@@ -204,13 +215,16 @@ static void threads_change_nothing(void **state) {
     (void)state;
     mesh_file mesh = {0};
     uint32_t seed = 7;
-    for (int i = 0; i < 400; i++) add_box(&mesh, random_next(&seed) % 20, random_next(&seed) % 20, random_next(&seed) % 20, 0.1 + (random_next(&seed) % 1000) / 300.0, (int)(random_next(&seed) % 2));
+    for (int i = 0; i < 400; i++)
+        add_box(&mesh, random_next(&seed) % 20, random_next(&seed) % 20, random_next(&seed) % 20,
+            0.1 + (random_next(&seed) % 1000) / 300.0, (int)(random_next(&seed) % 2));
     uint8_t *one = malloc(mesh.face_count), *many = malloc(mesh.face_count);
     const norma_mesh view = mesh_file_view_polygons(&mesh);
     const norma_options threads = {.struct_size = sizeof threads, .threads = 8};
     norma_orient_report of_one, of_many;
     assert_ok(norma_orient(&view, NORMA_ORIENT_OPEN_BY_RAYS, NULL, one, mesh.face_count, &of_one));
-    assert_ok(norma_orient(&view, NORMA_ORIENT_OPEN_BY_RAYS, &threads, many, mesh.face_count, &of_many));
+    assert_ok(
+        norma_orient(&view, NORMA_ORIENT_OPEN_BY_RAYS, &threads, many, mesh.face_count, &of_many));
     assert_memory_equal(one, many, mesh.face_count);
     assert_memory_equal(&of_one, &of_many, sizeof of_one);
     free(one);
@@ -221,12 +235,17 @@ static void threads_change_nothing(void **state) {
 static void arguments_are_checked(void **state) {
     (void)state;
     const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-    const norma_mesh mesh = {.positions = {positions, 3, 0, NORMA_FORMAT_FLOAT}, .corner_count = 3}, empty = {.corner_count = 0};
+    const norma_mesh mesh = {.positions = {positions, 3, 0, NORMA_FORMAT_FLOAT}, .corner_count = 3},
+                     empty = {.corner_count = 0};
     uint8_t reverse[1] = {7};
-    assert_int_equal(norma_orient(NULL, NORMA_ORIENT_OPEN_KEPT, NULL, reverse, 1, NULL), NORMA_ERROR_ARGUMENT);
-    assert_int_equal(norma_orient(&mesh, NORMA_ORIENT_OPEN_KEPT, NULL, NULL, 1, NULL), NORMA_ERROR_ARGUMENT);
-    assert_int_equal(norma_orient(&mesh, (norma_orient_open)2, NULL, reverse, 1, NULL), NORMA_ERROR_ARGUMENT);
-    assert_int_equal(norma_orient(&mesh, NORMA_ORIENT_OPEN_KEPT, NULL, reverse, 0, NULL), NORMA_ERROR_CAPACITY);
+    assert_int_equal(
+        norma_orient(NULL, NORMA_ORIENT_OPEN_KEPT, NULL, reverse, 1, NULL), NORMA_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_orient(&mesh, NORMA_ORIENT_OPEN_KEPT, NULL, NULL, 1, NULL), NORMA_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_orient(&mesh, (norma_orient_open)2, NULL, reverse, 1, NULL), NORMA_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_orient(&mesh, NORMA_ORIENT_OPEN_KEPT, NULL, reverse, 0, NULL), NORMA_ERROR_CAPACITY);
     assert_int_equal(reverse[0], 7);
     assert_ok(norma_orient(&empty, NORMA_ORIENT_OPEN_KEPT, NULL, NULL, 0, NULL));
     assert_ok(norma_orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, NULL, reverse, 1, NULL));

@@ -1,8 +1,8 @@
-/* test_pack.c: signed normalised integers against the bounds of rounding and an exhaustive search over all codes. */
+/* test_pack.c: signed normalised integers against the bounds of rounding and an exhaustive search
+ * over all codes. */
 #include "check.h"
 
-static uint64_t next_random(uint64_t *state)
-{
+static uint64_t next_random(uint64_t *state) {
     *state ^= *state << 13;
     *state ^= *state >> 7;
     *state ^= *state << 17;
@@ -10,8 +10,7 @@ static uint64_t next_random(uint64_t *state)
 }
 
 /* Uniform on the sphere: a random point of the ball, made unit. */
-static void random_direction(uint64_t *state, double n[3])
-{
+static void random_direction(uint64_t *state, double n[3]) {
     double square;
     do {
         square = 0.0;
@@ -24,49 +23,46 @@ static void random_direction(uint64_t *state, double n[3])
 }
 
 /* What the Khronos validator asks of a stored normal. */
-static int validator_accepts(int x, int y, int z, double scale)
-{
+static int validator_accepts(int x, int y, int z, double scale) {
     return fabs(sqrt((x * x + y * y + z * z) / (scale * scale)) - 1.0) <= 0.00674;
 }
 
-static double angle_to_code(const double n[3], int x, int y, int z)
-{
+static double angle_to_code(const double n[3], int x, int y, int z) {
     const float code[3] = {(float)x, (float)y, (float)z};
     return degrees_between(code, n);
 }
 
 enum { CODE_LIMIT = 1 << 20 };
 
-static size_t all_passing_codes(signed char codes[CODE_LIMIT][3])
-{
+static size_t all_passing_codes(signed char codes[CODE_LIMIT][3]) {
     size_t count = 0;
     for (int x = -127; x <= 127; x++)
         for (int y = -127; y <= 127; y++)
             for (int z = -127; z <= 127; z++)
                 if (validator_accepts(x, y, z, 127.0)) {
                     assert_true(count < CODE_LIMIT);
-                    codes[count][0] = (signed char)x, codes[count][1] = (signed char)y, codes[count++][2] = (signed char)z;
+                    codes[count][0] = (signed char)x, codes[count][1] = (signed char)y,
+                    codes[count++][2] = (signed char)z;
                 }
     return count;
 }
 
 /* n is 127 long. */
-static void check_nearest(const double n[3], signed char codes[CODE_LIMIT][3], size_t code_count)
-{
+static void check_nearest(const double n[3], signed char codes[CODE_LIMIT][3], size_t code_count) {
     int8_t out[3];
     assert_ok(norma_encode_snorm8((norma_vec3_view){n, 1, 0, NORMA_FORMAT_DOUBLE}, out, 0, 1));
     assert_true(validator_accepts(out[0], out[1], out[2], 127.0));
     double mine = 0.0, best = 1e9;
     for (int i = 0; i < 3; i++) mine += (out[i] - n[i]) * (out[i] - n[i]);
     for (size_t k = 0; k < code_count; k++) {
-        const double x = codes[k][0] - n[0], y = codes[k][1] - n[1], z = codes[k][2] - n[2], d = x * x + y * y + z * z;
+        const double x = codes[k][0] - n[0], y = codes[k][1] - n[1], z = codes[k][2] - n[2],
+                     d = x * x + y * y + z * z;
         if (d < best) best = d;
     }
     assert_true(mine <= best * (1.0 + 1e-12));
 }
 
-static void snorm8_is_the_nearest_that_passes(void **state)
-{
+static void snorm8_is_the_nearest_that_passes(void **state) {
     (void)state;
     static signed char codes[CODE_LIMIT][3];
     const size_t code_count = all_passing_codes(codes);
@@ -77,12 +73,15 @@ static void snorm8_is_the_nearest_that_passes(void **state)
         for (int i = 0; i < 3; i++) n[i] *= 127.0;
         check_nearest(n, codes, code_count);
     }
-    /* Every code that rounding can give and the validator refuses, from the unit vectors in its cell's corner towards the sphere. */
+    /* Every code that rounding can give and the validator refuses, from the unit vectors in its
+     * cell's corner towards the sphere. */
     size_t refused = 0;
     for (int x = -127; x <= 127; x++)
         for (int y = -127; y <= 127; y++)
             for (int z = -127; z <= 127; z++) {
-                if (validator_accepts(x, y, z, 127.0) || abs(x * x + y * y + z * z - 127 * 127) > 400) continue;
+                if (validator_accepts(x, y, z, 127.0) ||
+                    abs(x * x + y * y + z * z - 127 * 127) > 400)
+                    continue;
                 const int c[3] = {x, y, z}, outside = x * x + y * y + z * z > 127 * 127;
                 double n[3], square = 0.0;
                 for (int i = 0; i < 3; i++) {
@@ -98,11 +97,10 @@ static void snorm8_is_the_nearest_that_passes(void **state)
                 refused++;
                 check_nearest(n, codes, code_count);
             }
-    assert_true(refused >= 48);        /* (67, 76, 78), its permutations and signs */
+    assert_true(refused >= 48); /* (67, 76, 78), its permutations and signs */
 }
 
-static void bounds(void **state)
-{
+static void bounds(void **state) {
     (void)state;
     enum { COUNT = 400000 };
     uint64_t seed = 3;
@@ -115,20 +113,22 @@ static void bounds(void **state)
         const norma_vec3_view view = {n, 1, 0, NORMA_FORMAT_DOUBLE};
         assert_ok(norma_encode_snorm8(view, small, 0, 1));
         assert_ok(norma_encode_snorm16(view, wide, 0, 1));
-        const double off8 = angle_to_code(n, small[0], small[1], small[2]), off16 = angle_to_code(n, wide[0], wide[1], wide[2]);
+        const double off8 = angle_to_code(n, small[0], small[1], small[2]),
+                     off16 = angle_to_code(n, wide[0], wide[1], wide[2]);
         assert_true(validator_accepts(small[0], small[1], small[2], 127.0));
         sum8 += off8, sum16 += off16;
         if (off8 > max8) max8 = off8;
         if (off16 > max16) max16 = off16;
     }
     assert_true(fabs(sum8 / COUNT - 0.170) < 0.001);
-    assert_true(max8 <= 0.3907);       /* that of rounding alone: where another code is taken, it is all but as near */
+    assert_true(
+        max8 <=
+        0.3907); /* that of rounding alone: where another code is taken, it is all but as near */
     assert_true(fabs(sum16 / COUNT - 0.00066) < 0.00001);
     assert_true(max16 <= 0.00151);
 }
 
-static void exact_codes_and_symmetry(void **state)
-{
+static void exact_codes_and_symmetry(void **state) {
     (void)state;
     uint64_t seed = 5;
     for (int round = 0; round < 20000; round++) {
@@ -137,14 +137,16 @@ static void exact_codes_and_symmetry(void **state)
         random_direction(&seed, n);
         for (int i = 0; i < 3; i++) minus[i] = -n[i];
         assert_ok(norma_encode_snorm8((norma_vec3_view){n, 1, 0, NORMA_FORMAT_DOUBLE}, a, 0, 1));
-        assert_ok(norma_encode_snorm8((norma_vec3_view){minus, 1, 0, NORMA_FORMAT_DOUBLE}, b, 0, 1));
+        assert_ok(
+            norma_encode_snorm8((norma_vec3_view){minus, 1, 0, NORMA_FORMAT_DOUBLE}, b, 0, 1));
         for (int i = 0; i < 3; i++) assert_int_equal(a[i], -b[i]);
     }
     const float axes[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     int8_t out[6][3];
     int16_t wide[6][3];
     assert_ok(norma_encode_snorm8((norma_vec3_view){axes, 6, 0, NORMA_FORMAT_FLOAT}, out[0], 0, 6));
-    assert_ok(norma_encode_snorm16((norma_vec3_view){axes, 6, 0, NORMA_FORMAT_FLOAT}, wide[0], 0, 6));
+    assert_ok(
+        norma_encode_snorm16((norma_vec3_view){axes, 6, 0, NORMA_FORMAT_FLOAT}, wide[0], 0, 6));
     for (int i = 0; i < 6; i++)
         for (int k = 0; k < 3; k++) {
             assert_int_equal(out[i][k], (int)(127 * axes[i][k]));
@@ -152,18 +154,17 @@ static void exact_codes_and_symmetry(void **state)
         }
 }
 
-static void any_length_and_none(void **state)
-{
+static void any_length_and_none(void **state) {
     (void)state;
-    const double in[5][3] = {{1e-300, 0, 1e-300}, {1e300, 0, 1e300}, {0, 0, 0}, {NAN, 1, 0}, {0, INFINITY, 0}};
+    const double in[5][3] = {
+        {1e-300, 0, 1e-300}, {1e300, 0, 1e300}, {0, 0, 0}, {NAN, 1, 0}, {0, INFINITY, 0}};
     int8_t out[5][3];
     assert_ok(norma_encode_snorm8((norma_vec3_view){in, 5, 0, NORMA_FORMAT_DOUBLE}, out[0], 0, 5));
     for (int i = 0; i < 2; i++) assert_memory_equal(out[i], ((int8_t[]){90, 0, 90}), 3);
     for (int i = 2; i < 5; i++) assert_memory_equal(out[i], ((int8_t[]){0, 0, 0}), 3);
 }
 
-static void decoding(void **state)
-{
+static void decoding(void **state) {
     (void)state;
     for (int code = -128; code <= 127; code++) {
         const int8_t c[3] = {(int8_t)code, 0, 127};
@@ -179,8 +180,7 @@ static void decoding(void **state)
 }
 
 /* glTF keeps vectors of bytes on multiples of four: the fourth byte is the caller's. */
-static void strides_and_arguments(void **state)
-{
+static void strides_and_arguments(void **state) {
     (void)state;
     const float in[2][3] = {{1, 0, 0}, {0, 0, -1}};
     const norma_vec3_view view = {in, 2, 0, NORMA_FORMAT_FLOAT};
@@ -208,11 +208,14 @@ static void strides_and_arguments(void **state)
     assert_ok(norma_encode_snorm16((norma_vec3_view){0}, NULL, 0, 0));
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(snorm8_is_the_nearest_that_passes), cmocka_unit_test(bounds), cmocka_unit_test(exact_codes_and_symmetry), cmocka_unit_test(any_length_and_none),
-        cmocka_unit_test(decoding), cmocka_unit_test(strides_and_arguments),
+        cmocka_unit_test(snorm8_is_the_nearest_that_passes),
+        cmocka_unit_test(bounds),
+        cmocka_unit_test(exact_codes_and_symmetry),
+        cmocka_unit_test(any_length_and_none),
+        cmocka_unit_test(decoding),
+        cmocka_unit_test(strides_and_arguments),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,7 @@
-/* test_plan.c: plans of meshes that move, over hundreds of small, nasty meshes. What an update must give is found without the plan: the fans of the mesh at creation come
- * from the oracle, each of them becomes a vertex of a mesh whose vertices share nothing, and norma_vertex_normals of that mesh gives the bits. */
+/* test_plan.c: plans of meshes that move, over hundreds of small, nasty meshes. What an update must
+ * give is found without the plan: the fans of the mesh at creation come from the oracle, each of
+ * them becomes a vertex of a mesh whose vertices share nothing, and norma_vertex_normals of that
+ * mesh gives the bits. */
 #include "oracle/oracle.h"
 #include "oracle/shapes.h"
 #include "plan_check.h"
@@ -7,15 +9,15 @@
 enum { MOST = 1024, MOVED_ROOM = 4096 };
 
 typedef struct answer {
-    float        normals[3 * MOST];
-    uint8_t      reasons[MOST];
+    float normals[3 * MOST];
+    uint8_t reasons[MOST];
     norma_report report;
 } answer;
 
 typedef struct expected {
-    oracle      o;
+    oracle o;
     oracle_fans fans;
-    int         doubtful;
+    int doubtful;
 } expected;
 
 static void expect(const plan_case *c, expected *e) {
@@ -38,20 +40,20 @@ static size_t fan_of(const expected *e, size_t corner) {
 /* ---- the bits, by way of meshes that share by index alone */
 
 typedef struct frozen {
-    float    positions[3 * (MOST + 1)];
+    float positions[3 * (MOST + 1)];
     uint32_t corners[MOST];
-    float    normals[3 * (MOST + 1)];
-    uint8_t  reasons[MOST + 1];
+    float normals[3 * (MOST + 1)];
+    uint8_t reasons[MOST + 1];
 } frozen;
 
 static void freeze(const plan_case *c, frozen *z, size_t vertices) {
-    norma_mesh    mesh    = c->view;
+    norma_mesh mesh = c->view;
     norma_options options = c->options;
-    mesh.positions        = (norma_vec3_view){z->positions, vertices, 0, NORMA_FORMAT_FLOAT};
-    mesh.corners          = z->corners;
-    mesh.corner_size      = 4;
-    options.weld          = NORMA_WELD_NONE;
-    options.reasons       = z->reasons;
+    mesh.positions = (norma_vec3_view){z->positions, vertices, 0, NORMA_FORMAT_FLOAT};
+    mesh.corners = z->corners;
+    mesh.corner_size = 4;
+    options.weld = NORMA_WELD_NONE;
+    options.reasons = z->reasons;
     assert_ok(norma_vertex_normals(&mesh, &options, z->normals, vertices, NULL));
 }
 
@@ -81,9 +83,10 @@ static uint32_t first_at(const plan_case *c, const expected *e, uint32_t vertex)
 }
 
 /* The sum over its fans; where that cancels, over its own corners. */
-static void expect_vertex(const plan_case *c, const expected *e, uint32_t vertex, frozen *z, answer *a) {
+static void expect_vertex(
+    const plan_case *c, const expected *e, uint32_t vertex, frozen *z, answer *a) {
     const uint32_t vertices = (uint32_t)c->mesh.position_count;
-    uint8_t        in[MOST];
+    uint8_t in[MOST];
     fans_of_vertex(c, e, vertex, in);
     for (int own = 0; own < 2; ++own) {
         memcpy(z->positions, c->floats, 12 * (size_t)vertices);
@@ -95,7 +98,9 @@ static void expect_vertex(const plan_case *c, const expected *e, uint32_t vertex
         }
         freeze(c, z, vertices + 1);
         memcpy(a->normals + 3 * vertex, z->normals + 3 * vertices, 12);
-        a->reasons[vertex] = own && z->reasons[vertices] != NORMA_REASON_NONE ? NORMA_REASON_CANCELLED : z->reasons[vertices];
+        a->reasons[vertex] = own && z->reasons[vertices] != NORMA_REASON_NONE
+                                 ? NORMA_REASON_CANCELLED
+                                 : z->reasons[vertices];
         if (a->reasons[vertex] != NORMA_REASON_CANCELLED) return;
     }
 }
@@ -103,7 +108,8 @@ static void expect_vertex(const plan_case *c, const expected *e, uint32_t vertex
 static void expect_answer(const plan_case *c, const expected *e, frozen *z, answer *a) {
     memset(a, 0, sizeof *a);
     if (c->of == NORMA_PER_CORNER) expect_corners(c, e, z, a);
-    for (uint32_t v = 0; v < c->mesh.position_count && c->of == NORMA_PER_VERTEX; ++v) expect_vertex(c, e, v, z, a);
+    for (uint32_t v = 0; v < c->mesh.position_count && c->of == NORMA_PER_VERTEX; ++v)
+        expect_vertex(c, e, v, z, a);
 }
 
 /* ---- updates, each in a way of its own */
@@ -114,13 +120,15 @@ static void backwards(void *user, size_t count, norma_task *task, void *context)
 }
 
 static void some_way(uint64_t *seed, norma_options *options) {
-    static const norma_isa sets[] = {NORMA_ISA_BEST, NORMA_ISA_PORTABLE, NORMA_ISA_AVX2, NORMA_ISA_AVX512};
+    static const norma_isa sets[] = {
+        NORMA_ISA_BEST, NORMA_ISA_PORTABLE, NORMA_ISA_AVX2, NORMA_ISA_AVX512};
     options->threads = plan_random(seed, 3);
-    options->isa     = sets[plan_random(seed, COUNT_OF(sets))];
+    options->isa = sets[plan_random(seed, COUNT_OF(sets))];
     if (!plan_random(seed, 3)) options->parallel_for = backwards;
 }
 
-static norma_result update(const plan_case *c, const norma_plan *plan, uint64_t *seed, const uint32_t *moved, size_t count, answer *a) {
+static norma_result update(const plan_case *c, const norma_plan *plan, uint64_t *seed,
+    const uint32_t *moved, size_t count, answer *a) {
     norma_options options = c->options;
     double doubles[3 * MOST];
     norma_vec3_view positions = {c->floats, c->mesh.position_count, 0, NORMA_FORMAT_FLOAT};
@@ -128,22 +136,28 @@ static norma_result update(const plan_case *c, const norma_plan *plan, uint64_t 
     options.reasons = a->reasons;
     if (plan_random(seed, 2)) {
         for (size_t i = 0; i < 3 * c->mesh.position_count; ++i) doubles[i] = (double)c->floats[i];
-        positions.data   = doubles;
+        positions.data = doubles;
         positions.format = NORMA_FORMAT_DOUBLE;
     }
-    norma_result result = norma_plan_update(plan, positions, moved, count, &options, a->normals, c->elements, &a->report);
+    norma_result result = norma_plan_update(
+        plan, positions, moved, count, &options, a->normals, c->elements, &a->report);
     if (result == NORMA_ERROR_ARGUMENT) { /* an instruction set that the machine lacks */
         options.isa = NORMA_ISA_BEST;
-        result = norma_plan_update(plan, positions, moved, count, &options, a->normals, c->elements, &a->report);
+        result = norma_plan_update(
+            plan, positions, moved, count, &options, a->normals, c->elements, &a->report);
     }
     return result;
 }
 
 static int same(const plan_case *c, const char *what, const answer *a, const answer *b) {
     for (size_t i = 0; i < c->elements; ++i) {
-        if (a->reasons[i] == b->reasons[i] && memcmp(a->normals + 3 * i, b->normals + 3 * i, 12) == 0) continue;
-        print_error("%s: %s: element %zu: (%.9g %.9g %.9g) %d, not (%.9g %.9g %.9g) %d\n", c->name, what, i, (double)a->normals[3 * i], (double)a->normals[3 * i + 1],
-                    (double)a->normals[3 * i + 2], a->reasons[i], (double)b->normals[3 * i], (double)b->normals[3 * i + 1], (double)b->normals[3 * i + 2], b->reasons[i]);
+        if (a->reasons[i] == b->reasons[i] &&
+            memcmp(a->normals + 3 * i, b->normals + 3 * i, 12) == 0)
+            continue;
+        print_error("%s: %s: element %zu: (%.9g %.9g %.9g) %d, not (%.9g %.9g %.9g) %d\n", c->name,
+            what, i, (double)a->normals[3 * i], (double)a->normals[3 * i + 1],
+            (double)a->normals[3 * i + 2], a->reasons[i], (double)b->normals[3 * i],
+            (double)b->normals[3 * i + 1], (double)b->normals[3 * i + 2], b->reasons[i]);
         return 0;
     }
     return 1;
@@ -151,7 +165,8 @@ static int same(const plan_case *c, const char *what, const answer *a, const ans
 
 /* ---- what may change */
 
-static void mark_element(const plan_case *c, const expected *e, uint32_t element, const uint8_t *fans, const uint8_t *vertices, uint8_t *may) {
+static void mark_element(const plan_case *c, const expected *e, uint32_t element,
+    const uint8_t *fans, const uint8_t *vertices, uint8_t *may) {
     uint8_t in[MOST];
     if (c->of == NORMA_PER_CORNER) {
         may[element] = fans[fan_of(e, element)];
@@ -162,45 +177,56 @@ static void mark_element(const plan_case *c, const expected *e, uint32_t element
     for (size_t f = 0; f < e->fans.fan_count; ++f) may[element] |= in[f] && fans[f];
 }
 
-static void may_change(const plan_case *c, const expected *e, const uint32_t *moved, size_t count, uint8_t *may) {
+static void may_change(
+    const plan_case *c, const expected *e, const uint32_t *moved, size_t count, uint8_t *may) {
     uint8_t vertices[MOST] = {0}, fans[MOST] = {0};
     for (size_t i = 0; i < count; ++i) vertices[moved[i]] = 1;
     for (size_t f = 0; f < c->mesh.face_count; ++f) {
         int touched = 0;
-        for (size_t k = c->mesh.starts[f]; k < c->mesh.starts[f + 1]; ++k) touched |= vertices[c->mesh.corners[k]];
-        for (size_t k = c->mesh.starts[f]; touched && k < c->mesh.starts[f + 1]; ++k) fans[fan_of(e, k)] = 1;
+        for (size_t k = c->mesh.starts[f]; k < c->mesh.starts[f + 1]; ++k)
+            touched |= vertices[c->mesh.corners[k]];
+        for (size_t k = c->mesh.starts[f]; touched && k < c->mesh.starts[f + 1]; ++k)
+            fans[fan_of(e, k)] = 1;
     }
     for (uint32_t i = 0; i < c->elements; ++i) mark_element(c, e, i, fans, vertices, may);
 }
 
-static void check_written(const plan_case *c, const uint8_t *may, const answer *some, const answer *all) {
+static void check_written(
+    const plan_case *c, const uint8_t *may, const answer *some, const answer *all) {
     for (size_t i = 0; i < c->elements; ++i) {
-        const uint8_t untouched[12] = {0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5};
+        const uint8_t untouched[12] = {
+            0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5, 0xa5};
         const int written = memcmp(some->normals + 3 * i, untouched, 12) != 0;
-        if (written != may[i]) fail_msg("%s: element %zu: written %d, may change %d", c->name, i, written, may[i]);
-        if (written && (memcmp(some->normals + 3 * i, all->normals + 3 * i, 12) != 0 || some->reasons[i] != all->reasons[i])) fail_msg("%s: element %zu differs", c->name, i);
+        if (written != may[i])
+            fail_msg("%s: element %zu: written %d, may change %d", c->name, i, written, may[i]);
+        if (written && (memcmp(some->normals + 3 * i, all->normals + 3 * i, 12) != 0 ||
+                           some->reasons[i] != all->reasons[i]))
+            fail_msg("%s: element %zu differs", c->name, i);
         if (!written && some->reasons[i] != 0xa5) fail_msg("%s: reason %zu written", c->name, i);
     }
 }
 
-static void check_report(const plan_case *c, const uint8_t *may, const answer *some, const answer *all) {
+static void check_report(
+    const plan_case *c, const uint8_t *may, const answer *some, const answer *all) {
     size_t counts[5] = {0}, expected_counts[5] = {0};
-    for (size_t i = 0; i < c->elements; ++i) ++expected_counts[may && !may[i] ? 0 : all->reasons[i]];
-    counts[NORMA_REASON_NON_FINITE]   = some->report.non_finite.count;
+    for (size_t i = 0; i < c->elements; ++i)
+        ++expected_counts[may && !may[i] ? 0 : all->reasons[i]];
+    counts[NORMA_REASON_NON_FINITE] = some->report.non_finite.count;
     counts[NORMA_REASON_UNREFERENCED] = some->report.unreferenced.count;
-    counts[NORMA_REASON_CANCELLED]    = some->report.cancelled.count;
-    for (int r = NORMA_REASON_NON_FINITE; r <= NORMA_REASON_CANCELLED; ++r) assert_int_equal(counts[r], expected_counts[r]);
+    counts[NORMA_REASON_CANCELLED] = some->report.cancelled.count;
+    for (int r = NORMA_REASON_NON_FINITE; r <= NORMA_REASON_CANCELLED; ++r)
+        assert_int_equal(counts[r], expected_counts[r]);
 }
 
 /* ---- the properties */
 
 typedef struct run {
-    plan_case   c;
-    expected    e;
+    plan_case c;
+    expected e;
     norma_plan *plan;
-    answer      wanted, all, some, kept;
-    frozen      z;
-    uint32_t    moved[MOVED_ROOM];
+    answer wanted, all, some, kept;
+    frozen z;
+    uint32_t moved[MOVED_ROOM];
 } run;
 
 static void one_step(run *r, uint64_t *seed) {
@@ -223,11 +249,13 @@ static void one_step(run *r, uint64_t *seed) {
     check_report(&r->c, may, &r->some, &r->all);
 }
 
-/* Vertices that were at one place part: each face then goes by the positions that its own corners name, and nothing but the sums is shared. The oracle's directions. */
+/* Vertices that were at one place part: each face then goes by the positions that its own corners
+ * name, and nothing but the sums is shared. The oracle's directions. */
 static oracle_normal expect_apart(const run *r, const oracle *o, size_t element) {
-    size_t  list[MOST], count = 0;
+    size_t list[MOST], count = 0;
     uint8_t in[MOST];
-    if (r->c.of == NORMA_PER_CORNER) return oracle_corner(o, &r->e.fans, element, r->c.options.weight);
+    if (r->c.of == NORMA_PER_CORNER)
+        return oracle_corner(o, &r->e.fans, element, r->c.options.weight);
     fans_of_vertex(&r->c, &r->e, (uint32_t)element, in);
     for (size_t k = 0; k < r->c.mesh.corner_count; ++k)
         if (in[fan_of(&r->e, k)] && r->e.o.kept[k] == k) list[count++] = k;
@@ -242,13 +270,17 @@ static oracle_normal expect_apart(const run *r, const oracle *o, size_t element)
 
 static void compare_apart(const run *r, const oracle *o) {
     for (size_t i = 0; i < r->c.elements; ++i) {
-        const size_t  vertex = r->c.of == NORMA_PER_CORNER ? r->c.mesh.corners[i] : i;
+        const size_t vertex = r->c.of == NORMA_PER_CORNER ? r->c.mesh.corners[i] : i;
         oracle_normal n = expect_apart(r, o, i);
-        const double  wanted[3] = {(double)n.normal[0], (double)n.normal[1], (double)n.normal[2]};
+        const double wanted[3] = {(double)n.normal[0], (double)n.normal[1], (double)n.normal[2]};
         if (!oracle_finite(o->positions[vertex])) n.reason = NORMA_REASON_NON_FINITE;
-        if (n.doubtful || (n.reason != NORMA_REASON_NON_FINITE && n.ratio < 1e-3L && n.ratio != 0)) continue;
-        if (r->all.reasons[i] != n.reason) fail_msg("%s: apart: element %zu: reason %d, not %d", r->c.name, i, r->all.reasons[i], (int)n.reason);
-        if (n.reason == NORMA_REASON_NONE && degrees_between(r->all.normals + 3 * i, wanted) > 1e-4) fail_msg("%s: apart: element %zu", r->c.name, i);
+        if (n.doubtful || (n.reason != NORMA_REASON_NON_FINITE && n.ratio < 1e-3L && n.ratio != 0))
+            continue;
+        if (r->all.reasons[i] != n.reason)
+            fail_msg("%s: apart: element %zu: reason %d, not %d", r->c.name, i, r->all.reasons[i],
+                (int)n.reason);
+        if (n.reason == NORMA_REASON_NONE && degrees_between(r->all.normals + 3 * i, wanted) > 1e-4)
+            fail_msg("%s: apart: element %zu", r->c.name, i);
     }
 }
 
@@ -262,7 +294,8 @@ static void step_apart(run *r, uint64_t *seed) {
     if (r->e.doubtful || r->c.view.face_starts) return;
     oracle_create(&o, &r->c.view, NORMA_WELD_NONE, 0);
     for (size_t f = 0; f < o.face_count; ++f)
-        if (r->e.o.kinds[f] == ORACLE_FEW || r->e.o.kinds[f] == ORACLE_NON_FINITE_FEW) o.kinds[f] = ORACLE_FEW;
+        if (r->e.o.kinds[f] == ORACLE_FEW || r->e.o.kinds[f] == ORACLE_NON_FINITE_FEW)
+            o.kinds[f] = ORACLE_FEW;
     compare_apart(r, &o);
     oracle_destroy(&o);
 }
@@ -270,7 +303,8 @@ static void step_apart(run *r, uint64_t *seed) {
 static void random_case(run *r, uint64_t number) {
     uint64_t seed = number;
     plan_case_make(&r->c, number);
-    if (r->c.elements <= MOST - 2 && r->c.mesh.corner_count < MOST - 2 && r->c.mesh.position_count < MOST - 2) {
+    if (r->c.elements <= MOST - 2 && r->c.mesh.corner_count < MOST - 2 &&
+        r->c.mesh.position_count < MOST - 2) {
         assert_ok(norma_plan_create(&r->c.view, r->c.of, r->c.crease_rad, &r->c.options, &r->plan));
         expect(&r->c, &r->e);
         assert_ok(update(&r->c, r->plan, &seed, NULL, 0, &r->kept));

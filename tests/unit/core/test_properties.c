@@ -1,5 +1,6 @@
-/* test_properties.c: what must hold whatever the answer is: exact symmetries keep the bits, permutations move them, every way to hand over one mesh is the same
- * mesh, flat polygons weigh as their triangles do, the nearest fallback is the nearest. */
+/* test_properties.c: what must hold whatever the answer is: exact symmetries keep the bits,
+ * permutations move them, every way to hand over one mesh is the same mesh, flat polygons weigh as
+ * their triangles do, the nearest fallback is the nearest. */
 #include "check.h"
 #include "mesh_files.h"
 #include "oracle/oracle.h"
@@ -9,9 +10,9 @@
 static const float creases[] = {0, 0.4f, 1.04719755f, 3.14159274f};
 
 typedef struct answer {
-    float        normals[3 * MOST];
-    uint8_t      reasons[MOST];
-    size_t       count;
+    float normals[3 * MOST];
+    uint8_t reasons[MOST];
+    size_t count;
     norma_report report;
 } answer;
 
@@ -20,11 +21,16 @@ typedef enum call { FACES, VERTICES, CORNERS } call;
 static void ask(answer *a, call kind, const norma_mesh *mesh, float crease, norma_options options) {
     memset(a, 0, sizeof *a);
     options.reasons = a->reasons;
-    a->count = kind == FACES ? (mesh->face_starts ? mesh->face_count : mesh->corner_count / 3) : kind == VERTICES ? mesh->positions.count : mesh->corner_count;
+    a->count = kind == FACES      ? (mesh->face_starts ? mesh->face_count : mesh->corner_count / 3)
+               : kind == VERTICES ? mesh->positions.count
+                                  : mesh->corner_count;
     assert_true(a->count <= MOST);
-    if (kind == FACES) assert_ok(norma_face_normals(mesh, &options, a->normals, a->count, &a->report));
-    if (kind == VERTICES) assert_ok(norma_vertex_normals(mesh, &options, a->normals, a->count, &a->report));
-    if (kind == CORNERS) assert_ok(norma_corner_normals(mesh, crease, &options, a->normals, a->count, &a->report));
+    if (kind == FACES)
+        assert_ok(norma_face_normals(mesh, &options, a->normals, a->count, &a->report));
+    if (kind == VERTICES)
+        assert_ok(norma_vertex_normals(mesh, &options, a->normals, a->count, &a->report));
+    if (kind == CORNERS)
+        assert_ok(norma_corner_normals(mesh, crease, &options, a->normals, a->count, &a->report));
 }
 
 /* Small meshes of all kinds: smooth, creased, flat polygons, degenerate, cancelling, random. */
@@ -34,33 +40,51 @@ static void sample(mesh_file *mesh, int which) {
     uint64_t seed = 99;
     memset(mesh, 0, sizeof *mesh);
     switch (which) {
-        case 0: shape_uv_sphere(mesh, 12, 7, 1, 1); break;
-        case 1: shape_box(mesh, 3, 2, 1, 0); break;
-        case 2: shape_wavy_grid(mesh, 9, 0); break;
-        case 3: shape_pole_sphere(mesh, 9, 5, 0); break;
-        case 4: shape_cone(mesh, 12, .6); break;
-        case HEAP: /* a heap of triangles and quads that share everything */
-            for (int i = 0; i < 40; ++i) mesh_file_add_position(mesh, shape_random_unit(&seed), shape_random_unit(&seed), shape_random_unit(&seed));
-            for (int f = 0; f < 120; ++f) {
-                uint32_t c[4];
-                for (uint32_t i = 0; i < 4; ++i) c[i] = 10 * i + shape_random(&seed) % 10;
-                mesh_file_add_face(mesh, c, 3 + (size_t)(f & 1));
-            }
-            break;
-        default: /* the same on a coarse lattice */
-            for (int i = 0; i < 40; ++i) mesh_file_add_position(mesh, shape_random(&seed) % 3, shape_random(&seed) % 3, shape_random(&seed) % 3);
-            for (int f = 0; f < 60; ++f) mesh_file_add_face(mesh, (uint32_t[]){shape_random(&seed) % 40, shape_random(&seed) % 40, shape_random(&seed) % 40}, 3);
+    case 0:
+        shape_uv_sphere(mesh, 12, 7, 1, 1);
+        break;
+    case 1:
+        shape_box(mesh, 3, 2, 1, 0);
+        break;
+    case 2:
+        shape_wavy_grid(mesh, 9, 0);
+        break;
+    case 3:
+        shape_pole_sphere(mesh, 9, 5, 0);
+        break;
+    case 4:
+        shape_cone(mesh, 12, .6);
+        break;
+    case HEAP: /* a heap of triangles and quads that share everything */
+        for (int i = 0; i < 40; ++i)
+            mesh_file_add_position(
+                mesh, shape_random_unit(&seed), shape_random_unit(&seed), shape_random_unit(&seed));
+        for (int f = 0; f < 120; ++f) {
+            uint32_t c[4];
+            for (uint32_t i = 0; i < 4; ++i) c[i] = 10 * i + shape_random(&seed) % 10;
+            mesh_file_add_face(mesh, c, 3 + (size_t)(f & 1));
+        }
+        break;
+    default: /* the same on a coarse lattice */
+        for (int i = 0; i < 40; ++i)
+            mesh_file_add_position(
+                mesh, shape_random(&seed) % 3, shape_random(&seed) % 3, shape_random(&seed) % 3);
+        for (int f = 0; f < 60; ++f)
+            mesh_file_add_face(mesh,
+                (uint32_t[]){
+                    shape_random(&seed) % 40, shape_random(&seed) % 40, shape_random(&seed) % 40},
+                3);
     }
     shape_round_to_float(mesh);
 }
 
 /* Calls body with every sample, kind of normal, weight and some creases. */
 typedef struct setting {
-    mesh_file     mesh;
-    call          kind;
-    float         crease;
+    mesh_file mesh;
+    call kind;
+    float crease;
     norma_options options;
-    int           which;
+    int which;
 } setting;
 
 static void for_each_setting(void body(setting *)) {
@@ -69,9 +93,10 @@ static void for_each_setting(void body(setting *)) {
         sample(&s.mesh, which);
         for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w)
             for (int i = 0; i < 6; ++i) {
-                s.kind    = i == 0 ? FACES : i == 1 ? VERTICES : CORNERS;
-                s.crease  = i > 1 ? creases[i - 2] : 0;
-                s.options = (norma_options){.weight = (norma_weight)w, .non_manifold = i & 1 ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD};
+                s.kind = i == 0 ? FACES : i == 1 ? VERTICES : CORNERS;
+                s.crease = i > 1 ? creases[i - 2] : 0;
+                s.options = (norma_options){.weight = (norma_weight)w,
+                    .non_manifold = i & 1 ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD};
                 body(&s);
             }
         mesh_file_free(&s.mesh);
@@ -84,22 +109,27 @@ static double angle(const float *a, const float *b) {
 
 /* ---- symmetries */
 
-/* x, y, z of the image are sign[i] times coordinate source[i] of the original: the 48 symmetries of a cube. Mirrors reverse all faces. */
-static void mapped(mesh_file *out, const mesh_file *mesh, const int source[3], const int sign[3], int mirrored) {
+/* x, y, z of the image are sign[i] times coordinate source[i] of the original: the 48 symmetries of
+ * a cube. Mirrors reverse all faces. */
+static void mapped(
+    mesh_file *out, const mesh_file *mesh, const int source[3], const int sign[3], int mirrored) {
     memset(out, 0, sizeof *out);
     for (size_t v = 0; v < mesh->position_count; ++v) {
         const double *p = mesh->positions[v];
-        mesh_file_add_position(out, sign[0] * p[source[0]], sign[1] * p[source[1]], sign[2] * p[source[2]]);
+        mesh_file_add_position(
+            out, sign[0] * p[source[0]], sign[1] * p[source[1]], sign[2] * p[source[2]]);
     }
     for (size_t f = 0; f < mesh->face_count; ++f) {
-        uint32_t     corners[64];
+        uint32_t corners[64];
         const size_t count = mesh->starts[f + 1] - mesh->starts[f];
-        for (size_t i = 0; i < count; ++i) corners[i] = mesh->corners[mesh->starts[f] + (mirrored ? (count - i) % count : i)];
+        for (size_t i = 0; i < count; ++i)
+            corners[i] = mesh->corners[mesh->starts[f] + (mirrored ? (count - i) % count : i)];
         mesh_file_add_face(out, corners, count);
     }
 }
 
-static void compare_mapped(setting *s, const int source[3], const int sign[3], int same_bits, int mirrored) {
+static void compare_mapped(
+    setting *s, const int source[3], const int sign[3], int same_bits, int mirrored) {
     if (mirrored && s->which == LATTICE) return; /* which corner comes first decides ties there */
     answer *a = test_malloc(sizeof *a), *b = test_malloc(sizeof *b);
     mesh_file image;
@@ -111,17 +141,24 @@ static void compare_mapped(setting *s, const int source[3], const int sign[3], i
         size_t j = i;
         while (s->kind == CORNERS && i >= s->mesh.starts[f + 1]) ++f;
         if (s->kind == CORNERS && mirrored) {
-            const size_t count = s->mesh.starts[f + 1] - s->mesh.starts[f], at = i - s->mesh.starts[f];
+            const size_t count = s->mesh.starts[f + 1] - s->mesh.starts[f],
+                         at = i - s->mesh.starts[f];
             j = s->mesh.starts[f] + (count - at) % count;
         }
         assert_int_equal(a->reasons[i], b->reasons[j]);
-        const float *n = a->normals + 3 * i, turned[3] = {(float)sign[0] * n[source[0]], (float)sign[1] * n[source[1]], (float)sign[2] * n[source[2]]};
+        const float *n = a->normals + 3 * i,
+                    turned[3] = {(float)sign[0] * n[source[0]], (float)sign[1] * n[source[1]],
+                        (float)sign[2] * n[source[2]]};
         if (a->reasons[i]) continue;
         if (!same_bits) { /* sums of three are taken in another order */
-            if (!(angle(turned, b->normals + 3 * j) < 1.2e-7)) fail_msg("sample %d, element %zu: %g rad", s->which, i, angle(turned, b->normals + 3 * j));
+            if (!(angle(turned, b->normals + 3 * j) < 1.2e-7))
+                fail_msg("sample %d, element %zu: %g rad", s->which, i,
+                    angle(turned, b->normals + 3 * j));
         } else {
             for (int x = 0; x < 3; ++x)
-                if (turned[x] != b->normals[3 * j + (size_t)x]) fail_msg("sample %d, kind %d, weight %d, element %zu: other bits", s->which, (int)s->kind, (int)s->options.weight, i);
+                if (turned[x] != b->normals[3 * j + (size_t)x])
+                    fail_msg("sample %d, kind %d, weight %d, element %zu: other bits", s->which,
+                        (int)s->kind, (int)s->options.weight, i);
         }
     }
     mesh_file_free(&image);
@@ -141,7 +178,8 @@ static void half_turns_turn_the_bits(void **state) {
 }
 
 static void turn_quarter(setting *s) {
-    static const int cycle[3] = {1, 2, 0}, plus[3] = {1, 1, 1}, quarter[3] = {1, 0, 2}, left[3] = {-1, 1, 1};
+    static const int cycle[3] = {1, 2, 0}, plus[3] = {1, 1, 1}, quarter[3] = {1, 0, 2},
+                     left[3] = {-1, 1, 1};
     compare_mapped(s, cycle, plus, 0, 0);
     compare_mapped(s, quarter, left, 0, 0);
 }
@@ -152,7 +190,8 @@ static void quarter_turns_turn(void **state) {
 }
 
 static void mirror(setting *s) {
-    static const int straight[3] = {0, 1, 2}, left[3] = {-1, 1, 1}, swap[3] = {1, 0, 2}, plus[3] = {1, 1, 1};
+    static const int straight[3] = {0, 1, 2}, left[3] = {-1, 1, 1}, swap[3] = {1, 0, 2},
+                     plus[3] = {1, 1, 1};
     compare_mapped(s, straight, left, 0, 1);
     compare_mapped(s, swap, plus, 0, 1);
 }
@@ -172,13 +211,16 @@ static void scale(setting *s) {
         shape_scale(&scaled, ldexp(1, e));
         const norma_mesh view = mesh_file_view(&scaled);
         ask(b, s->kind, &view, s->crease, s->options);
-        if (memcmp(a->normals, b->normals, sizeof a->normals)) fail_msg("sample %d, kind %d, weight %d, 2^%d: other bits", s->which, (int)s->kind, (int)s->options.weight, e);
+        if (memcmp(a->normals, b->normals, sizeof a->normals))
+            fail_msg("sample %d, kind %d, weight %d, 2^%d: other bits", s->which, (int)s->kind,
+                (int)s->options.weight, e);
         assert_memory_equal(a->reasons, b->reasons, sizeof a->reasons);
         assert_memory_equal(&a->report, &b->report, sizeof a->report);
         float *floats = test_calloc(3 * scaled.position_count, sizeof *floats);
         const norma_mesh as_floats = mesh_file_view_float(&scaled, floats);
         int exact = 1;
-        for (size_t i = 0; i < 3 * scaled.position_count; ++i) exact &= (double)floats[i] == ((double *)scaled.positions)[i];
+        for (size_t i = 0; i < 3 * scaled.position_count; ++i)
+            exact &= (double)floats[i] == ((double *)scaled.positions)[i];
         if (exact) {
             ask(b, s->kind, &as_floats, s->crease, s->options);
             assert_memory_equal(a->normals, b->normals, sizeof a->normals);
@@ -206,8 +248,12 @@ static void reverse(setting *s) {
     for (size_t i = 0; i < a->count && s->kind != CORNERS; ++i) {
         assert_int_equal(a->reasons[i], b->reasons[i]);
         for (size_t x = 3 * i; x < 3 * i + 3 && !a->reasons[i]; ++x) {
-            if (s->options.weight == NORMA_WEIGHT_VISIBLE || s->which == 0 || s->which == HEAP) assert_true(fabs((double)a->normals[x] + (double)b->normals[x]) < 1.2e-7); /* polygons */
-            else if (a->normals[x] != -b->normals[x]) fail_msg("sample %d, kind %d, weight %d, element %zu: not the negative", s->which, (int)s->kind, (int)s->options.weight, i);
+            if (s->options.weight == NORMA_WEIGHT_VISIBLE || s->which == 0 || s->which == HEAP)
+                assert_true(
+                    fabs((double)a->normals[x] + (double)b->normals[x]) < 1.2e-7); /* polygons */
+            else if (a->normals[x] != -b->normals[x])
+                fail_msg("sample %d, kind %d, weight %d, element %zu: not the negative", s->which,
+                    (int)s->kind, (int)s->options.weight, i);
         }
     }
     mesh_file_free(&reversed);
@@ -227,17 +273,20 @@ static void shuffle(size_t *order, size_t count, uint64_t *seed) {
     for (size_t i = count; i > 1; --i) {
         const size_t j = shape_random(seed) % i, other = order[i - 1];
         order[i - 1] = order[j];
-        order[j]     = other;
+        order[j] = other;
     }
 }
 
 static void permute(setting *s) {
-    answer   *a = test_malloc(sizeof *a), *b = test_malloc(sizeof *b);
-    uint64_t  seed = 5;
+    answer *a = test_malloc(sizeof *a), *b = test_malloc(sizeof *b);
+    uint64_t seed = 5;
     mesh_file mixed = {0};
-    size_t   *vertex = test_calloc(s->mesh.position_count, sizeof *vertex), *face = test_calloc(s->mesh.face_count, sizeof *face), *corner = test_calloc(s->mesh.corner_count, sizeof *corner);
-    size_t   *place = test_calloc(s->mesh.position_count, sizeof *place), at = 0;
-    shuffle(vertex, s->mesh.position_count, &seed); /* new vertex i is the old vertex[i]; new face i the old face[i], begun elsewhere */
+    size_t *vertex = test_calloc(s->mesh.position_count, sizeof *vertex),
+           *face = test_calloc(s->mesh.face_count, sizeof *face),
+           *corner = test_calloc(s->mesh.corner_count, sizeof *corner);
+    size_t *place = test_calloc(s->mesh.position_count, sizeof *place), at = 0;
+    shuffle(vertex, s->mesh.position_count,
+        &seed); /* new vertex i is the old vertex[i]; new face i the old face[i], begun elsewhere */
     shuffle(face, s->mesh.face_count, &seed);
     for (size_t i = 0; i < s->mesh.position_count; ++i) {
         const double *p = s->mesh.positions[vertex[i]];
@@ -245,15 +294,18 @@ static void permute(setting *s) {
         mesh_file_add_position(&mixed, p[0], p[1], p[2]);
     }
     for (size_t i = 0; i < s->mesh.face_count; ++i) {
-        uint32_t     corners[64];
-        const size_t start = s->mesh.starts[face[i]], count = s->mesh.starts[face[i] + 1] - start, turn = s->which == LATTICE ? 0 : shape_random(&seed) % count; /* ties go to the first corner */
+        uint32_t corners[64];
+        const size_t start = s->mesh.starts[face[i]], count = s->mesh.starts[face[i] + 1] - start,
+                     turn = s->which == LATTICE
+                                ? 0
+                                : shape_random(&seed) % count; /* ties go to the first corner */
         for (size_t k = 0; k < count; ++k) {
             corner[at++] = start + (k + turn) % count;
-            corners[k]   = (uint32_t)place[s->mesh.corners[start + (k + turn) % count]];
+            corners[k] = (uint32_t)place[s->mesh.corners[start + (k + turn) % count]];
         }
         mesh_file_add_face(&mixed, corners, count);
     }
-    const size_t    *order  = s->kind == FACES ? face : s->kind == VERTICES ? vertex : corner;
+    const size_t *order = s->kind == FACES ? face : s->kind == VERTICES ? vertex : corner;
     const norma_mesh before = mesh_file_view(&s->mesh), after = mesh_file_view(&mixed);
     ask(a, s->kind, &before, s->crease, s->options);
     ask(b, s->kind, &after, s->crease, s->options);
@@ -264,7 +316,9 @@ static void permute(setting *s) {
         assert_int_equal(b->reasons[i], a->reasons[order[i]]);
         if (b->reasons[i]) continue;
         const double off = angle(b->normals + 3 * i, a->normals + 3 * order[i]);
-        if (!(off <= 1.2e-7)) fail_msg("sample %d, kind %d, weight %d, element %zu: %g rad", s->which, (int)s->kind, (int)s->options.weight, i, off);
+        if (!(off <= 1.2e-7))
+            fail_msg("sample %d, kind %d, weight %d, element %zu: %g rad", s->which, (int)s->kind,
+                (int)s->options.weight, i, off);
     }
     mesh_file_free(&mixed);
     void *const blocks[] = {a, b, vertex, face, corner, place};
@@ -279,12 +333,12 @@ static void order_does_not_matter(void **state) {
 /* ---- split and merge */
 
 static void soup(setting *s) {
-    answer   *a = test_malloc(sizeof *a), *b = test_malloc(sizeof *b);
+    answer *a = test_malloc(sizeof *a), *b = test_malloc(sizeof *b);
     mesh_file apart = {0};
     shape_soup(&apart, &s->mesh);
     const norma_mesh indexed = mesh_file_view(&s->mesh), unwelded = mesh_file_view(&apart);
-    norma_mesh       without = unwelded;
-    without.corners          = NULL;
+    norma_mesh without = unwelded;
+    without.corners = NULL;
     ask(a, s->kind, &indexed, s->crease, s->options);
     ask(b, s->kind, &unwelded, s->crease, s->options);
     for (size_t i = 0; i < a->count; ++i) {
@@ -296,8 +350,11 @@ static void soup(setting *s) {
     }
     for (size_t c = 0; c < s->mesh.corner_count && s->kind == VERTICES; ++c) {
         const size_t v = s->mesh.corners[c];
-        if (a->reasons[v] || b->reasons[c]) continue; /* cancelled sums are taken again by index, which the soup has other ones of */
-        if (s->which != HEAP && s->which != LATTICE) assert_memory_equal(a->normals + 3 * v, b->normals + 3 * c, 12);
+        if (a->reasons[v] || b->reasons[c])
+            continue; /* cancelled sums are taken again by index, which the soup has other ones of
+                       */
+        if (s->which != HEAP && s->which != LATTICE)
+            assert_memory_equal(a->normals + 3 * v, b->normals + 3 * c, 12);
     }
     ask(a, s->kind, &without, s->crease, s->options);
     assert_memory_equal(a->normals, b->normals, sizeof a->normals);
@@ -319,14 +376,17 @@ static void flat_polygons_weigh_as_their_triangles(void **state) {
         mesh_file polygons = {0}, triangles = {0};
         if (i == 0) shape_box(&polygons, 7, 3, 2, 1);
         if (i == 0) shape_box(&triangles, 7, 3, 2, 0);
-        if (i == 1) shape_pole_sphere(&polygons, 12, 6, 1); /* its quads are trapezoids: flat, but for rounding */
+        if (i == 1)
+            shape_pole_sphere(
+                &polygons, 12, 6, 1); /* its quads are trapezoids: flat, but for rounding */
         if (i == 1) shape_pole_sphere(&triangles, 12, 6, 0);
         if (i == 2) shape_uv_sphere(&polygons, 16, 8, 1, 1);
         if (i == 2) shape_uv_sphere(&triangles, 16, 8, 1, 0);
         const norma_mesh p = mesh_file_view(&polygons), t = mesh_file_view(&triangles);
         ask(&a, VERTICES, &p, 0, (norma_options){0});
         ask(&b, VERTICES, &t, 0, (norma_options){0});
-        for (size_t v = 0; v < a.count; ++v) assert_true(angle(a.normals + 3 * v, b.normals + 3 * v) < 2e-7);
+        for (size_t v = 0; v < a.count; ++v)
+            assert_true(angle(a.normals + 3 * v, b.normals + 3 * v) < 2e-7);
         mesh_file_free(&polygons);
         mesh_file_free(&triangles);
     }
@@ -335,18 +395,30 @@ static void flat_polygons_weigh_as_their_triangles(void **state) {
 /* ---- ways to hand over a mesh */
 
 static void put(unsigned char *out, norma_format format, double value) {
-    const float    f   = (float)value;
-    const int8_t   i8  = (int8_t)value;
-    const uint8_t  u8  = (uint8_t)value;
-    const int16_t  i16 = (int16_t)value;
+    const float f = (float)value;
+    const int8_t i8 = (int8_t)value;
+    const uint8_t u8 = (uint8_t)value;
+    const int16_t i16 = (int16_t)value;
     const uint16_t u16 = (uint16_t)value;
     switch (format) {
-        case NORMA_FORMAT_FLOAT: memcpy(out, &f, sizeof f); break;
-        case NORMA_FORMAT_DOUBLE: memcpy(out, &value, sizeof value); break;
-        case NORMA_FORMAT_INT8: memcpy(out, &i8, sizeof i8); break;
-        case NORMA_FORMAT_UINT8: memcpy(out, &u8, sizeof u8); break;
-        case NORMA_FORMAT_INT16: memcpy(out, &i16, sizeof i16); break;
-        case NORMA_FORMAT_UINT16: memcpy(out, &u16, sizeof u16); break;
+    case NORMA_FORMAT_FLOAT:
+        memcpy(out, &f, sizeof f);
+        break;
+    case NORMA_FORMAT_DOUBLE:
+        memcpy(out, &value, sizeof value);
+        break;
+    case NORMA_FORMAT_INT8:
+        memcpy(out, &i8, sizeof i8);
+        break;
+    case NORMA_FORMAT_UINT8:
+        memcpy(out, &u8, sizeof u8);
+        break;
+    case NORMA_FORMAT_INT16:
+        memcpy(out, &i16, sizeof i16);
+        break;
+    case NORMA_FORMAT_UINT16:
+        memcpy(out, &u16, sizeof u16);
+        break;
     }
 }
 
@@ -365,13 +437,17 @@ static void every_format_and_stride_is_the_same_mesh(void **state) {
             for (size_t extra = 0; extra <= 17; ++extra)
                 for (size_t shift = 0; shift < 2; ++shift) { /* unaligned as well */
                     const size_t size = sizes[f], stride = 3 * size + extra;
-                    norma_mesh   view = plain;
+                    norma_mesh view = plain;
                     memset(bytes, 0xff, sizeof bytes);
                     for (size_t v = 0; v < mesh.position_count; ++v)
-                        for (size_t x = 0; x < 3; ++x) put(bytes + shift + v * stride + x * size, (norma_format)f, mesh.positions[v][x]);
-                    view.positions = (norma_vec3_view){bytes + shift, mesh.position_count, extra ? stride : 0, (norma_format)f};
+                        for (size_t x = 0; x < 3; ++x)
+                            put(bytes + shift + v * stride + x * size, (norma_format)f,
+                                mesh.positions[v][x]);
+                    view.positions = (norma_vec3_view){
+                        bytes + shift, mesh.position_count, extra ? stride : 0, (norma_format)f};
                     ask(&b, (call)k, &view, 1, (norma_options){0});
-                    if (memcmp(&a, &b, sizeof a)) fail_msg("kind %d, format %d, stride %zu, shift %zu", k, f, stride, shift);
+                    if (memcmp(&a, &b, sizeof a))
+                        fail_msg("kind %d, format %d, stride %zu, shift %zu", k, f, stride, shift);
                 }
     }
     mesh_file_free(&mesh);
@@ -380,14 +456,14 @@ static void every_format_and_stride_is_the_same_mesh(void **state) {
 static void every_corner_size_is_the_same_mesh(void **state) {
     (void)state;
     static answer a, b;
-    static uint8_t  c8[MOST];
+    static uint8_t c8[MOST];
     static uint16_t c16[MOST];
     for (int which = 0; which < SAMPLE_COUNT; ++which) {
         mesh_file mesh;
         sample(&mesh, which);
         const norma_mesh plain = mesh_file_view(&mesh);
         for (size_t i = 0; i < mesh.corner_count; ++i) {
-            c8[i]  = (uint8_t)mesh.corners[i];
+            c8[i] = (uint8_t)mesh.corners[i];
             c16[i] = (uint16_t)mesh.corners[i];
         }
         for (int k = 0; k < 3; ++k) {
@@ -396,12 +472,12 @@ static void every_corner_size_is_the_same_mesh(void **state) {
             view.corner_size = 4;
             ask(&b, (call)k, &view, 1, (norma_options){0});
             assert_memory_equal(&a, &b, sizeof a);
-            view.corners     = c16;
+            view.corners = c16;
             view.corner_size = 2;
             ask(&b, (call)k, &view, 1, (norma_options){0});
             assert_memory_equal(&a, &b, sizeof a);
             if (mesh.position_count > 256) continue;
-            view.corners     = c8;
+            view.corners = c8;
             view.corner_size = 1;
             ask(&b, (call)k, &view, 1, (norma_options){0});
             assert_memory_equal(&a, &b, sizeof a);
@@ -418,9 +494,9 @@ static void face_starts_of_threes_are_triangles(void **state) {
         mesh_file mesh;
         sample(&mesh, which);
         const norma_mesh polygons = mesh_file_view_polygons(&mesh);
-        norma_mesh       plain    = polygons;
-        plain.face_starts         = NULL;
-        plain.face_count          = 12345; /* not looked at */
+        norma_mesh plain = polygons;
+        plain.face_starts = NULL;
+        plain.face_count = 12345; /* not looked at */
         for (int k = 0; k < 3; ++k)
             for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w) {
                 ask(&a, (call)k, &polygons, 1, (norma_options){.weight = (norma_weight)w});
@@ -441,17 +517,21 @@ static void output_stride_leaves_the_gaps(void **state) {
     for (int k = 0; k < 3; ++k)
         for (size_t stride = 12; stride <= 33; ++stride) {
             norma_options options = {.normal_stride = stride, .reasons = reasons};
-            norma_report  report;
+            norma_report report;
             ask(&a, (call)k, &view, 1, (norma_options){0});
             memset(out, 0xa5, sizeof out);
             memset(reasons, 0xa5, sizeof reasons);
             float *normals = (float *)(void *)out;
-            if (k == FACES) assert_ok(norma_face_normals(&view, &options, normals, a.count, &report));
-            if (k == VERTICES) assert_ok(norma_vertex_normals(&view, &options, normals, a.count, &report));
-            if (k == CORNERS) assert_ok(norma_corner_normals(&view, 1, &options, normals, a.count, &report));
+            if (k == FACES)
+                assert_ok(norma_face_normals(&view, &options, normals, a.count, &report));
+            if (k == VERTICES)
+                assert_ok(norma_vertex_normals(&view, &options, normals, a.count, &report));
+            if (k == CORNERS)
+                assert_ok(norma_corner_normals(&view, 1, &options, normals, a.count, &report));
             for (size_t i = 0; i < a.count; ++i) {
                 assert_memory_equal(out + i * stride, a.normals + 3 * i, 12);
-                for (size_t gap = i * stride + 12; gap < (i + 1) * stride; ++gap) assert_int_equal(out[gap], 0xa5);
+                for (size_t gap = i * stride + 12; gap < (i + 1) * stride; ++gap)
+                    assert_int_equal(out[gap], 0xa5);
             }
             assert_memory_equal(reasons, a.reasons, a.count);
             assert_int_equal(reasons[a.count], 0xa5);
@@ -465,7 +545,7 @@ static void output_stride_leaves_the_gaps(void **state) {
 static void count_reasons(setting *s) {
     answer *a = test_malloc(sizeof *a);
     const norma_mesh mesh = mesh_file_view(&s->mesh);
-    norma_count      counts[5];
+    norma_count counts[5];
     for (int i = 0; i < 5; ++i) counts[i] = (norma_count){0, SIZE_MAX};
     s->mesh.positions[s->mesh.position_count / 2][1] = (double)NAN;
     ask(a, s->kind, &mesh, s->crease, s->options);
@@ -473,13 +553,18 @@ static void count_reasons(setting *s) {
         assert_true(a->reasons[i] <= NORMA_REASON_CANCELLED);
         if (counts[a->reasons[i]].count++ == 0) counts[a->reasons[i]].first = i;
         const float *n = a->normals + 3 * i;
-        const double length = sqrt((double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2]);
+        const double length = sqrt((double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] +
+                                   (double)n[2] * (double)n[2]);
         assert_true(a->reasons[i] ? length == 0 : fabs(length - 1) < 3e-7);
     }
-    if (s->kind == FACES) assert_memory_equal(&counts[NORMA_REASON_DEGENERATE], &a->report.degenerate_faces, sizeof *counts);
-    else assert_int_equal(counts[NORMA_REASON_DEGENERATE].count, 0);
+    if (s->kind == FACES)
+        assert_memory_equal(
+            &counts[NORMA_REASON_DEGENERATE], &a->report.degenerate_faces, sizeof *counts);
+    else
+        assert_int_equal(counts[NORMA_REASON_DEGENERATE].count, 0);
     assert_memory_equal(&counts[NORMA_REASON_NON_FINITE], &a->report.non_finite, sizeof *counts);
-    assert_memory_equal(&counts[NORMA_REASON_UNREFERENCED], &a->report.unreferenced, sizeof *counts);
+    assert_memory_equal(
+        &counts[NORMA_REASON_UNREFERENCED], &a->report.unreferenced, sizeof *counts);
     assert_memory_equal(&counts[NORMA_REASON_CANCELLED], &a->report.cancelled, sizeof *counts);
     test_free(a);
 }
@@ -493,30 +578,43 @@ static void nearest_is_the_nearest(void **state) {
     (void)state;
     static answer zero, nearest;
     for (uint64_t seed = 1; seed < 200; ++seed) {
-        uint64_t  random = seed;
-        mesh_file mesh   = {0};
-        const uint32_t side = 2 + shape_random(&random) % 5 + (seed % 4 ? 0 : 4), count = 5 + shape_random(&random) % (seed % 4 ? 60 : 500), face_count = 2 + shape_random(&random) % 20; /* few to ask, and many */
-        for (uint32_t i = 0; i < count; ++i) mesh_file_add_position(&mesh, shape_random(&random) % side, shape_random(&random) % side, shape_random(&random) % side);
+        uint64_t random = seed;
+        mesh_file mesh = {0};
+        const uint32_t side = 2 + shape_random(&random) % 5 + (seed % 4 ? 0 : 4),
+                       count = 5 + shape_random(&random) % (seed % 4 ? 60 : 500),
+                       face_count = 2 + shape_random(&random) % 20; /* few to ask, and many */
+        for (uint32_t i = 0; i < count; ++i)
+            mesh_file_add_position(&mesh, shape_random(&random) % side,
+                shape_random(&random) % side, shape_random(&random) % side);
         if (seed % 3 == 0) mesh.positions[count / 2][2] = (double)INFINITY;
         if (seed % 7 == 0) mesh.positions[0][0] = 3e38;
         if (seed % 11 == 0) mesh.positions[1][0] = 0x1p-20;
         for (uint32_t f = 0; f < face_count; ++f)
-            mesh_file_add_face(&mesh, (uint32_t[]){shape_random(&random) % count, shape_random(&random) % count, shape_random(&random) % count}, 3);
+            mesh_file_add_face(&mesh,
+                (uint32_t[]){shape_random(&random) % count, shape_random(&random) % count,
+                    shape_random(&random) % count},
+                3);
         const norma_mesh view = mesh_file_view(&mesh);
-        oracle           o;
+        oracle o;
         oracle_create(&o, &view, NORMA_WELD_EXACT, 0);
         for (int k = 0; k < 3; ++k) {
             ask(&zero, (call)k, &view, 1, (norma_options){0});
             ask(&nearest, (call)k, &view, 1, (norma_options){.fallback = NORMA_FALLBACK_NEAREST});
             size_t *vertex = test_calloc(zero.count, sizeof *vertex);
-            for (size_t i = 0; i < zero.count; ++i) vertex[i] = k == FACES ? o.corners[o.starts[i]] : k == VERTICES ? i : o.corners[i];
+            for (size_t i = 0; i < zero.count; ++i)
+                vertex[i] = k == FACES ? o.corners[o.starts[i]] : k == VERTICES ? i : o.corners[i];
             assert_memory_equal(zero.reasons, nearest.reasons, zero.count);
             assert_memory_equal(&zero.report, &nearest.report, sizeof zero.report);
             for (size_t i = 0; i < zero.count; ++i) {
-                const size_t from = zero.reasons[i] ? oracle_nearest(&o, vertex, zero.reasons, zero.count, i) : i;
-                const float *expected = from == ORACLE_NONE ? (const float[3]){0, 0, 0} : zero.normals + 3 * from;
-                if (fabs(o.positions[vertex[i]][0]) > 1e30) continue; /* from there all others are as near but for 1e-38 */
-                if (memcmp(nearest.normals + 3 * i, expected, 12)) fail_msg("seed %llu, kind %d, element %zu is not that of %zu", (unsigned long long)seed, k, i, from);
+                const size_t from =
+                    zero.reasons[i] ? oracle_nearest(&o, vertex, zero.reasons, zero.count, i) : i;
+                const float *expected =
+                    from == ORACLE_NONE ? (const float[3]){0, 0, 0} : zero.normals + 3 * from;
+                if (fabs(o.positions[vertex[i]][0]) > 1e30)
+                    continue; /* from there all others are as near but for 1e-38 */
+                if (memcmp(nearest.normals + 3 * i, expected, 12))
+                    fail_msg("seed %llu, kind %d, element %zu is not that of %zu",
+                        (unsigned long long)seed, k, i, from);
             }
             test_free(vertex);
         }
@@ -534,9 +632,11 @@ static void weights_are_seven(void **state) {
     const norma_mesh view = mesh_file_view(&mesh);
     mesh.positions[7][2] = 1.75;
     mesh.positions[7][0] = 2.5;
-    for (int w = 0; w < 7; ++w) ask(&all[w], VERTICES, &view, 0, (norma_options){.weight = (norma_weight)w});
+    for (int w = 0; w < 7; ++w)
+        ask(&all[w], VERTICES, &view, 0, (norma_options){.weight = (norma_weight)w});
     for (int i = 0; i < 7; ++i)
-        for (int j = 0; j < i; ++j) assert_true(angle(all[i].normals + 21, all[j].normals + 21) > 1e-3);
+        for (int j = 0; j < i; ++j)
+            assert_true(angle(all[i].normals + 21, all[j].normals + 21) > 1e-3);
     mesh_file_free(&mesh);
 }
 

@@ -1,5 +1,6 @@
-/* test_threads.c: the same bits for any number of threads and for jobs run in any order; two callers at once; and the meshes that tempt an implementation into
- * quadratic time: a million triangles round one vertex, a million copies of one position, a million triangles apart. */
+/* test_threads.c: the same bits for any number of threads and for jobs run in any order; two
+ * callers at once; and the meshes that tempt an implementation into quadratic time: a million
+ * triangles round one vertex, a million copies of one position, a million triangles apart. */
 #include "check.h"
 #include "mesh_files.h"
 #include "oracle/shapes.h"
@@ -9,17 +10,17 @@
 enum { FACES, VERTICES, CORNERS, SPLIT, CALLS };
 
 typedef struct answer {
-    float       *normals;
-    uint32_t    *corners, *sources;
-    uint8_t     *reasons;
-    size_t       room, count;
+    float *normals;
+    uint32_t *corners, *sources;
+    uint8_t *reasons;
+    size_t room, count;
     norma_report report;
-    norma_edges  edges;
+    norma_edges edges;
 } answer;
 
 static void answer_create(answer *a, size_t room) {
     memset(a, 0, sizeof *a);
-    a->room    = room;
+    a->room = room;
     a->normals = calloc(room, 12);
     a->corners = calloc(room, 4);
     a->sources = calloc(room, 4);
@@ -36,30 +37,45 @@ static void answer_free(answer *a) {
 
 static norma_result call(int kind, const norma_mesh *mesh, norma_options options, answer *a) {
     options.struct_size = sizeof options;
-    options.edges       = &a->edges;
-    options.reasons     = kind == SPLIT ? NULL : a->reasons;
+    options.edges = &a->edges;
+    options.reasons = kind == SPLIT ? NULL : a->reasons;
     if (kind == FACES) return norma_face_normals(mesh, &options, a->normals, a->room, &a->report);
-    if (kind == VERTICES) return norma_vertex_normals(mesh, &options, a->normals, a->room, &a->report);
-    if (kind == CORNERS) return norma_corner_normals(mesh, 0.7f, &options, a->normals, a->room, &a->report);
-    return norma_split(mesh, 0.7f, &options, a->corners, a->room, a->sources, a->normals, a->room, &a->count, &a->report);
+    if (kind == VERTICES)
+        return norma_vertex_normals(mesh, &options, a->normals, a->room, &a->report);
+    if (kind == CORNERS)
+        return norma_corner_normals(mesh, 0.7f, &options, a->normals, a->room, &a->report);
+    return norma_split(mesh, 0.7f, &options, a->corners, a->room, a->sources, a->normals, a->room,
+        &a->count, &a->report);
 }
 
 static int same(const answer *a, const answer *b) {
-    return !memcmp(a->normals, b->normals, 12 * a->room) && !memcmp(a->corners, b->corners, 4 * a->room) && !memcmp(a->sources, b->sources, 4 * a->room) &&
-           !memcmp(a->reasons, b->reasons, a->room) && a->count == b->count && !memcmp(&a->report, &b->report, sizeof a->report) && !memcmp(&a->edges, &b->edges, sizeof a->edges);
+    return !memcmp(a->normals, b->normals, 12 * a->room) &&
+           !memcmp(a->corners, b->corners, 4 * a->room) &&
+           !memcmp(a->sources, b->sources, 4 * a->room) &&
+           !memcmp(a->reasons, b->reasons, a->room) && a->count == b->count &&
+           !memcmp(&a->report, &b->report, sizeof a->report) &&
+           !memcmp(&a->edges, &b->edges, sizeof a->edges);
 }
 
-/* Large enough that every part of the work is cut into several pieces; with what gets no normal, and edges of every kind. */
+/* Large enough that every part of the work is cut into several pieces; with what gets no normal,
+ * and edges of every kind. */
 static void make_mesh(mesh_file *mesh) {
     uint64_t seed = 11;
     shape_wavy_grid(mesh, SLOWER > 1 ? 100 : 170, 0);
     shape_pole_sphere(mesh, 200, 60, 1);
     const uint32_t count = (uint32_t)mesh->position_count;
     for (uint32_t i = 0; i < count; ++i)
-        for (int x = 0; x < 3; ++x) mesh->positions[i][x] += shape_random_unit(&seed) * (i % 5 == 0 ? .03 : 0);
-    for (uint32_t i = 0; i < 3000; ++i) mesh_file_add_face(mesh, (uint32_t[]){shape_random(&seed) % count, shape_random(&seed) % count, shape_random(&seed) % count}, 3);
+        for (int x = 0; x < 3; ++x)
+            mesh->positions[i][x] += shape_random_unit(&seed) * (i % 5 == 0 ? .03 : 0);
+    for (uint32_t i = 0; i < 3000; ++i)
+        mesh_file_add_face(mesh,
+            (uint32_t[]){shape_random(&seed) % count, shape_random(&seed) % count,
+                shape_random(&seed) % count},
+            3);
     for (uint32_t i = 0; i < 200; ++i) mesh_file_add_position(mesh, i, 0, 0);
-    for (uint32_t i = 0; i < count; i += 97) memcpy(mesh->positions[i], mesh->positions[shape_random(&seed) % count], sizeof *mesh->positions);
+    for (uint32_t i = 0; i < count; i += 97)
+        memcpy(mesh->positions[i], mesh->positions[shape_random(&seed) % count],
+            sizeof *mesh->positions);
     mesh->positions[count / 3][0] = (double)NAN;
 }
 
@@ -72,13 +88,13 @@ static void run_backwards(void *user, size_t count, norma_task *task, void *cont
 
 static void run_shuffled(void *user, size_t count, norma_task *task, void *context) {
     uint64_t seed = ++*(size_t *)user;
-    size_t  *order = malloc((count ? count : 1) * sizeof *order);
+    size_t *order = malloc((count ? count : 1) * sizeof *order);
     if (!order) abort();
     for (size_t i = 0; i < count; ++i) order[i] = i;
     for (size_t i = count; i > 1; --i) {
         const size_t j = shape_random(&seed) % i, k = order[i - 1];
-        order[i - 1]   = order[j];
-        order[j]       = k;
+        order[i - 1] = order[j];
+        order[j] = k;
     }
     for (size_t i = 0; i < count; ++i) task(context, order[i]);
     free(order);
@@ -86,8 +102,8 @@ static void run_shuffled(void *user, size_t count, norma_task *task, void *conte
 
 typedef struct half {
     norma_task *task;
-    void       *context;
-    size_t      count, from;
+    void *context;
+    size_t count, from;
 } half;
 
 static void *run_half(void *data) {
@@ -97,7 +113,7 @@ static void *run_half(void *data) {
 }
 
 static void run_in_two_threads(void *user, size_t count, norma_task *task, void *context) {
-    half      odd = {task, context, count, 1}, even = {task, context, count, 0};
+    half odd = {task, context, count, 1}, even = {task, context, count, 0};
     pthread_t thread;
     ++*(size_t *)user;
     if (pthread_create(&thread, NULL, run_half, &odd)) abort();
@@ -107,21 +123,23 @@ static void run_in_two_threads(void *user, size_t count, norma_task *task, void 
 
 static void same_bits(norma_options options, size_t first, size_t every) {
     static norma_parallel_for *const hooks[] = {run_backwards, run_shuffled, run_in_two_threads};
-    static const uint32_t            threads[] = {1, 2, 3, 8, 64, NORMA_ALL_THREADS};
+    static const uint32_t threads[] = {1, 2, 3, 8, 64, NORMA_ALL_THREADS};
     mesh_file mesh = {0};
-    answer    expected, got;
+    answer expected, got;
     make_mesh(&mesh);
     const norma_mesh view = mesh_file_view(&mesh);
-    const size_t     room = mesh.corner_count + mesh.position_count;
+    const size_t room = mesh.corner_count + mesh.position_count;
     for (int kind = 0; kind < CALLS; ++kind) {
         answer_create(&expected, room);
         assert_ok(call(kind, &view, options, &expected));
         for (size_t i = first; i < COUNT_OF(threads) + COUNT_OF(hooks); i += every) {
-            size_t        used = 0;
-            norma_options own  = options;
+            size_t used = 0;
+            norma_options own = options;
             answer_create(&got, room);
-            if (i < COUNT_OF(threads)) own.threads = threads[i];
-            else own.parallel_for = hooks[i - COUNT_OF(threads)];
+            if (i < COUNT_OF(threads))
+                own.threads = threads[i];
+            else
+                own.parallel_for = hooks[i - COUNT_OF(threads)];
             own.parallel_for_user = &used;
             assert_ok(call(kind, &view, own, &got));
             if (!same(&got, &expected)) fail_msg("call %d, setting %zu: other bits", kind, i);
@@ -140,31 +158,38 @@ static void defaults(void **state) {
 
 static void every_other_weight(void **state) {
     (void)state;
-    for (int w = NORMA_WEIGHT_AREA; w <= NORMA_WEIGHT_ANGLE_LENGTHS; w += SLOWER > 1 ? 2 : 1) same_bits((norma_options){.weight = (norma_weight)w}, 3, 4);
+    for (int w = NORMA_WEIGHT_AREA; w <= NORMA_WEIGHT_ANGLE_LENGTHS; w += SLOWER > 1 ? 2 : 1)
+        same_bits((norma_options){.weight = (norma_weight)w}, 3, 4);
 }
 
 static void other_options(void **state) {
     (void)state;
-    same_bits((norma_options){.weld = NORMA_WELD_NONE, .non_manifold = NORMA_NON_MANIFOLD_SMOOTH, .fallback = NORMA_FALLBACK_NEAREST}, 1, 3);
+    same_bits((norma_options){.weld = NORMA_WELD_NONE,
+                  .non_manifold = NORMA_NON_MANIFOLD_SMOOTH,
+                  .fallback = NORMA_FALLBACK_NEAREST},
+        1, 3);
     same_bits((norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = .01}, 2, 3);
 }
 
 static void every_instruction_set(void **state) {
     (void)state;
     mesh_file mesh = {0};
-    answer    expected, got;
-    size_t    compared = 0;
+    answer expected, got;
+    size_t compared = 0;
     make_mesh(&mesh);
     const norma_mesh view = mesh_file_view(&mesh);
     for (int kind = 0; kind < CALLS; ++kind)
         for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w) {
             answer_create(&expected, mesh.corner_count + mesh.position_count);
-            assert_ok(call(kind, &view, (norma_options){.isa = NORMA_ISA_PORTABLE, .weight = (norma_weight)w}, &expected));
+            assert_ok(call(kind, &view,
+                (norma_options){.isa = NORMA_ISA_PORTABLE, .weight = (norma_weight)w}, &expected));
             for (int isa = NORMA_ISA_BEST; isa <= NORMA_ISA_SIMD128; ++isa) {
                 answer_create(&got, mesh.corner_count + mesh.position_count);
-                const norma_result result = call(kind, &view, (norma_options){.isa = (norma_isa)isa, .weight = (norma_weight)w}, &got);
+                const norma_result result = call(kind, &view,
+                    (norma_options){.isa = (norma_isa)isa, .weight = (norma_weight)w}, &got);
                 assert_true(result == NORMA_OK || (isa && result == NORMA_ERROR_ARGUMENT));
-                if (result == NORMA_OK && !same(&got, &expected)) fail_msg("call %d, weight %d, instruction set %d: other bits", kind, w, isa);
+                if (result == NORMA_OK && !same(&got, &expected))
+                    fail_msg("call %d, weight %d, instruction set %d: other bits", kind, w, isa);
                 compared += result == NORMA_OK;
                 answer_free(&got);
             }
@@ -178,8 +203,8 @@ static void every_instruction_set(void **state) {
 
 typedef struct caller {
     const norma_mesh *mesh;
-    const answer     *expected;
-    int               wrong;
+    const answer *expected;
+    int wrong;
 } caller;
 
 static void *call_often(void *data) {
@@ -188,7 +213,9 @@ static void *call_often(void *data) {
         for (int kind = 0; kind < CALLS; ++kind) {
             answer got;
             answer_create(&got, c->expected[kind].room);
-            if (call(kind, c->mesh, (norma_options){.threads = (uint32_t)(1 + i % 3)}, &got) || !same(&got, &c->expected[kind])) c->wrong = 1;
+            if (call(kind, c->mesh, (norma_options){.threads = (uint32_t)(1 + i % 3)}, &got) ||
+                !same(&got, &c->expected[kind]))
+                c->wrong = 1;
             answer_free(&got);
         }
     return NULL;
@@ -197,8 +224,8 @@ static void *call_often(void *data) {
 static void two_callers_at_once(void **state) {
     (void)state;
     mesh_file meshes[2] = {0};
-    answer    expected[2][CALLS];
-    caller    callers[4];
+    answer expected[2][CALLS];
+    caller callers[4];
     pthread_t threads[4];
     shape_wavy_grid(&meshes[0], 90, 1);
     shape_pole_sphere(&meshes[1], 90, 50, 0);
@@ -230,9 +257,11 @@ static double seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* No measure of speed but a guard against hanging: a linear call takes some seconds under a sanitizer at worst, a quadratic one hours. */
+/* No measure of speed but a guard against hanging: a linear call takes some seconds under a
+ * sanitizer at worst, a quadratic one hours. */
 #define FAR_TOO_LONG 600
-static void finishes_soon(const char *name, const norma_mesh *mesh, int kind, norma_options options) {
+static void finishes_soon(
+    const char *name, const norma_mesh *mesh, int kind, norma_options options) {
     answer got;
     answer_create(&got, mesh->corner_count + mesh->positions.count);
     options.threads = 2;
@@ -252,9 +281,12 @@ static void many_triangles_round_one_vertex(void **state) {
     mesh_file mesh = {0};
     shape_cone(&mesh, MANY, .5);
     const norma_mesh view = mesh_file_view(&mesh);
-    for (int kind = FACES; kind < CALLS; ++kind) finishes_soon("a fan", &view, kind, (norma_options){0});
-    finishes_soon("a fan, visible", &view, VERTICES, (norma_options){.weight = NORMA_WEIGHT_VISIBLE});
-    finishes_soon("a fan, visible", &view, CORNERS, (norma_options){.weight = NORMA_WEIGHT_VISIBLE});
+    for (int kind = FACES; kind < CALLS; ++kind)
+        finishes_soon("a fan", &view, kind, (norma_options){0});
+    finishes_soon(
+        "a fan, visible", &view, VERTICES, (norma_options){.weight = NORMA_WEIGHT_VISIBLE});
+    finishes_soon(
+        "a fan, visible", &view, CORNERS, (norma_options){.weight = NORMA_WEIGHT_VISIBLE});
     answer got;
     answer_create(&got, mesh.corner_count);
     assert_ok(call(CORNERS, &view, (norma_options){0}, &got));
@@ -272,8 +304,10 @@ static void many_copies_of_one_position(void **state) {
     shape_soup(&mesh, &cone);
     norma_mesh view = mesh_file_view(&mesh);
     view.corners = NULL;
-    for (int kind = VERTICES; kind < CALLS; ++kind) finishes_soon("copies", &view, kind, (norma_options){0});
-    finishes_soon("copies within a distance", &view, VERTICES, (norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 1e-9});
+    for (int kind = VERTICES; kind < CALLS; ++kind)
+        finishes_soon("copies", &view, kind, (norma_options){0});
+    finishes_soon("copies within a distance", &view, VERTICES,
+        (norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 1e-9});
     mesh_file_free(&mesh);
     mesh_file_free(&cone);
 }
@@ -283,7 +317,8 @@ static void make_book(mesh_file *mesh, uint32_t faces) {
     mesh_file_add_position(mesh, 0, 0, 0);
     mesh_file_add_position(mesh, 0, 0, 1);
     for (uint32_t i = 0; i < faces; ++i) {
-        mesh_file_add_position(mesh, shape_random_unit(&seed), shape_random_unit(&seed), shape_random_unit(&seed));
+        mesh_file_add_position(
+            mesh, shape_random_unit(&seed), shape_random_unit(&seed), shape_random_unit(&seed));
         mesh_file_add_face(mesh, (uint32_t[]){i & 1, !(i & 1), i + 2}, 3);
     }
 }
@@ -294,29 +329,40 @@ static void many_faces_along_one_edge(void **state) {
     mesh_file mesh = {0};
     make_book(&mesh, SOME);
     norma_mesh view = mesh_file_view(&mesh);
-    for (int kind = CORNERS; kind < CALLS; ++kind) finishes_soon("a book", &view, kind, (norma_options){0});
+    for (int kind = CORNERS; kind < CALLS; ++kind)
+        finishes_soon("a book", &view, kind, (norma_options){0});
     mesh_file_free(&mesh);
     make_book(&mesh, MANY);
     view = mesh_file_view(&mesh);
-    finishes_soon("a book, smooth", &view, CORNERS, (norma_options){.non_manifold = NORMA_NON_MANIFOLD_SMOOTH});
+    finishes_soon("a book, smooth", &view, CORNERS,
+        (norma_options){.non_manifold = NORMA_NON_MANIFOLD_SMOOTH});
     mesh_file_free(&mesh);
 }
 
 static void many_triangles_apart(void **state) {
     (void)state;
     mesh_file mesh = {0};
-    uint64_t  seed = 1;
+    uint64_t seed = 1;
     for (uint32_t i = 0; i < SOME; ++i) {
-        const double x = 1000 * shape_random_unit(&seed), y = 1000 * shape_random_unit(&seed), z = 1000 * shape_random_unit(&seed);
-        for (int v = 0; v < 3; ++v) mesh_file_add_position(&mesh, x + shape_random_unit(&seed), y + shape_random_unit(&seed), z + shape_random_unit(&seed));
+        const double x = 1000 * shape_random_unit(&seed), y = 1000 * shape_random_unit(&seed),
+                     z = 1000 * shape_random_unit(&seed);
+        for (int v = 0; v < 3; ++v)
+            mesh_file_add_position(&mesh, x + shape_random_unit(&seed),
+                y + shape_random_unit(&seed), z + shape_random_unit(&seed));
     }
-    norma_mesh view = {.positions = {mesh.positions, mesh.position_count, 0, NORMA_FORMAT_DOUBLE}, .corner_count = mesh.position_count};
-    for (int kind = VERTICES; kind < CORNERS + 1; ++kind) finishes_soon("apart", &view, kind, (norma_options){0});
-    finishes_soon("apart, within a distance", &view, VERTICES, (norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 1e-9});
+    norma_mesh view = {.positions = {mesh.positions, mesh.position_count, 0, NORMA_FORMAT_DOUBLE},
+        .corner_count = mesh.position_count};
+    for (int kind = VERTICES; kind < CORNERS + 1; ++kind)
+        finishes_soon("apart", &view, kind, (norma_options){0});
+    finishes_soon("apart, within a distance", &view, VERTICES,
+        (norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = 1e-9});
     mesh_file_free(&mesh);
 }
 
-typedef struct watched { double last; size_t midway; } watched;
+typedef struct watched {
+    double last;
+    size_t midway;
+} watched;
 
 /* How often something is told while sums are taken. */
 static int watch_midway(void *user, double fraction) {
@@ -326,49 +372,67 @@ static int watch_midway(void *user, double fraction) {
     return 0;
 }
 
-/* So many faces with corners anywhere that several threads hand what they measure to each other; some of them, and some positions, are not what they should be. Most sums cancel but for
- * some hundred-thousandth, so that their order shows. */
+/* So many faces with corners anywhere that several threads hand what they measure to each other;
+ * some of them, and some positions, are not what they should be. Most sums cancel but for some
+ * hundred-thousandth, so that their order shows. */
 static void faces_in_no_order(void **state) {
     enum { POSITIONS = 540000, TRIANGLES = 1200000 };
     static const uint32_t threads[] = {2, 3, 8};
-    uint64_t  seed = 21;
-    float    (*positions)[3] = malloc(POSITIONS * sizeof *positions);
-    uint32_t (*corners)[3] = malloc(TRIANGLES * sizeof *corners);
-    answer    expected, got;
+    uint64_t seed = 21;
+    float(*positions)[3] = malloc(POSITIONS * sizeof *positions);
+    uint32_t(*corners)[3] = malloc(TRIANGLES * sizeof *corners);
+    answer expected, got;
     (void)state;
     if (!positions || !corners) abort();
     for (size_t i = 0; i < POSITIONS; ++i)
         for (int x = 0; x < 3; ++x) positions[i][x] = (float)shape_random_unit(&seed);
     for (size_t i = POSITIONS / 2 + 1; i < POSITIONS; i += 2)
-        for (int x = 0; x < 3; ++x) positions[i][x] = positions[i - 1][x] + 1e-5f * (float)shape_random_unit(&seed);
-    for (size_t i = 0; i < POSITIONS; i += 1009) memcpy(positions[i], positions[shape_random(&seed) % POSITIONS], sizeof *positions);
+        for (int x = 0; x < 3; ++x)
+            positions[i][x] = positions[i - 1][x] + 1e-5f * (float)shape_random_unit(&seed);
+    for (size_t i = 0; i < POSITIONS; i += 1009)
+        memcpy(positions[i], positions[shape_random(&seed) % POSITIONS], sizeof *positions);
     positions[POSITIONS / 3][1] = NAN;
     for (size_t f = 0; f < TRIANGLES; ++f)
         for (int k = 0; k < 3; ++k) {
-            const uint32_t other = k == 2 ? corners[f - f % 2][2] + 1 : corners[f - f % 2][1 - k % 2];
-            if (f % 997 == 0 && k) corners[f][k] = corners[f][0];
-            else if (f % 2) corners[f][k] = other; /* nearly the reverse of the face before */
-            else corners[f][k] = k == 2 ? POSITIONS / 2 + 2 * (uint32_t)(shape_random(&seed) % (POSITIONS / 4)) : (uint32_t)(shape_random(&seed) % (POSITIONS / 2));
+            const uint32_t other =
+                k == 2 ? corners[f - f % 2][2] + 1 : corners[f - f % 2][1 - k % 2];
+            if (f % 997 == 0 && k)
+                corners[f][k] = corners[f][0];
+            else if (f % 2)
+                corners[f][k] = other; /* nearly the reverse of the face before */
+            else
+                corners[f][k] =
+                    k == 2 ? POSITIONS / 2 + 2 * (uint32_t)(shape_random(&seed) % (POSITIONS / 4))
+                           : (uint32_t)(shape_random(&seed) % (POSITIONS / 2));
         }
-    const norma_mesh mesh = {.positions = {positions, POSITIONS, 0, NORMA_FORMAT_FLOAT}, .corners = corners, .corner_count = 3 * (size_t)TRIANGLES, .corner_size = 4};
+    const norma_mesh mesh = {.positions = {positions, POSITIONS, 0, NORMA_FORMAT_FLOAT},
+        .corners = corners,
+        .corner_count = 3 * (size_t)TRIANGLES,
+        .corner_size = 4};
     for (int weld = NORMA_WELD_EXACT; weld <= NORMA_WELD_NONE; ++weld) {
-        const norma_options options = {.weld = (norma_weld)weld, .weight = weld ? NORMA_WEIGHT_AREA : NORMA_WEIGHT_ANGLE};
+        const norma_options options = {
+            .weld = (norma_weld)weld, .weight = weld ? NORMA_WEIGHT_AREA : NORMA_WEIGHT_ANGLE};
         answer_create(&expected, POSITIONS);
         assert_ok(call(VERTICES, &mesh, options, &expected));
-        assert_true(expected.report.degenerate_faces.count > TRIANGLES / 1000 && expected.report.degenerate_faces.first == 0);
+        assert_true(expected.report.degenerate_faces.count > TRIANGLES / 1000 &&
+                    expected.report.degenerate_faces.first == 0);
         for (size_t i = 0; i <= COUNT_OF(threads); ++i) {
-            size_t        used = 0;
-            watched       seen = {0};
+            size_t used = 0;
+            watched seen = {0};
             norma_options own = options;
-            if (i < COUNT_OF(threads)) own.threads = threads[i];
-            else own.parallel_for = run_shuffled;
+            if (i < COUNT_OF(threads))
+                own.threads = threads[i];
+            else
+                own.parallel_for = run_shuffled;
             own.parallel_for_user = &used;
             own.progress = watch_midway;
             own.progress_user = &seen;
             answer_create(&got, POSITIONS);
             assert_ok(call(VERTICES, &mesh, own, &got));
             if (!same(&got, &expected)) fail_msg("weld %d, setting %zu: other bits", weld, i);
-            if (seen.midway < 8) fail_msg("weld %d, setting %zu: progress told %zu times midway", weld, i, seen.midway);
+            if (seen.midway < 8)
+                fail_msg(
+                    "weld %d, setting %zu: progress told %zu times midway", weld, i, seen.midway);
             answer_free(&got);
         }
         answer_free(&expected);
@@ -383,7 +447,8 @@ static void many_without_a_normal(void **state) {
     mesh_file mesh = {0};
     shape_wavy_grid(&mesh, 100, 0);
     for (uint32_t i = 0; i < MANY / 2; ++i) mesh_file_add_position(&mesh, 3 + i * 1e-3, 3, 5);
-    for (uint32_t i = 0; i < MANY / 4; ++i) mesh_file_add_position(&mesh, 3, 3, 9); /* many at one place, which are also without */
+    for (uint32_t i = 0; i < MANY / 4; ++i)
+        mesh_file_add_position(&mesh, 3, 3, 9); /* many at one place, which are also without */
     const norma_mesh view = mesh_file_view(&mesh);
     finishes_soon("without", &view, VERTICES, (norma_options){.fallback = NORMA_FALLBACK_NEAREST});
     mesh_file_free(&mesh);

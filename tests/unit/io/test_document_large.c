@@ -1,5 +1,7 @@
-/* test_document_large.c: a file that is large enough to be mapped, and to leave memory again where it has been read for good (16 MiB), gives the bytes that it gives from memory,
- * which nothing is let go of. The meshes are small, but for the glTF's; what makes the files large is comments, an element and a view that nobody reads. */
+/* test_document_large.c: a file that is large enough to be mapped, and to leave memory again where
+ * it has been read for good (16 MiB), gives the bytes that it gives from memory, which nothing is
+ * let go of. The meshes are small, but for the glTF's; what makes the files large is comments, an
+ * element and a view that nobody reads. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +17,7 @@
 enum { PADDING = 18 << 20, SIDE = 90 };
 
 typedef struct text {
-    char  *data;
+    char *data;
     size_t size;
 } text;
 
@@ -29,8 +31,9 @@ static void add_bytes(text *t, const void *bytes, size_t size) {
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-static void add(text *t, const char *format, ...) {
-    char    line[256];
+static void
+add(text *t, const char *format, ...) {
+    char line[256];
     va_list arguments;
     va_start(arguments, format);
     const int length = vsnprintf(line, sizeof line, format, arguments);
@@ -42,7 +45,8 @@ static void add(text *t, const char *format, ...) {
 static void add_padding(text *t, size_t size) {
     char *padding = malloc(size);
     assert_non_null(padding);
-    for (size_t i = 0; i < size; ++i) padding[i] = i % 64 == 0 ? '#' : i % 64 == 63 ? '\n' : (char)('a' + i / 64 % 23);
+    for (size_t i = 0; i < size; ++i)
+        padding[i] = i % 64 == 0 ? '#' : i % 64 == 63 ? '\n' : (char)('a' + i / 64 % 23);
     add_bytes(t, padding, size);
     free(padding);
 }
@@ -66,14 +70,19 @@ static void triangle(size_t number, size_t side, uint32_t out[3]) {
 /* ---- from a file and from memory */
 
 static void check(const text *file, const char *extension) {
-    const char           *folder = getenv("NORMA_SCRATCH");
-    char                  from[300], to[300];
-    norma_document       *mapped;
-    norma_document_error  error;
+    const char *folder = getenv("NORMA_SCRATCH");
+    char from[300], to[300];
+    norma_document *mapped;
+    norma_document_error error;
     norma_compute_summary summary, summary_of_memory;
-    norma_compute_options options = {.struct_size = sizeof options, .threads = 2, .shading = NORMA_SHADING_CREASE, .crease_angle_rad = 1};
-    snprintf(from, sizeof from, "%s/norma-large-%ld.%s", folder ? folder : "/tmp", (long)getpid(), extension);
-    snprintf(to, sizeof to, "%s/norma-large-%ld-out.%s", folder ? folder : "/tmp", (long)getpid(), extension);
+    norma_compute_options options = {.struct_size = sizeof options,
+        .threads = 2,
+        .shading = NORMA_SHADING_CREASE,
+        .crease_angle_rad = 1};
+    snprintf(from, sizeof from, "%s/norma-large-%ld.%s", folder ? folder : "/tmp", (long)getpid(),
+        extension);
+    snprintf(to, sizeof to, "%s/norma-large-%ld-out.%s", folder ? folder : "/tmp", (long)getpid(),
+        extension);
     FILE *out = fopen(from, "wb");
     assert_non_null(out);
     assert_int_equal(fwrite(file->data, 1, file->size, out), file->size);
@@ -83,7 +92,8 @@ static void check(const text *file, const char *extension) {
     assert_int_equal(norma_document_save(mapped, to, NULL, &error), NORMA_DOCUMENT_OK);
     norma_document_close(mapped);
     const document_bytes source = {(unsigned char *)file->data, file->size};
-    document_bytes       expected = bytes_computed(source, from, &options, &summary_of_memory), found = bytes_load(to);
+    document_bytes expected = bytes_computed(source, from, &options, &summary_of_memory),
+                   found = bytes_load(to);
     remove(from);
     remove(to);
     assert_true(bytes_equal(found, expected));
@@ -114,8 +124,14 @@ static void obj(void **state) {
 static void ply(void **state) {
     text t = {0};
     (void)state;
-    add(&t, "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n", (SIDE + 1) * (SIDE + 1));
-    add(&t, "element face %d\nproperty list uchar int vertex_indices\nelement other %d\nproperty uchar value\nend_header\n", 2 * SIDE * SIDE, PADDING);
+    add(&t,
+        "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float "
+        "y\nproperty float z\n",
+        (SIDE + 1) * (SIDE + 1));
+    add(&t,
+        "element face %d\nproperty list uchar int vertex_indices\nelement other %d\nproperty uchar "
+        "value\nend_header\n",
+        2 * SIDE * SIDE, PADDING);
     for (size_t v = 0; v < (SIDE + 1) * (SIDE + 1); ++v) {
         float p[3];
         position(v, SIDE, p);
@@ -136,21 +152,26 @@ static void ply(void **state) {
 static void glb(void **state) {
     enum { LONG_SIDE = 420 };
     const size_t vertices = (LONG_SIDE + 1) * (LONG_SIDE + 1), faces = 2 * LONG_SIDE * LONG_SIDE;
-    float       *positions = malloc(vertices * 12);
-    uint32_t    *corners = malloc(faces * 12);
-    text         padding = {0}, t;
-    gltf_asset   a = {0};
-    char         json[200];
+    float *positions = malloc(vertices * 12);
+    uint32_t *corners = malloc(faces * 12);
+    text padding = {0}, t;
+    gltf_asset a = {0};
+    char json[200];
     (void)state;
     assert_true(positions && corners);
     for (size_t v = 0; v < vertices; ++v) position(v, LONG_SIDE, positions + 3 * v);
     for (size_t f = 0; f < faces; ++f) triangle(f, LONG_SIDE, corners + 3 * f);
-    const int at = asset_floats(&a, positions, vertices, 3), view = asset_view(&a, corners, faces * 12, "");
-    snprintf(json, sizeof json, "{\"bufferView\": %d, \"componentType\": 5125, \"count\": %zu, \"type\": \"SCALAR\"}", view, 3 * faces);
+    const int at = asset_floats(&a, positions, vertices, 3),
+              view = asset_view(&a, corners, faces * 12, "");
+    snprintf(json, sizeof json,
+        "{\"bufferView\": %d, \"componentType\": 5125, \"count\": %zu, \"type\": \"SCALAR\"}", view,
+        3 * faces);
     const int indices = asset_accessor(&a, json);
     add_padding(&padding, PADDING);
     asset_view(&a, padding.data, padding.size, "");
-    snprintf(json, sizeof json, "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": %d}, \"indices\": %d}]}]", at, indices);
+    snprintf(json, sizeof json,
+        "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": %d}, \"indices\": %d}]}]",
+        at, indices);
     asset_bytes(&a, json, &t.size);
     t.data = (char *)a.glb;
     check(&t, "glb");
@@ -161,6 +182,7 @@ static void glb(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(obj), cmocka_unit_test(ply), cmocka_unit_test(glb)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(obj), cmocka_unit_test(ply), cmocka_unit_test(glb)};
     return cmocka_run_group_tests_name("large files, mapped and let go of", tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
-/* test_document_save.c: what document.c decides for every format: options, errors in one line, where a document may be written, and that a failure on the way leaves
- * the old files. The format here is a made-up one that writes what it read, or fails where it is told to. */
+/* test_document_save.c: what document.c decides for every format: options, errors in one line,
+ * where a document may be written, and that a failure on the way leaves the old files. The format
+ * here is a made-up one that writes what it read, or fails where it is told to. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,51 +27,69 @@ typedef struct fake {
     const char *beside;
 } fake;
 
-static fake *fake_of(const norma_document *document) { return (fake *)(uintptr_t)document; /* its first member */ }
+static fake *fake_of(const norma_document *document) {
+    return (fake *)(uintptr_t)document; /* its first member */
+}
 
 static size_t one_mesh(const norma_document *document) {
     (void)document;
     return 1;
 }
 
-static norma_document_result describe(const norma_document *document, size_t index, norma_mesh_info *info) {
+static norma_document_result describe(
+    const norma_document *document, size_t index, norma_mesh_info *info) {
     (void)document;
     (void)index;
     info->not_read = "points have no normals";
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary,
-                                     norma_document_error *error) {
+static norma_document_result compute(norma_document *document, const norma_compute_options *options,
+    norma_compute_summary *summary, norma_document_error *error) {
     fake_of(document)->compute_options = *options;
     summary->faces = 7;
-    return fake_of(document)->compute_result ? norma_document_fail(document, error, fake_of(document)->compute_result, "line 3", "found %d", 5)
-                                             : NORMA_DOCUMENT_OK;
+    return fake_of(document)->compute_result
+               ? norma_document_fail(
+                     document, error, fake_of(document)->compute_result, "line 3", "found %d", 5)
+               : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result write_bytes(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error) {
+static norma_document_result write_bytes(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error) {
     fake *made = fake_of(document);
     (void)path;
     ++made->write_calls;
     if (write(user, document->source.data, document->source.size))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the sink failed");
-    return made->write_result ? norma_document_fail(document, error, made->write_result, NULL, "told to fail") : NORMA_DOCUMENT_OK;
+        return norma_document_fail(
+            document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the sink failed");
+    return made->write_result
+               ? norma_document_fail(document, error, made->write_result, NULL, "told to fail")
+               : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result write_companions(norma_document *document, const char *path, int in_place, companion_writers *writers, norma_document_error *error) {
+static norma_document_result write_companions(norma_document *document, const char *path,
+    int in_place, companion_writers *writers, norma_document_error *error) {
     (void)writers;
     fake *made = fake_of(document);
     ++made->companion_calls;
     made->companion_before_write = made->write_calls == 0;
     made->in_place = in_place;
     (void)path;
-    return made->companions_result ? norma_document_fail(document, error, made->companions_result, NULL, "told to fail") : NORMA_DOCUMENT_OK;
+    return made->companions_result
+               ? norma_document_fail(document, error, made->companions_result, NULL, "told to fail")
+               : NORMA_DOCUMENT_OK;
 }
 
-static int reads_from(const norma_document *document, const char *path) { return norma_file_same(path, fake_of(document)->beside); }
+static int reads_from(const norma_document *document, const char *path) {
+    return norma_file_same(path, fake_of(document)->beside);
+}
 
-static const format_functions functions = {
-    .mesh_count = one_mesh, .mesh_info = describe, .compute = compute, .write = write_bytes, .write_companions = write_companions, .reads_from = reads_from};
+static const format_functions functions = {.mesh_count = one_mesh,
+    .mesh_info = describe,
+    .compute = compute,
+    .write = write_bytes,
+    .write_companions = write_companions,
+    .reads_from = reads_from};
 
 static void put(const char *path, const char *text) {
     FILE *file = fopen(path, "wb");
@@ -90,8 +109,7 @@ static void assert_holds(const char *path, const char *text) {
 static int set_up(void **state) {
     place *made = calloc(1, sizeof *made);
     snprintf(made->folder, sizeof made->folder, "/tmp/norma-document-XXXXXX");
-    if (!mkdtemp(made->folder))
-        return -1;
+    if (!mkdtemp(made->folder)) return -1;
     snprintf(made->source, sizeof made->source, "%s/mesh.obj", made->folder);
     snprintf(made->target, sizeof made->target, "%s/out.obj", made->folder);
     snprintf(made->beside, sizeof made->beside, "%s/beside.obj", made->folder);
@@ -113,10 +131,10 @@ static int tear_down(void **state) {
 
 static fake fake_document(const place *here) {
     return (fake){.document = {.functions = &functions,
-                               .format = NORMA_FILE_OBJ,
-                               .path = (char *)(uintptr_t)here->source,
-                               .source = {.data = (const unsigned char *)"new", .size = 3}},
-                  .beside = here->beside};
+                      .format = NORMA_FILE_OBJ,
+                      .path = (char *)(uintptr_t)here->source,
+                      .source = {.data = (const unsigned char *)"new", .size = 3}},
+        .beside = here->beside};
 }
 
 static void assert_no_temporary(const place *here) {
@@ -131,7 +149,8 @@ static void saves_the_main_file_last(void **state) {
     const place *here = *state;
     fake made = fake_document(here);
     norma_document_error error;
-    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_save(&made.document, here->target, NULL, &error), NORMA_DOCUMENT_OK);
     assert_holds(here->target, "new");
     assert_int_equal(made.companion_calls, 1);
     assert_int_equal(made.companion_before_write, 0);
@@ -146,12 +165,14 @@ static void a_failure_anywhere_leaves_the_old_file(void **state) {
     norma_document_error error;
     fake made = fake_document(here);
     made.write_result = NORMA_DOCUMENT_ERROR_MEMORY;
-    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error), NORMA_DOCUMENT_ERROR_MEMORY);
+    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error),
+        NORMA_DOCUMENT_ERROR_MEMORY);
     assert_int_equal(made.companion_calls, 0); /* nothing beside it was touched either */
     assert_holds(here->target, "old");
     made = fake_document(here);
     made.companions_result = NORMA_DOCUMENT_ERROR_REFUSED;
-    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error), NORMA_DOCUMENT_ERROR_REFUSED);
+    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error),
+        NORMA_DOCUMENT_ERROR_REFUSED);
     assert_holds(here->target, "old");
     assert_no_temporary(here);
 }
@@ -166,8 +187,10 @@ static void a_cancelled_save_leaves_the_old_file(void **state) {
     norma_document_error error;
     double fraction = -1;
     fake made = fake_document(here);
-    const norma_save_options options = {.struct_size = sizeof options, .progress = stop, .progress_user = &fraction};
-    assert_int_equal(norma_document_save(&made.document, here->target, &options, &error), NORMA_DOCUMENT_CANCELLED);
+    const norma_save_options options = {
+        .struct_size = sizeof options, .progress = stop, .progress_user = &fraction};
+    assert_int_equal(norma_document_save(&made.document, here->target, &options, &error),
+        NORMA_DOCUMENT_CANCELLED);
     assert_true(fraction > 0 && fraction <= 1);
     assert_holds(here->target, "old");
     assert_no_temporary(here);
@@ -176,11 +199,11 @@ static void a_cancelled_save_leaves_the_old_file(void **state) {
 static void refuses(const place *here, const char *path, const char *words) {
     norma_document_error error;
     fake made = fake_document(here);
-    assert_int_equal(norma_document_save(&made.document, path, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_save(&made.document, path, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
     assert_int_equal(made.write_calls, 0);
     assert_int_equal(error.result, NORMA_DOCUMENT_ERROR_ARGUMENT);
-    if (path)
-        assert_int_equal(strncmp(error.message, path, strlen(path)), 0);
+    if (path) assert_int_equal(strncmp(error.message, path, strlen(path)), 0);
     assert_non_null(strstr(error.message, words));
 }
 
@@ -208,7 +231,8 @@ static void in_place_may_name_the_source(void **state) {
     fake made = fake_document(here);
     made.document.source = (file_bytes){.data = (const unsigned char *)"newer", .size = 5};
     const norma_save_options options = {.in_place = 1};
-    assert_int_equal(norma_document_save(&made.document, here->source, &options, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_save(&made.document, here->source, &options, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(made.in_place, 1);
     assert_holds(here->source, "newer");
 }
@@ -217,12 +241,13 @@ static void a_device_gets_no_companions(void **state) {
     const place *here = *state;
     norma_document_error error;
     fake made = fake_document(here);
-    assert_int_equal(norma_document_save(&made.document, "/dev/null", NULL, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_save(&made.document, "/dev/null", NULL, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(made.companion_calls, 0);
-    if (access("/dev/full", W_OK))
-        skip();
+    if (access("/dev/full", W_OK)) skip();
     made = fake_document(here);
-    assert_int_equal(norma_document_save(&made.document, "/dev/full", NULL, &error), NORMA_DOCUMENT_ERROR_FILE);
+    assert_int_equal(
+        norma_document_save(&made.document, "/dev/full", NULL, &error), NORMA_DOCUMENT_ERROR_FILE);
     assert_string_equal(error.message, "/dev/full: cannot be written: No space left on device");
 }
 
@@ -247,7 +272,8 @@ static void options_are_checked_before_the_format_sees_them(void **state) {
         norma_document_error error;
         norma_compute_summary summary;
         fake made = fake_document(here);
-        assert_int_equal(norma_document_compute(&made.document, &bad[i], &summary, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+        assert_int_equal(norma_document_compute(&made.document, &bad[i], &summary, &error),
+            NORMA_DOCUMENT_ERROR_ARGUMENT);
         assert_int_equal(made.document.failed, 0); /* nothing was begun */
     }
 }
@@ -255,13 +281,18 @@ static void options_are_checked_before_the_format_sees_them(void **state) {
 static void options_of_another_version_are_read_as_far_as_they_go(void **state) {
     const place *here = *state;
     fake made = fake_document(here);
-    norma_compute_options options = {.struct_size = offsetof(norma_compute_options, only), .weight = NORMA_WEIGHT_MAX, .only = NORMA_ONLY_BROKEN, .morphs = 1};
-    assert_int_equal(norma_document_compute(&made.document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
+    norma_compute_options options = {.struct_size = offsetof(norma_compute_options, only),
+        .weight = NORMA_WEIGHT_MAX,
+        .only = NORMA_ONLY_BROKEN,
+        .morphs = 1};
+    assert_int_equal(
+        norma_document_compute(&made.document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(made.compute_options.weight, NORMA_WEIGHT_MAX);
     assert_int_equal(made.compute_options.only, NORMA_ONLY_ALL);
     assert_int_equal(made.compute_options.morphs, 0);
     options.struct_size = 0; /* the first version had all of these */
-    assert_int_equal(norma_document_compute(&made.document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_compute(&made.document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(made.compute_options.only, NORMA_ONLY_BROKEN);
     assert_int_equal(norma_document_compute(&made.document, NULL, NULL, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(made.compute_options.weight, NORMA_WEIGHT_ANGLE);
@@ -272,9 +303,11 @@ static void after_a_failed_change_a_document_can_only_be_closed(void **state) {
     norma_document_error error;
     fake made = fake_document(here);
     made.compute_result = NORMA_DOCUMENT_ERROR_MALFORMED;
-    assert_int_equal(norma_document_compute(&made.document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_MALFORMED);
+    assert_int_equal(
+        norma_document_compute(&made.document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_MALFORMED);
     assert_non_null(strstr(error.message, "mesh.obj:line 3: found 5"));
-    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error),
+        NORMA_DOCUMENT_ERROR_ARGUMENT);
     assert_holds(here->target, "old");
 }
 
@@ -283,18 +316,23 @@ static void summaries_and_what_was_not_read(void **state) {
     norma_document_error error;
     norma_mesh_data data;
     fake made = fake_document(here);
-    assert_int_equal(norma_document_mesh_data(&made.document, 0, &data, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_mesh_data(&made.document, 0, &data, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
     assert_non_null(strstr(error.message, "points have no normals"));
-    assert_int_equal(norma_document_mesh_data(&made.document, 1, &data, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_mesh_data(&made.document, 1, &data, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
     made.document.depth = NORMA_DOCUMENT_SUMMARY;
-    assert_int_equal(norma_document_compute(&made.document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
-    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_compute(&made.document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(norma_document_save(&made.document, here->target, NULL, &error),
+        NORMA_DOCUMENT_ERROR_ARGUMENT);
 }
 
 /* ---- matrices */
 
-static norma_document_result take_matrix(norma_document *document, const norma_transform_options *options, norma_transform_summary *summary,
-                                         norma_document_error *error) {
+static norma_document_result take_matrix(norma_document *document,
+    const norma_transform_options *options, norma_transform_summary *summary,
+    norma_document_error *error) {
     (void)document;
     (void)error;
     summary->vertices = (size_t)options->matrix[0];
@@ -309,17 +347,22 @@ static void matrices_are_affine_and_finite(void **state) {
     made.document.functions = &with_transform;
     norma_transform_options options = {0};
     norma_transform_summary summary;
-    assert_int_equal(norma_document_transform(&made.document, &options, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_transform(&made.document, &options, &summary, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(summary.vertices, 1); /* all zero: the identity */
     options.matrix[0] = 2;
-    assert_int_equal(norma_document_transform(&made.document, &options, &summary, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(norma_document_transform(&made.document, &options, &summary, NULL),
+        NORMA_DOCUMENT_ERROR_ARGUMENT);
     options.matrix[15] = 1;
-    assert_int_equal(norma_document_transform(&made.document, &options, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_transform(&made.document, &options, &summary, NULL), NORMA_DOCUMENT_OK);
     options.matrix[11] = 0.5;
-    assert_int_equal(norma_document_transform(&made.document, &options, &summary, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(norma_document_transform(&made.document, &options, &summary, NULL),
+        NORMA_DOCUMENT_ERROR_ARGUMENT);
     options.matrix[11] = 0;
     options.matrix[12] = INFINITY;
-    assert_int_equal(norma_document_transform(&made.document, &options, &summary, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(norma_document_transform(&made.document, &options, &summary, NULL),
+        NORMA_DOCUMENT_ERROR_ARGUMENT);
 }
 
 /* ---- messages */
@@ -328,11 +371,14 @@ static void a_message_is_one_line(void **state) {
     (void)state;
     norma_document_error error;
     const norma_document document = {.path = (char *)(uintptr_t) "a\nb\x1b.obj"};
-    norma_document_fail(&document, &error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 7", "found '%s'", "x\ty");
+    norma_document_fail(
+        &document, &error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 7", "found '%s'", "x\ty");
     assert_string_equal(error.message, "a?b?.obj:byte 7: found 'x?y'");
     norma_document_fail(NULL, &error, NORMA_DOCUMENT_ERROR_MALFORMED, NULL, "alone");
     assert_string_equal(error.message, "alone");
-    assert_int_equal(norma_document_fail(NULL, NULL, NORMA_DOCUMENT_ERROR_MALFORMED, NULL, "nowhere"), NORMA_DOCUMENT_ERROR_MALFORMED);
+    assert_int_equal(
+        norma_document_fail(NULL, NULL, NORMA_DOCUMENT_ERROR_MALFORMED, NULL, "nowhere"),
+        NORMA_DOCUMENT_ERROR_MALFORMED);
 }
 
 static void a_message_is_cut_between_characters(void **state) {
@@ -352,7 +398,8 @@ static void a_message_is_cut_between_characters(void **state) {
 static void notes_are_kept_in_order(void **state) {
     const place *here = *state;
     fake made = fake_document(here);
-    for (int i = 0; i < 100; ++i) assert_int_equal(norma_document_add_note(&made.document, "note\n%d", i), 1);
+    for (int i = 0; i < 100; ++i)
+        assert_int_equal(norma_document_add_note(&made.document, "note\n%d", i), 1);
     assert_int_equal(norma_document_note_count(&made.document), 100);
     assert_string_equal(norma_document_note(&made.document, 0), "note?0");
     assert_string_equal(norma_document_note(&made.document, 99), "note?99");
@@ -372,13 +419,17 @@ static void opening_fails_with_words(void **state) {
     assert_int_equal(norma_document_open(path, NULL, &document, &error), NORMA_DOCUMENT_ERROR_FILE);
     assert_null(document);
     assert_non_null(strstr(error.message, "No such file"));
-    assert_int_equal(norma_document_open(here->folder, NULL, &document, &error), NORMA_DOCUMENT_ERROR_FILE);
+    assert_int_equal(
+        norma_document_open(here->folder, NULL, &document, &error), NORMA_DOCUMENT_ERROR_FILE);
     snprintf(path, sizeof path, "%s/mesh.xyz", here->folder);
     put(path, "v");
-    assert_int_equal(norma_document_open(path, NULL, &document, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
-    assert_int_equal(norma_document_open(NULL, NULL, &document, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_open(path, NULL, &document, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+    assert_int_equal(
+        norma_document_open(NULL, NULL, &document, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
     assert_int_equal(norma_document_open(path, NULL, NULL, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
-    assert_int_equal(norma_document_open_memory(NULL, 3, "a.obj", NULL, &document, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(norma_document_open_memory(NULL, 3, "a.obj", NULL, &document, &error),
+        NORMA_DOCUMENT_ERROR_ARGUMENT);
     norma_document_close(NULL);
 }
 
@@ -399,7 +450,9 @@ static void formats_by_extension(void **state) {
 
 static void reports_add_up(void **state) {
     (void)state;
-    norma_report sum = {0}, part = {.cancelled = {2, 5}, .winding_conflicts = {1, 9}, .degenerate_faces = {0, SIZE_MAX}};
+    norma_report sum = {0}, part = {.cancelled = {2, 5},
+                                .winding_conflicts = {1, 9},
+                                .degenerate_faces = {0, SIZE_MAX}};
     norma_add_report(&sum, &part, 0);
     assert_int_equal(sum.cancelled.first, 5);
     norma_add_report(&sum, &part, 1);

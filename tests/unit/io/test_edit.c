@@ -1,4 +1,5 @@
-/* test_edit.c: norma_document_edit on every mesh of the data set and of assets: faces reversed, left out, normals and positions replaced, vertices copied, each read back from the bytes written.
+/* test_edit.c: norma_document_edit on every mesh of the data set and of assets: faces reversed,
+ * left out, normals and positions replaced, vertices copied, each read back from the bytes written.
  * Reversed twice, a text or a list of rows is byte for byte what it was. */
 #include "check.h"
 #include "document_bytes.h"
@@ -10,31 +11,47 @@ static uint32_t next_random(uint32_t *state) {
 }
 
 static size_t corner_at(const norma_mesh *mesh, size_t corner) {
-    if (!mesh->corners)
-        return corner;
-    if (mesh->corner_size == 1)
-        return ((const uint8_t *)mesh->corners)[corner];
-    return mesh->corner_size == 2 ? ((const uint16_t *)mesh->corners)[corner] : ((const uint32_t *)mesh->corners)[corner];
+    if (!mesh->corners) return corner;
+    if (mesh->corner_size == 1) return ((const uint8_t *)mesh->corners)[corner];
+    return mesh->corner_size == 2 ? ((const uint16_t *)mesh->corners)[corner]
+                                  : ((const uint32_t *)mesh->corners)[corner];
 }
 
-static size_t faces_of(const norma_mesh *mesh) { return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3; }
-static size_t start_of(const norma_mesh *mesh, size_t face) { return mesh->face_starts ? mesh->face_starts[face] : 3 * face; }
+static size_t faces_of(const norma_mesh *mesh) {
+    return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
+}
+static size_t start_of(const norma_mesh *mesh, size_t face) {
+    return mesh->face_starts ? mesh->face_starts[face] : 3 * face;
+}
 
 static void position_at(const norma_mesh *mesh, size_t corner, double out[3]) {
     const norma_vec3_view *view = &mesh->positions;
     const size_t sizes[] = {4, 8, 1, 1, 2, 2}, size = sizes[view->format];
-    const unsigned char *at = (const unsigned char *)view->data + corner_at(mesh, corner) * (view->stride ? view->stride : 3 * size);
+    const unsigned char *at = (const unsigned char *)view->data +
+                              corner_at(mesh, corner) * (view->stride ? view->stride : 3 * size);
     for (int k = 0; k < 3; ++k, at += size) {
         float f;
         int16_t s;
         uint16_t u;
         switch (view->format) {
-        case NORMA_FORMAT_FLOAT: memcpy(&f, at, 4), out[k] = (double)f; break;
-        case NORMA_FORMAT_DOUBLE: memcpy(&out[k], at, 8); break;
-        case NORMA_FORMAT_INT8: out[k] = *(const int8_t *)at; break;
-        case NORMA_FORMAT_UINT8: out[k] = *at; break;
-        case NORMA_FORMAT_INT16: memcpy(&s, at, 2), out[k] = s; break;
-        case NORMA_FORMAT_UINT16: memcpy(&u, at, 2), out[k] = u; break;
+        case NORMA_FORMAT_FLOAT:
+            memcpy(&f, at, 4), out[k] = (double)f;
+            break;
+        case NORMA_FORMAT_DOUBLE:
+            memcpy(&out[k], at, 8);
+            break;
+        case NORMA_FORMAT_INT8:
+            out[k] = *(const int8_t *)at;
+            break;
+        case NORMA_FORMAT_UINT8:
+            out[k] = *at;
+            break;
+        case NORMA_FORMAT_INT16:
+            memcpy(&s, at, 2), out[k] = s;
+            break;
+        case NORMA_FORMAT_UINT16:
+            memcpy(&u, at, 2), out[k] = u;
+            break;
         }
     }
 }
@@ -72,26 +89,27 @@ static norma_mesh_data data_of(norma_document *document, size_t mesh) {
 static uint8_t *random_marks(size_t count, uint32_t *seed) {
     uint8_t *marks = calloc(count + 1, 1);
     for (size_t i = 0; i < count; ++i) marks[i] = next_random(seed) % 5 == 0;
-    if (count)
-        marks[next_random(seed) % count] = 1;
+    if (count) marks[next_random(seed) % count] = 1;
     return marks;
 }
 
 /* ---- faces */
 
-static void compare_faces(const norma_mesh *old, const norma_mesh *now, const norma_mesh_edit *edit) {
+static void compare_faces(
+    const norma_mesh *old, const norma_mesh *now, const norma_mesh_edit *edit) {
     size_t face = 0, count = faces_of(old);
     for (size_t f = 0; f < count; ++f) {
-        if (edit->drop_faces && edit->drop_faces[f])
-            continue;
+        if (edit->drop_faces && edit->drop_faces[f]) continue;
         size_t begin = start_of(old, f), end = start_of(old, f + 1), at = start_of(now, face);
         assert_int_equal(start_of(now, face + 1) - at, end - begin);
         for (size_t i = begin; i < end; ++i) {
-            size_t from = edit->reverse_faces && edit->reverse_faces[f] && i > begin ? end + begin - i : i;
+            size_t from =
+                edit->reverse_faces && edit->reverse_faces[f] && i > begin ? end + begin - i : i;
             double a[3], b[3];
             position_at(old, from, a);
             position_at(now, at + i - begin, b);
-            assert_true(memcmp(a, b, sizeof a) == 0 || a[0] != a[0] || a[1] != a[1] || a[2] != a[2]);
+            assert_true(
+                memcmp(a, b, sizeof a) == 0 || a[0] != a[0] || a[1] != a[1] || a[2] != a[2]);
         }
         ++face;
     }
@@ -136,12 +154,12 @@ static void try_faces(const char *path, int drop) {
     opened file = open_bytes(bytes_load(path), path);
     norma_mesh_edit *edits = calloc(file.meshes + 1, sizeof *edits);
     for (size_t m = 0; m < file.meshes; ++m) {
-        if (!is_read(file.document, m))
-            continue;
+        if (!is_read(file.document, m)) continue;
         norma_mesh_data data = data_of(file.document, m);
         size_t faces = faces_of(&data.mesh);
         edits[m].reverse_faces = random_marks(faces, &seed);
-        uint8_t *dropped = drop && !has_strips(file.document, &data, m) ? random_marks(faces, &seed) : NULL;
+        uint8_t *dropped =
+            drop && !has_strips(file.document, &data, m) ? random_marks(faces, &seed) : NULL;
         if (dropped && faces < 2) /* a glTF primitive keeps one */
             dropped[0] = 0;
         edits[m].drop_faces = dropped;
@@ -150,13 +168,12 @@ static void try_faces(const char *path, int drop) {
     if (out.size) {
         opened now = open_bytes(out, path);
         for (size_t m = 0; m < file.meshes; ++m) {
-            if (!is_read(file.document, m))
-                continue;
+            if (!is_read(file.document, m)) continue;
             norma_mesh_data before = data_of(file.document, m), after = data_of(now.document, m);
             size_t left = 0;
-            for (size_t f = 0; f < faces_of(&before.mesh); ++f) left += !edits[m].drop_faces || !edits[m].drop_faces[f];
-            if (left)
-                compare_faces(&before.mesh, &after.mesh, &edits[m]);
+            for (size_t f = 0; f < faces_of(&before.mesh); ++f)
+                left += !edits[m].drop_faces || !edits[m].drop_faces[f];
+            if (left) compare_faces(&before.mesh, &after.mesh, &edits[m]);
         }
         norma_file_format format = norma_document_format(file.document);
         if (!drop && format != NORMA_FILE_GLTF && format != NORMA_FILE_GLB) {
@@ -182,15 +199,14 @@ static void try_normals(const char *path) {
     norma_mesh_edit *edits = calloc(file.meshes + 1, sizeof *edits);
     int any = 0;
     for (size_t m = 0; m < file.meshes; ++m) {
-        if (!is_read(file.document, m))
-            continue;
+        if (!is_read(file.document, m)) continue;
         norma_mesh_data data = data_of(file.document, m);
-        if (!data.normals.count)
-            continue;
+        if (!data.normals.count) continue;
         any = 1;
         uint8_t *set = random_marks(data.normals.count, &seed);
         float *normals = calloc(3 * data.normals.count + 1, sizeof *normals);
-        for (size_t i = 0; i < data.normals.count; ++i) normals[3 * i + next_random(&seed) % 3] = next_random(&seed) % 2 ? 1.0f : -1.0f;
+        for (size_t i = 0; i < data.normals.count; ++i)
+            normals[3 * i + next_random(&seed) % 3] = next_random(&seed) % 2 ? 1.0f : -1.0f;
         edits[m].set_normals = set;
         edits[m].normals = normals;
     }
@@ -198,16 +214,17 @@ static void try_normals(const char *path) {
     if (out.size) {
         opened now = open_bytes(out, path);
         for (size_t m = 0; m < file.meshes; ++m) {
-            if (!edits[m].set_normals)
-                continue;
+            if (!edits[m].set_normals) continue;
             norma_mesh_data before = data_of(file.document, m), after = data_of(now.document, m);
             assert_int_equal(before.normals.count, after.normals.count);
             for (size_t i = 0; i < before.normals.count; ++i) {
-                const float *is = (const float *)before.normals.data + 3 * i, *was = (const float *)after.normals.data + 3 * i;
+                const float *is = (const float *)before.normals.data + 3 * i,
+                            *was = (const float *)after.normals.data + 3 * i;
                 const float *wanted = edits[m].set_normals[i] ? edits[m].normals + 3 * i : is;
                 for (int k = 0; k < 3; ++k)
                     if (!(was[k] == wanted[k]) && !(was[k] != was[k] && wanted[k] != wanted[k])) {
-                        print_error("%s: normal %zu is %g instead of %g\n", path, i, (double)was[k], (double)wanted[k]);
+                        print_error("%s: normal %zu is %g instead of %g\n", path, i, (double)was[k],
+                            (double)wanted[k]);
                         fail();
                     }
             }
@@ -218,11 +235,13 @@ static void try_normals(const char *path) {
     close_bytes(&file);
 }
 
-/* ---- vertices: some copied, each corner's at the old one or at its copy, which may be all that stays; some that no face uses go */
+/* ---- vertices: some copied, each corner's at the old one or at its copy, which may be all that
+ * stays; some that no face uses go */
 
 static void random_vertices(const norma_mesh *mesh, norma_mesh_edit *edit, uint32_t *seed) {
     size_t count = mesh->positions.count, next = 0;
-    uint32_t *sources = calloc(2 * count + 1, sizeof *sources), *corners = calloc(mesh->corner_count + 1, sizeof *corners);
+    uint32_t *sources = calloc(2 * count + 1, sizeof *sources),
+             *corners = calloc(mesh->corner_count + 1, sizeof *corners);
     uint32_t *kept = calloc(count + 1, sizeof *kept), *copies = calloc(count + 1, sizeof *copies);
     uint8_t *used = calloc(count + 1, 1);
     for (size_t c = 0; c < mesh->corner_count; ++c) used[corner_at(mesh, c)] = 1;
@@ -237,7 +256,8 @@ static void random_vertices(const norma_mesh *mesh, norma_mesh_edit *edit, uint3
             copies[v] = (uint32_t)next, sources[next++] = (uint32_t)v;
         kept[v] = kept[v] == UINT32_MAX ? copies[v] : kept[v];
     }
-    for (size_t c = 0; c < mesh->corner_count; ++c) corners[c] = (next_random(seed) % 2 ? kept : copies)[corner_at(mesh, c)];
+    for (size_t c = 0; c < mesh->corner_count; ++c)
+        corners[c] = (next_random(seed) % 2 ? kept : copies)[corner_at(mesh, c)];
     edit->source_vertices = sources;
     edit->vertex_count = next;
     edit->new_corners = corners;
@@ -249,24 +269,29 @@ static void random_vertices(const norma_mesh *mesh, norma_mesh_edit *edit, uint3
 /* Of some of the new vertices, along the axes, which every encoding holds. */
 static void random_normals(norma_mesh_edit *edit, uint32_t *seed) {
     float *normals = calloc(3 * edit->vertex_count, sizeof *normals);
-    for (size_t v = 0; v < edit->vertex_count; ++v) normals[3 * v + next_random(seed) % 3] = next_random(seed) % 2 ? 1.0f : -1.0f;
+    for (size_t v = 0; v < edit->vertex_count; ++v)
+        normals[3 * v + next_random(seed) % 3] = next_random(seed) % 2 ? 1.0f : -1.0f;
     edit->set_normals = random_marks(edit->vertex_count, seed);
     edit->normals = normals;
 }
 
-static void same_floats(const float *was, const float *is, size_t width, const norma_mesh_edit *edit) {
+static void same_floats(
+    const float *was, const float *is, size_t width, const norma_mesh_edit *edit) {
     assert_int_equal(!was, !is);
-    for (size_t v = 0; was && v < edit->vertex_count; ++v) assert_memory_equal(was + width * edit->source_vertices[v], is + width * v, width * sizeof *was);
+    for (size_t v = 0; was && v < edit->vertex_count; ++v)
+        assert_memory_equal(
+            was + width * edit->source_vertices[v], is + width * v, width * sizeof *was);
 }
 
 /* Of what was decoded to floats. */
-static void same_vectors(const norma_vec3_view *was, const norma_vec3_view *is, const norma_mesh_edit *edit) {
+static void same_vectors(
+    const norma_vec3_view *was, const norma_vec3_view *is, const norma_mesh_edit *edit) {
     assert_int_equal(is->count, was->count ? edit->vertex_count : 0);
-    if (was->count)
-        same_floats(was->data, is->data, 3, edit);
+    if (was->count) same_floats(was->data, is->data, 3, edit);
 }
 
-static void compare_vertices(norma_document *was, norma_document *is, size_t mesh, const norma_mesh_edit *edit) {
+static void compare_vertices(
+    norma_document *was, norma_document *is, size_t mesh, const norma_mesh_edit *edit) {
     norma_mesh_data before = data_of(was, mesh), after = data_of(is, mesh);
     norma_mesh_attributes old, now;
     norma_mesh_info info;
@@ -281,14 +306,16 @@ static void compare_vertices(norma_document *was, norma_document *is, size_t mes
     }
     assert_int_equal(after.normals.count, before.normals.count ? edit->vertex_count : 0);
     for (size_t v = 0; v < after.normals.count; ++v) {
-        const float *is_now = (const float *)after.normals.data + 3 * v, *stored = (const float *)before.normals.data + 3 * edit->source_vertices[v];
+        const float *is_now = (const float *)after.normals.data + 3 * v,
+                    *stored = (const float *)before.normals.data + 3 * edit->source_vertices[v];
         const float *wanted = edit->set_normals[v] ? edit->normals + 3 * v : stored;
-        for (int k = 0; k < 3; ++k) assert_true(is_now[k] == wanted[k] || (is_now[k] != is_now[k] && wanted[k] != wanted[k]));
+        for (int k = 0; k < 3; ++k)
+            assert_true(
+                is_now[k] == wanted[k] || (is_now[k] != is_now[k] && wanted[k] != wanted[k]));
     }
     assert_int_equal(norma_document_mesh_attributes(was, mesh, &old, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_document_mesh_attributes(is, mesh, &now, NULL), NORMA_DOCUMENT_OK);
-    if (!old.corner_texcoords)
-        same_floats(old.texcoords, now.texcoords, 2, edit);
+    if (!old.corner_texcoords) same_floats(old.texcoords, now.texcoords, 2, edit);
     same_floats(old.colors, now.colors, 4, edit);
     same_floats(old.tangents, now.tangents, 4, edit);
     norma_document_mesh_info(was, mesh, &info);
@@ -310,8 +337,7 @@ static void try_vertices(const char *path) {
         if (is_read(file.document, m)) {
             norma_mesh_data data = data_of(file.document, m);
             random_vertices(&data.mesh, &edits[m], &seed);
-            if (data.normals.count && edits[m].vertex_count)
-                random_normals(&edits[m], &seed);
+            if (data.normals.count && edits[m].vertex_count) random_normals(&edits[m], &seed);
             if (!edits[m].vertex_count || data.mesh.corner_count < 3) {
                 free((void *)edits[m].source_vertices);
                 free((void *)edits[m].new_corners);
@@ -356,8 +382,7 @@ static void one_position_is_moved(const char *path) {
         double a[3], b[3];
         position_at(&data.mesh, c, a);
         position_at(&after.mesh, c, b);
-        if (corner_at(&data.mesh, c) == 1)
-            a[0] = 0, a[1] = 0.25, a[2] = 0;
+        if (corner_at(&data.mesh, c) == 1) a[0] = 0, a[1] = 0.25, a[2] = 0;
         assert_true(a[0] == b[0] && a[1] == b[1] && a[2] == b[2]);
     }
     free(positions);
@@ -367,7 +392,8 @@ static void one_position_is_moved(const char *path) {
 }
 
 static void assets_keep_all_else(void **state) {
-    static const char *const paths[] = {"assets/box-rotated.obj", "assets/concave-66gon.obj", "assets/dodecahedron.obj", "assets/goathead.obj", "assets/spider.stl"};
+    static const char *const paths[] = {"assets/box-rotated.obj", "assets/concave-66gon.obj",
+        "assets/dodecahedron.obj", "assets/goathead.obj", "assets/spider.stl"};
     (void)state;
     for (size_t i = 0; i < COUNT_OF(paths); ++i) {
         try_faces(paths[i], 0);
@@ -381,24 +407,22 @@ static size_t tried;
 
 static int has_vertices(const char *path) {
     const char *dot = strrchr(path, '.');
-    return dot && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".glb") == 0 || strcmp(dot, ".ply") == 0);
+    return dot &&
+           (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".glb") == 0 || strcmp(dot, ".ply") == 0);
 }
 
 static void visit(const char *path, const char *name, const char *expect) {
     (void)name;
-    if (strcmp(expect, "ok") != 0)
-        return;
+    if (strcmp(expect, "ok") != 0) return;
     document_bytes bytes = bytes_load(path);
     int small = bytes.size < 4000000 / SLOWER;
     int opens = small && bytes_try(bytes, path, NULL, NULL) == NORMA_DOCUMENT_OK;
     bytes_free(&bytes);
-    if (!opens)
-        return;
+    if (!opens) return;
     try_faces(path, 0);
     try_faces(path, 1);
     try_normals(path);
-    if (has_vertices(path))
-        try_vertices(path);
+    if (has_vertices(path)) try_vertices(path);
     ++tried;
 }
 
@@ -408,8 +432,7 @@ static void data_set_keeps_all_else(void **state) {
     size_t files = 0;
     tried = 0;
     for (size_t i = 0; i < COUNT_OF(formats); ++i) files += data_for_each_format(formats[i], visit);
-    if (files == 0)
-        skip();
+    if (files == 0) skip();
     assert_true(tried > 100);
 }
 
@@ -419,9 +442,11 @@ static void marks_without_numbers_are_refused(void **state) {
     const uint8_t *marks = calloc(1000000, 1);
     const norma_mesh_edit edit = {.set_normals = marks};
     norma_document_error error;
-    assert_int_equal(norma_document_edit(file.document, &edit, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_edit(file.document, &edit, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
     assert_non_null(strstr(error.message, "marks without numbers"));
-    assert_int_equal(norma_document_edit(file.document, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_edit(file.document, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
     free((void *)marks);
     close_bytes(&file);
 }

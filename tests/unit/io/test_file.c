@@ -1,4 +1,5 @@
-/* test_file.c: files are written whole or not at all: a full disk, a folder that cannot be written, an abandoned writer leave the old file and no temporary. */
+/* test_file.c: files are written whole or not at all: a full disk, a folder that cannot be written,
+ * an abandoned writer leave the old file and no temporary. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,9 +26,9 @@ typedef struct place {
 static int set_up(void **state) {
     place *made = calloc(1, sizeof *made);
     const char *temporary = getenv("TMPDIR");
-    snprintf(made->folder, sizeof made->folder, "%.90s/norma-file-XXXXXX", temporary ? temporary : "/tmp");
-    if (!mkdtemp(made->folder))
-        return -1;
+    snprintf(made->folder, sizeof made->folder, "%.90s/norma-file-XXXXXX",
+        temporary ? temporary : "/tmp");
+    if (!mkdtemp(made->folder)) return -1;
     snprintf(made->path, sizeof made->path, "%s/mesh.obj", made->folder);
     umask(022);
     *state = made;
@@ -37,7 +38,8 @@ static int set_up(void **state) {
 static int tear_down(void **state) {
     place *here = *state;
     char command[400];
-    snprintf(command, sizeof command, "chmod -R u+w '%s' && rm -rf '%s'", here->folder, here->folder);
+    snprintf(
+        command, sizeof command, "chmod -R u+w '%s' && rm -rf '%s'", here->folder, here->folder);
     int status = system(command);
     free(here);
     return status;
@@ -62,7 +64,8 @@ static size_t count_entries(const char *path) {
     DIR *folder = opendir(path);
     size_t count = 0;
     assert_non_null(folder);
-    for (const struct dirent *entry; (entry = readdir(folder));) count += entry->d_name[0] != '.' || strncmp(entry->d_name, ".norma", 6) == 0;
+    for (const struct dirent *entry; (entry = readdir(folder));)
+        count += entry->d_name[0] != '.' || strncmp(entry->d_name, ".norma", 6) == 0;
     closedir(folder);
     return count;
 }
@@ -70,8 +73,7 @@ static size_t count_entries(const char *path) {
 static int write_text(const char *path, const char *text) {
     file_writer *writer;
     int error = norma_file_writer_open(path, &writer);
-    if (error)
-        return error;
+    if (error) return error;
     error = norma_file_writer_write(writer, text, strlen(text));
     if (error) {
         norma_file_writer_abandon(writer);
@@ -111,8 +113,7 @@ static void reads_a_pipe_to_its_end(void **state) {
     if (child == 0) {
         int descriptor = open(here->path, O_WRONLY);
         for (size_t i = 0; i < size; ++i)
-            if (write(descriptor, i % 2 ? "b" : "a", 1) != 1)
-                _exit(1);
+            if (write(descriptor, i % 2 ? "b" : "a", 1) != 1) _exit(1);
         _exit(0);
     }
     file_bytes bytes;
@@ -142,7 +143,8 @@ static void writes_more_than_its_buffer(void **state) {
     file_writer *writer;
     assert_int_equal(norma_file_writer_open(here->path, &writer), 0);
     size_t at = 0;
-    for (; at < size / 2; at += part) assert_int_equal(norma_file_writer_write(writer, text + at, part), 0);
+    for (; at < size / 2; at += part)
+        assert_int_equal(norma_file_writer_write(writer, text + at, part), 0);
     assert_int_equal(norma_file_writer_write(writer, text + at, size - at), 0);
     assert_int_equal(norma_file_writer_commit(writer), 0);
     file_bytes bytes;
@@ -216,8 +218,7 @@ static void a_full_disk_keeps_the_old_file(void **state) {
 static void an_error_is_remembered(void **state) {
     (void)state;
     file_writer *writer;
-    if (norma_file_writer_open("/dev/full", &writer))
-        skip();
+    if (norma_file_writer_open("/dev/full", &writer)) skip();
     static const char text[300000];
     assert_int_equal(norma_file_writer_write(writer, text, sizeof text), ENOSPC);
     assert_int_equal(norma_file_writer_write(writer, "a", 1), ENOSPC);
@@ -242,8 +243,7 @@ static void keeps_permissions(void **state) {
 static int write_as_nobody(const char *path) {
     pid_t child = fork();
     if (child == 0) {
-        if (geteuid() == 0 && (setgid(65534) || setuid(65534)))
-            _exit(255);
+        if (geteuid() == 0 && (setgid(65534) || setuid(65534))) _exit(255);
         _exit(write_text(path, "new"));
     }
     int status;

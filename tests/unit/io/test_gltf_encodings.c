@@ -1,5 +1,7 @@
-/* test_gltf_encodings.c: glTF in all the ways that numbers can be stored: components of every type, normalized or not, sparse, compressed by meshoptimizer's own encoder with each filter,
- * indices of each width. What is read, baked, computed is what the numbers mean, whichever way they are stored. */
+/* test_gltf_encodings.c: glTF in all the ways that numbers can be stored: components of every type,
+ * normalized or not, sparse, compressed by meshoptimizer's own encoder with each filter, indices of
+ * each width. What is read, baked, computed is what the numbers mean, whichever way they are
+ * stored. */
 #include "check.h"
 #include "gltf_asset.h"
 #include "document_bytes.h"
@@ -9,23 +11,25 @@
 enum { BYTE = 5120, UBYTE, SHORT, USHORT, UINT = 5125, FLOAT };
 #define UNTOLD 1e-7
 
-static double bound(int component) { return component == BYTE ? 1 / 127.0 : component == SHORT ? 1 / 32767.0 : UNTOLD; }
-
-static void assert_near(const float *is, const double *expected, int width, double tolerance, const char *what)
-{
-    for (int k = 0; k < width; ++k)
-        if (!(fabs((double)is[k] - expected[k]) <= tolerance)) fail_msg("%s: component %d is %.9g, expected %.9g", what, k, (double)is[k], expected[k]);
+static double bound(int component) {
+    return component == BYTE ? 1 / 127.0 : component == SHORT ? 1 / 32767.0 : UNTOLD;
 }
 
-static document_bytes written(norma_document *document)
-{
+static void assert_near(
+    const float *is, const double *expected, int width, double tolerance, const char *what) {
+    for (int k = 0; k < width; ++k)
+        if (!(fabs((double)is[k] - expected[k]) <= tolerance))
+            fail_msg(
+                "%s: component %d is %.9g, expected %.9g", what, k, (double)is[k], expected[k]);
+}
+
+static document_bytes written(norma_document *document) {
     document_bytes bytes = bytes_of(document);
     norma_document_close(document);
     return bytes;
 }
 
-static const float *at(const norma_vec3_view *view, size_t i, float out[3])
-{
+static const float *at(const norma_vec3_view *view, size_t i, float out[3]) {
     const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     norma_vec3_view one = *view;
     one.data = (const unsigned char *)view->data + i * (view->stride ? view->stride : 12);
@@ -34,15 +38,16 @@ static const float *at(const norma_vec3_view *view, size_t i, float out[3])
     return out;
 }
 
-static int has_text(document_bytes bytes, const char *text)
-{
+static int has_text(document_bytes bytes, const char *text) {
     const size_t length = strlen(text);
     for (size_t i = 0; i + length <= bytes.size; ++i)
         if (memcmp(bytes.data + i, text, length) == 0) return 1;
     return 0;
 }
 
-static uint32_t corner(const norma_mesh_data *data, size_t number) { return ((const uint32_t *)data->mesh.corners)[number]; }
+static uint32_t corner(const norma_mesh_data *data, size_t number) {
+    return ((const uint32_t *)data->mesh.corners)[number];
+}
 
 /* ---- baked */
 
@@ -54,15 +59,18 @@ static const double NORMALS[4][3] = {{0, 0, 1}, {0.6, 0, 0.8}, {0, -1, 0}, {0, 0
 static const double TANGENTS[4][4] = {{1, 0, 0, 1}, {0.8, 0, -0.6, 1}, {1, 0, 0, -1}, {1, 0, 0, 1}};
 static const double DELTAS[4][3] = {{0.25, 0, 0}, {0, -0.5, 0}, {0, 0, 0}, {-1, 1, 0.5}};
 
-static norma_document *open_stored(gltf_asset *a, const stored *s, double positions[4][3], const char *place)
-{
+static norma_document *open_stored(
+    gltf_asset *a, const stored *s, double positions[4][3], const char *place) {
     const int is_unsigned = s->position == UBYTE || s->position == USHORT;
     const double size = s->normalized || s->position == FLOAT ? 1 : 100;
-    const double corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {is_unsigned ? 1 : -1, 1, is_unsigned ? 1 : -1}};
+    const double corners[4][3] = {
+        {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {is_unsigned ? 1 : -1, 1, is_unsigned ? 1 : -1}};
     char rest[800];
     double moves[12], normals[4][3];
     memcpy(normals, NORMALS, sizeof normals);
-    normals[2][1] = s->vector == BYTE ? -128 / 127.0 : s->vector == SHORT ? -32768 / 32767.0 : -1; /* the code below the least: -1 as well */
+    normals[2][1] = s->vector == BYTE    ? -128 / 127.0
+                    : s->vector == SHORT ? -32768 / 32767.0
+                                         : -1; /* the code below the least: -1 as well */
     for (int i = 0; i < 12; ++i) {
         positions[i / 3][i % 3] = size * corners[i / 3][i % 3];
         moves[i] = (s->position == FLOAT || s->normalized ? 1 : 4) * DELTAS[i / 3][i % 3];
@@ -75,15 +83,19 @@ static norma_document *open_stored(gltf_asset *a, const stored *s, double positi
     asset_numbers(a, DELTAS[0], 4, 3, s->delta, 1);
     asset_numbers(a, DELTAS[0], 4, 3, s->delta, 1);
     asset_uint16(a, (const uint16_t[]){0, 1, 2, 0, 2, 3}, 6);
-    snprintf(rest, sizeof rest, "\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-             "\"nodes\":[{\"mesh\":0,%s}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2},\"targets\":[{\"POSITION\":3,\"NORMAL\":4,\"TANGENT\":5}],"
-             "\"indices\":6}]}]", place);
+    snprintf(rest, sizeof rest,
+        "\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"extensionsUsed\":[\"KHR_mesh_"
+        "quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+        "\"nodes\":[{\"mesh\":0,%s}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+        "\"NORMAL\":1,\"TANGENT\":2},\"targets\":[{\"POSITION\":3,\"NORMAL\":4,\"TANGENT\":5}],"
+        "\"indices\":6}]}]",
+        place);
     return asset_open(a, rest, 0);
 }
 
-/* x goes to -x: so do all vectors; the tangents' sign and the winding turn round; deltas of vectors keep their lengths. */
-static void check_mirrored(const stored *s)
-{
+/* x goes to -x: so do all vectors; the tangents' sign and the winding turn round; deltas of vectors
+ * keep their lengths. */
+static void check_mirrored(const stored *s) {
     gltf_asset a = {0};
     double positions[4][3];
     norma_transform_summary summary;
@@ -94,50 +106,65 @@ static void check_mirrored(const stored *s)
     float v[3];
     const norma_transform_options options = {.struct_size = sizeof options, .bake = 1};
     norma_document *document = open_stored(&a, s, positions, "\"scale\":[-1,1,1]");
-    if (norma_document_transform(document, &options, &summary, &error)) fail_msg("%s", error.message);
+    if (norma_document_transform(document, &options, &summary, &error))
+        fail_msg("%s", error.message);
     assert_true(summary.mirrored && summary.nodes_baked == 1);
     document_bytes out = written(document);
     document = bytes_open(out, "asset.glb");
     assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
-    assert_int_equal(norma_document_mesh_attributes(document, 0, &attributes, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_mesh_attributes(document, 0, &attributes, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_document_morph_data(document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
-    const double scale = s->normalized && s->position != FLOAT ? (s->position == BYTE ? 127 : s->position == SHORT ? 32767 : 1) : 1;
+    const double scale = s->normalized && s->position != FLOAT ? (s->position == BYTE       ? 127
+                                                                     : s->position == SHORT ? 32767
+                                                                                            : 1)
+                                                               : 1;
     const int whole = s->position == BYTE || s->position == SHORT;
     for (size_t i = 0; i < 4; ++i) {
-        const double n[3] = {-NORMALS[i][0], NORMALS[i][1], NORMALS[i][2]}, t[4] = {-TANGENTS[i][0], TANGENTS[i][1], TANGENTS[i][2], -TANGENTS[i][3]};
-        const double p[3] = {-positions[i][0] * (whole ? scale : 1), positions[i][1] * (whole ? scale : 1), positions[i][2] * (whole ? scale : 1)};
+        const double n[3] = {-NORMALS[i][0], NORMALS[i][1], NORMALS[i][2]},
+                     t[4] = {-TANGENTS[i][0], TANGENTS[i][1], TANGENTS[i][2], -TANGENTS[i][3]};
+        const double p[3] = {-positions[i][0] * (whole ? scale : 1),
+            positions[i][1] * (whole ? scale : 1), positions[i][2] * (whole ? scale : 1)};
         const double d[3] = {-DELTAS[i][0], DELTAS[i][1], DELTAS[i][2]};
         assert_near(at(&data.mesh.positions, i, v), p, 3, 1e-4, "position");
         assert_near(at(&data.normals, i, v), n, 3, bound(s->vector), "normal");
         assert_near(attributes.tangents + 4 * i, t, 4, bound(s->vector), "tangent");
-        assert_near(at(&morph.normals, i, v), d, 3, bound(s->delta) + bound(s->vector), "normal delta"); /* by the length of the normal as stored */
-        assert_near(at(&morph.tangents, i, v), d, 3, bound(s->delta) + bound(s->vector) + 1e-6, "tangent delta");
-        const double unit = s->position == FLOAT ? 1 : s->normalized ? scale : 4, m[3] = {unit * d[0], unit * d[1], unit * d[2]}; /* as the positions' own codes */
-        if (s->position == FLOAT || whole) assert_near(at(&morph.positions, i, v), m, 3, whole ? .51 : UNTOLD, "position delta");
+        assert_near(at(&morph.normals, i, v), d, 3, bound(s->delta) + bound(s->vector),
+            "normal delta"); /* by the length of the normal as stored */
+        assert_near(at(&morph.tangents, i, v), d, 3, bound(s->delta) + bound(s->vector) + 1e-6,
+            "tangent delta");
+        const double unit = s->position == FLOAT ? 1
+                            : s->normalized      ? scale
+                                                 : 4,
+                     m[3] = {
+                         unit * d[0], unit * d[1], unit * d[2]}; /* as the positions' own codes */
+        if (s->position == FLOAT || whole)
+            assert_near(at(&morph.positions, i, v), m, 3, whole ? .51 : UNTOLD, "position delta");
     }
     const uint32_t *corners = data.mesh.corners;
-    assert_true(corners[0] == 0 && corners[1] == 2 && corners[2] == 1 && corners[3] == 0 && corners[4] == 3 && corners[5] == 2);
+    assert_true(corners[0] == 0 && corners[1] == 2 && corners[2] == 1 && corners[3] == 0 &&
+                corners[4] == 3 && corners[5] == 2);
     norma_document_close(document);
     bytes_free(&out);
     asset_free(&a);
 }
 
-static void test_baked(void **state)
-{
-    static const int positions[] = {FLOAT, BYTE, UBYTE, SHORT, USHORT}, vectors[] = {FLOAT, BYTE, SHORT};
+static void test_baked(void **state) {
+    static const int positions[] = {FLOAT, BYTE, UBYTE, SHORT, USHORT},
+                     vectors[] = {FLOAT, BYTE, SHORT};
     (void)state;
     for (size_t p = 0; p < COUNT_OF(positions); ++p)
         for (size_t v = 0; v < COUNT_OF(vectors); ++v)
             for (size_t d = 0; d < COUNT_OF(vectors); ++d)
                 for (int normalized = 0; normalized < 2; ++normalized) {
-                    const stored s = {positions[p], normalized && positions[p] != FLOAT, vectors[v], vectors[d]};
+                    const stored s = {
+                        positions[p], normalized && positions[p] != FLOAT, vectors[v], vectors[d]};
                     check_mirrored(&s);
                 }
 }
 
 /* Moved by two, fractions do not fit their codes any more, and become floats. */
-static void test_moved(void **state)
-{
+static void test_moved(void **state) {
     static const int types[] = {FLOAT, BYTE, UBYTE, SHORT, USHORT};
     (void)state;
     for (size_t t = 0; t < COUNT_OF(types); ++t) {
@@ -148,7 +175,8 @@ static void test_moved(void **state)
         float v[3];
         const norma_transform_options options = {.struct_size = sizeof options, .bake = 1};
         norma_document *document = open_stored(&a, &s, positions, "\"translation\":[2,0,0]");
-        assert_int_equal(norma_document_transform(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(
+            norma_document_transform(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
         document_bytes out = written(document);
         document = bytes_open(out, "asset.glb");
         assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
@@ -162,27 +190,33 @@ static void test_moved(void **state)
     }
 }
 
-static void test_too_large(void **state)
-{
+static void test_too_large(void **state) {
     const stored s = {FLOAT, 0, FLOAT, FLOAT};
     gltf_asset a = {0};
     double positions[4][3];
     norma_document_error error;
-    const norma_transform_options options = {.struct_size = sizeof options, .matrix = {1e30, 0, 0, 0, 0, 1e30, 0, 0, 0, 0, 1e30, 0, 0, 0, 0, 1}, .bake = 1};
+    const norma_transform_options options = {.struct_size = sizeof options,
+        .matrix = {1e30, 0, 0, 0, 0, 1e30, 0, 0, 0, 0, 1e30, 0, 0, 0, 0, 1},
+        .bake = 1};
     norma_document *document = open_stored(&a, &s, positions, "\"scale\":[1e20,1e20,1e20]");
     (void)state;
-    assert_int_equal(norma_document_transform(document, &options, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
-    assert_string_equal(error.message, "asset.glb:accessor 0: under node 0 its numbers become larger than floats are; expected a smaller scale");
+    assert_int_equal(
+        norma_document_transform(document, &options, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_string_equal(error.message, "asset.glb:accessor 0: under node 0 its numbers become "
+                                       "larger than floats are; expected a smaller scale");
     norma_document_close(document);
     asset_free(&a);
 }
 
-/* ---- deltas of normals, computed: a roof whose ridge sinks turns its normals; the deltas lie in the encoding that they had, or in floats where they are too large for it */
+/* ---- deltas of normals, computed: a roof whose ridge sinks turns its normals; the deltas lie in
+ * the encoding that they had, or in floats where they are too large for it */
 
-static void test_computed_deltas(void **state)
-{
+static void test_computed_deltas(void **state) {
     static const int encodings[] = {FLOAT, BYTE, SHORT};
-    static const double roof[4][3] = {{-1, 0, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 0}}, sinks[2][4][3] = {{{0}, {0, 0, -1}, {0, 0, -1}, {0}}, {{0}, {0, 0, -9}, {0, 0, -9}, {0}}}, none[4][3] = {{0}};
+    static const double roof[4][3] = {{-1, 0, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 0}},
+                        sinks[2][4][3] = {{{0}, {0, 0, -1}, {0, 0, -1}, {0}},
+                            {{0}, {0, 0, -9}, {0, 0, -9}, {0}}},
+                        none[4][3] = {{0}};
     (void)state;
     for (size_t e = 0; e < COUNT_OF(encodings); ++e)
         for (int deep = 0; deep < 2; ++deep) {
@@ -191,29 +225,38 @@ static void test_computed_deltas(void **state)
             norma_mesh_data data;
             norma_document_error error;
             float n[3], d[3];
-            const norma_compute_options options = {.struct_size = sizeof options, .shading = NORMA_SHADING_FLAT};
+            const norma_compute_options options = {
+                .struct_size = sizeof options, .shading = NORMA_SHADING_FLAT};
             asset_numbers(&a, roof[0], 4, 3, FLOAT, 0);
             asset_numbers(&a, sinks[deep][0], 4, 3, FLOAT, 0);
             asset_numbers(&a, none[0], 4, 3, encodings[e], 1);
             asset_uint16(&a, (const uint16_t[]){0, 1, 2, 1, 3, 2}, 6);
-            norma_document *document = asset_open(&a, "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},"
-                                                      "\"targets\":[{\"POSITION\":1,\"NORMAL\":2}],\"indices\":3}]}]", 0);
-            if (norma_document_compute(document, &options, NULL, &error)) fail_msg("%s", error.message);
+            norma_document *document = asset_open(&a,
+                "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{"
+                "\"attributes\":{\"POSITION\":0},"
+                "\"targets\":[{\"POSITION\":1,\"NORMAL\":2}],\"indices\":3}]}]",
+                0);
+            if (norma_document_compute(document, &options, NULL, &error))
+                fail_msg("%s", error.message);
             document_bytes out = written(document);
             document = bytes_open(out, "asset.glb");
             assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
-            assert_int_equal(norma_document_morph_data(document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
+            assert_int_equal(
+                norma_document_morph_data(document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
             assert_int_equal(data.mesh.positions.count, 6);
-            for (size_t c = 0; c < 6; ++c) {                       /* normal and delta sum up to that of the sunken roof */
+            for (size_t c = 0; c < 6;
+                 ++c) { /* normal and delta sum up to that of the sunken roof */
                 const uint32_t v = corner(&data, c);
-                const double side = c < 3 ? -1 : 1, height = deep ? -8 : 0, length = sqrt(height * height + 1), flat = sqrt(2);
+                const double side = c < 3 ? -1 : 1, height = deep ? -8 : 0,
+                             length = sqrt(height * height + 1), flat = sqrt(2);
                 const double before[3] = {side / flat, 0, 1 / flat};
                 double delta[3] = {side * height / length - before[0], 0, 1 / length - before[2]};
                 assert_near(at(&data.normals, v, n), before, 3, 1e-6, "normal");
                 const double tolerance = deep ? 1e-6 : bound(encodings[e]) / 2 + 1e-6;
                 assert_near(at(&morph.normals, v, d), delta, 3, tolerance, "delta");
             }
-            assert_int_equal(has_text(out, "\"componentType\":5120"), encodings[e] == BYTE && !deep);
+            assert_int_equal(
+                has_text(out, "\"componentType\":5120"), encodings[e] == BYTE && !deep);
             norma_document_close(document);
             bytes_free(&out);
             asset_free(&a);
@@ -222,25 +265,31 @@ static void test_computed_deltas(void **state)
 
 /* ---- indices */
 
-/* Two walls that meet at a right angle, drawn with indices and, by a second primitive over the same vertices, without: the crease adds vertices, which the second must not draw. */
-static void check_indices(int component, size_t surplus)
-{
-    static const double walls[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+/* Two walls that meet at a right angle, drawn with indices and, by a second primitive over the same
+ * vertices, without: the crease adds vertices, which the second must not draw. */
+static void check_indices(int component, size_t surplus) {
+    static const double walls[6][3] = {
+        {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     static const double list[8] = {0, 1, 2, 0, 2, 5, 3, 4};
     gltf_asset a = {0};
     norma_document_error error;
     float p[3], n[3];
-    const norma_compute_options options = {.struct_size = sizeof options, .shading = NORMA_SHADING_CREASE, .crease_angle_rad = 0.5};
+    const norma_compute_options options = {
+        .struct_size = sizeof options, .shading = NORMA_SHADING_CREASE, .crease_angle_rad = 0.5};
     char rest[500];
     asset_numbers(&a, walls[0], 6, 3, FLOAT, 0);
     const size_t size = component == UBYTE ? 1 : component == USHORT ? 2 : 4;
     unsigned char bytes[32] = {0};
     for (size_t i = 0; i < 6 + surplus; ++i) bytes[i * size] = (unsigned char)list[i];
     asset_view(&a, bytes, (6 + surplus) * size, "");
-    snprintf(rest, sizeof rest, "{\"bufferView\":1,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\"}", component, 6 + surplus);
+    snprintf(rest, sizeof rest,
+        "{\"bufferView\":1,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\"}", component,
+        6 + surplus);
     asset_accessor(&a, rest);
-    norma_document *document =
-        asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0}}]}]", 0);
+    norma_document *document = asset_open(&a,
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},{"
+        "\"attributes\":{\"POSITION\":0}}]}]",
+        0);
     if (norma_document_compute(document, &options, NULL, &error)) fail_msg("%s", error.message);
     document_bytes out = written(document);
     document = bytes_open(out, "asset.glb");
@@ -260,8 +309,7 @@ static void check_indices(int component, size_t surplus)
     asset_free(&a);
 }
 
-static void test_indices(void **state)
-{
+static void test_indices(void **state) {
     (void)state;
     for (size_t surplus = 0; surplus < 3; ++surplus) {
         check_indices(UBYTE, surplus);
@@ -272,10 +320,10 @@ static void test_indices(void **state)
 
 /* ---- sparse */
 
-static void test_sparse(void **state)
-{
+static void test_sparse(void **state) {
     static const int widths[] = {UBYTE, USHORT, UINT};
-    static const float rest[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}}, changed[2][3] = {{7, 8, 9}, {-1, -2, -3}};
+    static const float rest[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}},
+                       changed[2][3] = {{7, 8, 9}, {-1, -2, -3}};
     (void)state;
     for (size_t w = 0; w < COUNT_OF(widths); ++w)
         for (int over_zeros = 0; over_zeros < 2; ++over_zeros) {
@@ -290,14 +338,22 @@ static void test_sparse(void **state)
             asset_view(&a, rest, sizeof rest, "");
             asset_view(&a, places, 2 * size, "");
             asset_view(&a, changed, sizeof changed, "");
-            snprintf(text, sizeof text, "{%s\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"sparse\":{\"count\":2,\"indices\":{\"bufferView\":1,\"componentType\":%d},\"values\":{\"bufferView\":2}}}",
-                     over_zeros ? "" : "\"bufferView\":0,", widths[w]);
+            snprintf(text, sizeof text,
+                "{%s\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"sparse\":{\"count\":2,"
+                "\"indices\":{\"bufferView\":1,\"componentType\":%d},\"values\":{\"bufferView\":2}}"
+                "}",
+                over_zeros ? "" : "\"bufferView\":0,", widths[w]);
             asset_accessor(&a, text);
-            norma_document *document = asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 0);
+            norma_document *document = asset_open(
+                &a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 0);
             assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
             for (size_t i = 0; i < 4; ++i) {
                 double expected[3];
-                for (int k = 0; k < 3; ++k) expected[k] = (double)(i == 1 ? changed[0][k] : i == 3 ? changed[1][k] : over_zeros ? 0 : rest[i][k]);
+                for (int k = 0; k < 3; ++k)
+                    expected[k] = (double)(i == 1       ? changed[0][k]
+                                           : i == 3     ? changed[1][k]
+                                           : over_zeros ? 0
+                                                        : rest[i][k]);
                 assert_near(at(&data.mesh.positions, i, p), expected, 3, 0, "sparse");
             }
             norma_document_close(document);
@@ -307,33 +363,41 @@ static void test_sparse(void **state)
 
 /* ---- compressed: by meshoptimizer's encoder, its filters included */
 
-static int compressed_view(gltf_asset *a, const void *bytes, size_t count, size_t stride, const char *mode, const char *filter)
-{
+static int compressed_view(gltf_asset *a, const void *bytes, size_t count, size_t stride,
+    const char *mode, const char *filter) {
     unsigned char code[4096];
     size_t size = 0;
     char members[400];
-    if (mode[0] == 'A') size = meshopt_encodeVertexBuffer(code, sizeof code, bytes, count, stride);
-    else if (mode[0] == 'T') size = meshopt_encodeIndexBuffer(code, sizeof code, bytes, count);
-    else size = meshopt_encodeIndexSequence(code, sizeof code, bytes, count);
+    if (mode[0] == 'A')
+        size = meshopt_encodeVertexBuffer(code, sizeof code, bytes, count, stride);
+    else if (mode[0] == 'T')
+        size = meshopt_encodeIndexBuffer(code, sizeof code, bytes, count);
+    else
+        size = meshopt_encodeIndexSequence(code, sizeof code, bytes, count);
     assert_true(size > 0);
     const size_t offset = a->bin_size, whole = count * stride;
     a->bin = realloc(a->bin, offset + (size + 3) / 4 * 4 + whole + 8);
     assert_non_null(a->bin);
-    snprintf(members, sizeof members, ",\"byteStride\":%zu,\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"byteStride\":%zu,\"count\":%zu,\"mode\":\"%s\","
-             "\"filter\":\"%s\"}}", stride, offset, size, stride, count, mode, filter);
+    snprintf(members, sizeof members,
+        ",\"byteStride\":%zu,\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,"
+        "\"byteOffset\":%zu,\"byteLength\":%zu,\"byteStride\":%zu,\"count\":%zu,\"mode\":\"%s\","
+        "\"filter\":\"%s\"}}",
+        stride, offset, size, stride, count, mode, filter);
     memcpy(a->bin + offset, code, size);
     a->bin_size += (size + 3) / 4 * 4;
-    unsigned char *nothing = calloc(whole, 1);               /* where the fallback would lie: not what is to be read */
+    unsigned char *nothing =
+        calloc(whole, 1); /* where the fallback would lie: not what is to be read */
     assert_non_null(nothing);
-    const int view = asset_view(a, nothing, whole, members + (mode[0] == 'A' ? 0 : strcspn(members + 1, ",") + 1));
+    const int view = asset_view(
+        a, nothing, whole, members + (mode[0] == 'A' ? 0 : strcspn(members + 1, ",") + 1));
     free(nothing);
     return view;
 }
 
-static void test_compressed(void **state)
-{
+static void test_compressed(void **state) {
     static const float positions[4][3] = {{0, 0, 0}, {1.5F, 0, 0}, {0, 2.25F, 0}, {-3, 0.125F, 7}};
-    static const float normals[4][4] = {{0, 0, 1, 0}, {0.6F, 0, 0.8F, 0}, {-0.6F, 0.64F, -0.48F, 0}, {0, -1, 0, 0}};
+    static const float normals[4][4] = {
+        {0, 0, 1, 0}, {0.6F, 0, 0.8F, 0}, {-0.6F, 0.64F, -0.48F, 0}, {0, -1, 0, 0}};
     static const unsigned corners[6] = {0, 1, 2, 0, 2, 3};
     (void)state;
     for (int wide = 0; wide < 2; ++wide)
@@ -348,53 +412,70 @@ static void test_compressed(void **state)
             compressed_view(&a, powers, 4, 12, "ATTRIBUTES", "EXPONENTIAL");
             compressed_view(&a, octahedral, 4, wide ? 8 : 4, "ATTRIBUTES", "OCTAHEDRAL");
             compressed_view(&a, corners, 6, 4, sequence ? "INDICES" : "TRIANGLES", "NONE");
-            asset_accessor(&a, "{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}");
-            asset_accessor(&a, wide ? "{\"bufferView\":1,\"componentType\":5122,\"normalized\":true,\"count\":4,\"type\":\"VEC3\"}"
-                                    : "{\"bufferView\":1,\"componentType\":5120,\"normalized\":true,\"count\":4,\"type\":\"VEC3\"}");
-            asset_accessor(&a, "{\"bufferView\":2,\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}");
-            norma_document *document = asset_open(&a, "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},"
-                                                      "\"indices\":2}]}]", 0);
+            asset_accessor(
+                &a, "{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}");
+            asset_accessor(&a, wide ? "{\"bufferView\":1,\"componentType\":5122,\"normalized\":"
+                                      "true,\"count\":4,\"type\":\"VEC3\"}"
+                                    : "{\"bufferView\":1,\"componentType\":5120,\"normalized\":"
+                                      "true,\"count\":4,\"type\":\"VEC3\"}");
+            asset_accessor(
+                &a, "{\"bufferView\":2,\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}");
+            norma_document *document = asset_open(&a,
+                "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_mesh_quantization\"],"
+                "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},"
+                "\"indices\":2}]}]",
+                0);
             assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
             for (size_t i = 0; i < 4; ++i) {
                 double p[3], n[3];
-                for (int k = 0; k < 3; ++k) p[k] = (double)positions[i][k], n[k] = (double)normals[i][k];
+                for (int k = 0; k < 3; ++k)
+                    p[k] = (double)positions[i][k], n[k] = (double)normals[i][k];
                 assert_near(at(&data.mesh.positions, i, v), p, 3, 1e-5, "position");
                 assert_near(at(&data.normals, i, v), n, 3, wide ? 1e-4 : 0.02, "normal");
             }
-            for (size_t c = 0; c < 3; c += 3)                     /* a triangle may be turned on, not round */
-                assert_true(corner(&data, c) + corner(&data, c + 1) + corner(&data, c + 2) == corners[c] + corners[c + 1] + corners[c + 2]);
+            for (size_t c = 0; c < 3; c += 3) /* a triangle may be turned on, not round */
+                assert_true(corner(&data, c) + corner(&data, c + 1) + corner(&data, c + 2) ==
+                            corners[c] + corners[c + 1] + corners[c + 2]);
             norma_document_close(document);
             asset_free(&a);
         }
 }
 
-/* A view that is said to be compressed twice, under one name or under both there are: rewritten, it is not compressed, whichever of them a reader looks for. */
-static void test_compressed_twice(void **state)
-{
+/* A view that is said to be compressed twice, under one name or under both there are: rewritten, it
+ * is not compressed, whichever of them a reader looks for. */
+static void test_compressed_twice(void **state) {
     static const float positions[4][3] = {{0, 0, 0}, {1.5F, 0, 0}, {0, 2.25F, 0}, {-3, 0.125F, 7}};
     static const uint8_t second[4] = {0, 1, 0, 0};
     static const double moved[4][3] = {{0}, {4, 5, 6}};
     const norma_mesh_edit edit = {.positions = moved[0], .set_positions = second};
     (void)state;
-    for (int twice = 0; twice < 4; ++twice) {             /* the same name, both names, and either beside another extension */
+    for (int twice = 0; twice < 4;
+         ++twice) { /* the same name, both names, and either beside another extension */
         gltf_asset a = {0};
         char views[2000];
         norma_mesh_data data;
         float v[3];
         compressed_view(&a, positions, 4, 12, "ATTRIBUTES", "NONE");
-        asset_accessor(&a, "{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}");
+        asset_accessor(
+            &a, "{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}");
         const char *said = strstr(a.views, "\"EXT_"), *end = strrchr(a.views, '}') - 1;
         const int before = (int)(said - a.views), length = (int)(end - said);
-        snprintf(views, sizeof views, "%.*s%.*s,\"%s%.*s%s}}", before, a.views, length, said, twice & 1 ? "KHR" : "EXT", length - 4, said + 4, twice & 2 ? ",\"VENDOR_x\":{}" : "");
+        snprintf(views, sizeof views, "%.*s%.*s,\"%s%.*s%s}}", before, a.views, length, said,
+            twice & 1 ? "KHR" : "EXT", length - 4, said + 4, twice & 2 ? ",\"VENDOR_x\":{}" : "");
         free(a.views);
         a.views = malloc(strlen(views) + 1);
         assert_non_null(a.views);
         strcpy(a.views, views);
-        norma_document *document = asset_open(&a, "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_meshopt_compression\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 0);
+        norma_document *document = asset_open(&a,
+            "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_meshopt_compression\"],"
+            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
+            0);
         assert_int_equal(norma_document_edit(document, &edit, NULL), NORMA_DOCUMENT_OK);
         gltf_output b = output_of(document);
-        assert_string_equal(output_text(&b, "bufferViews/0/extensions"), twice & 2 ? "{\"VENDOR_x\":{}}" : "");
-        assert_string_equal(output_text(&b, "extensionsUsed"), twice & 1 ? "" : "[\"KHR_meshopt_compression\"]");
+        assert_string_equal(
+            output_text(&b, "bufferViews/0/extensions"), twice & 2 ? "{\"VENDOR_x\":{}}" : "");
+        assert_string_equal(
+            output_text(&b, "extensionsUsed"), twice & 1 ? "" : "[\"KHR_meshopt_compression\"]");
         assert_int_equal(norma_document_mesh_data(b.document, 0, &data, NULL), NORMA_DOCUMENT_OK);
         at(&data.mesh.positions, 1, v);
         assert_true(v[0] == 4 && v[1] == 5 && v[2] == 6);
@@ -405,9 +486,9 @@ static void test_compressed_twice(void **state)
 }
 
 /* Instances turned by quaternions under the filter for them: a quarter about each axis. */
-static void test_compressed_rotations(void **state)
-{
-    static const float turns[3][4] = {{0.70710678F, 0, 0, 0.70710678F}, {0, 0.70710678F, 0, 0.70710678F}, {0, 0, 0.70710678F, 0.70710678F}};
+static void test_compressed_rotations(void **state) {
+    static const float turns[3][4] = {{0.70710678F, 0, 0, 0.70710678F},
+        {0, 0.70710678F, 0, 0.70710678F}, {0, 0, 0.70710678F, 0.70710678F}};
     static const double images[3][3] = {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}; /* of (0, 1, 0) */
     static const float positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     gltf_asset a = {0};
@@ -416,12 +497,18 @@ static void test_compressed_rotations(void **state)
     meshopt_encodeFilterQuat(codes, 3, 8, 16, turns[0]);
     asset_floats(&a, positions[0], 3, 3);
     compressed_view(&a, codes, 3, 8, "ATTRIBUTES", "QUATERNION");
-    asset_accessor(&a, "{\"bufferView\":1,\"componentType\":5122,\"normalized\":true,\"count\":3,\"type\":\"VEC4\"}");
-    norma_document *document = asset_open(&a, "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"EXT_mesh_gpu_instancing\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
-                                              "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"ROTATION\":1}}}}]", 0);
+    asset_accessor(&a, "{\"bufferView\":1,\"componentType\":5122,\"normalized\":true,\"count\":3,"
+                       "\"type\":\"VEC4\"}");
+    norma_document *document = asset_open(&a,
+        "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"EXT_mesh_gpu_instancing\"],\"meshes\":[{"
+        "\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+        "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
+        "\"ROTATION\":1}}}}]",
+        0);
     for (size_t i = 0; i < 3; ++i) {
         double world[16];
-        assert_int_equal(norma_document_instance_world(document, 0, i, world, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(
+            norma_document_instance_world(document, 0, i, world, NULL), NORMA_DOCUMENT_OK);
         for (int k = 0; k < 3; ++k) assert_true(fabs(world[4 + k] - images[i][k]) < 1e-3);
     }
     norma_document_close(document);
@@ -432,18 +519,28 @@ static void test_compressed_rotations(void **state)
 
 #define IN_BASE64 "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"
 
-static void test_data_uris(void **state)
-{
-    static const char text[] = "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"
-                               "\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":\"%s\"}]}";
+static void test_data_uris(void **state) {
+    static const char text[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{"
+        "\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"
+        "\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{"
+        "\"byteLength\":36,\"uri\":\"%s\"}]}";
     static const double corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    static const struct { const char *uri; int fine; } cases[] = {
+    static const struct {
+        const char *uri;
+        int fine;
+    } cases[] = {
         {"data:application/octet-stream;base64," IN_BASE64, 1},
         {"DATA:;base64," IN_BASE64, 1},
         {"data:;base64," IN_BASE64 "====", 1},
         {"data:;base64," IN_BASE64 "AA", 1},
-        {"data:;base64,%41%41AA" "AAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA", 1},
-        {"data:application/gltf-buffer,%00%00%00%00%00%00%00%00%00%00%00%00%00%00%80%3f%00%00%00%00%00%00%00%00%00%00%00%00%00%00%80%3f%00%00%00%00", 1},
+        {"data:;base64,%41%41AA"
+         "AAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA",
+            1},
+        {"data:application/"
+         "gltf-buffer,%00%00%00%00%00%00%00%00%00%00%00%00%00%00%80%3f%00%00%00%00%00%00%00%00%00%"
+         "00%00%00%00%00%80%3f%00%00%00%00",
+            1},
         {"data:;base64," IN_BASE64 "A", 0},
         {"data:;base64,*" IN_BASE64, 0},
         {"data:;base64,%4", 0},
@@ -458,20 +555,24 @@ static void test_data_uris(void **state)
         norma_mesh_data data;
         float v[3];
         snprintf(file, sizeof file, text, cases[i].uri);
-        const norma_document_result result = norma_document_open_memory(file, strlen(file), "a.gltf", NULL, &document, NULL);
-        if (result != (cases[i].fine ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MALFORMED)) fail_msg("%s: result %d", cases[i].uri, (int)result);
+        const norma_document_result result =
+            norma_document_open_memory(file, strlen(file), "a.gltf", NULL, &document, NULL);
+        if (result != (cases[i].fine ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MALFORMED))
+            fail_msg("%s: result %d", cases[i].uri, (int)result);
         if (result) continue;
         assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
-        for (size_t k = 0; k < 3; ++k) assert_near(at(&data.mesh.positions, k, v), corners[k], 3, 0, cases[i].uri);
+        for (size_t k = 0; k < 3; ++k)
+            assert_near(at(&data.mesh.positions, k, v), corners[k], 3, 0, cases[i].uri);
         norma_document_close(document);
     }
 }
 
 /* ---- animations: scales between keys, along a line and along a spline */
 
-static double anisotropy_of(const char *interpolation, const float *scales, size_t count, norma_document_error *error)
-{
-    static const float ends[2] = {0, 2}, moments[3] = {0, 1, 2}, thin[3][3] = {{1, 1, 1}, {1, 1, 0.125F}, {1, 1, 1}};
+static double anisotropy_of(
+    const char *interpolation, const float *scales, size_t count, norma_document_error *error) {
+    static const float ends[2] = {0, 2}, moments[3] = {0, 1, 2},
+                       thin[3][3] = {{1, 1, 1}, {1, 1, 0.125F}, {1, 1, 1}};
     gltf_asset a = {0};
     norma_skin_info info = {.anisotropy = -1};
     char rest[800];
@@ -479,8 +580,13 @@ static double anisotropy_of(const char *interpolation, const float *scales, size
     asset_floats(&a, scales, count, 3);
     asset_floats(&a, moments, 3, 1);
     asset_floats(&a, thin[0], 3, 3);
-    snprintf(rest, sizeof rest, "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1]},{}],\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1,\"interpolation\":\"%s\"},{\"input\":2,\"output\":3}],"
-             "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}},{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"scale\"}}]}]", interpolation);
+    snprintf(rest, sizeof rest,
+        "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1]},{}],\"animations\":[{"
+        "\"samplers\":[{\"input\":0,\"output\":1,\"interpolation\":\"%s\"},{\"input\":2,\"output\":"
+        "3}],"
+        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}},{\"sampler\":1,"
+        "\"target\":{\"node\":1,\"path\":\"scale\"}}]}]",
+        interpolation);
     norma_document *document = asset_open(&a, rest, 0);
     const norma_document_result result = norma_document_skin_info(document, 0, &info, error);
     const norma_document_result again = norma_document_skin_info(document, 0, &info, error);
@@ -490,30 +596,44 @@ static double anisotropy_of(const char *interpolation, const float *scales, size
     return result ? -1 : info.anisotropy;
 }
 
-/* At moment 1 the joint is thin by eight; what is above it is then x times as wide, which is the worst. */
-static void test_between_keys(void **state)
-{
+/* At moment 1 the joint is thin by eight; what is above it is then x times as wide, which is the
+ * worst. */
+static void test_between_keys(void **state) {
     static const float line[2][3] = {{1, 1, 1}, {3, 1, 1}};
-    static const float spline[6][3] = {{0, 0, 0}, {1, 1, 1}, {4, 0, 0}, {-4, 0, 0}, {3, 1, 1}, {0, 0, 0}}; /* arriving, value, leaving */
+    static const float spline[6][3] = {{0, 0, 0}, {1, 1, 1}, {4, 0, 0}, {-4, 0, 0}, {3, 1, 1},
+        {0, 0, 0}}; /* arriving, value, leaving */
     norma_document_error error;
     (void)state;
     assert_true(fabs(anisotropy_of("LINEAR", line[0], 2, &error) - 16) < 1e-4);
     assert_true(fabs(anisotropy_of("STEP", line[0], 2, &error) - 8) < 1e-4);
-    assert_true(fabs(anisotropy_of("CUBICSPLINE", spline[0], 6, &error) - 8 * (0.5 * 1 + 2 * 0.125 * 4 + 0.5 * 3 + 2 * 0.125 * 4)) < 1e-4);
+    assert_true(fabs(anisotropy_of("CUBICSPLINE", spline[0], 6, &error) -
+                     8 * (0.5 * 1 + 2 * 0.125 * 4 + 0.5 * 3 + 2 * 0.125 * 4)) < 1e-4);
     assert_true(anisotropy_of("CUBICSPLINE", line[0], 2, &error) < 0);
-    assert_string_equal(error.message, "asset.glb:/animations/0/samplers/0: expected as many values as times");
+    assert_string_equal(
+        error.message, "asset.glb:/animations/0/samplers/0: expected as many values as times");
 }
 
-static void test_animations_refused(void **state)
-{
-    static const struct { const char *animation, *message; } cases[] = {
-        {"{\"samplers\":[{\"input\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}}]}",
-         "asset.glb:/animations/0/samplers/0: expected the numbers of accessors in \"input\" and \"output\""},
-        {"{\"samplers\":[{\"input\":0,\"output\":9}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"rotation\"}}]}",
-         "asset.glb:/animations/0/samplers/0: expected the numbers of accessors in \"input\" and \"output\""},
-        {"{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}}]}", "asset.glb:/accessors/0: expected vectors of three numbers"},
-        {"{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"rotation\"}}]}", "asset.glb:/accessors/0: expected vectors of four numbers"},
-        {"{\"samplers\":[],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}}]}", "asset.glb:/animations/0/channels/0: expected the number of a sampler"},
+static void test_animations_refused(void **state) {
+    static const struct {
+        const char *animation, *message;
+    } cases[] = {
+        {"{\"samplers\":[{\"input\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,"
+         "\"path\":\"scale\"}}]}",
+            "asset.glb:/animations/0/samplers/0: expected the numbers of accessors in \"input\" "
+            "and \"output\""},
+        {"{\"samplers\":[{\"input\":0,\"output\":9}],\"channels\":[{\"sampler\":0,\"target\":{"
+         "\"node\":0,\"path\":\"rotation\"}}]}",
+            "asset.glb:/animations/0/samplers/0: expected the numbers of accessors in \"input\" "
+            "and \"output\""},
+        {"{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{"
+         "\"node\":0,\"path\":\"scale\"}}]}",
+            "asset.glb:/accessors/0: expected vectors of three numbers"},
+        {"{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{"
+         "\"node\":0,\"path\":\"rotation\"}}]}",
+            "asset.glb:/accessors/0: expected vectors of four numbers"},
+        {"{\"samplers\":[],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}}"
+         "]}",
+            "asset.glb:/animations/0/channels/0: expected the number of a sampler"},
     };
     (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); ++i) {
@@ -523,23 +643,35 @@ static void test_animations_refused(void **state)
         norma_document_error error = {0};
         char rest[600];
         asset_floats(&a, moments, 2, 1);
-        snprintf(rest, sizeof rest, "\"skins\":[{\"joints\":[0]}],\"nodes\":[{}],\"animations\":[%s]", cases[i].animation);
+        snprintf(rest, sizeof rest,
+            "\"skins\":[{\"joints\":[0]}],\"nodes\":[{}],\"animations\":[%s]", cases[i].animation);
         norma_document *document = asset_open(&a, rest, 0);
-        for (int again = 0; again < 2; ++again) {                   /* the second time from memory */
-            assert_int_equal(norma_document_skin_info(document, 0, &info, &error), NORMA_DOCUMENT_ERROR_MALFORMED);
+        for (int again = 0; again < 2; ++again) { /* the second time from memory */
+            assert_int_equal(norma_document_skin_info(document, 0, &info, &error),
+                NORMA_DOCUMENT_ERROR_MALFORMED);
             assert_string_equal(error.message, cases[i].message);
         }
-        assert_int_equal(norma_document_skin_info(document, 0, &info, NULL), NORMA_DOCUMENT_ERROR_MALFORMED);
+        assert_int_equal(
+            norma_document_skin_info(document, 0, &info, NULL), NORMA_DOCUMENT_ERROR_MALFORMED);
         norma_document_close(document);
         asset_free(&a);
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_baked),      cmocka_unit_test(test_moved), cmocka_unit_test(test_too_large),           cmocka_unit_test(test_computed_deltas), cmocka_unit_test(test_indices),           cmocka_unit_test(test_sparse),
-        cmocka_unit_test(test_compressed), cmocka_unit_test(test_compressed_twice), cmocka_unit_test(test_compressed_rotations), cmocka_unit_test(test_between_keys),    cmocka_unit_test(test_animations_refused), cmocka_unit_test(test_data_uris),
+        cmocka_unit_test(test_baked),
+        cmocka_unit_test(test_moved),
+        cmocka_unit_test(test_too_large),
+        cmocka_unit_test(test_computed_deltas),
+        cmocka_unit_test(test_indices),
+        cmocka_unit_test(test_sparse),
+        cmocka_unit_test(test_compressed),
+        cmocka_unit_test(test_compressed_twice),
+        cmocka_unit_test(test_compressed_rotations),
+        cmocka_unit_test(test_between_keys),
+        cmocka_unit_test(test_animations_refused),
+        cmocka_unit_test(test_data_uris),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
-/* Matrices as glTF's nodes can say them: what is taken apart must be the same again when put together by plain multiplication, for any matrix: rotated, scaled over
- * many powers of ten, mirrored, sheared, of any rank. */
+/* Matrices as glTF's nodes can say them: what is taken apart must be the same again when put
+ * together by plain multiplication, for any matrix: rotated, scaled over many powers of ten,
+ * mirrored, sheared, of any rank. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +18,8 @@ static double random_number(uint64_t *state) {
 static void random_matrix(uint64_t *state, int rank, double m[16]) {
     const double scale = pow(10, 12 * random_number(state));
     for (int i = 0; i < 16; i++) m[i] = i % 4 == 3 ? i == 15 : scale * random_number(state);
-    for (int i = 0; i < 3 && rank < 3; i++) m[8 + i] = rank == 0 ? 0 : m[i] - (rank == 2 ? 2 * m[4 + i] : 0);
+    for (int i = 0; i < 3 && rank < 3; i++)
+        m[8 + i] = rank == 0 ? 0 : m[i] - (rank == 2 ? 2 * m[4 + i] : 0);
     for (int i = 0; i < 3 && rank < 2; i++) {
         m[4 + i] = rank == 0 ? 0 : -3 * m[i];
         m[i] = rank == 0 ? 0 : m[i];
@@ -43,7 +45,9 @@ static void multiply(const double a[16], const double b[16], double out[16]) {
     }
 }
 
-static double norm4(const double q[4]) { return sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]); }
+static double norm4(const double q[4]) {
+    return sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
 
 static void test_split_is_exact(void **state) {
     (void)state;
@@ -53,7 +57,8 @@ static void test_split_is_exact(void **state) {
         random_matrix(&seed, i % 4, m);
         gltf_trs outer, inner;
         norma_gltf_matrix_split(m, &outer, &inner);
-        assert_true(fabs(norm4(outer.rotation) - 1) < 1e-15 && fabs(norm4(inner.rotation) - 1) < 1e-15);
+        assert_true(
+            fabs(norm4(outer.rotation) - 1) < 1e-15 && fabs(norm4(inner.rotation) - 1) < 1e-15);
         norma_gltf_matrix_compose(&outer, a);
         norma_gltf_matrix_compose(&inner, b);
         multiply(a, b, product);

@@ -1,4 +1,5 @@
-/* test_json.c: what is JSON and what is not, and that an edited text keeps every byte that no edit is about. */
+/* test_json.c: what is JSON and what is not, and that an edited text keeps every byte that no edit
+ * is about. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,23 +18,25 @@ static int parses(const char *text) {
 }
 
 static void accepts_what_the_rfc_allows(void **state) {
-    static const char *const good[] = {"{}", "[]", " [1] ", "0", "-0", "-0.5e+10", "1E5", "\"\"", "true", "null", "[[[]],{\"a\":{}}]", "{\"a\":1,\"a\":2}",
-                                       "\"\\u00e4\\n\\/\\\"\"", "\"\xc3\xa4\"", "\t\r\n[ 1 , 2 ]\n", "[1.0,10e-1]"};
+    static const char *const good[] = {"{}", "[]", " [1] ", "0", "-0", "-0.5e+10", "1E5", "\"\"",
+        "true", "null", "[[[]],{\"a\":{}}]", "{\"a\":1,\"a\":2}", "\"\\u00e4\\n\\/\\\"\"",
+        "\"\xc3\xa4\"", "\t\r\n[ 1 , 2 ]\n", "[1.0,10e-1]"};
     (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; ++i) {
-        if (!parses(good[i]))
-            fail_msg("refused: %s", good[i]);
+        if (!parses(good[i])) fail_msg("refused: %s", good[i]);
     }
 }
 
 static void refuses_what_it_does_not(void **state) {
-    static const char *const bad[] = {"", " ", "{", "}", "[", "[1", "[1,]", "[,1]", "[1 2]", "{\"a\"}", "{\"a\" 1}", "{\"a\":}", "{\"a\":1,}", "{a:1}", "{1:2}", "[1]]", "[1] 2", "01", "+1",
-                                      ".5", "1.", "1e", "1e+", "-", "0x1", "tru", "truex", "nul", "NaN", "Infinity", "\"a", "\"\\x\"", "\"\\u12g4\"", "\"a\nb\"", "'a'", "[1}", "{\"a\":1]",
-                                      "// x\n1", "\"\xff\"", "\"\xc0\x80\"", "\"\xed\xa0\x80\"", "\xef\xbb\xbf{}", "[1,,2]", "{\"a\":1:2}", "{\"a\",1}", "[\"a\":1]"};
+    static const char *const bad[] = {"", " ", "{", "}", "[", "[1", "[1,]", "[,1]", "[1 2]",
+        "{\"a\"}", "{\"a\" 1}", "{\"a\":}", "{\"a\":1,}", "{a:1}", "{1:2}", "[1]]", "[1] 2", "01",
+        "+1", ".5", "1.", "1e", "1e+", "-", "0x1", "tru", "truex", "nul", "NaN", "Infinity", "\"a",
+        "\"\\x\"", "\"\\u12g4\"", "\"a\nb\"", "'a'", "[1}", "{\"a\":1]", "// x\n1", "\"\xff\"",
+        "\"\xc0\x80\"", "\"\xed\xa0\x80\"", "\xef\xbb\xbf{}", "[1,,2]", "{\"a\":1:2}", "{\"a\",1}",
+        "[\"a\":1]"};
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
-        if (parses(bad[i]))
-            fail_msg("accepted: %s", bad[i]);
+        if (parses(bad[i])) fail_msg("accepted: %s", bad[i]);
     }
 }
 
@@ -49,7 +52,9 @@ static void nesting_is_bounded(void **state) {
 }
 
 static void values_are_found_and_read(void **state) {
-    const char *text = "{\"a\":[10, 1.0, 10e-1, -1, 1.5, 9007199254740993000],\"n\\u0061me\":\"\\u00e4\\ud83d\\ude00\\t\",\"a\":[7],\"t\":true}";
+    const char *text =
+        "{\"a\":[10, 1.0, 10e-1, -1, 1.5, "
+        "9007199254740993000],\"n\\u0061me\":\"\\u00e4\\ud83d\\ude00\\t\",\"a\":[7],\"t\":true}";
     json j;
     json_error error;
     uint64_t value = 0;
@@ -74,7 +79,7 @@ static void values_are_found_and_read(void **state) {
 }
 
 typedef struct editing {
-    json        j;
+    json j;
     json_edits *edits;
 } editing;
 
@@ -129,7 +134,8 @@ static void appends_in_the_style_of_the_last(void **state) {
     norma_json_set(e.edits, at(&e, "c"), "k\"", "6");
     norma_json_set(e.edits, 0, "d", "7");
     norma_json_set(e.edits, 0, "d", "8");
-    expect(&e, "{\n  \"a\": [\n    1,\n    2,\n    3,\n    4\n  ],\n  \"b\": [5],\n  \"c\": {\"k\\\"\":6},\n  \"d\": 8\n}");
+    expect(&e, "{\n  \"a\": [\n    1,\n    2,\n    3,\n    4\n  ],\n  \"b\": [5],\n  \"c\": "
+               "{\"k\\\"\":6},\n  \"d\": 8\n}");
 }
 
 static void removes_with_the_comma(void **state) {
@@ -171,7 +177,8 @@ static void edits_within_what_goes_are_dropped(void **state) {
     editing e;
     (void)state;
     begin(&e, "{\"a\":{\"b\":[1]},\"c\":{\"d\":2}}");
-    norma_json_replace(e.edits, norma_json_element(&e.j, norma_json_member(&e.j, at(&e, "a"), "b"), 0), "5");
+    norma_json_replace(
+        e.edits, norma_json_element(&e.j, norma_json_member(&e.j, at(&e, "a"), "b"), 0), "5");
     norma_json_remove(e.edits, at(&e, "a"));
     norma_json_replace(e.edits, norma_json_member(&e.j, at(&e, "c"), "d"), "6");
     norma_json_replace(e.edits, at(&e, "c"), "true");
@@ -192,7 +199,8 @@ static void writes_one_value_of_the_text(void **state) {
     norma_json_free(&e.j);
 }
 
-/* RFC 8259, 7: quotes, backslashes and what is below U+0020 are escaped; the rest need not be. Read back it is what it was. */
+/* RFC 8259, 7: quotes, backslashes and what is below U+0020 are escaped; the rest need not be. Read
+ * back it is what it was. */
 static void quotes_any_text(void **state) {
     json_text text = {0};
     json j;

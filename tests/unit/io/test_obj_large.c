@@ -1,11 +1,15 @@
-/* test_obj_large.c: OBJ that is read as several stretches (256 KiB each): normals that only some of them name, a fault in one of them, a statement that none of them ends in; more smoothing groups that meet than
- * a mask has bits; and statements that are rare in small files. */
+/* test_obj_large.c: OBJ that is read as several stretches (256 KiB each): normals that only some of
+ * them name, a fault in one of them, a statement that none of them ends in; more smoothing groups
+ * that meet than a mask has bits; and statements that are rare in small files. */
 #include "check.h"
 #include "document_bytes.h"
 
 enum { PIECE = 300000 };
 
-typedef struct text { char *bytes; size_t size, room; } text;
+typedef struct text {
+    char *bytes;
+    size_t size, room;
+} text;
 
 static void add(text *t, const char *line) {
     const size_t length = strlen(line);
@@ -26,7 +30,9 @@ static size_t add_lines(text *t, const char *line, size_t size) {
     return count;
 }
 
-static document_bytes bytes_of_text(const text *t) { return (document_bytes){(unsigned char *)t->bytes, t->size}; }
+static document_bytes bytes_of_text(const text *t) {
+    return (document_bytes){(unsigned char *)t->bytes, t->size};
+}
 
 static norma_document *open_threads(const text *t, uint32_t threads, norma_document_error *error) {
     const norma_document_options options = {.struct_size = sizeof options, .threads = threads};
@@ -37,7 +43,8 @@ static norma_document *open_threads(const text *t, uint32_t threads, norma_docum
 
 /* ---- stretches */
 
-/* Faces without normals, one with them, faces without: each corner names what its line says, whichever stretch it stands in. */
+/* Faces without normals, one with them, faces without: each corner names what its line says,
+ * whichever stretch it stands in. */
 static void test_some_stretches_name_normals(void **state) {
     (void)state;
     for (uint32_t threads = 1; threads < 4; ++threads) {
@@ -55,7 +62,8 @@ static void test_some_stretches_name_normals(void **state) {
         for (size_t c = 0; c < 3 * faces; ++c) {
             const uint32_t *corners = data.mesh.corners, at = (uint32_t)(c % 3);
             const int named = c / 3 == before;
-            if (corners[c] != (c / 3 <= before ? at : 2 - at) || data.corner_normals[c] != (named ? at % 2 : UINT32_MAX))
+            if (corners[c] != (c / 3 <= before ? at : 2 - at) ||
+                data.corner_normals[c] != (named ? at % 2 : UINT32_MAX))
                 fail_msg("corner %zu is %u//%u", c, corners[c], data.corner_normals[c]);
         }
         norma_document_close(document);
@@ -79,7 +87,8 @@ static void test_the_first_fault_is_told(void **state) {
     }
 }
 
-/* One face whose lines are joined by backslashes up to the end of the file: no stretch but the last can end in it. */
+/* One face whose lines are joined by backslashes up to the end of the file: no stretch but the last
+ * can end in it. */
 static void test_a_statement_without_end(void **state) {
     text t = {0};
     norma_mesh_info info;
@@ -105,20 +114,24 @@ static void test_a_position_that_is_not_there(void **state) {
     bytes_free(&in);
 }
 
-/* A byte order mark before the first statement belongs to none: materials and UVs are found behind it, and it stays. */
+/* A byte order mark before the first statement belongs to none: materials and UVs are found behind
+ * it, and it stays. */
 static void test_a_byte_order_mark(void **state) {
-    static const char source[] = "\xef\xbb\xbfusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.5\nf 1/1 2/1 3/1\n";
+    static const char source[] =
+        "\xef\xbb\xbfusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.5\nf 1/1 2/1 3/1\n";
     norma_mesh_attributes attributes;
     norma_material_info material;
     (void)state;
     document_bytes in = bytes_copy(source, sizeof source - 1);
     norma_document *document = bytes_open(in, "a.obj");
-    assert_int_equal(norma_document_mesh_attributes(document, 0, &attributes, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_mesh_attributes(document, 0, &attributes, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_document_material_count(document), 1);
     assert_int_equal(norma_document_material_info(document, 0, &material), NORMA_DOCUMENT_OK);
     assert_string_equal(material.name, "red");
     assert_int_equal(attributes.material, 0);
-    assert_true(attributes.texcoord_count == 1 && attributes.texcoords[0] == .25f && attributes.texcoords[1] == .5f);
+    assert_true(attributes.texcoord_count == 1 && attributes.texcoords[0] == .25f &&
+                attributes.texcoords[1] == .5f);
     norma_document_close(document);
     document_bytes out = bytes_computed(in, "a.obj", NULL, NULL);
     assert_memory_equal(out.data, source, 14);
@@ -126,36 +139,45 @@ static void test_a_byte_order_mark(void **state) {
     bytes_free(&in);
 }
 
-#define SURFACE "cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1//1 2//1 3//1 1//1\nparm u 0 1\nparm v 0 1\nend\n"
+#define SURFACE                                                                                    \
+    "cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1//1 2//1 3//1 1//1\nparm u 0 1\nparm v 0 1\nend\n"
 
-/* Under a mirror a surface of parameters keeps their direction, and so changes its sides; that is said. */
+/* Under a mirror a surface of parameters keeps their direction, and so changes its sides; that is
+ * said. */
 static void test_surfaces_under_a_mirror(void **state) {
     static const char source[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1 2 3\n" SURFACE;
-    const norma_transform_options options = {.struct_size = sizeof options, .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1}};
+    const norma_transform_options options = {
+        .struct_size = sizeof options, .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1}};
     (void)state;
     document_bytes in = bytes_copy(source, sizeof source - 1);
     norma_document *document = bytes_open(in, "a.obj");
     assert_int_equal(norma_document_transform(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_document_note_count(document), 1);
-    assert_string_equal(norma_document_note(document, 0), "the matrix mirrors; free-form surfaces keep the direction of their parameters, so that their sides change");
+    assert_string_equal(norma_document_note(document, 0),
+        "the matrix mirrors; free-form surfaces keep the direction of their parameters, so that "
+        "their sides change");
     document_bytes out = bytes_of(document);
-    assert_string_equal((const char *)out.data, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1 3 2\n" SURFACE);
+    assert_string_equal(
+        (const char *)out.data, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1 3 2\n" SURFACE);
     norma_document_close(document);
     bytes_free(&out);
     bytes_free(&in);
 }
 
-/* Turned by 90 degrees about z, then computed: the normal that the surface uses stays the first, turned; the face gets one of its own. */
+/* Turned by 90 degrees about z, then computed: the normal that the surface uses stays the first,
+ * turned; the face gets one of its own. */
 static void test_turned_then_computed(void **state) {
     static const char source[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 0\nf 1 2 3\n" SURFACE;
-    const norma_transform_options options = {.struct_size = sizeof options, .matrix = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const norma_transform_options options = {
+        .struct_size = sizeof options, .matrix = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
     (void)state;
     document_bytes in = bytes_copy(source, sizeof source - 1);
     norma_document *document = bytes_open(in, "a.obj");
     assert_int_equal(norma_document_transform(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_document_compute(document, NULL, NULL, NULL), NORMA_DOCUMENT_OK);
     document_bytes out = bytes_of(document);
-    assert_string_equal((const char *)out.data, "v 0 0 0\nv 0 1 0\nv -1 0 0\nvn 0 1 0\nvn 0 0 1\nf 1//2 2//2 3//2\n" SURFACE);
+    assert_string_equal((const char *)out.data,
+        "v 0 0 0\nv 0 1 0\nv -1 0 0\nvn 0 1 0\nvn 0 0 1\nf 1//2 2//2 3//2\n" SURFACE);
     norma_document_close(document);
     bytes_free(&out);
     bytes_free(&in);
@@ -163,8 +185,10 @@ static void test_turned_then_computed(void **state) {
 
 /* ---- smoothing groups */
 
-/* 33 faces, each of a group of its own, each of which shares an edge with each other: unequal groups share none, so every edge between two faces is hard, though a mask has 32 bits. Each corner has its face's own
- * normal, which is worked out here from the positions (the vector area). */
+/* 33 faces, each of a group of its own, each of which shares an edge with each other: unequal
+ * groups share none, so every edge between two faces is hard, though a mask has 32 bits. Each
+ * corner has its face's own normal, which is worked out here from the positions (the vector area).
+ */
 static void test_groups_that_all_meet(void **state) {
     enum { FACES = 33, ENDS = FACES * (FACES - 1) };
     static double points[ENDS][3];
@@ -176,9 +200,13 @@ static void test_groups_that_all_meet(void **state) {
     norma_mesh_data data;
     (void)state;
     for (size_t i = 0; i < FACES; ++i)
-        for (size_t k = i + 1; k < FACES; ++k, used += 2) { /* an edge: one way in face i, the other in face k */
+        for (size_t k = i + 1; k < FACES;
+             ++k, used += 2) { /* an edge: one way in face i, the other in face k */
             for (size_t end = 0; end < 2; ++end)
-                for (size_t axis = 0; axis < 3; ++axis) points[used + end][axis] = axis ? (double)((used * 37 + end * 11) * (axis + 3) % 997) / 8 : (double)(used + end); /* all different */
+                for (size_t axis = 0; axis < 3; ++axis)
+                    points[used + end][axis] =
+                        axis ? (double)((used * 37 + end * 11) * (axis + 3) % 997) / 8
+                             : (double)(used + end); /* all different */
             for (size_t end = 0; end < 2; ++end) {
                 corner[i][2 * (k - 1) + end] = (uint32_t)(used + end);
                 corner[k][2 * i + end] = (uint32_t)(used + 1 - end);
@@ -213,7 +241,8 @@ static void test_groups_that_all_meet(void **state) {
             }
         for (size_t c = 0; c < 2 * (FACES - 1); ++c) {
             const uint32_t number = data.corner_normals[2 * (FACES - 1) * i + c];
-            assert_direction((const float *)data.normals.data + 3 * number, area[0], area[1], area[2], 1e-4);
+            assert_direction(
+                (const float *)data.normals.data + 3 * number, area[0], area[1], area[2], 1e-4);
         }
     }
     norma_document_close(document);
@@ -223,9 +252,14 @@ static void test_groups_that_all_meet(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_some_stretches_name_normals), cmocka_unit_test(test_the_first_fault_is_told), cmocka_unit_test(test_a_statement_without_end),
-        cmocka_unit_test(test_a_position_that_is_not_there), cmocka_unit_test(test_a_byte_order_mark),      cmocka_unit_test(test_surfaces_under_a_mirror),
-        cmocka_unit_test(test_turned_then_computed),         cmocka_unit_test(test_groups_that_all_meet),
+        cmocka_unit_test(test_some_stretches_name_normals),
+        cmocka_unit_test(test_the_first_fault_is_told),
+        cmocka_unit_test(test_a_statement_without_end),
+        cmocka_unit_test(test_a_position_that_is_not_there),
+        cmocka_unit_test(test_a_byte_order_mark),
+        cmocka_unit_test(test_surfaces_under_a_mirror),
+        cmocka_unit_test(test_turned_then_computed),
+        cmocka_unit_test(test_groups_that_all_meet),
     };
     return cmocka_run_group_tests_name("OBJ, large and rare", tests, NULL, NULL);
 }

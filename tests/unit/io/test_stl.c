@@ -1,5 +1,5 @@
-/* test_stl.c: STL: text and binary, what is kept, what is refused; every file of the data set rewritten and compared byte by byte, where the test itself tells
- * the places of the normals. */
+/* test_stl.c: STL: text and binary, what is kept, what is refused; every file of the data set
+ * rewritten and compared byte by byte, where the test itself tells the places of the normals. */
 #include "check.h"
 #include "document_bytes.h"
 #include "mesh_files.h"
@@ -7,21 +7,24 @@
 
 static document_bytes text_file(const char *text) { return bytes_copy(text, strlen(text)); }
 
-static void assert_text(document_bytes bytes, const char *expected)
-{
-    if (bytes.size != strlen(expected) || memcmp(bytes.data, expected, bytes.size) != 0) fail_msg("got\n%.*s\nexpected\n%s", (int)bytes.size, (const char *)bytes.data, expected);
+static void assert_text(document_bytes bytes, const char *expected) {
+    if (bytes.size != strlen(expected) || memcmp(bytes.data, expected, bytes.size) != 0)
+        fail_msg("got\n%.*s\nexpected\n%s", (int)bytes.size, (const char *)bytes.data, expected);
 }
 
 static const double mirror_x[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
 /* ---- text */
 
-static const char odd_text[] = "\n SOLID  a name \xff\xc3\xa9\r\n\tFacet NORMAL 9 9 9\r\nouter   loop vertex 0 0 0 vertex 1.0 0 0\r\nVertex 0 1e0 0\r\nEndLoop endfacet\r\n"
-                               "facet normal nan -0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 1 1 1\nendloop\nendfacet\nendsolid facet a name\n"
-                               "solid\nendsolid\nsolid two\nfacet normal 0 0.0 1.00\nouter loop\nvertex 0 0 5\nvertex 1 0 5\nvertex 0 1 5\nendloop\nendfacet\nendsolid";
+static const char odd_text[] =
+    "\n SOLID  a name \xff\xc3\xa9\r\n\tFacet NORMAL 9 9 9\r\nouter   loop vertex 0 0 0 vertex 1.0 "
+    "0 0\r\nVertex 0 1e0 0\r\nEndLoop endfacet\r\n"
+    "facet normal nan -0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 1 1 "
+    "1\nendloop\nendfacet\nendsolid facet a name\n"
+    "solid\nendsolid\nsolid two\nfacet normal 0 0.0 1.00\nouter loop\nvertex 0 0 5\nvertex 1 0 "
+    "5\nvertex 0 1 5\nendloop\nendfacet\nendsolid";
 
-static void test_text_keeps_all_but_the_normals(void **state)
-{
+static void test_text_keeps_all_but_the_normals(void **state) {
     (void)state;
     document_bytes in = text_file(odd_text);
     norma_compute_summary summary;
@@ -31,9 +34,12 @@ static void test_text_keeps_all_but_the_normals(void **state)
     assert_int_equal(info.vertices, 9);
     assert_int_equal(info.normals, NORMA_NORMALS_PER_FACET);
     document_bytes out = bytes_computed(in, "a.stl", NULL, &summary);
-    assert_text(out, "\n SOLID  a name \xff\xc3\xa9\r\n\tFacet NORMAL 0 0 1\r\nouter   loop vertex 0 0 0 vertex 1.0 0 0\r\nVertex 0 1e0 0\r\nEndLoop endfacet\r\n"
-                     "facet normal 0 -0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 1 1 1\nendloop\nendfacet\nendsolid facet a name\n"
-                     "solid\nendsolid\nsolid two\nfacet normal 0 0.0 1.00\nouter loop\nvertex 0 0 5\nvertex 1 0 5\nvertex 0 1 5\nendloop\nendfacet\nendsolid");
+    assert_text(out, "\n SOLID  a name \xff\xc3\xa9\r\n\tFacet NORMAL 0 0 1\r\nouter   loop vertex "
+                     "0 0 0 vertex 1.0 0 0\r\nVertex 0 1e0 0\r\nEndLoop endfacet\r\n"
+                     "facet normal 0 -0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 1 1 "
+                     "1\nendloop\nendfacet\nendsolid facet a name\n"
+                     "solid\nendsolid\nsolid two\nfacet normal 0 0.0 1.00\nouter loop\nvertex 0 0 "
+                     "5\nvertex 1 0 5\nvertex 0 1 5\nendloop\nendfacet\nendsolid");
     assert_int_equal(summary.changed, 1);
     assert_int_equal(summary.shading, NORMA_SHADING_FLAT);
     assert_int_equal(summary.report.degenerate_faces.count, 1);
@@ -43,8 +49,7 @@ static void test_text_keeps_all_but_the_normals(void **state)
     bytes_free(&out);
 }
 
-static void test_the_name_is_utf_8(void **state)
-{
+static void test_the_name_is_utf_8(void **state) {
     (void)state;
     document_bytes in = text_file(odd_text);
     norma_document *document = bytes_open(in, "a.stl");
@@ -56,13 +61,15 @@ static void test_the_name_is_utf_8(void **state)
     bytes_free(&in);
 }
 
-static void test_mirror_in_text(void **state)
-{
+static void test_mirror_in_text(void **state) {
     (void)state;
-    document_bytes in = text_file("solid\nfacet normal 0.0 0 1.0\nouter loop\nvertex 0.0 0 0\nvertex 1 0.50 0\nvertex 0 1 2.5\nendloop\nendfacet\nendsolid\n");
+    document_bytes in =
+        text_file("solid\nfacet normal 0.0 0 1.0\nouter loop\nvertex 0.0 0 0\nvertex 1 0.50 "
+                  "0\nvertex 0 1 2.5\nendloop\nendfacet\nendsolid\n");
     norma_transform_summary summary;
     document_bytes out = bytes_transformed(in, "a.stl", mirror_x, &summary);
-    assert_text(out, "solid\nfacet normal 0.0 0 1.0\nouter loop\nvertex 0.0 0 0\nvertex 0 1 2.5\nvertex -1 0.5 0\nendloop\nendfacet\nendsolid\n");
+    assert_text(out, "solid\nfacet normal 0.0 0 1.0\nouter loop\nvertex 0.0 0 0\nvertex 0 1 "
+                     "2.5\nvertex -1 0.5 0\nendloop\nendfacet\nendsolid\n");
     assert_int_equal(summary.mirrored, 1);
     assert_int_equal(summary.vertices, 3);
     bytes_free(&in);
@@ -70,15 +77,19 @@ static void test_mirror_in_text(void **state)
 }
 
 /* Numbers of more digits than a float has stay exact. */
-static void test_far_coordinates_in_text(void **state)
-{
+static void test_far_coordinates_in_text(void **state) {
     (void)state;
-    const double back[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4500000, 0, 0, 1}, on[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1};
-    document_bytes in = text_file("solid\nfacet normal 0 0 1\nouter loop\nvertex 4500000.125 0 0\nvertex 4500001.375 0 0\nvertex 4500000.125 1 0\nendloop\nendfacet\nendsolid\n");
+    const double back[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4500000, 0, 0, 1},
+                 on[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1};
+    document_bytes in =
+        text_file("solid\nfacet normal 0 0 1\nouter loop\nvertex 4500000.125 0 0\nvertex "
+                  "4500001.375 0 0\nvertex 4500000.125 1 0\nendloop\nendfacet\nendsolid\n");
     document_bytes out = bytes_transformed(in, "a.stl", back, NULL);
-    assert_text(out, "solid\nfacet normal 0 0 1\nouter loop\nvertex 0.125 0 0\nvertex 1.375 0 0\nvertex 0.125 1 0\nendloop\nendfacet\nendsolid\n");
+    assert_text(out, "solid\nfacet normal 0 0 1\nouter loop\nvertex 0.125 0 0\nvertex 1.375 0 "
+                     "0\nvertex 0.125 1 0\nendloop\nendfacet\nendsolid\n");
     document_bytes far = bytes_transformed(in, "a.stl", on, NULL);
-    assert_non_null(strstr((const char *)far.data, "vertex 4500001.125 0 0\nvertex 4500002.375 0 0\n"));
+    assert_non_null(
+        strstr((const char *)far.data, "vertex 4500001.125 0 0\nvertex 4500002.375 0 0\n"));
     bytes_free(&in);
     bytes_free(&out);
     bytes_free(&far);
@@ -86,8 +97,8 @@ static void test_far_coordinates_in_text(void **state)
 
 /* ---- binary */
 
-static document_bytes binary_file(const char *header, const float facets[][12], size_t count, const char *rest)
-{
+static document_bytes binary_file(
+    const char *header, const float facets[][12], size_t count, const char *rest) {
     const size_t size = 84 + 50 * count + strlen(rest);
     document_bytes bytes = bytes_copy("", 0);
     bytes.data = realloc(bytes.data, size + 1);
@@ -104,13 +115,15 @@ static document_bytes binary_file(const char *header, const float facets[][12], 
     return bytes;
 }
 
-static const float facets[4][12] = {{0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0}, {NAN, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 3, 9, 9, 9, 9, 9, 9, 8, 8, 8}};
+static const float facets[4][12] = {{0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0},
+    {0, 1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0}, {NAN, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1},
+    {0, 0, 3, 9, 9, 9, 9, 9, 9, 8, 8, 8}};
 static const float wanted[4][3] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
 
-static void test_binary_that_begins_with_solid(void **state)
-{
+static void test_binary_that_begins_with_solid(void **state) {
     (void)state;
-    document_bytes in = binary_file("solid of facets\nfacet normal", facets, 4, ""), rest = binary_file("solid but binary", facets, 4, "and more");
+    document_bytes in = binary_file("solid of facets\nfacet normal", facets, 4, ""),
+                   rest = binary_file("solid but binary", facets, 4, "and more");
     document_bytes *files[] = {&in, &rest};
     for (int i = 0; i < 2; ++i) {
         norma_compute_summary summary;
@@ -122,7 +135,8 @@ static void test_binary_that_begins_with_solid(void **state)
             assert_memory_equal(out.data + 84 + 50 * f + 12, files[i]->data + 84 + 50 * f + 12, 38);
             if (f < 3) assert_memory_equal(out.data + 84 + 50 * f, wanted[f], 12);
         }
-        /* The nearest first corner to (9, 9, 9) is the origin of the three others, the least of them. */
+        /* The nearest first corner to (9, 9, 9) is the origin of the three others, the least of
+         * them. */
         assert_memory_equal(out.data + 84 + 150, wanted[3], 12);
         assert_memory_equal(out.data + 284, files[i]->data + 284, out.size - 284);
         bytes_free(&out);
@@ -131,31 +145,33 @@ static void test_binary_that_begins_with_solid(void **state)
     bytes_free(&rest);
 }
 
-static void test_only_missing_and_broken(void **state)
-{
+static void test_only_missing_and_broken(void **state) {
     (void)state;
     document_bytes in = binary_file("", facets, 4, "");
-    const norma_compute_options missing = {.struct_size = sizeof missing, .only = NORMA_ONLY_MISSING}, broken = {.struct_size = sizeof broken, .only = NORMA_ONLY_BROKEN};
+    const norma_compute_options missing = {.struct_size = sizeof missing,
+                                    .only = NORMA_ONLY_MISSING},
+                                broken = {.struct_size = sizeof broken, .only = NORMA_ONLY_BROKEN};
     norma_compute_summary summary;
     document_bytes a = bytes_computed(in, "a.stl", &missing, &summary);
     assert_memory_equal(a.data + 84, wanted[0], 12);
-    assert_memory_equal(a.data + 134, in.data + 134, 150);          /* a NaN is not missing */
+    assert_memory_equal(a.data + 134, in.data + 134, 150); /* a NaN is not missing */
     assert_int_equal(summary.filled, 0);
     document_bytes b = bytes_computed(in, "a.stl", &broken, &summary);
     assert_memory_equal(b.data + 84, wanted[0], 12);
     assert_memory_equal(b.data + 184, wanted[2], 12);
-    assert_memory_equal(b.data + 234, in.data + 234, 50);           /* not of unit length, but a direction */
+    assert_memory_equal(b.data + 234, in.data + 234, 50); /* not of unit length, but a direction */
     bytes_free(&in);
     bytes_free(&a);
     bytes_free(&b);
 }
 
-/* More facets than are computed at a time, along the three axes in turn; then with a last one that has no direction. */
-static void test_many_facets(void **state)
-{
+/* More facets than are computed at a time, along the three axes in turn; then with a last one that
+ * has no direction. */
+static void test_many_facets(void **state) {
     (void)state;
     enum { MANY = 70001 };
-    static const float turn[3][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1, 1, 0, 0}};
+    static const float turn[3][9] = {
+        {0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1, 1, 0, 0}};
     document_bytes in = {calloc(84 + 50 * MANY + 1, 1), 84 + 50 * MANY};
     const uint32_t count = MANY;
     memcpy(in.data + 80, &count, 4);
@@ -169,7 +185,8 @@ static void test_many_facets(void **state)
         if (degenerate) memset(in.data + 84 + 50 * (MANY - 1) + 12, 0, 36);
         document_bytes out = bytes_computed(in, "a.stl", NULL, &summary);
         for (size_t i = 0; i < MANY; ++i) {
-            const size_t axis = degenerate && i == MANY - 1 ? 2 : (i + 2) % 3;   /* the nearest is facet 0 */
+            const size_t axis =
+                degenerate && i == MANY - 1 ? 2 : (i + 2) % 3; /* the nearest is facet 0 */
             float normal[3], expected[3] = {0};
             expected[axis] = 1;
             memcpy(normal, out.data + 84 + 50 * i, 12);
@@ -183,11 +200,12 @@ static void test_many_facets(void **state)
     bytes_free(&in);
 }
 
-/* Facets that are right already but for the sign of a zero, and one file in which no facet has a direction. */
-static void test_signs_of_zeros_and_no_direction(void **state)
-{
+/* Facets that are right already but for the sign of a zero, and one file in which no facet has a
+ * direction. */
+static void test_signs_of_zeros_and_no_direction(void **state) {
     (void)state;
-    static const float right[1][12] = {{-0.0f, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}}, none[1][12] = {{5, 5, 5, 0, 0, 0, 1, 1, 1, 2, 2, 2}};
+    static const float right[1][12] = {{-0.0f, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}},
+                       none[1][12] = {{5, 5, 5, 0, 0, 0, 1, 1, 1, 2, 2, 2}};
     document_bytes a = binary_file("", right, 1, ""), b = binary_file("", none, 1, "");
     norma_compute_summary summary;
     document_bytes same = bytes_computed(a, "a.stl", NULL, &summary);
@@ -202,33 +220,37 @@ static void test_signs_of_zeros_and_no_direction(void **state)
     bytes_free(&filled);
 }
 
-static void test_mirror_in_binary(void **state)
-{
+static void test_mirror_in_binary(void **state) {
     (void)state;
-    document_bytes in = binary_file("", facets, 2, ""), out = bytes_transformed(in, "a.stl", mirror_x, NULL);
+    document_bytes in = binary_file("", facets, 2, ""),
+                   out = bytes_transformed(in, "a.stl", mirror_x, NULL);
     const float expected[12] = {0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1};
     float got[12];
     memcpy(got, out.data + 134, 48);
     for (int i = 0; i < 12; ++i) assert_true(got[i] == expected[i]);
     memcpy(got, out.data + 84, 12);
-    for (int i = 0; i < 3; ++i) assert_true(got[i] == 0);           /* a zero normal stays one */
+    for (int i = 0; i < 3; ++i) assert_true(got[i] == 0); /* a zero normal stays one */
     assert_memory_equal(in.data + 132, out.data + 132, 2);
     bytes_free(&in);
     bytes_free(&out);
 }
 
-/* The identity changes nothing; numbers beyond floats a binary file cannot hold, and a text does not get. */
-static void test_identity_and_beyond(void **state)
-{
-    static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, large[16] = {1, 0, 0, 0, 0, 3e38, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+/* The identity changes nothing; numbers beyond floats a binary file cannot hold, and a text does
+ * not get. */
+static void test_identity_and_beyond(void **state) {
+    static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+                        large[16] = {1, 0, 0, 0, 0, 3e38, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     unsigned char file[184] = "binary";
-    const float values[2][12] = {{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 2, 0}};
+    const float values[2][12] = {
+        {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 2, 0}};
     (void)state;
     file[80] = 2;
     for (int i = 0; i < 2; ++i) memcpy(file + 84 + 50 * i, values[i], 48);
     document_bytes files[2] = {bytes_copy(file, sizeof file),
-                               text_file("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\n"
-                                         "vertex 0 2 0\nendloop\nendfacet\nendsolid a\n")};
+        text_file(
+            "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+            "0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\n"
+            "vertex 0 2 0\nendloop\nendfacet\nendsolid a\n")};
     for (int i = 0; i < 2; ++i) {
         norma_transform_summary summary;
         norma_transform_options options = {.struct_size = sizeof options};
@@ -237,16 +259,17 @@ static void test_identity_and_beyond(void **state)
         assert_true(bytes_equal(out, files[i]) && !summary.changed && summary.vertices == 6);
         norma_document *document = bytes_open(files[i], "a.stl");
         memcpy(options.matrix, large, sizeof large);
-        assert_int_equal(norma_document_transform(document, &options, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
-        assert_string_equal(error.message, "a.stl: the matrix takes facet 1 beyond what the file's numbers hold");
+        assert_int_equal(norma_document_transform(document, &options, NULL, &error),
+            NORMA_DOCUMENT_ERROR_ARGUMENT);
+        assert_string_equal(
+            error.message, "a.stl: the matrix takes facet 1 beyond what the file's numbers hold");
         norma_document_close(document);
         bytes_free(&out);
         bytes_free(&files[i]);
     }
 }
 
-static void test_changes_follow_one_another(void **state)
-{
+static void test_changes_follow_one_another(void **state) {
     (void)state;
     document_bytes in = binary_file("", facets, 3, "");
     norma_document *document = bytes_open(in, "a.stl");
@@ -269,38 +292,44 @@ static void test_changes_follow_one_another(void **state)
 
 /* ---- refusals */
 
-static void test_smooth_shading_is_refused(void **state)
-{
+static void test_smooth_shading_is_refused(void **state) {
     (void)state;
     document_bytes in = binary_file("", facets, 2, "");
     const norma_shading shadings[] = {NORMA_SHADING_SMOOTH, NORMA_SHADING_CREASE};
     for (int i = 0; i < 2; ++i) {
         norma_document *document = bytes_open(in, "a.stl");
-        const norma_compute_options options = {.struct_size = sizeof options, .shading = shadings[i], .crease_angle_rad = 1};
+        const norma_compute_options options = {
+            .struct_size = sizeof options, .shading = shadings[i], .crease_angle_rad = 1};
         norma_document_error error;
-        assert_int_equal(norma_document_compute(document, &options, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+        assert_int_equal(norma_document_compute(document, &options, NULL, &error),
+            NORMA_DOCUMENT_ERROR_ARGUMENT);
         assert_non_null(strstr(error.message, "one normal for each facet"));
         norma_document_close(document);
     }
     bytes_free(&in);
 }
 
-static void test_refusals_name_the_place(void **state)
-{
+static void test_refusals_name_the_place(void **state) {
     (void)state;
-    static const struct { const char *text, *says; } files[] = {
-        {"", "a.stl:byte 0: the file is empty"},
+    static const struct {
+        const char *text, *says;
+    } files[] = {{"", "a.stl:byte 0: the file is empty"},
         {"nothing of the kind", "a.stl:byte 0: not an STL file"},
-        {"solid a\nfacet normal 0 0\nouter loop\n", "a.stl:3: \"outer\" in facet 0; expected a number"},
-        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0\nendloop\n", "a.stl:7: \"vertex\" in facet 0; expected endloop"},
-        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0", "a.stl:4: the file ends in facet 0"},
+        {"solid a\nfacet normal 0 0\nouter loop\n",
+            "a.stl:3: \"outer\" in facet 0; expected a number"},
+        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 "
+         "0\nvertex 0 0 0\nendloop\n",
+            "a.stl:7: \"vertex\" in facet 0; expected endloop"},
+        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0",
+            "a.stl:4: the file ends in facet 0"},
         {"solid a\nendsolid\nfacet", "a.stl:3: \"facet\" in facet 0; expected solid"},
         {"solid a\rfacet\rabnormal", "a.stl:3: "}};
     for (size_t i = 0; i < COUNT_OF(files); ++i) {
         char message[1000];
         document_bytes in = text_file(files[i].text);
         assert_int_equal(bytes_try(in, "a.stl", NULL, message), NORMA_DOCUMENT_ERROR_MALFORMED);
-        if (!strstr(message, files[i].says)) fail_msg("\"%s\" does not say \"%s\"", message, files[i].says);
+        if (!strstr(message, files[i].says))
+            fail_msg("\"%s\" does not say \"%s\"", message, files[i].says);
         bytes_free(&in);
     }
     document_bytes many = binary_file("", facets, 4, "");
@@ -312,8 +341,7 @@ static void test_refusals_name_the_place(void **state)
 /* ---- the data set */
 
 /* The words after "facet normal" become one space each. */
-static document_bytes without_normals(document_bytes bytes)
-{
+static document_bytes without_normals(document_bytes bytes) {
     document_bytes out = bytes_copy(bytes.data, bytes.size);
     out.size = 0;
     for (size_t at = 0; at < bytes.size;) {
@@ -330,8 +358,7 @@ static document_bytes without_normals(document_bytes bytes)
     return out;
 }
 
-static void blank_binary(document_bytes bytes)
-{
+static void blank_binary(document_bytes bytes) {
     uint32_t count;
     memcpy(&count, bytes.data + 80, 4);
     for (size_t i = 0; i < count; ++i) memset(bytes.data + 84 + 50 * i, 0, 12);
@@ -339,8 +366,7 @@ static void blank_binary(document_bytes bytes)
 
 static int rewritten;
 
-static void rewrite(const char *path, const char *name, const char *expect)
-{
+static void rewrite(const char *path, const char *name, const char *expect) {
     if (strcmp(expect, "reject") == 0) return;
     document_bytes in = bytes_load(path);
     norma_document *document = bytes_open(in, name);
@@ -370,8 +396,7 @@ static void rewrite(const char *path, const char *name, const char *expect)
     ++rewritten;
 }
 
-static void test_every_file_is_rewritten(void **state)
-{
+static void test_every_file_is_rewritten(void **state) {
     (void)state;
     if (data_for_each_format("stl", rewrite) == 0) skip();
     print_message("%d STL files rewritten\n", rewritten);
@@ -380,8 +405,7 @@ static void test_every_file_is_rewritten(void **state)
 
 static int wrong;
 
-static void try_bad(const char *path, const char *name, const char *expect)
-{
+static void try_bad(const char *path, const char *name, const char *expect) {
     char message[1000];
     norma_mesh_info info = {0};
     if (strncmp(name, "bad/", 4) != 0) return;
@@ -389,45 +413,52 @@ static void try_bad(const char *path, const char *name, const char *expect)
     const norma_document_result result = bytes_try(in, name, &info, message);
     const char *place = strstr(message, name);
     place = place ? place + strlen(name) : NULL;
-    const int names_place = place && place[0] == ':' && (strncmp(place, ":byte ", 6) == 0 || isdigit((unsigned char)place[1]));
-    const int ok = result ? names_place : strcmp(expect, "reject") != 0 && (strcmp(expect, "reject-or-empty") != 0 || info.faces == 0);
+    const int names_place = place && place[0] == ':' &&
+                            (strncmp(place, ":byte ", 6) == 0 || isdigit((unsigned char)place[1]));
+    const int ok = result ? names_place
+                          : strcmp(expect, "reject") != 0 &&
+                                (strcmp(expect, "reject-or-empty") != 0 || info.faces == 0);
     if (!ok) print_error("%s (%s): %d %s\n", name, expect, (int)result, message);
     wrong += !ok;
     bytes_free(&in);
 }
 
-static void test_bad_files(void **state)
-{
+static void test_bad_files(void **state) {
     (void)state;
     if (data_for_each_format("stl", try_bad) == 0) skip();
     assert_int_equal(wrong, 0);
 }
 
-static document_bytes data_file(const char *name)
-{
+static document_bytes data_file(const char *name) {
     char path[1024];
     snprintf(path, sizeof path, "%s/%s", data_folder(), name);
     return bytes_load(path);
 }
 
-/* Boxes whose normals are the axes, text and binary; and those of CAD, whose slivers have stored normals that are up to half a degree off the exact ones (by
- * rational arithmetic; 91 of 35520 by more than .01 in the first). */
-static void test_truth(void **state)
-{
+/* Boxes whose normals are the axes, text and binary; and those of CAD, whose slivers have stored
+ * normals that are up to half a degree off the exact ones (by rational arithmetic; 91 of 35520 by
+ * more than .01 in the first). */
+static void test_truth(void **state) {
     (void)state;
     if (!data_folder()) skip();
-    static const struct { const char *name; double tolerance; } files[] = {
-        {"truth/box-ascii.stl", 0}, {"truth/box-binary.stl", 0}, {"large/cad/a_drive_frame_lower.stl", .6}, {"large/cad/exhaust_filter_housing.stl", .6}};
+    static const struct {
+        const char *name;
+        double tolerance;
+    } files[] = {{"truth/box-ascii.stl", 0}, {"truth/box-binary.stl", 0},
+        {"large/cad/a_drive_frame_lower.stl", .6}, {"large/cad/exhaust_filter_housing.stl", .6}};
     for (size_t i = 0; i < COUNT_OF(files); ++i) {
-        document_bytes in = data_file(files[i].name), out = bytes_computed(in, files[i].name, NULL, NULL);
-        norma_document *before = bytes_open(in, files[i].name), *after = bytes_open(out, files[i].name);
+        document_bytes in = data_file(files[i].name),
+                       out = bytes_computed(in, files[i].name, NULL, NULL);
+        norma_document *before = bytes_open(in, files[i].name),
+                       *after = bytes_open(out, files[i].name);
         norma_mesh_data a, b;
         assert_int_equal(norma_document_mesh_data(before, 0, &a, NULL), NORMA_DOCUMENT_OK);
         assert_int_equal(norma_document_mesh_data(after, 0, &b, NULL), NORMA_DOCUMENT_OK);
         double worst = 0;
         for (size_t f = 0; f < a.normals.count; ++f) {
             const float *stored = (const float *)a.normals.data + 3 * f;
-            worst = fmax(worst, degrees_to((const float *)b.normals.data + 3 * f, (double)stored[0], (double)stored[1], (double)stored[2]));
+            worst = fmax(worst, degrees_to((const float *)b.normals.data + 3 * f, (double)stored[0],
+                                    (double)stored[1], (double)stored[2]));
         }
         print_message("%s: at most %.6f degrees off its stored normals\n", files[i].name, worst);
         if (worst > files[i].tolerance) fail_msg("beyond %g", files[i].tolerance);
@@ -438,8 +469,7 @@ static void test_truth(void **state)
     }
 }
 
-static void damage(const char *path, const char *name, const char *expect)
-{
+static void damage(const char *path, const char *name, const char *expect) {
     (void)expect;
     document_bytes in = bytes_load(path);
     for (size_t at = 0; at < in.size && in.size < 2500; ++at) {
@@ -447,7 +477,8 @@ static void damage(const char *path, const char *name, const char *expect)
         bytes_try(part, name, NULL, NULL);
         changed.data[at] = (unsigned char)(changed.data[at] ^ (1u << at % 8));
         norma_document *document = NULL;
-        if (!norma_document_open_memory(changed.data, changed.size, name, NULL, &document, NULL) && !norma_document_compute(document, NULL, NULL, NULL)) {
+        if (!norma_document_open_memory(changed.data, changed.size, name, NULL, &document, NULL) &&
+            !norma_document_compute(document, NULL, NULL, NULL)) {
             document_bytes out = bytes_of(document);
             bytes_free(&out);
         }
@@ -458,14 +489,12 @@ static void damage(const char *path, const char *name, const char *expect)
     bytes_free(&in);
 }
 
-static void test_damage(void **state)
-{
+static void test_damage(void **state) {
     (void)state;
     if (data_for_each_format("stl", damage) == 0) skip();
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_text_keeps_all_but_the_normals),
         cmocka_unit_test(test_the_name_is_utf_8),

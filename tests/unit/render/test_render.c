@@ -1,41 +1,55 @@
-/* test_render.c: pictures against closed forms, and properties that hold whatever the renderer: what light there is on a sphere, view space and world space, a model
- * and a camera that turn together, mirrors, windings, errors in degrees. Skipped where nothing can be drawn. */
+/* test_render.c: pictures against closed forms, and properties that hold whatever the renderer:
+ * what light there is on a sphere, view space and world space, a model and a camera that turn
+ * together, mirrors, windings, errors in degrees. Skipped where nothing can be drawn. */
 #include "check.h"
 #include "render_scenes.h"
 #include <png.h>
 
 #define RADIANS 0.017453292519943295
 
-/* ---- Phong's model in double precision: the oracle. Written from the paper's terms, in the axes of the camera, with sRGB from IEC 61966-2-1 */
+/* ---- Phong's model in double precision: the oracle. Written from the paper's terms, in the axes
+ * of the camera, with sRGB from IEC 61966-2-1 */
 
-static double encoded(double linear) { return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055; }
+static double encoded(double linear) {
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+}
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static void make_unit(double v[3]) {
     const double length = sqrt(dot(v, v));
     for (int k = 0; k < 3; ++k) v[k] /= length;
 }
 
-static void phong_levels(const render_look *look, const float base[3], const double normal[3], const double to_eye[3], double levels[3]) {
+static void phong_levels(const render_look *look, const float base[3], const double normal[3],
+    const double to_eye[3], double levels[3]) {
     double diffuse = 0, specular = 0;
     for (int i = 0; i < look->light_count; ++i) {
-        const double a = look->lights[i].azimuth_deg * RADIANS, e = look->lights[i].elevation_deg * RADIANS;
-        const double to_light[3] = {sin(a) * cos(e), sin(e), cos(a) * cos(e)}, facing = dot(normal, to_light);
+        const double a = look->lights[i].azimuth_deg * RADIANS,
+                     e = look->lights[i].elevation_deg * RADIANS;
+        const double to_light[3] = {sin(a) * cos(e), sin(e), cos(a) * cos(e)},
+                     facing = dot(normal, to_light);
         double mirrored[3];
-        if (facing <= 0)
-            continue;
+        if (facing <= 0) continue;
         for (int k = 0; k < 3; ++k) mirrored[k] = 2 * facing * normal[k] - to_light[k];
         diffuse += look->lights[i].strength * facing;
         specular += look->lights[i].strength * pow(fmax(dot(mirrored, to_eye), 0), look->exponent);
     }
     for (int k = 0; k < 3; ++k)
-        levels[k] = 255 * encoded(fmin(1, (double)base[k] * (look->ambient + look->diffuse * diffuse) + look->specular * specular));
+        levels[k] =
+            255 * encoded(fmin(1, (double)base[k] * (look->ambient + look->diffuse * diffuse) +
+                                      look->specular * specular));
 }
 
-/* The ray of a pixel's middle meets the unit sphere; 0: it does not, or so near the rim that a facet's edge may be met instead. Camera axes. */
-static int sphere_under(const render_look *look, size_t x, size_t y, double point[3], double to_eye[3]) {
-    const double room = 1 - 2 * RENDER_MARGIN, across = 2 * ((double)x + 0.5) / (double)look->width - 1, up = 1 - 2 * ((double)y + 0.5) / (double)look->height;
+/* The ray of a pixel's middle meets the unit sphere; 0: it does not, or so near the rim that a
+ * facet's edge may be met instead. Camera axes. */
+static int sphere_under(
+    const render_look *look, size_t x, size_t y, double point[3], double to_eye[3]) {
+    const double room = 1 - 2 * RENDER_MARGIN,
+                 across = 2 * ((double)x + 0.5) / (double)look->width - 1,
+                 up = 1 - 2 * ((double)y + 0.5) / (double)look->height;
     if (!(look->field_of_view_deg > 0)) {
         point[0] = across / room;
         point[1] = up / room;
@@ -44,19 +58,21 @@ static int sphere_under(const render_look *look, size_t x, size_t y, double poin
         to_eye[2] = 1;
         return point[2] > 0.1;
     }
-    /* All of the ball within the room: the eye is where a ray at the angle whose tangent is room * tan(half the angle of view) touches it. */
-    const double tangent = tan(look->field_of_view_deg / 2 * RADIANS), distance = 1 / sin(atan(tangent * room));
+    /* All of the ball within the room: the eye is where a ray at the angle whose tangent is room *
+     * tan(half the angle of view) touches it. */
+    const double tangent = tan(look->field_of_view_deg / 2 * RADIANS),
+                 distance = 1 / sin(atan(tangent * room));
     double ray[3] = {across * tangent, up * tangent, -1};
     make_unit(ray);
     const double along = distance * -ray[2], gap = along * along - (distance * distance - 1);
-    if (gap <= 0)
-        return 0;
+    if (gap <= 0) return 0;
     for (int k = 0; k < 3; ++k) point[k] = (k == 2 ? distance : 0) + (along - sqrt(gap)) * ray[k];
     for (int k = 0; k < 3; ++k) to_eye[k] = -ray[k];
     return dot(point, to_eye) > 0.1;
 }
 
-static void check_sphere(double field_of_view_deg, enum render_shading shading, enum render_space space) {
+static void check_sphere(
+    double field_of_view_deg, enum render_shading shading, enum render_space space) {
     test_mesh mesh = sphere_mesh(512, 256);
     render_surface surface = surface_of(&mesh);
     render_draw draw;
@@ -74,14 +90,14 @@ static void check_sphere(double field_of_view_deg, enum render_shading shading, 
     for (size_t y = 0; y < look.height; ++y)
         for (size_t x = 0; x < look.width; ++x) {
             double point[3], to_eye[3], levels[3];
-            if (!sphere_under(&look, x, y, point, to_eye))
-                continue;
+            if (!sphere_under(&look, x, y, point, to_eye)) continue;
             phong_levels(&look, surface.base_colour, point, to_eye, levels);
-            for (size_t k = 0; k < 3; ++k) worst = fmax(worst, fabs(levels[k] - (double)picture.pixels[4 * (y * look.width + x) + k]));
+            for (size_t k = 0; k < 3; ++k)
+                worst = fmax(
+                    worst, fabs(levels[k] - (double)picture.pixels[4 * (y * look.width + x) + k]));
             ++compared;
         }
-    if (!(worst <= 1))
-        print_error("%g levels off\n", worst);
+    if (!(worst <= 1)) print_error("%g levels off\n", worst);
     assert_true(worst <= 1);
     assert_true(compared > 20000);
     render_picture_free(&picture);
@@ -97,7 +113,8 @@ static void sphere_perspective(void **state) {
     check_sphere(40, RENDER_PHONG, RENDER_SPACE_WORLD);
     check_sphere(40, RENDER_PHONG, RENDER_SPACE_VIEW);
 }
-/* On facets a few hundredths of a pixel high, light interpolated between vertices is the light in between. */
+/* On facets a few hundredths of a pixel high, light interpolated between vertices is the light in
+ * between. */
 static void sphere_gouraud(void **state) {
     needs_device(state);
     check_sphere(25, RENDER_GOURAUD, RENDER_SPACE_WORLD);
@@ -133,7 +150,8 @@ static void cube_flat(void **state) {
 
 /* ---- properties */
 
-static const double sheared[16] = {1.3, 0.2, -0.1, 0, 0.7, 0.6, 0.3, 0, -0.2, 0.1, 1.9, 0, 4, -7, 2, 1};
+static const double sheared[16] = {
+    1.3, 0.2, -0.1, 0, 0.7, 0.6, 0.3, 0, -0.2, 0.1, 1.9, 0, 4, -7, 2, 1};
 
 static void view_is_world(void **state) {
     needs_device(state);
@@ -164,7 +182,8 @@ static void view_is_world(void **state) {
 
 /* A rotation about the vertical, as a node has it. */
 static void turn_about_y(double degrees, double m[16]) {
-    const double s = degrees == 90 ? 1 : sin(degrees * RADIANS), c = degrees == 90 ? 0 : cos(degrees * RADIANS);
+    const double s = degrees == 90 ? 1 : sin(degrees * RADIANS),
+                 c = degrees == 90 ? 0 : cos(degrees * RADIANS);
     const double turn[16] = {c, 0, -s, 0, 0, 1, 0, 0, s, 0, c, 0, 0, 0, 0, 1};
     memcpy(m, turn, sizeof turn);
 }
@@ -181,27 +200,31 @@ static void turning_together(void **state) {
         render_draw draw, turned_draw;
         int largest;
         turn_about_y(turns[k], turn);
-        render_scene scene = scene_of(&surface, &draw, NULL), turned_scene = scene_of(&surface, &turned_draw, turn);
+        render_scene scene = scene_of(&surface, &draw, NULL),
+                     turned_scene = scene_of(&surface, &turned_draw, turn);
         render_panel panel = panel_of(&scene), turned = panel_of(&turned_scene);
         panel.azimuth_deg = 21;
         turned.azimuth_deg = 21 + turns[k];
         panel.elevation_deg = turned.elevation_deg = 15;
         render_picture a = draw_panel(&look, &panel), b = draw_panel(&look, &turned);
         const size_t off = differing(&a, &b, 1, &largest);
-        assert_true(off <= 20); /* of 32000: where an edge runs through the middle of a pixel, rounding decides which side of it */
+        assert_true(off <= 20); /* of 32000: where an edge runs through the middle of a pixel,
+                                   rounding decides which side of it */
         render_picture_free(&a);
         render_picture_free(&b);
     }
     free_test_mesh(&mesh);
 }
 
-/* A node that mirrors against the same mesh with its positions mirrored, its faces wound the other way, its normals mirrored. One-sided: what is turned is not drawn. */
+/* A node that mirrors against the same mesh with its positions mirrored, its faces wound the other
+ * way, its normals mirrored. One-sided: what is turned is not drawn. */
 static void mirrored_twin(void **state) {
     needs_device(state);
     const double mirror[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     test_mesh mesh = cube_mesh(), twin = cube_mesh();
     for (size_t i = 0; i < twin.vertices; ++i) {
-        mesh.positions[3 * i + 1] *= 1 + 0.3 * mesh.positions[3 * i]; /* no symmetry that would hide a mistake */
+        mesh.positions[3 * i + 1] *=
+            1 + 0.3 * mesh.positions[3 * i]; /* no symmetry that would hide a mistake */
         twin.positions[3 * i + 1] = mesh.positions[3 * i + 1];
         twin.positions[3 * i] *= -1;
         twin.normals[3 * i] *= -1;
@@ -219,7 +242,8 @@ static void mirrored_twin(void **state) {
         for (int show = RENDER_SHOW_LIT; show <= RENDER_SHOW_WINDING; ++show) {
             render_draw draws[2];
             int largest;
-            render_scene a_scene = scene_of(&surfaces[0], &draws[0], mirror), b_scene = scene_of(&surfaces[1], &draws[1], NULL);
+            render_scene a_scene = scene_of(&surfaces[0], &draws[0], mirror),
+                         b_scene = scene_of(&surfaces[1], &draws[1], NULL);
             render_panel a_panel = panel_of(&a_scene), b_panel = panel_of(&b_scene);
             a_panel.azimuth_deg = b_panel.azimuth_deg = 30;
             a_panel.elevation_deg = b_panel.elevation_deg = 25;
@@ -236,7 +260,8 @@ static void mirrored_twin(void **state) {
     free_test_mesh(&twin);
 }
 
-/* The sphere's vertices lie at 45 degrees in the plane of x and y and of x and z, where plain M errs most. */
+/* The sphere's vertices lie at 45 degrees in the plane of x and y and of x and z, where plain M
+ * errs most. */
 static void plain_error(void **state) {
     needs_device(state);
     test_mesh mesh = sphere_mesh(32, 16);
@@ -263,11 +288,14 @@ static const float square_normals[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
 static const uint32_t square_corners[6] = {0, 1, 2, 0, 2, 3};
 
 static render_surface square(void) {
-    const test_mesh mesh = {(double *)square_positions, (float *)square_normals, (uint32_t *)square_corners, 4, 2};
+    const test_mesh mesh = {
+        (double *)square_positions, (float *)square_normals, (uint32_t *)square_corners, 4, 2};
     return surface_of(&mesh);
 }
 
-static const uint8_t *middle_of(const render_picture *picture) { return picture->pixels + 4 * (picture->height / 2 * picture->width + picture->width / 2); }
+static const uint8_t *middle_of(const render_picture *picture) {
+    return picture->pixels + 4 * (picture->height / 2 * picture->width + picture->width / 2);
+}
 
 static void windings(void **state) {
     needs_device(state);
@@ -301,7 +329,8 @@ static void normals_as_colours(void **state) {
     static const struct {
         double azimuth, elevation;
         int colour[3];
-    } sides[] = {{0, 0, {128, 128, 255}}, {90, 0, {255, 128, 128}}, {0, 90, {128, 255, 128}}, {180, 0, {128, 128, 0}}, {-90, 0, {0, 128, 128}}, {0, -90, {128, 0, 128}}};
+    } sides[] = {{0, 0, {128, 128, 255}}, {90, 0, {255, 128, 128}}, {0, 90, {128, 255, 128}},
+        {180, 0, {128, 128, 0}}, {-90, 0, {0, 128, 128}}, {0, -90, {128, 0, 128}}};
     for (size_t i = 0; i < COUNT_OF(sides); ++i)
         for (int space = 0; space < 2; ++space) {
             render_panel panel = panel_of(&scene);
@@ -310,13 +339,16 @@ static void normals_as_colours(void **state) {
             panel.elevation_deg = sides[i].elevation;
             panel.space = (enum render_space)space;
             render_picture picture = draw_panel(&look, &panel);
-            for (int k = 0; k < 3; ++k) assert_true(abs(middle_of(&picture)[k] - (space ? (const int[3]){128, 128, 255}[k] : sides[i].colour[k])) <= 1);
+            for (int k = 0; k < 3; ++k)
+                assert_true(abs(middle_of(&picture)[k] - (space ? (const int[3]){128, 128, 255}[k]
+                                                                : sides[i].colour[k])) <= 1);
             render_picture_free(&picture);
         }
     free_test_mesh(&mesh);
 }
 
-/* A back face of a double-sided surface is lit as the front of its other side; of a one-sided one there is nothing. */
+/* A back face of a double-sided surface is lit as the front of its other side; of a one-sided one
+ * there is nothing. */
 static void two_sides(void **state) {
     needs_device(state);
     render_surface surface = square();
@@ -376,29 +408,37 @@ static void stored_errors(void **state) {
 
 static size_t covered(const render_picture *picture) {
     size_t count = 0;
-    for (size_t i = 0; i < picture->width * picture->height; ++i) count += picture->pixels[4 * i] != 255 || picture->pixels[4 * i + 1] != 255;
+    for (size_t i = 0; i < picture->width * picture->height; ++i)
+        count += picture->pixels[4 * i] != 255 || picture->pixels[4 * i + 1] != 255;
     return count;
 }
 
-/* A plus of one polygon with twelve corners, arms of half-length 2: its area is 14 half units by 2 (FACTS: 7 of 16 of its square). */
+/* A plus of one polygon with twelve corners, arms of half-length 2: its area is 14 half units by 2
+ * (FACTS: 7 of 16 of its square). */
 static void concave_polygon(void **state) {
     needs_device(state);
-    static const double plus[36] = {0.5, 0.5, 0,  2, 0.5, 0,  2, -0.5, 0,  0.5, -0.5, 0,  0.5, -2, 0,  -0.5, -2, 0,
-                                    -0.5, -0.5, 0, -2, -0.5, 0, -2, 0.5, 0, -0.5, 0.5, 0, -0.5, 2, 0, 0.5, 2, 0};
+    static const double plus[36] = {0.5, 0.5, 0, 2, 0.5, 0, 2, -0.5, 0, 0.5, -0.5, 0, 0.5, -2, 0,
+        -0.5, -2, 0, -0.5, -0.5, 0, -2, -0.5, 0, -2, 0.5, 0, -0.5, 0.5, 0, -0.5, 2, 0, 0.5, 2, 0};
     uint32_t corners[12], starts[2] = {0, 12};
     render_look look = plain_look(200, 200);
     for (uint32_t first = 0; first < 12; ++first)
         for (int reversed = 0; reversed < 2; ++reversed) {
-            for (uint32_t i = 0; i < 12; ++i) corners[i] = (reversed ? 24 - i + first : i + first) % 12;
+            for (uint32_t i = 0; i < 12; ++i)
+                corners[i] = (reversed ? 24 - i + first : i + first) % 12;
             const render_surface surface = {
-                .mesh = {.positions = {.data = plus, .count = 12, .format = NORMA_FORMAT_DOUBLE}, .corners = corners, .corner_count = 12, .face_starts = starts, .face_count = 1},
+                .mesh = {.positions = {.data = plus, .count = 12, .format = NORMA_FORMAT_DOUBLE},
+                    .corners = corners,
+                    .corner_count = 12,
+                    .face_starts = starts,
+                    .face_count = 1},
                 .two_sided = 1,
                 .crease_rad = 1};
             render_draw draw;
             render_scene scene = scene_of(&surface, &draw, NULL);
             render_panel panel = panel_of(&scene);
             render_picture picture = draw_panel(&look, &panel);
-            const double side = 200 * (1 - 2 * RENDER_MARGIN), part = (double)covered(&picture) / (side * side);
+            const double side = 200 * (1 - 2 * RENDER_MARGIN),
+                         part = (double)covered(&picture) / (side * side);
             assert_true(fabs(part - 7.0 / 16) < 0.01);
             assert_int_equal(panel.triangles, 10);
             render_picture_free(&picture);
@@ -436,7 +476,8 @@ static void any_size(void **state) {
     render_picture pictures[2];
     int largest;
     for (int i = 0; i < 2; ++i) {
-        const double s = i ? 1e30 : 1e-30, world[16] = {s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, 0, 0, 0, 1};
+        const double s = i ? 1e30 : 1e-30,
+                     world[16] = {s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, 0, 0, 0, 1};
         render_draw draw;
         render_scene scene = scene_of(&surface, &draw, world);
         render_panel panel = panel_of(&scene);
@@ -450,16 +491,20 @@ static void any_size(void **state) {
     free_test_mesh(&mesh);
 }
 
-/* A corner that is not finite takes its triangle along and nothing else; a position that no face uses does not widen the picture. */
+/* A corner that is not finite takes its triangle along and nothing else; a position that no face
+ * uses does not widen the picture. */
 static void broken_positions(void **state) {
     needs_device(state);
     double positions[15];
     memcpy(positions, square_positions, sizeof square_positions);
     positions[9] = NAN;
     positions[12] = positions[13] = positions[14] = 1e9;
-    const render_surface surface = {.mesh = {.positions = {.data = positions, .count = 5, .format = NORMA_FORMAT_DOUBLE}, .corners = square_corners, .corner_count = 6},
-                                    .two_sided = 1,
-                                    .crease_rad = 1};
+    const render_surface surface = {
+        .mesh = {.positions = {.data = positions, .count = 5, .format = NORMA_FORMAT_DOUBLE},
+            .corners = square_corners,
+            .corner_count = 6},
+        .two_sided = 1,
+        .crease_rad = 1};
     render_draw draw;
     render_scene scene = scene_of(&surface, &draw, NULL);
     render_look look = plain_look(100, 100);
@@ -492,7 +537,8 @@ static void same_again(void **state) {
         panel.azimuth_deg = 50;
         pictures[i] = draw_panel(&look, &panel);
     }
-    assert_memory_equal(pictures[0].pixels, pictures[1].pixels, 4 * pictures[0].width * pictures[0].height);
+    assert_memory_equal(
+        pictures[0].pixels, pictures[1].pixels, 4 * pictures[0].width * pictures[0].height);
     render_picture_free(&pictures[0]);
     render_picture_free(&pictures[1]);
     free_test_mesh(&mesh);
@@ -502,8 +548,7 @@ static int has_chunk(const render_png *png, const char *name, size_t length) {
     for (size_t at = 8; at + 12 <= png->size;) {
         const uint8_t *b = png->bytes + at;
         const size_t size = (size_t)b[0] << 24 | (size_t)b[1] << 16 | (size_t)b[2] << 8 | b[3];
-        if (memcmp(b + 4, name, 4) == 0)
-            return size == length;
+        if (memcmp(b + 4, name, 4) == 0) return size == length;
         at += 12 + size;
     }
     return 0;
@@ -516,7 +561,8 @@ static void png_round_trip(void **state) {
         render_picture picture = {19, 7, malloc(4 * 19 * 7)};
         render_png png;
         render_error error;
-        for (size_t i = 0; i < 4 * 19 * 7; ++i) picture.pixels[i] = i % 4 == 3 && !transparent ? 255 : (uint8_t)(i * 37 + i / 5);
+        for (size_t i = 0; i < 4 * 19 * 7; ++i)
+            picture.pixels[i] = i % 4 == 3 && !transparent ? 255 : (uint8_t)(i * 37 + i / 5);
         assert_int_equal(render_png_encode(&picture, &png, &error), RENDER_OK);
         assert_true(has_chunk(&png, "sRGB", 1));
         assert_true(has_chunk(&png, "IHDR", 13));
@@ -532,7 +578,8 @@ static void png_round_trip(void **state) {
     }
 }
 
-/* A white square on black whose borders run through the middle of pixels: half of the light, which is level 188, not half of the levels. */
+/* A white square on black whose borders run through the middle of pixels: half of the light, which
+ * is level 188, not half of the levels. */
 static void means_in_linear_light(void **state) {
     needs_device(state);
     render_surface surface = square();
@@ -548,8 +595,7 @@ static void means_in_linear_light(void **state) {
     render_picture picture = draw_panel(&look, &panel);
     static const int expected[25] = {0, 188, 255, [22] = 255, 188, 0};
     for (size_t x = 0; x < 25; ++x)
-        if (x < 3 || x > 21)
-            assert_int_equal(picture.pixels[4 * (12 * 25 + x)], expected[x]);
+        if (x < 3 || x > 21) assert_int_equal(picture.pixels[4 * (12 * 25 + x)], expected[x]);
     render_picture_free(&picture);
 }
 
@@ -578,14 +624,16 @@ static size_t apart(const render_picture *picture) {
     size_t count = 0;
     for (size_t y = 0; y < picture->height; ++y)
         for (size_t x = 0; x < picture->width / 2; ++x) {
-            const uint8_t *a = picture->pixels + 4 * (y * picture->width + x), *b = a + 4 * (picture->width / 2);
+            const uint8_t *a = picture->pixels + 4 * (y * picture->width + x),
+                          *b = a + 4 * (picture->width / 2);
             const int is_line = a[0] > a[1] + 14 || b[0] > b[1] + 14;
             count += !is_line && abs(a[1] - b[1]) > 4;
         }
     return count;
 }
 
-/* The lines of one cube stand upright, those of the other lean to the right: of one file, the cubes stand in one place; of two, each is framed with its own lines. */
+/* The lines of one cube stand upright, those of the other lean to the right: of one file, the cubes
+ * stand in one place; of two, each is framed with its own lines. */
 static void side_by_side(void **state) {
     needs_device(state);
     test_mesh meshes[2] = {cube_mesh(), cube_mesh()};
@@ -599,7 +647,8 @@ static void side_by_side(void **state) {
     look.reach = 2;
     for (size_t files = 1; files <= 2; ++files) {
         render_draw draws[2];
-        render_scene scenes[2] = {scene_of(&surfaces[0], &draws[0], NULL), scene_of(&surfaces[1], &draws[1], NULL)};
+        render_scene scenes[2] = {
+            scene_of(&surfaces[0], &draws[0], NULL), scene_of(&surfaces[1], &draws[1], NULL)};
         render_panel panels[2] = {panel_of(&scenes[0]), panel_of(&scenes[1])};
         for (size_t i = 0; i < 2; ++i) {
             panels[i].file = files == 1 ? 1 : i + 1;
@@ -611,10 +660,14 @@ static void side_by_side(void **state) {
         render_sheet sheet = {.panels = panels, .panel_count = 2, .columns = 2};
         render_picture picture;
         render_error error;
-        assert_int_equal(render_sheet_draw(test_device(), &look, &sheet, NULL, NULL, &picture, &error), RENDER_OK);
+        assert_int_equal(
+            render_sheet_draw(test_device(), &look, &sheet, NULL, NULL, &picture, &error),
+            RENDER_OK);
         assert_int_equal(picture.width, 240);
-        if (files == 1) assert_true(apart(&picture) <= 40); /* rims of lines */
-        else assert_true(apart(&picture) > 300);
+        if (files == 1)
+            assert_true(apart(&picture) <= 40); /* rims of lines */
+        else
+            assert_true(apart(&picture) > 300);
         render_picture_free(&picture);
         render_device_forget(test_device());
     }
@@ -624,11 +677,26 @@ static void side_by_side(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(side_by_side),        cmocka_unit_test(sphere_orthographic), cmocka_unit_test(sphere_perspective), cmocka_unit_test(sphere_gouraud),     cmocka_unit_test(cube_flat),
-        cmocka_unit_test(view_is_world),       cmocka_unit_test(turning_together),   cmocka_unit_test(mirrored_twin),      cmocka_unit_test(plain_error),
-        cmocka_unit_test(windings),            cmocka_unit_test(normals_as_colours), cmocka_unit_test(two_sides),          cmocka_unit_test(stored_errors),
-        cmocka_unit_test(concave_polygon),     cmocka_unit_test(far_away),           cmocka_unit_test(any_size),           cmocka_unit_test(broken_positions),
-        cmocka_unit_test(same_again),          cmocka_unit_test(png_round_trip),     cmocka_unit_test(transparent_background),
+        cmocka_unit_test(side_by_side),
+        cmocka_unit_test(sphere_orthographic),
+        cmocka_unit_test(sphere_perspective),
+        cmocka_unit_test(sphere_gouraud),
+        cmocka_unit_test(cube_flat),
+        cmocka_unit_test(view_is_world),
+        cmocka_unit_test(turning_together),
+        cmocka_unit_test(mirrored_twin),
+        cmocka_unit_test(plain_error),
+        cmocka_unit_test(windings),
+        cmocka_unit_test(normals_as_colours),
+        cmocka_unit_test(two_sides),
+        cmocka_unit_test(stored_errors),
+        cmocka_unit_test(concave_polygon),
+        cmocka_unit_test(far_away),
+        cmocka_unit_test(any_size),
+        cmocka_unit_test(broken_positions),
+        cmocka_unit_test(same_again),
+        cmocka_unit_test(png_round_trip),
+        cmocka_unit_test(transparent_background),
         cmocka_unit_test(means_in_linear_light),
     };
     const int failed = cmocka_run_group_tests_name("render", tests, NULL, NULL);

@@ -1,5 +1,6 @@
-/* calls.c: the library's calls as WebAssembly exports: numbers and addresses only, so that JavaScript lays out no structure. Angles come in degrees, as they do
- * on the command line, and become radians here, so that both round alike. */
+/* calls.c: the library's calls as WebAssembly exports: numbers and addresses only, so that
+ * JavaScript lays out no structure. Angles come in degrees, as they do on the command line, and
+ * become radians here, so that both round alike. */
 #include "calls.h"
 #include "exports.h"
 #include <stdlib.h>
@@ -17,22 +18,29 @@ const char *WEB_EXPORT(web_version)(void) { return norma_version(); }
 
 norma_mesh web_mesh(const web_mesh_arguments *given) {
     return (norma_mesh){.positions = {given->positions, given->position_count, 0, given->format},
-                        .corners = given->corners,
-                        .corner_count = given->corners ? given->corner_count : given->position_count,
-                        .corner_size = given->corner_size};
+        .corners = given->corners,
+        .corner_count = given->corners ? given->corner_count : given->position_count,
+        .corner_size = given->corner_size};
 }
 
 norma_options web_options(const web_mesh_arguments *given) {
-    return (norma_options){.weight = given->weight, .weld = given->weld, .weld_distance = given->weld_distance, .non_manifold = given->non_manifold, .fallback = given->fallback};
+    return (norma_options){.weight = given->weight,
+        .weld = given->weld,
+        .weld_distance = given->weld_distance,
+        .non_manifold = given->non_manifold,
+        .fallback = given->fallback};
 }
 
-/* The arguments that every call on a mesh takes, in the order in which JavaScript hands them over. */
-#define MESH_PARAMETERS                                                                                                                                    \
-    const void *positions, size_t position_count, norma_format format, const void *corners, size_t corner_count, size_t corner_size, norma_weight weight, \
-        norma_weld weld, double weld_distance, norma_non_manifold non_manifold, norma_fallback fallback
-#define MESH_ARGUMENTS                                                                                                                                          \
-    const web_mesh_arguments given = {positions, position_count, format, corners, corner_count, corner_size, weight, weld, weld_distance, non_manifold, fallback}; \
-    const norma_mesh mesh = web_mesh(&given);                                                                                                                   \
+/* The arguments that every call on a mesh takes, in the order in which JavaScript hands them over.
+ */
+#define MESH_PARAMETERS                                                                            \
+    const void *positions, size_t position_count, norma_format format, const void *corners,        \
+        size_t corner_count, size_t corner_size, norma_weight weight, norma_weld weld,             \
+        double weld_distance, norma_non_manifold non_manifold, norma_fallback fallback
+#define MESH_ARGUMENTS                                                                             \
+    const web_mesh_arguments given = {positions, position_count, format, corners, corner_count,    \
+        corner_size, weight, weld, weld_distance, non_manifold, fallback};                         \
+    const norma_mesh mesh = web_mesh(&given);                                                      \
     const norma_options options = web_options(&given)
 
 norma_result WEB_EXPORT(web_face_normals)(MESH_PARAMETERS, float *normals, size_t capacity) {
@@ -45,28 +53,34 @@ norma_result WEB_EXPORT(web_vertex_normals)(MESH_PARAMETERS, float *normals, siz
     return norma_vertex_normals(&mesh, &options, normals, capacity, NULL);
 }
 
-norma_result WEB_EXPORT(web_corner_normals)(MESH_PARAMETERS, double crease_deg, float *normals, size_t capacity) {
+norma_result WEB_EXPORT(web_corner_normals)(
+    MESH_PARAMETERS, double crease_deg, float *normals, size_t capacity) {
     MESH_ARGUMENTS;
     return norma_corner_normals(&mesh, web_radians(crease_deg), &options, normals, capacity, NULL);
 }
 
-norma_result WEB_EXPORT(web_split)(MESH_PARAMETERS, double crease_deg, uint32_t *new_corners, size_t corner_capacity, uint32_t *source_vertices, float *normals,
-                                   size_t vertex_capacity, size_t *vertex_count) {
+norma_result WEB_EXPORT(web_split)(MESH_PARAMETERS, double crease_deg, uint32_t *new_corners,
+    size_t corner_capacity, uint32_t *source_vertices, float *normals, size_t vertex_capacity,
+    size_t *vertex_count) {
     MESH_ARGUMENTS;
-    return norma_split(&mesh, web_radians(crease_deg), &options, new_corners, corner_capacity, source_vertices, normals, vertex_capacity, vertex_count, NULL);
+    return norma_split(&mesh, web_radians(crease_deg), &options, new_corners, corner_capacity,
+        source_vertices, normals, vertex_capacity, vertex_count, NULL);
 }
 
 /* ---- matrices */
 
-norma_result WEB_EXPORT(web_normal_matrices)(const float *models, size_t count, norma_winding winding, float *normal_matrices) {
+norma_result WEB_EXPORT(web_normal_matrices)(
+    const float *models, size_t count, norma_winding winding, float *normal_matrices) {
     return norma_normal_matrices(models, count, winding, normal_matrices, count);
 }
 
-/* numbers: determinant, anisotropy, worst error in radians, the three of the worst normal, kind, rank, mirrored, shortcut. */
+/* numbers: determinant, anisotropy, worst error in radians, the three of the worst normal, kind,
+ * rank, mirrored, shortcut. */
 norma_result WEB_EXPORT(web_matrix_info)(const float *model, double numbers[10]) {
     norma_matrix_info info;
     float normal_matrix[9];
-    const norma_result result = norma_normal_matrix(model, NORMA_WINDING_REVERSED, normal_matrix, &info);
+    const norma_result result =
+        norma_normal_matrix(model, NORMA_WINDING_REVERSED, normal_matrix, &info);
     numbers[0] = info.determinant;
     numbers[1] = info.anisotropy;
     numbers[2] = info.worst_error_rad;
@@ -78,6 +92,8 @@ norma_result WEB_EXPORT(web_matrix_info)(const float *model, double numbers[10])
     return result;
 }
 
-norma_result WEB_EXPORT(web_transform_normals)(const float *normal_matrix, const void *normals, size_t count, norma_format format, float *out) {
-    return norma_transform_normals(normal_matrix, (norma_vec3_view){normals, count, 0, format}, out, 0, count);
+norma_result WEB_EXPORT(web_transform_normals)(const float *normal_matrix, const void *normals,
+    size_t count, norma_format format, float *out) {
+    return norma_transform_normals(
+        normal_matrix, (norma_vec3_view){normals, count, 0, format}, out, 0, count);
 }

@@ -4,19 +4,19 @@
 #include <norma/norma.h>
 
 typedef struct web_mesh_arguments {
-    const void  *positions;
-    size_t       position_count;
+    const void *positions;
+    size_t position_count;
     norma_format format;
-    const void  *corners; /* NULL: 0, 1, 2, ... */
-    size_t       corner_count, corner_size;
+    const void *corners; /* NULL: 0, 1, 2, ... */
+    size_t corner_count, corner_size;
     norma_weight weight;
-    norma_weld   weld;
-    double       weld_distance;
+    norma_weld weld;
+    double weld_distance;
     norma_non_manifold non_manifold;
-    norma_fallback     fallback;
+    norma_fallback fallback;
 } web_mesh_arguments;
 
-norma_mesh    web_mesh(const web_mesh_arguments *given);
+norma_mesh web_mesh(const web_mesh_arguments *given);
 norma_options web_options(const web_mesh_arguments *given);
-float         web_radians(double degrees);
+float web_radians(double degrees);
 #endif

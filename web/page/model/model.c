@@ -1,4 +1,5 @@
-/* model.c: a pack becomes arrays for the graphics card. The pack may come from a page that somebody edited, so that every offset and index is checked. */
+/* model.c: a pack becomes arrays for the graphics card. The pack may come from a page that somebody
+ * edited, so that every offset and index is checked. */
 #include "model.h"
 #include <math.h>
 #include <stdlib.h>
@@ -13,38 +14,53 @@ static int lies_inside(const view_pack_head *head, uint32_t at, uint64_t count, 
 
 static int has_head(const unsigned char *pack, size_t size) {
     const view_pack_head *head = (const view_pack_head *)(const void *)pack;
-    return size >= sizeof *head && head->magic == VIEW_PACK_MAGIC && head->size <= size && lies_inside(head, head->meshes, head->mesh_count, sizeof(view_pack_mesh)) &&
-           lies_inside(head, head->draws, head->draw_count, sizeof(view_pack_draw)) && model_findings_are_sound(head, pack);
+    return size >= sizeof *head && head->magic == VIEW_PACK_MAGIC && head->size <= size &&
+           lies_inside(head, head->meshes, head->mesh_count, sizeof(view_pack_mesh)) &&
+           lies_inside(head, head->draws, head->draw_count, sizeof(view_pack_draw)) &&
+           model_findings_are_sound(head, pack);
 }
 
-static int is_there(const view_pack_head *head, uint32_t at, uint64_t count) { return at == VIEW_PACK_NONE || lies_inside(head, at, count, 4); }
+static int is_there(const view_pack_head *head, uint32_t at, uint64_t count) {
+    return at == VIEW_PACK_NONE || lies_inside(head, at, count, 4);
+}
 
 static int record_is_sound(const view_pack_head *head, const view_pack_mesh *r) {
     const size_t vector = r->is_double ? 24 : 12;
     const int polygons = r->face_starts != VIEW_PACK_NONE;
-    return lies_inside(head, r->positions, r->position_count, vector) && is_there(head, r->corners, r->corner_count) &&
-           is_there(head, r->face_starts, (uint64_t)r->face_count + 1) && is_there(head, r->groups, r->face_count) &&
-           (r->storage == NORMA_NORMALS_NONE || lies_inside(head, r->normals, r->normal_count, 12)) && is_there(head, r->corner_normals, r->corner_count) &&
-           (polygons || (r->corner_count % 3 == 0 && r->face_count == r->corner_count / 3)) && (r->corners != VIEW_PACK_NONE || r->corner_count <= r->position_count);
+    return lies_inside(head, r->positions, r->position_count, vector) &&
+           is_there(head, r->corners, r->corner_count) &&
+           is_there(head, r->face_starts, (uint64_t)r->face_count + 1) &&
+           is_there(head, r->groups, r->face_count) &&
+           (r->storage == NORMA_NORMALS_NONE ||
+               lies_inside(head, r->normals, r->normal_count, 12)) &&
+           is_there(head, r->corner_normals, r->corner_count) &&
+           (polygons || (r->corner_count % 3 == 0 && r->face_count == r->corner_count / 3)) &&
+           (r->corners != VIEW_PACK_NONE || r->corner_count <= r->position_count);
 }
 
-static const void *at_offset(const model *m, uint32_t at) { return at == VIEW_PACK_NONE ? NULL : m->pack + at; }
+static const void *at_offset(const model *m, uint32_t at) {
+    return at == VIEW_PACK_NONE ? NULL : m->pack + at;
+}
 
 static void read_record(const model *m, const view_pack_mesh *record, model_mesh *mesh) {
     mesh->record = record;
-    mesh->mesh = (norma_mesh){.positions = {at_offset(m, record->positions), record->position_count, 0, record->is_double ? NORMA_FORMAT_DOUBLE : NORMA_FORMAT_FLOAT},
-                              .corners = at_offset(m, record->corners),
-                              .corner_count = record->corner_count,
-                              .face_starts = at_offset(m, record->face_starts),
-                              .face_count = record->face_count};
+    mesh->mesh = (norma_mesh){.positions = {at_offset(m, record->positions), record->position_count,
+                                  0, record->is_double ? NORMA_FORMAT_DOUBLE : NORMA_FORMAT_FLOAT},
+        .corners = at_offset(m, record->corners),
+        .corner_count = record->corner_count,
+        .face_starts = at_offset(m, record->face_starts),
+        .face_count = record->face_count};
     if (record->storage != NORMA_NORMALS_NONE)
-        mesh->stored = (norma_vec3_view){at_offset(m, record->normals), record->normal_count, 0, NORMA_FORMAT_FLOAT};
+        mesh->stored = (norma_vec3_view){
+            at_offset(m, record->normals), record->normal_count, 0, NORMA_FORMAT_FLOAT};
     mesh->stored_of_corner = at_offset(m, record->corner_normals);
 }
 
 void model_position(const model_mesh *mesh, size_t position, double out[3]) {
     for (size_t axis = 0; axis < 3; ++axis)
-        out[axis] = mesh->record->is_double ? ((const double *)mesh->mesh.positions.data)[3 * position + axis] : (double)((const float *)mesh->mesh.positions.data)[3 * position + axis];
+        out[axis] = mesh->record->is_double
+                        ? ((const double *)mesh->mesh.positions.data)[3 * position + axis]
+                        : (double)((const float *)mesh->mesh.positions.data)[3 * position + axis];
 }
 
 size_t model_corner_position(const model_mesh *mesh, size_t corner) {
@@ -54,14 +70,18 @@ size_t model_corner_position(const model_mesh *mesh, size_t corner) {
 /* The core checks corners and faces; what it finds wrong is not drawn. */
 static int mesh_is_sound(const model_mesh *mesh) {
     float *normals = malloc((size_t)mesh->record->corner_count * 12 + 1);
-    const norma_result result = normals ? norma_face_normals(&mesh->mesh, NULL, normals, mesh->record->corner_count, NULL) : NORMA_ERROR_MEMORY;
+    const norma_result result =
+        normals ? norma_face_normals(&mesh->mesh, NULL, normals, mesh->record->corner_count, NULL)
+                : NORMA_ERROR_MEMORY;
     free(normals);
     return result == NORMA_OK;
 }
 
 /* ---- triangles */
 
-static size_t face_start(const model_mesh *mesh, size_t face) { return mesh->mesh.face_starts ? mesh->mesh.face_starts[face] : 3 * face; }
+static size_t face_start(const model_mesh *mesh, size_t face) {
+    return mesh->mesh.face_starts ? mesh->mesh.face_starts[face] : 3 * face;
+}
 
 static size_t count_triangles(const model_mesh *mesh, size_t *most_corners) {
     size_t triangles = 0;
@@ -77,9 +97,9 @@ static void cut_faces(model_mesh *mesh, double (*points)[3], uint32_t *scratch) 
     uint32_t *out = mesh->triangle_corners;
     for (size_t face = 0; face < mesh->mesh.face_count; ++face) {
         const size_t start = face_start(mesh, face), corners = face_start(mesh, face + 1) - start;
-        if (corners < 3)
-            continue;
-        for (size_t i = 0; i < corners; ++i) model_position(mesh, model_corner_position(mesh, start + i), points[i]);
+        if (corners < 3) continue;
+        for (size_t i = 0; i < corners; ++i)
+            model_position(mesh, model_corner_position(mesh, start + i), points[i]);
         model_triangulate((const double(*)[3])points, corners, scratch, out);
         for (size_t i = 0; i < 3 * (corners - 2); ++i) out[i] += (uint32_t)start;
         out += 3 * (corners - 2);
@@ -97,8 +117,7 @@ static int make_triangles(model_mesh *mesh) {
     double(*points)[3] = malloc(sizeof *points * most + 1);
     uint32_t *scratch = malloc(sizeof *scratch * most + 1);
     const int made = mesh->triangle_corners && points && scratch;
-    if (made)
-        cut_faces(mesh, points, scratch);
+    if (made) cut_faces(mesh, points, scratch);
     free(points);
     free(scratch);
     return made;
@@ -106,11 +125,14 @@ static int make_triangles(model_mesh *mesh) {
 
 /* ---- arrays for the graphics card */
 
-static int is_finite3(const double p[3]) { return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]); }
+static int is_finite3(const double p[3]) {
+    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
 
 /* Round the middle of the box of all positions that are finite. */
 static void find_ball(model_mesh *mesh) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, p[3];
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
+           p[3];
     mesh->radius = 0;
     for (size_t i = 0; i < mesh->mesh.positions.count; ++i) {
         model_position(mesh, i, p);
@@ -119,17 +141,22 @@ static void find_ball(model_mesh *mesh) {
             high[axis] = fmax(high[axis], p[axis]);
         }
     }
-    for (int axis = 0; axis < 3; ++axis) mesh->centre[axis] = low[axis] <= high[axis] ? low[axis] + (0.5 * high[axis] - 0.5 * low[axis]) : 0;
+    for (int axis = 0; axis < 3; ++axis)
+        mesh->centre[axis] =
+            low[axis] <= high[axis] ? low[axis] + (0.5 * high[axis] - 0.5 * low[axis]) : 0;
     for (size_t i = 0; i < mesh->mesh.positions.count; ++i) {
         model_position(mesh, i, p);
         if (is_finite3(p))
-            mesh->radius = fmax(mesh->radius, hypot(hypot(p[0] - mesh->centre[0], p[1] - mesh->centre[1]), p[2] - mesh->centre[2]));
+            mesh->radius =
+                fmax(mesh->radius, hypot(hypot(p[0] - mesh->centre[0], p[1] - mesh->centre[1]),
+                                       p[2] - mesh->centre[2]));
     }
-    if (!(mesh->radius > 0 && isfinite(mesh->radius)))
-        mesh->radius = 1;
+    if (!(mesh->radius > 0 && isfinite(mesh->radius))) mesh->radius = 1;
 }
 
-static size_t triangle_corner(const model_mesh *mesh, size_t i) { return mesh->triangle_corners ? mesh->triangle_corners[i] : i; }
+static size_t triangle_corner(const model_mesh *mesh, size_t i) {
+    return mesh->triangle_corners ? mesh->triangle_corners[i] : i;
+}
 
 static void fill_positions(model_mesh *mesh) {
     for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
@@ -143,7 +170,8 @@ static void fill_positions(model_mesh *mesh) {
 }
 
 static double distance(const float *a, const float *b) {
-    const double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1], z = (double)a[2] - (double)b[2];
+    const double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1],
+                 z = (double)a[2] - (double)b[2];
     return sqrt(x * x + y * y + z * z);
 }
 
@@ -165,7 +193,8 @@ static int make_arrays(model_mesh *mesh) {
     mesh->draw_normals = mesh->triangle_corners ? malloc(12 * corners + 1) : mesh->normals;
     mesh->draw_reach = malloc(4 * corners + 1);
     mesh->draw_values = calloc(corners + 1, sizeof(float));
-    if (!mesh->normals || !mesh->draw_positions || !mesh->draw_normals || !mesh->draw_reach || !mesh->draw_values)
+    if (!mesh->normals || !mesh->draw_positions || !mesh->draw_normals || !mesh->draw_reach ||
+        !mesh->draw_values)
         return 0;
     find_ball(mesh);
     fill_positions(mesh);
@@ -174,8 +203,7 @@ static int make_arrays(model_mesh *mesh) {
 }
 
 static int open_mesh(const model *m, const view_pack_mesh *record, model_mesh *mesh) {
-    if (!record_is_sound(m->head, record))
-        return 0;
+    if (!record_is_sound(m->head, record)) return 0;
     read_record(m, record, mesh);
     return mesh_is_sound(mesh) && make_triangles(mesh) && make_arrays(mesh);
 }
@@ -193,22 +221,21 @@ model *model_open(unsigned char *pack, size_t size) {
     m->meshes = calloc((size_t)m->head->mesh_count + 1, sizeof *m->meshes);
     const view_pack_mesh *records = (const view_pack_mesh *)(const void *)(pack + m->head->meshes);
     int sound = m->meshes != NULL;
-    for (uint32_t i = 0; i < m->head->mesh_count && sound; ++i) sound = open_mesh(m, &records[i], &m->meshes[i]);
-    for (uint32_t i = 0; i < m->head->draw_count && sound; ++i) sound = m->draws[i].mesh < m->head->mesh_count;
-    if (sound)
-        return m;
+    for (uint32_t i = 0; i < m->head->mesh_count && sound; ++i)
+        sound = open_mesh(m, &records[i], &m->meshes[i]);
+    for (uint32_t i = 0; i < m->head->draw_count && sound; ++i)
+        sound = m->draws[i].mesh < m->head->mesh_count;
+    if (sound) return m;
     model_close(m);
     return NULL;
 }
 
 void model_close(model *m) {
-    if (!m)
-        return;
+    if (!m) return;
     for (uint32_t i = 0; m->meshes && i < m->head->mesh_count; ++i) {
         model_mesh *mesh = &m->meshes[i];
         free(mesh->draw_positions);
-        if (mesh->draw_normals != mesh->normals)
-            free(mesh->draw_normals);
+        if (mesh->draw_normals != mesh->normals) free(mesh->draw_normals);
         free(mesh->normals);
         free(mesh->draw_reach);
         free(mesh->draw_values);

@@ -1,16 +1,19 @@
-/* model_exports.c: models as JavaScript handles them: by address, with their counts and arrays by number. */
+/* model_exports.c: models as JavaScript handles them: by address, with their counts and arrays by
+ * number. */
 #include "model.h"
 #include "../../package/wasm/exports.h"
 #include <stdlib.h>
 #include <string.h>
 
 /* A pack from the bytes of a file. NULL: error says why. */
-unsigned char *WEB_EXPORT(model_pack_file)(const void *bytes, size_t size, const char *name, size_t *pack_size, norma_document_error *error) {
+unsigned char *WEB_EXPORT(model_pack_file)(const void *bytes, size_t size, const char *name,
+    size_t *pack_size, norma_document_error *error) {
     norma_document *document;
     const norma_document_options options = {.struct_size = sizeof options, .lenient = 1};
     view_pack pack = {0};
     *error = (norma_document_error){0};
-    if (norma_document_open_memory(bytes, size, name, &options, &document, error) != NORMA_DOCUMENT_OK)
+    if (norma_document_open_memory(bytes, size, name, &options, &document, error) !=
+        NORMA_DOCUMENT_OK)
         return NULL;
     const norma_document_result result = view_pack_document(document, 1, &pack, error);
     norma_document_close(document);
@@ -19,9 +22,13 @@ unsigned char *WEB_EXPORT(model_pack_file)(const void *bytes, size_t size, const
 }
 
 size_t WEB_EXPORT(model_error_size)(void) { return sizeof(norma_document_error); }
-const char *WEB_EXPORT(model_error_text)(const norma_document_error *error) { return error->message; }
+const char *WEB_EXPORT(model_error_text)(const norma_document_error *error) {
+    return error->message;
+}
 
-model *WEB_EXPORT(model_of_pack)(unsigned char *pack, size_t size) { return model_open(pack, size); }
+model *WEB_EXPORT(model_of_pack)(unsigned char *pack, size_t size) {
+    return model_open(pack, size);
+}
 void WEB_EXPORT(model_free)(model *m) { model_close(m); }
 
 uint32_t WEB_EXPORT(model_mesh_count)(const model *m) { return m->head->mesh_count; }
@@ -29,19 +36,39 @@ uint32_t WEB_EXPORT(model_draw_count)(const model *m) { return m->head->draw_cou
 uint32_t WEB_EXPORT(model_format)(const model *m) { return m->head->format; }
 uint32_t WEB_EXPORT(model_unread_count)(const model *m) { return m->head->unread_count; }
 uint32_t WEB_EXPORT(model_draw_mesh)(const model *m, uint32_t draw) { return m->draws[draw].mesh; }
-const double *WEB_EXPORT(model_draw_world)(const model *m, uint32_t draw) { return m->draws[draw].world; }
+const double *WEB_EXPORT(model_draw_world)(const model *m, uint32_t draw) {
+    return m->draws[draw].world;
+}
 
-uint32_t WEB_EXPORT(model_triangles)(const model *m, uint32_t mesh) { return (uint32_t)m->meshes[mesh].triangle_count; }
-uint32_t WEB_EXPORT(model_faces)(const model *m, uint32_t mesh) { return m->meshes[mesh].record->face_count; }
-uint32_t WEB_EXPORT(model_vertices)(const model *m, uint32_t mesh) { return m->meshes[mesh].record->position_count; }
-uint32_t WEB_EXPORT(model_storage)(const model *m, uint32_t mesh) { return m->meshes[mesh].stored.count ? m->meshes[mesh].record->storage : NORMA_NORMALS_NONE; }
-const float *WEB_EXPORT(model_colour)(const model *m, uint32_t mesh) { return m->meshes[mesh].record->colour; }
+uint32_t WEB_EXPORT(model_triangles)(const model *m, uint32_t mesh) {
+    return (uint32_t)m->meshes[mesh].triangle_count;
+}
+uint32_t WEB_EXPORT(model_faces)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].record->face_count;
+}
+uint32_t WEB_EXPORT(model_vertices)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].record->position_count;
+}
+uint32_t WEB_EXPORT(model_storage)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].stored.count ? m->meshes[mesh].record->storage : NORMA_NORMALS_NONE;
+}
+const float *WEB_EXPORT(model_colour)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].record->colour;
+}
 /* Centre and radius: four numbers. */
 void WEB_EXPORT(model_ball)(const model *m, uint32_t mesh, double ball[4]) {
     memcpy(ball, m->meshes[mesh].centre, 3 * sizeof *ball);
     ball[3] = m->meshes[mesh].radius;
 }
-const float *WEB_EXPORT(model_draw_positions)(const model *m, uint32_t mesh) { return m->meshes[mesh].draw_positions; }
-const float *WEB_EXPORT(model_draw_normals)(const model *m, uint32_t mesh) { return m->meshes[mesh].draw_normals; }
-const float *WEB_EXPORT(model_draw_reach)(const model *m, uint32_t mesh) { return m->meshes[mesh].draw_reach; }
-const float *WEB_EXPORT(model_draw_values)(const model *m, uint32_t mesh) { return m->meshes[mesh].draw_values; }
+const float *WEB_EXPORT(model_draw_positions)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].draw_positions;
+}
+const float *WEB_EXPORT(model_draw_normals)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].draw_normals;
+}
+const float *WEB_EXPORT(model_draw_reach)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].draw_reach;
+}
+const float *WEB_EXPORT(model_draw_values)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].draw_values;
+}

@@ -1,4 +1,5 @@
-/* pack_findings.c: what norma check finds in a document, as records of a pack: text, and places that the page goes to. */
+/* pack_findings.c: what norma check finds in a document, as records of a pack: text, and places
+ * that the page goes to. */
 #include "model_pack.h"
 #include <norma/check.h>
 #include <stdlib.h>
@@ -6,27 +7,36 @@
 
 enum { MOST_SAMPLES = 20000 }; /* of one finding */
 
-typedef struct finding_place { uint32_t mesh, draw; } finding_place;
+typedef struct finding_place {
+    uint32_t mesh, draw;
+} finding_place;
 
-static uint32_t append_text(view_pack *pack, const char *text) { return view_pack_append(pack, text, strlen(text) + 1, 1); }
+static uint32_t append_text(view_pack *pack, const char *text) {
+    return view_pack_append(pack, text, strlen(text) + 1, 1);
+}
 
 /* Numbers beyond 32 bits there are none of in a pack. */
-static uint32_t number_of(size_t number) { return number < VIEW_PACK_NONE ? (uint32_t)number : VIEW_PACK_NONE; }
+static uint32_t number_of(size_t number) {
+    return number < VIEW_PACK_NONE ? (uint32_t)number : VIEW_PACK_NONE;
+}
 
-/* Where a node's mesh is among what is drawn: its first record and its first draw. Nodes are drawn in their order, as model_pack.c does it. */
+/* Where a node's mesh is among what is drawn: its first record and its first draw. Nodes are drawn
+ * in their order, as model_pack.c does it. */
 static finding_place *place_nodes(norma_document *document, const uint32_t *record_of) {
-    const size_t meshes = norma_document_mesh_count(document), nodes = norma_document_node_count(document);
+    const size_t meshes = norma_document_mesh_count(document),
+                 nodes = norma_document_node_count(document);
     finding_place *places = malloc((nodes + 1) * sizeof *places);
     uint32_t draws = 0;
     for (size_t n = 0; n < nodes && places; ++n) {
         norma_node_info node;
         uint32_t parts = 0;
         places[n] = (finding_place){VIEW_PACK_NONE, VIEW_PACK_NONE};
-        if (norma_document_node_info(document, n, &node) != NORMA_DOCUMENT_OK)
-            continue;
+        if (norma_document_node_info(document, n, &node) != NORMA_DOCUMENT_OK) continue;
         for (size_t i = 0; i < meshes; ++i) {
             norma_mesh_info mesh;
-            if (record_of[i] != VIEW_PACK_NONE && norma_document_mesh_info(document, i, &mesh) == NORMA_DOCUMENT_OK && mesh.mesh == node.mesh && !parts++)
+            if (record_of[i] != VIEW_PACK_NONE &&
+                norma_document_mesh_info(document, i, &mesh) == NORMA_DOCUMENT_OK &&
+                mesh.mesh == node.mesh && !parts++)
                 places[n] = (finding_place){record_of[i], node.instances ? draws : VIEW_PACK_NONE};
         }
         draws += parts * (uint32_t)node.instances;
@@ -34,20 +44,25 @@ static finding_place *place_nodes(norma_document *document, const uint32_t *reco
     return places;
 }
 
-static finding_place find_place(norma_document *document, const uint32_t *record_of, const finding_place *of_node, const char *where) {
+static finding_place find_place(norma_document *document, const uint32_t *record_of,
+    const finding_place *of_node, const char *where) {
     norma_mesh_info mesh;
     norma_node_info node;
     for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
-        if (norma_document_mesh_info(document, i, &mesh) == NORMA_DOCUMENT_OK && strcmp(mesh.where, where) == 0)
+        if (norma_document_mesh_info(document, i, &mesh) == NORMA_DOCUMENT_OK &&
+            strcmp(mesh.where, where) == 0)
             return (finding_place){record_of[i], VIEW_PACK_NONE};
     for (size_t n = 0; n < norma_document_node_count(document); ++n)
-        if (norma_document_node_info(document, n, &node) == NORMA_DOCUMENT_OK && strcmp(node.where, where) == 0)
+        if (norma_document_node_info(document, n, &node) == NORMA_DOCUMENT_OK &&
+            strcmp(node.where, where) == 0)
             return of_node[n];
     return (finding_place){VIEW_PACK_NONE, VIEW_PACK_NONE};
 }
 
 static view_pack_sample sample_of(const norma_sample *sample) {
-    return (view_pack_sample){.face = number_of(sample->face), .vertex = number_of(sample->vertex), .normal = number_of(sample->normal)};
+    return (view_pack_sample){.face = number_of(sample->face),
+        .vertex = number_of(sample->vertex),
+        .normal = number_of(sample->normal)};
 }
 
 /* The worst one first. */
@@ -59,15 +74,21 @@ static uint32_t append_samples(view_pack *pack, const norma_finding *finding, ui
     }
     *count = 0;
     samples[(*count)++] = sample_of(&finding->worst);
-    for (size_t i = 0; i < finding->sample_count; ++i) samples[(*count)++] = sample_of(&finding->samples[i]);
+    for (size_t i = 0; i < finding->sample_count; ++i)
+        samples[(*count)++] = sample_of(&finding->samples[i]);
     const uint32_t at = view_pack_append(pack, samples, *count, sizeof *samples);
     free(samples);
     return at;
 }
 
-static view_pack_finding pack_finding(view_pack *pack, const norma_finding *finding, finding_place place) {
-    const norma_sample *at = finding->worst.has_position || !finding->sample_count ? &finding->worst : finding->samples;
-    view_pack_finding record = {.severity = (uint32_t)finding->severity, .mesh = place.mesh, .draw = place.draw, .has_position = at->has_position != 0};
+static view_pack_finding pack_finding(
+    view_pack *pack, const norma_finding *finding, finding_place place) {
+    const norma_sample *at =
+        finding->worst.has_position || !finding->sample_count ? &finding->worst : finding->samples;
+    view_pack_finding record = {.severity = (uint32_t)finding->severity,
+        .mesh = place.mesh,
+        .draw = place.draw,
+        .has_position = at->has_position != 0};
     memcpy(record.position, at->position, sizeof record.position);
     record.count = (double)finding->count;
     record.worst = finding->worst_value;
@@ -80,21 +101,22 @@ static view_pack_finding pack_finding(view_pack *pack, const norma_finding *find
     return record;
 }
 
-norma_document_result view_pack_findings(norma_document *document, const uint32_t *record_of, uint32_t threads, view_pack *pack, view_pack_head *head, norma_document_error *error) {
-    const norma_check_options options = {.struct_size = sizeof options, .max_samples = MOST_SAMPLES, .threads = threads};
+norma_document_result view_pack_findings(norma_document *document, const uint32_t *record_of,
+    uint32_t threads, view_pack *pack, view_pack_head *head, norma_document_error *error) {
+    const norma_check_options options = {
+        .struct_size = sizeof options, .max_samples = MOST_SAMPLES, .threads = threads};
     norma_findings *findings = NULL;
     head->finding_count = VIEW_PACK_NONE;
     norma_document_result result = norma_check_document(document, &options, &findings, error);
-    if (result == NORMA_DOCUMENT_CANCELLED || result == NORMA_DOCUMENT_ERROR_MEMORY)
-        return result;
-    if (result)
-        return NORMA_DOCUMENT_OK; /* what cannot be judged can be drawn */
+    if (result == NORMA_DOCUMENT_CANCELLED || result == NORMA_DOCUMENT_ERROR_MEMORY) return result;
+    if (result) return NORMA_DOCUMENT_OK; /* what cannot be judged can be drawn */
     const size_t count = norma_findings_count(findings);
     view_pack_finding *records = calloc(count + 1, sizeof *records);
     finding_place *of_node = place_nodes(document, record_of);
     for (size_t i = 0; i < count && records && of_node && !pack->failed; ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
-        records[i] = pack_finding(pack, finding, find_place(document, record_of, of_node, finding->where));
+        records[i] =
+            pack_finding(pack, finding, find_place(document, record_of, of_node, finding->where));
     }
     if (records && of_node) {
         head->finding_count = number_of(count);

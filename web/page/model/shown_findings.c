@@ -1,4 +1,5 @@
-/* shown_findings.c: what norma check found, as the page shows it: numbers and texts, the faces and corners that a finding names in colour, and from where to look at it. */
+/* shown_findings.c: what norma check found, as the page shows it: numbers and texts, the faces and
+ * corners that a finding names in colour, and from where to look at it. */
 #include "model.h"
 #include "../../package/wasm/exports.h"
 #include <math.h>
@@ -8,30 +9,41 @@
 
 enum { MOST_SEVERITY = NORMA_SEVERITY_ERROR };
 
-/* Red, green, blue, alpha, linear: those of norma render --show findings; what is not meant is grey. */
-static const uint8_t colours[MOST_SEVERITY + 1][4] = {{92, 92, 90, 255}, {7, 54, 141, 255}, {196, 82, 3, 255}, {163, 6, 6, 255}};
+/* Red, green, blue, alpha, linear: those of norma render --show findings; what is not meant is
+ * grey. */
+static const uint8_t colours[MOST_SEVERITY + 1][4] = {
+    {92, 92, 90, 255}, {7, 54, 141, 255}, {196, 82, 3, 255}, {163, 6, 6, 255}};
 
-static const view_pack_finding *finding_at(const model *m, uint32_t index) { return (const view_pack_finding *)(const void *)(m->pack + m->head->findings) + index; }
+static const view_pack_finding *finding_at(const model *m, uint32_t index) {
+    return (const view_pack_finding *)(const void *)(m->pack + m->head->findings) + index;
+}
 
 /* ---- reading a pack */
 
-static int is_text(const view_pack_head *head, const unsigned char *pack, uint32_t at) { return at < head->size && memchr(pack + at, 0, head->size - at) != NULL; }
+static int is_text(const view_pack_head *head, const unsigned char *pack, uint32_t at) {
+    return at < head->size && memchr(pack + at, 0, head->size - at) != NULL;
+}
 
-static int is_sound(const view_pack_head *head, const unsigned char *pack, const view_pack_finding *f) {
-    return f->severity <= MOST_SEVERITY && (f->mesh < head->mesh_count || f->mesh == VIEW_PACK_NONE) && (f->draw < head->draw_count || f->draw == VIEW_PACK_NONE) &&
-           is_text(head, pack, f->id) && is_text(head, pack, f->name) && is_text(head, pack, f->unit) && is_text(head, pack, f->label) && is_text(head, pack, f->message) &&
-           f->samples % 8 == 0 && f->samples <= head->size && f->sample_count <= (head->size - f->samples) / sizeof(view_pack_sample);
+static int is_sound(
+    const view_pack_head *head, const unsigned char *pack, const view_pack_finding *f) {
+    return f->severity <= MOST_SEVERITY &&
+           (f->mesh < head->mesh_count || f->mesh == VIEW_PACK_NONE) &&
+           (f->draw < head->draw_count || f->draw == VIEW_PACK_NONE) &&
+           is_text(head, pack, f->id) && is_text(head, pack, f->name) &&
+           is_text(head, pack, f->unit) && is_text(head, pack, f->label) &&
+           is_text(head, pack, f->message) && f->samples % 8 == 0 && f->samples <= head->size &&
+           f->sample_count <= (head->size - f->samples) / sizeof(view_pack_sample);
 }
 
 int model_findings_are_sound(const view_pack_head *head, const unsigned char *pack) {
-    if (head->finding_count == VIEW_PACK_NONE)
-        return 1;
-    if (head->findings % 8 || head->findings > head->size || head->finding_count > (head->size - head->findings) / sizeof(view_pack_finding))
+    if (head->finding_count == VIEW_PACK_NONE) return 1;
+    if (head->findings % 8 || head->findings > head->size ||
+        head->finding_count > (head->size - head->findings) / sizeof(view_pack_finding))
         return 0;
-    const view_pack_finding *findings = (const view_pack_finding *)(const void *)(pack + head->findings);
+    const view_pack_finding *findings =
+        (const view_pack_finding *)(const void *)(pack + head->findings);
     for (uint32_t i = 0; i < head->finding_count; ++i)
-        if (!is_sound(head, pack, &findings[i]))
-            return 0;
+        if (!is_sound(head, pack, &findings[i])) return 0;
     return 1;
 }
 
@@ -57,17 +69,27 @@ const char *WEB_EXPORT(model_finding_text)(const model *m, uint32_t index, uint3
 
 /* ---- colours */
 
-static size_t triangle_corner(const model_mesh *mesh, size_t i) { return mesh->triangle_corners ? mesh->triangle_corners[i] : i; }
+static size_t triangle_corner(const model_mesh *mesh, size_t i) {
+    return mesh->triangle_corners ? mesh->triangle_corners[i] : i;
+}
 
-static size_t face_end(const model_mesh *mesh, size_t face) { return mesh->mesh.face_starts ? mesh->mesh.face_starts[face + 1] : 3 * face + 3; }
+static size_t face_end(const model_mesh *mesh, size_t face) {
+    return mesh->mesh.face_starts ? mesh->mesh.face_starts[face + 1] : 3 * face + 3;
+}
 
-static void raise(uint8_t *severity, uint32_t to) { *severity = *severity < to ? (uint8_t)to : *severity; }
+static void raise(uint8_t *severity, uint32_t to) {
+    *severity = *severity < to ? (uint8_t)to : *severity;
+}
 
 /* Severities of faces, of vertices, of stored normals, while they are gathered. */
-typedef struct marks { uint8_t *faces, *vertices, *normals; } marks;
+typedef struct marks {
+    uint8_t *faces, *vertices, *normals;
+} marks;
 
-static void mark_samples(const model *m, const model_mesh *mesh, const view_pack_finding *f, marks *to) {
-    const view_pack_sample *samples = (const view_pack_sample *)(const void *)(m->pack + f->samples);
+static void mark_samples(
+    const model *m, const model_mesh *mesh, const view_pack_finding *f, marks *to) {
+    const view_pack_sample *samples =
+        (const view_pack_sample *)(const void *)(m->pack + f->samples);
     for (uint32_t i = 0; i < f->sample_count; ++i) {
         if (samples[i].face < mesh->record->face_count)
             raise(&to->faces[samples[i].face], f->severity);
@@ -78,8 +100,11 @@ static void mark_samples(const model *m, const model_mesh *mesh, const view_pack
     }
 }
 
-/* An info that names most of a mesh says something of the mesh; among others it would only hide them. */
-static int is_of_the_whole(const model_mesh *mesh, const view_pack_finding *f) { return f->severity == NORMA_SEVERITY_INFO && f->count > mesh->record->face_count / 4; }
+/* An info that names most of a mesh says something of the mesh; among others it would only hide
+ * them. */
+static int is_of_the_whole(const model_mesh *mesh, const view_pack_finding *f) {
+    return f->severity == NORMA_SEVERITY_INFO && f->count > mesh->record->face_count / 4;
+}
 
 static void colour_corners(model_mesh *mesh, const marks *from) {
     size_t face = 0;
@@ -95,21 +120,22 @@ static void colour_corners(model_mesh *mesh, const marks *from) {
     }
 }
 
-/* Four bytes for each corner of each triangle: what the finding names, or, where there is none of that number, what all do. NULL: out of memory. */
+/* Four bytes for each corner of each triangle: what the finding names, or, where there is none of
+ * that number, what all do. NULL: out of memory. */
 const uint8_t *WEB_EXPORT(model_marks)(model *m, uint32_t index, uint32_t which) {
     model_mesh *mesh = &m->meshes[index];
     const int all = which >= m->head->finding_count;
-    marks made = {calloc((size_t)mesh->record->face_count + 1, 1), calloc((size_t)mesh->record->position_count + 1, 1), calloc(mesh->stored.count + 1, 1)};
-    if (!mesh->draw_marks)
-        mesh->draw_marks = malloc(12 * mesh->triangle_count + 1);
+    marks made = {calloc((size_t)mesh->record->face_count + 1, 1),
+        calloc((size_t)mesh->record->position_count + 1, 1), calloc(mesh->stored.count + 1, 1)};
+    if (!mesh->draw_marks) mesh->draw_marks = malloc(12 * mesh->triangle_count + 1);
     const int good = made.faces && made.vertices && made.normals && mesh->draw_marks;
-    for (uint32_t i = 0; good && m->head->finding_count != VIEW_PACK_NONE && i < m->head->finding_count; ++i) {
+    for (uint32_t i = 0;
+         good && m->head->finding_count != VIEW_PACK_NONE && i < m->head->finding_count; ++i) {
         const view_pack_finding *f = finding_at(m, i);
         if (f->mesh == index && (all ? !is_of_the_whole(mesh, f) : i == which))
             mark_samples(m, mesh, f, &made);
     }
-    if (good)
-        colour_corners(mesh, &made);
+    if (good) colour_corners(mesh, &made);
     free(made.faces);
     free(made.vertices);
     free(made.normals);
@@ -118,7 +144,8 @@ const uint8_t *WEB_EXPORT(model_marks)(model *m, uint32_t index, uint32_t which)
 
 /* ---- from where to look */
 
-/* Its area vector, turned away from the middle of the mesh: one that is wound wrongly is to be seen as well. */
+/* Its area vector, turned away from the middle of the mesh: one that is wound wrongly is to be seen
+ * as well. */
 static void add_triangle(const float *p, double direction[3], double *size) {
     double u[3], v[3], area[3], outward = 0;
     for (int i = 0; i < 3; ++i) {
@@ -130,32 +157,36 @@ static void add_triangle(const float *p, double direction[3], double *size) {
         outward += area[i] * ((double)p[i] + (double)p[3 + i] + (double)p[6 + i]);
     }
     for (int i = 0; i < 3; ++i) direction[i] += outward < 0 ? -area[i] : area[i];
-    *size = fmax(*size, sqrt(fmax(u[0] * u[0] + u[1] * u[1] + u[2] * u[2], v[0] * v[0] + v[1] * v[1] + v[2] * v[2])));
+    *size = fmax(*size, sqrt(fmax(u[0] * u[0] + u[1] * u[1] + u[2] * u[2],
+                            v[0] * v[0] + v[1] * v[1] + v[2] * v[2])));
 }
 
 /* Whether a triangle, by the corner of the mesh that it begins with, is what the sample names. */
-static int is_named(const model_mesh *mesh, size_t triangle, size_t face, const view_pack_sample *sample) {
-    if (sample->face != VIEW_PACK_NONE)
-        return face == sample->face;
+static int is_named(
+    const model_mesh *mesh, size_t triangle, size_t face, const view_pack_sample *sample) {
+    if (sample->face != VIEW_PACK_NONE) return face == sample->face;
     for (size_t i = 0; i < 3 && sample->vertex != VIEW_PACK_NONE; ++i)
         if (model_corner_position(mesh, triangle_corner(mesh, 3 * triangle + i)) == sample->vertex)
             return 1;
     return 0;
 }
 
-/* out: a point, a direction (of any length) from which its faces are seen, and how long their edges are, in the space of draw_positions. 0: the finding has no place. */
+/* out: a point, a direction (of any length) from which its faces are seen, and how long their edges
+ * are, in the space of draw_positions. 0: the finding has no place. */
 int WEB_EXPORT(model_finding_place)(const model *m, uint32_t index, double out[7]) {
     const view_pack_finding *f = finding_at(m, index);
-    if (f->mesh == VIEW_PACK_NONE || !f->has_position)
-        return 0;
+    if (f->mesh == VIEW_PACK_NONE || !f->has_position) return 0;
     const model_mesh *mesh = &m->meshes[f->mesh];
-    const view_pack_sample *samples = (const view_pack_sample *)(const void *)(m->pack + f->samples), none = {VIEW_PACK_NONE, VIEW_PACK_NONE, VIEW_PACK_NONE};
+    const view_pack_sample *samples =
+                               (const view_pack_sample *)(const void *)(m->pack + f->samples),
+                           none = {VIEW_PACK_NONE, VIEW_PACK_NONE, VIEW_PACK_NONE};
     const view_pack_sample *sample = f->sample_count ? samples : &none;
     size_t face = 0;
     if (f->sample_count > 1 && sample->face == VIEW_PACK_NONE && sample->vertex == VIEW_PACK_NONE)
         sample = &samples[1];
     memset(out, 0, 7 * sizeof *out);
-    for (int axis = 0; axis < 3; ++axis) out[axis] = (f->position[axis] - mesh->centre[axis]) / mesh->radius;
+    for (int axis = 0; axis < 3; ++axis)
+        out[axis] = (f->position[axis] - mesh->centre[axis]) / mesh->radius;
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         while (triangle_corner(mesh, 3 * t) >= face_end(mesh, face)) ++face;
         if (is_named(mesh, t, face, sample))

@@ -1,5 +1,6 @@
-/* bake.h: what the files of --bake share. bake.c decides which nodes are baked and what becomes of the hierarchy, bake_plan.c finds out what must stay,
- * bake_mesh.c carries a mesh's data, bake_winding.c reverses its triangles, gltf_bake_tree*.c hold the nodes. */
+/* bake.h: what the files of --bake share. bake.c decides which nodes are baked and what becomes of
+ * the hierarchy, bake_plan.c finds out what must stay, bake_mesh.c carries a mesh's data,
+ * bake_winding.c reverses its triangles, gltf_bake_tree*.c hold the nodes. */
 #ifndef NORMA_IO_GLTF_BAKE_H
 #define NORMA_IO_GLTF_BAKE_H
 #include "io/gltf/read/asset.h"
@@ -30,13 +31,16 @@ typedef struct bake_cache {
 
 void norma_gltf_bake_cache_free(bake_cache *cache);
 int norma_gltf_bake_cache_find(const bake_cache *cache, const bake_entry *key, uint32_t *data);
-int norma_gltf_bake_cache_add(bake_cache *cache, const bake_entry *entry);          /* 0: out of memory */
-int norma_gltf_bake_map(bake_cache *cache, const double matrix[16], bake_map *map); /* 0: out of memory */
+int norma_gltf_bake_cache_add(bake_cache *cache, const bake_entry *entry); /* 0: out of memory */
+int norma_gltf_bake_map(
+    bake_cache *cache, const double matrix[16], bake_map *map); /* 0: out of memory */
 
-/* A mesh (copy 0: itself) as the node, for messages, draws it under the map; vertices are added to *vertices. */
-norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, uint32_t mesh, uint32_t copy, const bake_map *map, uint32_t node, size_t *vertices,
-                                           norma_document_error *error);
-norma_document_result norma_gltf_bake_winding(gltf *g, bake_cache *cache, uint32_t primitive, uint32_t copy, norma_document_error *error);
+/* A mesh (copy 0: itself) as the node, for messages, draws it under the map; vertices are added to
+ * *vertices. */
+norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, uint32_t mesh, uint32_t copy,
+    const bake_map *map, uint32_t node, size_t *vertices, norma_document_error *error);
+norma_document_result norma_gltf_bake_winding(
+    gltf *g, bake_cache *cache, uint32_t primitive, uint32_t copy, norma_document_error *error);
 
 /* For each node of the file. */
 enum {
@@ -46,11 +50,13 @@ enum {
     BAKE_JOINT = 8,   /* of a skin, or its skeleton */
     BAKE_CARRIES = 16 /* a camera, a light, an extension that may depend on where the node is */
 };
-unsigned char *norma_gltf_bake_flags(const gltf *g, const uint32_t *order); /* NULL: out of memory; to be freed */
+unsigned char *norma_gltf_bake_flags(
+    const gltf *g, const uint32_t *order); /* NULL: out of memory; to be freed */
 /* Parents before their children; NULL: out of memory; to be freed. */
 uint32_t *norma_gltf_bake_order(const gltf *g, const gltf_tree *tree);
 /* NULL, or why a mesh cannot be carried. */
 const char *norma_gltf_bake_obstacle(const gltf *g, uint32_t mesh);
 
-norma_document_result norma_gltf_bake(gltf *g, const norma_transform_options *options, norma_transform_summary *summary, norma_document_error *error);
+norma_document_result norma_gltf_bake(gltf *g, const norma_transform_options *options,
+    norma_transform_summary *summary, norma_document_error *error);
 #endif

@@ -1,4 +1,5 @@
-/* write_tree.c: the changed hierarchy as JSON: edits of old nodes and scenes, texts of new nodes. What did not change is not touched. */
+/* write_tree.c: the changed hierarchy as JSON: edits of old nodes and scenes, texts of new nodes.
+ * What did not change is not touched. */
 #include "io/gltf/bake/new_tree.h"
 #include "io/gltf/read/node_matrix.h"
 #include <stdlib.h>
@@ -7,8 +8,7 @@
 static void add_numbers(json_text *text, const double *numbers, size_t count) {
     norma_json_add_text(text, "[");
     for (size_t i = 0; i < count; i++) {
-        if (i)
-            norma_json_add_text(text, ",");
+        if (i) norma_json_add_text(text, ",");
         norma_json_add_number(text, numbers[i] + 0.0); /* -0 becomes 0 */
     }
     norma_json_add_text(text, "]");
@@ -53,18 +53,15 @@ static int set_or_unset(json_edits *edits, uint32_t object, const char *key, jso
         return 1;
     }
     const char *value = terminated(text);
-    if (value)
-        norma_json_set(edits, object, key, value);
+    if (value) norma_json_set(edits, object, key, value);
     return value != NULL;
 }
 
 static void add_children(const gltf_tree *tree, const tree_node *node, json_text *text) {
-    if (node->first == GLTF_NONE)
-        return;
+    if (node->first == GLTF_NONE) return;
     norma_json_add_text(text, "[");
     for (uint32_t child = node->first; child != GLTF_NONE; child = tree->nodes[child].after) {
-        if (child != node->first)
-            norma_json_add_text(text, ",");
+        if (child != node->first) norma_json_add_text(text, ",");
         norma_json_add_uint(text, child);
     }
     norma_json_add_text(text, "]");
@@ -92,25 +89,24 @@ static int edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number) 
     if (node->local_changed) {
         local_text text;
         write_local(node, &text);
-        done &= set_or_unset(edits, object, "matrix", &text.matrix) & set_or_unset(edits, object, "translation", &text.translation) &
-                set_or_unset(edits, object, "rotation", &text.rotation) & set_or_unset(edits, object, "scale", &text.scale);
+        done &= set_or_unset(edits, object, "matrix", &text.matrix) &
+                set_or_unset(edits, object, "translation", &text.translation) &
+                set_or_unset(edits, object, "rotation", &text.rotation) &
+                set_or_unset(edits, object, "scale", &text.scale);
         free_local(&text);
     }
     if (node->mesh_changed && node->mesh == GLTF_NONE)
         norma_json_unset(edits, object, "mesh");
     else if (node->mesh_changed)
         norma_json_set_uint(edits, object, "mesh", node->mesh);
-    if (node->weights_removed)
-        norma_json_unset(edits, object, "weights");
-    if (node->instances_removed)
-        remove_instances(g, edits, object);
+    if (node->weights_removed) norma_json_unset(edits, object, "weights");
+    if (node->instances_removed) remove_instances(g, edits, object);
     return done;
 }
 
 static void add_member(json_text *text, const char *key, const json_text *value) {
     text->failed |= value->failed;
-    if (value->size == 0)
-        return;
+    if (value->size == 0) return;
     norma_json_add_text(text, text->size > 1 ? ",\"" : "\"");
     norma_json_add_text(text, key);
     norma_json_add_text(text, "\":");
@@ -120,10 +116,10 @@ static void add_member(json_text *text, const char *key, const json_text *value)
 
 static void copy_member(const gltf *g, json_text *text, uint32_t object, const char *key) {
     const uint32_t value = norma_json_member(&g->json, object, key);
-    if (value == JSON_NONE)
-        return;
+    if (value == JSON_NONE) return;
     json_text bytes = {0};
-    norma_json_add(&bytes, g->json.text + g->json.tokens[value].start, g->json.tokens[value].end - g->json.tokens[value].start);
+    norma_json_add(&bytes, g->json.text + g->json.tokens[value].start,
+        g->json.tokens[value].end - g->json.tokens[value].start);
     add_member(text, key, &bytes);
     free(bytes.data);
 }
@@ -161,11 +157,9 @@ static int append_nodes(const gltf_tree *tree, json_edits *edits) {
         json_text text = {0};
         add_node_text(tree, &tree->nodes[i], &text);
         const char *value = terminated(&text);
-        if (value)
-            norma_json_append(edits, array, value);
+        if (value) norma_json_append(edits, array, value);
         free(text.data);
-        if (!value)
-            return 0;
+        if (!value) return 0;
     }
     return 1;
 }
@@ -176,8 +170,7 @@ static int edit_scene(json_edits *edits, const tree_scene *scene) {
         norma_json_add_text(&text, i ? "," : "[");
         norma_json_add_uint(&text, scene->roots[i]);
     }
-    if (scene->count)
-        norma_json_add_text(&text, "]");
+    if (scene->count) norma_json_add_text(&text, "]");
     const int done = set_or_unset(edits, scene->token, "nodes", &text);
     free(text.data);
     return done;
@@ -189,7 +182,6 @@ norma_document_result norma_gltf_tree_write(gltf_tree *tree, norma_document_erro
     for (uint32_t i = 0; done && i < tree->g->node_count; i++) done = edit_node(tree, edits, i);
     done = done && (tree->count == tree->g->node_count || append_nodes(tree, edits));
     for (size_t i = 0; done && i < tree->scene_count; i++)
-        if (tree->scenes[i].changed)
-            done = edit_scene(edits, &tree->scenes[i]);
+        if (tree->scenes[i].changed) done = edit_scene(edits, &tree->scenes[i]);
     return done ? NORMA_DOCUMENT_OK : norma_document_fail_memory(tree->g->document, error);
 }

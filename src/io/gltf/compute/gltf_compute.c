@@ -1,56 +1,47 @@
-/* gltf_compute.c: normals for a glTF asset: mesh by mesh the surface, its points, the deltas of its morph targets; then set by set what the accessors are to hold. */
+/* gltf_compute.c: normals for a glTF asset: mesh by mesh the surface, its points, the deltas of its
+ * morph targets; then set by set what the accessors are to hold. */
 #include "io/gltf/compute/gltf_compute.h"
 #include <stdlib.h>
 #include <string.h>
 
 static const double DEFAULT_CREASE_RAD = 1.0471975511965977; /* 60 degrees */
 
-static int is_wanted(const gltf_job *job, uint32_t mesh)
-{
+static int is_wanted(const gltf_job *job, uint32_t mesh) {
     const gltf_mesh *m = &job->g->meshes[mesh];
     for (uint32_t i = m->first_primitive; i < m->first_primitive + m->primitive_count; ++i)
-        if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted)
-            return 1;
+        if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted) return 1;
     return 0;
 }
 
 /* The core's progress over one mesh as that over all of them. */
-static int pass_on(void *user, double fraction)
-{
+static int pass_on(void *user, double fraction) {
     const gltf_job *job = user;
-    return job->options->progress(job->options->progress_user, job->progress_base + fraction * job->progress_scale);
+    return job->options->progress(
+        job->options->progress_user, job->progress_base + fraction * job->progress_scale);
 }
 
-enum { LARGE_MESH = 1 << 20 };            /* corners; it is worth while to let go of what it was read from */
+enum { LARGE_MESH = 1 << 20 }; /* corners; it is worth while to let go of what it was read from */
 
-static norma_document_result compute_mesh(gltf_job *job, uint32_t mesh)
-{
+static norma_document_result compute_mesh(gltf_job *job, uint32_t mesh) {
     gltf_surface surface;
     norma_document_result result = norma_gltf_gather(job, mesh, &surface);
-    if (!result)
-        result = norma_gltf_find_points(job, &surface);
+    if (!result) result = norma_gltf_find_points(job, &surface);
     job->core.progress = NULL;
-    if (surface.core.corner_count >= LARGE_MESH)
-        norma_file_forget(&job->g->document->source);
-    if (!result)
-        result = norma_gltf_take_points(job, &surface);
-    if (!result)
-        result = norma_gltf_morph(job, &surface);
+    if (surface.core.corner_count >= LARGE_MESH) norma_file_forget(&job->g->document->source);
+    if (!result) result = norma_gltf_take_points(job, &surface);
+    if (!result) result = norma_gltf_morph(job, &surface);
     norma_gltf_surface_free(&surface);
     return result;
 }
 
-static norma_document_result compute_meshes(gltf_job *job)
-{
+static norma_document_result compute_meshes(gltf_job *job) {
     const gltf *g = job->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t wanted = 0;
-    for (uint32_t m = 0; m < g->mesh_count; ++m)
-        wanted += (size_t)is_wanted(job, m);
+    for (uint32_t m = 0; m < g->mesh_count; ++m) wanted += (size_t)is_wanted(job, m);
     job->progress_scale = wanted ? 1 / (double)wanted : 0;
     for (uint32_t m = 0; !result && m < g->mesh_count; ++m) {
-        if (!is_wanted(job, m))
-            continue;
+        if (!is_wanted(job, m)) continue;
         job->core.progress = job->options->progress ? pass_on : NULL;
         job->core.progress_user = job;
         result = compute_mesh(job, m);
@@ -60,25 +51,20 @@ static norma_document_result compute_meshes(gltf_job *job)
 }
 
 /* Between one step and the next, once the core has told that it is done. */
-static norma_document_result look_up(const gltf_job *job)
-{
+static norma_document_result look_up(const gltf_job *job) {
     const norma_compute_options *options = job->options;
     if (options->progress && options->progress(options->progress_user, 1))
         return norma_document_fail_core(job->g->document, job->error, NORMA_CANCELLED);
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result put_all(gltf_job *job)
-{
+static norma_document_result put_all(gltf_job *job) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t s = 0; !result && s < job->set_count; ++s) {
-        if (!job->sets[s].wanted)
-            continue;
+        if (!job->sets[s].wanted) continue;
         result = look_up(job);
-        if (!result)
-            result = norma_gltf_fill_unreferenced(job, &job->sets[s]);
-        if (!result)
-            result = norma_gltf_put_set(job, s);
+        if (!result) result = norma_gltf_fill_unreferenced(job, &job->sets[s]);
+        if (!result) result = norma_gltf_put_set(job, s);
     }
     for (uint32_t i = 0; !result && i < job->g->primitive_count; ++i)
         if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted)
@@ -86,8 +72,7 @@ static norma_document_result put_all(gltf_job *job)
     return result ? result : look_up(job);
 }
 
-static void count_vertices(const gltf_job *job)
-{
+static void count_vertices(const gltf_job *job) {
     norma_compute_summary *summary = job->summary;
     for (uint32_t i = 0; i < job->g->primitive_count; ++i) {
         const gltf_primitive *p = &job->g->primitives[i];
@@ -98,30 +83,30 @@ static void count_vertices(const gltf_job *job)
     }
 }
 
-static void begin_summary(const gltf_job *job)
-{
+static void begin_summary(const gltf_job *job) {
     norma_compute_summary *summary = job->summary;
     const norma_count none = {0, SIZE_MAX};
     summary->report = (norma_report){none, none, none, none, none, none};
-    summary->shading = job->options->shading == NORMA_SHADING_DEFAULT ? NORMA_SHADING_CREASE : job->options->shading;
+    summary->shading = job->options->shading == NORMA_SHADING_DEFAULT ? NORMA_SHADING_CREASE
+                                                                      : job->options->shading;
     if (summary->shading == NORMA_SHADING_CREASE)
-        summary->crease_angle_rad = job->options->shading == NORMA_SHADING_CREASE ? job->options->crease_angle_rad : DEFAULT_CREASE_RAD;
+        summary->crease_angle_rad = job->options->shading == NORMA_SHADING_CREASE
+                                        ? job->options->crease_angle_rad
+                                        : DEFAULT_CREASE_RAD;
 }
 
-norma_document_result norma_gltf_compute(norma_document *document, const norma_compute_options *options, norma_compute_summary *summary, norma_document_error *error)
-{
+norma_document_result norma_gltf_compute(norma_document *document,
+    const norma_compute_options *options, norma_compute_summary *summary,
+    norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     gltf_job job = {.g = g, .options = options, .summary = summary, .error = error};
     norma_options_of_compute(options, &job.core);
     job.core.progress = NULL;
     begin_summary(&job);
     norma_document_result result = norma_gltf_begin_change(g, error);
-    if (!result)
-        result = norma_gltf_make_sets(&job);
-    if (!result)
-        result = compute_meshes(&job);
-    if (!result)
-        result = put_all(&job);
+    if (!result) result = norma_gltf_make_sets(&job);
+    if (!result) result = compute_meshes(&job);
+    if (!result) result = put_all(&job);
     if (!result) {
         count_vertices(&job);
         summary->edges_counted = summary->shading == NORMA_SHADING_CREASE && job.meshes_done > 0;

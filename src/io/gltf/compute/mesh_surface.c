@@ -1,30 +1,27 @@
-/* mesh_surface.c: the triangles of a mesh as one surface for the core, and the points that the core makes of them. */
+/* mesh_surface.c: the triangles of a mesh as one surface for the core, and the points that the core
+ * makes of them. */
 #include "io/gltf/compute/gltf_compute.h"
 #include "io/stream/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result out_of_memory(const gltf_job *job)
-{
+static norma_document_result out_of_memory(const gltf_job *job) {
     return norma_document_fail_memory(job->g->document, job->error);
 }
 
-void norma_gltf_surface_free(gltf_surface *s)
-{
-    void *const blocks[] = {s->positions, s->corners, s->corner_start, s->position_start, s->points, s->sources, s->normals, s->reasons};
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i)
-        free(blocks[i]);
+void norma_gltf_surface_free(gltf_surface *s) {
+    void *const blocks[] = {s->positions, s->corners, s->corner_start, s->position_start, s->points,
+        s->sources, s->normals, s->reasons};
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
     *s = (gltf_surface){0};
 }
 
 /* ---- gathering */
 
 /* Primitives with the same positions, in the base and in every target, share them. */
-static int same_positions(const gltf *g, const gltf_primitive *a, const gltf_primitive *b)
-{
-    if (a->base.position != b->base.position || a->target_count != b->target_count)
-        return 0;
+static int same_positions(const gltf *g, const gltf_primitive *a, const gltf_primitive *b) {
+    if (a->base.position != b->base.position || a->target_count != b->target_count) return 0;
     for (uint32_t t = 0; t < a->target_count; ++t)
         if (g->targets[a->first_target + t].position != g->targets[b->first_target + t].position)
             return 0;
@@ -36,38 +33,39 @@ typedef struct sharers {
     size_t *first, size;
 } sharers;
 
-static size_t hash_positions(const gltf *g, const gltf_primitive *p)
-{
+static size_t hash_positions(const gltf *g, const gltf_primitive *p) {
     uint64_t hash = p->base.position;
     for (uint32_t t = 0; t < p->target_count; ++t)
         hash = (hash ^ hash >> 29 ^ g->targets[p->first_target + t].position) * 0x9E3779B97F4A7C15u;
     return (size_t)(hash ^ hash >> 32);
 }
 
-/* The first primitive with the same positions, and, where corners is nonzero, the same corners; else i itself, which is put in. */
-static size_t first_like(const gltf *g, const gltf_primitive *list, sharers *table, size_t i, int corners)
-{
+/* The first primitive with the same positions, and, where corners is nonzero, the same corners;
+ * else i itself, which is put in. */
+static size_t first_like(
+    const gltf *g, const gltf_primitive *list, sharers *table, size_t i, int corners) {
     uint64_t hash = hash_positions(g, &list[i]);
     if (corners)
         hash = (hash ^ ((uint64_t)list[i].indices << 8 | list[i].mode)) * 0xD6E8FEB86659FD93u;
     size_t at = (size_t)(hash ^ hash >> 32) & (table->size - 1);
     for (; table->first[at] != SIZE_MAX; at = (at + 1) & (table->size - 1)) {
         const gltf_primitive *other = &list[table->first[at]];
-        if (same_positions(g, &list[i], other) && (!corners || (list[i].indices == other->indices && list[i].mode == other->mode)))
+        if (same_positions(g, &list[i], other) &&
+            (!corners || (list[i].indices == other->indices && list[i].mode == other->mode)))
             return table->first[at];
     }
     return table->first[at] = i;
 }
 
-/* Where each primitive's positions and corners begin; an exact repetition of a primitive (another material over the same triangles) is taken once. 0: out of memory. */
-static int lay_out(const gltf *g, gltf_surface *s, size_t *positions, size_t *corners)
-{
+/* Where each primitive's positions and corners begin; an exact repetition of a primitive (another
+ * material over the same triangles) is taken once. 0: out of memory. */
+static int lay_out(const gltf *g, gltf_surface *s, size_t *positions, size_t *corners) {
     const gltf_mesh *mesh = &g->meshes[s->mesh];
     const gltf_primitive *list = g->primitives + mesh->first_primitive;
     size_t size = 2;
-    while (size / 2 < mesh->primitive_count)
-        size *= 2;
-    sharers by_positions = {norma_io_allocate(size, sizeof(size_t)), size}, by_corners = {norma_io_allocate(size, sizeof(size_t)), size};
+    while (size / 2 < mesh->primitive_count) size *= 2;
+    sharers by_positions = {norma_io_allocate(size, sizeof(size_t)), size},
+            by_corners = {norma_io_allocate(size, sizeof(size_t)), size};
     const int there = by_positions.first && by_corners.first;
     if (there) {
         memset(by_positions.first, 0xFF, size * sizeof(size_t));
@@ -75,9 +73,9 @@ static int lay_out(const gltf *g, gltf_surface *s, size_t *positions, size_t *co
     }
     for (uint32_t i = 0; there && i < mesh->primitive_count; ++i) {
         s->corner_start[i] = s->position_start[i] = SIZE_MAX;
-        if (list[i].not_read)
-            continue;
-        const size_t with_positions = first_like(g, list, &by_positions, i, 0), with_corners = first_like(g, list, &by_corners, i, 1);
+        if (list[i].not_read) continue;
+        const size_t with_positions = first_like(g, list, &by_positions, i, 0),
+                     with_corners = first_like(g, list, &by_corners, i, 1);
         s->position_start[i] = with_positions == i ? *positions : s->position_start[with_positions];
         s->corner_start[i] = with_corners == i ? *corners : s->corner_start[with_corners];
         *positions += with_positions == i ? list[i].vertices : 0;
@@ -92,13 +90,11 @@ typedef struct encoding {
     int component, normalized, mixed, count;
 } encoding;
 
-static encoding encoding_of(const gltf *g, const gltf_mesh *mesh)
-{
+static encoding encoding_of(const gltf *g, const gltf_mesh *mesh) {
     encoding e = {.count = 0};
     for (uint32_t i = 0; i < mesh->primitive_count; ++i) {
         const gltf_primitive *p = &g->primitives[mesh->first_primitive + i];
-        if (p->not_read)
-            continue;
+        if (p->not_read) continue;
         const gltf_accessor *a = &g->accessors[p->base.position];
         e.mixed |= e.count > 0 && (e.component != a->component || e.normalized != a->normalized);
         e.component = a->component;
@@ -109,19 +105,16 @@ static encoding encoding_of(const gltf *g, const gltf_mesh *mesh)
 }
 
 /* -128 and -127 mean the same where they are normalised: the core must see equal numbers. */
-static void clamp_signed(unsigned char *at, int component)
-{
+static void clamp_signed(unsigned char *at, int component) {
     static const unsigned char least8 = 0x80, least16[2] = {0x00, 0x80};
     for (int k = 0; k < 3; ++k) {
-        if (component == GLTF_BYTE && at[k] == least8)
-            at[k] = 0x81;
-        if (component == GLTF_SHORT && memcmp(at + 2 * k, least16, 2) == 0)
-            at[2 * k] = 0x01;
+        if (component == GLTF_BYTE && at[k] == least8) at[k] = 0x81;
+        if (component == GLTF_SHORT && memcmp(at + 2 * k, least16, 2) == 0) at[2 * k] = 0x01;
     }
 }
 
-static void copy_positions(const gltf_array *array, const encoding *e, unsigned char *to, size_t size)
-{
+static void copy_positions(
+    const gltf_array *array, const encoding *e, unsigned char *to, size_t size) {
     for (size_t i = 0; i < array->count; ++i, to += size) {
         if (e->mixed) {
             float element[3];
@@ -129,30 +122,29 @@ static void copy_positions(const gltf_array *array, const encoding *e, unsigned 
             memcpy(to, element, sizeof element);
         } else {
             memcpy(to, array->data + i * array->stride, size);
-            if (e->normalized)
-                clamp_signed(to, e->component);
+            if (e->normalized) clamp_signed(to, e->component);
         }
     }
 }
 
-static norma_document_result gather_positions(gltf_job *job, gltf_surface *s, size_t count)
-{
+static norma_document_result gather_positions(gltf_job *job, gltf_surface *s, size_t count) {
     gltf *g = job->g;
     const gltf_mesh *mesh = &g->meshes[s->mesh];
     encoding e = encoding_of(g, mesh);
     size_t size = e.mixed ? 3 * sizeof(float) : 3 * norma_gltf_component_size(e.component);
     gltf_array shape = {.component = e.mixed ? GLTF_FLOAT : e.component}, array;
     size_t next = 0;
-    int direct = !e.mixed && !(e.normalized && (e.component == GLTF_BYTE || e.component == GLTF_SHORT));
+    int direct =
+        !e.mixed && !(e.normalized && (e.component == GLTF_BYTE || e.component == GLTF_SHORT));
     s->core.positions = norma_gltf_vec3_view(&shape);
     s->core.positions.count = count;
     s->core.positions.stride = size;
     for (uint32_t i = 0; i < mesh->primitive_count; ++i) {
         if (s->position_start[i] != next || g->primitives[mesh->first_primitive + i].not_read)
             continue;
-        norma_document_result result = norma_gltf_array(g, g->primitives[mesh->first_primitive + i].base.position, &array, job->error);
-        if (result)
-            return result;
+        norma_document_result result = norma_gltf_array(
+            g, g->primitives[mesh->first_primitive + i].base.position, &array, job->error);
+        if (result) return result;
         if (direct && array.count == count) {
             s->core.positions = norma_gltf_vec3_view(&array);
             return NORMA_DOCUMENT_OK;
@@ -166,8 +158,7 @@ static norma_document_result gather_positions(gltf_job *job, gltf_surface *s, si
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result gather_corners(gltf_job *job, gltf_surface *s, size_t count)
-{
+static norma_document_result gather_corners(gltf_job *job, gltf_surface *s, size_t count) {
     gltf *g = job->g;
     const gltf_mesh *mesh = &g->meshes[s->mesh];
     size_t next = 0;
@@ -175,11 +166,10 @@ static norma_document_result gather_corners(gltf_job *job, gltf_surface *s, size
     for (uint32_t i = 0; i < mesh->primitive_count; ++i) {
         const gltf_primitive *p = &g->primitives[mesh->first_primitive + i];
         const uint32_t *corners;
-        if (s->corner_start[i] != next || p->not_read)
-            continue;
-        norma_document_result result = norma_gltf_corners(g, mesh->first_primitive + i, &corners, job->error);
-        if (result)
-            return result;
+        if (s->corner_start[i] != next || p->not_read) continue;
+        norma_document_result result =
+            norma_gltf_corners(g, mesh->first_primitive + i, &corners, job->error);
+        if (result) return result;
         if (3 * p->faces == count && s->position_start[i] == 0) {
             s->core.corners = corners;
             return NORMA_DOCUMENT_OK;
@@ -194,8 +184,7 @@ static norma_document_result gather_corners(gltf_job *job, gltf_surface *s, size
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surface *s)
-{
+norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surface *s) {
     size_t positions = 0, corners = 0, count = job->g->meshes[mesh].primitive_count;
     *s = (gltf_surface){.mesh = mesh};
     s->corner_start = norma_io_allocate(count, sizeof *s->corner_start);
@@ -203,8 +192,9 @@ norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surfa
     if (!s->corner_start || !s->position_start || !lay_out(job->g, s, &positions, &corners))
         return out_of_memory(job);
     if (positions > UINT32_MAX || corners > UINT32_MAX)
-        return norma_document_fail(job->g->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, job->g->primitives[job->g->meshes[mesh].first_primitive].where,
-                                   "a mesh of more than 4294967295 vertices or corners");
+        return norma_document_fail(job->g->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+            job->g->primitives[job->g->meshes[mesh].first_primitive].where,
+            "a mesh of more than 4294967295 vertices or corners");
     norma_document_result result = gather_positions(job, s, positions);
     return result ? result : gather_corners(job, s, corners);
 }
@@ -212,8 +202,7 @@ norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surfa
 /* ---- points */
 
 /* Room for most points, of which many may not come to be; what is not used is never touched. */
-static int make_room(gltf_surface *s, size_t most, int with_points, int many_unused)
-{
+static int make_room(gltf_surface *s, size_t most, int with_points, int many_unused) {
     void *(*const allocate)(size_t, size_t) = many_unused ? norma_io_room : norma_io_block;
     s->sources = allocate(most, sizeof *s->sources);
     s->normals = allocate(most, 3 * sizeof *s->normals);
@@ -222,36 +211,33 @@ static int make_room(gltf_surface *s, size_t most, int with_points, int many_unu
     return s->sources && s->normals && s->reasons && (s->points || !with_points);
 }
 
-static norma_document_result find_creased(gltf_job *job, gltf_surface *s, norma_report *report)
-{
+static norma_document_result find_creased(gltf_job *job, gltf_surface *s, norma_report *report) {
     norma_edges edges = {0};
     size_t most = s->core.corner_count;
-    if (!make_room(s, most, 1, 1))
-        return out_of_memory(job);
+    if (!make_room(s, most, 1, 1)) return out_of_memory(job);
     job->core.edges = &edges;
     job->core.reasons = s->reasons;
-    norma_result result = norma_split(&s->core, (float)job->summary->crease_angle_rad, &job->core, s->points, most, s->sources, s->normals, most, &s->point_count, report);
+    norma_result result = norma_split(&s->core, (float)job->summary->crease_angle_rad, &job->core,
+        s->points, most, s->sources, s->normals, most, &s->point_count, report);
     job->core.edges = NULL;
     s->in_order = 1;
     job->summary->hard_edges += edges.hard;
-    return result ? norma_document_fail_core(job->g->document, job->error, result) : NORMA_DOCUMENT_OK;
+    return result ? norma_document_fail_core(job->g->document, job->error, result)
+                  : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result find_smooth(gltf_job *job, gltf_surface *s, norma_report *report)
-{
+static norma_document_result find_smooth(gltf_job *job, gltf_surface *s, norma_report *report) {
     size_t count = s->core.positions.count;
-    if (!make_room(s, count, 0, 0))
-        return out_of_memory(job);
+    if (!make_room(s, count, 0, 0)) return out_of_memory(job);
     job->core.reasons = s->reasons;
     norma_result result = norma_vertex_normals(&s->core, &job->core, s->normals, count, report);
-    for (size_t i = 0; i < count; ++i)
-        s->sources[i] = (uint32_t)i;
+    for (size_t i = 0; i < count; ++i) s->sources[i] = (uint32_t)i;
     s->point_count = count;
-    return result ? norma_document_fail_core(job->g->document, job->error, result) : NORMA_DOCUMENT_OK;
+    return result ? norma_document_fail_core(job->g->document, job->error, result)
+                  : NORMA_DOCUMENT_OK;
 }
 
-static uint64_t hash_point(uint32_t source, const float normal[3])
-{
+static uint64_t hash_point(uint32_t source, const float normal[3]) {
     uint32_t bits[3];
     memcpy(bits, normal, sizeof bits);
     uint64_t hash = ((uint64_t)source << 32 | bits[0]) * 0x9E3779B97F4A7C15u;
@@ -260,17 +246,17 @@ static uint64_t hash_point(uint32_t source, const float normal[3])
 }
 
 /* A point for each position and face normal that meet. */
-static int join_faces(gltf_surface *s, const float *faces, const uint8_t *reasons)
-{
+static int join_faces(gltf_surface *s, const float *faces, const uint8_t *reasons) {
     size_t size = 16;
-    while (size / 2 < s->core.corner_count)
-        size *= 2;
+    while (size / 2 < s->core.corner_count) size *= 2;
     uint32_t *table = norma_io_allocate(size, sizeof *table);
     const uint32_t *corners = s->core.corners;
     for (size_t c = 0; table && c < s->core.corner_count; ++c) {
         const float *normal = faces + c / 3 * 3;
         size_t at = hash_point(corners[c], normal) & (size - 1);
-        while (table[at] && (s->sources[table[at] - 1] != corners[c] || memcmp(s->normals + 3 * (size_t)(table[at] - 1), normal, 3 * sizeof *normal) != 0))
+        while (table[at] && (s->sources[table[at] - 1] != corners[c] ||
+                                memcmp(s->normals + 3 * (size_t)(table[at] - 1), normal,
+                                    3 * sizeof *normal) != 0))
             at = (at + 1) & (size - 1);
         if (!table[at]) {
             s->sources[s->point_count] = corners[c];
@@ -285,41 +271,46 @@ static int join_faces(gltf_surface *s, const float *faces, const uint8_t *reason
     return table != NULL;
 }
 
-static norma_document_result find_flat(gltf_job *job, gltf_surface *s, norma_report *report)
-{
+static norma_document_result find_flat(gltf_job *job, gltf_surface *s, norma_report *report) {
     size_t faces = s->core.corner_count / 3;
     float *normals = norma_io_allocate(faces, 3 * sizeof *normals);
     uint8_t *reasons = norma_io_allocate(faces, 1);
-    norma_document_result result = normals && reasons && make_room(s, s->core.corner_count, 1, 0) ? NORMA_DOCUMENT_OK : out_of_memory(job);
+    norma_document_result result = normals && reasons && make_room(s, s->core.corner_count, 1, 0)
+                                       ? NORMA_DOCUMENT_OK
+                                       : out_of_memory(job);
     if (!result) {
         job->core.reasons = reasons;
         norma_result core = norma_face_normals(&s->core, &job->core, normals, faces, report);
-        result = core ? norma_document_fail_core(job->g->document, job->error, core) : NORMA_DOCUMENT_OK;
+        result =
+            core ? norma_document_fail_core(job->g->document, job->error, core) : NORMA_DOCUMENT_OK;
     }
-    if (!result && !join_faces(s, normals, reasons))
-        result = out_of_memory(job);
+    if (!result && !join_faces(s, normals, reasons)) result = out_of_memory(job);
     free(normals);
     free(reasons);
     return result;
 }
 
-norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *s)
-{
-    norma_report report = {{0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}};
+norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *s) {
+    norma_report report = {
+        {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}};
     norma_document_result result;
     switch (job->summary->shading) {
-    case NORMA_SHADING_SMOOTH: result = find_smooth(job, s, &report); break;
-    case NORMA_SHADING_FLAT: result = find_flat(job, s, &report); break;
-    default: result = find_creased(job, s, &report); break;
+    case NORMA_SHADING_SMOOTH:
+        result = find_smooth(job, s, &report);
+        break;
+    case NORMA_SHADING_FLAT:
+        result = find_flat(job, s, &report);
+        break;
+    default:
+        result = find_creased(job, s, &report);
+        break;
     }
     job->core.reasons = NULL;
     report.non_finite = report.unreferenced = report.cancelled = (norma_count){0, SIZE_MAX};
-    if (!result)
-        norma_add_report(&job->summary->report, &report, job->meshes_done++);
+    if (!result) norma_add_report(&job->summary->report, &report, job->meshes_done++);
     for (size_t i = 0; !result && i < s->point_count; ++i) {
         float *normal = s->normals + 3 * i;
-        if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
-            normal[2] = 1;
+        if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0) normal[2] = 1;
     }
     return result;
 }

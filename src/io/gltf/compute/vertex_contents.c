@@ -1,5 +1,6 @@
-/* vertex_contents.c: a set's new normals, and all else that its added vertices need, as contents of its attributes: old elements keep their bits, added ones are copies,
- * tangents of new normals are made perpendicular to them. */
+/* vertex_contents.c: a set's new normals, and all else that its added vertices need, as contents of
+ * its attributes: old elements keep their bits, added ones are copies, tangents of new normals are
+ * made perpendicular to them. */
 #include "io/gltf/compute/gltf_compute.h"
 #include "io/stream/large_memory.h"
 #include <math.h>
@@ -7,31 +8,28 @@
 #include <string.h>
 
 typedef struct contents {
-    gltf_job   *job;
-    gltf_set   *set;
-    size_t      count;                    /* vertices as they will be */
-    float      *stored;                   /* the normals as readers will decode them, for tangents; NULL: there are none */
-    uint8_t    *changed;                  /* a vertex whose normal's code is not the old one's */
+    gltf_job *job;
+    gltf_set *set;
+    size_t count;  /* vertices as they will be */
+    float *stored; /* the normals as readers will decode them, for tangents; NULL: there are none */
+    uint8_t *changed; /* a vertex whose normal's code is not the old one's */
 } contents;
 
-static norma_document_result out_of_memory(const contents *c)
-{
+static norma_document_result out_of_memory(const contents *c) {
     return norma_document_fail_memory(c->job->g->document, c->job->error);
 }
 
-static uint32_t old_vertex(const gltf_set *set, size_t vertex)
-{
+static uint32_t old_vertex(const gltf_set *set, size_t vertex) {
     return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
 }
 
-static int is_new(const gltf_set *set, size_t vertex)
-{
+static int is_new(const gltf_set *set, size_t vertex) {
     return vertex >= set->vertices || !set->broken || set->broken[vertex];
 }
 
 /* Puts the same contents into a slot of every primitive of the set. */
-static norma_document_result put(const contents *c, int32_t target, const char *attribute, gltf_data *data)
-{
+static norma_document_result put(
+    const contents *c, int32_t target, const char *attribute, gltf_data *data) {
     gltf *g = c->job->g;
     uint32_t number = norma_gltf_add_data(g, data);
     int ok = number != GLTF_NONE;
@@ -43,19 +41,19 @@ static norma_document_result put(const contents *c, int32_t target, const char *
 }
 
 /* The accessor's elements, with copies for the added vertices. */
-static norma_document_result copy_elements(const contents *c, uint32_t accessor, gltf_data *data)
-{
+static norma_document_result copy_elements(const contents *c, uint32_t accessor, gltf_data *data) {
     gltf_array array;
     size_t size = c->job->g->accessors[accessor].element_size;
     norma_document_result result = norma_gltf_array(c->job->g, accessor, &array, c->job->error);
-    if (result)
-        return result;
-    *data = (gltf_data){.component = array.component, .normalized = array.normalized, .width = array.width, .element_size = size, .count = c->count};
+    if (result) return result;
+    *data = (gltf_data){.component = array.component,
+        .normalized = array.normalized,
+        .width = array.width,
+        .element_size = size,
+        .count = c->count};
     data->bytes = norma_io_block(c->count, size);
-    if (!data->bytes)
-        return out_of_memory(c);
-    if (array.stride == size)
-        memcpy(data->bytes, array.data, c->set->vertices * size);
+    if (!data->bytes) return out_of_memory(c);
+    if (array.stride == size) memcpy(data->bytes, array.data, c->set->vertices * size);
     for (size_t v = array.stride == size ? c->set->vertices : 0; v < c->count; ++v)
         memcpy(data->bytes + v * size, array.data + old_vertex(c->set, v) * array.stride, size);
     return NORMA_DOCUMENT_OK;
@@ -65,47 +63,45 @@ static norma_document_result copy_elements(const contents *c, uint32_t accessor,
 
 typedef enum vector_encoding { VECTOR_FLOAT, VECTOR_SNORM8, VECTOR_SNORM16 } vector_encoding;
 
-static vector_encoding encoding_of(const gltf *g, uint32_t accessor, uint32_t width)
-{
+static vector_encoding encoding_of(const gltf *g, uint32_t accessor, uint32_t width) {
     const gltf_accessor *a = accessor == GLTF_NONE ? NULL : &g->accessors[accessor];
-    if (!a || !a->normalized || a->width != width)
-        return VECTOR_FLOAT;
-    return a->component == GLTF_BYTE ? VECTOR_SNORM8 : a->component == GLTF_SHORT ? VECTOR_SNORM16 : VECTOR_FLOAT;
+    if (!a || !a->normalized || a->width != width) return VECTOR_FLOAT;
+    return a->component == GLTF_BYTE    ? VECTOR_SNORM8
+           : a->component == GLTF_SHORT ? VECTOR_SNORM16
+                                        : VECTOR_FLOAT;
 }
 
-static int encode_units(vector_encoding encoding, const float *units, size_t count, unsigned char *out, size_t stride)
-{
+static int encode_units(
+    vector_encoding encoding, const float *units, size_t count, unsigned char *out, size_t stride) {
     const norma_vec3_view view = {.data = units, .count = count, .format = NORMA_FORMAT_FLOAT};
     if (encoding == VECTOR_SNORM8)
         return norma_encode_snorm8(view, (int8_t *)out, stride, count) == NORMA_OK;
     if (encoding == VECTOR_SNORM16)
         return norma_encode_snorm16(view, (int16_t *)(void *)out, stride, count) == NORMA_OK;
-    for (size_t i = 0; i < count; ++i)
-        memcpy(out + i * stride, units + 3 * i, 3 * sizeof *units);
+    for (size_t i = 0; i < count; ++i) memcpy(out + i * stride, units + 3 * i, 3 * sizeof *units);
     return 1;
 }
 
 /* -0 and 0 say the same: what is there stays, so that right normals stay to the bit. */
-static void keep_zero_signs(const unsigned char *old, unsigned char *new_bytes)
-{
+static void keep_zero_signs(const unsigned char *old, unsigned char *new_bytes) {
     for (int k = 0; k < 3; ++k) {
         float a, b;
         memcpy(&a, old + 4 * k, sizeof a);
         memcpy(&b, new_bytes + 4 * k, sizeof b);
-        if (a == 0 && b == 0)
-            memcpy(new_bytes + 4 * k, &a, sizeof a);
+        if (a == 0 && b == 0) memcpy(new_bytes + 4 * k, &a, sizeof a);
     }
 }
 
-/* What stays of an accessor's old elements goes back over the newly encoded ones; marks what is not what it was. */
-static norma_document_result merge_old(const contents *c, uint32_t accessor, vector_encoding encoding, gltf_data *data)
-{
+/* What stays of an accessor's old elements goes back over the newly encoded ones; marks what is not
+ * what it was. */
+static norma_document_result merge_old(
+    const contents *c, uint32_t accessor, vector_encoding encoding, gltf_data *data) {
     gltf_array old;
     size_t size = norma_gltf_data_size(data);
     norma_document_result result = norma_gltf_array(c->job->g, accessor, &old, c->job->error);
-    if (result)
-        return result;
-    int same = old.component == data->component && old.width == data->width && old.normalized == data->normalized;
+    if (result) return result;
+    int same = old.component == data->component && old.width == data->width &&
+               old.normalized == data->normalized;
     for (size_t v = 0; v < c->count; ++v) {
         const unsigned char *before = old.data + old_vertex(c->set, v) * old.stride;
         unsigned char *now = data->bytes + v * size;
@@ -123,33 +119,39 @@ static norma_document_result merge_old(const contents *c, uint32_t accessor, vec
     return NORMA_DOCUMENT_OK;
 }
 
-static void decode_stored(const contents *c, const gltf_data *data)
-{
-    const gltf_array array = {.data = data->bytes, .count = data->count, .stride = norma_gltf_data_size(data), .component = data->component, .width = 3, .normalized = data->normalized};
-    for (size_t v = 0; v < c->count; ++v)
-        norma_gltf_floats(&array, v, c->stored + 3 * v);
+static void decode_stored(const contents *c, const gltf_data *data) {
+    const gltf_array array = {.data = data->bytes,
+        .count = data->count,
+        .stride = norma_gltf_data_size(data),
+        .component = data->component,
+        .width = 3,
+        .normalized = data->normalized};
+    for (size_t v = 0; v < c->count; ++v) norma_gltf_floats(&array, v, c->stored + 3 * v);
 }
 
-static gltf_data vector_data(vector_encoding encoding, uint32_t width, size_t count)
-{
-    gltf_data data = {.component = encoding == VECTOR_FLOAT ? GLTF_FLOAT : encoding == VECTOR_SNORM8 ? GLTF_BYTE : GLTF_SHORT, .normalized = encoding != VECTOR_FLOAT, .width = width,
-                      .count = count};
+static gltf_data vector_data(vector_encoding encoding, uint32_t width, size_t count) {
+    gltf_data data = {.component = encoding == VECTOR_FLOAT    ? GLTF_FLOAT
+                                   : encoding == VECTOR_SNORM8 ? GLTF_BYTE
+                                                               : GLTF_SHORT,
+        .normalized = encoding != VECTOR_FLOAT,
+        .width = width,
+        .count = count};
     data.bytes = norma_io_allocate(count, norma_gltf_data_size(&data));
     return data;
 }
 
-static norma_document_result put_normals(const contents *c)
-{
+static norma_document_result put_normals(const contents *c) {
     uint32_t old = c->job->g->primitives[c->set->lead].base.normal;
     vector_encoding encoding = encoding_of(c->job->g, old, 3);
     gltf_data data = {.component = GLTF_FLOAT, .width = 3, .count = c->count};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (encoding == VECTOR_FLOAT) {          /* as they are */
+    if (encoding == VECTOR_FLOAT) { /* as they are */
         data.bytes = (unsigned char *)c->set->normals;
         c->set->normals = NULL;
     } else {
         data = vector_data(encoding, 3, c->count);
-        if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes, norma_gltf_data_size(&data)))
+        if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes,
+                               norma_gltf_data_size(&data)))
             result = out_of_memory(c);
     }
     if (old == GLTF_NONE)
@@ -160,16 +162,15 @@ static norma_document_result put_normals(const contents *c)
         free(data.bytes);
         return result;
     }
-    if (c->stored)
-        decode_stored(c, &data);
+    if (c->stored) decode_stored(c, &data);
     return put(c, GLTF_SLOT_BASE, "NORMAL", &data);
 }
 
 /* ---- tangents */
 
-/* Whether a tangent leans against the normal more than its code and rounding explain: right ones keep their bits. */
-static int leans(const float tangent[3], const float normal[3], vector_encoding encoding)
-{
+/* Whether a tangent leans against the normal more than its code and rounding explain: right ones
+ * keep their bits. */
+static int leans(const float tangent[3], const float normal[3], vector_encoding encoding) {
     double dot = 0, squares = 0;
     for (int k = 0; k < 3; ++k) {
         dot += (double)tangent[k] * (double)normal[k];
@@ -178,27 +179,35 @@ static int leans(const float tangent[3], const float normal[3], vector_encoding 
     return !(fabs(dot) <= (encoding == VECTOR_SNORM8 ? .0137 : 2e-4) * sqrt(squares));
 }
 
-static norma_document_result turn_tangents(const contents *c, uint32_t accessor, gltf_data *data)
-{
+static norma_document_result turn_tangents(const contents *c, uint32_t accessor, gltf_data *data) {
     vector_encoding encoding = encoding_of(c->job->g, accessor, 4);
     size_t size = norma_gltf_data_size(data);
-    gltf_array array = {.data = data->bytes, .count = c->count, .stride = size, .component = data->component, .width = data->width, .normalized = data->normalized};
-    float *tangents = norma_io_allocate(c->count, 4 * sizeof *tangents), *units = norma_io_allocate(c->count, 3 * sizeof *units);
-    unsigned char *codes = norma_io_allocate(c->count, 3 * sizeof(float)), *turned = norma_io_allocate(c->count, 1);
+    gltf_array array = {.data = data->bytes,
+        .count = c->count,
+        .stride = size,
+        .component = data->component,
+        .width = data->width,
+        .normalized = data->normalized};
+    float *tangents = norma_io_allocate(c->count, 4 * sizeof *tangents),
+          *units = norma_io_allocate(c->count, 3 * sizeof *units);
+    unsigned char *codes = norma_io_allocate(c->count, 3 * sizeof(float)),
+                  *turned = norma_io_allocate(c->count, 1);
     int ok = tangents && units && codes && turned;
     for (size_t v = 0; ok && v < c->count; ++v) {
         norma_gltf_floats(&array, v, tangents + 4 * v);
-        turned[v] = c->changed[v] || (is_new(c->set, v) && leans(tangents + 4 * v, c->stored + 3 * v, encoding));
+        turned[v] = c->changed[v] ||
+                    (is_new(c->set, v) && leans(tangents + 4 * v, c->stored + 3 * v, encoding));
     }
-    const norma_vec3_view normals = {.data = c->stored, .count = c->count, .format = NORMA_FORMAT_FLOAT};
-    ok = ok && norma_orthogonalise_tangents(tangents, 0, normals, c->count, tangents, 0, c->count) == NORMA_OK;
+    const norma_vec3_view normals = {
+        .data = c->stored, .count = c->count, .format = NORMA_FORMAT_FLOAT};
+    ok = ok && norma_orthogonalise_tangents(
+                   tangents, 0, normals, c->count, tangents, 0, c->count) == NORMA_OK;
     for (size_t v = 0; ok && v < c->count; ++v)
         memcpy(units + 3 * v, tangents + 4 * v, 3 * sizeof *units);
     size_t code_size = 3 * norma_gltf_component_size(data->component);
     ok = ok && encode_units(encoding, units, c->count, codes, code_size);
     for (size_t v = 0; ok && v < c->count; ++v)
-        if (turned[v])
-            memcpy(data->bytes + v * size, codes + v * code_size, code_size);
+        if (turned[v]) memcpy(data->bytes + v * size, codes + v * code_size, code_size);
     free(tangents);
     free(units);
     free(codes);
@@ -207,19 +216,19 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
 }
 
 /* Tangents that are all zeros, for want of any bytes, are none. */
-static int can_turn(const gltf_accessor *a)
-{
-    if (a->view == GLTF_NONE && a->sparse.count == 0)
-        return 0;
-    return a->width == 4 && (a->component == GLTF_FLOAT || (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
+static int can_turn(const gltf_accessor *a) {
+    if (a->view == GLTF_NONE && a->sparse.count == 0) return 0;
+    return a->width == 4 &&
+           (a->component == GLTF_FLOAT ||
+               (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
 }
 
-static norma_document_result put_attribute(const contents *c, const gltf_attribute *attribute, int32_t target)
-{
+static norma_document_result put_attribute(
+    const contents *c, const gltf_attribute *attribute, int32_t target) {
     gltf_data data;
-    int tangent = target == GLTF_SLOT_BASE && strcmp(attribute->name, "TANGENT") == 0 && can_turn(&c->job->g->accessors[attribute->accessor]);
-    if (!tangent && c->set->added_count == 0)
-        return NORMA_DOCUMENT_OK;
+    int tangent = target == GLTF_SLOT_BASE && strcmp(attribute->name, "TANGENT") == 0 &&
+                  can_turn(&c->job->g->accessors[attribute->accessor]);
+    if (!tangent && c->set->added_count == 0) return NORMA_DOCUMENT_OK;
     norma_document_result result = copy_elements(c, attribute->accessor, &data);
     if (!result && tangent && (result = turn_tangents(c, attribute->accessor, &data)))
         free(data.bytes);
@@ -228,22 +237,17 @@ static norma_document_result put_attribute(const contents *c, const gltf_attribu
 
 /* ---- morph targets */
 
-static int fits_snorm(const float *deltas, size_t count)
-{
+static int fits_snorm(const float *deltas, size_t count) {
     for (size_t i = 0; i < 3 * count; ++i)
-        if (!(deltas[i] >= -1 && deltas[i] <= 1))
-            return 0;
+        if (!(deltas[i] >= -1 && deltas[i] <= 1)) return 0;
     return 1;
 }
 
-static int round_half_away(double value)
-{
-    return (int)(value < 0 ? value - .5 : value + .5);
-}
+static int round_half_away(double value) { return (int)(value < 0 ? value - .5 : value + .5); }
 
 /* Deltas are linear: each number by itself, nothing made unit. */
-static void encode_deltas(vector_encoding encoding, const float *deltas, size_t count, unsigned char *out)
-{
+static void encode_deltas(
+    vector_encoding encoding, const float *deltas, size_t count, unsigned char *out) {
     for (size_t i = 0; i < 3 * count; ++i) {
         if (encoding == VECTOR_FLOAT) {
             memcpy(out + 4 * i, deltas + i, sizeof *deltas);
@@ -257,19 +261,17 @@ static void encode_deltas(vector_encoding encoding, const float *deltas, size_t 
     }
 }
 
-static norma_document_result put_deltas(const contents *c, uint32_t target)
-{
+static norma_document_result put_deltas(const contents *c, uint32_t target) {
     const gltf *g = c->job->g;
     const float *deltas = c->set->deltas[target];
     uint32_t old = g->targets[g->primitives[c->set->lead].first_target + target].normal;
     vector_encoding encoding = encoding_of(g, old, 3);
-    if (encoding != VECTOR_FLOAT && !fits_snorm(deltas, c->count))
-        encoding = VECTOR_FLOAT;
+    if (encoding != VECTOR_FLOAT && !fits_snorm(deltas, c->count)) encoding = VECTOR_FLOAT;
     gltf_data data = vector_data(encoding, 3, c->count);
-    if (!data.bytes)
-        return out_of_memory(c);
+    if (!data.bytes) return out_of_memory(c);
     encode_deltas(encoding, deltas, c->count, data.bytes);
-    norma_document_result result = old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(c, old, encoding, &data);
+    norma_document_result result =
+        old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(c, old, encoding, &data);
     if (result) {
         free(data.bytes);
         return result;
@@ -277,8 +279,7 @@ static norma_document_result put_deltas(const contents *c, uint32_t target)
     return put(c, (int32_t)target, "NORMAL", &data);
 }
 
-static norma_document_result put_targets(const contents *c)
-{
+static norma_document_result put_targets(const contents *c) {
     const gltf *g = c->job->g;
     const gltf_primitive *lead = &g->primitives[c->set->lead];
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -288,29 +289,23 @@ static norma_document_result put_targets(const contents *c)
         for (uint32_t i = target->first; !result && i < target->first + target->count; ++i)
             if (!deltas || strcmp(g->attributes[i].name, "NORMAL") != 0)
                 result = put_attribute(c, &g->attributes[i], (int32_t)t);
-        if (!result && deltas)
-            result = put_deltas(c, t);
+        if (!result && deltas) result = put_deltas(c, t);
     }
     return result;
 }
 
 /* ---- counting what was filled */
 
-static void count_reason(norma_count *count, size_t index, int alone)
-{
-    if (count->count++ == 0)
-        count->first = index;
-    if (!alone)
-        count->first = SIZE_MAX;
+static void count_reason(norma_count *count, size_t index, int alone) {
+    if (count->count++ == 0) count->first = index;
+    if (!alone) count->first = SIZE_MAX;
 }
 
-static void report_reasons(const contents *c)
-{
+static void report_reasons(const contents *c) {
     norma_compute_summary *summary = c->job->summary;
     int alone = c->job->set_count == 1;
     for (size_t v = 0; v < c->count; ++v) {
-        if (!is_new(c->set, v) || c->set->reasons[v] == NORMA_REASON_NONE)
-            continue;
+        if (!is_new(c->set, v) || c->set->reasons[v] == NORMA_REASON_NONE) continue;
         ++summary->filled;
         if (c->set->reasons[v] == NORMA_REASON_NON_FINITE)
             count_reason(&summary->report.non_finite, v, alone);
@@ -321,8 +316,7 @@ static void report_reasons(const contents *c)
     }
 }
 
-norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number)
-{
+norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
     gltf_set *set = &job->sets[number];
     const gltf *g = job->g;
     const gltf_attributes *base = &g->primitives[set->lead].base;
@@ -330,13 +324,12 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number)
     const int tangents = base->tangent != GLTF_NONE;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (set->added_count)
-        result = norma_gltf_copy_vertices(job->g, &job->g->primitives[set->lead], c.count, norma_gltf_vertex_size(g, &g->primitives[set->lead]), job->error);
-    if (result)
-        return result;
+        result = norma_gltf_copy_vertices(job->g, &job->g->primitives[set->lead], c.count,
+            norma_gltf_vertex_size(g, &g->primitives[set->lead]), job->error);
+    if (result) return result;
     c.stored = tangents ? norma_io_allocate(c.count, 3 * sizeof *c.stored) : NULL;
     c.changed = norma_io_allocate(c.count, 1);
-    if ((!c.stored && tangents) || !c.changed)
-        result = out_of_memory(&c);
+    if ((!c.stored && tangents) || !c.changed) result = out_of_memory(&c);
     if (!result) {
         report_reasons(&c);
         result = put_normals(&c);
@@ -344,8 +337,7 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number)
     for (uint32_t i = base->first; !result && i < base->first + base->count; ++i)
         if (strcmp(g->attributes[i].name, "NORMAL") != 0)
             result = put_attribute(&c, &g->attributes[i], GLTF_SLOT_BASE);
-    if (!result)
-        result = put_targets(&c);
+    if (!result) result = put_targets(&c);
     free(c.stored);
     free(c.changed);
     return result;

@@ -1,5 +1,6 @@
-/* vertex_sharing.c: which primitives draw the same vertices, and which vertices their points become: the first point of an old vertex gets its number, so that old indices
- * stay right; further ones are added behind. */
+/* vertex_sharing.c: which primitives draw the same vertices, and which vertices their points
+ * become: the first point of an old vertex gets its number, so that old indices stay right; further
+ * ones are added behind. */
 #include "io/gltf/compute/gltf_compute.h"
 #include "io/stream/large_memory.h"
 #include "io/stream/tasks.h"
@@ -7,68 +8,62 @@
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result out_of_memory(const gltf_job *job)
-{
+static norma_document_result out_of_memory(const gltf_job *job) {
     return norma_document_fail_memory(job->g->document, job->error);
 }
 
 /* ---- making sets */
 
-static int same_attributes(const gltf *g, const gltf_attributes *a, const gltf_attributes *b)
-{
-    if (a->count != b->count || a->position != b->position || a->normal != b->normal)
-        return 0;
+static int same_attributes(const gltf *g, const gltf_attributes *a, const gltf_attributes *b) {
+    if (a->count != b->count || a->position != b->position || a->normal != b->normal) return 0;
     for (uint32_t i = a->first; i < a->first + a->count; ++i) {
         uint32_t k = norma_gltf_find(g, b, g->attributes[i].name);
-        if (k == GLTF_NONE || g->attributes[k].accessor != g->attributes[i].accessor)
-            return 0;
+        if (k == GLTF_NONE || g->attributes[k].accessor != g->attributes[i].accessor) return 0;
     }
     return 1;
 }
 
 /* Whether a target is to get normals. */
-static int morphs_normals(const gltf_job *job, const gltf_attributes *target)
-{
+static int morphs_normals(const gltf_job *job, const gltf_attributes *target) {
     return target->normal != GLTF_NONE || (job->options->morphs && target->position != GLTF_NONE);
 }
 
-static int has_morphs(const gltf_job *job, const gltf_primitive *p)
-{
+static int has_morphs(const gltf_job *job, const gltf_primitive *p) {
     for (uint32_t t = 0; t < p->target_count; ++t)
-        if (morphs_normals(job, &job->g->targets[p->first_target + t]))
-            return 1;
+        if (morphs_normals(job, &job->g->targets[p->first_target + t])) return 1;
     return 0;
 }
 
-/* Deltas hang on what surrounds the vertex in its own mesh: with them a set does not reach over several meshes. */
-static int same_set(const gltf_job *job, const gltf_set *set, const gltf_primitive *p)
-{
+/* Deltas hang on what surrounds the vertex in its own mesh: with them a set does not reach over
+ * several meshes. */
+static int same_set(const gltf_job *job, const gltf_set *set, const gltf_primitive *p) {
     const gltf *g = job->g;
     const gltf_primitive *lead = &g->primitives[set->lead];
-    if (p->target_count != lead->target_count || !same_attributes(g, &p->base, &lead->base) || (p->mesh != lead->mesh && (set->has_morphs || has_morphs(job, p))))
+    if (p->target_count != lead->target_count || !same_attributes(g, &p->base, &lead->base) ||
+        (p->mesh != lead->mesh && (set->has_morphs || has_morphs(job, p))))
         return 0;
     for (uint32_t t = 0; t < p->target_count; ++t)
-        if (!same_attributes(g, &g->targets[p->first_target + t], &g->targets[lead->first_target + t]))
+        if (!same_attributes(
+                g, &g->targets[p->first_target + t], &g->targets[lead->first_target + t]))
             return 0;
     return 1;
 }
 
-/* N101 to N103: not finite, shorter than 1e-6, not of unit length within what the encoding can do. */
-static int is_broken(const float n[3], int component)
-{
-    double length = sqrt((double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2]);
-    return !isfinite(n[0]) || !isfinite(n[1]) || !isfinite(n[2]) || length < 1e-6 || fabs(length - 1) > (component == GLTF_BYTE ? .00682 : 5e-4);
+/* N101 to N103: not finite, shorter than 1e-6, not of unit length within what the encoding can do.
+ */
+static int is_broken(const float n[3], int component) {
+    double length = sqrt(
+        (double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2]);
+    return !isfinite(n[0]) || !isfinite(n[1]) || !isfinite(n[2]) || length < 1e-6 ||
+           fabs(length - 1) > (component == GLTF_BYTE ? .00682 : 5e-4);
 }
 
-static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t normal)
-{
+static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t normal) {
     gltf_array array;
     norma_document_result result = norma_gltf_array(job->g, normal, &array, job->error);
-    if (result)
-        return result;
+    if (result) return result;
     set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken)
-        return out_of_memory(job);
+    if (!set->broken) return out_of_memory(job);
     set->wanted = 0;
     for (size_t i = 0; i < set->vertices; ++i) {
         float n[16];
@@ -79,56 +74,54 @@ static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t 
     return NORMA_DOCUMENT_OK;
 }
 
-/* Of normals that are fewer than positions (read leniently) the rest is missing; too many become as many as there are positions. */
-static int counts_differ(const gltf_job *job, const gltf_primitive *p)
-{
+/* Of normals that are fewer than positions (read leniently) the rest is missing; too many become as
+ * many as there are positions. */
+static int counts_differ(const gltf_job *job, const gltf_primitive *p) {
     return job->g->accessors[p->base.normal].count != p->vertices;
 }
 
-static int lacks_deltas(const gltf_job *job, const gltf_primitive *p)
-{
+static int lacks_deltas(const gltf_job *job, const gltf_primitive *p) {
     for (uint32_t t = 0; job->options->morphs && t < p->target_count; ++t) {
         const gltf_attributes *target = &job->g->targets[p->first_target + t];
-        if (target->normal == GLTF_NONE && target->position != GLTF_NONE)
-            return 1;
+        if (target->normal == GLTF_NONE && target->position != GLTF_NONE) return 1;
     }
     return 0;
 }
 
-static norma_document_result find_missing(const gltf_job *job, gltf_set *set, uint32_t normal)
-{
+static norma_document_result find_missing(const gltf_job *job, gltf_set *set, uint32_t normal) {
     set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken)
-        return out_of_memory(job);
-    for (size_t i = job->g->accessors[normal].count; i < set->vertices; ++i)
-        set->broken[i] = 1;
+    if (!set->broken) return out_of_memory(job);
+    for (size_t i = job->g->accessors[normal].count; i < set->vertices; ++i) set->broken[i] = 1;
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t primitive)
-{
+static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t primitive) {
     const gltf_primitive *p = &job->g->primitives[primitive];
-    *set = (gltf_set){.lead = primitive, .last = primitive, .mesh = p->mesh, .vertices = p->vertices, .wanted = 1, .has_morphs = has_morphs(job, p)};
+    *set = (gltf_set){.lead = primitive,
+        .last = primitive,
+        .mesh = p->mesh,
+        .vertices = p->vertices,
+        .wanted = 1,
+        .has_morphs = has_morphs(job, p)};
     if (job->options->only == NORMA_ONLY_ALL || p->base.normal == GLTF_NONE)
         return NORMA_DOCUMENT_OK;
-    norma_document_result result = job->options->only == NORMA_ONLY_BROKEN ? find_broken(job, set, p->base.normal) : find_missing(job, set, p->base.normal);
-    if (job->options->only == NORMA_ONLY_MISSING)
-        set->wanted = lacks_deltas(job, p);
+    norma_document_result result = job->options->only == NORMA_ONLY_BROKEN
+                                       ? find_broken(job, set, p->base.normal)
+                                       : find_missing(job, set, p->base.normal);
+    if (job->options->only == NORMA_ONLY_MISSING) set->wanted = lacks_deltas(job, p);
     set->wanted |= counts_differ(job, p);
     return result;
 }
 
 /* Steele, Lea, Flood 2014, splitmix64. */
-static uint64_t mixed(uint64_t z)
-{
+static uint64_t mixed(uint64_t z) {
     z = (z + 0x9E3779B97F4A7C15u) * 0xBF58476D1CE4E5B9u;
     z = (z ^ z >> 27) * 0x94D049BB133111EBu;
     return z ^ z >> 31;
 }
 
 /* Primitives of one set have the same one; attributes may stand in any order. */
-static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p)
-{
+static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p) {
     const gltf *g = job->g;
     uint64_t hash = mixed(has_morphs(job, p) ? (uint64_t)p->mesh + 1 : 0);
     for (uint32_t t = 0; t <= p->target_count; ++t) {
@@ -141,14 +134,13 @@ static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p)
     return hash;
 }
 
-/* Puts a primitive into its set, which is made where there is none yet. sets_at: for each slot of a table the last set made in it. */
-static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_t *sets_at)
-{
+/* Puts a primitive into its set, which is made where there is none yet. sets_at: for each slot of a
+ * table the last set made in it. */
+static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_t *sets_at) {
     const gltf_primitive *p = &job->g->primitives[primitive];
     const uint32_t slot = (uint32_t)(hash_primitive(job, p) % job->g->primitive_count);
     uint32_t s = sets_at[slot];
-    while (s != GLTF_NONE && !same_set(job, &job->sets[s], p))
-        s = job->sets[s].next_at;
+    while (s != GLTF_NONE && !same_set(job, &job->sets[s], p)) s = job->sets[s].next_at;
     if (s != GLTF_NONE) {
         gltf_set *set = &job->sets[s];
         set->mesh = set->mesh == p->mesh ? p->mesh : GLTF_NONE;
@@ -165,8 +157,7 @@ static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_
     return result;
 }
 
-norma_document_result norma_gltf_make_sets(gltf_job *job)
-{
+norma_document_result norma_gltf_make_sets(gltf_job *job) {
     const gltf *g = job->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint32_t *sets_at = norma_io_allocate(g->primitive_count, sizeof *sets_at);
@@ -176,29 +167,25 @@ norma_document_result norma_gltf_make_sets(gltf_job *job)
     job->corners = norma_io_allocate(g->primitive_count, sizeof *job->corners);
     if (!sets_at || !job->sets || !job->set_of || !job->next_in_set || !job->corners)
         result = out_of_memory(job);
-    for (uint32_t slot = 0; !result && slot < g->primitive_count; ++slot)
-        sets_at[slot] = GLTF_NONE;
+    for (uint32_t slot = 0; !result && slot < g->primitive_count; ++slot) sets_at[slot] = GLTF_NONE;
     for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
         job->set_of[i] = job->next_in_set[i] = GLTF_NONE;
-        if (!g->primitives[i].not_read)
-            result = join_set(job, i, sets_at);
+        if (!g->primitives[i].not_read) result = join_set(job, i, sets_at);
     }
     free(sets_at);
     return result;
 }
 
-void norma_gltf_sets_free(gltf_job *job)
-{
+void norma_gltf_sets_free(gltf_job *job) {
     for (uint32_t s = 0; s < job->set_count; ++s) {
         gltf_set *set = &job->sets[s];
         for (uint32_t t = 0; set->deltas && t < job->g->primitives[set->lead].target_count; ++t)
             free(set->deltas[t]);
-        void *const blocks[] = {set->broken, set->taken, set->added, set->normals, set->reasons, set->point_of, set->table, set->deltas};
-        for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i)
-            free(blocks[i]);
+        void *const blocks[] = {set->broken, set->taken, set->added, set->normals, set->reasons,
+            set->point_of, set->table, set->deltas};
+        for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
     }
-    for (uint32_t i = 0; job->corners && i < job->g->primitive_count; ++i)
-        free(job->corners[i]);
+    for (uint32_t i = 0; job->corners && i < job->g->primitive_count; ++i) free(job->corners[i]);
     free(job->corners);
     free(job->sets);
     free(job->set_of);
@@ -207,22 +194,18 @@ void norma_gltf_sets_free(gltf_job *job)
 
 /* ---- points become vertices */
 
-static int make_room(gltf_set *set, size_t needed)
-{
-    if (needed <= set->capacity)
-        return 1;
+static int make_room(gltf_set *set, size_t needed) {
+    if (needed <= set->capacity) return 1;
     size_t larger = set->capacity + set->capacity / 2;
     larger = larger < needed ? needed : larger;
-    if (larger > SIZE_MAX / 16)
-        return 0;
+    if (larger > SIZE_MAX / 16) return 0;
     float *normals = realloc(set->normals, larger * 3 * sizeof *normals);
     set->normals = normals ? normals : set->normals;
     uint8_t *reasons = realloc(set->reasons, larger);
     set->reasons = reasons ? reasons : set->reasons;
     uint32_t *point_of = set->has_morphs ? realloc(set->point_of, larger * sizeof *point_of) : NULL;
     set->point_of = point_of ? point_of : set->point_of;
-    if (!normals || !reasons || (set->has_morphs && !point_of))
-        return 0;
+    if (!normals || !reasons || (set->has_morphs && !point_of)) return 0;
     memset(set->normals + 3 * set->capacity, 0, (larger - set->capacity) * 3 * sizeof *normals);
     memset(set->reasons + set->capacity, 0, larger - set->capacity);
     if (set->has_morphs)
@@ -231,16 +214,13 @@ static int make_room(gltf_set *set, size_t needed)
     return 1;
 }
 
-static int begin_vertices(gltf_set *set)
-{
-    if (set->taken)
-        return 1;
+static int begin_vertices(gltf_set *set) {
+    if (set->taken) return 1;
     set->taken = norma_io_allocate(set->vertices, 1);
     return set->taken && make_room(set, set->vertices);
 }
 
-static size_t hash_vertex(uint32_t vertex, const float normal[3])
-{
+static size_t hash_vertex(uint32_t vertex, const float normal[3]) {
     uint32_t bits[3];
     memcpy(bits, normal, sizeof bits);
     uint64_t hash = ((uint64_t)vertex << 32 | bits[0]) * 0x9E3779B97F4A7C15u;
@@ -248,103 +228,96 @@ static size_t hash_vertex(uint32_t vertex, const float normal[3])
     return (size_t)(hash ^ hash >> 32);
 }
 
-static uint32_t old_vertex(const gltf_set *set, size_t vertex)
-{
+static uint32_t old_vertex(const gltf_set *set, size_t vertex) {
     return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
 }
 
-static int grow_table(gltf_set *set, size_t used)
-{
+static int grow_table(gltf_set *set, size_t used) {
     size_t size = 64;
-    while (size / 4 < used)
-        size *= 2;
+    while (size / 4 < used) size *= 2;
     uint32_t *table = norma_io_allocate(size, sizeof *table);
     for (size_t i = 0; table && i < set->table_size; ++i) {
-        if (!set->table[i])
-            continue;
-        size_t vertex = set->table[i] - 1, at = hash_vertex(old_vertex(set, vertex), set->normals + 3 * vertex) & (size - 1);
-        while (table[at])
-            at = (at + 1) & (size - 1);
+        if (!set->table[i]) continue;
+        size_t vertex = set->table[i] - 1,
+               at = hash_vertex(old_vertex(set, vertex), set->normals + 3 * vertex) & (size - 1);
+        while (table[at]) at = (at + 1) & (size - 1);
         table[at] = set->table[i];
     }
-    if (!table)
-        return 0;
+    if (!table) return 0;
     free(set->table);
     set->table = table;
     set->table_size = size;
     return 1;
 }
 
-/* The place in the table of a vertex with this normal, or a free one. Only for sets that several meshes draw: within one mesh points differ anyway. */
-static uint32_t *find_in_table(const gltf_set *set, uint32_t vertex, const float normal[3])
-{
+/* The place in the table of a vertex with this normal, or a free one. Only for sets that several
+ * meshes draw: within one mesh points differ anyway. */
+static uint32_t *find_in_table(const gltf_set *set, uint32_t vertex, const float normal[3]) {
     size_t at = hash_vertex(vertex, normal) & (set->table_size - 1);
     while (set->table[at]) {
         size_t found = set->table[at] - 1;
-        if (old_vertex(set, found) == vertex && memcmp(set->normals + 3 * found, normal, 3 * sizeof *normal) == 0)
+        if (old_vertex(set, found) == vertex &&
+            memcmp(set->normals + 3 * found, normal, 3 * sizeof *normal) == 0)
             break;
         at = (at + 1) & (set->table_size - 1);
     }
     return &set->table[at];
 }
 
-/* The number of the vertex that an old vertex with this normal becomes; GLTF_NONE: out of memory, or of numbers. */
-static uint32_t take_vertex(gltf_set *set, uint32_t vertex, const float normal[3], uint8_t reason)
-{
+/* The number of the vertex that an old vertex with this normal becomes; GLTF_NONE: out of memory,
+ * or of numbers. */
+static uint32_t take_vertex(gltf_set *set, uint32_t vertex, const float normal[3], uint8_t reason) {
     size_t number = vertex;
     uint32_t *place = NULL;
-    if (set->broken && !set->broken[vertex])
-        return vertex;
+    if (set->broken && !set->broken[vertex]) return vertex;
     if (set->mesh == GLTF_NONE) {
-        if (set->table_size / 4 <= set->vertices + set->added_count && !grow_table(set, (set->vertices + set->added_count + 1) * 2))
+        if (set->table_size / 4 <= set->vertices + set->added_count &&
+            !grow_table(set, (set->vertices + set->added_count + 1) * 2))
             return GLTF_NONE;
         place = find_in_table(set, vertex, normal);
-        if (*place)
-            return *place - 1;
+        if (*place) return *place - 1;
     }
     if (set->taken[vertex]) {
         number = set->vertices + set->added_count;
-        uint32_t *added = number >= UINT32_MAX - 1 ? NULL : norma_io_grow(set->added, &set->added_capacity, set->added_count + 1, sizeof *added);
+        uint32_t *added = number >= UINT32_MAX - 1 ? NULL
+                                                   : norma_io_grow(set->added, &set->added_capacity,
+                                                         set->added_count + 1, sizeof *added);
         set->added = added ? added : set->added;
-        if (!added || !make_room(set, number + 1))
-            return GLTF_NONE;
+        if (!added || !make_room(set, number + 1)) return GLTF_NONE;
         set->added[set->added_count++] = vertex;
     }
     set->taken[vertex] = 1;
     memcpy(set->normals + 3 * number, normal, 3 * sizeof *normal);
     set->reasons[number] = reason;
-    if (place)
-        *place = (uint32_t)number + 1;
+    if (place) *place = (uint32_t)number + 1;
     return (uint32_t)number;
 }
 
-/* Where a mesh is one primitive, every point is drawn, and they come in the order of their corners: no need to look at those. */
-static int take_all_points(gltf_set *set, const gltf_surface *s, uint32_t *places)
-{
+/* Where a mesh is one primitive, every point is drawn, and they come in the order of their corners:
+ * no need to look at those. */
+static int take_all_points(gltf_set *set, const gltf_surface *s, uint32_t *places) {
     const uint32_t first = (uint32_t)s->position_start[0];
     for (size_t point = 0; point < s->point_count; ++point) {
-        places[point] = take_vertex(set, s->sources[point] - first, s->normals + 3 * point, s->reasons[point]);
-        if (places[point] == GLTF_NONE)
-            return 0;
+        places[point] =
+            take_vertex(set, s->sources[point] - first, s->normals + 3 * point, s->reasons[point]);
+        if (places[point] == GLTF_NONE) return 0;
     }
     return 1;
 }
 
-/* The points of a primitive's corners, for which stamps do not say already that they have their place. */
-static int take_points_of(gltf_set *set, uint32_t set_number, const gltf_surface *s, uint32_t local, size_t corner_count, uint32_t *places, uint32_t *stamps)
-{
+/* The points of a primitive's corners, for which stamps do not say already that they have their
+ * place. */
+static int take_points_of(gltf_set *set, uint32_t set_number, const gltf_surface *s, uint32_t local,
+    size_t corner_count, uint32_t *places, uint32_t *stamps) {
     const uint32_t *points = norma_gltf_points(s) + s->corner_start[local];
     for (size_t c = 0; c < corner_count; ++c) {
         const uint32_t point = points[c];
-        if (stamps[point] == set_number + 1)
-            continue;
+        if (stamps[point] == set_number + 1) continue;
         uint32_t vertex = s->sources[point] - (uint32_t)s->position_start[local];
         places[point] = take_vertex(set, vertex, s->normals + 3 * (size_t)point, s->reasons[point]);
         stamps[point] = set_number + 1;
-        if (places[point] == GLTF_NONE)
-            return 0;
-        if (set->has_morphs)
-            set->point_of[places[point]] = point;
+        if (places[point] == GLTF_NONE) return 0;
+        if (set->has_morphs) set->point_of[places[point]] = point;
     }
     return 1;
 }
@@ -353,53 +326,52 @@ enum { LEAST_SLICE = 1 << 16 };
 
 typedef struct placing {
     const uint32_t *points, *places;
-    uint32_t       *corners;              /* may be the points */
-    size_t          count, slices;
+    uint32_t *corners; /* may be the points */
+    size_t count, slices;
 } placing;
 
-static void place_slice(void *context, size_t slice)
-{
+static void place_slice(void *context, size_t slice) {
     const placing *p = context;
     const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
     for (size_t c = norma_io_slice(p->count, p->slices, slice); c < end; ++c)
         p->corners[c] = p->places[p->points[c]];
 }
 
-/* places: for each point of the surface its vertex in this set, valid where stamps says the set's number + 1. The corners of a mesh that is one primitive are made where its
- * points stand, which nobody needs any more. */
-static int take_primitive(gltf_job *job, gltf_surface *s, uint32_t number, uint32_t *places, uint32_t *stamps)
-{
+/* places: for each point of the surface its vertex in this set, valid where stamps says the set's
+ * number + 1. The corners of a mesh that is one primitive are made where its points stand, which
+ * nobody needs any more. */
+static int take_primitive(
+    gltf_job *job, gltf_surface *s, uint32_t number, uint32_t *places, uint32_t *stamps) {
     gltf *g = job->g;
     const gltf_primitive *p = &g->primitives[number];
     uint32_t local = p->number, set_number = job->set_of[number];
     gltf_set *set = &job->sets[set_number];
     const int alone = g->meshes[s->mesh].primitive_count == 1 && s->in_order && !set->has_morphs;
-    if (!begin_vertices(set))
+    if (!begin_vertices(set)) return 0;
+    if (!(alone ? take_all_points(set, s, places)
+                : take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps)))
         return 0;
-    if (!(alone ? take_all_points(set, s, places) : take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps)))
-        return 0;
-    placing placed = {.points = norma_gltf_points(s) + s->corner_start[local], .places = places, .count = 3 * p->faces};
+    placing placed = {.points = norma_gltf_points(s) + s->corner_start[local],
+        .places = places,
+        .count = 3 * p->faces};
     placed.corners = alone ? s->points : norma_io_block(placed.count, sizeof *placed.corners);
-    if (!placed.corners)
-        return 0;
+    if (!placed.corners) return 0;
     placed.slices = norma_io_slices(placed.count, LEAST_SLICE);
     norma_io_tasks(job->core.threads, placed.slices, place_slice, &placed);
-    if (alone)
-        s->points = NULL;
+    if (alone) s->points = NULL;
     job->corners[number] = placed.corners;
     return 1;
 }
 
-norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s)
-{
+norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
     const gltf_mesh *mesh = &job->g->meshes[s->mesh];
-    uint32_t *places = norma_io_block(s->point_count, sizeof *places), *stamps = norma_io_allocate(s->point_count, sizeof *stamps);
+    uint32_t *places = norma_io_block(s->point_count, sizeof *places),
+             *stamps = norma_io_allocate(s->point_count, sizeof *stamps);
     unsigned char *done = norma_io_allocate(mesh->primitive_count, 1);
     int ok = places && stamps && done;
     for (uint32_t i = 0; ok && i < mesh->primitive_count; ++i) {
         uint32_t set = job->set_of[mesh->first_primitive + i];
-        if (set == GLTF_NONE || !job->sets[set].wanted)
-            continue;
+        if (set == GLTF_NONE || !job->sets[set].wanted) continue;
         for (uint32_t k = i; ok && k < mesh->primitive_count && !done[i]; ++k)
             if (job->set_of[mesh->first_primitive + k] == set && !done[k]) {
                 ok = take_primitive(job, s, mesh->first_primitive + k, places, stamps);
@@ -415,8 +387,8 @@ norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s)
 
 /* ---- vertices that no triangle uses */
 
-static norma_document_result own_corners(gltf_job *job, const gltf_set *set, uint32_t **corners, size_t *count)
-{
+static norma_document_result own_corners(
+    gltf_job *job, const gltf_set *set, uint32_t **corners, size_t *count) {
     gltf *g = job->g;
     *corners = NULL;
     *count = 0;
@@ -427,56 +399,50 @@ static norma_document_result own_corners(gltf_job *job, const gltf_set *set, uin
     for (uint32_t i = set->lead; *corners && i != GLTF_NONE; i = job->next_in_set[i]) {
         const uint32_t *own;
         norma_document_result result = norma_gltf_corners(g, i, &own, job->error);
-        if (result)
-            return result;
+        if (result) return result;
         memcpy(*corners + at, own, 3 * g->primitives[i].faces * sizeof *own);
         at += 3 * g->primitives[i].faces;
     }
     return *corners ? NORMA_DOCUMENT_OK : out_of_memory(job);
 }
 
-static void take_nearest(gltf_set *set, const float *normals, const uint8_t *reasons)
-{
+static void take_nearest(gltf_set *set, const float *normals, const uint8_t *reasons) {
     for (size_t v = 0; v < set->vertices; ++v) {
         const float *from = normals + 3 * v;
         float *to = set->normals + 3 * v;
-        if (set->taken[v] || (set->broken && !set->broken[v]))
-            continue;
+        if (set->taken[v] || (set->broken && !set->broken[v])) continue;
         memcpy(to, from, 3 * sizeof *to);
-        if (to[0] == 0 && to[1] == 0 && to[2] == 0)
-            to[2] = 1;
-        set->reasons[v] = reasons[v] == NORMA_REASON_NON_FINITE ? NORMA_REASON_NON_FINITE : NORMA_REASON_UNREFERENCED;
+        if (to[0] == 0 && to[1] == 0 && to[2] == 0) to[2] = 1;
+        set->reasons[v] = reasons[v] == NORMA_REASON_NON_FINITE ? NORMA_REASON_NON_FINITE
+                                                                : NORMA_REASON_UNREFERENCED;
     }
 }
 
-norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set)
-{
+norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set) {
     size_t missing = 0, count;
     gltf_array positions;
     uint32_t *corners = NULL;
-    if (!begin_vertices(set))
-        return out_of_memory(job);
+    if (!begin_vertices(set)) return out_of_memory(job);
     for (size_t v = 0; v < set->vertices; ++v)
         missing += !set->taken[v] && (!set->broken || set->broken[v]);
-    if (!missing)
-        return NORMA_DOCUMENT_OK;
-    norma_document_result result = norma_gltf_array(job->g, job->g->primitives[set->lead].base.position, &positions, job->error);
-    if (!result)
-        result = own_corners(job, set, &corners, &count);
+    if (!missing) return NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_gltf_array(
+        job->g, job->g->primitives[set->lead].base.position, &positions, job->error);
+    if (!result) result = own_corners(job, set, &corners, &count);
     if (result) {
         free(corners);
         return result;
     }
     float *normals = norma_io_allocate(set->vertices, 3 * sizeof *normals);
     uint8_t *reasons = norma_io_allocate(set->vertices, 1);
-    const norma_mesh mesh = {.positions = norma_gltf_vec3_view(&positions), .corners = corners, .corner_count = count};
+    const norma_mesh mesh = {
+        .positions = norma_gltf_vec3_view(&positions), .corners = corners, .corner_count = count};
     norma_result core = NORMA_ERROR_MEMORY;
     job->core.reasons = reasons;
     if (normals && reasons)
         core = norma_vertex_normals(&mesh, &job->core, normals, set->vertices, NULL);
     job->core.reasons = NULL;
-    if (!core)
-        take_nearest(set, normals, reasons);
+    if (!core) take_nearest(set, normals, reasons);
     free(corners);
     free(normals);
     free(reasons);

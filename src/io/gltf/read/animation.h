@@ -1,4 +1,5 @@
-/* animation.h: what an animation does to the rotations and scales of nodes, at any time. Translations and weights are no matter here. */
+/* animation.h: what an animation does to the rotations and scales of nodes, at any time.
+ * Translations and weights are no matter here. */
 #ifndef NORMA_IO_GLTF_ANIMATION_H
 #define NORMA_IO_GLTF_ANIMATION_H
 #include "io/gltf/read/gltf_scene.h"
@@ -16,7 +17,10 @@ typedef struct gltf_animation {
     size_t count;
 } gltf_animation;
 
-/* All of the file, in scene->animations, read once. Fails for what glTF does not allow, each time in the same words. */
-norma_document_result norma_gltf_animations(gltf *g, gltf_scene *scene, norma_document_error *error);
-void norma_gltf_channel_at(const gltf_channel *channel, double time, double out[4]); /* quaternions made unit */
+/* All of the file, in scene->animations, read once. Fails for what glTF does not allow, each time
+ * in the same words. */
+norma_document_result norma_gltf_animations(
+    gltf *g, gltf_scene *scene, norma_document_error *error);
+void norma_gltf_channel_at(
+    const gltf_channel *channel, double time, double out[4]); /* quaternions made unit */
 #endif

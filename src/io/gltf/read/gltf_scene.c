@@ -1,5 +1,6 @@
-/* gltf_scene.c: what a glTF's surfaces have beside positions, corners and normals: UVs, colours, tangents, morph targets, the rules that extras silence,
- * where a node stands, and what of the file was not read. */
+/* gltf_scene.c: what a glTF's surfaces have beside positions, corners and normals: UVs, colours,
+ * tangents, morph targets, the rules that extras silence, where a node stands, and what of the file
+ * was not read. */
 #include "io/gltf/read/gltf_scene.h"
 #include "io/gltf/read/node_matrix.h"
 #include "core/matrix/matrix.h"
@@ -11,8 +12,7 @@
 
 const char *norma_gltf_name(gltf *g, uint32_t token) {
     uint32_t name = norma_json_member(&g->json, token, "name");
-    if (!norma_json_is(&g->json, name, JSON_STRING))
-        return "";
+    if (!norma_json_is(&g->json, name, JSON_STRING)) return "";
     char *decoded = norma_json_string(&g->json, name);
     char *kept = decoded ? norma_scene_text(g->document->scene, decoded) : NULL;
     free(decoded);
@@ -27,31 +27,28 @@ const char *norma_gltf_where(gltf *g, const char *list, size_t number) {
 
 gltf_scene *norma_gltf_scene_of(gltf *g) {
     norma_scene *scene = g->document->scene;
-    if (scene->gltf)
-        return scene->gltf;
+    if (scene->gltf) return scene->gltf;
     gltf_scene *made = norma_scene_allocate(scene, 1, sizeof *made);
-    if (!made)
-        return NULL;
+    if (!made) return NULL;
     made->decoded = norma_scene_allocate(scene, g->accessor_count, sizeof *made->decoded);
     made->colors = norma_scene_allocate(scene, g->accessor_count, sizeof *made->colors);
     made->mesh_ignore = norma_scene_allocate(scene, g->mesh_count, sizeof *made->mesh_ignore);
     made->node_ignore = norma_scene_allocate(scene, g->node_count, sizeof *made->node_ignore);
-    if (made->decoded && made->colors && made->mesh_ignore && made->node_ignore)
-        scene->gltf = made;
+    if (made->decoded && made->colors && made->mesh_ignore && made->node_ignore) scene->gltf = made;
     return scene->gltf;
 }
 
-enum { MOST_IGNORED = 600 }; /* bytes of a list: some hundred ids; a file that wants more means all */
+enum {
+    MOST_IGNORED = 600
+}; /* bytes of a list: some hundred ids; a file that wants more means all */
 
 /* 0: the list is full, or memory is out. */
 static int add_rule(const gltf *g, uint32_t token, json_text *list) {
     char *rule = norma_json_string(&g->json, token);
     size_t length = rule ? strlen(rule) : 0;
     int fits = rule && length < MOST_IGNORED && list->size + length + 1 < MOST_IGNORED;
-    if (fits && list->size)
-        norma_json_add(list, ",", 1);
-    if (fits)
-        norma_json_add(list, rule, length);
+    if (fits && list->size) norma_json_add(list, ",", 1);
+    if (fits) norma_json_add(list, rule, length);
     list->failed |= !rule;
     free(rule);
     return fits;
@@ -59,16 +56,16 @@ static int add_rule(const gltf *g, uint32_t token, json_text *list) {
 
 const char *norma_gltf_ignore(gltf *g, uint32_t token) {
     const json *j = &g->json;
-    uint32_t ignore = norma_json_member(j, norma_json_member(j, norma_json_member(j, token, "extras"), "norma"), "ignore");
+    uint32_t ignore = norma_json_member(
+        j, norma_json_member(j, norma_json_member(j, token, "extras"), "norma"), "ignore");
     json_text list = {0};
     if (norma_json_is(j, ignore, JSON_STRING))
         add_rule(g, ignore, &list);
     else if (norma_json_is(j, ignore, JSON_ARRAY))
-        for (uint32_t item = norma_json_first(j, ignore); item != JSON_NONE; item = norma_json_next(j, ignore, item))
-            if (norma_json_is(j, item, JSON_STRING) && !add_rule(g, item, &list))
-                break;
-    if (!list.size && !list.failed)
-        return "";
+        for (uint32_t item = norma_json_first(j, ignore); item != JSON_NONE;
+             item = norma_json_next(j, ignore, item))
+            if (norma_json_is(j, item, JSON_STRING) && !add_rule(g, item, &list)) break;
+    if (!list.size && !list.failed) return "";
     norma_json_add(&list, "", 1);
     const char *kept = list.failed ? NULL : norma_scene_text(g->document->scene, list.data);
     free(list.data);
@@ -78,48 +75,52 @@ const char *norma_gltf_ignore(gltf *g, uint32_t token) {
 /* above, and behind it what an object's own extras say. */
 static const char *ignored_with(gltf *g, const char *above, uint32_t token) {
     const char *own = above ? norma_gltf_ignore(g, token) : NULL;
-    if (!own || !own[0])
-        return own ? above : NULL;
-    return !above[0] || strlen(above) + strlen(own) >= MOST_IGNORED ? own : norma_scene_join(g->document->scene, above, own);
+    if (!own || !own[0]) return own ? above : NULL;
+    return !above[0] || strlen(above) + strlen(own) >= MOST_IGNORED
+               ? own
+               : norma_scene_join(g->document->scene, above, own);
 }
 
 /* Of the whole file: the root's extras, and the asset's. */
 const char *norma_gltf_root_ignore(gltf *g) {
     gltf_scene *scene = norma_gltf_scene_of(g);
     if (scene && !scene->root_ignore)
-        scene->root_ignore = ignored_with(g, norma_gltf_ignore(g, 0), norma_json_member(&g->json, 0, "asset"));
+        scene->root_ignore =
+            ignored_with(g, norma_gltf_ignore(g, 0), norma_json_member(&g->json, 0, "asset"));
     return scene ? scene->root_ignore : NULL;
 }
 
 /* ---- arrays */
 
 static int is_plain(const gltf_array *array, uint32_t width) {
-    return array->component == GLTF_FLOAT && array->stride == width * sizeof(float) && (uintptr_t)array->data % sizeof(float) == 0;
+    return array->component == GLTF_FLOAT && array->stride == width * sizeof(float) &&
+           (uintptr_t)array->data % sizeof(float) == 0;
 }
 
-norma_document_result norma_gltf_decode(gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error) {
+norma_document_result norma_gltf_decode(
+    gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error) {
     gltf_array array;
     gltf_scene *scene = norma_gltf_scene_of(g);
     *floats = NULL;
-    if (!scene)
-        return norma_document_fail_memory(g->document, error);
+    if (!scene) return norma_document_fail_memory(g->document, error);
     norma_document_result result = norma_gltf_array(g, accessor, &array, error);
-    if (result)
-        return result;
+    if (result) return result;
     if (array.width != width)
         return norma_gltf_malformed(g, error, g->accessors[accessor].token,
-                                    width == 2   ? "pairs of numbers"
-                                    : width == 3 ? "vectors of three numbers"
-                                                 : "vectors of four numbers");
+            width == 2   ? "pairs of numbers"
+            : width == 3 ? "vectors of three numbers"
+                         : "vectors of four numbers");
     if (is_plain(&array, width)) {
         *floats = (const float *)(const void *)array.data;
         return NORMA_DOCUMENT_OK;
     }
     if (!scene->decoded[accessor]) {
-        result = norma_gltf_spend(g, g->accessors[accessor].token, array.count, width * sizeof(float), error);
-        float *copy = result ? NULL : norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
-        if (!copy)
-            return result ? result : norma_document_fail_memory(g->document, error);
+        result = norma_gltf_spend(
+            g, g->accessors[accessor].token, array.count, width * sizeof(float), error);
+        float *copy =
+            result ? NULL
+                   : norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
+        if (!copy) return result ? result : norma_document_fail_memory(g->document, error);
         for (size_t i = 0; i < array.count; ++i) norma_gltf_floats(&array, i, copy + width * i);
         scene->decoded[accessor] = copy;
     }
@@ -144,29 +145,34 @@ static const char *encoding_name(const gltf *g, uint32_t accessor) {
     }
 }
 
-/* A set of UVs that is there and is one; what is not, this library has no use for, and others will say. */
-static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, size_t set, norma_mesh_attributes *attributes, norma_document_error *error) {
+/* A set of UVs that is there and is one; what is not, this library has no use for, and others will
+ * say. */
+static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, size_t set,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
     char name[40];
     snprintf(name, sizeof name, "TEXCOORD_%zu", set);
     uint32_t found = norma_gltf_find(g, &p->base, name);
     uint32_t accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
-    if (accessor == GLTF_NONE || g->accessors[accessor].width != 2 || g->accessors[accessor].count != p->vertices)
+    if (accessor == GLTF_NONE || g->accessors[accessor].width != 2 ||
+        g->accessors[accessor].count != p->vertices)
         return NORMA_DOCUMENT_OK;
     attributes->texcoord_count = p->vertices;
     return norma_gltf_decode(g, accessor, 2, &attributes->texcoords, error);
 }
 
-static norma_document_result widen_colors(gltf *g, uint32_t accessor, const float **colors, norma_document_error *error) {
+static norma_document_result widen_colors(
+    gltf *g, uint32_t accessor, const float **colors, norma_document_error *error) {
     gltf_array array;
     gltf_scene *scene = norma_gltf_scene_of(g);
-    norma_document_result result = scene ? norma_gltf_array(g, accessor, &array, error) : norma_document_fail_memory(g->document, error);
-    if (result)
-        return result;
+    norma_document_result result = scene ? norma_gltf_array(g, accessor, &array, error)
+                                         : norma_document_fail_memory(g->document, error);
+    if (result) return result;
     if (!scene->colors[accessor]) {
-        result = norma_gltf_spend(g, g->accessors[accessor].token, array.count, 4 * sizeof(float), error);
-        float *made = result ? NULL : norma_scene_allocate(g->document->scene, array.count, 4 * sizeof *made);
-        if (!made)
-            return result ? result : norma_document_fail_memory(g->document, error);
+        result = norma_gltf_spend(
+            g, g->accessors[accessor].token, array.count, 4 * sizeof(float), error);
+        float *made =
+            result ? NULL : norma_scene_allocate(g->document->scene, array.count, 4 * sizeof *made);
+        if (!made) return result ? result : norma_document_fail_memory(g->document, error);
         for (size_t i = 0; i < array.count; ++i) {
             norma_gltf_floats(&array, i, made + 4 * i);
             made[4 * i + 3] = 1;
@@ -177,16 +183,20 @@ static norma_document_result widen_colors(gltf *g, uint32_t accessor, const floa
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_colors(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error) {
-    uint32_t found = norma_gltf_find(g, &p->base, "COLOR_0"), accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
+static norma_document_result read_colors(gltf *g, const gltf_primitive *p,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
+    uint32_t found = norma_gltf_find(g, &p->base, "COLOR_0"),
+             accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
     if (accessor == GLTF_NONE || g->accessors[accessor].count != p->vertices)
         return NORMA_DOCUMENT_OK;
     if (g->accessors[accessor].width == 4)
         return norma_gltf_decode(g, accessor, 4, &attributes->colors, error);
-    return g->accessors[accessor].width == 3 ? widen_colors(g, accessor, &attributes->colors, error) : NORMA_DOCUMENT_OK;
+    return g->accessors[accessor].width == 3 ? widen_colors(g, accessor, &attributes->colors, error)
+                                             : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_tangents(gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes, norma_document_error *error) {
+static norma_document_result read_tangents(gltf *g, const gltf_primitive *p,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
     if (p->base.tangent == GLTF_NONE || norma_gltf_is_placeholder(g, p->base.tangent))
         return NORMA_DOCUMENT_OK;
     attributes->tangent_count = g->accessors[p->base.tangent].count;
@@ -194,7 +204,8 @@ static norma_document_result read_tangents(gltf *g, const gltf_primitive *p, nor
     return norma_gltf_decode(g, p->base.tangent, 4, &attributes->tangents, error);
 }
 
-static void count_normals(const gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes) {
+static void count_normals(
+    const gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes) {
     size_t count = p->base.normal == GLTF_NONE ? p->vertices : g->accessors[p->base.normal].count;
     attributes->normals_missing = count < p->vertices ? p->vertices - count : 0;
     attributes->normals_surplus = count > p->vertices ? count - p->vertices : 0;
@@ -202,14 +213,15 @@ static void count_normals(const gltf *g, const gltf_primitive *p, norma_mesh_att
 
 static const char *ignored_by_primitive(gltf *g, const gltf_primitive *p) {
     gltf_scene *scene = norma_gltf_scene_of(g);
-    if (!scene)
-        return NULL;
+    if (!scene) return NULL;
     if (!scene->mesh_ignore[p->mesh])
-        scene->mesh_ignore[p->mesh] = ignored_with(g, norma_gltf_root_ignore(g), g->meshes[p->mesh].token);
+        scene->mesh_ignore[p->mesh] =
+            ignored_with(g, norma_gltf_root_ignore(g), g->meshes[p->mesh].token);
     return ignored_with(g, scene->mesh_ignore[p->mesh], p->token);
 }
 
-static norma_document_result read_attributes(norma_document *document, size_t index, norma_mesh_attributes *attributes, norma_document_error *error) {
+static norma_document_result read_attributes(norma_document *document, size_t index,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     const gltf_primitive *p = &g->primitives[index];
     size_t set = 0;
@@ -220,65 +232,66 @@ static norma_document_result read_attributes(norma_document *document, size_t in
     }
     count_normals(g, p, attributes);
     attributes->ignore = ignored_by_primitive(g, p);
-    if (!attributes->ignore)
-        return norma_document_fail_memory(document, error);
+    if (!attributes->ignore) return norma_document_fail_memory(document, error);
     norma_document_result result = read_texcoords(g, p, set, attributes, error);
-    if (!result)
-        result = read_colors(g, p, attributes, error);
+    if (!result) result = read_colors(g, p, attributes, error);
     return result ? result : read_tangents(g, p, attributes, error);
 }
 
 /* ---- morph targets */
 
-static norma_document_result read_deltas(gltf *g, uint32_t accessor, norma_vec3_view *view, norma_document_error *error) {
+static norma_document_result read_deltas(
+    gltf *g, uint32_t accessor, norma_vec3_view *view, norma_document_error *error) {
     const float *floats;
-    if (accessor == GLTF_NONE)
-        return NORMA_DOCUMENT_OK;
+    if (accessor == GLTF_NONE) return NORMA_DOCUMENT_OK;
     norma_document_result result = norma_gltf_decode(g, accessor, 3, &floats, error);
     if (!result)
-        *view = (norma_vec3_view){.data = floats, .count = g->accessors[accessor].count, .format = NORMA_FORMAT_FLOAT};
+        *view = (norma_vec3_view){
+            .data = floats, .count = g->accessors[accessor].count, .format = NORMA_FORMAT_FLOAT};
     return result;
 }
 
-/* Positions that are normalised integers are given as the integers that they are; what moves them is brought to their unit. */
-static norma_document_result scale_moves(gltf *g, uint32_t base, norma_vec3_view *moves, norma_document_error *error) {
+/* Positions that are normalised integers are given as the integers that they are; what moves them
+ * is brought to their unit. */
+static norma_document_result scale_moves(
+    gltf *g, uint32_t base, norma_vec3_view *moves, norma_document_error *error) {
     const gltf_accessor *a = &g->accessors[base];
     float unit = a->component == GLTF_BYTE     ? 127
                  : a->component == GLTF_UBYTE  ? 255
                  : a->component == GLTF_SHORT  ? 32767
                  : a->component == GLTF_USHORT ? 65535
                                                : 1;
-    if (!a->normalized || unit == 1 || !moves->count)
-        return NORMA_DOCUMENT_OK;
-    norma_document_result result = norma_gltf_spend(g, a->token, moves->count, 3 * sizeof(float), error);
-    float *scaled = result ? NULL : norma_scene_allocate(g->document->scene, moves->count, 3 * sizeof *scaled);
-    if (!scaled)
-        return result ? result : norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < 3 * moves->count; ++i) scaled[i] = unit * ((const float *)moves->data)[i];
+    if (!a->normalized || unit == 1 || !moves->count) return NORMA_DOCUMENT_OK;
+    norma_document_result result =
+        norma_gltf_spend(g, a->token, moves->count, 3 * sizeof(float), error);
+    float *scaled =
+        result ? NULL : norma_scene_allocate(g->document->scene, moves->count, 3 * sizeof *scaled);
+    if (!scaled) return result ? result : norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < 3 * moves->count; ++i)
+        scaled[i] = unit * ((const float *)moves->data)[i];
     moves->data = scaled;
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_morph(norma_document *document, size_t mesh, size_t target, norma_morph_data *data, norma_document_error *error) {
+static norma_document_result read_morph(norma_document *document, size_t mesh, size_t target,
+    norma_morph_data *data, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     size_t number = g->primitives[mesh].first_target + target;
-    if (!scene->morphs && !(scene->morphs = norma_scene_allocate(scene, g->target_count, sizeof *scene->morphs)))
+    if (!scene->morphs &&
+        !(scene->morphs = norma_scene_allocate(scene, g->target_count, sizeof *scene->morphs)))
         return norma_document_fail_memory(document, error);
     if (!scene->morphs[number]) {
         const gltf_attributes *attributes = &g->targets[number];
         norma_morph_data *made = norma_scene_allocate(scene, 1, sizeof *made);
-        if (!made)
-            return norma_document_fail_memory(document, error);
-        norma_document_result result = read_deltas(g, attributes->position, &made->positions, error);
+        if (!made) return norma_document_fail_memory(document, error);
+        norma_document_result result =
+            read_deltas(g, attributes->position, &made->positions, error);
         if (!result)
             result = scale_moves(g, g->primitives[mesh].base.position, &made->positions, error);
-        if (!result)
-            result = read_deltas(g, attributes->normal, &made->normals, error);
-        if (!result)
-            result = read_deltas(g, attributes->tangent, &made->tangents, error);
-        if (result)
-            return result;
+        if (!result) result = read_deltas(g, attributes->normal, &made->normals, error);
+        if (!result) result = read_deltas(g, attributes->tangent, &made->tangents, error);
+        if (result) return result;
         scene->morphs[number] = made;
     }
     *data = *scene->morphs[number];
@@ -287,8 +300,8 @@ static norma_document_result read_morph(norma_document *document, size_t mesh, s
 
 /* ---- nodes */
 
-/* Names from the root; the number of a node that has none. What would be longer than PATH_ROOM is cut in front, so that a deep tree costs no more than a
- * shallow one. */
+/* Names from the root; the number of a node that has none. What would be longer than PATH_ROOM is
+ * cut in front, so that a deep tree costs no more than a shallow one. */
 static const char *path_of(gltf *g, uint32_t number) {
     enum { PATH_ROOM = 400 };
     char path[PATH_ROOM + 1], unnamed[16];
@@ -309,15 +322,15 @@ static const char *path_of(gltf *g, uint32_t number) {
             break;
         }
         at -= slash;
-        if (slash)
-            path[at] = '/';
+        if (slash) path[at] = '/';
         at -= length;
         memcpy(path + at, name, length);
     }
     return norma_scene_text(g->document->scene, path + at);
 }
 
-/* From the nearest node above that is known, or a root, down to this one: each node's extras are read once. */
+/* From the nearest node above that is known, or a root, down to this one: each node's extras are
+ * read once. */
 static const char *ignored_by_node(gltf *g, uint32_t node) {
     gltf_scene *scene = norma_gltf_scene_of(g);
     size_t depth = 0;
@@ -327,9 +340,9 @@ static const char *ignored_by_node(gltf *g, uint32_t node) {
     const char *list = path ? norma_gltf_root_ignore(g) : NULL;
     depth = 0;
     at = node;
-    for (; list && at != GLTF_NONE && !scene->node_ignore[at]; at = g->nodes[at].parent) path[depth++] = at;
-    if (list && at != GLTF_NONE)
-        list = scene->node_ignore[at];
+    for (; list && at != GLTF_NONE && !scene->node_ignore[at]; at = g->nodes[at].parent)
+        path[depth++] = at;
+    if (list && at != GLTF_NONE) list = scene->node_ignore[at];
     while (list && depth-- > 0) {
         list = ignored_with(g, list, g->nodes[path[depth]].token);
         scene->node_ignore[path[depth]] = list;
@@ -367,32 +380,32 @@ static norma_document_result make_node(gltf *g, uint32_t node, norma_node_info *
     info->where = norma_gltf_where(g, "nodes", node);
     info->path = path_of(g, node);
     info->ignore = ignored_by_node(g, node);
-    if (!info->where || !info->path || !info->ignore)
-        return NORMA_DOCUMENT_ERROR_MEMORY;
+    if (!info->where || !info->path || !info->ignore) return NORMA_DOCUMENT_ERROR_MEMORY;
     return count_mirrored(g, node, &info->mirrored_instances);
 }
 
-norma_document_result norma_gltf_describe_node(const norma_document *document, size_t index, norma_node_info *info) {
+norma_document_result norma_gltf_describe_node(
+    const norma_document *document, size_t index, norma_node_info *info) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
-    if (!scene->nodes && !(scene->nodes = norma_scene_allocate(scene, g->drawing_count, sizeof *scene->nodes)))
+    if (!scene->nodes &&
+        !(scene->nodes = norma_scene_allocate(scene, g->drawing_count, sizeof *scene->nodes)))
         return NORMA_DOCUMENT_ERROR_MEMORY;
     norma_node_info made = *info;
-    norma_document_result result = scene->nodes[index].where ? NORMA_DOCUMENT_OK : make_node(g, g->drawing[index], &made);
-    if (!result && !scene->nodes[index].where)
-        scene->nodes[index] = made;
-    if (!result)
-        *info = scene->nodes[index];
+    norma_document_result result =
+        scene->nodes[index].where ? NORMA_DOCUMENT_OK : make_node(g, g->drawing[index], &made);
+    if (!result && !scene->nodes[index].where) scene->nodes[index] = made;
+    if (!result) *info = scene->nodes[index];
     return result;
 }
 
-static norma_document_result instance_world(norma_document *document, size_t index, size_t instance, double world[16], norma_document_error *error) {
+static norma_document_result instance_world(norma_document *document, size_t index, size_t instance,
+    double world[16], norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     uint32_t node = g->drawing[index];
     gltf_instances instances;
     memcpy(world, g->nodes[node].world, sizeof g->nodes[node].world);
-    if (!g->nodes[node].instanced)
-        return NORMA_DOCUMENT_OK;
+    if (!g->nodes[node].instanced) return NORMA_DOCUMENT_OK;
     norma_document_result result = norma_gltf_read_instances(g, node, &instances, error);
     if (!result) {
         double matrix[16];
@@ -407,7 +420,8 @@ static norma_document_result instance_world(norma_document *document, size_t ind
 static const char *unknown_extension(gltf *g, uint32_t token) {
     char *name = norma_json_string(&g->json, token), *why = NULL;
     size_t size = name ? strlen(name) + 64 : 0;
-    if (name && (norma_gltf_is_known(name) || strcmp(name, "KHR_draco_mesh_compression") == 0)) /* its primitives are named instead */
+    if (name && (norma_gltf_is_known(name) || strcmp(name, "KHR_draco_mesh_compression") ==
+                                                  0)) /* its primitives are named instead */
         why = norma_scene_text(g->document->scene, "");
     else if (name && (why = norma_scene_allocate(g->document->scene, size, 1)) != NULL)
         snprintf(why, size, "requires %s, which is not known here", name);
@@ -415,11 +429,12 @@ static const char *unknown_extension(gltf *g, uint32_t token) {
     return why;
 }
 
-int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor) { return g->accessors[accessor].view == GLTF_NONE && g->accessors[accessor].sparse.count == 0; }
+int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor) {
+    return g->accessors[accessor].view == GLTF_NONE && g->accessors[accessor].sparse.count == 0;
+}
 
 static const char *why_in_part(const gltf *g, const gltf_primitive *p) {
-    if (p->not_read)
-        return p->mode >= GLTF_TRIANGLES ? p->not_read : NULL;
+    if (p->not_read) return p->mode >= GLTF_TRIANGLES ? p->not_read : NULL;
     if (p->base.normal != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.normal))
         return "its normals have no bytes: something else is to fill them";
     if (p->base.tangent != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.tangent))
@@ -431,23 +446,23 @@ static norma_document_result read_unread(norma_document *document, norma_documen
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;
-    norma_unread *unread = norma_scene_allocate(scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 1, sizeof *unread);
+    norma_unread *unread = norma_scene_allocate(
+        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 1, sizeof *unread);
     size_t count = 0;
-    if (!unread)
-        return norma_document_fail_memory(document, error);
+    if (!unread) return norma_document_fail_memory(document, error);
     if (norma_gltf_needs_later(g))
-        unread[count++] = (norma_unread){"/asset/minVersion", "needs a later version of glTF than 2.0"};
-    for (uint32_t item = norma_json_first(&g->json, list); item != JSON_NONE; item = norma_json_next(&g->json, list, item), ++number) {
-        const norma_unread made = {norma_gltf_where(g, "extensionsRequired", number), unknown_extension(g, item)};
-        if (!made.where || !made.why)
-            return norma_document_fail_memory(document, error);
-        if (made.why[0])
-            unread[count++] = made;
+        unread[count++] =
+            (norma_unread){"/asset/minVersion", "needs a later version of glTF than 2.0"};
+    for (uint32_t item = norma_json_first(&g->json, list); item != JSON_NONE;
+         item = norma_json_next(&g->json, list, item), ++number) {
+        const norma_unread made = {
+            norma_gltf_where(g, "extensionsRequired", number), unknown_extension(g, item)};
+        if (!made.where || !made.why) return norma_document_fail_memory(document, error);
+        if (made.why[0]) unread[count++] = made;
     }
     for (uint32_t i = 0; i < g->primitive_count; ++i) {
         const char *why = why_in_part(g, &g->primitives[i]);
-        if (why)
-            unread[count++] = (norma_unread){g->primitives[i].where, why};
+        if (why) unread[count++] = (norma_unread){g->primitives[i].where, why};
     }
     scene->unread = unread;
     scene->unread_count = count;

@@ -3,43 +3,50 @@
 #include "io/gltf/read/node_matrix.h"
 #include <math.h>
 
-static norma_document_result read_instance_array(gltf *g, uint32_t attributes, const char *key, uint32_t width, size_t count, gltf_array *array, int *has,
-                                                 norma_document_error *error) {
+static norma_document_result read_instance_array(gltf *g, uint32_t attributes, const char *key,
+    uint32_t width, size_t count, gltf_array *array, int *has, norma_document_error *error) {
     const uint32_t token = norma_json_member(&g->json, attributes, key);
     uint64_t accessor;
     *has = token != JSON_NONE;
-    if (!*has)
-        return NORMA_DOCUMENT_OK;
+    if (!*has) return NORMA_DOCUMENT_OK;
     if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
         return norma_gltf_malformed(g, error, token, "the number of an accessor");
     const norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
-    if (result)
-        return result;
+    if (result) return result;
     return array->width == width && array->count >= count && array->component != GLTF_UINT
                ? NORMA_DOCUMENT_OK
                : norma_gltf_malformed(g, error, token, "one vector for each instance");
 }
 
-/* Instances that have no place of their own are as many as the first attribute has elements: those must be there then, or a few bytes would draw a mesh any number of times. */
+/* Instances that have no place of their own are as many as the first attribute has elements: those
+ * must be there then, or a few bytes would draw a mesh any number of times. */
 static norma_document_result read_first(gltf *g, uint32_t attributes, norma_document_error *error) {
-    const uint32_t first = norma_json_is(&g->json, attributes, JSON_OBJECT) ? norma_json_first(&g->json, attributes) : JSON_NONE;
+    const uint32_t first = norma_json_is(&g->json, attributes, JSON_OBJECT)
+                               ? norma_json_first(&g->json, attributes)
+                               : JSON_NONE;
     uint64_t accessor;
     gltf_array array;
-    if (first == JSON_NONE || !norma_json_uint(&g->json, first, &accessor) || accessor >= g->accessor_count)
+    if (first == JSON_NONE || !norma_json_uint(&g->json, first, &accessor) ||
+        accessor >= g->accessor_count)
         return NORMA_DOCUMENT_OK; /* one instance: node_tree.c */
     return norma_gltf_array(g, (uint32_t)accessor, &array, error);
 }
 
-norma_document_result norma_gltf_read_instances(gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error) {
+norma_document_result norma_gltf_read_instances(
+    gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error) {
     const uint32_t extensions = norma_json_member(&g->json, g->nodes[node].token, "extensions");
-    const uint32_t attributes = norma_json_member(&g->json, norma_json_member(&g->json, extensions, "EXT_mesh_gpu_instancing"), "attributes");
+    const uint32_t attributes = norma_json_member(
+        &g->json, norma_json_member(&g->json, extensions, "EXT_mesh_gpu_instancing"), "attributes");
     const size_t count = g->nodes[node].instances;
     *instances = (gltf_instances){.attributes = attributes};
-    norma_document_result result = read_instance_array(g, attributes, "TRANSLATION", 3, count, &instances->translation, &instances->has_translation, error);
+    norma_document_result result = read_instance_array(g, attributes, "TRANSLATION", 3, count,
+        &instances->translation, &instances->has_translation, error);
     if (!result)
-        result = read_instance_array(g, attributes, "ROTATION", 4, count, &instances->rotation, &instances->has_rotation, error);
+        result = read_instance_array(g, attributes, "ROTATION", 4, count, &instances->rotation,
+            &instances->has_rotation, error);
     if (!result)
-        result = read_instance_array(g, attributes, "SCALE", 3, count, &instances->scale, &instances->has_scale, error);
+        result = read_instance_array(
+            g, attributes, "SCALE", 3, count, &instances->scale, &instances->has_scale, error);
     if (!result && !instances->has_translation && !instances->has_rotation && !instances->has_scale)
         result = read_first(g, attributes, error);
     return result;

@@ -1,5 +1,6 @@
-/* materials.c: materials as far as they bear on normals: both sides or one, lit or not, opaque or not, a normal map or none; and the colour for who
- * draws them. A member of a wrong type is as one that is not there: what a material says is never a reason to refuse a mesh. */
+/* materials.c: materials as far as they bear on normals: both sides or one, lit or not, opaque or
+ * not, a normal map or none; and the colour for who draws them. A member of a wrong type is as one
+ * that is not there: what a material says is never a reason to refuse a mesh. */
 #include "io/gltf/read/gltf_scene.h"
 #include <string.h>
 
@@ -7,20 +8,19 @@ static void read_floats(const gltf *g, uint32_t list, size_t count, float *out) 
     const json *j = &g->json;
     size_t i = 0;
     double number;
-    if (!norma_json_is(j, list, JSON_ARRAY))
-        return;
-    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE && i < count; item = norma_json_next(j, list, item), ++i)
-        if (norma_json_number(j, item, &number))
-            out[i] = (float)number;
+    if (!norma_json_is(j, list, JSON_ARRAY)) return;
+    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE && i < count;
+         item = norma_json_next(j, list, item), ++i)
+        if (norma_json_number(j, item, &number)) out[i] = (float)number;
 }
 
 static void read_float(const gltf *g, uint32_t token, float *out) {
     double number;
-    if (token != JSON_NONE && norma_json_number(&g->json, token, &number))
-        *out = (float)number;
+    if (token != JSON_NONE && norma_json_number(&g->json, token, &number)) *out = (float)number;
 }
 
-static void read_color(const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
+static void read_color(
+    const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t metallic = norma_json_member(j, material, "pbrMetallicRoughness");
     uint32_t glossy = norma_json_member(j, extensions, "KHR_materials_pbrSpecularGlossiness");
@@ -28,8 +28,7 @@ static void read_color(const gltf *g, uint32_t material, uint32_t extensions, no
     read_floats(g, norma_json_member(j, metallic, "baseColorFactor"), 4, info->base_color);
     read_float(g, norma_json_member(j, metallic, "metallicFactor"), &info->metallic);
     read_float(g, norma_json_member(j, metallic, "roughnessFactor"), &info->roughness);
-    if (glossy == JSON_NONE)
-        return;
+    if (glossy == JSON_NONE) return;
     read_floats(g, norma_json_member(j, glossy, "diffuseFactor"), 4, info->base_color);
     read_float(g, norma_json_member(j, glossy, "glossinessFactor"), &glossiness);
     info->metallic = 0;
@@ -40,41 +39,54 @@ static int lets_light_through(const gltf *g, uint32_t material, uint32_t extensi
     const json *j = &g->json;
     uint32_t mode = norma_json_member(j, material, "alphaMode");
     float transmission = 0, diffuse = 0;
-    read_float(g, norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_transmission"), "transmissionFactor"), &transmission);
-    read_float(g, norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_diffuse_transmission"), "diffuseTransmissionFactor"), &diffuse);
-    return norma_json_equals(j, mode, "MASK") || norma_json_equals(j, mode, "BLEND") || transmission > 0 || diffuse > 0;
+    read_float(g,
+        norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_transmission"),
+            "transmissionFactor"),
+        &transmission);
+    read_float(g,
+        norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_diffuse_transmission"),
+            "diffuseTransmissionFactor"),
+        &diffuse);
+    return norma_json_equals(j, mode, "MASK") || norma_json_equals(j, mode, "BLEND") ||
+           transmission > 0 || diffuse > 0;
 }
 
 /* Of a texture's info; KHR_texture_transform may name another set. */
 static size_t texcoord_of(const gltf *g, uint32_t texture) {
     const json *j = &g->json;
-    uint32_t transform = norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
+    uint32_t transform =
+        norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
     uint32_t set = norma_json_member(j, transform, "texCoord");
     uint64_t number = 0;
-    if (set == JSON_NONE)
-        set = norma_json_member(j, texture, "texCoord");
-    return set != JSON_NONE && norma_json_uint(j, set, &number) && number <= UINT32_MAX ? (size_t)number : 0;
+    if (set == JSON_NONE) set = norma_json_member(j, texture, "texCoord");
+    return set != JSON_NONE && norma_json_uint(j, set, &number) && number <= UINT32_MAX
+               ? (size_t)number
+               : 0;
 }
 
-static void read_normal_map(const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
+static void read_normal_map(
+    const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t texture = norma_json_member(j, material, "normalTexture");
     if (texture == JSON_NONE)
-        texture = norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_clearcoat"), "clearcoatNormalTexture");
+        texture = norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_clearcoat"),
+            "clearcoatNormalTexture");
     info->normal_map = norma_json_is(j, texture, JSON_OBJECT);
     info->normal_texcoord = info->normal_map ? texcoord_of(g, texture) : 0;
 }
 
-/* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit for those of VRM avatars (their MToon shader), is lit: it
- * needs its normals. */
+/* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit
+ * for those of VRM avatars (their MToon shader), is lit: it needs its normals. */
 static int is_unlit(const gltf *g, uint32_t extensions, uint32_t avatar) {
     const json *j = &g->json;
-    int toon = norma_json_member(j, extensions, "VRMC_materials_mtoon") != JSON_NONE || norma_json_equals(j, norma_json_member(j, avatar, "shader"), "VRM/MToon");
+    int toon = norma_json_member(j, extensions, "VRMC_materials_mtoon") != JSON_NONE ||
+               norma_json_equals(j, norma_json_member(j, avatar, "shader"), "VRM/MToon");
     return norma_json_member(j, extensions, "KHR_materials_unlit") != JSON_NONE && !toon;
 }
 
 /* avatar: what VRM says of it, or JSON_NONE. */
-static int read_material(gltf *g, uint32_t token, uint32_t avatar, size_t number, norma_material_info *info) {
+static int read_material(
+    gltf *g, uint32_t token, uint32_t avatar, size_t number, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t extensions = norma_json_member(j, token, "extensions");
     *info = (norma_material_info){.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
@@ -93,13 +105,17 @@ norma_document_result norma_gltf_materials(norma_document *document, norma_docum
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "materials");
-    size_t count = norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0, number = 0;
+    size_t count = norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0,
+           number = 0;
     norma_material_info *materials = norma_scene_allocate(scene, count, sizeof *materials);
-    if (!materials)
-        return norma_document_fail_memory(document, error);
-    uint32_t vrm = norma_json_member(&g->json, norma_json_member(&g->json, 0, "extensions"), "VRM"), avatars = norma_json_member(&g->json, vrm, "materialProperties");
-    uint32_t avatar = norma_json_is(&g->json, avatars, JSON_ARRAY) ? norma_json_first(&g->json, avatars) : JSON_NONE;
-    for (uint32_t item = norma_json_first(&g->json, list); number < count; item = norma_json_next(&g->json, list, item), ++number) {
+    if (!materials) return norma_document_fail_memory(document, error);
+    uint32_t vrm = norma_json_member(&g->json, norma_json_member(&g->json, 0, "extensions"), "VRM"),
+             avatars = norma_json_member(&g->json, vrm, "materialProperties");
+    uint32_t avatar = norma_json_is(&g->json, avatars, JSON_ARRAY)
+                          ? norma_json_first(&g->json, avatars)
+                          : JSON_NONE;
+    for (uint32_t item = norma_json_first(&g->json, list); number < count;
+         item = norma_json_next(&g->json, list, item), ++number) {
         if (!read_material(g, item, avatar, number, &materials[number]))
             return norma_document_fail_memory(document, error);
         avatar = avatar == JSON_NONE ? JSON_NONE : norma_json_next(&g->json, avatars, avatar);

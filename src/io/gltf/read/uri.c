@@ -1,4 +1,5 @@
-/* uri.c: URIs of buffers and images: percent escapes (RFC 3986), data: URIs (RFC 2397) with base64 (RFC 4648), and whether a name stays in a folder. */
+/* uri.c: URIs of buffers and images: percent escapes (RFC 3986), data: URIs (RFC 2397) with base64
+ * (RFC 4648), and whether a name stays in a folder. */
 #define _XOPEN_SOURCE 700
 #include "io/gltf/read/asset.h"
 #include <errno.h>
@@ -6,31 +7,26 @@
 #include <string.h>
 
 #if defined(_WIN32)
-/* Absolute, with slashes, without one at its end. Links are not followed: on Windows it takes an administrator to make one. */
-static char *realpath(const char *path, char *resolved)
-{
+/* Absolute, with slashes, without one at its end. Links are not followed: on Windows it takes an
+ * administrator to make one. */
+static char *realpath(const char *path, char *resolved) {
     char *out = _fullpath(resolved, path, 0);
     size_t length = out ? strlen(out) : 0;
     for (size_t i = 0; i < length; ++i)
-        if (out[i] == '\\')
-            out[i] = '/';
+        if (out[i] == '\\') out[i] = '/';
     while (length > 1 && out[length - 1] == '/') out[--length] = '\0';
     return out;
 }
 #endif
 
-static int hex_value(char c)
-{
-    if (c >= '0' && c <= '9')
-        return c - '0';
-    if (c >= 'a' && c <= 'f')
-        return c - 'a' + 10;
+static int hex_value(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
 /* Bytes of length characters of escaped text; SIZE_MAX for a bad escape. */
-static size_t unescape(const char *text, size_t length, char *out)
-{
+static size_t unescape(const char *text, size_t length, char *out) {
     size_t size = 0;
     for (size_t i = 0; i < length; ++i) {
         char c = text[i];
@@ -46,14 +42,10 @@ static size_t unescape(const char *text, size_t length, char *out)
 }
 
 /* Whether a colon ends the first part, as behind a scheme. */
-static int begins_with_scheme(const char *text)
-{
-    return text[strcspn(text, ":/")] == ':';
-}
+static int begins_with_scheme(const char *text) { return text[strcspn(text, ":/")] == ':'; }
 
 /* A colon that was escaped is part of a name: "./" in front says so (RFC 3986, 4.2). */
-char *norma_gltf_uri_decode(const char *uri)
-{
+char *norma_gltf_uri_decode(const char *uri) {
     size_t length = strlen(uri);
     char *out = malloc(length + 3);
     size_t size = out ? unescape(uri, length, out) : SIZE_MAX;
@@ -69,13 +61,12 @@ char *norma_gltf_uri_decode(const char *uri)
     return out;
 }
 
-static int needs_no_escape(char c)
-{
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || (c != '\0' && strchr("-._~/!$&'()*+,;=@", c) != NULL);
+static int needs_no_escape(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           (c != '\0' && strchr("-._~/!$&'()*+,;=@", c) != NULL);
 }
 
-char *norma_gltf_uri_encode(const char *name)
-{
+char *norma_gltf_uri_encode(const char *name) {
     static const char hex[] = "0123456789ABCDEF";
     char *out = malloc(3 * strlen(name) + 1), *to = out;
     for (; out && *name; ++name) {
@@ -88,43 +79,32 @@ char *norma_gltf_uri_encode(const char *name)
         *to++ = hex[c >> 4];
         *to++ = hex[c & 15];
     }
-    if (out)
-        *to = '\0';
+    if (out) *to = '\0';
     return out;
 }
 
-int norma_gltf_uri_is_data(const char *uri)
-{
+int norma_gltf_uri_is_data(const char *uri) {
     static const char lower[] = "data:";
     for (size_t i = 0; i < 5; ++i)
-        if ((uri[i] | 0x20) != (lower[i] | 0x20))
-            return 0;
+        if ((uri[i] | 0x20) != (lower[i] | 0x20)) return 0;
     return 1;
 }
 
-static int base64_value(char c)
-{
-    if (c >= 'A' && c <= 'Z')
-        return c - 'A';
-    if (c >= 'a' && c <= 'z')
-        return c - 'a' + 26;
-    if (c >= '0' && c <= '9')
-        return c - '0' + 52;
+static int base64_value(char c) {
+    if (c >= 'A' && c <= 'Z') return c - 'A';
+    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+    if (c >= '0' && c <= '9') return c - '0' + 52;
     return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-static size_t base64_decode(const char *text, size_t length, unsigned char *out)
-{
+static size_t base64_decode(const char *text, size_t length, unsigned char *out) {
     uint32_t bits = 0;
     size_t size = 0, held = 0;
-    while (length > 0 && text[length - 1] == '=')
-        --length;
-    if (length % 4 == 1)
-        return SIZE_MAX;
+    while (length > 0 && text[length - 1] == '=') --length;
+    if (length % 4 == 1) return SIZE_MAX;
     for (size_t i = 0; i < length; ++i) {
         int value = base64_value(text[i]);
-        if (value < 0)
-            return SIZE_MAX;
+        if (value < 0) return SIZE_MAX;
         bits = bits << 6 | (uint32_t)value;
         held += 6;
         if (held >= 8) {
@@ -135,11 +115,9 @@ static size_t base64_decode(const char *text, size_t length, unsigned char *out)
     return size;
 }
 
-unsigned char *norma_gltf_data_decode(const char *uri, size_t *size)
-{
+unsigned char *norma_gltf_data_decode(const char *uri, size_t *size) {
     const char *comma = strchr(uri, ',');
-    if (!comma)
-        return NULL;
+    if (!comma) return NULL;
     size_t length = strlen(comma + 1);
     int base64 = comma - uri >= 7 && memcmp(comma - 7, ";base64", 7) == 0;
     unsigned char *out = malloc(length + 1);
@@ -160,40 +138,33 @@ unsigned char *norma_gltf_data_decode(const char *uri, size_t *size)
 }
 
 /* No scheme, not absolute, no "..". */
-static int is_below(const char *name)
-{
-    if (name[0] == '/' || name[0] == '\0' || begins_with_scheme(name))
-        return 0;
+static int is_below(const char *name) {
+    if (name[0] == '/' || name[0] == '\0' || begins_with_scheme(name)) return 0;
     for (const char *part = name; part; part = strchr(part, '/')) {
-        if (*part == '/')
-            ++part;
-        if (part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'))
-            return 0;
+        if (*part == '/') ++part;
+        if (part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0')) return 0;
     }
     return strchr(name, '\\') == NULL;
 }
 
-int norma_gltf_path_inside(const char *folder, const char *name, char **path)
-{
+int norma_gltf_path_inside(const char *folder, const char *name, char **path) {
     *path = NULL;
     errno = EACCES;
-    if (!folder || !is_below(name))
-        return 0;
+    if (!folder || !is_below(name)) return 0;
     size_t folder_length = strlen(folder), name_length = strlen(name);
     char *joined = malloc(folder_length + name_length + 1);
-    if (!joined)
-        return 0;
+    if (!joined) return 0;
     memcpy(joined, folder, folder_length);
     memcpy(joined + folder_length, name, name_length + 1);
     char *real_folder = realpath(folder[0] ? folder : ".", NULL);
     int why = real_folder ? 0 : errno;
     char *real = real_folder ? realpath(joined, NULL) : NULL;
-    if (real_folder && !real)
-        why = errno;
+    if (real_folder && !real) why = errno;
     size_t length = real_folder ? strlen(real_folder) : 0;
     int root = length == 1;
     /* What is not there cannot lead elsewhere; what could not be looked at might. */
-    int inside = real ? strncmp(real, real_folder, length) == 0 && (root || real[length] == '/') : why != ENOMEM;
+    int inside = real ? strncmp(real, real_folder, length) == 0 && (root || real[length] == '/')
+                      : why != ENOMEM;
     free(real_folder);
     free(real);
     if (inside)

@@ -1,5 +1,6 @@
-/* assign_views.c: pieces find their views. What keeps its size stays where it was; interleaved attributes that all grow stay interleaved; of what outgrows its place,
- * the first takes a view that nobody else needs any more, the rest get new ones. So no view is left unused. */
+/* assign_views.c: pieces find their views. What keeps its size stays where it was; interleaved
+ * attributes that all grow stay interleaved; of what outgrows its place, the first takes a view
+ * that nobody else needs any more, the rest get new ones. So no view is left unused. */
 #include "io/gltf/write/patch.h"
 #include "io/stream/large_memory.h"
 #include <stdlib.h>
@@ -10,43 +11,42 @@ typedef struct run {
     size_t offset, stride, size, count;
 } run;
 
-static run run_of_piece(const patch_piece *piece)
-{
+static run run_of_piece(const patch_piece *piece) {
     return (run){piece->old_offset, piece->old_stride, piece->old_size, piece->old_count};
 }
 
-static int overlap(const run *a, const run *b)
-{
-    if (a->offset + (a->count - 1) * a->stride + a->size <= b->offset || b->offset + (b->count - 1) * b->stride + b->size <= a->offset)
+static int overlap(const run *a, const run *b) {
+    if (a->offset + (a->count - 1) * a->stride + a->size <= b->offset ||
+        b->offset + (b->count - 1) * b->stride + b->size <= a->offset)
         return 0;
-    if (a->stride != b->stride)
-        return 1;
+    if (a->stride != b->stride) return 1;
     size_t x = a->offset % a->stride, y = b->offset % a->stride;
-    return x + a->size > a->stride || y + b->size > a->stride || (x < y + b->size && y < x + a->size);
+    return x + a->size > a->stride || y + b->size > a->stride ||
+           (x < y + b->size && y < x + a->size);
 }
 
-static int same_run(const patch_piece *a, const patch_piece *b)
-{
-    return a->old_offset == b->old_offset && a->old_stride == b->old_stride && a->old_size == b->old_size && a->old_count == b->old_count && a->size == b->size &&
+static int same_run(const patch_piece *a, const patch_piece *b) {
+    return a->old_offset == b->old_offset && a->old_stride == b->old_stride &&
+           a->old_size == b->old_size && a->old_count == b->old_count && a->size == b->size &&
            a->count == b->count && memcmp(a->bytes, b->bytes, a->count * a->size) == 0;
 }
 
 /* ---- who uses a view */
 
-static int is_accessor(const gltf *g, uint32_t token)
-{
+static int is_accessor(const gltf *g, uint32_t token) {
     uint32_t list = g->json.tokens[token].parent;
-    return list != JSON_NONE && g->json.tokens[list].parent == 0 && norma_json_equals(&g->json, list - 1, "accessors");
+    return list != JSON_NONE && g->json.tokens[list].parent == 0 &&
+           norma_json_equals(&g->json, list - 1, "accessors");
 }
 
-uint32_t *norma_gltf_view_pins(const gltf *g)
-{
+uint32_t *norma_gltf_view_pins(const gltf *g) {
     const json *j = &g->json;
     uint32_t *pins = norma_io_allocate(g->view_count, sizeof *pins);
     for (uint32_t token = 2; pins && token < j->count; ++token) {
         uint32_t parent = j->tokens[token].parent;
         uint64_t view;
-        if (j->tokens[token].type == JSON_NUMBER && j->tokens[parent].type == JSON_OBJECT && norma_json_equals(j, token - 1, "bufferView") && !is_accessor(g, parent) &&
+        if (j->tokens[token].type == JSON_NUMBER && j->tokens[parent].type == JSON_OBJECT &&
+            norma_json_equals(j, token - 1, "bufferView") && !is_accessor(g, parent) &&
             norma_json_uint(j, token, &view) && view < g->view_count)
             ++pins[view];
     }
@@ -54,38 +54,34 @@ uint32_t *norma_gltf_view_pins(const gltf *g)
 }
 
 typedef struct placer {
-    gltf       *g;
+    gltf *g;
     gltf_patch *patch;
-    uint32_t   *stays;                    /* for each view: users who keep what is there */
-    uint32_t   *first, *next;             /* pieces of each view */
+    uint32_t *stays;        /* for each view: users who keep what is there */
+    uint32_t *first, *next; /* pieces of each view */
     norma_document_error *error;
 } placer;
 
-static void count_stays(placer *p)
-{
-    for (uint32_t v = 0; v < p->g->view_count; ++v)
-        p->stays[v] = p->patch->pins[v];
+static void count_stays(placer *p) {
+    for (uint32_t v = 0; v < p->g->view_count; ++v) p->stays[v] = p->patch->pins[v];
     for (uint32_t a = 0; a < p->g->accessor_count; ++a)
         if (p->g->accessors[a].view != GLTF_NONE && p->patch->replaced[a] == GLTF_NONE)
             ++p->stays[p->g->accessors[a].view];
     for (size_t i = p->patch->piece_count; i-- > 0;) {
         const patch_piece *piece = &p->patch->pieces[i];
-        if (piece->old_view == GLTF_NONE)
-            continue;
+        if (piece->old_view == GLTF_NONE) continue;
         p->next[i] = p->first[piece->old_view];
         p->first[piece->old_view] = (uint32_t)i;
-        if (piece->target == 0)
-            --p->stays[piece->old_view];
+        if (piece->target == 0) --p->stays[piece->old_view];
     }
 }
 
 /* Whether the piece can be written over its old bytes without harm to others. */
-static int fits(const placer *p, uint32_t number)
-{
+static int fits(const placer *p, uint32_t number) {
     const patch_piece *piece = &p->patch->pieces[number];
     const run own = run_of_piece(piece);
     const uint32_t pins = p->patch->pins[piece->old_view];
-    if (piece->size != piece->old_size || piece->count != piece->old_count || pins > (piece->target == 0 ? 1u : 0u))
+    if (piece->size != piece->old_size || piece->count != piece->old_count ||
+        pins > (piece->target == 0 ? 1u : 0u))
         return 0;
     for (uint32_t i = p->first[piece->old_view]; i != GLTF_NONE; i = p->next[i]) {
         const run other = run_of_piece(&p->patch->pieces[i]);
@@ -94,8 +90,12 @@ static int fits(const placer *p, uint32_t number)
     }
     for (uint32_t a = 0; p->stays[piece->old_view] && a < p->g->accessor_count; ++a) {
         const gltf_accessor *accessor = &p->g->accessors[a];
-        const run other = {accessor->offset, p->g->views[piece->old_view].stride ? p->g->views[piece->old_view].stride : accessor->element_size, accessor->element_size, accessor->count};
-        if (accessor->view == piece->old_view && p->patch->replaced[a] == GLTF_NONE && overlap(&own, &other))
+        const run other = {accessor->offset,
+            p->g->views[piece->old_view].stride ? p->g->views[piece->old_view].stride
+                                                : accessor->element_size,
+            accessor->element_size, accessor->count};
+        if (accessor->view == piece->old_view && p->patch->replaced[a] == GLTF_NONE &&
+            overlap(&own, &other))
             return 0;
     }
     return 1;
@@ -103,31 +103,25 @@ static int fits(const placer *p, uint32_t number)
 
 /* ---- contents of views */
 
-static norma_document_result out_of_memory(const placer *p)
-{
+static norma_document_result out_of_memory(const placer *p) {
     return norma_document_fail_memory(p->g->document, p->error);
 }
 
-static void write_rows(unsigned char *to, size_t stride, const patch_piece *piece)
-{
+static void write_rows(unsigned char *to, size_t stride, const patch_piece *piece) {
     for (size_t i = 0; i < piece->count; ++i)
         memcpy(to + i * stride, piece->bytes + i * piece->size, piece->size);
 }
 
 /* The view's old bytes as a copy to be written into. */
-static norma_document_result own_view(placer *p, uint32_t view)
-{
+static norma_document_result own_view(placer *p, uint32_t view) {
     const gltf_view *old = &p->g->views[view];
     patch_view *to = &p->patch->views[view];
     const unsigned char *bytes;
-    if (to->bytes)
-        return NORMA_DOCUMENT_OK;
+    if (to->bytes) return NORMA_DOCUMENT_OK;
     norma_document_result result = norma_gltf_view_bytes(p->g, view, &bytes, p->error);
-    if (result)
-        return result;
+    if (result) return result;
     to->bytes = to->owned = norma_io_block(old->length, 1);
-    if (!to->bytes)
-        return out_of_memory(p);
+    if (!to->bytes) return out_of_memory(p);
     memcpy(to->owned, bytes, old->length);
     to->length = old->length;
     to->stride = old->stride;
@@ -135,13 +129,13 @@ static norma_document_result own_view(placer *p, uint32_t view)
 }
 
 /* Whether a piece alone is all that an old view holds. */
-static int fills_view(const placer *p, uint32_t view, const patch_piece *piece)
-{
-    return !p->patch->views[view].bytes && piece->old_offset == 0 && piece->old_stride == piece->size && p->g->views[view].length == piece->count * piece->size;
+static int fills_view(const placer *p, uint32_t view, const patch_piece *piece) {
+    return !p->patch->views[view].bytes && piece->old_offset == 0 &&
+           piece->old_stride == piece->size &&
+           p->g->views[view].length == piece->count * piece->size;
 }
 
-static norma_document_result lend_to_view(placer *p, uint32_t view, const patch_piece *piece)
-{
+static norma_document_result lend_to_view(placer *p, uint32_t view, const patch_piece *piece) {
     patch_view *to = &p->patch->views[view];
     to->bytes = piece->bytes;
     to->length = p->g->views[view].length;
@@ -149,59 +143,53 @@ static norma_document_result lend_to_view(placer *p, uint32_t view, const patch_
     return NORMA_DOCUMENT_OK;
 }
 
-static size_t stride_for(const patch_piece *piece)
-{
+static size_t stride_for(const patch_piece *piece) {
     int vertex = piece->target == 34962;
     return vertex && piece->size % 4 ? (piece->size + 3) / 4 * 4 : piece->size;
 }
 
 /* Fills a view, old or new, with one piece alone. */
-static norma_document_result take_view(placer *p, uint32_t view, patch_piece *piece)
-{
+static norma_document_result take_view(placer *p, uint32_t view, patch_piece *piece) {
     patch_view *to = &p->patch->views[view];
     size_t stride = stride_for(piece);
-    if (piece->count > SIZE_MAX / stride || (stride != piece->size && !(to->owned = norma_io_allocate(piece->count, stride))))
+    if (piece->count > SIZE_MAX / stride ||
+        (stride != piece->size && !(to->owned = norma_io_allocate(piece->count, stride))))
         return out_of_memory(p);
     to->bytes = to->owned ? to->owned : piece->bytes;
     to->length = piece->count * stride;
     int said = view < p->g->view_count && p->g->views[view].stride == stride;
     to->stride = stride != piece->size || said ? stride : 0;
     to->target = piece->target;
-    if (to->owned)
-        write_rows(to->owned, stride, piece);
+    if (to->owned) write_rows(to->owned, stride, piece);
     norma_gltf_point_piece(p->g, piece, view, 0);
     piece->placed = 1;
     return NORMA_DOCUMENT_OK;
 }
 
 /* All users grow alike, side by side in one stride: the view grows with them. */
-static int can_stay_interleaved(const placer *p, uint32_t view)
-{
+static int can_stay_interleaved(const placer *p, uint32_t view) {
     size_t stride = p->g->views[view].stride;
     const patch_piece *lead = &p->patch->pieces[p->first[view]];
-    if (stride == 0 || p->stays[view] || lead->count > SIZE_MAX / stride)
-        return 0;
+    if (stride == 0 || p->stays[view] || lead->count > SIZE_MAX / stride) return 0;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
         const patch_piece *piece = &p->patch->pieces[i];
-        if (piece->size != piece->old_size || piece->old_count != lead->old_count || piece->count != lead->count || piece->old_offset + piece->size > stride)
+        if (piece->size != piece->old_size || piece->old_count != lead->old_count ||
+            piece->count != lead->count || piece->old_offset + piece->size > stride)
             return 0;
         const run own = run_of_piece(piece);
         for (uint32_t k = p->next[i]; k != GLTF_NONE; k = p->next[k]) {
             const run other = run_of_piece(&p->patch->pieces[k]);
-            if (overlap(&own, &other) && !same_run(piece, &p->patch->pieces[k]))
-                return 0;
+            if (overlap(&own, &other) && !same_run(piece, &p->patch->pieces[k])) return 0;
         }
     }
     return 1;
 }
 
-static norma_document_result grow_interleaved(placer *p, uint32_t view)
-{
+static norma_document_result grow_interleaved(placer *p, uint32_t view) {
     patch_view *to = &p->patch->views[view];
     size_t stride = p->g->views[view].stride, count = p->patch->pieces[p->first[view]].count;
     to->bytes = to->owned = norma_io_allocate(count, stride);
-    if (!to->bytes)
-        return out_of_memory(p);
+    if (!to->bytes) return out_of_memory(p);
     to->length = count * stride;
     to->stride = stride;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
@@ -211,23 +199,19 @@ static norma_document_result grow_interleaved(placer *p, uint32_t view)
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result place_in_view(placer *p, uint32_t view)
-{
+static norma_document_result place_in_view(placer *p, uint32_t view) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint32_t leaver = GLTF_NONE;
     int fitting = 0;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
         p->patch->pieces[i].fits = fits(p, i);
         fitting |= p->patch->pieces[i].fits;
-        if (!p->patch->pieces[i].fits && leaver == GLTF_NONE)
-            leaver = i;
+        if (!p->patch->pieces[i].fits && leaver == GLTF_NONE) leaver = i;
     }
-    if (leaver != GLTF_NONE && can_stay_interleaved(p, view))
-        return grow_interleaved(p, view);
+    if (leaver != GLTF_NONE && can_stay_interleaved(p, view)) return grow_interleaved(p, view);
     for (uint32_t i = p->first[view]; !result && i != GLTF_NONE; i = p->next[i]) {
         patch_piece *piece = &p->patch->pieces[i];
-        if (!piece->fits)
-            continue;
+        if (!piece->fits) continue;
         result = fills_view(p, view, piece) ? lend_to_view(p, view, piece) : own_view(p, view);
         if (!result && p->patch->views[view].owned)
             write_rows(p->patch->views[view].owned + piece->old_offset, piece->old_stride, piece);
@@ -240,49 +224,44 @@ static norma_document_result place_in_view(placer *p, uint32_t view)
 
 /* ---- new views */
 
-/* A view that ends behind its buffer is a fault that must not come to mean our bytes when the buffer grows. */
-static int may_grow(const gltf *g, uint32_t buffer)
-{
+/* A view that ends behind its buffer is a fault that must not come to mean our bytes when the
+ * buffer grows. */
+static int may_grow(const gltf *g, uint32_t buffer) {
     for (uint32_t v = 0; v < g->view_count; ++v)
-        if (g->views[v].buffer == buffer && norma_gltf_view_overruns(g, v))
-            return 0;
+        if (g->views[v].buffer == buffer && norma_gltf_view_overruns(g, v)) return 0;
     return 1;
 }
 
 /* Where new bytes go: the BIN chunk, else the first buffer that has bytes, else one more buffer. */
-static uint32_t choose_buffer(const gltf *g)
-{
+static uint32_t choose_buffer(const gltf *g) {
     for (uint32_t i = 0; i < g->buffer_count; ++i)
-        if (g->buffers[i].storage == GLTF_STORED_BIN && may_grow(g, i))
-            return i;
+        if (g->buffers[i].storage == GLTF_STORED_BIN && may_grow(g, i)) return i;
     for (uint32_t i = 0; i < g->buffer_count; ++i)
-        if (g->buffers[i].bytes && may_grow(g, i))
-            return i;
+        if (g->buffers[i].bytes && may_grow(g, i)) return i;
     return g->buffer_count;
 }
 
-static norma_document_result add_views(placer *p)
-{
+static norma_document_result add_views(placer *p) {
     gltf_patch *patch = p->patch;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t i = 0; !result && i < patch->piece_count; ++i) {
         patch_piece *piece = &patch->pieces[i];
-        if (piece->placed)
-            continue;
-        patch_view *grown = norma_io_grow(patch->views, &patch->view_capacity, patch->view_count + 1, sizeof *grown);
-        if (!grown)
-            return out_of_memory(p);
+        if (piece->placed) continue;
+        patch_view *grown = norma_io_grow(
+            patch->views, &patch->view_capacity, patch->view_count + 1, sizeof *grown);
+        if (!grown) return out_of_memory(p);
         patch->views = grown;
         uint32_t view = (uint32_t)patch->view_count++;
-        uint32_t near = piece->old_view == GLTF_NONE ? patch->default_buffer : patch->views[piece->old_view].buffer;
-        patch->views[view] = (patch_view){.buffer = may_grow(p->g, near) ? near : patch->default_buffer};
+        uint32_t near = piece->old_view == GLTF_NONE ? patch->default_buffer
+                                                     : patch->views[piece->old_view].buffer;
+        patch->views[view] =
+            (patch_view){.buffer = may_grow(p->g, near) ? near : patch->default_buffer};
         result = take_view(p, view, piece);
     }
     return result;
 }
 
-static int prepare(placer *p)
-{
+static int prepare(placer *p) {
     const gltf *g = p->g;
     gltf_patch *patch = p->patch;
     patch->default_buffer = choose_buffer(g);
@@ -292,34 +271,28 @@ static int prepare(placer *p)
     p->stays = norma_io_allocate(g->view_count, sizeof *p->stays);
     p->first = norma_io_allocate(g->view_count, sizeof *p->first);
     p->next = norma_io_allocate(patch->piece_count, sizeof *p->next);
-    if (!patch->views)
-        patch->view_count = 0;
-    if (!patch->pins || !patch->views || !p->stays || !p->first || !p->next)
-        return 0;
+    if (!patch->views) patch->view_count = 0;
+    if (!patch->pins || !patch->views || !p->stays || !p->first || !p->next) return 0;
     memset(p->first, 0xFF, g->view_count * sizeof *p->first);
     for (uint32_t v = 0; v < g->view_count; ++v) {
         uint32_t buffer = g->views[v].buffer;
         if (g->buffers[buffer].storage == GLTF_STORED_NOWHERE)
-            buffer = g->views[v].meshopt.token != GLTF_NONE ? g->views[v].meshopt.buffer : patch->default_buffer;
+            buffer = g->views[v].meshopt.token != GLTF_NONE ? g->views[v].meshopt.buffer
+                                                            : patch->default_buffer;
         patch->views[v].buffer = buffer;
     }
     count_stays(p);
     return 1;
 }
 
-norma_document_result norma_gltf_place(gltf *g, norma_document_error *error)
-{
+norma_document_result norma_gltf_place(gltf *g, norma_document_error *error) {
     placer p = {.g = g, .patch = g->patch, .error = error};
     norma_document_result result = norma_gltf_make_pieces(g, error);
-    if (!result && !prepare(&p))
-        result = out_of_memory(&p);
+    if (!result && !prepare(&p)) result = out_of_memory(&p);
     for (uint32_t v = 0; !result && v < g->view_count; ++v)
-        if (p.first[v] != GLTF_NONE)
-            result = place_in_view(&p, v);
-    if (!result)
-        result = add_views(&p);
-    if (!result)
-        result = norma_gltf_append_accessors(g, error);
+        if (p.first[v] != GLTF_NONE) result = place_in_view(&p, v);
+    if (!result) result = add_views(&p);
+    if (!result) result = norma_gltf_append_accessors(g, error);
     free(p.stays);
     free(p.first);
     free(p.next);

@@ -1,6 +1,7 @@
-/* buffer_names.c: the files that a written asset's buffers go into. Named after the output; in place, buffers keep their names. A file of other content that is in the
- * way is refused, unless it belongs to the very asset that is to be replaced: then the new buffer takes another name, so that the old asset is whole until it is
- * replaced. */
+/* buffer_names.c: the files that a written asset's buffers go into. Named after the output; in
+ * place, buffers keep their names. A file of other content that is in the way is refused, unless it
+ * belongs to the very asset that is to be replaced: then the new buffer takes another name, so that
+ * the old asset is whole until it is replaced. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/gltf/write/patch.h"
 #include <errno.h>
@@ -8,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-char *norma_gltf_join(const char *folder, const char *name)
-{
+char *norma_gltf_join(const char *folder, const char *name) {
     size_t a = strlen(folder), b = strlen(name);
     char *joined = norma_io_allocate(a + b + 1, 1);
     if (joined) {
@@ -19,84 +19,77 @@ char *norma_gltf_join(const char *folder, const char *name)
     return joined;
 }
 
-char *norma_gltf_folder_of(const char *path)
-{
+char *norma_gltf_folder_of(const char *path) {
     const char *slash = strrchr(path, '/');
     size_t length = slash ? (size_t)(slash - path) + 1 : 0;
     char *folder = norma_io_allocate(length + 1, 1);
-    if (folder)
-        memcpy(folder, path, length);
+    if (folder) memcpy(folder, path, length);
     return folder;
 }
 
-int norma_gltf_same_folder(const gltf *g, const char *path)
-{
+int norma_gltf_same_folder(const gltf *g, const char *path) {
     char *folder = norma_gltf_folder_of(path);
-    int same = folder && g->document->folder && norma_file_same(folder[0] ? folder : ".", g->document->folder[0] ? g->document->folder : ".");
+    int same = folder && g->document->folder &&
+               norma_file_same(
+                   folder[0] ? folder : ".", g->document->folder[0] ? g->document->folder : ".");
     free(folder);
     return same;
 }
 
-gltf_destination norma_gltf_destination(const gltf *g, const char *path)
-{
-    if (!path)
-        return GLTF_TO_STREAM;
+gltf_destination norma_gltf_destination(const gltf *g, const char *path) {
+    if (!path) return GLTF_TO_STREAM;
     return norma_file_same(path, g->document->path) ? GLTF_IN_PLACE : GLTF_TO_PATH;
 }
 
 /* "scene.bin" for scene.gltf; several: "scene_0.bin", ...; further tries: "scene-1.bin", ... */
-static char *name_after(const char *path, uint32_t number, int several, unsigned attempt)
-{
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
+static char *name_after(const char *path, uint32_t number, int several, unsigned attempt) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
+               *dot = strrchr(name, '.');
     int length = (int)(dot && dot != name ? (size_t)(dot - name) : strlen(name));
     char *out = norma_io_allocate((size_t)length + 40, 1);
-    if (!out)
-        return NULL;
+    if (!out) return NULL;
     int at = snprintf(out, (size_t)length + 1, "%.*s", length, name);
-    if (several)
-        at += snprintf(out + at, 16, "_%u", (unsigned)number);
-    if (attempt)
-        at += snprintf(out + at, 16, "-%u", attempt);
+    if (several) at += snprintf(out + at, 16, "_%u", (unsigned)number);
+    if (attempt) at += snprintf(out + at, 16, "-%u", attempt);
     memcpy(out + at, ".bin", 5);
     return out;
 }
 
 typedef enum found { FOUND_NOTHING, FOUND_SAME, FOUND_OTHER, FOUND_UNKNOWN } found;
 
-static found look(const gltf *g, uint32_t buffer, const char *file)
-{
+static found look(const gltf *g, uint32_t buffer, const char *file) {
     const patch_buffer *b = &g->patch->buffers[buffer];
     file_bytes bytes;
     int failed = norma_file_open(file, g->document->copied, &bytes);
     if (failed)
-        return failed == ENOENT ? FOUND_NOTHING : failed == EACCES || failed == EISDIR || failed == ELOOP ? FOUND_OTHER : FOUND_UNKNOWN;
+        return failed == ENOENT                                          ? FOUND_NOTHING
+               : failed == EACCES || failed == EISDIR || failed == ELOOP ? FOUND_OTHER
+                                                                         : FOUND_UNKNOWN;
     int same = b->changed ? norma_gltf_segments_equal(b, bytes.data, bytes.size)
-                          : bytes.size == g->buffers[buffer].length && memcmp(bytes.data, g->buffers[buffer].bytes, bytes.size) == 0;
+                          : bytes.size == g->buffers[buffer].length &&
+                                memcmp(bytes.data, g->buffers[buffer].bytes, bytes.size) == 0;
     norma_file_close(&bytes);
     return same ? FOUND_SAME : FOUND_OTHER;
 }
 
 /* Whether a buffer's name is one that choose_name may have given for this output. */
-static int is_named_after(const char *path, uint32_t number, int several, const char *name)
-{
+static int is_named_after(const char *path, uint32_t number, int several, const char *name) {
     char *plain = name_after(path, number, several, 0);
     size_t stem = plain ? strlen(plain) - strlen(".bin") : 0;
     name += strncmp(name, "./", 2) == 0 ? 2 : 0;
     const char *rest = plain && strncmp(name, plain, stem) == 0 ? name + stem : "";
     free(plain);
-    if (*rest == '-')
-        rest += 1 + strspn(rest + 1, "0123456789");
+    if (*rest == '-') rest += 1 + strspn(rest + 1, "0123456789");
     return strcmp(rest, ".bin") == 0;
 }
 
 /* Whether the asset that stands at path now has a buffer that was named so for it. */
-static int replaces_own(const char *path, uint32_t number, int several)
-{
-    const norma_document_options options = {.struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY};
+static int replaces_own(const char *path, uint32_t number, int several) {
+    const norma_document_options options = {
+        .struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY};
     norma_document *old = NULL;
     int belongs = 0;
-    if (norma_document_open(path, &options, &old, NULL))
-        return 0;
+    if (norma_document_open(path, &options, &old, NULL)) return 0;
     const gltf *g = norma_gltf_of(old);
     for (uint32_t b = 0; norma_document_format(old) >= NORMA_FILE_GLTF && b < g->buffer_count; ++b)
         belongs |= g->buffers[b].name && is_named_after(path, number, several, g->buffers[b].name);
@@ -104,31 +97,36 @@ static int replaces_own(const char *path, uint32_t number, int several)
     return belongs;
 }
 
-static norma_document_result refuse(const gltf *g, const char *file, norma_document_error *error)
-{
+static norma_document_result refuse(const gltf *g, const char *file, norma_document_error *error) {
     const norma_document target = {.path = (char *)(uintptr_t)file};
-    return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_REFUSED, NULL, "is there with other content and is not overwritten; the buffer of %s was to go there",
-                               g->document->path);
+    return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
+        "is there with other content and is not overwritten; the buffer of %s was to go there",
+        g->document->path);
 }
 
-static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, const char *path, int free_only, norma_document_error *error)
-{
+static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, const char *path,
+    int free_only, norma_document_error *error) {
     char *folder = norma_gltf_folder_of(path);
     norma_document_result result = NORMA_DOCUMENT_OK;
     int try_more = free_only, chosen = 0;
     for (unsigned attempt = 0; !chosen && !result; ++attempt) {
-        char *name = name_after(path, buffer, several, attempt), *file = name && folder ? norma_gltf_join(folder, name) : NULL;
+        char *name = name_after(path, buffer, several, attempt),
+             *file = name && folder ? norma_gltf_join(folder, name) : NULL;
         found there = file ? look(g, buffer, file) : FOUND_NOTHING;
         chosen = file && (there == FOUND_NOTHING || (there == FOUND_SAME && !free_only));
         if (there == FOUND_UNKNOWN)
-            result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "whether %s is there cannot be told, and its buffer was to go there", file);
-        if (!result && file && !chosen && !try_more && !(try_more = replaces_own(path, buffer, several)))
+            result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_FILE, NULL,
+                "whether %s is there cannot be told, and its buffer was to go there", file);
+        if (!result && file && !chosen && !try_more &&
+            !(try_more = replaces_own(path, buffer, several)))
             result = refuse(g, file, error);
-        if (!file || attempt == 100000)
-            result = norma_document_fail_memory(g->document, error);
+        if (!file || attempt == 100000) result = norma_document_fail_memory(g->document, error);
         free(file);
         if (chosen && attempt && !free_only)
-            norma_document_add_note(g->document, "the buffer is %s; that of the asset which was replaced stays beside it under its old name", name);
+            norma_document_add_note(g->document,
+                "the buffer is %s; that of the asset which was replaced stays beside it under its "
+                "old name",
+                name);
         if (chosen)
             g->patch->buffers[buffer].name = name;
         else
@@ -138,43 +136,45 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
     return result;
 }
 
-static int is_named_twice(const gltf *g, uint32_t buffer)
-{
+static int is_named_twice(const gltf *g, uint32_t buffer) {
     for (uint32_t b = 0; b < g->buffer_count; ++b)
-        if (b != buffer && g->buffers[b].name && strcmp(g->buffers[b].name, g->buffers[buffer].name) == 0)
+        if (b != buffer && g->buffers[b].name &&
+            strcmp(g->buffers[b].name, g->buffers[buffer].name) == 0)
             return 1;
     return 0;
 }
 
 /* A buffer that no view needs may be out of reach; then its name stays as it is. */
-static norma_document_result reach(gltf *g, uint32_t buffer, int *reached, norma_document_error *error)
-{
+static norma_document_result reach(
+    gltf *g, uint32_t buffer, int *reached, norma_document_error *error) {
     int needed = 0;
     for (uint32_t v = 0; v < g->view_count; ++v)
-        needed |= g->views[v].buffer == buffer || (g->views[v].meshopt.token != GLTF_NONE && g->views[v].meshopt.buffer == buffer);
+        needed |= g->views[v].buffer == buffer ||
+                  (g->views[v].meshopt.token != GLTF_NONE && g->views[v].meshopt.buffer == buffer);
     norma_document_result result = norma_gltf_load_buffer(g, buffer, needed ? error : NULL);
     *reached = !result;
     return needed || result == NORMA_DOCUMENT_ERROR_MEMORY ? result : NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destination, const char *path, norma_document_error *error)
-{
+norma_document_result norma_gltf_name_buffers(
+    gltf *g, gltf_destination destination, const char *path, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     uint32_t files = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t b = 0; b <= g->buffer_count; ++b)
-        files += norma_gltf_storage_of(g, b) == GLTF_STORED_FILE && (b < g->buffer_count || patch->buffers[b].changed);
+        files += norma_gltf_storage_of(g, b) == GLTF_STORED_FILE &&
+                 (b < g->buffer_count || patch->buffers[b].changed);
     for (uint32_t b = 0; !result && b <= g->buffer_count; ++b) {
         int old = b < g->buffer_count, reached = 1;
         if (norma_gltf_storage_of(g, b) != GLTF_STORED_FILE || (!old && !patch->buffers[b].changed))
             continue;
-        if (old)
-            result = reach(g, b, &reached, error);
-        if (result || !reached || destination == GLTF_TO_STREAM)
-            continue;
-        if (destination == GLTF_IN_PLACE && old && !(patch->buffers[b].changed && is_named_twice(g, b))) {
+        if (old) result = reach(g, b, &reached, error);
+        if (result || !reached || destination == GLTF_TO_STREAM) continue;
+        if (destination == GLTF_IN_PLACE && old &&
+            !(patch->buffers[b].changed && is_named_twice(g, b))) {
             patch->buffers[b].name = norma_gltf_join(g->buffers[b].name, "");
-            result = patch->buffers[b].name ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
+            result = patch->buffers[b].name ? NORMA_DOCUMENT_OK
+                                            : norma_document_fail_memory(g->document, error);
         } else {
             result = choose_name(g, b, files > 1, path, destination == GLTF_IN_PLACE, error);
         }

@@ -1,5 +1,7 @@
-/* byte_layout.c: where in the buffers new bytes go. What a replaced view leaves behind, and nothing else uses, is free; a view keeps its place where it fits, else it
- * takes the first free place, else the end. In place, a file beside is only added to: the old asset, and any other that shares the file, reads what it read. */
+/* byte_layout.c: where in the buffers new bytes go. What a replaced view leaves behind, and nothing
+ * else uses, is free; a view keeps its place where it fits, else it takes the first free place,
+ * else the end. In place, a file beside is only added to: the old asset, and any other that shares
+ * the file, reads what it read. */
 #include "io/gltf/write/patch.h"
 #include <stdlib.h>
 #include <string.h>
@@ -13,13 +15,11 @@ typedef struct range {
 typedef struct ranges {
     range *list;
     size_t count, capacity;
-    int    failed;
+    int failed;
 } ranges;
 
-static void add_range(ranges *r, size_t start, size_t end)
-{
-    if (end <= start || r->failed)
-        return;
+static void add_range(ranges *r, size_t start, size_t end) {
+    if (end <= start || r->failed) return;
     range *grown = norma_io_grow(r->list, &r->capacity, r->count + 1, sizeof *grown);
     if (!grown) {
         r->failed = 1;
@@ -29,16 +29,13 @@ static void add_range(ranges *r, size_t start, size_t end)
     r->list[r->count++] = (range){start, end};
 }
 
-static int compare_ranges(const void *a, const void *b)
-{
+static int compare_ranges(const void *a, const void *b) {
     const range *x = a, *y = b;
     return x->start < y->start ? -1 : x->start > y->start;
 }
 
-static void sort_and_merge(ranges *r)
-{
-    if (r->count < 2)
-        return;
+static void sort_and_merge(ranges *r) {
+    if (r->count < 2) return;
     qsort(r->list, r->count, sizeof *r->list, compare_ranges);
     size_t last = 0;
     for (size_t i = 1; i < r->count; ++i) {
@@ -50,32 +47,28 @@ static void sort_and_merge(ranges *r)
     r->count = last + 1;
 }
 
-static void take_away(const ranges *from, const ranges *what, ranges *left)
-{
+static void take_away(const ranges *from, const ranges *what, ranges *left) {
     size_t k = 0;
     for (size_t i = 0; i < from->count; ++i) {
         size_t at = from->list[i].start, end = from->list[i].end;
-        while (k < what->count && what->list[k].end <= at)
-            ++k;
+        while (k < what->count && what->list[k].end <= at) ++k;
         for (size_t m = k; m < what->count && what->list[m].start < end; ++m) {
             add_range(left, at, what->list[m].start);
-            if (what->list[m].end > at)
-                at = what->list[m].end;
+            if (what->list[m].end > at) at = what->list[m].end;
         }
         add_range(left, at, end);
     }
 }
 
-gltf_storage norma_gltf_storage_of(const gltf *g, uint32_t buffer)
-{
-    if (buffer < g->buffer_count)
-        return g->buffers[buffer].storage;
-    return g->document->format == NORMA_FILE_GLTF ? GLTF_STORED_FILE : g->buffer_count == 0 ? GLTF_STORED_BIN : GLTF_STORED_DATA;
+gltf_storage norma_gltf_storage_of(const gltf *g, uint32_t buffer) {
+    if (buffer < g->buffer_count) return g->buffers[buffer].storage;
+    return g->document->format == NORMA_FILE_GLTF ? GLTF_STORED_FILE
+           : g->buffer_count == 0                 ? GLTF_STORED_BIN
+                                                  : GLTF_STORED_DATA;
 }
 
 /* A buffer that is to be made has the bytes of a BIN chunk that no buffer spoke of. */
-static const unsigned char *old_bytes(const gltf *g, uint32_t buffer, size_t *length)
-{
+static const unsigned char *old_bytes(const gltf *g, uint32_t buffer, size_t *length) {
     if (buffer < g->buffer_count) {
         *length = g->buffers[buffer].length;
         return g->buffers[buffer].bytes;
@@ -84,29 +77,28 @@ static const unsigned char *old_bytes(const gltf *g, uint32_t buffer, size_t *le
     return g->bin;
 }
 
-static void add_part(ranges *r, size_t offset, size_t length, size_t limit)
-{
-    if (offset < limit)
-        add_range(r, offset, length > limit - offset ? limit : offset + length);
+static void add_part(ranges *r, size_t offset, size_t length, size_t limit) {
+    if (offset < limit) add_range(r, offset, length > limit - offset ? limit : offset + length);
 }
 
 /* The padding behind a view goes with it; what lives there is taken away again. */
-static size_t padded(size_t offset, size_t length)
-{
+static size_t padded(size_t offset, size_t length) {
     return length + (ALIGNMENT - (offset + length) % ALIGNMENT) % ALIGNMENT;
 }
 
 /* What of the buffer nobody needs once the new views are in use. */
-static int find_free(const gltf *g, uint32_t buffer, size_t length, ranges *left)
-{
+static int find_free(const gltf *g, uint32_t buffer, size_t length, ranges *left) {
     ranges alive = {0}, dead = {0};
     for (uint32_t v = 0; v < g->view_count; ++v) {
         const gltf_view *view = &g->views[v];
         const int goes = g->patch->views[v].bytes != NULL;
         if (view->buffer == buffer)
-            add_part(goes ? &dead : &alive, view->offset, goes ? padded(view->offset, view->length) : view->length, length);
+            add_part(goes ? &dead : &alive, view->offset,
+                goes ? padded(view->offset, view->length) : view->length, length);
         if (view->meshopt.token != GLTF_NONE && view->meshopt.buffer == buffer)
-            add_part(goes ? &dead : &alive, view->meshopt.offset, goes ? padded(view->meshopt.offset, view->meshopt.length) : view->meshopt.length, length);
+            add_part(goes ? &dead : &alive, view->meshopt.offset,
+                goes ? padded(view->meshopt.offset, view->meshopt.length) : view->meshopt.length,
+                length);
     }
     sort_and_merge(&alive);
     sort_and_merge(&dead);
@@ -120,32 +112,31 @@ static int find_free(const gltf *g, uint32_t buffer, size_t length, ranges *left
 /* ---- giving places */
 
 typedef struct space {
-    ranges left;                          /* the last one reaches to the end of all: SIZE_MAX */
-    size_t end;                           /* of what is used */
+    ranges left; /* the last one reaches to the end of all: SIZE_MAX */
+    size_t end;  /* of what is used */
 } space;
 
-static void use(space *s, size_t i, size_t offset, size_t length)
-{
+static void use(space *s, size_t i, size_t offset, size_t length) {
     range whole = s->left.list[i];
-    if (offset == whole.start) {          /* no empty range stays behind, to be looked at by all that follow */
+    if (offset ==
+        whole.start) { /* no empty range stays behind, to be looked at by all that follow */
         s->left.list[i].start = offset + length;
     } else {
         s->left.list[i].end = offset;
     }
     if (offset > whole.start && offset + length < whole.end) {
         add_range(&s->left, 0, 1);
-        if (s->left.failed)
-            return;
-        memmove(s->left.list + i + 2, s->left.list + i + 1, (s->left.count - i - 2) * sizeof *s->left.list);
+        if (s->left.failed) return;
+        memmove(s->left.list + i + 2, s->left.list + i + 1,
+            (s->left.count - i - 2) * sizeof *s->left.list);
         s->left.list[i + 1] = (range){offset + length, whole.end};
     }
-    if (offset + length > s->end)
-        s->end = offset + length;
+    if (offset + length > s->end) s->end = offset + length;
 }
 
-static int keep_place(space *s, const gltf_view *old, patch_view *view)
-{
-    size_t low = 0, high = s->left.count; /* the last range that begins at the old place or before it */
+static int keep_place(space *s, const gltf_view *old, patch_view *view) {
+    size_t low = 0,
+           high = s->left.count; /* the last range that begins at the old place or before it */
     while (low < high) {
         size_t middle = low + (high - low) / 2;
         if (s->left.list[middle].start <= old->offset)
@@ -153,8 +144,7 @@ static int keep_place(space *s, const gltf_view *old, patch_view *view)
         else
             high = middle;
     }
-    if (low == 0 || view->length > old->length)
-        return 0;
+    if (low == 0 || view->length > old->length) return 0;
     const range *around = &s->left.list[low - 1];
     if (view->length > around->end - around->start || old->offset > around->end - view->length)
         return 0;
@@ -163,20 +153,18 @@ static int keep_place(space *s, const gltf_view *old, patch_view *view)
     return 1;
 }
 
-static void find_place(space *s, patch_view *view)
-{
+static void find_place(space *s, patch_view *view) {
     for (size_t i = 0; i < s->left.count && !s->left.failed; ++i) {
         size_t start = (s->left.list[i].start + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-        if (start > s->left.list[i].end || s->left.list[i].end - start < view->length)
-            continue;
+        if (start > s->left.list[i].end || s->left.list[i].end - start < view->length) continue;
         view->offset = start;
         use(s, i, start, view->length);
         return;
     }
 }
 
-static norma_document_result give_places(gltf *g, uint32_t buffer, int only_add, norma_document_error *error)
-{
+static norma_document_result give_places(
+    gltf *g, uint32_t buffer, int only_add, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     size_t length;
     space s = {.end = 0};
@@ -190,7 +178,9 @@ static norma_document_result give_places(gltf *g, uint32_t buffer, int only_add,
         add_range(&s.left, length, SIZE_MAX);
     for (uint32_t v = 0; ok && v < g->view_count; ++v) {
         patch_view *view = &patch->views[v];
-        view->allocated = view->bytes && view->buffer == buffer && g->views[v].buffer == buffer && g->views[v].meshopt.token == GLTF_NONE && keep_place(&s, &g->views[v], view);
+        view->allocated = view->bytes && view->buffer == buffer && g->views[v].buffer == buffer &&
+                          g->views[v].meshopt.token == GLTF_NONE &&
+                          keep_place(&s, &g->views[v], view);
     }
     for (size_t v = 0; ok && v < patch->view_count; ++v)
         if (patch->views[v].bytes && patch->views[v].buffer == buffer && !patch->views[v].allocated)
@@ -203,84 +193,82 @@ static norma_document_result give_places(gltf *g, uint32_t buffer, int only_add,
 
 /* ---- the buffer as it will be */
 
-static int add_segment(patch_buffer *buffer, size_t offset, size_t length, const unsigned char *bytes)
-{
-    if (length == 0)
-        return 1;
-    patch_segment *grown = norma_io_grow(buffer->segments, &buffer->segment_capacity, buffer->segment_count + 1, sizeof *grown);
-    if (!grown)
-        return 0;
+static int add_segment(
+    patch_buffer *buffer, size_t offset, size_t length, const unsigned char *bytes) {
+    if (length == 0) return 1;
+    patch_segment *grown = norma_io_grow(
+        buffer->segments, &buffer->segment_capacity, buffer->segment_count + 1, sizeof *grown);
+    if (!grown) return 0;
     buffer->segments = grown;
-    buffer->segments[buffer->segment_count++] = (patch_segment){.offset = offset, .length = length, .bytes = bytes};
+    buffer->segments[buffer->segment_count++] =
+        (patch_segment){.offset = offset, .length = length, .bytes = bytes};
     return 1;
 }
 
-static int compare_segments(const void *a, const void *b)
-{
+static int compare_segments(const void *a, const void *b) {
     const patch_segment *x = a, *y = b;
     return x->offset < y->offset ? -1 : x->offset > y->offset;
 }
 
 /* Old bytes, then zeros, up to end. */
-static int fill_gap(patch_buffer *buffer, size_t at, size_t end, const unsigned char *old, size_t old_length)
-{
+static int fill_gap(
+    patch_buffer *buffer, size_t at, size_t end, const unsigned char *old, size_t old_length) {
     size_t known = end < old_length ? end : old_length;
-    if (at < known && !add_segment(buffer, at, known - at, old + at))
-        return 0;
+    if (at < known && !add_segment(buffer, at, known - at, old + at)) return 0;
     at = at < known ? known : at;
     return at >= end || add_segment(buffer, at, end - at, NULL);
 }
 
-static int build(const gltf *g, uint32_t number)
-{
+static int build(const gltf *g, uint32_t number) {
     patch_buffer made = {0}, *buffer = &g->patch->buffers[number];
     size_t old_length, at = 0;
     const unsigned char *old = old_bytes(g, number, &old_length);
     int ok = 1;
     for (size_t v = 0; ok && v < g->patch->view_count; ++v)
         if (g->patch->views[v].bytes && g->patch->views[v].buffer == number)
-            ok = add_segment(&made, g->patch->views[v].offset, g->patch->views[v].length, g->patch->views[v].bytes);
+            ok = add_segment(&made, g->patch->views[v].offset, g->patch->views[v].length,
+                g->patch->views[v].bytes);
     if (made.segment_count)
         qsort(made.segments, made.segment_count, sizeof *made.segments, compare_segments);
     for (size_t i = 0; ok && i < made.segment_count; ++i) {
-        ok = fill_gap(buffer, at, made.segments[i].offset, old, old_length) && add_segment(buffer, made.segments[i].offset, made.segments[i].length, made.segments[i].bytes);
+        ok = fill_gap(buffer, at, made.segments[i].offset, old, old_length) &&
+             add_segment(
+                 buffer, made.segments[i].offset, made.segments[i].length, made.segments[i].bytes);
         at = made.segments[i].offset + made.segments[i].length;
     }
     free(made.segments);
     return ok && fill_gap(buffer, at, buffer->length, old, old_length);
 }
 
-norma_document_result norma_gltf_fill_buffers(gltf *g, gltf_destination destination, norma_document_error *error)
-{
+norma_document_result norma_gltf_fill_buffers(
+    gltf *g, gltf_destination destination, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     for (size_t v = 0; v < patch->view_count; ++v)
         patch->buffers[patch->views[v].buffer].changed |= patch->views[v].bytes != NULL;
     for (uint32_t b = 0; b <= g->buffer_count; ++b) {
         patch_buffer *buffer = &patch->buffers[b];
-        if (!buffer->changed)
-            continue;
-        norma_document_result result = b < g->buffer_count ? norma_gltf_load_buffer(g, b, error) : NORMA_DOCUMENT_OK;
+        if (!buffer->changed) continue;
+        norma_document_result result =
+            b < g->buffer_count ? norma_gltf_load_buffer(g, b, error) : NORMA_DOCUMENT_OK;
         if (!result)
-            result = give_places(g, b, destination == GLTF_IN_PLACE && norma_gltf_storage_of(g, b) == GLTF_STORED_FILE, error);
-        if (!result && !build(g, b))
-            result = norma_document_fail_memory(g->document, error);
-        if (result)
-            return result;
+            result = give_places(g, b,
+                destination == GLTF_IN_PLACE && norma_gltf_storage_of(g, b) == GLTF_STORED_FILE,
+                error);
+        if (!result && !build(g, b)) result = norma_document_fail_memory(g->document, error);
+        if (result) return result;
     }
     return NORMA_DOCUMENT_OK;
 }
 
-int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size)
-{
+int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size) {
     static const unsigned char zeros[64];
-    if (size != buffer->length)
-        return 0;
+    if (size != buffer->length) return 0;
     for (size_t i = 0; i < buffer->segment_count; ++i) {
         const patch_segment *s = &buffer->segments[i];
-        if (s->bytes && memcmp(bytes + s->offset, s->bytes, s->length) != 0)
-            return 0;
+        if (s->bytes && memcmp(bytes + s->offset, s->bytes, s->length) != 0) return 0;
         for (size_t k = 0; !s->bytes && k < s->length; k += sizeof zeros)
-            if (memcmp(bytes + s->offset + k, zeros, s->length - k < sizeof zeros ? s->length - k : sizeof zeros) != 0)
+            if (memcmp(bytes + s->offset + k, zeros,
+                    s->length - k < sizeof zeros ? s->length - k : sizeof zeros) != 0)
                 return 0;
     }
     return 1;

@@ -1,5 +1,7 @@
-/* companion_files.c: the files that go with an asset: its buffers, and into another folder the images that it names. All are looked at before any is written, all are
- * written before any is renamed (by norma_document_save); a file of the same content is left alone, one of other content is refused. */
+/* companion_files.c: the files that go with an asset: its buffers, and into another folder the
+ * images that it names. All are looked at before any is written, all are written before any is
+ * renamed (by norma_document_save); a file of the same content is left alone, one of other content
+ * is refused. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/gltf/write/patch.h"
 #include <errno.h>
@@ -8,46 +10,43 @@
 #include <sys/stat.h>
 
 typedef struct companion {
-    char                *path;
-    const patch_buffer  *buffer;          /* the contents: this, */
-    const unsigned char *bytes;           /* or these */
-    size_t               size;
-    file_bytes           file;            /* an image's */
-    file_stamp          *replaces;        /* in place: of the buffer as it was read */
+    char *path;
+    const patch_buffer *buffer; /* the contents: this, */
+    const unsigned char *bytes; /* or these */
+    size_t size;
+    file_bytes file;      /* an image's */
+    file_stamp *replaces; /* in place: of the buffer as it was read */
 } companion;
 
 typedef struct companions {
     norma_document *document;
-    gltf           *g;
-    char           *folder;               /* of the output */
-    companion      *list;
-    size_t          count, capacity;
-    int             in_place;
+    gltf *g;
+    char *folder; /* of the output */
+    companion *list;
+    size_t count, capacity;
+    int in_place;
     norma_document_error *error;
 } companions;
 
-static norma_document_result out_of_memory(const companions *c)
-{
+static norma_document_result out_of_memory(const companions *c) {
     return norma_document_fail_memory(c->document, c->error);
 }
 
-static int has_content(const companion *one, const file_bytes *file)
-{
-    if (one->buffer)
-        return norma_gltf_segments_equal(one->buffer, file->data, file->size);
+static int has_content(const companion *one, const file_bytes *file) {
+    if (one->buffer) return norma_gltf_segments_equal(one->buffer, file->data, file->size);
     return file->size == one->size && memcmp(file->data, one->bytes, one->size) == 0;
 }
 
-static norma_document_result refuse(const companions *c, const char *path)
-{
+static norma_document_result refuse(const companions *c, const char *path) {
     const norma_document target = {.path = (char *)(uintptr_t)path};
-    return norma_document_fail(&target, c->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL, "is there with other content and is not overwritten; %s needs a file of this name beside it",
-                               c->document->path);
+    return norma_document_fail(&target, c->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
+        "is there with other content and is not overwritten; %s needs a file of this name beside "
+        "it",
+        c->document->path);
 }
 
 /* Adds a file to be written, unless it is there already. Takes over one->path and one->file. */
-static norma_document_result add(companions *c, companion one)
-{
+static norma_document_result add(companions *c, companion one) {
     file_bytes there;
     int failed = norma_file_open(one.path, c->document->copied, &there), same = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -73,13 +72,12 @@ static norma_document_result add(companions *c, companion one)
     return result;
 }
 
-static norma_document_result add_buffer(companions *c, uint32_t number)
-{
+static norma_document_result add_buffer(companions *c, uint32_t number) {
     const patch_buffer *b = &c->g->patch->buffers[number];
     companion one = {.path = norma_gltf_join(c->folder, b->name)};
-    if (!one.path)
-        return out_of_memory(c);
-    if (c->in_place && number < c->g->buffer_count && c->g->buffers[number].name && strcmp(c->g->buffers[number].name, b->name) == 0)
+    if (!one.path) return out_of_memory(c);
+    if (c->in_place && number < c->g->buffer_count && c->g->buffers[number].name &&
+        strcmp(c->g->buffers[number].name, b->name) == 0)
         one.replaces = &c->g->buffers[number].file.stamp;
     if (b->changed) {
         one.buffer = b;
@@ -90,20 +88,27 @@ static norma_document_result add_buffer(companions *c, uint32_t number)
     return add(c, one);
 }
 
-/* A file of the asset's folder under its own name: one that does not exist, or lies outside, stays where it is; one that cannot be read is an error. */
-static norma_document_result add_file(companions *c, const char *name)
-{
+/* A file of the asset's folder under its own name: one that does not exist, or lies outside, stays
+ * where it is; one that cannot be read is an error. */
+static norma_document_result add_file(companions *c, const char *name) {
     companion one = {.path = NULL};
     char *source;
     struct stat status;
     if (!norma_gltf_path_inside(c->document->folder, name, &source))
-        return errno == ENOMEM ? out_of_memory(c) : norma_document_add_note(c->document, "%s lies outside the asset's folder and was not copied", name), NORMA_DOCUMENT_OK;
-    int failed = stat(source, &status) ? errno : S_ISREG(status.st_mode) ? norma_file_open(source, c->document->copied, &one.file) : ENOENT;
-    const int absent = failed == ENOENT || failed == ENOTDIR || failed == ENAMETOOLONG || failed == ELOOP;
-    norma_document_result result = failed && !absent ? norma_document_fail_file(source, c->error, "cannot be read", failed) : NORMA_DOCUMENT_OK;
+        return errno == ENOMEM ? out_of_memory(c)
+                               : norma_document_add_note(c->document,
+                                     "%s lies outside the asset's folder and was not copied", name),
+               NORMA_DOCUMENT_OK;
+    int failed = stat(source, &status)     ? errno
+                 : S_ISREG(status.st_mode) ? norma_file_open(source, c->document->copied, &one.file)
+                                           : ENOENT;
+    const int absent =
+        failed == ENOENT || failed == ENOTDIR || failed == ENAMETOOLONG || failed == ELOOP;
+    norma_document_result result =
+        failed && !absent ? norma_document_fail_file(source, c->error, "cannot be read", failed)
+                          : NORMA_DOCUMENT_OK;
     free(source);
-    if (failed)
-        return result;
+    if (failed) return result;
     one.bytes = one.file.data;
     one.size = one.file.size;
     one.path = norma_gltf_join(c->folder, name);
@@ -114,14 +119,15 @@ static norma_document_result add_file(companions *c, const char *name)
     return add(c, one);
 }
 
-static norma_document_result add_images(companions *c)
-{
+static norma_document_result add_images(companions *c) {
     const json *j = &c->g->json;
     uint32_t images = norma_json_member(j, 0, "images");
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (uint32_t image = norma_json_first(j, images); !result && image != JSON_NONE; image = norma_json_next(j, images, image)) {
+    for (uint32_t image = norma_json_first(j, images); !result && image != JSON_NONE;
+         image = norma_json_next(j, images, image)) {
         errno = 0;
-        char *uri = norma_json_string(j, norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE);
+        char *uri = norma_json_string(j,
+            norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE);
         char *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
         if (name)
             result = add_file(c, name);
@@ -134,28 +140,28 @@ static norma_document_result add_images(companions *c)
 }
 
 /* A buffer of a settled document, which is in no file yet. */
-static int is_given(const companions *c, uint32_t number, int only_changed)
-{
-    const given_buffer *given = number < c->document->given_count ? &c->document->given[number] : NULL;
+static int is_given(const companions *c, uint32_t number, int only_changed) {
+    const given_buffer *given =
+        number < c->document->given_count ? &c->document->given[number] : NULL;
     return given && given->bytes && (given->changed || !only_changed);
 }
 
-static norma_document_result add_given(companions *c, uint32_t number)
-{
+static norma_document_result add_given(companions *c, uint32_t number) {
     const given_buffer *given = &c->document->given[number];
-    companion one = {.path = norma_gltf_join(c->folder, c->g->buffers[number].name), .bytes = given->bytes, .size = given->size};
-    if (c->in_place)
-        one.replaces = &c->g->buffers[number].file.stamp;
+    companion one = {.path = norma_gltf_join(c->folder, c->g->buffers[number].name),
+        .bytes = given->bytes,
+        .size = given->size};
+    if (c->in_place) one.replaces = &c->g->buffers[number].file.stamp;
     return one.path ? add(c, one) : out_of_memory(c);
 }
 
-static norma_document_result collect(companions *c, const char *path)
-{
+static norma_document_result collect(companions *c, const char *path) {
     gltf *g = c->g;
     int elsewhere = !norma_gltf_same_folder(g, path);
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t b = 0; g->changed && !result && b <= g->buffer_count; ++b)
-        if (g->patch->buffers[b].name && (!c->in_place || g->patch->buffers[b].changed || is_given(c, b, 1)))
+        if (g->patch->buffers[b].name &&
+            (!c->in_place || g->patch->buffers[b].changed || is_given(c, b, 1)))
             result = add_buffer(c, b);
     for (uint32_t b = 0; !g->changed && !result && b < g->buffer_count; ++b) {
         if (g->buffers[b].name && is_given(c, b, c->in_place))
@@ -169,64 +175,55 @@ static norma_document_result collect(companions *c, const char *path)
 /* ---- writing */
 
 /* Folders below the output's for names like "textures/wood.png". */
-static int make_folders(companion_writers *writers, char *path, size_t known)
-{
+static int make_folders(companion_writers *writers, char *path, size_t known) {
     for (char *slash = strchr(path + known, '/'); slash; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
         int failed = norma_document_add_folder(writers, path);
         *slash = '/';
-        if (failed)
-            return failed;
+        if (failed) return failed;
     }
     return 0;
 }
 
-static int write_content(const companion *one, file_writer *writer)
-{
+static int write_content(const companion *one, file_writer *writer) {
     static const unsigned char zeros[256];
     int failed = 0;
-    if (!one->buffer)
-        return norma_file_writer_write(writer, one->bytes, one->size);
+    if (!one->buffer) return norma_file_writer_write(writer, one->bytes, one->size);
     for (size_t i = 0; !failed && i < one->buffer->segment_count; ++i) {
         const patch_segment *s = &one->buffer->segments[i];
-        if (s->bytes)
-            failed = norma_file_writer_write(writer, s->bytes, s->length);
-        for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0; left -= left < sizeof zeros ? left : sizeof zeros)
-            failed = norma_file_writer_write(writer, zeros, left < sizeof zeros ? left : sizeof zeros);
+        if (s->bytes) failed = norma_file_writer_write(writer, s->bytes, s->length);
+        for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0;
+             left -= left < sizeof zeros ? left : sizeof zeros)
+            failed =
+                norma_file_writer_write(writer, zeros, left < sizeof zeros ? left : sizeof zeros);
     }
     return failed;
 }
 
-static norma_document_result write_one(companions *c, companion *one, companion_writers *writers)
-{
+static norma_document_result write_one(companions *c, companion *one, companion_writers *writers) {
     file_writer *writer = NULL;
     int failed = make_folders(writers, one->path, strlen(c->folder));
+    if (!failed) failed = norma_file_writer_open(one->path, &writer);
+    if (!failed && one->replaces) norma_file_writer_expect(writer, one->replaces);
+    if (!failed) failed = write_content(one, writer);
+    if (!failed) failed = norma_file_writer_prepare(writer);
     if (!failed)
-        failed = norma_file_writer_open(one->path, &writer);
-    if (!failed && one->replaces)
-        norma_file_writer_expect(writer, one->replaces);
-    if (!failed)
-        failed = write_content(one, writer);
-    if (!failed)
-        failed = norma_file_writer_prepare(writer);
-    if (!failed)
-        return norma_document_add_writer(writers, writer, one->path) ? NORMA_DOCUMENT_OK : out_of_memory(c);
+        return norma_document_add_writer(writers, writer, one->path) ? NORMA_DOCUMENT_OK
+                                                                     : out_of_memory(c);
     norma_file_writer_abandon(writer);
     return norma_document_fail_file(one->path, c->error, "cannot be written", failed);
 }
 
-norma_document_result norma_gltf_write_companions(norma_document *document, const char *path, int in_place, companion_writers *writers, norma_document_error *error)
-{
+norma_document_result norma_gltf_write_companions(norma_document *document, const char *path,
+    int in_place, companion_writers *writers, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    companions c = {.document = document, .g = g, .folder = norma_gltf_folder_of(path), .error = error};
+    companions c = {
+        .document = document, .g = g, .folder = norma_gltf_folder_of(path), .error = error};
     c.in_place = in_place && norma_gltf_destination(g, path) == GLTF_IN_PLACE;
     norma_document_result result = c.folder ? NORMA_DOCUMENT_OK : out_of_memory(&c);
-    if (!result && g->changed)
-        result = norma_gltf_lay_out(g, path, error);
-    if (!result)
-        result = collect(&c, path);
-    for (size_t i = 0; !result && i < c.count; ++i)
-        result = write_one(&c, &c.list[i], writers);
+    if (!result && g->changed) result = norma_gltf_lay_out(g, path, error);
+    if (!result) result = collect(&c, path);
+    for (size_t i = 0; !result && i < c.count; ++i) result = write_one(&c, &c.list[i], writers);
     for (size_t i = 0; i < c.count; ++i) {
         norma_file_close(&c.list[i].file);
         free(c.list[i].path);
@@ -236,25 +233,25 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
     return result;
 }
 
-int norma_gltf_reads_from(const norma_document *document, const char *path)
-{
+int norma_gltf_reads_from(const norma_document *document, const char *path) {
     const gltf *g = norma_gltf_of(document);
     int reads = 0;
     for (uint32_t b = 0; b < g->buffer_count && document->folder && !reads; ++b) {
-        char *file = g->buffers[b].name ? norma_gltf_join(document->folder, g->buffers[b].name) : NULL;
+        char *file =
+            g->buffers[b].name ? norma_gltf_join(document->folder, g->buffers[b].name) : NULL;
         reads = file && norma_file_same(file, path);
         free(file);
     }
     return reads;
 }
 
-char *norma_gltf_changed_companion(const norma_document *document)
-{
+char *norma_gltf_changed_companion(const norma_document *document) {
     const gltf *g = norma_gltf_of(document);
     for (uint32_t b = 0; g->buffers && b < g->buffer_count && document->folder; ++b) {
-        char *file = g->buffers[b].name && g->buffers[b].file.stamp.known ? norma_gltf_join(document->folder, g->buffers[b].name) : NULL;
-        if (file && norma_file_has_changed(file, &g->buffers[b].file.stamp))
-            return file;
+        char *file = g->buffers[b].name && g->buffers[b].file.stamp.known
+                         ? norma_gltf_join(document->folder, g->buffers[b].name)
+                         : NULL;
+        if (file && norma_file_has_changed(file, &g->buffers[b].file.stamp)) return file;
         free(file);
     }
     return NULL;

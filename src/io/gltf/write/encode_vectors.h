@@ -13,12 +13,15 @@ typedef enum bake_role {
     BAKE_WINDING
 } bake_role;
 
-/* array->count elements of array->width numbers into values. base: the normals that tangents go with, or that deltas of normals are added to, or the tangents that
- * deltas of tangents are; NULL where there are none. */
-void norma_gltf_carry(bake_role role, const bake_map *map, const gltf_array *array, const gltf_array *base, double *values);
+/* array->count elements of array->width numbers into values. base: the normals that tangents go
+ * with, or that deltas of normals are added to, or the tangents that deltas of tangents are; NULL
+ * where there are none. */
+void norma_gltf_carry(bake_role role, const bake_map *map, const gltf_array *array,
+    const gltf_array *base, double *values);
 
-/* values in the encoding of the stored array where that can hold them (positions: exactly; directions: as well as it ever does; their deltas: in range), else as
- * floats. */
+/* values in the encoding of the stored array where that can hold them (positions: exactly;
+ * directions: as well as it ever does; their deltas: in range), else as floats. */
 typedef enum bake_encoded { BAKE_ENCODED = 0, BAKE_NO_MEMORY, BAKE_TOO_LARGE } bake_encoded;
-bake_encoded norma_gltf_encode(bake_role role, const gltf_array *stored, const double *values, gltf_data *data);
+bake_encoded norma_gltf_encode(
+    bake_role role, const gltf_array *stored, const double *values, gltf_data *data);
 #endif

@@ -1,4 +1,5 @@
-/* gltf_write.c: the asset's main file: the JSON with all edits, as text or in a GLB with its other chunks as they were. */
+/* gltf_write.c: the asset's main file: the JSON with all edits, as text or in a GLB with its other
+ * chunks as they were. */
 #include "io/gltf/write/patch.h"
 #include <stdlib.h>
 #include <string.h>
@@ -6,28 +7,23 @@
 static const uint32_t GLB_BIN = 0x004E4942;
 enum { GLB_HEADER = 12, GLB_CHUNK_HEADER = 8 };
 
-norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error)
-{
+norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     const char *key = path ? path : "";
     gltf_destination destination = norma_gltf_destination(g, path);
-    if (patch->laid_out_for && strcmp(patch->laid_out_for, key) == 0)
-        return NORMA_DOCUMENT_OK;
+    if (patch->laid_out_for && strcmp(patch->laid_out_for, key) == 0) return NORMA_DOCUMENT_OK;
     norma_gltf_free_layout(g);
-    for (size_t v = 0; v < patch->view_count; ++v)
-        patch->views[v].allocated = 0;
+    for (size_t v = 0; v < patch->view_count; ++v) patch->views[v].allocated = 0;
     patch->buffers = norma_io_allocate((size_t)g->buffer_count + 1, sizeof *patch->buffers);
     patch->layout = norma_json_edits_copy(g->edits);
     char *laid_out_for = norma_gltf_join(key, "");
-    norma_document_result result = patch->buffers && patch->layout && laid_out_for ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
-    if (!result)
-        result = norma_gltf_fill_buffers(g, destination, error);
-    if (!result)
-        result = norma_gltf_name_buffers(g, destination, path, error);
-    if (!result)
-        norma_gltf_edit_views(g);
-    if (!result)
-        result = norma_gltf_edit_buffers(g, destination, error);
+    norma_document_result result = patch->buffers && patch->layout && laid_out_for
+                                       ? NORMA_DOCUMENT_OK
+                                       : norma_document_fail_memory(g->document, error);
+    if (!result) result = norma_gltf_fill_buffers(g, destination, error);
+    if (!result) result = norma_gltf_name_buffers(g, destination, path, error);
+    if (!result) norma_gltf_edit_views(g);
+    if (!result) result = norma_gltf_edit_buffers(g, destination, error);
     if (result) {
         free(laid_out_for);
         return result;
@@ -40,42 +36,34 @@ norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_docume
 
 typedef struct output {
     norma_write *write;
-    void        *user;
-    int          failed;
+    void *user;
+    int failed;
 } output;
 
-static void put(output *out, const void *bytes, size_t size)
-{
-    if (!out->failed && size)
-        out->failed = out->write(out->user, bytes, size);
+static void put(output *out, const void *bytes, size_t size) {
+    if (!out->failed && size) out->failed = out->write(out->user, bytes, size);
 }
 
-static void put_fill(output *out, unsigned char fill, size_t size)
-{
+static void put_fill(output *out, unsigned char fill, size_t size) {
     unsigned char block[256];
     memset(block, fill, sizeof block);
     for (; size > 0 && !out->failed; size -= size < sizeof block ? size : sizeof block)
         put(out, block, size < sizeof block ? size : sizeof block);
 }
 
-static void put_u32(output *out, uint32_t value)
-{
-    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8), (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
+static void put_u32(output *out, uint32_t value) {
+    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
+        (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
     put(out, bytes, 4);
 }
 
-static uint32_t read_u32(const unsigned char *at)
-{
+static uint32_t read_u32(const unsigned char *at) {
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-static size_t padding(size_t size)
-{
-    return (4 - size % 4) % 4;
-}
+static size_t padding(size_t size) { return (4 - size % 4) % 4; }
 
-static void put_segments(output *out, const patch_buffer *buffer)
-{
+static void put_segments(output *out, const patch_buffer *buffer) {
     for (size_t i = 0; i < buffer->segment_count; ++i) {
         if (buffer->segments[i].bytes)
             put(out, buffer->segments[i].bytes, buffer->segments[i].length);
@@ -84,8 +72,7 @@ static void put_segments(output *out, const patch_buffer *buffer)
     }
 }
 
-static void put_bin(output *out, const patch_buffer *bin)
-{
+static void put_bin(output *out, const patch_buffer *bin) {
     put_u32(out, (uint32_t)(bin->length + padding(bin->length)));
     put_u32(out, GLB_BIN);
     put_segments(out, bin);
@@ -93,29 +80,31 @@ static void put_bin(output *out, const patch_buffer *bin)
 }
 
 /* The BIN chunk where it is written anew, else NULL. */
-static const patch_buffer *new_bin(const gltf *g)
-{
+static const patch_buffer *new_bin(const gltf *g) {
     for (uint32_t b = 0; b <= g->buffer_count; ++b)
         if (g->patch->buffers[b].changed && norma_gltf_storage_of(g, b) == GLTF_STORED_BIN)
             return &g->patch->buffers[b];
     return NULL;
 }
 
-static size_t chunk_size(const gltf *g, size_t at)
-{
+static size_t chunk_size(const gltf *g, size_t at) {
     return GLB_CHUNK_HEADER + read_u32(g->document->source.data + at);
 }
 
-static norma_document_result write_glb(gltf *g, const json_text *text, output *out, norma_document_error *error)
-{
+static norma_document_result write_glb(
+    gltf *g, const json_text *text, output *out, norma_document_error *error) {
     const file_bytes *source = &g->document->source;
     const patch_buffer *bin = new_bin(g);
-    size_t first = GLB_HEADER + chunk_size(g, GLB_HEADER), json_size = text->size + padding(text->size);
+    size_t first = GLB_HEADER + chunk_size(g, GLB_HEADER),
+           json_size = text->size + padding(text->size);
     size_t total = GLB_HEADER + GLB_CHUNK_HEADER + json_size + (source->size - first);
     if (bin)
-        total += GLB_CHUNK_HEADER + bin->length + padding(bin->length) - (g->bin ? GLB_CHUNK_HEADER + g->bin_size : 0);
+        total += GLB_CHUNK_HEADER + bin->length + padding(bin->length) -
+                 (g->bin ? GLB_CHUNK_HEADER + g->bin_size : 0);
     if (total > UINT32_MAX)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "would become larger than the 4 GiB that a GLB can be; expected a .gltf with its buffers beside it");
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "would become larger than the 4 GiB that a GLB can be; expected a .gltf with its "
+            "buffers beside it");
     put(out, "glTF", 4);
     put_u32(out, 2);
     put_u32(out, (uint32_t)total);
@@ -123,8 +112,7 @@ static norma_document_result write_glb(gltf *g, const json_text *text, output *o
     put(out, "JSON", 4);
     put(out, text->data, text->size);
     put_fill(out, ' ', padding(text->size));
-    if (bin && !g->bin)
-        put_bin(out, bin);
+    if (bin && !g->bin) put_bin(out, bin);
     for (size_t at = first; at < source->size; at += chunk_size(g, at)) {
         if (bin && g->bin && at == g->bin_chunk)
             put_bin(out, bin);
@@ -134,8 +122,8 @@ static norma_document_result write_glb(gltf *g, const json_text *text, output *o
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_write(norma_document *document, const char *path, norma_write *write, void *user, norma_document_error *error)
-{
+norma_document_result norma_gltf_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     output out = {.write = write, .user = user};
     json_text text = {0};
@@ -153,6 +141,7 @@ norma_document_result norma_gltf_write(norma_document *document, const char *pat
     }
     free(text.data);
     if (!result && out.failed)
-        result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
+        result = norma_document_fail(
+            document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
     return result;
 }

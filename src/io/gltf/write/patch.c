@@ -1,20 +1,18 @@
-/* patch.c: gathers what is put into an asset: contents for slots, copies of meshes, modes of primitives; and at the end turns it into edits. */
+/* patch.c: gathers what is put into an asset: contents for slots, copies of meshes, modes of
+ * primitives; and at the end turns it into edits. */
 #include "io/gltf/write/patch.h"
 #include <stdlib.h>
 #include <string.h>
 
-gltf_patch *norma_gltf_patch_of(gltf *g)
-{
+gltf_patch *norma_gltf_patch_of(gltf *g) {
     if (!g->patch) {
         g->patch = norma_io_allocate(1, sizeof *g->patch);
-        if (g->patch)
-            g->patch->default_buffer = GLTF_NONE;
+        if (g->patch) g->patch->default_buffer = GLTF_NONE;
     }
     return g->patch;
 }
 
-void norma_gltf_free_layout(gltf *g)
-{
+void norma_gltf_free_layout(gltf *g) {
     gltf_patch *patch = g->patch;
     for (uint32_t i = 0; patch->buffers && i <= g->buffer_count; ++i) {
         free(patch->buffers[i].segments);
@@ -28,45 +26,39 @@ void norma_gltf_free_layout(gltf *g)
     patch->layout = NULL;
 }
 
-void norma_gltf_patch_free(gltf *g)
-{
+void norma_gltf_patch_free(gltf *g) {
     gltf_patch *patch = g->patch;
-    if (!patch)
-        return;
+    if (!patch) return;
     norma_gltf_free_layout(g);
-    for (size_t i = 0; i < patch->data_count; ++i)
-        free(patch->datas[i].bytes);
-    for (size_t i = 0; i < patch->copy_count; ++i)
-        norma_json_edits_destroy(patch->copies[i].edits);
-    for (size_t i = 0; i < patch->piece_count; ++i)
-        free(patch->pieces[i].owned);
-    for (size_t i = 0; i < patch->view_count; ++i)
-        free(patch->views[i].owned);
-    void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies, patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released, patch->pins};
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i)
-        free(blocks[i]);
+    for (size_t i = 0; i < patch->data_count; ++i) free(patch->datas[i].bytes);
+    for (size_t i = 0; i < patch->copy_count; ++i) norma_json_edits_destroy(patch->copies[i].edits);
+    for (size_t i = 0; i < patch->piece_count; ++i) free(patch->pieces[i].owned);
+    for (size_t i = 0; i < patch->view_count; ++i) free(patch->views[i].owned);
+    void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies,
+        patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released,
+        patch->pins};
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
     free(patch);
     g->patch = NULL;
 }
 
-size_t norma_gltf_data_size(const gltf_data *data)
-{
-    return data->element_size ? data->element_size : data->width * norma_gltf_component_size(data->component);
+size_t norma_gltf_data_size(const gltf_data *data) {
+    return data->element_size ? data->element_size
+                              : data->width * norma_gltf_component_size(data->component);
 }
 
 /* Room for one more at the end of a list. */
-static int grow(void **list, size_t *capacity, size_t count, size_t size)
-{
+static int grow(void **list, size_t *capacity, size_t count, size_t size) {
     void *grown = norma_io_grow(*list, capacity, count + 1, size);
-    if (grown)
-        *list = grown;
+    if (grown) *list = grown;
     return grown != NULL;
 }
 
-uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data)
-{
+uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || patch->data_count >= GLTF_NONE || !grow((void **)&patch->datas, &patch->data_capacity, patch->data_count, sizeof *patch->datas)) {
+    if (!patch || patch->data_count >= GLTF_NONE ||
+        !grow((void **)&patch->datas, &patch->data_capacity, patch->data_count,
+            sizeof *patch->datas)) {
         free(data->bytes);
         return GLTF_NONE;
     }
@@ -74,8 +66,7 @@ uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data)
     return (uint32_t)patch->data_count++;
 }
 
-static void find_old(const gltf *g, patch_slot *slot)
-{
+static void find_old(const gltf *g, patch_slot *slot) {
     const gltf_primitive *p = &g->primitives[slot->slot.primitive];
     slot->old = slot->token = GLTF_NONE;
     if (slot->slot.target == GLTF_SLOT_INDICES) {
@@ -83,18 +74,19 @@ static void find_old(const gltf *g, patch_slot *slot)
         slot->old = p->indices;
         return;
     }
-    const gltf_attributes *set = slot->slot.target == GLTF_SLOT_BASE ? &p->base : &g->targets[p->first_target + (uint32_t)slot->slot.target];
+    const gltf_attributes *set = slot->slot.target == GLTF_SLOT_BASE
+                                     ? &p->base
+                                     : &g->targets[p->first_target + (uint32_t)slot->slot.target];
     uint32_t found = norma_gltf_find(g, set, slot->slot.attribute);
-    if (found == GLTF_NONE)
-        return;
+    if (found == GLTF_NONE) return;
     slot->token = g->attributes[found].token;
     slot->old = g->attributes[found].accessor;
 }
 
-int norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data)
-{
+int norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || !grow((void **)&patch->slots, &patch->slot_capacity, patch->slot_count, sizeof *patch->slots))
+    if (!patch || !grow((void **)&patch->slots, &patch->slot_capacity, patch->slot_count,
+                      sizeof *patch->slots))
         return 0;
     patch_slot *added = &patch->slots[patch->slot_count++];
     *added = (patch_slot){.slot = *slot, .data = data};
@@ -102,16 +94,16 @@ int norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data)
     return 1;
 }
 
-void norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mode)
-{
+void norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mode) {
     norma_json_set_uint(norma_gltf_edits(g, copy), g->primitives[primitive].token, "mode", mode);
 }
 
-uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number)
-{
+uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number) {
     gltf_patch *patch = norma_gltf_patch_of(g);
     json_edits *edits = norma_json_edits_create(&g->json, g->meshes[mesh].token);
-    if (!patch || !edits || !grow((void **)&patch->copies, &patch->copy_capacity, patch->copy_count, sizeof *patch->copies)) {
+    if (!patch || !edits ||
+        !grow((void **)&patch->copies, &patch->copy_capacity, patch->copy_count,
+            sizeof *patch->copies)) {
         norma_json_edits_destroy(edits);
         return 0;
     }
@@ -120,59 +112,52 @@ uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number)
     return (uint32_t)patch->copy_count;
 }
 
-int norma_gltf_release(gltf *g, uint32_t accessor)
-{
+int norma_gltf_release(gltf *g, uint32_t accessor) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || !grow((void **)&patch->released, &patch->released_capacity, patch->released_count, sizeof *patch->released))
+    if (!patch || !grow((void **)&patch->released, &patch->released_capacity, patch->released_count,
+                      sizeof *patch->released))
         return 0;
     patch->released[patch->released_count++] = accessor;
     return 1;
 }
 
-json_edits *norma_gltf_edits(gltf *g, uint32_t copy)
-{
+json_edits *norma_gltf_edits(gltf *g, uint32_t copy) {
     return copy ? g->patch->copies[copy - 1].edits : g->edits;
 }
 
 /* ---- beginning and end */
 
-norma_document_result norma_gltf_begin_change(gltf *g, norma_document_error *error)
-{
+norma_document_result norma_gltf_begin_change(gltf *g, norma_document_error *error) {
     if (g->changed)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "was changed already; expected it to be saved and opened again");
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "was changed already; expected it to be saved and opened again");
     norma_gltf_patch_free(g); /* of a change that changed nothing */
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result append_copies(gltf *g, norma_document_error *error)
-{
+static norma_document_result append_copies(gltf *g, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     uint32_t meshes = norma_json_member(&g->json, 0, "meshes");
     for (size_t i = 0; i < patch->copy_count; ++i) {
         json_text text = {0};
-        int ok = norma_json_write(patch->copies[i].edits, g->meshes[patch->copies[i].mesh].token, &text);
+        int ok =
+            norma_json_write(patch->copies[i].edits, g->meshes[patch->copies[i].mesh].token, &text);
         norma_json_add(&text, "", 1);
-        if (ok && !text.failed)
-            norma_json_append(g->edits, meshes, text.data);
+        if (ok && !text.failed) norma_json_append(g->edits, meshes, text.data);
         free(text.data);
-        if (!ok || text.failed)
-            return norma_document_fail_memory(g->document, error);
+        if (!ok || text.failed) return norma_document_fail_memory(g->document, error);
     }
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error)
-{
+norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    norma_document_result result = patch ? norma_gltf_resolve(g, error) : norma_document_fail_memory(g->document, error);
-    if (!result)
-        result = norma_gltf_place(g, error);
-    if (!result)
-        result = append_copies(g, error);
-    if (result)
-        return result;
+    norma_document_result result =
+        patch ? norma_gltf_resolve(g, error) : norma_document_fail_memory(g->document, error);
+    if (!result) result = norma_gltf_place(g, error);
+    if (!result) result = append_copies(g, error);
+    if (result) return result;
     g->changed = norma_json_edits_any(g->edits);
-    for (size_t i = 0; i < patch->view_count; ++i)
-        g->changed |= patch->views[i].bytes != NULL;
+    for (size_t i = 0; i < patch->view_count; ++i) g->changed |= patch->views[i].bytes != NULL;
     return NORMA_DOCUMENT_OK;
 }

@@ -1,104 +1,118 @@
-/* patch.h: what is to become of accessors, views and buffers. patch.c gathers what is put, assign_accessors.c decides accessor by accessor, assign_views.c
- * view by view, byte_layout.c where in the buffers the bytes go, gltf_write.c writes. */
+/* patch.h: what is to become of accessors, views and buffers. patch.c gathers what is put,
+ * assign_accessors.c decides accessor by accessor, assign_views.c view by view, byte_layout.c where
+ * in the buffers the bytes go, gltf_write.c writes. */
 #ifndef NORMA_IO_GLTF_PATCH_H
 #define NORMA_IO_GLTF_PATCH_H
 #include "io/gltf/read/asset.h"
 
 typedef struct patch_slot {
     gltf_slot slot;
-    uint32_t  data, old, token;           /* old: accessor, token: of its number; GLTF_NONE: the slot is new */
-    int       kept;                       /* the old contents are these already */
+    uint32_t data, old, token; /* old: accessor, token: of its number; GLTF_NONE: the slot is new */
+    int kept;                  /* the old contents are these already */
 } patch_slot;
 
 typedef struct patch_copy {
-    uint32_t    mesh;
+    uint32_t mesh;
     json_edits *edits;
 } patch_copy;
 
-typedef struct patch_accessor {           /* a new one */
-    uint32_t data, like;                  /* like: the accessor whose type it has, or GLTF_NONE */
+typedef struct patch_accessor { /* a new one */
+    uint32_t data, like;        /* like: the accessor whose type it has, or GLTF_NONE */
     uint32_t view;
 } patch_accessor;
 
 /* New contents of one run of elements in a view: an accessor's own, or its sparse values. */
 typedef struct patch_piece {
-    uint32_t             token;           /* of the JSON object with bufferView and byteOffset; GLTF_NONE: of new_accessor */
-    uint32_t             new_accessor;
-    uint32_t             old_view;        /* GLTF_NONE: has none yet */
-    size_t               old_offset, old_stride, old_size, old_count;
-    const unsigned char *bytes;           /* count elements of size bytes back to back */
-    unsigned char       *owned;
-    size_t               size, count;
-    int                  target;          /* of a new view: 34962, 34963, or 0 */
-    int                  fits, placed;    /* fits: over its old bytes, without harm to others */
+    uint32_t
+        token; /* of the JSON object with bufferView and byteOffset; GLTF_NONE: of new_accessor */
+    uint32_t new_accessor;
+    uint32_t old_view; /* GLTF_NONE: has none yet */
+    size_t old_offset, old_stride, old_size, old_count;
+    const unsigned char *bytes; /* count elements of size bytes back to back */
+    unsigned char *owned;
+    size_t size, count;
+    int target;       /* of a new view: 34962, 34963, or 0 */
+    int fits, placed; /* fits: over its old bytes, without harm to others */
 } patch_piece;
 
-typedef struct patch_view {               /* old ones first, then new ones */
-    const unsigned char *bytes;           /* NULL: stays as it was */
-    unsigned char *owned;                 /* the same where they are the view's own, else a piece's */
-    size_t         length, stride;        /* stride 0: none to be said */
-    int            target;                /* of a new one */
-    uint32_t       buffer;                /* where it was or is to be */
-    size_t         offset;                /* by the layout */
-    int            allocated;
+typedef struct patch_view {     /* old ones first, then new ones */
+    const unsigned char *bytes; /* NULL: stays as it was */
+    unsigned char *owned;       /* the same where they are the view's own, else a piece's */
+    size_t length, stride;      /* stride 0: none to be said */
+    int target;                 /* of a new one */
+    uint32_t buffer;            /* where it was or is to be */
+    size_t offset;              /* by the layout */
+    int allocated;
 } patch_view;
 
-typedef struct patch_segment {            /* part of a buffer as it will be written */
-    size_t               offset, length;
-    const unsigned char *bytes;           /* NULL: zeros */
+typedef struct patch_segment { /* part of a buffer as it will be written */
+    size_t offset, length;
+    const unsigned char *bytes; /* NULL: zeros */
 } patch_segment;
 
-typedef struct patch_buffer {             /* old ones, and one more where none can be written to */
-    int            changed, removed;
-    size_t         length;
-    patch_segment *segments;              /* in order, without gaps */
-    size_t         segment_count, segment_capacity;
-    char          *name;                  /* of the file that it goes into; NULL: BIN, data: URI, or nothing */
+typedef struct patch_buffer { /* old ones, and one more where none can be written to */
+    int changed, removed;
+    size_t length;
+    patch_segment *segments; /* in order, without gaps */
+    size_t segment_count, segment_capacity;
+    char *name; /* of the file that it goes into; NULL: BIN, data: URI, or nothing */
 } patch_buffer;
 
 struct gltf_patch {
-    gltf_data      *datas;
-    uint32_t       *same;                 /* the first data with the same contents */
-    patch_slot     *slots;
-    patch_copy     *copies;
+    gltf_data *datas;
+    uint32_t *same; /* the first data with the same contents */
+    patch_slot *slots;
+    patch_copy *copies;
     patch_accessor *accessors;
-    patch_piece    *pieces;
-    patch_view     *views;
-    uint32_t       *replaced;             /* for each old accessor its new data, or GLTF_NONE */
-    uint32_t       *released;             /* accessors, once for each use given up; from resolving on: those that are free to be taken */
-    uint32_t       *pins;                 /* for each old view: what uses it beside the accessors' own numbers */
-    size_t          data_count, data_capacity, slot_count, slot_capacity, copy_count, copy_capacity;
-    size_t          accessor_count, accessor_capacity, piece_count, piece_capacity, view_count, view_capacity, released_count, released_capacity;
-    uint32_t        default_buffer;       /* for new views without a better place; may be g->buffer_count: one more */
-    patch_buffer   *buffers;              /* by the layout: g->buffer_count + 1 */
-    json_edits     *layout;               /* the edits with those of the layout */
-    char           *laid_out_for;         /* the path that buffers and layout are for; "" for a stream; NULL: none yet */
+    patch_piece *pieces;
+    patch_view *views;
+    uint32_t *replaced; /* for each old accessor its new data, or GLTF_NONE */
+    uint32_t *released; /* accessors, once for each use given up; from resolving on: those that are
+                           free to be taken */
+    uint32_t *pins;     /* for each old view: what uses it beside the accessors' own numbers */
+    size_t data_count, data_capacity, slot_count, slot_capacity, copy_count, copy_capacity;
+    size_t accessor_count, accessor_capacity, piece_count, piece_capacity, view_count,
+        view_capacity, released_count, released_capacity;
+    uint32_t
+        default_buffer; /* for new views without a better place; may be g->buffer_count: one more */
+    patch_buffer *buffers; /* by the layout: g->buffer_count + 1 */
+    json_edits *layout;    /* the edits with those of the layout */
+    char *laid_out_for; /* the path that buffers and layout are for; "" for a stream; NULL: none yet
+                         */
 };
 
-gltf_patch *norma_gltf_patch_of(gltf *g);  /* made where there is none yet; NULL: out of memory */
-void        norma_gltf_patch_free(gltf *g);
-uint32_t   *norma_gltf_view_pins(const gltf *g);                          /* NULL: out of memory */
+gltf_patch *norma_gltf_patch_of(gltf *g); /* made where there is none yet; NULL: out of memory */
+void norma_gltf_patch_free(gltf *g);
+uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
 
 /* The steps of norma_gltf_finish. */
 norma_document_result norma_gltf_resolve(gltf *g, norma_document_error *error);
-norma_document_result norma_gltf_make_pieces(gltf *g, norma_document_error *error);   /* and edits the accessors */
-void                  norma_gltf_point_piece(gltf *g, const patch_piece *piece, uint32_t view, size_t offset);
+norma_document_result norma_gltf_make_pieces(
+    gltf *g, norma_document_error *error); /* and edits the accessors */
+void norma_gltf_point_piece(gltf *g, const patch_piece *piece, uint32_t view, size_t offset);
 norma_document_result norma_gltf_append_accessors(gltf *g, norma_document_error *error);
 norma_document_result norma_gltf_place(gltf *g, norma_document_error *error);
 
 typedef enum gltf_destination { GLTF_TO_PATH, GLTF_IN_PLACE, GLTF_TO_STREAM } gltf_destination;
 gltf_destination norma_gltf_destination(const gltf *g, const char *path);
-/* Fills patch->buffers and patch->layout for what is to stand at path (NULL: a stream); what is there for this path already stays. */
+/* Fills patch->buffers and patch->layout for what is to stand at path (NULL: a stream); what is
+ * there for this path already stays. */
 norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error);
-void                  norma_gltf_free_layout(gltf *g);
-norma_document_result norma_gltf_fill_buffers(gltf *g, gltf_destination destination, norma_document_error *error);  /* byte_layout.c */
-void                  norma_gltf_edit_views(gltf *g);                                                              /* layout_json.c: the layout's JSON */
-norma_document_result norma_gltf_edit_buffers(gltf *g, gltf_destination destination, norma_document_error *error);
-norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destination, const char *path, norma_document_error *error); /* buffer_names.c */
-gltf_storage          norma_gltf_storage_of(const gltf *g, uint32_t buffer);                                       /* of old ones and the one more */
-int  norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
+void norma_gltf_free_layout(gltf *g);
+norma_document_result norma_gltf_fill_buffers(
+    gltf *g, gltf_destination destination, norma_document_error *error); /* byte_layout.c */
+void norma_gltf_edit_views(gltf *g); /* layout_json.c: the layout's JSON */
+norma_document_result norma_gltf_edit_buffers(
+    gltf *g, gltf_destination destination, norma_document_error *error);
+norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destination,
+    const char *path, norma_document_error *error); /* buffer_names.c */
+gltf_storage norma_gltf_storage_of(
+    const gltf *g, uint32_t buffer); /* of old ones and the one more */
+int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
 /* ---- paths (buffer_names.c) */
-char *norma_gltf_folder_of(const char *path);                             /* with its slash, "" for the current one; to be freed */
+char *norma_gltf_folder_of(
+    const char *path); /* with its slash, "" for the current one; to be freed */
 char *norma_gltf_join(const char *folder, const char *name);
-int   norma_gltf_same_folder(const gltf *g, const char *path);            /* path stands in the folder that the asset was read from */
+int norma_gltf_same_folder(
+    const gltf *g, const char *path); /* path stands in the folder that the asset was read from */
 #endif

@@ -12,8 +12,7 @@ static inline int sigaddset(sigset_t *set, int number) { return (void)number, *s
 static inline int sigdelset(sigset_t *set, int number) { return (void)number, *set = 0; }
 static inline int pthread_sigmask(int how, const sigset_t *set, sigset_t *before) {
     (void)how, (void)set;
-    if (before)
-        *before = 0;
+    if (before) *before = 0;
     return 0;
 }
 #endif
