@@ -5,5 +5,14 @@
 set -eu
 cd "$(dirname "$0")/.."
 command -v clang-format >/dev/null || { echo "clang-format is not installed (Debian: clang-format)"; exit 1; }
-if [ "${1:-}" = --check ]; then set -- --dry-run -Werror; else set -- -i; fi
-find include src web tests bench examples \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) -print0 | xargs -0 clang-format "$@"
+files() { find include src web tests bench examples \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) -print0; }
+if [ "${1:-}" = --check ]; then
+    files | xargs -0 clang-format --dry-run -Werror
+else
+    # A split comment or string may need another pass before nothing changes any more.
+    for _ in 1 2 3 4; do
+        files | xargs -0 clang-format -i
+        ! files | xargs -0 clang-format --dry-run -Werror 2>/dev/null || exit 0
+    done
+    files | xargs -0 clang-format --dry-run -Werror
+fi

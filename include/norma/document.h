@@ -70,8 +70,8 @@ typedef struct norma_document_options {
                     or more than positions (told of by norma_document_mesh_attributes), extensions
                     that a file requires and that are not known (by norma_document_unread) */
     int copied;  /* nonzero: files are read into memory. Else large ones are mapped: of a file that
-                    another program shortens while the document is  open, reading what was lost raises
-                    SIGBUS (POSIX), which this library does not catch */
+                    another program shortens while the document is  open, reading what was lost
+                    raises  SIGBUS (POSIX), which this library does not catch */
 } norma_document_options;
 
 /* A file that changes while it is read, or between then and saving, is a file error, and nothing is

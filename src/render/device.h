@@ -25,9 +25,12 @@ enum render_program {
 #define RENDER_UNIFORMS(U)                                                                         \
     U(local_to_world)                                                                              \
     U(world_to_view)                                                                               \
-    U(view_to_clip) U(normal_matrix) U(base_colour) U(two_sided) U(scale_top) U(eye)               \
-        U(light_count) U(light_direction) U(light_colour) U(phong) U(viewport) U(width) U(head)    \
-            U(lift) U(reach_scale)
+    U(view_to_clip)                                                                                \
+    U(normal_matrix)                                                                               \
+    U(base_colour)                                                                                 \
+    U(two_sided)                                                                                   \
+    U(scale_top) U(eye) U(light_count) U(light_direction) U(light_colour) U(phong) U(viewport)     \
+        U(width) U(head) U(lift) U(reach_scale)
 
 typedef struct render_uniforms {
 #define RENDER_UNIFORM_MEMBER(name) GLint name;

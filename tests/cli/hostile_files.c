@@ -432,9 +432,9 @@ static void gltf_shared(void) {
     };
     bytes b = {0}, data = {0};
     for (int i = 0; i < 3 * INSTANCES; ++i) put_float(&data, (float)(i % 7 + 1));
-    print(
-        &b, "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":"
-            "[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},\"targets\":[{\"POSITION\":0}");
+    print(&b,
+        "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":"
+        "[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},\"targets\":[{\"POSITION\":0}");
     for (int i = 1; i < TARGETS; ++i) print(&b, ",{\"POSITION\":0,\"NORMAL\":0}");
     print(&b,
         "]}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":"

@@ -157,8 +157,8 @@ norma_document_result norma_obj_transform(norma_document *document,
     if (result) return norma_document_fail_core(document, error, result);
     if (info.mirrored) reverse_faces(state);
     if (info.mirrored && state->has_surfaces)
-        norma_document_add_note(
-            document, "the matrix mirrors; free-form surfaces keep the direction of their "
-                      "parameters, so that their sides change");
+        norma_document_add_note(document,
+            "the matrix mirrors; free-form surfaces keep the direction of their "
+            "parameters, so that their sides change");
     return norma_carry_progress(document, options, 1, error);
 }

@@ -570,7 +570,7 @@ static void test_not_checked(void **state) {
     static const char rest[] =
         "\"extensionsRequired\":[\"ACME_gizmo\"],\"meshes\":[{\"primitives\":[{" SURFACE
         "},{" SURFACE ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
-                      "\"attributes\":{}}}},{\"attributes\":{\"NORMAL\":1}}]}]";
+        "\"attributes\":{}}}},{\"attributes\":{\"NORMAL\":1}}]}]";
     gltf_asset a = {0};
     add_square(&a);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);

@@ -190,9 +190,9 @@ static void smooth_adds_no_vertex(void **state) {
 static void the_rest_of_the_text_stays(void **state) {
     document_bytes in = cube(), out = bytes_computed(in, "cube.gltf", NULL, NULL);
     (void)state;
-    assert_true(contains(
-        out, "{ \"asset\":{\"version\":\"2.0\",\"generator\":\"hand\\u00e9\"}, "
-             "\"extras\":{\"big\":12345678901234567890, \"zero\":-0.0, \"a\":1, \"a\":2},\n"));
+    assert_true(contains(out,
+        "{ \"asset\":{\"version\":\"2.0\",\"generator\":\"hand\\u00e9\"}, "
+        "\"extras\":{\"big\":12345678901234567890, \"zero\":-0.0, \"a\":1, \"a\":2},\n"));
     assert_true(contains(out,
         "{\"POSITION\":0,\"COLOR_0\":2,\"_ID\":3,\"NORMAL\":4},\"indices\":1,\"extras\":[1.50]}"));
     assert_true(contains(out, "\"min\":[-1.00,-1,-1],\"max\":[1,1,1e0]}"));

@@ -183,10 +183,10 @@ static void test_schema(void **state) {
 static void test_bytes(void **state) {
     static const bad_text texts[] = {
         {MESH("") ",'accessors':[" POSITION "],'buffers':[{'byteLength':36,'uri':'data:;base64,"
-                                            "AAAA'}],'bufferViews':[{'buffer':0,'byteLength':36}]",
+                  "AAAA'}],'bufferViews':[{'buffer':0,'byteLength':36}]",
             "/buffers/0/uri: expected as many bytes in the data: URI as byteLength says"},
         {MESH("") ",'accessors':[" POSITION "],'buffers':[{'byteLength':3,'uri':'data:;base64,A*AA'"
-                                            "}],'bufferViews':[{'buffer':0,'byteLength':36}]",
+                  "}],'bufferViews':[{'buffer':0,'byteLength':36}]",
             "/buffers/0/uri: expected base64 in the data: URI"},
         {MESH("") ",'accessors':[" POSITION
                   "],'buffers':[{'byteLength':35,'uri':'data:;base64," ZEROS_36
@@ -279,9 +279,9 @@ static void test_accessors_without_bytes(void **state) {
     assert_int_equal(open_without_bytes(36, &error),
         NORMA_DOCUMENT_ERROR_UNSUPPORTED); /* 256 KiB, and 256 times 3,500 bytes, hold 30 or so of
                                               them */
-    assert_non_null(strstr(
-        error.message, ": 3300 elements from here, with all before them, would take far more room "
-                       "than the file; expected at most 256 bytes for each byte of it"));
+    assert_non_null(strstr(error.message,
+        ": 3300 elements from here, with all before them, would take far more room "
+        "than the file; expected at most 256 bytes for each byte of it"));
     assert_int_equal(open_without_bytes(36 / 2, &error),
         NORMA_DOCUMENT_ERROR_MALFORMED); /* of half as many a file is too short for the count of one
                                           */

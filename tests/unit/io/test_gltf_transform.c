@@ -404,9 +404,9 @@ static void test_shear_needs_baking(void **state) {
     (void)state;
     asset a;
     result r;
-    make_asset(
-        &a, MESH ",\"nodes\":[{\"mesh\":0},{\"camera\":0,\"translation\":[1,2,3]}],\"cameras\":[{"
-                 "\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]");
+    make_asset(&a,
+        MESH ",\"nodes\":[{\"mesh\":0},{\"camera\":0,\"translation\":[1,2,3]}],\"cameras\":[{"
+             "\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]");
     run(&a, sheared, 0, &r);
     assert_int_equal(r.code, NORMA_DOCUMENT_ERROR_ARGUMENT);
     assert_non_null(strstr(r.error.message, "--bake"));
@@ -563,7 +563,7 @@ static void test_what_stays_is_named(void **state) {
         "\"target\":{\"node\":0,\"path\":\"translation\"}},"
         "{\"sampler\":0,\"target\":{\"node\":2,\"path\":\"weights\"}}]}],\"skins\":[{\"joints\":[4]"
         "}]," MESH ",\"nodes\":[{\"name\":\"wheel\",\"mesh\":0,\"scale\":[1,2,1],\"children\":[1]},"
-                   "{\"name\":\"hub\",\"mesh\":0,\"scale\":[2,2,3]},"
+        "{\"name\":\"hub\",\"mesh\":0,\"scale\":[2,2,3]},"
         "{\"mesh\":0,\"scale\":[2,2,1]},{\"name\":\"body\",\"mesh\":0,\"skin\":0},{\"name\":"
         "\"bone\",\"translation\":[1,1,1]}]");
     result r;

@@ -259,9 +259,9 @@ static void other_statements_pass(void **state) {
     expect_compute(source, NULL, expected);
     norma_document *document = open_text(source, strlen(source));
     assert_int_equal(norma_document_note_count(document), 1);
-    assert_string_equal(
-        norma_document_note(document, 0), "1 statements of kinds that OBJ does not have are kept "
-                                          "as they are, the first \"xyzzy\" in line 22");
+    assert_string_equal(norma_document_note(document, 0),
+        "1 statements of kinds that OBJ does not have are kept "
+        "as they are, the first \"xyzzy\" in line 22");
     norma_document_close(document);
 }
 
