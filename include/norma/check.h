@@ -115,7 +115,7 @@ typedef struct norma_check_options {
     uint32_t threads;     /* as in norma_options */
     norma_progress *progress; /* by the calling thread; nonzero cancels */
     void *progress_user;
-    int open_by_rays; /* nonzero: norma_mend_document, where it may change what was meant, turns
+    int open_by_rays; /* nonzero: norma_fix_document, where it may change what was meant, turns
                          open components (N304) as a majority of rays has it */
 } norma_check_options;
 
@@ -160,14 +160,14 @@ norma_findings *norma_check_unreadable(const norma_document_error *error, norma_
 
 /* ---- mending */
 
-typedef struct norma_mend_summary {
+typedef struct norma_fix_summary {
     int changed; /* 0: the document would be written as it was read, byte for byte */
     int again;   /* nonzero: a glTF, which takes one change, is to be saved, opened and mended once
                     more */
     size_t by_rays, undecided; /* with open_by_rays: open components that were turned or confirmed;
                                   those on which rays could not agree, left as they were */
     double least_confidence;   /* of by_rays: (rays for it - rays against it) / 256 */
-} norma_mend_summary;
+} norma_fix_summary;
 
 /* Puts right in the document what the rules of options find and a program can: what is safe, and
  * where unsafe is nonzero also what may change what was meant (each rule's fix tells). Nothing else
@@ -176,9 +176,13 @@ typedef struct norma_mend_summary {
  * options: as for norma_check_document, but for max_samples and profile, which is that of the
  * rules. Errors as of norma_check_document and norma_document_edit; after one the document can only
  * be closed. The document is to be opened leniently. */
-norma_document_result norma_mend_document(norma_document *document,
-    const norma_check_options *options, int unsafe, norma_mend_summary *summary,
+norma_document_result norma_fix_document(norma_document *document,
+    const norma_check_options *options, int unsafe, norma_fix_summary *summary,
     norma_document_error *error);
+
+/* Deprecated names of version 0.1. */
+#define norma_mend_summary norma_fix_summary
+#define norma_mend_document norma_fix_document
 
 /* ---- how normals were made */
 

@@ -3,8 +3,9 @@
 #include "cli/common/cli.h"
 #include <string.h>
 
-static const cli_verb *const verbs[] = {&cli_verb_compute, &cli_verb_transform, &cli_verb_matrix,
-    &cli_verb_check, &cli_verb_explain, &cli_verb_info, &cli_verb_render, &cli_verb_view};
+static const cli_subcommand *const verbs[] = {&cli_subcommand_compute, &cli_subcommand_transform,
+    &cli_subcommand_matrix, &cli_subcommand_check, &cli_subcommand_explain, &cli_subcommand_info,
+    &cli_subcommand_render, &cli_subcommand_view};
 
 static const char introduction[] =
     "Norma keeps surface normals right: computes them, carries them through transforms and checks "
@@ -34,13 +35,13 @@ static void print_help(FILE *out) {
     fputs(ending, out);
 }
 
-static const cli_verb *find_verb(const char *name) {
+static const cli_subcommand *find_subcommand(const char *name) {
     for (size_t i = 0; i < CLI_COUNT(verbs); ++i)
         if (strcmp(verbs[i]->name, name) == 0) return verbs[i];
     return NULL;
 }
 
-static int unknown_verb(const char *name) {
+static int unknown_subcommand(const char *name) {
     const char *names[CLI_COUNT(verbs)], *meant;
     for (size_t i = 0; i < CLI_COUNT(verbs); ++i) names[i] = verbs[i]->name;
     meant = cli_suggest(name, names, CLI_COUNT(names), sizeof *names);
@@ -53,14 +54,14 @@ static int help_about(int count, char **names) {
         print_help(stdout);
         return cli_finish(CLI_OK);
     }
-    const cli_verb *verb = find_verb(names[0]);
-    if (!verb) return unknown_verb(names[0]);
+    const cli_subcommand *verb = find_subcommand(names[0]);
+    if (!verb) return unknown_subcommand(names[0]);
     fputs(verb->help, stdout);
     return cli_finish(CLI_OK);
 }
 
 int main(int count, char **arguments) {
-    cli_guard();
+    cli_startup_checks();
     cli_watch_interrupts();
     if (count < 2) {
         print_help(stderr);
@@ -74,6 +75,6 @@ int main(int count, char **arguments) {
         return cli_finish(CLI_OK);
     }
     if (word[0] == '-') return cli_usage(NULL, "unknown option '%s'; a verb comes first", word);
-    const cli_verb *verb = find_verb(word);
-    return verb ? verb->run(verb, count - 2, arguments + 2) : unknown_verb(word);
+    const cli_subcommand *verb = find_subcommand(word);
+    return verb ? verb->run(verb, count - 2, arguments + 2) : unknown_subcommand(word);
 }

@@ -163,11 +163,11 @@ render_frame render_closest_frame(const render_camera *camera, int orthographic,
         }
     for (int k = 0; k < 2 && frame.most[0] > -INFINITY; ++k)
         frame.per[k] = orthographic ? room * (k == 0 ? camera->aspect : 1) : tangent[k];
-    render_settle_frame(&frame);
+    render_fit_frame(&frame);
     return frame;
 }
 
-void render_settle_frame(render_frame *frame) {
+void render_fit_frame(render_frame *frame) {
     frame->distance = 0;
     for (int k = 0; k < 2 && frame->per[0] > 0; ++k) {
         frame->middle[k] = (frame->most[k] - frame->least[k]) / 2;

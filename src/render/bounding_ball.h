@@ -33,5 +33,5 @@ typedef struct render_frame { /* what a camera must show, seen along its axes fr
 render_frame render_closest_frame(const render_camera *camera, int orthographic, double margin,
     const render_cloud *clouds, size_t count);
 /* The middle and the distance, from the rest. */
-void render_settle_frame(render_frame *frame);
+void render_fit_frame(render_frame *frame);
 #endif

@@ -22,19 +22,17 @@ enum render_program {
     RENDER_PROGRAMS
 };
 
-#define RENDER_UNIFORMS(U)                                                                         \
-    U(local_to_world)                                                                              \
-    U(world_to_view)                                                                               \
-    U(view_to_clip)                                                                                \
-    U(normal_matrix)                                                                               \
-    U(base_colour)                                                                                 \
-    U(two_sided)                                                                                   \
-    U(scale_top) U(eye) U(light_count) U(light_direction) U(light_colour) U(phong) U(viewport)     \
-        U(width) U(head) U(lift) U(reach_scale)
+#define RENDER_MATRICES(U) U(local_to_world) U(world_to_view) U(view_to_clip) U(normal_matrix)
+#define RENDER_COLOURS(U)  U(base_colour) U(two_sided) U(scale_top) U(eye)
+#define RENDER_LIGHTS(U)   U(light_count) U(light_direction) U(light_colour) U(phong)
+#define RENDER_LINES(U)    U(viewport) U(width) U(head) U(lift) U(reach_scale)
 
 typedef struct render_uniforms {
 #define RENDER_UNIFORM_MEMBER(name) GLint name;
-    RENDER_UNIFORMS(RENDER_UNIFORM_MEMBER)
+    RENDER_MATRICES(RENDER_UNIFORM_MEMBER)
+    RENDER_COLOURS(RENDER_UNIFORM_MEMBER)
+    RENDER_LIGHTS(RENDER_UNIFORM_MEMBER)
+    RENDER_LINES(RENDER_UNIFORM_MEMBER)
 #undef RENDER_UNIFORM_MEMBER
 } render_uniforms;
 

@@ -80,7 +80,10 @@ enum render_result render_program_use(render_device *device, enum render_program
             link_program(gl, &recipes[program], space, &entry->program, error);
         if (result) return result;
 #define RENDER_UNIFORM_FIND(name) entry->at.name = gl->GetUniformLocation(entry->program, #name);
-        RENDER_UNIFORMS(RENDER_UNIFORM_FIND)
+        RENDER_MATRICES(RENDER_UNIFORM_FIND)
+        RENDER_COLOURS(RENDER_UNIFORM_FIND)
+        RENDER_LIGHTS(RENDER_UNIFORM_FIND)
+        RENDER_LINES(RENDER_UNIFORM_FIND)
 #undef RENDER_UNIFORM_FIND
     }
     gl->UseProgram(entry->program);

@@ -168,7 +168,7 @@ static render_frame frame_round(
             all.most[axis] = fmax(all.most[axis], frames[k].most[axis]);
             all.least[axis] = fmax(all.least[axis], frames[k].least[axis]);
         }
-    if (all.per[0] > 0) render_settle_frame(&all);
+    if (all.per[0] > 0) render_fit_frame(&all);
     return all;
 }
 

@@ -252,11 +252,11 @@ static void transform(const opening *o, int bake) {
 static void mend(const opening *o) {
     norma_document *document = open_document(o, 1);
     const norma_check_options options = {.struct_size = sizeof options, .threads = o->way->threads};
-    norma_mend_summary summary = {0};
+    norma_fix_summary summary = {0};
     norma_document_error error = {0};
     if (!document) return;
     const norma_document_result result =
-        norma_mend_document(document, &options, 1, &summary, &error);
+        norma_fix_document(document, &options, 1, &summary, &error);
     add_error(result, &error, o->hash);
     bits_add(o->hash, (uint64_t)summary.changed);
     if (result)

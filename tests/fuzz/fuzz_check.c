@@ -129,20 +129,20 @@ static void write_and_read(norma_document *document, norma_file_format format) {
     free(blob.bytes);
 }
 
-static void check_and_mend(norma_document *document, norma_file_format format, uint8_t kind) {
+static void check_and_fix(norma_document *document, norma_file_format format, uint8_t kind) {
     norma_check_options options = {.struct_size = sizeof options,
         .strict = kind & 1,
         .profile = (norma_check_profile)(kind / 2 % 3),
         .threads = kind & 8 ? 2 : 1};
     norma_findings *findings;
-    norma_mend_summary summary;
+    norma_fix_summary summary;
     norma_document_error error;
     if (norma_document_mesh_count(document) > 64) return;
     norma_document_result result = norma_check_document(document, &options, &findings, &error);
     if (!result) {
         read_findings(findings);
         norma_findings_free(findings);
-        result = norma_mend_document(document, &options, kind & 16, &summary, &error);
+        result = norma_fix_document(document, &options, kind & 16, &summary, &error);
     }
     if (!result)
         write_and_read(document, format);
@@ -237,7 +237,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         uint8_t kind = fuzz_u8(&rest), seed = fuzz_u8(&rest);
         norma_document *document = open(rest.at, rest.left, format, 1);
         if (document && what == 2)
-            check_and_mend(document, format, kind);
+            check_and_fix(document, format, kind);
         else if (document)
             edit(document, format, seed);
         norma_document_close(document);

@@ -285,7 +285,7 @@ static norma_result search_large(core_call *call, const norma_mesh_data *data,
     if (topology) return search_sample(call, data, checked, topology, best);
     norma_result result = norma_core_topology_open(call, checked, &own);
     if (result) return result;
-    result = norma_core_around_build(call, &own.mesh, &own.around);
+    result = norma_core_corners_of_position_build(call, &own.mesh, &own.corners_of);
     if (!result) result = search_sample(call, data, checked, &own, best);
     norma_core_topology_close(&own);
     return result;

@@ -18,7 +18,7 @@ typedef struct choice {
 } choice;
 
 static int is_chosen(const choice *c, uint32_t position) {
-    const core_around *around = &c->topology->around;
+    const core_corners_of_position *around = &c->topology->corners_of;
     size_t count = around->starts[position + 1] - around->starts[position];
     return count > 0 && count <= MOST_AT_POSITION && mix(position) % c->one_in == 0;
 }
@@ -51,10 +51,11 @@ static size_t place_of(const uint32_t *sorted, size_t count, uint32_t number) {
 static size_t list_faces(const choice *c, uint32_t *faces) {
     const core_topology *t = c->topology;
     size_t count = 0;
-    for (uint32_t p = 0; p < t->around.position_count; p++) {
+    for (uint32_t p = 0; p < t->corners_of.position_count; p++) {
         if (!is_chosen(c, p)) continue;
-        for (uint32_t i = t->around.starts[p]; i < t->around.starts[p + 1]; i++, count++)
-            if (faces) faces[count] = (uint32_t)norma_core_topology_face(t, t->around.corners[i]);
+        for (uint32_t i = t->corners_of.starts[p]; i < t->corners_of.starts[p + 1]; i++, count++)
+            if (faces)
+                faces[count] = (uint32_t)norma_core_topology_face(t, t->corners_of.corners[i]);
     }
     return faces ? sort_unique(faces, count) : count;
 }

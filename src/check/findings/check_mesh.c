@@ -36,9 +36,10 @@ norma_result norma_check_weld(check_mesh *m) {
 
 norma_result norma_check_around(check_mesh *m) {
     norma_result result = norma_check_weld(m);
-    return result || m->topology.around.starts
+    return result || m->topology.corners_of.starts
                ? result
-               : norma_core_around_build(&m->run->call, &m->topology.mesh, &m->topology.around);
+               : norma_core_corners_of_position_build(
+                     &m->run->call, &m->topology.mesh, &m->topology.corners_of);
 }
 
 static double larger(double a, double b) { return a > b ? a : b; }

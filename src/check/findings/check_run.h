@@ -130,10 +130,11 @@ static inline int norma_check_wants_any(const check_mesh *m, check_rule first, c
 }
 
 /* Each makes what is not there yet. OK, MEMORY or CANCELLED. */
-norma_result norma_check_weld(check_mesh *m);   /* topology.mesh */
-norma_result norma_check_faces(check_mesh *m);  /* faces, degenerate_count */
-norma_result norma_check_around(check_mesh *m); /* topology.around: the corners at each position */
-norma_result norma_check_users(check_mesh *m);  /* users, where data.corner_normals is given */
+norma_result norma_check_weld(check_mesh *m);  /* topology.mesh */
+norma_result norma_check_faces(check_mesh *m); /* faces, degenerate_count */
+norma_result norma_check_around(
+    check_mesh *m); /* topology.corners_of: the corners at each position */
+norma_result norma_check_users(check_mesh *m); /* users, where data.corner_normals is given */
 size_t norma_check_face_of(const check_mesh *m, size_t corner);
 
 /* How many normals are stored: of vertices, vn, facets. Of vn only those count that a face uses. */

@@ -16,7 +16,7 @@ typedef struct mender {
     uint8_t **turned; /* of each mesh marks of faces, or NULL */
     float **smooth;   /* of each mesh normals at seams of several primitives, or NULL */
     size_t mesh_count;
-    norma_mend_summary *summary;
+    norma_fix_summary *summary;
     norma_document_error *error;
 } mender;
 
@@ -39,14 +39,14 @@ static int is_rule(const norma_finding *finding, check_rule rule) {
     return finding->rule == norma_rules(&count) + rule;
 }
 
-int norma_mend_has(const mend_mesh *m, check_rule rule) {
+int norma_fix_has(const fix_mesh *m, check_rule rule) {
     for (size_t i = 0; i < m->finding_count; i++)
         if (is_rule(m->findings[i], rule)) return 1;
     return 0;
 }
 
-int norma_mend_mark(
-    const mend_mesh *m, check_rule rule, mend_element element, size_t count, uint8_t **marks) {
+int norma_fix_mark(
+    const fix_mesh *m, check_rule rule, fix_element element, size_t count, uint8_t **marks) {
     int any = 0;
     for (size_t i = 0; i < m->finding_count; i++) {
         const norma_finding *finding = m->findings[i];
@@ -65,7 +65,7 @@ int norma_mend_mark(
 
 /* ---- a mesh as it will be */
 
-norma_result norma_mend_corners(mend_mesh *m) {
+norma_result norma_fix_corners(fix_mesh *m) {
     if (m->corners) return NORMA_OK;
     const core_mesh *mesh = &m->mesh;
     m->corners = malloc((mesh->corner_count + 1) * sizeof *m->corners);
@@ -79,7 +79,7 @@ norma_result norma_mend_corners(mend_mesh *m) {
     return NORMA_OK;
 }
 
-norma_mesh norma_mend_mesh_now(const mend_mesh *m) {
+norma_mesh norma_fix_mesh_now(const fix_mesh *m) {
     norma_mesh now = m->data.mesh;
     now.corners = m->corners;
     now.corner_size = 4;
@@ -87,10 +87,10 @@ norma_mesh norma_mend_mesh_now(const mend_mesh *m) {
     return now;
 }
 
-norma_result norma_mend_face_normals(mend_mesh *m) {
-    norma_result result = norma_mend_corners(m);
+norma_result norma_fix_face_normals(fix_mesh *m) {
+    norma_result result = norma_fix_corners(m);
     if (result || m->face_normals) return result;
-    const norma_mesh now = norma_mend_mesh_now(m);
+    const norma_mesh now = norma_fix_mesh_now(m);
     const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
     m->face_normals = malloc((m->mesh.face_count + 1) * 3 * sizeof *m->face_normals);
     return m->face_normals
@@ -100,7 +100,7 @@ norma_result norma_mend_face_normals(mend_mesh *m) {
 
 /* The weight and crease that the stored normals show; the defaults of computing where they show
  * none. */
-static norma_result find_deviation(mend_mesh *m) {
+static norma_result find_deviation(fix_mesh *m) {
     const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
     norma_result result = m->knows_deviation ? NORMA_OK
                                              : norma_explain_normals(&m->data, m->info.normals,
@@ -117,8 +117,8 @@ static norma_result find_deviation(mend_mesh *m) {
     return NORMA_OK;
 }
 
-norma_result norma_mend_surface(mend_mesh *m) {
-    norma_result result = m->surface ? NORMA_OK : norma_mend_corners(m);
+norma_result norma_fix_surface(fix_mesh *m) {
+    norma_result result = m->surface ? NORMA_OK : norma_fix_corners(m);
     if (result || m->surface) return result;
     result = find_deviation(m);
     if (result) return result;
@@ -132,7 +132,7 @@ norma_result norma_mend_surface(mend_mesh *m) {
         .non_manifold = smooth ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD,
         .fallback = NORMA_FALLBACK_NEAREST,
         .threads = m->threads};
-    const norma_mesh now = norma_mend_mesh_now(m);
+    const norma_mesh now = norma_fix_mesh_now(m);
     m->surface = malloc((m->mesh.corner_count + 1) * 3 * sizeof *m->surface);
     return m->surface ? norma_corner_normals(
                             &now, crease, &options, m->surface, m->mesh.corner_count, NULL)
@@ -141,20 +141,20 @@ norma_result norma_mend_surface(mend_mesh *m) {
 
 /* ---- normals as they will be */
 
-size_t norma_mend_normal_count(const mend_mesh *m) {
+size_t norma_fix_normal_count(const fix_mesh *m) {
     return m->info.normals == NORMA_NORMALS_NONE ? 0 : m->data.normals.count;
 }
 
 /* corner: as it was read, not as it will be. */
-size_t norma_mend_normal_of(const mend_mesh *m, size_t face, size_t corner) {
+size_t norma_fix_normal_of(const fix_mesh *m, size_t face, size_t corner) {
     size_t number = m->data.corner_normals ? m->data.corner_normals[corner]
                     : m->info.normals == NORMA_NORMALS_PER_FACET
                         ? face
                         : norma_core_corner(&m->mesh, corner);
-    return number < norma_mend_normal_count(m) ? number : SIZE_MAX;
+    return number < norma_fix_normal_count(m) ? number : SIZE_MAX;
 }
 
-void norma_mend_normal(const mend_mesh *m, size_t number, double normal[3]) {
+void norma_fix_normal(const fix_mesh *m, size_t number, double normal[3]) {
     if (!m->edit->set_normals || !m->edit->set_normals[number]) {
         norma_view_read(&m->data.normals, number, normal);
         return;
@@ -178,7 +178,7 @@ static double half_step(const char *encoding) {
 
 /* Whether it would be stored as what is there: then it is no change, and others need not wait for
  * it. */
-static int is_stored(const mend_mesh *m, size_t number, const double unit[3]) {
+static int is_stored(const fix_mesh *m, size_t number, const double unit[3]) {
     double stored[3];
     const double near = half_step(m->info.encoding);
     norma_view_read(&m->data.normals, number, stored);
@@ -186,8 +186,8 @@ static int is_stored(const mend_mesh *m, size_t number, const double unit[3]) {
            fabs(unit[2] - stored[2]) < near;
 }
 
-int norma_mend_set_normal(mend_mesh *m, size_t number, const double normal[3]) {
-    size_t count = norma_mend_normal_count(m);
+int norma_fix_set_normal(fix_mesh *m, size_t number, const double normal[3]) {
+    size_t count = norma_fix_normal_count(m);
     double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     if (!(length > 0) || !isfinite(length)) return 1;
     const double unit[3] = {normal[0] / length, normal[1] / length, normal[2] / length};
@@ -206,44 +206,44 @@ int norma_mend_set_normal(mend_mesh *m, size_t number, const double normal[3]) {
 
 /* ---- one mesh */
 
-static int may_mend(const mender *m, const norma_finding *finding) {
+static int may_fix(const mender *m, const norma_finding *finding) {
     return finding->fix == NORMA_FIX_SAFE || (finding->fix == NORMA_FIX_UNSAFE && m->unsafe);
 }
 
-static int gather_findings(const mender *m, mend_mesh *mesh) {
+static int gather_findings(const mender *m, fix_mesh *mesh) {
     size_t count = norma_findings_count(m->findings);
     mesh->findings = calloc(count + 1, sizeof *mesh->findings);
     for (size_t i = 0; mesh->findings && i < count; i++) {
         const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (may_mend(m, finding) && strcmp(finding->where, mesh->info.where) == 0)
+        if (may_fix(m, finding) && strcmp(finding->where, mesh->info.where) == 0)
             mesh->findings[mesh->finding_count++] = finding;
     }
     return mesh->findings != NULL;
 }
 
-static void strip_normals(mend_mesh *m) {
-    if (norma_mend_has(m, RULE_N105))
+static void strip_normals(fix_mesh *m) {
+    if (norma_fix_has(m, RULE_N105))
         m->edit->strip_normals = NORMA_STRIP_ALL;
-    else if (norma_mend_has(m, RULE_N903))
+    else if (norma_fix_has(m, RULE_N903))
         m->edit->strip_normals = NORMA_STRIP_MORPHS;
 }
 
-static norma_result mend_arrays(mend_mesh *mesh) {
+static norma_result fix_arrays(fix_mesh *mesh) {
     norma_result result = norma_core_mesh_shape(&mesh->data.mesh, &mesh->mesh);
     mesh->mesh.scale = 1;
-    if (!result) result = norma_mend_faces(mesh);
-    if (!result) result = norma_mend_polygons(mesh);
-    if (!result) result = norma_mend_positions(mesh);
-    if (!result) result = norma_mend_normals(mesh);
-    if (!result) result = norma_mend_tangents(mesh);
+    if (!result) result = norma_fix_faces(mesh);
+    if (!result) result = norma_fix_polygons(mesh);
+    if (!result) result = norma_fix_positions(mesh);
+    if (!result) result = norma_fix_normals(mesh);
+    if (!result) result = norma_fix_tangents(mesh);
     strip_normals(mesh);
-    if (!result) result = norma_mend_vertices(mesh);
+    if (!result) result = norma_fix_vertices(mesh);
     return result;
 }
 
 /* The facets of an STL are turned in one step and moved in another: what is to be moved is found
  * again once they are turned. */
-static void part_steps(mend_mesh *m) {
+static void part_steps(fix_mesh *m) {
     if (m->info.normals != NORMA_NORMALS_PER_FACET || !m->edit->reverse_faces ||
         !m->edit->set_positions)
         return;
@@ -254,8 +254,8 @@ static void part_steps(mend_mesh *m) {
     m->waits = 1;
 }
 
-static norma_document_result mend_mesh_of(mender *m, size_t index) {
-    mend_mesh mesh = {.document = m->document,
+static norma_document_result fix_mesh_of(mender *m, size_t index) {
+    fix_mesh mesh = {.document = m->document,
         .index = index,
         .edit = &m->edits[index],
         .turned = m->turned[index],
@@ -269,7 +269,7 @@ static norma_document_result mend_mesh_of(mender *m, size_t index) {
         result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
         if (!result)
             result = norma_document_mesh_attributes(m->document, index, &mesh.attributes, m->error);
-        if (!result) mended = mend_arrays(&mesh);
+        if (!result) mended = fix_arrays(&mesh);
     }
     part_steps(&mesh);
     m->summary->again |= mesh.waits;
@@ -298,7 +298,7 @@ static size_t gather_group(
     return i > first ? i : first + 1;
 }
 
-static norma_document_result mend_groups(mender *m, int turns, int shares) {
+static norma_document_result fix_groups(mender *m, int turns, int shares) {
     size_t *indices = calloc(m->mesh_count + 1, sizeof *indices), count;
     const char **wheres = calloc(m->mesh_count + 1, sizeof *wheres);
     norma_document_result result =
@@ -306,11 +306,11 @@ static norma_document_result mend_groups(mender *m, int turns, int shares) {
     for (size_t first = 0; first < m->mesh_count && !result;) {
         norma_result how = NORMA_OK;
         first = gather_group(m, first, indices, wheres, &count);
-        const mend_group group = {m->document, m->findings, indices, wheres, count,
+        const fix_group group = {m->document, m->findings, indices, wheres, count,
             m->options.threads, m->options.open_by_rays, m->turned, m->smooth, m->summary,
             m->error};
-        if (count && turns) result = norma_mend_turn(&group, &how);
-        if (!result && !how && count > 1 && shares) result = norma_mend_seams(&group, &how);
+        if (count && turns) result = norma_fix_turn(&group, &how);
+        if (!result && !how && count > 1 && shares) result = norma_fix_seams(&group, &how);
         if (!result && how) result = fail(m, how);
     }
     free(indices);
@@ -339,7 +339,7 @@ static void free_edits(mender *m) {
     free(m->edits);
 }
 
-int norma_mend_has_edit(const norma_mesh_edit *edit) {
+int norma_fix_has_edit(const norma_mesh_edit *edit) {
     return edit->reverse_faces || edit->drop_faces || edit->cut_faces || edit->set_normals ||
            edit->set_positions || edit->set_tangents || edit->strip_normals ||
            edit->source_vertices;
@@ -347,7 +347,7 @@ int norma_mend_has_edit(const norma_mesh_edit *edit) {
 
 static int has_edit(const mender *m) {
     for (size_t i = 0; i < m->mesh_count; i++)
-        if (norma_mend_has_edit(&m->edits[i])) return 1;
+        if (norma_fix_has_edit(&m->edits[i])) return 1;
     return 0;
 }
 
@@ -355,7 +355,7 @@ static int has_edit(const mender *m) {
 static int is_asked(const mender *m, check_rule rule) {
     for (size_t i = 0; i < norma_findings_count(m->findings); i++) {
         const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (may_mend(m, finding) && is_rule(finding, rule)) return 1;
+        if (may_fix(m, finding) && is_rule(finding, rule)) return 1;
     }
     return 0;
 }
@@ -406,11 +406,11 @@ static norma_document_result recentre(mender *m) {
     norma_document_result result = meshes ? NORMA_DOCUMENT_OK : fail(m, NORMA_ERROR_MEMORY);
     for (size_t i = 0; i < m->mesh_count && !result; i++) {
         norma_mesh_info info;
-        mend_mesh mesh = {.document = m->document};
+        fix_mesh mesh = {.document = m->document};
         result = norma_document_mesh_info(m->document, i, &info);
         mesh.info = info;
         if (!result && !gather_findings(m, &mesh)) result = fail(m, NORMA_ERROR_MEMORY);
-        meshes[i] = !result && norma_mend_has(&mesh, RULE_N701);
+        meshes[i] = !result && norma_fix_has(&mesh, RULE_N701);
         free(mesh.findings);
     }
     if (!result) result = norma_document_recentre(m->document, meshes, &changed, m->error);
@@ -421,7 +421,7 @@ static norma_document_result recentre(mender *m) {
 
 /* Changes to a whole document. A glTF that was changed already takes none: they wait for a further
  * call on what it becomes. */
-static norma_document_result mend_rest(mender *m) {
+static norma_document_result fix_rest(mender *m) {
     const norma_file_format format = norma_document_format(m->document);
     const int one_change = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
     const int wants_compute = is_asked(m, RULE_N104) || is_asked(m, RULE_N106) ||
@@ -457,24 +457,24 @@ static norma_document_result mend(mender *m) {
     if (!m->edits || !m->turned || !m->smooth) return fail(m, NORMA_ERROR_MEMORY);
     const int turns = m->unsafe && (is_asked(m, RULE_N302) || m->options.open_by_rays),
               shares = is_asked(m, RULE_N501);
-    if (turns || shares) result = mend_groups(m, turns, shares);
-    for (size_t i = 0; i < m->mesh_count && !result; i++) result = mend_mesh_of(m, i);
+    if (turns || shares) result = fix_groups(m, turns, shares);
+    for (size_t i = 0; i < m->mesh_count && !result; i++) result = fix_mesh_of(m, i);
     if (!result && has_edit(m)) {
         result = norma_document_edit(m->document, m->edits, m->error);
         m->summary->changed = 1;
     }
-    return result ? result : mend_rest(m);
+    return result ? result : fix_rest(m);
 }
 
-norma_document_result norma_mend_document(norma_document *document,
-    const norma_check_options *options, int unsafe, norma_mend_summary *summary,
+norma_document_result norma_fix_document(norma_document *document,
+    const norma_check_options *options, int unsafe, norma_fix_summary *summary,
     norma_document_error *error) {
-    norma_mend_summary unwanted;
+    norma_fix_summary unwanted;
     mender m = {.document = document,
         .unsafe = unsafe,
         .summary = summary ? summary : &unwanted,
         .error = error};
-    *m.summary = (norma_mend_summary){0};
+    *m.summary = (norma_fix_summary){0};
     if (options) m.options = *options;
     m.options.struct_size = sizeof m.options;
     m.options.max_samples = SIZE_MAX; /* every element is wanted */

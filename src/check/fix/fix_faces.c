@@ -9,7 +9,7 @@
 /* For each face the least face of its part. NULL: out of memory. */
 static uint32_t *find_parts(const core_mesh *mesh) {
     uint32_t *parents = malloc((mesh->face_count + 1) * sizeof *parents);
-    mend_edge *edges = malloc((mesh->corner_count + 1) * sizeof *edges);
+    fix_edge *edges = malloc((mesh->corner_count + 1) * sizeof *edges);
     if (!parents || !edges) {
         free(parents);
         free(edges);
@@ -18,13 +18,13 @@ static uint32_t *find_parts(const core_mesh *mesh) {
     for (size_t face = 0; face < mesh->face_count; face++) parents[face] = (uint32_t)face;
     size_t count = 0;
     for (size_t face = 0; face < mesh->face_count; face++)
-        count += norma_mend_face_edges(mesh, face, (uint32_t)face, 0, edges + count);
-    qsort(edges, count, sizeof *edges, norma_mend_compare_edges);
+        count += norma_fix_face_edges(mesh, face, (uint32_t)face, 0, edges + count);
+    qsort(edges, count, sizeof *edges, norma_fix_compare_edges);
     for (size_t i = 1; i < count; i++)
-        if (norma_mend_compare_edges(&edges[i - 1], &edges[i]) == 0)
-            norma_mend_unite(parents, edges[i - 1].face, edges[i].face);
+        if (norma_fix_compare_edges(&edges[i - 1], &edges[i]) == 0)
+            norma_fix_unite(parents, edges[i - 1].face, edges[i].face);
     for (size_t face = 0; face < mesh->face_count; face++)
-        parents[face] = norma_mend_root(parents, (uint32_t)face);
+        parents[face] = norma_fix_root(parents, (uint32_t)face);
     free(edges);
     return parents;
 }
@@ -48,7 +48,7 @@ static void turn_fewer(
     }
 }
 
-static norma_result make_alike(const mend_mesh *m, uint8_t *reverse) {
+static norma_result make_alike(const fix_mesh *m, uint8_t *reverse) {
     const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
     uint32_t *parts = find_parts(&m->mesh);
     part_count *counts = calloc(m->mesh.face_count + 1, sizeof *counts);
@@ -65,8 +65,8 @@ static norma_result make_alike(const mend_mesh *m, uint8_t *reverse) {
     return result;
 }
 
-static norma_result reorient(mend_mesh *m) {
-    int alike = norma_mend_has(m, RULE_N301), any = 0;
+static norma_result reorient(fix_mesh *m) {
+    int alike = norma_fix_has(m, RULE_N301), any = 0;
     if (!alike && !m->turned) return NORMA_OK;
     uint8_t *reverse = calloc(m->mesh.face_count + 1, 1);
     norma_result result = !reverse ? NORMA_ERROR_MEMORY : alike ? make_alike(m, reverse) : NORMA_OK;
@@ -83,11 +83,11 @@ static norma_result reorient(mend_mesh *m) {
 
 /* ---- left out */
 
-static norma_result drop_named(mend_mesh *m) {
+static norma_result drop_named(fix_mesh *m) {
     uint8_t *marks = NULL;
-    int twice = norma_mend_mark(m, RULE_N305, MEND_FACE, m->mesh.face_count, &marks);
+    int twice = norma_fix_mark(m, RULE_N305, MEND_FACE, m->mesh.face_count, &marks);
     int flat =
-        twice < 0 ? twice : norma_mend_mark(m, RULE_N401, MEND_FACE, m->mesh.face_count, &marks);
+        twice < 0 ? twice : norma_fix_mark(m, RULE_N401, MEND_FACE, m->mesh.face_count, &marks);
     if (twice > 0 || flat > 0)
         m->edit->drop_faces = marks;
     else
@@ -95,7 +95,7 @@ static norma_result drop_named(mend_mesh *m) {
     return twice < 0 || flat < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
 }
 
-norma_result norma_mend_faces(mend_mesh *m) {
+norma_result norma_fix_faces(fix_mesh *m) {
     norma_result result = reorient(m);
     return result ? result : drop_named(m);
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* What a rule names normals by: their own number in OBJ, the facet in STL, else the vertex. */
-static mend_element element_of(const mend_mesh *m) {
+static fix_element element_of(const fix_mesh *m) {
     return m->data.corner_normals                       ? MEND_NORMAL
            : m->info.normals == NORMA_NORMALS_PER_FACET ? MEND_FACE
                                                         : MEND_VERTEX;
@@ -21,22 +21,22 @@ typedef struct normal_sum {
 
 /* A vn that corners with quite different normals name cannot be right for all of them: where the
  * old one is a direction at all, it stays. */
-static int set_sum(mend_mesh *m, size_t number, const normal_sum *sum, int is_bad) {
+static int set_sum(fix_mesh *m, size_t number, const normal_sum *sum, int is_bad) {
     static const double up[3] = {0, 0, 1};
     double squares = sum->normal[0] * sum->normal[0] + sum->normal[1] * sum->normal[1] +
                      sum->normal[2] * sum->normal[2];
     if (squares > 0.25 * (double)sum->corners * (double)sum->corners)
-        return norma_mend_set_normal(m, number, sum->normal);
-    return !is_bad || norma_mend_set_normal(m, number, squares > 0 ? sum->normal : up);
+        return norma_fix_set_normal(m, number, sum->normal);
+    return !is_bad || norma_fix_set_normal(m, number, squares > 0 ? sum->normal : up);
 }
 
 /* Each marked normal becomes the sum of the surface's at its corners; marks of MEND_BAD: it is no
  * direction now. */
 enum { MEND_BAD = 1, MEND_WRONG = 2 };
-static norma_result recompute(mend_mesh *m, const uint8_t *marks) {
-    size_t count = norma_mend_normal_count(m);
-    norma_result result = m->info.normals == NORMA_NORMALS_PER_FACET ? norma_mend_face_normals(m)
-                                                                     : norma_mend_surface(m);
+static norma_result recompute(fix_mesh *m, const uint8_t *marks) {
+    size_t count = norma_fix_normal_count(m);
+    norma_result result = m->info.normals == NORMA_NORMALS_PER_FACET ? norma_fix_face_normals(m)
+                                                                     : norma_fix_surface(m);
     normal_sum *sums = result ? NULL : calloc(count + 1, sizeof *sums);
     if (!sums) return result ? result : NORMA_ERROR_MEMORY;
     for (size_t face = 0; face < m->mesh.face_count; face++) {
@@ -44,7 +44,7 @@ static norma_result recompute(mend_mesh *m, const uint8_t *marks) {
                end = norma_core_face_end(&m->mesh, face);
         int reversed = m->edit->reverse_faces && m->edit->reverse_faces[face];
         for (size_t c = begin; c < end; c++) {
-            size_t number = norma_mend_normal_of(m, face, c),
+            size_t number = norma_fix_normal_of(m, face, c),
                    now = reversed && c > begin ? end + begin - c : c;
             const float *normal = m->surface ? m->surface + 3 * now : m->face_normals + 3 * face;
             if (number == SIZE_MAX || !marks[number]) continue;
@@ -59,13 +59,13 @@ static norma_result recompute(mend_mesh *m, const uint8_t *marks) {
     return result;
 }
 
-static norma_result recompute_named(mend_mesh *m) {
-    size_t count = norma_mend_normal_count(m);
+static norma_result recompute_named(fix_mesh *m) {
+    size_t count = norma_fix_normal_count(m);
     uint8_t *marks = NULL, *wrong = NULL;
-    int bad = norma_mend_mark(m, RULE_N101, element_of(m), count, &marks);
-    int zero = norma_mend_mark(m, RULE_N102, element_of(m), count, &marks);
-    int far = norma_mend_mark(m, RULE_N202, element_of(m), count, &wrong);
-    int all = norma_mend_has(m, RULE_N203) && !m->data.corner_normals,
+    int bad = norma_fix_mark(m, RULE_N101, element_of(m), count, &marks);
+    int zero = norma_fix_mark(m, RULE_N102, element_of(m), count, &marks);
+    int far = norma_fix_mark(m, RULE_N202, element_of(m), count, &wrong);
+    int all = norma_fix_has(m, RULE_N203) && !m->data.corner_normals,
         any = bad > 0 || zero > 0 || far > 0 || all;
     if (any && !marks) marks = calloc(count + 1, 1);
     int failed = bad < 0 || zero < 0 || far < 0 || (any && !marks);
@@ -79,16 +79,16 @@ static norma_result recompute_named(mend_mesh *m) {
 
 /* ---- lengths */
 
-static norma_result normalise_named(mend_mesh *m) {
+static norma_result normalise_named(fix_mesh *m) {
     uint8_t *marks = NULL;
-    size_t count = norma_mend_normal_count(m);
-    int any = norma_mend_mark(m, RULE_N103, element_of(m), count, &marks);
+    size_t count = norma_fix_normal_count(m);
+    int any = norma_fix_mark(m, RULE_N103, element_of(m), count, &marks);
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
     for (size_t i = 0; i < count && any > 0 && !result; i++) {
         double normal[3];
         if (!marks[i] || (m->edit->set_normals && m->edit->set_normals[i])) continue;
-        norma_mend_normal(m, i, normal);
-        result = norma_mend_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
+        norma_fix_normal(m, i, normal);
+        result = norma_fix_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
     }
     free(marks);
     return result;
@@ -102,7 +102,7 @@ typedef struct side_count {
     int candidate;
 } side_count;
 
-static void count_sides(const mend_mesh *m, const uint8_t *named, side_count *sides) {
+static void count_sides(const fix_mesh *m, const uint8_t *named, side_count *sides) {
     for (size_t face = 0; face < m->mesh.face_count; face++) {
         const float *direction = m->face_normals + 3 * face;
         int candidate =
@@ -110,9 +110,9 @@ static void count_sides(const mend_mesh *m, const uint8_t *named, side_count *si
         for (size_t c = norma_core_face_begin(&m->mesh, face);
              c < norma_core_face_end(&m->mesh, face); c++) {
             double normal[3];
-            size_t number = norma_mend_normal_of(m, face, c);
+            size_t number = norma_fix_normal_of(m, face, c);
             if (number == SIZE_MAX) continue;
-            norma_mend_normal(m, number, normal);
+            norma_fix_normal(m, number, normal);
             double dot = norma_check_dot(direction, normal);
             sides[number].with += dot > 0;
             sides[number].against += dot < 0;
@@ -121,21 +121,21 @@ static void count_sides(const mend_mesh *m, const uint8_t *named, side_count *si
     }
 }
 
-static norma_result turn_sides(mend_mesh *m) {
+static norma_result turn_sides(fix_mesh *m) {
     uint8_t *named = NULL;
-    int any = norma_mend_mark(m, RULE_N201, MEND_FACE, m->mesh.face_count, &named);
-    size_t count = norma_mend_normal_count(m);
+    int any = norma_fix_mark(m, RULE_N201, MEND_FACE, m->mesh.face_count, &named);
+    size_t count = norma_fix_normal_count(m);
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
     if (!result && count && (any || m->edit->reverse_faces)) {
         side_count *sides = calloc(count + 1, sizeof *sides);
-        result = sides ? norma_mend_face_normals(m) : NORMA_ERROR_MEMORY;
+        result = sides ? norma_fix_face_normals(m) : NORMA_ERROR_MEMORY;
         if (!result) count_sides(m, named, sides);
         for (size_t i = 0; i < count && !result; i++) {
             double normal[3];
             if (!sides[i].candidate || sides[i].against <= sides[i].with) continue;
-            norma_mend_normal(m, i, normal);
+            norma_fix_normal(m, i, normal);
             for (int axis = 0; axis < 3; axis++) normal[axis] = -normal[axis];
-            result = norma_mend_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
+            result = norma_fix_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
         }
         free(sides);
     }
@@ -146,9 +146,9 @@ static norma_result turn_sides(mend_mesh *m) {
 /* ---- facets */
 
 /* Those that differ from their winding, and those whose winding is reversed. */
-static norma_result rewrite_facets(mend_mesh *m) {
+static norma_result rewrite_facets(fix_mesh *m) {
     uint8_t *marks = NULL;
-    int any = norma_mend_mark(m, RULE_N205, MEND_FACE, m->mesh.face_count, &marks);
+    int any = norma_fix_mark(m, RULE_N205, MEND_FACE, m->mesh.face_count, &marks);
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : any > 0 ? recompute(m, marks) : NORMA_OK;
     free(marks);
     return result;
@@ -168,7 +168,7 @@ static int compare_places(const void *a, const void *b) {
     return 0;
 }
 
-static seam_place *gather_places(const mend_mesh *m, size_t *count) {
+static seam_place *gather_places(const fix_mesh *m, size_t *count) {
     size_t room = 0;
     for (size_t i = 0; i < m->finding_count; i++) room += m->findings[i]->sample_count;
     seam_place *places = calloc(room + 1, sizeof *places);
@@ -187,35 +187,35 @@ static seam_place *gather_places(const mend_mesh *m, size_t *count) {
 }
 
 /* A vn that corners elsewhere use as well cannot be changed without changing them. */
-static void find_shared(const mend_mesh *m, const uint8_t *at_seam, uint8_t *shared) {
+static void find_shared(const fix_mesh *m, const uint8_t *at_seam, uint8_t *shared) {
     for (size_t face = 0; face < m->mesh.face_count; face++)
         for (size_t c = norma_core_face_begin(&m->mesh, face);
              c < norma_core_face_end(&m->mesh, face); c++) {
-            size_t number = norma_mend_normal_of(m, face, c);
+            size_t number = norma_fix_normal_of(m, face, c);
             if (number != SIZE_MAX && !at_seam[norma_core_corner(&m->mesh, c)]) shared[number] = 1;
         }
 }
 
-static norma_result set_seam_normals(mend_mesh *m, const uint8_t *at_seam, const float *smooth) {
-    uint8_t *shared = calloc(norma_mend_normal_count(m) + 1, 1);
+static norma_result set_seam_normals(fix_mesh *m, const uint8_t *at_seam, const float *smooth) {
+    uint8_t *shared = calloc(norma_fix_normal_count(m) + 1, 1);
     norma_result result = shared ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (shared) find_shared(m, at_seam, shared);
     for (size_t face = 0; face < m->mesh.face_count && !result; face++)
         for (size_t c = norma_core_face_begin(&m->mesh, face);
              c < norma_core_face_end(&m->mesh, face) && !result; c++) {
             uint32_t position = norma_core_corner(&m->mesh, c);
-            size_t number = norma_mend_normal_of(m, face, c);
+            size_t number = norma_fix_normal_of(m, face, c);
             if (number == SIZE_MAX || !at_seam[position] || shared[number]) continue;
             const double normal[3] = {(double)smooth[3 * (size_t)position],
                 (double)smooth[3 * (size_t)position + 1], (double)smooth[3 * (size_t)position + 2]};
-            result = norma_mend_set_normal(m, number, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
+            result = norma_fix_set_normal(m, number, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
         }
     free(shared);
     return result;
 }
 
 /* Seams that several primitives have in common: their normals are given. */
-static norma_result share_across(mend_mesh *m) {
+static norma_result share_across(fix_mesh *m) {
     uint8_t *at_seam = calloc(m->mesh.positions.count + 1, 1);
     for (size_t i = 0; at_seam && i < m->mesh.positions.count; i++)
         at_seam[i] = isfinite(m->smooth[3 * i]) != 0;
@@ -224,17 +224,17 @@ static norma_result share_across(mend_mesh *m) {
     return result;
 }
 
-static norma_result share_seams(mend_mesh *m) {
+static norma_result share_seams(fix_mesh *m) {
     if (m->smooth) return share_across(m);
-    if (!norma_mend_has(m, RULE_N501)) return NORMA_OK;
+    if (!norma_fix_has(m, RULE_N501)) return NORMA_OK;
     size_t count, positions = m->mesh.positions.count;
     seam_place *places = gather_places(m, &count), key;
     uint8_t *at_seam = calloc(positions + 1, 1);
     float *smooth = malloc((positions + 1) * 3 * sizeof *smooth);
-    norma_result result = places && at_seam && smooth ? norma_mend_surface(m)
+    norma_result result = places && at_seam && smooth ? norma_fix_surface(m)
                                                       : NORMA_ERROR_MEMORY; /* for the weight */
     if (!result) {
-        const norma_mesh now = norma_mend_mesh_now(m);
+        const norma_mesh now = norma_fix_mesh_now(m);
         const norma_options options = {
             .struct_size = sizeof options, .weight = m->deviation.weight, .threads = m->threads};
         result = norma_vertex_normals(&now, &options, smooth, positions, NULL);
@@ -250,9 +250,9 @@ static norma_result share_seams(mend_mesh *m) {
     return result;
 }
 
-norma_result norma_mend_normals(mend_mesh *m) {
-    norma_result result = norma_mend_normal_count(m) ? recompute_named(m) : NORMA_OK;
-    if (!result && norma_mend_normal_count(m)) result = normalise_named(m);
+norma_result norma_fix_normals(fix_mesh *m) {
+    norma_result result = norma_fix_normal_count(m) ? recompute_named(m) : NORMA_OK;
+    if (!result && norma_fix_normal_count(m)) result = normalise_named(m);
     if (!result) result = turn_sides(m);
     if (!result && m->info.normals == NORMA_NORMALS_PER_FACET) result = rewrite_facets(m);
     return result ? result : share_seams(m);

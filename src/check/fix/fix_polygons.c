@@ -144,7 +144,7 @@ static int clip_ears(polygon *p, uint32_t *triangles) {
     return 1;
 }
 
-static int cut_face(const mend_mesh *m, size_t face, polygon *p, uint32_t *triangles) {
+static int cut_face(const fix_mesh *m, size_t face, polygon *p, uint32_t *triangles) {
     size_t begin = norma_core_face_begin(&m->mesh, face);
     double first[3];
     p->count = norma_core_face_end(&m->mesh, face) - begin;
@@ -157,7 +157,7 @@ static int cut_face(const mend_mesh *m, size_t face, polygon *p, uint32_t *trian
     return p->count > 3 && flatten(p) && clip_ears(p, triangles);
 }
 
-static norma_result cut_named(mend_mesh *m, const uint8_t *marks) {
+static norma_result cut_named(fix_mesh *m, const uint8_t *marks) {
     size_t largest = 0;
     for (size_t face = 0; face < m->mesh.face_count; face++) {
         size_t corners =
@@ -195,16 +195,16 @@ static norma_result cut_named(mend_mesh *m, const uint8_t *marks) {
 }
 
 /* Where faces are reversed as well, that comes first: the cut waits for the next time. */
-norma_result norma_mend_polygons(mend_mesh *m) {
+norma_result norma_fix_polygons(fix_mesh *m) {
     uint8_t *marks = NULL;
     const norma_file_format format = norma_document_format(m->document);
     if (m->edit->reverse_faces)
-        m->waits |= norma_mend_has(m, RULE_N404) || norma_mend_has(m, RULE_N405);
+        m->waits |= norma_fix_has(m, RULE_N404) || norma_fix_has(m, RULE_N405);
     if (m->edit->reverse_faces || (format != NORMA_FILE_OBJ && format != NORMA_FILE_PLY))
         return NORMA_OK;
-    int folded = norma_mend_mark(m, RULE_N404, MEND_FACE, m->mesh.face_count, &marks);
+    int folded = norma_fix_mark(m, RULE_N404, MEND_FACE, m->mesh.face_count, &marks);
     int bent =
-        folded < 0 ? folded : norma_mend_mark(m, RULE_N405, MEND_FACE, m->mesh.face_count, &marks);
+        folded < 0 ? folded : norma_fix_mark(m, RULE_N405, MEND_FACE, m->mesh.face_count, &marks);
     norma_result result = folded < 0 || bent < 0 ? NORMA_ERROR_MEMORY
                           : folded || bent       ? cut_named(m, marks)
                                                  : NORMA_OK;

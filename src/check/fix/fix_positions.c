@@ -23,7 +23,7 @@ static double diagonal_of(const core_mesh *mesh) {
 }
 
 /* The clusters in which a marked position lies. */
-static norma_result snap(mend_mesh *m, const core_mesh *mesh, const uint8_t *marks) {
+static norma_result snap(fix_mesh *m, const core_mesh *mesh, const uint8_t *marks) {
     size_t count = mesh->positions.count;
     uint8_t *meant = calloc(count + 1, 1), *set = calloc(count + 1, 1);
     double *positions = malloc((count + 1) * 3 * sizeof *positions);
@@ -46,11 +46,11 @@ static norma_result snap(mend_mesh *m, const core_mesh *mesh, const uint8_t *mar
     return NORMA_OK;
 }
 
-norma_result norma_mend_positions(mend_mesh *m) {
+norma_result norma_fix_positions(fix_mesh *m) {
     uint8_t *marks = NULL;
     core_mesh mesh = m->mesh;
     core_call call;
-    int any = norma_mend_mark(m, RULE_N503, MEND_VERTEX, mesh.positions.count, &marks);
+    int any = norma_fix_mark(m, RULE_N503, MEND_VERTEX, mesh.positions.count, &marks);
     const norma_options options = {.struct_size = sizeof options,
         .weld = NORMA_WELD_DISTANCE,
         .weld_distance = any > 0 ? NEAR * diagonal_of(&mesh) : 0,

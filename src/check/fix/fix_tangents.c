@@ -15,7 +15,7 @@ typedef struct tangent_sum {
 
 /* ---- sums over faces */
 
-static void read_corner(const mend_mesh *m, size_t corner, double position[3], double uv[2]) {
+static void read_corner(const fix_mesh *m, size_t corner, double position[3], double uv[2]) {
     uint32_t vertex = norma_core_corner(&m->mesh, corner);
     norma_core_position(&m->mesh, vertex, position);
     uv[0] = uv[1] = 0;
@@ -47,7 +47,7 @@ static int grow_u(double p[3][3], double uv[3][2], double direction[3], double *
     return 1;
 }
 
-static void add_face(const mend_mesh *m, size_t face, tangent_sum *sums) {
+static void add_face(const fix_mesh *m, size_t face, tangent_sum *sums) {
     double p[3][3], uv[3][2], direction[3], area;
     size_t begin = norma_core_face_begin(&m->mesh, face);
     for (size_t i = 0; i < 3; i++) read_corner(m, begin + i, p[i], uv[i]);
@@ -68,7 +68,7 @@ static void add_face(const mend_mesh *m, size_t face, tangent_sum *sums) {
     }
 }
 
-static tangent_sum *sum_tangents(const mend_mesh *m) {
+static tangent_sum *sum_tangents(const fix_mesh *m) {
     tangent_sum *sums = calloc(m->info.vertices + 1, sizeof *sums);
     for (size_t face = 0; sums && m->attributes.texcoords && face < m->mesh.face_count; face++)
         add_face(m, face, sums);
@@ -84,19 +84,19 @@ typedef struct tangent_marks {
 } tangent_marks;
 
 /* 1: any; 0: none; -1: out of memory. */
-static int mark_vertices(const mend_mesh *m, tangent_marks *marks) {
+static int mark_vertices(const fix_mesh *m, tangent_marks *marks) {
     static const check_rule rules[] = {RULE_N801, RULE_N802};
     int any = 0;
-    marks->whole = !m->attributes.tangents && norma_mend_has(m, RULE_N805);
+    marks->whole = !m->attributes.tangents && norma_fix_has(m, RULE_N805);
     for (size_t i = 0; i < sizeof rules / sizeof *rules && any >= 0; i++) {
-        int found = norma_mend_mark(m, rules[i], MEND_VERTEX, m->info.vertices, &marks->again);
+        int found = norma_fix_mark(m, rules[i], MEND_VERTEX, m->info.vertices, &marks->again);
         any = found < 0 ? found : any | found;
     }
     int leaning =
-        any < 0 ? any : norma_mend_mark(m, RULE_N803, MEND_VERTEX, m->info.vertices, &marks->lean);
-    int turning =
-        leaning < 0 ? leaning
-                    : norma_mend_mark(m, RULE_N804, MEND_VERTEX, m->info.vertices, &marks->turned);
+        any < 0 ? any : norma_fix_mark(m, RULE_N803, MEND_VERTEX, m->info.vertices, &marks->lean);
+    int turning = leaning < 0
+                      ? leaning
+                      : norma_fix_mark(m, RULE_N804, MEND_VERTEX, m->info.vertices, &marks->turned);
     return any < 0 || leaning < 0 || turning < 0 ? -1 : any | leaning | turning | marks->whole;
 }
 
@@ -110,7 +110,7 @@ static void make_tangent(const tangent_sum *sum, float tangent[4]) {
 static int is_marked(const uint8_t *marks, size_t i) { return marks && marks[i]; }
 
 /* A sign that is wrong by itself keeps its vector, to the bit. */
-static void turn_signs(const mend_mesh *m, const tangent_marks *marks, float *tangents) {
+static void turn_signs(const fix_mesh *m, const tangent_marks *marks, float *tangents) {
     for (size_t i = 0; marks->turned && i < m->attributes.tangent_count; i++) {
         if (!marks->turned[i] || is_marked(marks->again, i)) continue;
         if (!is_marked(marks->lean, i))
@@ -119,7 +119,7 @@ static void turn_signs(const mend_mesh *m, const tangent_marks *marks, float *ta
     }
 }
 
-static norma_result make_tangents(mend_mesh *m, const tangent_marks *marks) {
+static norma_result make_tangents(fix_mesh *m, const tangent_marks *marks) {
     size_t count = m->info.vertices;
     tangent_sum *sums = sum_tangents(m);
     float *tangents = calloc(4 * count + 1, sizeof *tangents),
@@ -132,7 +132,7 @@ static norma_result make_tangents(mend_mesh *m, const tangent_marks *marks) {
         double normal[3] = {0, 0, 0};
         int made = marks->whole || is_marked(marks->again, i);
         set[i] = (uint8_t)(made || is_marked(marks->lean, i) || is_marked(marks->turned, i));
-        if (i < norma_mend_normal_count(m)) norma_mend_normal(m, i, normal);
+        if (i < norma_fix_normal_count(m)) norma_fix_normal(m, i, normal);
         for (size_t k = 0; k < 3; k++) normals[3 * i + k] = (float)normal[k];
         if (made)
             make_tangent(&sums[i], tangents + 4 * i);
@@ -148,7 +148,7 @@ static norma_result make_tangents(mend_mesh *m, const tangent_marks *marks) {
     return result;
 }
 
-norma_result norma_mend_tangents(mend_mesh *m) {
+norma_result norma_fix_tangents(fix_mesh *m) {
     tangent_marks marks = {0};
     int any = mark_vertices(m, &marks);
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : any ? make_tangents(m, &marks) : NORMA_OK;

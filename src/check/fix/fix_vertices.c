@@ -20,7 +20,7 @@ typedef struct vertex_sum {
 /* ---- how much of the normals around a vertex is left in their sum, by angle, as N403 measures */
 
 /* first: the vertex that each is or would become; NULL: itself. */
-static void add_corners(const mend_mesh *m, const uint32_t *first, vertex_sum *sums) {
+static void add_corners(const fix_mesh *m, const uint32_t *first, vertex_sum *sums) {
     for (size_t face = 0; face < m->mesh.face_count; face++) {
         core_face geometry;
         norma_core_face_geometry(&m->mesh, face, &geometry);
@@ -54,7 +54,7 @@ static size_t part_cancelled(const vertex_sum *sums, size_t count, uint32_t *fir
     return gone;
 }
 
-static norma_result put_welded(mend_mesh *m, size_t count, size_t left, uint32_t *first) {
+static norma_result put_welded(fix_mesh *m, size_t count, size_t left, uint32_t *first) {
     uint32_t *sources = malloc((left + 1) * sizeof *sources),
              *corners = malloc((m->mesh.corner_count + 1) * sizeof *corners);
     size_t next = 0;
@@ -78,7 +78,7 @@ static norma_result put_welded(mend_mesh *m, size_t count, size_t left, uint32_t
     return NORMA_OK;
 }
 
-static norma_result weld(mend_mesh *m) {
+static norma_result weld(fix_mesh *m) {
     const size_t count = m->data.mesh.positions.count;
     uint32_t *first = malloc((count + 1) * sizeof *first);
     vertex_sum *sums = calloc(count + 1, sizeof *sums);
@@ -126,8 +126,8 @@ static int same_fan(const fan_corner *a, const fan_corner *b) {
 
 /* The normal of each corner's fan: with the crease that the stored normals show, where it is sharp
  * enough. */
-static norma_result find_fans(mend_mesh *m, float *normals) {
-    norma_result result = norma_mend_surface(m); /* for what they show */
+static norma_result find_fans(fix_mesh *m, float *normals) {
+    norma_result result = norma_fix_surface(m); /* for what they show */
     const norma_options options = {.struct_size = sizeof options,
         .weight = m->deviation.weight,
         .non_manifold = NORMA_NON_MANIFOLD_HARD,
@@ -138,7 +138,7 @@ static norma_result find_fans(mend_mesh *m, float *normals) {
     const float crease = m->deviation.shading == NORMA_SHADING_FLAT ? -1.0f
                          : sharp ? (float)m->deviation.crease_angle_rad
                                  : SHARPEST_FAN_RAD;
-    const norma_mesh now = norma_mend_mesh_now(m);
+    const norma_mesh now = norma_fix_mesh_now(m);
     return result
                ? result
                : norma_corner_normals(&now, crease, &options, normals, m->mesh.corner_count, NULL);
@@ -146,11 +146,11 @@ static norma_result find_fans(mend_mesh *m, float *normals) {
 
 /* Those that are named, and, since a position is named but once, all others of which the same is
  * so. NULL: out of memory. */
-static uint8_t *mark_cancelled(const mend_mesh *m) {
+static uint8_t *mark_cancelled(const fix_mesh *m) {
     const size_t count = m->data.mesh.positions.count;
     vertex_sum *sums = calloc(count + 1, sizeof *sums);
     uint8_t *marks = NULL;
-    if (sums && norma_mend_mark(m, RULE_N403, MEND_VERTEX, count, &marks) >= 0) {
+    if (sums && norma_fix_mark(m, RULE_N403, MEND_VERTEX, count, &marks) >= 0) {
         add_corners(m, NULL, sums);
         for (size_t v = 0; marks && v < count; v++)
             marks[v] = (uint8_t)(marks[v] || cancels(&sums[v], CANCELLED));
@@ -161,7 +161,7 @@ static uint8_t *mark_cancelled(const mend_mesh *m) {
 
 /* The corners at marked vertices, fan by fan. NULL: out of memory. */
 static fan_corner *gather_fans(
-    const mend_mesh *m, const uint8_t *marks, const float *normals, size_t *count) {
+    const fix_mesh *m, const uint8_t *marks, const float *normals, size_t *count) {
     size_t room = 0;
     for (size_t c = 0; c < m->mesh.corner_count; c++) room += marks[norma_core_corner(&m->mesh, c)];
     fan_corner *fans = malloc((room + 1) * sizeof *fans);
@@ -185,7 +185,7 @@ static size_t count_added(const fan_corner *fans, size_t count) {
 
 /* Its tangent is made perpendicular to the normal. */
 static void set_tangent(
-    mend_mesh *m, size_t to, const fan_corner *from, float *tangents, uint8_t *set) {
+    fix_mesh *m, size_t to, const fan_corner *from, float *tangents, uint8_t *set) {
     const norma_vec3_view normal = {.data = from->normal, .count = 1, .format = NORMA_FORMAT_FLOAT};
     norma_orthogonalise_tangents(
         m->attributes.tangents + 4 * (size_t)from->vertex, 0, normal, 1, tangents + 4 * to, 0, 1);
@@ -199,9 +199,9 @@ typedef struct split_arrays {
 } split_arrays;
 
 /* They are the edit's, also where some are missing. */
-static int make_arrays(mend_mesh *m, size_t count, split_arrays *to) {
+static int make_arrays(fix_mesh *m, size_t count, split_arrays *to) {
     const int has_normals =
-                  norma_mend_normal_count(m) > 0 && m->info.normals == NORMA_NORMALS_PER_VERTEX,
+                  norma_fix_normal_count(m) > 0 && m->info.normals == NORMA_NORMALS_PER_VERTEX,
               has_tangents = has_normals && m->attributes.tangents != NULL;
     norma_mesh_edit *edit = m->edit;
     edit->source_vertices = to->sources = malloc(count * sizeof *to->sources);
@@ -216,7 +216,7 @@ static int make_arrays(mend_mesh *m, size_t count, split_arrays *to) {
 }
 
 /* The first fan of a vertex keeps its number, others follow behind all. */
-static void fill_arrays(mend_mesh *m, const fan_corner *fans, size_t count, split_arrays *to) {
+static void fill_arrays(fix_mesh *m, const fan_corner *fans, size_t count, split_arrays *to) {
     const size_t vertices = m->data.mesh.positions.count;
     size_t next = vertices, number = 0;
     for (size_t v = 0; v < vertices; v++) to->sources[v] = (uint32_t)v;
@@ -250,7 +250,7 @@ static size_t drop_single(fan_corner *fans, size_t count) {
     return kept;
 }
 
-static norma_result split(mend_mesh *m) {
+static norma_result split(fix_mesh *m) {
     float *normals = malloc((m->mesh.corner_count + 1) * 3 * sizeof *normals);
     uint8_t *marks = mark_cancelled(m);
     fan_corner *fans = NULL;
@@ -276,7 +276,7 @@ static norma_result split(mend_mesh *m) {
 
 /* ---- all of it */
 
-static int has_vertices(const mend_mesh *m) {
+static int has_vertices(const fix_mesh *m) {
     const norma_file_format format = norma_document_format(m->document);
     return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB || format == NORMA_FILE_PLY ||
            format == NORMA_FILE_OBJ;
@@ -284,12 +284,12 @@ static int has_vertices(const mend_mesh *m) {
 
 /* Vertices without normals, or normals without vertices, are another rule's (N106), which comes
  * first. */
-norma_result norma_mend_vertices(mend_mesh *m) {
-    const int soup = norma_mend_has(m, RULE_N502), cancelled = norma_mend_has(m, RULE_N403);
+norma_result norma_fix_vertices(fix_mesh *m) {
+    const int soup = norma_fix_has(m, RULE_N502), cancelled = norma_fix_has(m, RULE_N403);
     if ((!soup && !cancelled) || !has_vertices(m) || m->attributes.normals_missing ||
         m->attributes.normals_surplus)
         return NORMA_OK;
-    if (norma_mend_has_edit(m->edit)) {
+    if (norma_fix_has_edit(m->edit)) {
         m->waits = 1;
         return NORMA_OK;
     }

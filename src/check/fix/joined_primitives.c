@@ -3,11 +3,10 @@
 #include "check/fix/fix.h"
 #include <stdlib.h>
 
-norma_document_result norma_mend_open_whole(
-    const mend_group *group, mend_whole *whole, norma_result *how) {
+norma_document_result norma_fix_open_whole(
+    const fix_group *group, fix_whole *whole, norma_result *how) {
     norma_document_result result = NORMA_DOCUMENT_OK;
-    *whole =
-        (mend_whole){.group = group, .meshes = calloc(group->count + 1, sizeof *whole->meshes)};
+    *whole = (fix_whole){.group = group, .meshes = calloc(group->count + 1, sizeof *whole->meshes)};
     *how = whole->meshes ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < group->count && !result && !*how; i++) {
         norma_mesh_data data;
@@ -25,14 +24,14 @@ norma_document_result norma_mend_open_whole(
     return result;
 }
 
-void norma_mend_close_whole(mend_whole *whole) {
+void norma_fix_close_whole(fix_whole *whole) {
     free(whole->meshes);
     free(whole->positions);
     free(whole->corners);
     free(whole->starts);
 }
 
-int norma_mend_join(mend_whole *whole) {
+int norma_fix_join(fix_whole *whole) {
     size_t vertex = 0, corner = 0, face = 0;
     whole->positions = malloc((whole->vertices + 1) * 3 * sizeof *whole->positions);
     whole->corners = malloc((whole->corner_count + 1) * sizeof *whole->corners);

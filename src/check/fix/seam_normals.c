@@ -11,10 +11,10 @@ typedef struct seam_place {
 
 static int compare_places(const void *a, const void *b) {
     const seam_place *one = a, *other = b;
-    return norma_mend_compare_points(one->position, other->position);
+    return norma_fix_compare_points(one->position, other->position);
 }
 
-static size_t count_samples(const mend_group *g) {
+static size_t count_samples(const fix_group *g) {
     size_t count, sum = 0;
     const norma_rule *rule = norma_rules(&count) + RULE_N501;
     for (size_t k = 0; k < norma_findings_count(g->findings); k++)
@@ -25,8 +25,8 @@ static size_t count_samples(const mend_group *g) {
 }
 
 /* Positions that findings at the mesh's primitives name. NULL: out of memory. */
-static seam_place *gather_places(const mend_whole *w, size_t *count) {
-    const mend_group *g = w->group;
+static seam_place *gather_places(const fix_whole *w, size_t *count) {
+    const fix_group *g = w->group;
     size_t rules;
     const norma_rule *rule = norma_rules(&rules) + RULE_N501;
     seam_place *places = calloc(count_samples(g) + 1, sizeof *places);
@@ -46,7 +46,7 @@ static seam_place *gather_places(const mend_whole *w, size_t *count) {
 
 /* As the first primitive's stored normals show. */
 static norma_document_result find_weight(
-    const mend_group *g, norma_weight *weight, norma_result *how) {
+    const fix_group *g, norma_weight *weight, norma_result *how) {
     const norma_options options = {.struct_size = sizeof options, .threads = g->threads};
     norma_mesh_info info;
     norma_mesh_data data;
@@ -61,7 +61,7 @@ static norma_document_result find_weight(
 
 /* Of each primitive the normals at those places. */
 static norma_result share_out(
-    const mend_whole *w, const seam_place *places, size_t count, const float *normals) {
+    const fix_whole *w, const seam_place *places, size_t count, const float *normals) {
     size_t begin = 0;
     for (size_t i = 0; i < w->group->count; begin += w->meshes[i++].positions.count) {
         const size_t vertices = w->meshes[i].positions.count;
@@ -79,12 +79,12 @@ static norma_result share_out(
     return NORMA_OK;
 }
 
-norma_document_result norma_mend_seams(const mend_group *group, norma_result *how) {
-    mend_whole w;
+norma_document_result norma_fix_seams(const fix_group *group, norma_result *how) {
+    fix_whole w;
     size_t count = 0;
     norma_weight weight = NORMA_WEIGHT_ANGLE;
     float *normals = NULL;
-    norma_document_result result = norma_mend_open_whole(group, &w, how);
+    norma_document_result result = norma_fix_open_whole(group, &w, how);
     seam_place *places = !result && !*how ? gather_places(&w, &count) : NULL;
     if (!result && !*how && !places) *how = NORMA_ERROR_MEMORY;
     if (!result && !*how && count) result = find_weight(group, &weight, how);
@@ -92,12 +92,12 @@ norma_document_result norma_mend_seams(const mend_group *group, norma_result *ho
         const norma_options options = {
             .struct_size = sizeof options, .weight = weight, .threads = group->threads};
         normals = malloc((w.vertices + 1) * 3 * sizeof *normals);
-        *how = normals && norma_mend_join(&w)
+        *how = normals && norma_fix_join(&w)
                    ? norma_vertex_normals(&w.mesh, &options, normals, w.vertices, NULL)
                    : NORMA_ERROR_MEMORY;
         if (!*how) *how = share_out(&w, places, count, normals);
     }
-    norma_mend_close_whole(&w);
+    norma_fix_close_whole(&w);
     free(places);
     free(normals);
     return result;

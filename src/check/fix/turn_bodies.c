@@ -6,8 +6,8 @@
 #include <string.h>
 
 /* The faces that a rule's findings name, counted over all meshes. */
-static int mark_named(const mend_whole *t, check_rule rule, uint8_t *marks) {
-    const mend_group *g = t->group;
+static int mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
+    const fix_group *g = t->group;
     size_t count, begin = 0;
     int any = 0;
     for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count)
@@ -26,7 +26,7 @@ static int mark_named(const mend_whole *t, check_rule rule, uint8_t *marks) {
 
 /* ---- rays */
 
-static void add_votes(norma_mend_summary *summary, const norma_orient_report *report) {
+static void add_votes(norma_fix_summary *summary, const norma_orient_report *report) {
     summary->least_confidence =
         summary->by_rays == 0 || report->least_confidence < summary->least_confidence
             ? report->least_confidence
@@ -37,11 +37,11 @@ static void add_votes(norma_mend_summary *summary, const norma_orient_report *re
 
 /* What rays turn is what differs from winding alike alone. marks: in, the faces that are open; out,
  * those of them to be reversed. */
-static norma_result ask_rays(mend_whole *t, uint8_t *marks) {
+static norma_result ask_rays(fix_whole *t, uint8_t *marks) {
     const norma_options options = {.struct_size = sizeof options, .threads = t->group->threads};
     norma_orient_report report;
     uint8_t *alike = malloc(t->face_count + 1), *rays = malloc(t->face_count + 1);
-    norma_result result = alike && rays && norma_mend_join(t) ? NORMA_OK : NORMA_ERROR_MEMORY;
+    norma_result result = alike && rays && norma_fix_join(t) ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result)
         result =
             norma_orient(&t->mesh, NORMA_ORIENT_OPEN_KEPT, &options, alike, t->face_count, NULL);
@@ -58,17 +58,17 @@ static norma_result ask_rays(mend_whole *t, uint8_t *marks) {
 
 /* ---- all of it */
 
-static norma_result turn(mend_whole *t, uint8_t *inward, uint8_t *open) {
+static norma_result turn(fix_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
     if (mark_named(t, RULE_N302, inward))
-        result = norma_mend_whole_bodies(t->meshes, t->group->count, inward);
+        result = norma_fix_whole_bodies(t->meshes, t->group->count, inward);
     if (result || !t->group->open_by_rays || !mark_named(t, RULE_N304, open)) return result;
-    result = norma_mend_whole_bodies(t->meshes, t->group->count, open);
+    result = norma_fix_whole_bodies(t->meshes, t->group->count, open);
     return result ? result : ask_rays(t, open);
 }
 
 /* Of each mesh marks of its own, where there are any. */
-static norma_result share_out(const mend_whole *t, const uint8_t *inward, const uint8_t *open) {
+static norma_result share_out(const fix_whole *t, const uint8_t *inward, const uint8_t *open) {
     size_t begin = 0;
     for (size_t i = 0; i < t->group->count; begin += t->meshes[i++].face_count) {
         uint8_t *marks = malloc(t->meshes[i].face_count + 1);
@@ -84,13 +84,13 @@ static norma_result share_out(const mend_whole *t, const uint8_t *inward, const 
     return NORMA_OK;
 }
 
-norma_document_result norma_mend_turn(const mend_group *group, norma_result *how) {
-    mend_whole t;
-    norma_document_result result = norma_mend_open_whole(group, &t, how);
+norma_document_result norma_fix_turn(const fix_group *group, norma_result *how) {
+    fix_whole t;
+    norma_document_result result = norma_fix_open_whole(group, &t, how);
     uint8_t *inward = calloc(t.face_count + 1, 1), *open = calloc(t.face_count + 1, 1);
     if (!result && !*how) *how = inward && open ? turn(&t, inward, open) : NORMA_ERROR_MEMORY;
     if (!result && !*how) *how = share_out(&t, inward, open);
-    norma_mend_close_whole(&t);
+    norma_fix_close_whole(&t);
     free(inward);
     free(open);
     return result;

@@ -91,7 +91,7 @@ static void judge_position(
 
 static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
     const cancel_pass *pass = context;
-    const core_around *around = &pass->m->topology.around;
+    const core_corners_of_position *around = &pass->m->topology.corners_of;
     member members[FEW];
     pass->parts[block].least = 1;
     for (size_t p = begin; p < end; p++) {
@@ -103,7 +103,7 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
 }
 
 static norma_result judge_large(const check_mesh *m, check_hits *hits) {
-    const core_around *around = &m->topology.around;
+    const core_corners_of_position *around = &m->topology.corners_of;
     if (around->most <= FEW) return NORMA_OK;
     member *members = norma_core_allocate(&m->run->call, around->most, sizeof *members);
     if (!members) return NORMA_ERROR_MEMORY;
@@ -137,7 +137,7 @@ norma_result norma_check_cancelled(check_mesh *m) {
     norma_result result = norma_check_faces(m);
     if (!result) result = norma_check_around(m);
     if (result) return result;
-    size_t count = m->topology.around.position_count,
+    size_t count = m->topology.corners_of.position_count,
            blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
     cancel_pass pass = {m, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     if (!pass.parts) return NORMA_ERROR_MEMORY;

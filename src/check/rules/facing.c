@@ -107,10 +107,10 @@ static norma_result find_nearest_around(check_mesh *m, float *greatest) {
              c++) {
             size_t number = norma_check_normal_of(m, f, c), place = norma_core_corner(&t->mesh, c);
             if (number == SIZE_MAX || (double)greatest[number] >= FAR_COSINE ||
-                t->around.starts[place + 1] - t->around.starts[place] > LARGEST_RING)
+                t->corners_of.starts[place + 1] - t->corners_of.starts[place] > LARGEST_RING)
                 continue;
-            for (size_t i = t->around.starts[place]; i < t->around.starts[place + 1]; i++) {
-                size_t face = norma_check_face_of(m, t->around.corners[i]);
+            for (size_t i = t->corners_of.starts[place]; i < t->corners_of.starts[place + 1]; i++) {
+                size_t face = norma_check_face_of(m, t->corners_of.corners[i]);
                 double cosine =
                     norma_check_directed(&m->faces[face]) ? cosine_to(m, face, number) : -2;
                 greatest[number] =

@@ -97,7 +97,7 @@ static norma_result add_mismatch(check_mesh *m) {
             .message = message});
 }
 
-norma_result norma_check_presence(check_mesh *m) {
+norma_result norma_check_missing_normals(check_mesh *m) {
     norma_result result = norma_check_wants(m, RULE_N104) ? add_missing(m) : NORMA_OK;
     if (!result && norma_check_wants(m, RULE_N105)) result = add_unused(m);
     return !result && norma_check_wants(m, RULE_N106) ? add_mismatch(m) : result;

@@ -7,8 +7,8 @@
 /* For messages: "1 tangent", "2 tangents". */
 static inline const char *norma_check_plural(size_t count) { return count == 1 ? "" : "s"; }
 
-norma_result norma_check_presence(check_mesh *m); /* missing_normals.c: N104 to N106 */
-norma_result norma_check_tangents(check_mesh *m); /* tangents.c: N801 to N806 */
+norma_result norma_check_missing_normals(check_mesh *m); /* missing_normals.c: N104 to N106 */
+norma_result norma_check_tangents(check_mesh *m);        /* tangents.c: N801 to N806 */
 norma_result norma_check_tangent_signs(
     check_mesh *m); /* tangent_signs.c: N804, where there are tangents */
 norma_result norma_check_morphs(check_mesh *m); /* morphs.c: N901 to N903 */

@@ -124,7 +124,7 @@ double norma_check_seam_least(const char *encoding) {
 }
 
 double norma_check_seam_angle(const check_mesh *m, size_t position, double least) {
-    const core_around *around = &m->topology.around;
+    const core_corners_of_position *around = &m->topology.corners_of;
     seam_vertex vertices[MOST_CORNERS];
     size_t count = around->starts[position + 1] - around->starts[position];
     const uint32_t *corners = &around->corners[around->starts[position]];
@@ -176,7 +176,7 @@ norma_result norma_check_seams(check_mesh *m) {
     norma_result result = norma_check_faces(m);
     if (!result) result = norma_check_pairs(m);
     if (result) return result;
-    size_t count = m->topology.around.position_count,
+    size_t count = m->topology.corners_of.position_count,
            blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
     seam_pass pass = {m, norma_check_seam_least(m->given->info.encoding),
         norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};

@@ -137,7 +137,7 @@ static norma_result fill_joined(joined *j) {
 /* Of one primitive two vertices have quite different normals there: its own edges are hard, and its
  * border may be. */
 static int is_split(const joined *j, size_t position) {
-    const core_around *around = &j->m.topology.around;
+    const core_corners_of_position *around = &j->m.topology.corners_of;
     for (size_t i = around->starts[position] + 1; i < around->starts[position + 1]; i++) {
         const size_t a = norma_core_corner(&j->m.mesh, around->corners[i - 1]),
                      b = norma_core_corner(&j->m.mesh, around->corners[i]);
@@ -152,7 +152,7 @@ static int is_split(const joined *j, size_t position) {
 /* Every face at the position has its own direction for a normal: parts shaded flat, whose border is
  * a hard edge on purpose. */
 static int is_flat(const joined *j, size_t position) {
-    const core_around *around = &j->m.topology.around;
+    const core_corners_of_position *around = &j->m.topology.corners_of;
     for (size_t i = around->starts[position]; i < around->starts[position + 1]; i++) {
         const check_face *face =
             &j->m.faces[norma_core_topology_face(&j->m.topology, around->corners[i])];
@@ -167,7 +167,7 @@ static int is_flat(const joined *j, size_t position) {
 
 static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
     joined *j = context;
-    const core_around *around = &j->m.topology.around;
+    const core_corners_of_position *around = &j->m.topology.corners_of;
     (void)block;
     for (size_t p = begin; p < end; p++) {
         double angle = norma_check_seam_angle(&j->m, p, j->least);
@@ -206,8 +206,8 @@ static norma_result judge_joined(joined *j) {
     if (!result) result = norma_check_faces(&j->m);
     if (!result) result = norma_check_pairs(&j->m);
     if (!result)
-        result = norma_check_blocks(
-            j->run, j->m.topology.around.position_count, POSITIONS_IN_BLOCK, judge_positions, j);
+        result = norma_check_blocks(j->run, j->m.topology.corners_of.position_count,
+            POSITIONS_IN_BLOCK, judge_positions, j);
     for (size_t i = 0; i < j->run->member_count && !result; i++) result = add_member(j, i);
     return result;
 }

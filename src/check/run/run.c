@@ -137,7 +137,7 @@ norma_result norma_check_run_mesh(
         norma_check_seams,
         norma_check_coincident,
         norma_check_precision,
-        norma_check_presence,
+        norma_check_missing_normals,
         norma_check_tangents,
         norma_check_morphs,
     };

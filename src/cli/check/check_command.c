@@ -216,7 +216,7 @@ static const cli_option options[] = {
 /* ---- the verb */
 
 static int read_options(
-    const cli_verb *verb, check_work *work, int count, char **arguments, int *wants_help) {
+    const cli_subcommand *verb, check_work *work, int count, char **arguments, int *wants_help) {
     const cli_table tables[] = {
         {options, CLI_COUNT(options), work},
         {cli_output_options, cli_output_option_count, &work->files},
@@ -251,7 +251,7 @@ static int read_options(
 }
 
 /* A folder that cannot be read does not stop the others. */
-static int gather_inputs(const cli_verb *verb, const check_work *work, check_inputs *inputs) {
+static int gather_inputs(const cli_subcommand *verb, const check_work *work, check_inputs *inputs) {
     int status = CLI_OK;
     size_t standard = 0;
     for (size_t i = 0; i < work->lists.count && status != CLI_USAGE; ++i) {
@@ -301,7 +301,7 @@ static int open_baseline(check_work *work) {
 }
 
 /* Where mended files are to go: of all inputs that words, folders and lists named. */
-static int check_places(const cli_verb *verb, check_work *work, const check_inputs *inputs) {
+static int check_places(const cli_subcommand *verb, check_work *work, const check_inputs *inputs) {
     const cli_common common = {.json = 0};
     cli_files files = work->files;
     files.inputs = (cli_words){(const char **)inputs->paths, inputs->count};
@@ -311,7 +311,7 @@ static int check_places(const cli_verb *verb, check_work *work, const check_inpu
     return cli_check_outputs(verb, &common, &files);
 }
 
-static int check_all(const cli_verb *verb, check_work *work) {
+static int check_all(const cli_subcommand *verb, check_work *work) {
     check_inputs inputs = {0};
     check_configs *configs = check_configs_new(work->config, work->no_config);
     int status = !configs              ? cli_out_of_memory()
@@ -330,7 +330,7 @@ static int check_all(const cli_verb *verb, check_work *work) {
     return status;
 }
 
-static int run(const cli_verb *verb, int count, char **arguments) {
+static int run(const cli_subcommand *verb, int count, char **arguments) {
     check_work work = {.settings = {.fail_on = -1},
         .format = &check_format_text,
         .common.threads = NORMA_ALL_THREADS};
@@ -351,5 +351,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return status;
 }
 
-const cli_verb cli_verb_check = {"check",
+const cli_subcommand cli_subcommand_check = {"check",
     "compares normals with the surface, the winding, the seams and the transforms", help, run};

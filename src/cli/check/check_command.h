@@ -15,9 +15,9 @@ typedef struct check_inputs {
 } check_inputs;
 /* Adds what a word names: a file, the files of a folder and of those below it, what a pattern with
  * *, ? and ** matches, or "-". A status. */
-int check_inputs_add(const cli_verb *verb, check_inputs *inputs, const char *word);
+int check_inputs_add(const cli_subcommand *verb, check_inputs *inputs, const char *word);
 /* A path of each line of a file, or of standard input ("-"). */
-int check_inputs_add_list(const cli_verb *verb, check_inputs *inputs, const char *list);
+int check_inputs_add_list(const cli_subcommand *verb, check_inputs *inputs, const char *list);
 void check_inputs_free(check_inputs *inputs);
 /* Whether a path, component by component, is what a pattern says; ** stands for any number of
  * components. A pattern without a slash is compared with the last one. */

@@ -13,8 +13,8 @@ typedef struct file_check {
     norma_document *document;
     void *memory;
     norma_findings *findings;
-    check_mended mended; /* with --fix: what the report is then about */
-    int mend_status;
+    check_fixed mended; /* with --fix: what the report is then about */
+    int fix_status;
     norma_document_error error;
 } file_check;
 
@@ -55,7 +55,7 @@ static int fail_on(const file_check *check) {
 
 /* What the report is about. */
 static const norma_findings *findings_of(const file_check *check) {
-    return check->mended.findings && !check->mended.worse && !check->mend_status
+    return check->mended.findings && !check->mended.worse && !check->fix_status
                ? check->mended.findings
                : check->findings;
 }
@@ -137,19 +137,19 @@ static int severity_of(const file_check *check, const norma_finding *finding) {
 /* ---- judging */
 
 /* Where it fails, the report is about the file as it is. */
-static void mend_file(file_check *check, const norma_check_options *options) {
+static void fix_file(file_check *check, const norma_check_options *options) {
     norma_document_error error = {0};
-    norma_document_result result = check_mend(check->settings, check->document, check->findings,
+    norma_document_result result = check_fix(check->settings, check->document, check->findings,
         options, check->path, &check->mended, &error);
     if (result && result != NORMA_DOCUMENT_CANCELLED) {
         cli_name_error(&error, check->path);
         cli_print_error(&error);
     }
-    check->mend_status = cli_status_of(result);
+    check->fix_status = cli_status_of(result);
     if (check->mended.worse) {
         fprintf(stderr, "norma: %s: mended it would be worse than it is (%s); it is not written\n",
             cli_input_name(check->path), check->mended.worse_by);
-        check->mend_status = CLI_FINDINGS;
+        check->fix_status = CLI_FINDINGS;
     }
 }
 
@@ -167,7 +167,7 @@ static norma_document_result open_and_judge(file_check *check) {
     choose_rules(check, rules);
     const norma_check_options options = choose_options(check, rules);
     result = norma_check_document(check->document, &options, &check->findings, &check->error);
-    if (!result && settings->fix) mend_file(check, &options);
+    if (!result && settings->fix) fix_file(check, &options);
     return result;
 }
 
@@ -265,7 +265,7 @@ static void report_findings(
         check->mended.last.by_rays, check->mended.last.undecided,
         check->mended.last.least_confidence};
     add_totals_of_file(&report, &before, totals);
-    totals->status = cli_worse(totals->status, check->mend_status);
+    totals->status = cli_worse(totals->status, check->fix_status);
     format->file(out, &report);
     free(items);
 }
@@ -281,7 +281,7 @@ void check_one_file(const check_settings *settings, const check_config *config,
         report_unreadable(&check, format, out, totals);
     else
         report_findings(&check, format, out, totals);
-    check_mended_free(&check.mended);
+    check_fixed_free(&check.mended);
     norma_findings_free(check.findings);
     norma_document_close(check.document);
     free(check.memory);

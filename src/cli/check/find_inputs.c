@@ -172,7 +172,7 @@ static int add_pattern(check_inputs *inputs, const char *pattern) {
     return status;
 }
 
-int check_inputs_add(const cli_verb *verb, check_inputs *inputs, const char *word) {
+int check_inputs_add(const cli_subcommand *verb, check_inputs *inputs, const char *word) {
     struct stat status;
     if (!word[0]) return cli_usage(verb, "the name of an input is empty");
     int is_there = strcmp(word, "-") != 0 && stat(word, &status) == 0;
@@ -190,7 +190,7 @@ int check_inputs_add(const cli_verb *verb, check_inputs *inputs, const char *wor
     return copy ? add_path(inputs, strcpy(copy, word)) : out_of_memory();
 }
 
-int check_inputs_add_list(const cli_verb *verb, check_inputs *inputs, const char *list) {
+int check_inputs_add_list(const cli_subcommand *verb, check_inputs *inputs, const char *list) {
     int standard = strcmp(list, "-") == 0, status = CLI_OK;
     FILE *file = standard ? stdin : fopen(list, "r");
     char *line = NULL;

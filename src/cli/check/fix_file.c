@@ -9,7 +9,7 @@ static int is_standard(const char *output) { return strcmp(output, "-") == 0; }
 
 /* The document as it would be read after it is written to output. */
 static norma_document_result settle(const check_settings *settings, norma_document *document,
-    const char *output, check_mended *mended, norma_document **settled,
+    const char *output, check_fixed *mended, norma_document **settled,
     norma_document_error *error) {
     const norma_document_options options = {.struct_size = sizeof options,
         .threads = settings->threads,
@@ -108,14 +108,14 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
 /* Mends, and what it becomes again until nothing more changes: one fix may uncover what another one
  * mends, and a glTF takes one change at a time. mended->document is what it is in the end, as it
  * would be read. */
-static norma_document_result mend_steps(const check_settings *settings, norma_document *document,
-    const norma_check_options *options, const char *path, const char *output, check_mended *mended,
+static norma_document_result fix_steps(const check_settings *settings, norma_document *document,
+    const norma_check_options *options, const char *path, const char *output, check_fixed *mended,
     norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     mended->document = document;
     while (!result && mended->step_count < CLI_COUNT(mended->steps)) {
         const size_t notes = norma_document_note_count(mended->document);
-        result = norma_mend_document(
+        result = norma_fix_document(
             mended->document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->last, error);
         if (!result && !mended->last.changed) tell_notes(path, mended->document, notes);
         if (result || !mended->last.changed) return result;
@@ -126,7 +126,7 @@ static norma_document_result mend_steps(const check_settings *settings, norma_do
 }
 
 static norma_document_result save(const check_settings *settings, const char *output,
-    check_mended *mended, norma_document_error *error) {
+    check_fixed *mended, norma_document_error *error) {
     if (settings->dry_run || (settings->files->in_place && !mended->changed))
         return NORMA_DOCUMENT_OK;
     const norma_save_options options = {.struct_size = sizeof options,
@@ -139,18 +139,18 @@ static norma_document_result save(const check_settings *settings, const char *ou
     return result;
 }
 
-norma_document_result check_mend(const check_settings *settings, norma_document *document,
+norma_document_result check_fix(const check_settings *settings, norma_document *document,
     const norma_findings *before, const norma_check_options *options, const char *path,
-    check_mended *mended, norma_document_error *error) {
+    check_fixed *mended, norma_document_error *error) {
     verdict was = {0}, is = {0};
-    *mended = (check_mended){0};
+    *mended = (check_fixed){0};
     char *output = cli_output_of(settings->files, path);
     if (!output) {
         *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         return error->result;
     }
     norma_document_result result = judge_all(settings, document, &was, error);
-    if (!result) result = mend_steps(settings, document, options, path, output, mended, error);
+    if (!result) result = fix_steps(settings, document, options, path, output, mended, error);
     if (!result && mended->changed)
         result = norma_check_document(mended->document, options, &mended->findings, error);
     if (!result && mended->changed) result = judge_all(settings, mended->document, &is, error);
@@ -165,9 +165,9 @@ norma_document_result check_mend(const check_settings *settings, norma_document 
     return result;
 }
 
-void check_mended_free(check_mended *mended) {
+void check_fixed_free(check_fixed *mended) {
     norma_findings_free(mended->findings);
     while (mended->step_count) norma_document_close(mended->steps[--mended->step_count]);
     free(mended->table);
-    *mended = (check_mended){0};
+    *mended = (check_fixed){0};
 }

@@ -4,20 +4,20 @@
 #define NORMA_CLI_CHECK_FIX_H
 #include "cli/check/check_command.h"
 
-typedef struct check_mended {
+typedef struct check_fixed {
     norma_document *document; /* as it is now; judged by findings */
     norma_findings *findings;
     int changed, worse, written;
     norma_document *steps[8]; /* what it was on the way */
     size_t step_count;
-    char *table;             /* counts before and after, lines of text; NULL: nothing changed */
-    char worse_by[200];      /* where it is worse: the rules */
-    norma_mend_summary last; /* of the last step, which found nothing more to do */
-} check_mended;
+    char *table;            /* counts before and after, lines of text; NULL: nothing changed */
+    char worse_by[200];     /* where it is worse: the rules */
+    norma_fix_summary last; /* of the last step, which found nothing more to do */
+} check_fixed;
 
 /* before: findings of document with options, which rules the report has. 0: error says why. */
-norma_document_result check_mend(const check_settings *settings, norma_document *document,
+norma_document_result check_fix(const check_settings *settings, norma_document *document,
     const norma_findings *before, const norma_check_options *options, const char *path,
-    check_mended *mended, norma_document_error *error);
-void check_mended_free(check_mended *mended);
+    check_fixed *mended, norma_document_error *error);
+void check_fixed_free(check_fixed *mended);
 #endif

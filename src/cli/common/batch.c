@@ -61,7 +61,7 @@ static int is_stream(const char *path) {
 }
 
 /* What the library would say after the work, said before it. */
-static int check_output(const cli_verb *verb, const cli_files *files, const char *input) {
+static int check_output(const cli_subcommand *verb, const cli_files *files, const char *input) {
     const char *output = files->output, *dot = strrchr(base_name(output), '.'),
                *input_dot = strrchr(base_name(input), '.');
     norma_file_format format = files->format ? files->format : norma_file_format_of_path(input),
@@ -87,7 +87,7 @@ static int compare_base_names(const void *a, const void *b) {
 }
 
 /* Two inputs of one name would go to one file. */
-static int check_folder(const cli_verb *verb, const cli_files *files) {
+static int check_folder(const cli_subcommand *verb, const cli_files *files) {
     size_t count = files->inputs.count;
     const char **sorted = calloc(count + 1, sizeof *sorted);
     if (!sorted) return cli_out_of_memory();
@@ -108,7 +108,8 @@ static int check_folder(const cli_verb *verb, const cli_files *files) {
     return status;
 }
 
-int cli_check_outputs(const cli_verb *verb, const cli_common *common, const cli_files *files) {
+int cli_check_outputs(
+    const cli_subcommand *verb, const cli_common *common, const cli_files *files) {
     int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
         standard |= is_standard(files->inputs.words[i]);
@@ -273,8 +274,8 @@ static int run_job(const file_job *job) {
     return cli_status_of(result);
 }
 
-static int change_files(const cli_verb *verb, const cli_common *common, const cli_files *files,
-    const cli_changer *changer) {
+static int change_files(const cli_subcommand *verb, const cli_common *common,
+    const cli_files *files, const cli_changer *changer) {
     int status = cli_check_inputs(verb, files);
     if (!status) status = cli_check_outputs(verb, common, files);
     if (status) return status;
@@ -291,7 +292,7 @@ static int change_files(const cli_verb *verb, const cli_common *common, const cl
     return cli_finish(status);
 }
 
-int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *own,
+int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, const cli_table *own,
     size_t own_count, int count, char **arguments) {
     cli_common common = {.threads = NORMA_ALL_THREADS};
     cli_files files = {.inputs.words = calloc((size_t)count + 1, sizeof(char *))};

@@ -20,21 +20,21 @@ enum cli_status {
 
 /* ---- verbs */
 
-typedef struct cli_verb {
+typedef struct cli_subcommand {
     const char *name, *summary, *help;
-    int (*run)(const struct cli_verb *verb, int count, char **arguments);
-} cli_verb;
+    int (*run)(const struct cli_subcommand *verb, int count, char **arguments);
+} cli_subcommand;
 
-extern const cli_verb cli_verb_render, cli_verb_view;
-extern const cli_verb cli_verb_compute, cli_verb_transform, cli_verb_matrix, cli_verb_info,
-    cli_verb_check, cli_verb_explain;
+extern const cli_subcommand cli_subcommand_render, cli_subcommand_view;
+extern const cli_subcommand cli_subcommand_compute, cli_subcommand_transform, cli_subcommand_matrix,
+    cli_subcommand_info, cli_subcommand_check, cli_subcommand_explain;
 
 /* ---- messages on stderr: "norma compute: ..." (verb may be NULL). Always CLI_USAGE, so that a
  * caller can return it. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-int cli_usage(const cli_verb *verb, const char *format, ...);
+int cli_usage(const cli_subcommand *verb, const char *format, ...);
 /* The name of names (each at stride bytes from the last, a const char * first) that a misspelt word
  * most likely means; NULL: none is near. */
 const char *cli_suggest(const char *word, const void *names, size_t count, size_t stride);
@@ -68,7 +68,7 @@ typedef struct cli_words {
 
 /* Tries each table in turn. Returns CLI_OK or CLI_USAGE, said already; *help: --help was given,
  * nothing else counts. words->words has room for count words; NULL: a usage error. */
-int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count,
+int cli_parse(const cli_subcommand *verb, const cli_table *tables, size_t table_count, int count,
     char **arguments, cli_words *words, int *help);
 
 /* Whole text, as C spells numbers; 0: it is none, or not finite. */
@@ -139,18 +139,18 @@ typedef struct cli_changer {
         const void *work, struct cli_json *json); /* the keys after "input" and "output" */
     void (*write_text)(const void *work, const norma_document *document,
         FILE *out); /* what stands after "IN -> OUT: ", without the line's end */
-    int (*prepare)(const cli_verb *verb, void *work,
+    int (*prepare)(const cli_subcommand *verb, void *work,
         uint32_t threads); /* once all options are read: a status */
 } cli_changer;
-int cli_check_inputs(const cli_verb *verb, const cli_files *files);
-int cli_check_outputs(const cli_verb *verb, const cli_common *common,
+int cli_check_inputs(const cli_subcommand *verb, const cli_files *files);
+int cli_check_outputs(const cli_subcommand *verb, const cli_common *common,
     const cli_files *files); /* whether all have somewhere to go; makes the folder */
 char *cli_output_of(const cli_files *files,
     const char *input); /* of an input; the caller's to free. NULL: out of memory */
 /* Such a verb as a whole, from its arguments to its status; tables: its own options beside those
  * that all of them take. */
 enum { CLI_OWN_TABLES = 2 };
-int cli_run_changer(const cli_verb *verb, const cli_changer *changer, const cli_table *tables,
+int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, const cli_table *tables,
     size_t table_count, int count, char **arguments);
 
 norma_document_result cli_write_standard(
@@ -200,8 +200,8 @@ typedef struct cli_progress {
     double megabytes;   /* of the input; 0: not known */
     const char *what, *name;
 } cli_progress;
-void cli_guard(void); /* before anything is opened: closed standard streams, mapped files that
-                         become shorter */
+void cli_startup_checks(void); /* before anything is opened: closed standard streams, mapped files
+                         that become shorter */
 void cli_watch_interrupts(void);
 int cli_interrupted(void); /* 0, or 128 plus the signal */
 void cli_progress_start(

@@ -20,7 +20,7 @@ static const char *set_input_format(void *settings, const char *value) {
 const cli_option cli_input_options[] = {{"input-format", 0, 1, set_input_format}};
 const size_t cli_input_option_count = CLI_COUNT(cli_input_options);
 
-int cli_check_inputs(const cli_verb *verb, const cli_files *files) {
+int cli_check_inputs(const cli_subcommand *verb, const cli_files *files) {
     size_t standard = 0;
     if (files->inputs.count == 0) return cli_usage(verb, "no input file was given");
     for (size_t i = 0; i < files->inputs.count; ++i) {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-int cli_usage(const cli_verb *verb, const char *format, ...) {
+int cli_usage(const cli_subcommand *verb, const char *format, ...) {
     va_list arguments;
     fprintf(stderr, "norma%s%s: ", verb ? " " : "", verb ? verb->name : "");
     va_start(arguments, format);
@@ -75,7 +75,7 @@ static const cli_option *find_option(const cli_table *tables, size_t table_count
 }
 
 static int unknown_option(
-    const cli_verb *verb, const cli_table *tables, size_t table_count, const char *argument) {
+    const cli_subcommand *verb, const cli_table *tables, size_t table_count, const char *argument) {
     char name[LONGEST_WORD + 1] = "";
     const char *meant = NULL;
     size_t length = strcspn(argument + 2, "=");
@@ -98,8 +98,8 @@ static int is_option(const cli_table *tables, size_t table_count, const char *wo
 }
 
 /* Reads the option at arguments[*at], which moves to its last word. */
-static int read_option(const cli_verb *verb, const cli_table *tables, size_t table_count, int count,
-    char **arguments, int *at) {
+static int read_option(const cli_subcommand *verb, const cli_table *tables, size_t table_count,
+    int count, char **arguments, int *at) {
     const char *argument = arguments[*at], *value = NULL;
     const cli_table *table;
     const cli_option *option;
@@ -125,7 +125,7 @@ static int read_option(const cli_verb *verb, const cli_table *tables, size_t tab
                  : cli_usage(verb, "--%s: %s", option->name, expected);
 }
 
-int cli_parse(const cli_verb *verb, const cli_table *tables, size_t table_count, int count,
+int cli_parse(const cli_subcommand *verb, const cli_table *tables, size_t table_count, int count,
     char **arguments, cli_words *words, int *help) {
     int only_words = 0;
     *help = 0;

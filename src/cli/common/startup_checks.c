@@ -101,7 +101,7 @@ static void watch_mapped_files(void) {
 static void watch_mapped_files(void) {}
 #endif
 
-void cli_guard(void) {
+void cli_startup_checks(void) {
     hold_standard_streams();
     watch_mapped_files();
 }

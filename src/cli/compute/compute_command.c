@@ -315,7 +315,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
 
 /* ---- the verb */
 
-static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
+static int prepare(const cli_subcommand *verb, void *user, uint32_t threads) {
     compute_work *work = user;
     work->options.threads = threads;
     if (work->crease_given + work->smooth_given + work->flat_given > 1)
@@ -323,12 +323,12 @@ static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
     return CLI_OK;
 }
 
-static int run(const cli_verb *verb, int count, char **arguments) {
+static int run(const cli_subcommand *verb, int count, char **arguments) {
     compute_work work = {.options = {.struct_size = sizeof work.options}};
     const cli_table table = {options, CLI_COUNT(options), &work};
     const cli_changer changer = {&work, change, write_json, write_text, prepare};
     return cli_run_changer(verb, &changer, &table, 1, count, arguments);
 }
 
-const cli_verb cli_verb_compute = {
+const cli_subcommand cli_subcommand_compute = {
     "compute", "computes normals and writes them into a copy of a file", help, run};

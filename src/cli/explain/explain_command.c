@@ -87,7 +87,7 @@ static void list_rule(const norma_rule *rule) {
     putchar('\n');
 }
 
-static int explain(const cli_verb *verb, const cli_words *words, int json) {
+static int explain(const cli_subcommand *verb, const cli_words *words, int json) {
     size_t count, told = 0;
     const norma_rule *rules = norma_rules(&count);
     uint8_t *mask = calloc(count + 1, 1);
@@ -115,7 +115,7 @@ static int explain(const cli_verb *verb, const cli_words *words, int json) {
     return status;
 }
 
-static int run(const cli_verb *verb, int count, char **arguments) {
+static int run(const cli_subcommand *verb, int count, char **arguments) {
     cli_common common = {0};
     cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {{cli_common_options, cli_common_option_count, &common}};
@@ -130,5 +130,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_verb cli_verb_explain = {
+const cli_subcommand cli_subcommand_explain = {
     "explain", "what a rule of norma check means, why it matters, what to do", help, run};

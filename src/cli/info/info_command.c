@@ -381,7 +381,7 @@ static int run_file(const info_work *work, const char *path) {
 
 /* ---- the verb */
 
-static int run(const cli_verb *verb, int count, char **arguments) {
+static int run(const cli_subcommand *verb, int count, char **arguments) {
     info_work work = {.common = {.threads = NORMA_ALL_THREADS},
         .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {
@@ -404,5 +404,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_verb cli_verb_info = {
+const cli_subcommand cli_subcommand_info = {
     "info", "what is in a file: meshes, normals, transforms and their kinds", help, run};

@@ -42,7 +42,7 @@ static const char *shortcut_name(norma_shortcut shortcut) {
     return "none";
 }
 
-static int answer(const cli_verb *verb, const double model[16], matrix_answer *found) {
+static int answer(const cli_subcommand *verb, const double model[16], matrix_answer *found) {
     norma_result result =
         norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, found->normal, &found->info);
     if (!result) result = norma_cofactor_matrix(model, found->cofactor);
@@ -245,7 +245,7 @@ static void print_text(matrix_answer *found) {
 
 /* ---- the verb */
 
-static int run(const cli_verb *verb, int count, char **arguments) {
+static int run(const cli_subcommand *verb, int count, char **arguments) {
     cli_matrix matrix = cli_matrix_identity;
     cli_common common = {0};
     cli_words words = {0};
@@ -273,5 +273,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_finish(CLI_OK);
 }
 
-const cli_verb cli_verb_matrix = {
+const cli_subcommand cli_subcommand_matrix = {
     "matrix", "what a matrix does to normals, and what carries them right", help, run};

@@ -80,7 +80,7 @@ static const char help[] =
 /* ---- one picture */
 
 typedef struct picture_job {
-    const cli_verb *verb;
+    const cli_subcommand *verb;
     const render_settings *settings;
     render_device *device;
     const char *input; /* as it is told of */
@@ -303,7 +303,7 @@ static int draw_sheet(picture_job *job) {
     return status;
 }
 
-static int draw_all(const cli_verb *verb, const render_settings *settings) {
+static int draw_all(const cli_subcommand *verb, const render_settings *settings) {
     picture_job *job = calloc(1, sizeof *job);
     render_error error = {.message = "out of memory"};
     if (!job || render_device_open(settings->software, &job->device, &error)) {
@@ -325,7 +325,7 @@ static int draw_all(const cli_verb *verb, const render_settings *settings) {
     return cli_interrupted() ? cli_interrupted() : status;
 }
 
-static int run(const cli_verb *verb, int count, char **arguments) {
+static int run(const cli_subcommand *verb, int count, char **arguments) {
     render_settings settings;
     render_settings_default(&settings);
     settings.files.inputs.words = calloc((size_t)count + 1, sizeof(char *));
@@ -349,5 +349,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return status;
 }
 
-const cli_verb cli_verb_render = {
+const cli_subcommand cli_subcommand_render = {
     "render", "draws a picture: shaded, wrong beside right, errors, findings", help, run};

@@ -38,7 +38,7 @@ extern const cli_option render_options[];
 extern const size_t render_option_count;
 void render_settings_default(render_settings *settings);
 /* What contradicts itself: CLI_USAGE, said already. */
-int render_settings_check(const cli_verb *verb, render_settings *settings);
+int render_settings_check(const cli_subcommand *verb, render_settings *settings);
 const char *render_base_name(const char *path);
 int render_is_standard(const char *name); /* "-" */
 /* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the
@@ -93,10 +93,10 @@ typedef struct render_plan { /* of one picture */
 
 /* Adds the panels of one file: its views, or what --compare sets side by side. title: above them
  * where nothing else is; may be NULL. A status; said already. */
-int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *file,
+int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_file *file,
     const char *title, norma_document_error *error);
 /* A render_tell: user is the plan. */
 void render_plan_tell(void *user, render_sheet *sheet, const render_picture *picture);
 /* The words of --compare and --views are checked before a file is opened. */
-int render_plan_check(const cli_verb *verb, const render_settings *settings);
+int render_plan_check(const cli_subcommand *verb, const render_settings *settings);
 #endif

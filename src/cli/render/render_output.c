@@ -48,7 +48,7 @@ static int compare_paths(const void *a, const void *b) {
 }
 
 /* Two inputs whose names differ in their extension alone would become one picture. */
-static int check_names(const cli_verb *verb, const render_settings *settings) {
+static int check_names(const cli_subcommand *verb, const render_settings *settings) {
     const cli_words *inputs = &settings->files.inputs;
     char **outputs = calloc(inputs->count + 1, sizeof *outputs);
     int status = outputs ? CLI_OK : CLI_FILE;
@@ -70,7 +70,7 @@ static int check_names(const cli_verb *verb, const render_settings *settings) {
     return status;
 }
 
-static int check_folder(const cli_verb *verb, const render_settings *settings) {
+static int check_folder(const cli_subcommand *verb, const render_settings *settings) {
     int status = check_names(verb, settings);
     if (!status && mkdir(settings->files.folder, 0777) && errno != EEXIST) {
         fprintf(stderr, "norma: %s: cannot be made: %s\n", settings->files.folder, strerror(errno));
@@ -79,7 +79,7 @@ static int check_folder(const cli_verb *verb, const render_settings *settings) {
     return status;
 }
 
-static int check_outputs(const cli_verb *verb, const render_settings *settings) {
+static int check_outputs(const cli_subcommand *verb, const render_settings *settings) {
     const cli_files *files = &settings->files;
     int standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
@@ -111,7 +111,7 @@ static int check_outputs(const cli_verb *verb, const render_settings *settings) 
     return CLI_OK;
 }
 
-int render_settings_check(const cli_verb *verb, render_settings *settings) {
+int render_settings_check(const cli_subcommand *verb, render_settings *settings) {
     const double *m = settings->matrix.matrix;
     if (settings->lines & RENDER_VERTEX_LINES && settings->hedgehog)
         settings->lines = (settings->lines & RENDER_WIREFRAME) | settings->hedgehog;

@@ -124,7 +124,7 @@ static size_t read_views(const render_settings *settings, view views[RENDER_MOST
     return *list ? 0 : count;
 }
 
-int render_plan_check(const cli_verb *verb, const render_settings *settings) {
+int render_plan_check(const cli_subcommand *verb, const render_settings *settings) {
     side sides[RENDER_MOST_PANELS];
     view views[RENDER_MOST_PANELS];
     if (settings->compare && read_sides(settings, sides) == 0)
@@ -175,14 +175,14 @@ static void apply_way(render_plan *plan, render_panel *panel, enum way way) {
     if (way == WAY_RIGHT) panel->line_colour = right_colour;
 }
 
-static int too_many(const cli_verb *verb, const render_plan *plan, size_t more) {
+static int too_many(const cli_subcommand *verb, const render_plan *plan, size_t more) {
     return plan->count + more > RENDER_MOST_PANELS
                ? cli_usage(verb, "%zu panels in one picture; expected at most %d",
                      plan->count + more, RENDER_MOST_PANELS)
                : CLI_OK;
 }
 
-static int add_sides(const cli_verb *verb, render_plan *plan, render_scene_file *file,
+static int add_sides(const cli_subcommand *verb, render_plan *plan, render_scene_file *file,
     const render_variant *usual, norma_document_error *error) {
     side sides[RENDER_MOST_PANELS];
     size_t count = read_sides(plan->settings, sides);
@@ -205,7 +205,7 @@ static int add_sides(const cli_verb *verb, render_plan *plan, render_scene_file 
     return status;
 }
 
-static int add_views(const cli_verb *verb, render_plan *plan, const render_scene *scene) {
+static int add_views(const cli_subcommand *verb, render_plan *plan, const render_scene *scene) {
     view views[RENDER_MOST_PANELS];
     size_t count = read_views(plan->settings, views);
     int status = too_many(verb, plan, count);
@@ -219,7 +219,7 @@ static int add_views(const cli_verb *verb, render_plan *plan, const render_scene
     return status;
 }
 
-int render_plan_add(const cli_verb *verb, render_plan *plan, render_scene_file *file,
+int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_file *file,
     const char *title, norma_document_error *error) {
     const render_settings *settings = plan->settings;
     const render_variant usual = {

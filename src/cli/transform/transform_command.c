@@ -111,7 +111,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         fputs(what_flattening_does(work), out);
 }
 
-static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
+static int prepare(const cli_subcommand *verb, void *user, uint32_t threads) {
     transform_work *work = user;
     double normal_matrix[9];
     const double *m = work->matrix.matrix;
@@ -129,7 +129,7 @@ static int prepare(const cli_verb *verb, void *user, uint32_t threads) {
     return CLI_OK;
 }
 
-static int run(const cli_verb *verb, int count, char **arguments) {
+static int run(const cli_subcommand *verb, int count, char **arguments) {
     transform_work work = {
         .options = {.struct_size = sizeof work.options}, .matrix = cli_matrix_identity};
     const cli_table tables[] = {{options, CLI_COUNT(options), &work},
@@ -138,5 +138,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_run_changer(verb, &changer, tables, CLI_COUNT(tables), count, arguments);
 }
 
-const cli_verb cli_verb_transform = {
+const cli_subcommand cli_subcommand_transform = {
     "transform", "moves, turns, scales or mirrors a file, normals included", help, run};

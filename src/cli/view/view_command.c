@@ -202,7 +202,7 @@ static int ends_in(const char *name, const char *ending) {
     return length > size && strcmp(name + length - size, ending) == 0;
 }
 
-static int check_words(const cli_verb *verb, const view_work *work) {
+static int check_words(const cli_subcommand *verb, const view_work *work) {
     int status = cli_check_inputs(verb, &work->files);
     if (status) return status;
     if (work->files.inputs.count > 1)
@@ -226,7 +226,7 @@ static int has_page(void) {
     return 0;
 }
 
-static int run(const cli_verb *verb, int count, char **arguments) {
+static int run(const cli_subcommand *verb, int count, char **arguments) {
     view_work work = {.common = {.threads = NORMA_ALL_THREADS},
         .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {
@@ -248,5 +248,5 @@ static int run(const cli_verb *verb, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_verb cli_verb_view = {
+const cli_subcommand cli_subcommand_view = {
     "view", "one page that shows a model: shadings, creases, wrong against right", help, run};

@@ -2,14 +2,14 @@
  * computes never depends on who runs it. */
 #include "core/call/call.h"
 
-typedef struct crew {
+typedef struct pool {
     core_call *call;
     norma_task *task;
     void *context;
     size_t count;
-} crew;
+} pool;
 
-static norma_result run_here(const crew *c) {
+static norma_result run_here(const pool *c) {
     for (size_t i = 0; i < c->count; i++) {
         if (norma_core_progress(c->call, (double)i / (double)c->count)) return NORMA_CANCELLED;
         c->task(c->context, i);
@@ -17,7 +17,7 @@ static norma_result run_here(const crew *c) {
     return norma_core_progress(c->call, 1) ? NORMA_CANCELLED : NORMA_OK;
 }
 
-static norma_result run_in_callers_jobs(const crew *c) {
+static norma_result run_in_callers_jobs(const pool *c) {
     if (norma_core_progress(c->call, 0)) return NORMA_CANCELLED;
     c->call->options.parallel_for(
         c->call->options.parallel_for_user, c->count, c->task, c->context);
@@ -25,7 +25,7 @@ static norma_result run_in_callers_jobs(const crew *c) {
 }
 
 #if defined(__wasm__)
-static norma_result run_in_threads(const crew *c, size_t workers) {
+static norma_result run_in_threads(const pool *c, size_t workers) {
     (void)workers;
     return run_here(c);
 }
@@ -38,13 +38,13 @@ static void let_others_work(void) {}
 
 enum { MOST_WORKERS = 256 };
 
-typedef struct thread_crew {
-    const crew *work;
+typedef struct thread_pool {
+    const pool *work;
     atomic_size_t next, done;
     atomic_int stop;
-} thread_crew;
+} thread_pool;
 
-static int take_one(thread_crew *t) {
+static int take_one(thread_pool *t) {
     if (atomic_load_explicit(&t->stop, memory_order_relaxed)) return 0;
     const size_t index = atomic_fetch_add_explicit(&t->next, 1, memory_order_relaxed);
     if (index >= t->work->count) return 0;
@@ -53,17 +53,17 @@ static int take_one(thread_crew *t) {
     return 1;
 }
 
-static void *help(void *crew_of_threads) {
-    while (take_one(crew_of_threads)) {
+static void *help(void *pool_of_threads) {
+    while (take_one(pool_of_threads)) {
     }
     return NULL;
 }
 
 /* The calling thread works as the others do, and alone talks to the caller. A thread that cannot be
  * had is done without. */
-static norma_result run_in_threads(const crew *c, size_t workers) {
+static norma_result run_in_threads(const pool *c, size_t workers) {
     pthread_t threads[MOST_WORKERS];
-    thread_crew shared = {.work = c};
+    thread_pool shared = {.work = c};
     size_t started = 0;
     if (workers > MOST_WORKERS) workers = MOST_WORKERS;
     while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0)
@@ -97,7 +97,7 @@ size_t norma_core_workers(const core_call *call) {
 }
 
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context) {
-    const crew c = {call, task, context, count};
+    const pool c = {call, task, context, count};
     if (call->options.parallel_for) return run_in_callers_jobs(&c);
     const size_t most = count > 1 ? norma_core_workers(call) : 1,
                  workers = most < count

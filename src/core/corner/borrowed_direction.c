@@ -25,42 +25,44 @@ uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face) {
 
 /* Of the partners that share the edge with a flat face: the only one, or under the smooth policy
  * the first that has a direction. */
-static uint32_t lender_among(const core_surface *surface, const core_ring *ring,
+static uint32_t find_borrowed_from(const core_prepared_mesh *prepared, const core_star *star,
     const edge_side *own, const edge_side *other, uint64_t key) {
     const size_t partners = norma_core_partner_count(other, key);
     uint32_t found = UINT32_MAX;
     if (partners == 1 &&
         norma_core_partner_count(own, norma_core_only_partner(other, key)->key) == 1) {
-        const ring_corner *c = &ring->corners[norma_core_only_partner(other, key)->corner];
-        return c->flags & RING_VOTES ? c->face : UINT32_MAX;
+        const star_corner *c = &star->corners[norma_core_only_partner(other, key)->corner];
+        return c->flags & STAR_VOTES ? c->face : UINT32_MAX;
     }
-    if (surface->call->options.non_manifold != NORMA_NON_MANIFOLD_SMOOTH) return UINT32_MAX;
+    if (prepared->call->options.non_manifold != NORMA_NON_MANIFOLD_SMOOTH) return UINT32_MAX;
     for (size_t i = 0; i < other->count; i++) {
-        const ring_corner *c = &ring->corners[other->edges[i].corner];
-        if (other->edges[i].key != key && (c->flags & RING_VOTES) && c->face < found)
+        const star_corner *c = &star->corners[other->edges[i].corner];
+        if (other->edges[i].key != key && (c->flags & STAR_VOTES) && c->face < found)
             found = c->face;
     }
     return found;
 }
 
-static void lend_to_side(const core_surface *surface, const core_ring *ring, const edge_side *own,
-    const edge_side *other, const uint32_t *longest, uint32_t *lender) {
+static void borrow_for_side(const core_prepared_mesh *prepared, const core_star *star,
+    const edge_side *own, const edge_side *other, const uint32_t *longest,
+    uint32_t *borrowed_from) {
     for (size_t i = 0; i < own->count; i++) {
-        const ring_corner *c = &ring->corners[own->edges[i].corner];
-        if (!(c->flags & RING_FLAT)) continue;
+        const star_corner *c = &star->corners[own->edges[i].corner];
+        if (!(c->flags & STAR_FLAT)) continue;
         const uint32_t begin = own->edges[i].back ? c->previous_corner : c->corner;
         if (longest[c->face] == begin)
-            lender[c->face] = lender_among(surface, ring, own, other, own->edges[i].key);
+            borrowed_from[c->face] =
+                find_borrowed_from(prepared, star, own, other, own->edges[i].key);
     }
 }
 
-void norma_core_ring_lend(
-    const core_surface *surface, core_ring *ring, const uint32_t *longest, uint32_t *lender) {
-    norma_core_list_edges(ring);
-    for (size_t begin = 0, end; begin < ring->edge_count; begin = end) {
-        const edge e = norma_core_edge_at(ring, begin, &end);
-        if (ring->position > ring->edges[begin].other) continue;
-        lend_to_side(surface, ring, &e.out, &e.back, longest, lender);
-        lend_to_side(surface, ring, &e.back, &e.out, longest, lender);
+void norma_core_star_borrow_directions(const core_prepared_mesh *prepared, core_star *star,
+    const uint32_t *longest, uint32_t *borrowed_from) {
+    norma_core_list_edges(star);
+    for (size_t begin = 0, end; begin < star->edge_count; begin = end) {
+        const edge e = norma_core_edge_at(star, begin, &end);
+        if (star->position > star->edges[begin].other) continue;
+        borrow_for_side(prepared, star, &e.out, &e.back, longest, borrowed_from);
+        borrow_for_side(prepared, star, &e.back, &e.out, longest, borrowed_from);
     }
 }

@@ -39,28 +39,28 @@ static void write_zeros(const core_output *output, const uint8_t *reasons, size_
         if (reasons[c] != NORMA_REASON_NONE) norma_core_write_normal(output, c, zero);
 }
 
-static norma_result fill_from_nearest(
-    const core_surface *surface, const core_output *output, const uint8_t *reasons, size_t count) {
+static norma_result fill_from_nearest(const core_prepared_mesh *prepared, const core_output *output,
+    const uint8_t *reasons, size_t count) {
     size_t found;
-    corner_request *requests = norma_core_allocate(surface->call, count, sizeof *requests);
+    corner_request *requests = norma_core_allocate(prepared->call, count, sizeof *requests);
     if (!requests) return NORMA_ERROR_MEMORY;
-    norma_result result = norma_core_find_sources(surface, reasons, NULL, requests, count, &found);
+    norma_result result = norma_core_find_sources(prepared, reasons, NULL, requests, count, &found);
     if (result == NORMA_OK && found)
         result =
-            norma_core_fetch_normals(surface, requests, found, receive, (void *)(uintptr_t)output);
+            norma_core_fetch_normals(prepared, requests, found, receive, (void *)(uintptr_t)output);
     else if (result == NORMA_OK)
-        write_zeros(output, reasons, surface->mesh.corner_count);
-    norma_core_release(surface->call, requests, count, sizeof *requests);
+        write_zeros(output, reasons, prepared->mesh.corner_count);
+    norma_core_release(prepared->call, requests, count, sizeof *requests);
     return result;
 }
 
 static norma_result compute(
-    core_surface *surface, const core_output *output, norma_report *report) {
-    core_call *call = surface->call;
-    const size_t count = surface->mesh.corner_count;
+    core_prepared_mesh *prepared, const core_output *output, norma_report *report) {
+    core_call *call = prepared->call;
+    const size_t count = prepared->mesh.corner_count;
     corner_work work = {.output = output};
-    rings_part sum = {0};
-    const ring_visit visit = {.join = CORE_JOIN_FANS,
+    stars_part sum = {0};
+    const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = report || call->options.edges,
         .by_fan = 1,
         .see = see_fans,
@@ -70,11 +70,11 @@ static norma_result compute(
     if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1)))
         return NORMA_ERROR_MEMORY;
     norma_core_stage(call, 0.5, 0.97);
-    norma_result result = norma_core_visit_rings(surface, &visit, &sum);
+    norma_result result = norma_core_visit_positions(prepared, &visit, &sum);
     const size_t without =
         sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
     if (result == NORMA_OK && work.reasons && without)
-        result = fill_from_nearest(surface, output, work.reasons, without);
+        result = fill_from_nearest(prepared, output, work.reasons, without);
     norma_core_release(call, work.reasons, count, 1);
     if (result != NORMA_OK) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
@@ -87,7 +87,7 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     core_call call;
     core_mesh checked;
     core_output output;
-    core_surface surface;
+    core_prepared_mesh prepared;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK && isnan(crease_angle_rad)) result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
@@ -96,12 +96,12 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
     if (result == NORMA_OK)
-        result = norma_core_surface_open(
-            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
+        result = norma_core_prepared_mesh_open(
+            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &prepared);
     if (result != NORMA_OK) return result;
-    result = compute(&surface, &output, report);
+    result = compute(&prepared, &output, report);
     norma_core_stage(&call, 1, 1);
     if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
-    norma_core_surface_close(&surface);
+    norma_core_prepared_mesh_close(&prepared);
     return result;
 }

@@ -18,8 +18,8 @@ typedef struct fin {
 } fin; /* edge: its number among those of its side */
 
 typedef struct fin_set {
-    const core_surface *surface;
-    core_ring *ring;
+    const core_prepared_mesh *prepared;
+    core_star *star;
     const edge *e;
     fin *out, *back; /* by angle */
     size_t out_count, back_count;
@@ -43,11 +43,11 @@ static const double LEAN =
 /* From the edge's own direction and any normal that stands at right angles to it; 0 where none
  * does. */
 static int frame_of(
-    const core_ring *ring, const edge *e, const double along[3], edge_frame *frame) {
+    const core_star *star, const edge *e, const double along[3], edge_frame *frame) {
     memcpy(frame->along, along, sizeof frame->along);
     for (size_t i = 0; i < e->out.count; i++) {
-        const ring_corner *c = &ring->corners[e->out.edges[i].corner];
-        if (!(c->flags & RING_HAS_NORMAL) || fabs(norma_core_dot(c->normal, along)) > LEAN)
+        const star_corner *c = &star->corners[e->out.edges[i].corner];
+        if (!(c->flags & STAR_HAS_NORMAL) || fabs(norma_core_dot(c->normal, along)) > LEAN)
             continue;
         memcpy(frame->x, c->normal, sizeof frame->x);
         norma_core_cross(along, frame->x, frame->y);
@@ -64,12 +64,12 @@ static double angle_in(const edge_frame *frame, const double normal[3]) {
 
 /* ---- joining */
 
-static void join_pair(const fin_set *f, const ring_edge *out, const ring_edge *back) {
+static void join_pair(const fin_set *f, const star_edge *out, const star_edge *back) {
     if (out->key == back->key ||
-        norma_core_fan_of(f->ring, out->corner) == norma_core_fan_of(f->ring, back->corner))
+        norma_core_fan_of(f->star, out->corner) == norma_core_fan_of(f->star, back->corner))
         return;
-    if (norma_core_edge_is_smooth(f->surface, f->ring, out, back))
-        norma_core_join(f->ring, out->corner, back->corner);
+    if (norma_core_edge_is_smooth(f->prepared, f->star, out, back))
+        norma_core_join(f->star, out->corner, back->corner);
 }
 
 /* The first fin at or after angle; count where all are before it. */
@@ -96,10 +96,10 @@ static int any_out(const fin_set *f, double angle, double width) {
 }
 
 static void join_neighbours(const fin_set *f) {
-    const double crease = f->surface->crease;
+    const double crease = f->prepared->crease;
     if (!f->back_count) return;
     for (size_t i = 0; i < f->out_count; i++) {
-        const ring_edge *out = &f->e->out.edges[f->out[i].edge];
+        const star_edge *out = &f->e->out.edges[f->out[i].edge];
         const size_t next = first_from(f->back, f->back_count, f->out[i].angle);
         join_pair(f, out, &f->e->back.edges[f->back[next < f->back_count ? next : 0].edge]);
         join_pair(f, out, &f->e->back.edges[f->back[next ? next - 1 : f->back_count - 1].edge]);
@@ -112,12 +112,12 @@ static void join_neighbours(const fin_set *f) {
             any_out(f, a->angle - crease, gap + 2 * crease - 2 * NORMA_PI);
         if (near || round_the_other_side)
             norma_core_join(
-                f->ring, f->e->back.edges[a->edge].corner, f->e->back.edges[b->edge].corner);
+                f->star, f->e->back.edges[a->edge].corner, f->e->back.edges[b->edge].corner);
     }
 }
 
 /* Compares a leaning face with all of the other side. */
-static void join_leaning(const fin_set *f, const ring_edge *own, int back) {
+static void join_leaning(const fin_set *f, const star_edge *own, int back) {
     const edge_side *other = back ? &f->e->out : &f->e->back;
     for (size_t i = 0; i < other->count; i++)
         join_pair(f, back ? &other->edges[i] : own, back ? own : &other->edges[i]);
@@ -125,11 +125,11 @@ static void join_leaning(const fin_set *f, const ring_edge *own, int back) {
 
 /* Whether its angle round the edge says all: a direction of its own, at right angles to the edge,
  * and no polygon that may run along the edge both ways. */
-static int is_plain(const fin_set *f, const edge_frame *frame, const ring_corner *c,
-    const ring_edge *own, int back) {
+static int is_plain(const fin_set *f, const edge_frame *frame, const star_corner *c,
+    const star_edge *own, int back) {
     const edge_side *other = back ? &f->e->out : &f->e->back;
-    if (!(c->flags & RING_VOTES) || fabs(norma_core_dot(c->normal, frame->along)) > LEAN) return 0;
-    return !f->surface->faces || f->surface->faces[c->face].kept == 3 ||
+    if (!(c->flags & STAR_VOTES) || fabs(norma_core_dot(c->normal, frame->along)) > LEAN) return 0;
+    return !f->prepared->faces || f->prepared->faces[c->face].kept == 3 ||
            norma_core_partner_count(other, own->key) == other->count;
 }
 
@@ -137,12 +137,12 @@ static int is_plain(const fin_set *f, const edge_frame *frame, const ring_corner
  * use). */
 static size_t list_side(
     const fin_set *f, const edge_frame *frame, int back, uint32_t group, fin *fins) {
-    const core_mesh *mesh = &f->surface->mesh;
+    const core_mesh *mesh = &f->prepared->mesh;
     const edge_side *side = back ? &f->e->back : &f->e->out;
     size_t count = 0;
     for (size_t i = 0; i < side->count; i++) {
-        const ring_corner *c = &f->ring->corners[side->edges[i].corner];
-        if (!(c->flags & RING_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group)))
+        const star_corner *c = &f->star->corners[side->edges[i].corner];
+        if (!(c->flags & STAR_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group)))
             continue;
         if (mesh->hard_edges && mesh->hard_edges[back ? c->previous_corner : c->corner]) continue;
         if (!is_plain(f, frame, c, &side->edges[i], back))
@@ -154,7 +154,7 @@ static size_t list_side(
 }
 
 static void join_group(fin_set *f, const edge_frame *frame, uint32_t group) {
-    fin *fins = (fin *)(void *)f->ring->sorted;
+    fin *fins = (fin *)(void *)f->star->sorted;
     f->out_count = list_side(f, frame, 0, group, fins);
     f->back_count = list_side(f, frame, 1, group, fins + f->out_count);
     norma_core_sort(fins, f->out_count + f->back_count, sizeof *fins, fin_less);
@@ -168,12 +168,12 @@ static void join_group(fin_set *f, const edge_frame *frame, uint32_t group) {
 static void join_any_angle(
     const fin_set *f, const edge_side *own, const edge_side *other, int back) {
     for (size_t i = 0; i < own->count; i++) {
-        const ring_edge *mine = &own->edges[i];
+        const star_edge *mine = &own->edges[i];
         int found = 0;
         for (size_t j = 0; j < other->count && found < 2; j++) {
-            const ring_edge *partner = &other->edges[j];
+            const star_edge *partner = &other->edges[j];
             if (partner->key != mine->key &&
-                !(f->ring->corners[partner->corner].flags & RING_HAS_NORMAL))
+                !(f->star->corners[partner->corner].flags & STAR_HAS_NORMAL))
                 continue;
             if (partner->key != mine->key) {
                 join_pair(f, back ? partner : mine, back ? mine : partner);
@@ -184,20 +184,20 @@ static void join_any_angle(
     }
 }
 
-_Static_assert(sizeof(fin) <= sizeof(ring_edge), "fins lie in the room of sorted edges");
+_Static_assert(sizeof(fin) <= sizeof(star_edge), "fins lie in the room of sorted edges");
 
-int norma_core_join_fins(
-    const core_surface *surface, core_ring *ring, const edge *e, const double along[3]) {
-    fin_set f = {.surface = surface, .ring = ring, .e = e};
+int norma_core_join_crowded_edge(
+    const core_prepared_mesh *prepared, core_star *star, const edge *e, const double along[3]) {
+    fin_set f = {.prepared = prepared, .star = star, .e = e};
     edge_frame frame;
-    const int groups = surface->mesh.smoothing_groups != NULL;
-    if (surface->crease >= NORMA_PI) {
-        if (groups || surface->mesh.hard_edges) return 0;
+    const int groups = prepared->mesh.smoothing_groups != NULL;
+    if (prepared->crease >= NORMA_PI) {
+        if (groups || prepared->mesh.hard_edges) return 0;
         join_any_angle(&f, &e->out, &e->back, 0);
         join_any_angle(&f, &e->back, &e->out, 1);
         return 1;
     }
-    if (!frame_of(ring, e, along, &frame)) return 0;
+    if (!frame_of(star, e, along, &frame)) return 0;
     if (!groups) join_group(&f, &frame, 0);
     for (int bit = 0; groups && bit < 32; bit++) join_group(&f, &frame, UINT32_C(1) << bit);
     return 1;

@@ -1,14 +1,14 @@
-/* fallback_normals.c: the rings of the sources are made a second time rather than all normals kept,
+/* fallback_normals.c: the stars of the sources are made a second time rather than all normals kept,
  * since files where many corners lack one are rare. */
 #include "core/corner/fallback_normals.h"
 #include "core/mesh/nearest.h"
 #include "core/call/sort.h"
 
-norma_result norma_core_find_sources(const core_surface *surface, const uint8_t *reasons,
+norma_result norma_core_find_sources(const core_prepared_mesh *prepared, const uint8_t *reasons,
     const uint8_t *wanted, corner_request *requests, size_t count, size_t *found) {
-    const core_mesh *mesh = &surface->mesh;
+    const core_mesh *mesh = &prepared->mesh;
     core_nearest nearest;
-    norma_result result = norma_core_nearest_begin(surface->call, mesh, &nearest);
+    norma_result result = norma_core_nearest_begin(prepared->call, mesh, &nearest);
     *found = 0;
     if (result != NORMA_OK) return result;
     for (size_t c = 0; c < mesh->corner_count; c++)
@@ -32,29 +32,30 @@ static int request_less(const void *one, const void *other) {
     return a->target < b->target;
 }
 
-static const core_fan *fan_of_corner(const core_ring *ring, uint32_t corner) {
-    size_t low = 0, high = ring->count;
+static const core_fan *fan_of_corner(const core_star *star, uint32_t corner) {
+    size_t low = 0, high = star->count;
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
-        if (ring->corners[middle].corner <= corner)
+        if (star->corners[middle].corner <= corner)
             low = middle;
         else
             high = middle;
     }
-    return &ring->fans[ring->fan_of[low]];
+    return &star->fans[star->fan_of[low]];
 }
 
-norma_result norma_core_fetch_normals(const core_surface *surface, corner_request *requests,
+norma_result norma_core_fetch_normals(const core_prepared_mesh *prepared, corner_request *requests,
     size_t count, corner_receiver *receive, void *context) {
-    core_ring ring;
-    const size_t most = surface->around.most;
-    if (norma_core_ring_allocate(surface->call, &ring, most) != NORMA_OK) return NORMA_ERROR_MEMORY;
+    core_star star;
+    const size_t most = prepared->corners_of.most;
+    if (norma_core_star_allocate(prepared->call, &star, most) != NORMA_OK)
+        return NORMA_ERROR_MEMORY;
     norma_core_sort(requests, count, sizeof *requests, request_less);
     for (size_t i = 0; i < count; i++) {
         if (i == 0 || requests[i].position != requests[i - 1].position)
-            norma_core_make_ring(surface, CORE_JOIN_FANS, requests[i].position, NULL, &ring);
-        receive(context, &requests[i], fan_of_corner(&ring, requests[i].corner)->normal);
+            norma_core_make_star(prepared, CORE_JOIN_FANS, requests[i].position, NULL, &star);
+        receive(context, &requests[i], fan_of_corner(&star, requests[i].corner)->normal);
     }
-    norma_core_ring_release(surface->call, &ring, most);
+    norma_core_star_release(prepared->call, &star, most);
     return NORMA_OK;
 }

@@ -1,25 +1,25 @@
-/* fan_batch.c: what memory has to say about a batch of rings. In meshes of random order each of a
+/* fan_batch.c: what memory has to say about a batch of stars. In meshes of random order each of a
  * corner's reads misses the caches, so they are asked for in stages, each while something else is
  * computed, so that memory is never idle: the mesh's corners two batches ahead, the positions that
- * these name one batch ahead, the places where the normals go when the ring is first touched. */
+ * these name one batch ahead, the places where the normals go when the star is first touched. */
 #include "core/corner/fan_batch.h"
 
 enum { CORNERS_AHEAD = 2 * BATCH_CORNERS, NEAR = 1 << 17 };
 
-int norma_core_can_batch(const core_surface *surface) {
-    const norma_options *o = &surface->call->options;
-    return !surface->faces && o->weight != NORMA_WEIGHT_VISIBLE &&
-           !(surface->mesh.weld && o->weld == NORMA_WELD_DISTANCE);
+int norma_core_can_batch(const core_prepared_mesh *prepared) {
+    const norma_options *o = &prepared->call->options;
+    return !prepared->faces && o->weight != NORMA_WEIGHT_VISIBLE &&
+           !(prepared->mesh.weld && o->weld == NORMA_WELD_DISTANCE);
 }
 
-void norma_core_clear_list(ring_list *list, const ring_visit *visit) {
+void norma_core_clear_list(star_list *list, const position_visit *visit) {
     list->visit = visit;
     list->corner_count = 0;
-    list->ring_count = 0;
+    list->star_count = 0;
 }
 
 static inline void list_corners(
-    const core_mesh *mesh, const uint32_t *corners, size_t count, ring_list *list) {
+    const core_mesh *mesh, const uint32_t *corners, size_t count, star_list *list) {
     static const double turns[3] = {0, 1, 2};
     const size_t at = list->corner_count;
     for (size_t i = 0; i < count; i++) {
@@ -31,7 +31,7 @@ static inline void list_corners(
     }
 }
 
-/* Of most rings, each next is also a previous. */
+/* Of most stars, each next is also a previous. */
 static void ask_for_positions(const core_mesh *mesh, const uint32_t *next, size_t count) {
     for (size_t i = 0; i < count; i++) {
         __builtin_prefetch(
@@ -40,35 +40,35 @@ static void ask_for_positions(const core_mesh *mesh, const uint32_t *next, size_
     }
 }
 
-int norma_core_list_ring(
-    const core_surface *surface, uint32_t position, uint32_t count, ring_list *list) {
-    const uint32_t *corners = surface->around.corners + surface->around.starts[position];
+int norma_core_list_star(
+    const core_prepared_mesh *prepared, uint32_t position, uint32_t count, star_list *list) {
+    const uint32_t *corners = prepared->corners_of.corners + prepared->corners_of.starts[position];
     const size_t at = list->corner_count;
     const int scattered = corners[count - 1] - corners[0] > NEAR;
     if (at + count > BATCH_CORNERS) return 0;
-    list->rings[list->ring_count++] = (listed_ring){.position = position,
+    list->stars[list->star_count++] = (listed_star){.position = position,
         .begin = (uint8_t)at,
         .count = (uint8_t)count,
         .scattered = (uint8_t)scattered};
-    list_corners(&surface->mesh, corners, count, list);
-    if (scattered) ask_for_positions(&surface->mesh, list->next + at, count);
+    list_corners(&prepared->mesh, corners, count, list);
+    if (scattered) ask_for_positions(&prepared->mesh, list->next + at, count);
     list->corner_count += count;
     return 1;
 }
 
-void norma_core_ask_for_targets(const ring_list *list, const listed_ring *ring) {
-    const ring_visit *visit = list->visit;
-    for (size_t i = ring->begin; i < (size_t)ring->begin + ring->count && visit->target; i++)
+void norma_core_ask_for_targets(const star_list *list, const listed_star *star) {
+    const position_visit *visit = list->visit;
+    for (size_t i = star->begin; i < (size_t)star->begin + star->count && visit->target; i++)
         __builtin_prefetch(
             (const unsigned char *)visit->target + visit->target_size * list->corners[i], 1);
 }
 
-void norma_core_ask_for_corners(const core_surface *surface, const listed_ring *ring) {
-    const core_around *around = &surface->around;
-    const core_mesh *mesh = &surface->mesh;
-    const size_t begin = around->starts[ring->position] + (size_t)CORNERS_AHEAD;
-    for (size_t i = begin; i < begin + ring->count && i < around->corner_count && mesh->corners;
+void norma_core_ask_for_corners(const core_prepared_mesh *prepared, const listed_star *star) {
+    const core_corners_of_position *corners_of = &prepared->corners_of;
+    const core_mesh *mesh = &prepared->mesh;
+    const size_t begin = corners_of->starts[star->position] + (size_t)CORNERS_AHEAD;
+    for (size_t i = begin; i < begin + star->count && i < corners_of->corner_count && mesh->corners;
          i++)
         __builtin_prefetch(
-            (const unsigned char *)mesh->corners + mesh->corner_size * around->corners[i]);
+            (const unsigned char *)mesh->corners + mesh->corner_size * corners_of->corners[i]);
 }

@@ -1,4 +1,4 @@
-/* fans_simd.c: a batch of rings measured, joined and summed: loops over lanes, compiled for each
+/* fans_simd.c: a batch of stars measured, joined and summed: loops over lanes, compiled for each
  * instruction set as those of measure.c are. */
 #include "core/corner/fan_batch.h"
 #include "core/call/instruction_set.h"
@@ -25,7 +25,7 @@ CORE_INLINE double angle_at(double own, double next, double previous, double len
 /* A triangle's direction is measured from its first corner, whichever corner is looked at: with a
  * and b the edges to the next and the previous corner, and c the edge between those, u x v is a x b
  * at the first corner, c x b at the second, c x a at the third. */
-CORE_INLINE void measure_corner(ring_batch *t, size_t i, norma_weight weight) {
+CORE_INLINE void measure_corner(fan_batch *t, size_t i, norma_weight weight) {
     const int by_angle = weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA ||
                          weight == NORMA_WEIGHT_ANGLE_LENGTHS;
     const int is_first = t->turn[i] == 0, is_third = t->turn[i] == 2;
@@ -55,13 +55,13 @@ CORE_INLINE void measure_corner(ring_batch *t, size_t i, norma_weight weight) {
     for (int k = 0; k < 3; k++) t->vote[k][i] = t->weight[i] * t->normal[k][i];
 }
 
-CORE_INLINE void measure(ring_batch *t, size_t count, norma_weight weight) {
+CORE_INLINE void measure(fan_batch *t, size_t count, norma_weight weight) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t i = from; i < from + CORE_LANES; i++) measure_corner(t, i, weight);
 }
 
 /* One loop for each weight, so that none asks inside. */
-CORE_INLINE void measure_all(ring_batch *t, size_t count, norma_weight weight) {
+CORE_INLINE void measure_all(fan_batch *t, size_t count, norma_weight weight) {
     switch (weight) {
     case NORMA_WEIGHT_ANGLE:
         measure(t, count, NORMA_WEIGHT_ANGLE);
@@ -84,13 +84,13 @@ CORE_INLINE void measure_all(ring_batch *t, size_t count, norma_weight weight) {
     }
 }
 
-/* ---- lanes round a ring: from each face to the one whose edge to next is its own edge from
+/* ---- lanes round a star: from each face to the one whose edge to next is its own edge from
  * previous */
 
 typedef uint32_t index_lanes __attribute__((vector_size(4 * CORE_LANES)));
 typedef uint8_t byte_lanes __attribute__((vector_size(CORE_LANES)));
 
-/* Closed rings of few corners, most of them, walked in a register: byte j tells where lane j leads,
+/* Closed stars of few corners, most of them, walked in a register: byte j tells where lane j leads,
  * eight times its number, with LEADS. Were two nexts the same, some corner could not be reached.
  * Vectors by name: left to themselves, compilers unroll the lanes and compare one by one, which
  * takes four times as long. */
@@ -116,7 +116,7 @@ CORE_INLINE int walk_closed(
 
 static inline uint32_t lowest(uint32_t bits) { return (uint32_t)__builtin_ctz(bits); }
 
-/* Any ring: open ones begin at the corner whose next is nobody's previous. 0: there is no single
+/* Any star: open ones begin at the corner whose next is nobody's previous. 0: there is no single
  * way through all corners, so that edges of other than two faces, twins, or fans that only touch
  * are here. */
 static int walk(
@@ -145,16 +145,16 @@ CORE_INLINE void load_at(const core_mesh *mesh, uint32_t index, batch_lane to[3]
     for (int k = 0; k < 3; k++) to[k][lane] = p[k];
 }
 
-CORE_INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const listed_ring *ring,
-    const uint8_t *order, ring_batch *t) {
-    const size_t begin = ring->begin,
-                 lanes = ring->count <= CORE_LANES ? CORE_LANES : ORDINARY_CORNERS;
+CORE_INLINE void load_lanes(const core_mesh *mesh, const star_list *list, const listed_star *star,
+    const uint8_t *order, fan_batch *t) {
+    const size_t begin = star->begin,
+                 lanes = star->count <= CORE_LANES ? CORE_LANES : ORDINARY_CORNERS;
     double own[3];
-    norma_core_position(mesh, ring->position, own);
+    norma_core_position(mesh, star->position, own);
     for (int k = 0; k < 3; k++)
         for (size_t i = 0; i < lanes; i++) t->at[k][begin + i] = own[k];
     load_at(mesh, list->next[begin + order[0]], t->next_at, begin);
-    for (size_t i = 0; i < ring->count; i++) {
+    for (size_t i = 0; i < star->count; i++) {
         const size_t corner = begin + order[i];
         double p[3];
         t->lane_of[corner] = (uint8_t)(begin + i);
@@ -165,14 +165,14 @@ CORE_INLINE void load_lanes(const core_mesh *mesh, const ring_list *list, const 
     }
 }
 
-/* 0: the ring is not ordinary. */
-CORE_INLINE int order_ring(
-    const core_mesh *mesh, const ring_list *list, listed_ring *ring, ring_batch *t) {
+/* 0: the star is not ordinary. */
+CORE_INLINE int order_star(
+    const core_mesh *mesh, const star_list *list, listed_star *star, fan_batch *t) {
     uint32_t welded[2][ORDINARY_CORNERS], higher = 0;
-    const uint32_t *next = list->next + ring->begin, *previous = list->previous + ring->begin;
+    const uint32_t *next = list->next + star->begin, *previous = list->previous + star->begin;
     uint8_t order[ORDINARY_CORNERS];
     int open = 0;
-    for (uint32_t i = 0; i < ring->count && mesh->weld; i++) {
+    for (uint32_t i = 0; i < star->count && mesh->weld; i++) {
         welded[0][i] = mesh->weld[next[i]];
         welded[1][i] = mesh->weld[previous[i]];
     }
@@ -180,20 +180,20 @@ CORE_INLINE int order_ring(
         next = welded[0];
         previous = welded[1];
     }
-    if (!(ring->count <= CORE_LANES && walk_closed(next, previous, ring->count, order)) &&
-        !walk(next, previous, ring->count, order, &open))
+    if (!(star->count <= CORE_LANES && walk_closed(next, previous, star->count, order)) &&
+        !walk(next, previous, star->count, order, &open))
         return 0;
-    for (uint32_t i = 0; i < ring->count; i++) higher += ring->position < next[i];
-    ring->higher = (uint8_t)higher;
-    ring->open = (uint8_t)open;
-    load_lanes(mesh, list, ring, order, t);
+    for (uint32_t i = 0; i < star->count; i++) higher += star->position < next[i];
+    star->higher = (uint8_t)higher;
+    star->open = (uint8_t)open;
+    load_lanes(mesh, list, star, order, t);
     return 1;
 }
 
 #define UNSURE (-4.0)
 
-/* Also across the ends of rings, where they mean nothing. */
-CORE_INLINE void compare_normals(ring_batch *t, size_t count) {
+/* Also across the ends of stars, where they mean nothing. */
+CORE_INLINE void compare_normals(fan_batch *t, size_t count) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t i = from; i < from + CORE_LANES; i++) {
             const double cosine = t->normal[0][i] * t->normal[0][i + 1] +
@@ -203,11 +203,11 @@ CORE_INLINE void compare_normals(ring_batch *t, size_t count) {
         }
 }
 
-/* From the last lane to the first; across the gap of an open ring everything passes. */
-CORE_INLINE void close_ring(ring_batch *t, const listed_ring *ring) {
-    const size_t first = ring->begin, last = first + ring->count - 1U;
+/* From the last lane to the first; across the gap of an open star everything passes. */
+CORE_INLINE void close_star(fan_batch *t, const listed_star *star) {
+    const size_t first = star->begin, last = first + star->count - 1U;
     double cosine = 2;
-    if (!ring->open)
+    if (!star->open)
         cosine = t->normal[0][last] * t->normal[0][first] +
                  t->normal[1][last] * t->normal[1][first] +
                  t->normal[2][last] * t->normal[2][first];
@@ -218,7 +218,7 @@ CORE_INLINE void close_ring(ring_batch *t, const listed_ring *ring) {
 
 static const double DOUBT = 0x1p-30;
 
-/* Whether the caller's marks leave the edge between two faces smooth: out begins at the ring, back
+/* Whether the caller's marks leave the edge between two faces smooth: out begins at the star, back
  * ends there. */
 static int is_unmarked(const core_mesh *mesh, uint32_t out, uint32_t back) {
     const uint32_t before = back % 3 == 0 ? back + 2 : back - 1;
@@ -229,21 +229,21 @@ static int is_unmarked(const core_mesh *mesh, uint32_t out, uint32_t back) {
 
 /* One bit for each lane whose edge to the following one is cut. 0: too near the crease to tell by
  * the cosine. */
-static int find_cuts(const core_surface *s, const ring_list *list, const ring_batch *t,
-    const listed_ring *ring, uint32_t *cuts) {
+static int find_cuts(const core_prepared_mesh *s, const star_list *list, const fan_batch *t,
+    const listed_star *star, uint32_t *cuts) {
     const int marked = s->mesh.hard_edges || s->mesh.smoothing_groups;
     uint32_t corner_of[ORDINARY_CORNERS];
-    for (uint32_t i = 0; i < ring->count; i++)
-        corner_of[t->lane_of[ring->begin + i] - ring->begin] = list->corners[ring->begin + i];
+    for (uint32_t i = 0; i < star->count; i++)
+        corner_of[t->lane_of[star->begin + i] - star->begin] = list->corners[star->begin + i];
     *cuts = 0;
-    for (uint32_t i = 0; i < ring->count; i++) {
-        const uint32_t following = i + 1U == ring->count ? 0 : i + 1;
-        if (ring->open && !following) break;
+    for (uint32_t i = 0; i < star->count; i++) {
+        const uint32_t following = i + 1U == star->count ? 0 : i + 1;
+        if (star->open && !following) break;
         if (marked && !is_unmarked(&s->mesh, corner_of[following], corner_of[i])) {
             *cuts |= 1U << i;
             continue;
         }
-        const double cosine = t->cosine[ring->begin + i];
+        const double cosine = t->cosine[star->begin + i];
         if (cosine > s->crease_cosine + DOUBT) continue;
         if (!(cosine < s->crease_cosine - DOUBT)) return 0;
         *cuts |= 1U << i;
@@ -253,13 +253,13 @@ static int find_cuts(const core_surface *s, const ring_list *list, const ring_ba
 
 /* Edges to positions of higher number: one at each face's previous, and at the first one's next if
  * that is another. */
-static void count_edges(const core_surface *s, const ring_list *list, const ring_batch *t,
-    const listed_ring *ring, uint32_t cuts, norma_edges *edges) {
-    for (uint32_t i = 0; i < ring->count; i++) {
-        const uint32_t lane = (uint32_t)t->lane_of[ring->begin + i] - ring->begin;
+static void count_edges(const core_prepared_mesh *s, const star_list *list, const fan_batch *t,
+    const listed_star *star, uint32_t cuts, norma_edges *edges) {
+    for (uint32_t i = 0; i < star->count; i++) {
+        const uint32_t lane = (uint32_t)t->lane_of[star->begin + i] - star->begin;
         const size_t higher =
-            ring->position < norma_core_welded(&s->mesh, list->previous[ring->begin + i]);
-        const int shared = !ring->open || lane + 1 < ring->count;
+            star->position < norma_core_welded(&s->mesh, list->previous[star->begin + i]);
+        const int shared = !star->open || lane + 1 < star->count;
         edges->count += higher;
         if (!shared)
             edges->open += higher;
@@ -267,90 +267,90 @@ static void count_edges(const core_surface *s, const ring_list *list, const ring
             edges->hard += higher;
         else
             edges->smooth += higher;
-        if (!ring->open || lane) continue;
+        if (!star->open || lane) continue;
         const size_t first =
-            ring->position < norma_core_welded(&s->mesh, list->next[ring->begin + i]);
+            star->position < norma_core_welded(&s->mesh, list->next[star->begin + i]);
         edges->count += first;
         edges->open += first;
     }
 }
 
-/* ---- fans: a ring that is cut nowhere or once is one, any other as many as there are cuts */
+/* ---- fans: a star that is cut nowhere or once is one, any other as many as there are cuts */
 
-CORE_INLINE void sum_one_fan(ring_batch *t, const listed_ring *ring) {
+CORE_INLINE void sum_one_fan(fan_batch *t, const listed_star *star) {
     double x = 0, y = 0, z = 0, weight = 0;
-    for (uint32_t i = ring->begin; i < (uint32_t)ring->begin + ring->count; i++) {
+    for (uint32_t i = star->begin; i < (uint32_t)star->begin + star->count; i++) {
         const size_t lane = t->lane_of[i];
         x += t->vote[0][lane];
         y += t->vote[1][lane];
         z += t->vote[2][lane];
         weight += t->weight[lane];
     }
-    t->sum[0][ring->first_fan] = x;
-    t->sum[1][ring->first_fan] = y;
-    t->sum[2][ring->first_fan] = z;
-    t->total[ring->first_fan] = weight;
+    t->sum[0][star->first_fan] = x;
+    t->sum[1][star->first_fan] = y;
+    t->sum[2][star->first_fan] = z;
+    t->total[star->first_fan] = weight;
 }
 
 /* From one cut to the next, and then in the order of first corners. */
-static uint32_t number_fans(ring_batch *t, const listed_ring *ring, uint32_t cuts) {
+static uint32_t number_fans(fan_batch *t, const listed_star *star, uint32_t cuts) {
     uint32_t fan_of_lane[ORDINARY_CORNERS], number[ORDINARY_CORNERS + 1], fan = 0, count = 0;
-    const uint32_t last = ring->count - 1U;
-    for (uint32_t i = 0; i < ring->count; i++) {
+    const uint32_t last = star->count - 1U;
+    for (uint32_t i = 0; i < star->count; i++) {
         fan_of_lane[i] = fan;
         number[i] = UINT32_MAX;
         fan += cuts >> i & 1;
     }
-    number[ring->count] = UINT32_MAX;
-    for (uint32_t i = 0; i <= last && !ring->open && !(cuts >> last & 1);
+    number[star->count] = UINT32_MAX;
+    for (uint32_t i = 0; i <= last && !star->open && !(cuts >> last & 1);
          i++) /* the last fan goes on in the first */
         if (fan_of_lane[i] == fan) fan_of_lane[i] = 0;
-    for (uint32_t i = 0; i < ring->count; i++) {
-        uint32_t *of = &number[fan_of_lane[t->lane_of[ring->begin + i] - ring->begin]];
+    for (uint32_t i = 0; i < star->count; i++) {
+        uint32_t *of = &number[fan_of_lane[t->lane_of[star->begin + i] - star->begin]];
         if (*of == UINT32_MAX) *of = count++;
-        t->fan_of[ring->begin + i] = *of;
+        t->fan_of[star->begin + i] = *of;
     }
     return count;
 }
 
-static void sum_fans(ring_batch *t, listed_ring *ring, uint32_t cuts) {
-    ring->fan_count = (uint8_t)number_fans(t, ring, cuts);
-    for (uint32_t f = ring->first_fan; f < (uint32_t)ring->first_fan + ring->fan_count; f++)
+static void sum_fans(fan_batch *t, listed_star *star, uint32_t cuts) {
+    star->fan_count = (uint8_t)number_fans(t, star, cuts);
+    for (uint32_t f = star->first_fan; f < (uint32_t)star->first_fan + star->fan_count; f++)
         t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
-    for (uint32_t i = ring->begin; i < (uint32_t)ring->begin + ring->count; i++) {
-        const size_t f = ring->first_fan + t->fan_of[i], lane = t->lane_of[i];
+    for (uint32_t i = star->begin; i < (uint32_t)star->begin + star->count; i++) {
+        const size_t f = star->first_fan + t->fan_of[i], lane = t->lane_of[i];
         for (int k = 0; k < 3; k++) t->sum[k][f] += t->vote[k][lane];
         t->total[f] += t->weight[lane];
     }
 }
 
-/* Every edge far from the crease and smooth, no marks: what most rings are. -1: not ordinary. */
-CORE_INLINE int is_smooth(const core_surface *s, ring_batch *t, const listed_ring *ring) {
+/* Every edge far from the crease and smooth, no marks: what most stars are. -1: not ordinary. */
+CORE_INLINE int is_smooth(const core_prepared_mesh *s, fan_batch *t, const listed_star *star) {
     double least = 2;
-    close_ring(t, ring);
-    for (size_t i = ring->begin; i < (size_t)ring->begin + ring->count; i++)
+    close_star(t, star);
+    for (size_t i = star->begin; i < (size_t)star->begin + star->count; i++)
         least = t->cosine[i] < least ? t->cosine[i] : least;
     if (least == UNSURE) return -1;
     return least > s->crease_cosine + DOUBT && !s->mesh.hard_edges && !s->mesh.smoothing_groups;
 }
 
-CORE_INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_batch *t,
-    listed_ring *ring, uint32_t first_fan, norma_edges *edges) {
+CORE_INLINE int settle_star(const core_prepared_mesh *s, const star_list *list, fan_batch *t,
+    listed_star *star, uint32_t first_fan, norma_edges *edges) {
     uint32_t cuts = 0;
-    const int smooth = is_smooth(s, t, ring);
-    if (smooth < 0 || (!smooth && !find_cuts(s, list, t, ring, &cuts))) return 0;
-    ring->first_fan = (uint8_t)first_fan;
-    ring->fan_count = 1;
-    if ((cuts & (cuts - 1)) == 0 && !(cuts && ring->open))
-        sum_one_fan(t, ring);
+    const int smooth = is_smooth(s, t, star);
+    if (smooth < 0 || (!smooth && !find_cuts(s, list, t, star, &cuts))) return 0;
+    star->first_fan = (uint8_t)first_fan;
+    star->fan_count = 1;
+    if ((cuts & (cuts - 1)) == 0 && !(cuts && star->open))
+        sum_one_fan(t, star);
     else
-        sum_fans(t, ring, cuts);
+        sum_fans(t, star, cuts);
     if (!edges) return 1;
-    if (ring->open || cuts) {
-        count_edges(s, list, t, ring, cuts, edges);
+    if (star->open || cuts) {
+        count_edges(s, list, t, star, cuts, edges);
     } else {
-        edges->count += ring->higher;
-        edges->smooth += ring->higher;
+        edges->count += star->higher;
+        edges->smooth += star->higher;
     }
     return 1;
 }
@@ -359,7 +359,7 @@ CORE_INLINE int settle_ring(const core_surface *s, const ring_list *list, ring_b
 
 /* What norma_core_decide_sum does, where neither overflow nor cancelling is near; decided: 0 where
  * they are. */
-CORE_INLINE void decide(ring_batch *t, size_t count) {
+CORE_INLINE void decide(fan_batch *t, size_t count) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t f = from; f < from + CORE_LANES; f++) {
             const double x = t->sum[0][f], y = t->sum[1][f], z = t->sum[2][f],
@@ -374,7 +374,7 @@ CORE_INLINE void decide(ring_batch *t, size_t count) {
         }
 }
 
-static void name_fans(ring_batch *t, size_t count) {
+static void name_fans(fan_batch *t, size_t count) {
     for (size_t f = 0; f < count; f++) {
         t->fans[f] = (core_fan){
             {t->direction[0][f], t->direction[1][f], t->direction[2][f]}, NORMA_REASON_NONE};
@@ -385,7 +385,7 @@ static void name_fans(ring_batch *t, size_t count) {
 }
 
 /* So that lanes beyond the last one compute with numbers. */
-static void fill_up(ring_batch *t, size_t count) {
+static void fill_up(fan_batch *t, size_t count) {
     for (size_t i = count; i < count + CORE_LANES; i++) {
         t->turn[i] = 0;
         for (int k = 0; k < 3; k++)
@@ -393,23 +393,24 @@ static void fill_up(ring_batch *t, size_t count) {
     }
 }
 
-CORE_INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) {
+CORE_INLINE int settle(
+    const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     uint32_t fans = 0;
     int all = 1;
-    for (size_t i = 0; i < list->ring_count; i++) {
-        listed_ring *ring = &list->rings[i];
-        if (ring->scattered) norma_core_ask_for_targets(list, ring);
-        ring->fan_count = (uint8_t)order_ring(&s->mesh, list, ring, t);
+    for (size_t i = 0; i < list->star_count; i++) {
+        listed_star *star = &list->stars[i];
+        if (star->scattered) norma_core_ask_for_targets(list, star);
+        star->fan_count = (uint8_t)order_star(&s->mesh, list, star, t);
     }
     fill_up(t, list->corner_count);
     measure_all(t, list->corner_count, s->call->options.weight);
     compare_normals(t, list->corner_count);
-    for (size_t i = 0; i < list->ring_count; i++) {
-        listed_ring *ring = &list->rings[i];
-        if (ring->scattered) norma_core_ask_for_corners(s, ring);
-        if (ring->fan_count && !settle_ring(s, list, t, ring, fans, edges)) ring->fan_count = 0;
-        fans += ring->fan_count;
-        all &= ring->fan_count != 0;
+    for (size_t i = 0; i < list->star_count; i++) {
+        listed_star *star = &list->stars[i];
+        if (star->scattered) norma_core_ask_for_corners(s, star);
+        if (star->fan_count && !settle_star(s, list, t, star, fans, edges)) star->fan_count = 0;
+        fans += star->fan_count;
+        all &= star->fan_count != 0;
     }
     for (size_t f = fans; f < fans + CORE_LANES; f++)
         t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
@@ -421,24 +422,24 @@ CORE_INLINE int settle(const core_surface *s, ring_list *list, ring_batch *t, no
 /* ---- instruction sets */
 
 static int settle_portable(
-    const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) {
+    const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     return settle(s, list, t, edges);
 }
 
 #if defined(CORE_HAS_X86)
 CORE_FOR_AVX2 static int settle_avx2(
-    const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) {
+    const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     return settle(s, list, t, edges);
 }
 CORE_FOR_AVX512 static int settle_avx512(
-    const core_surface *s, ring_list *list, ring_batch *t, norma_edges *edges) {
+    const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     return settle(s, list, t, edges);
 }
 #endif
 
-ring_lanes *norma_core_choose_ring_lanes(norma_isa isa) {
+fans_simd *norma_core_choose_fans(norma_isa isa) {
 #if defined(CORE_HAS_X86)
-    static ring_lanes *const settles[] = {settle_portable, settle_avx2, settle_avx512};
+    static fans_simd *const settles[] = {settle_portable, settle_avx2, settle_avx512};
     return settles[norma_core_level(isa)];
 #else
     (void)isa;

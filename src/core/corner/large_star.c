@@ -1,14 +1,14 @@
-/* large_star.c: a ring of very many corners, to the same fans, counts and bits as any ring, in 20
+/* large_star.c: a star of very many corners, to the same fans, counts and bits as any star, in 20
  * bytes for each corner instead of 260. Nothing that can be read or measured again is kept: its
- * edges are two sorted lists of numbers, joined some at a time in a ring of ordinary size; its fans
+ * edges are two sorted lists of numbers, joined some at a time in a star of ordinary size; its fans
  * are summed one after the other, and each is seen at once. */
 #include "core/corner/star_edges.h"
 #include "core/corner/visit_positions.h"
 
 enum { CORNERS_BETWEEN_TELLING = 1 << 17 };
 
-norma_result norma_core_large_ring_allocate(
-    const core_call *call, large_ring *large, size_t corners) {
+norma_result norma_core_large_star_allocate(
+    const core_call *call, large_star *large, size_t corners) {
     large->room = corners;
     large->out = norma_core_allocate(call, corners, sizeof *large->out);
     large->back = norma_core_allocate(call, corners, sizeof *large->back);
@@ -16,21 +16,21 @@ norma_result norma_core_large_ring_allocate(
     return large->out && large->back && large->fan ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-void norma_core_large_ring_release(const core_call *call, large_ring *large) {
+void norma_core_large_star_release(const core_call *call, large_star *large) {
     norma_core_release(call, large->out, large->room, sizeof *large->out);
     norma_core_release(call, large->back, large->room, sizeof *large->back);
     norma_core_release(call, large->fan, large->room, sizeof *large->fan);
-    *large = (large_ring){0};
+    *large = (large_star){0};
 }
 
 typedef struct large_visit {
-    const core_surface *surface;
-    const ring_visit *visit;
-    const large_ring *large;
-    const uint32_t *corners; /* of the ring, count of them */
+    const core_prepared_mesh *prepared;
+    const position_visit *visit;
+    const large_star *large;
+    const uint32_t *corners; /* of the star, count of them */
     size_t count, listed[2]; /* in out and in back: corners that have edges */
-    core_ring *ring;         /* for some of them */
-    rings_part *part;
+    core_star *star;         /* for some of them */
+    stars_part *part;
 } large_visit;
 
 /* ---- sorting without further memory: dealt by the highest byte in which any two differ, in place,
@@ -101,18 +101,18 @@ static uint64_t entry_of(uint32_t other, size_t number) { return (uint64_t)other
 
 /* Nonzero where a caller who is told of progress wants to stop. */
 static int stops(const large_visit *l, size_t at) {
-    return at % CORNERS_BETWEEN_TELLING == 0 && norma_core_progress(l->surface->call, 1);
+    return at % CORNERS_BETWEEN_TELLING == 0 && norma_core_progress(l->prepared->call, 1);
 }
 
 static norma_result list_corners(large_visit *l) {
-    for (size_t begin = 0; begin < l->count; begin += RING_ROOM) {
+    for (size_t begin = 0; begin < l->count; begin += STAR_ROOM) {
         if (stops(l, begin)) return NORMA_CANCELLED;
-        norma_core_ring_fill(l->surface, l->corners + begin,
-            l->count - begin < RING_ROOM ? l->count - begin : RING_ROOM, 0, l->ring);
-        for (size_t i = 0; i < l->ring->count; i++) {
-            const ring_corner *c = &l->ring->corners[i];
+        norma_core_star_fill(l->prepared, l->corners + begin,
+            l->count - begin < STAR_ROOM ? l->count - begin : STAR_ROOM, 0, l->star);
+        for (size_t i = 0; i < l->star->count; i++) {
+            const star_corner *c = &l->star->corners[i];
             l->large->fan[begin + i] = (uint32_t)(begin + i);
-            if (!(c->flags & RING_KEPT)) continue;
+            if (!(c->flags & STAR_KEPT)) continue;
             l->large->out[l->listed[0]++] = entry_of(c->next, begin + i);
             l->large->back[l->listed[1]++] = entry_of(c->previous, begin + i);
         }
@@ -159,48 +159,48 @@ static void join_large(uint32_t *fan, uint32_t a, uint32_t b) {
         fan[fan_a] = fan_b;
 }
 
-/* What the ring found joined is joined. numbers: of its corners in the large one. */
-static void carry_over(const large_visit *l, core_ring *ring, const uint32_t *numbers) {
-    for (uint32_t i = 0; i < ring->count; i++) {
-        const uint32_t fan = norma_core_fan_of(ring, i);
+/* What the star found joined is joined. numbers: of its corners in the large one. */
+static void carry_over(const large_visit *l, core_star *star, const uint32_t *numbers) {
+    for (uint32_t i = 0; i < star->count; i++) {
+        const uint32_t fan = norma_core_fan_of(star, i);
         if (fan != i) join_large(l->large->fan, numbers[i], numbers[fan]);
     }
 }
 
 /* A corner that is at two of the edges comes twice. fan_of serves for the corners' numbers, since
- * this ring's fans are never numbered. */
-static void join_run(const large_visit *l, const edge_run *run, core_ring *ring) {
-    uint32_t *numbers = ring->fan_of, *corners = (uint32_t *)(void *)ring->sorted;
+ * this star's fans are never numbered. */
+static void join_run(const large_visit *l, const edge_run *run, core_star *star) {
+    uint32_t *numbers = star->fan_of, *corners = (uint32_t *)(void *)star->sorted;
     size_t count = 0;
     for (size_t i = run->begin[0]; i < run->end[0]; i++)
         numbers[count++] = (uint32_t)l->large->out[i];
     for (size_t i = run->begin[1]; i < run->end[1]; i++)
         numbers[count++] = (uint32_t)l->large->back[i];
     for (size_t i = 0; i < count; i++) corners[i] = l->corners[numbers[i]];
-    norma_core_ring_fill(l->surface, corners, count, 0, ring);
-    ring->edge_count = count;
+    norma_core_star_fill(l->prepared, corners, count, 0, star);
+    star->edge_count = count;
     for (uint32_t i = 0; i < count; i++) {
-        const ring_corner *c = &ring->corners[i];
+        const star_corner *c = &star->corners[i];
         if (i < run->end[0] - run->begin[0])
-            ring->edges[i] = (ring_edge){.key = c->next_key, .other = c->next, .corner = i};
+            star->edges[i] = (star_edge){.key = c->next_key, .other = c->next, .corner = i};
         else
-            ring->edges[i] =
-                (ring_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
+            star->edges[i] =
+                (star_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
     }
-    norma_core_sort_edges(ring);
-    norma_core_ring_join_listed(l->surface, ring, l->visit->counting ? &l->part->counts : NULL);
-    carry_over(l, ring, numbers);
+    norma_core_sort_edges(star);
+    norma_core_star_join_listed(l->prepared, star, l->visit->counting ? &l->part->counts : NULL);
+    carry_over(l, star, numbers);
 }
 
-/* An edge of more faces than an ordinary ring has room for. */
+/* An edge of more faces than an ordinary star has room for. */
 static norma_result join_large_run(const large_visit *l, const edge_run *run) {
-    core_ring ring;
+    core_star star;
     const size_t count = run_length(run);
-    if (norma_core_ring_allocate(l->surface->call, &ring, count) != NORMA_OK)
+    if (norma_core_star_allocate(l->prepared->call, &star, count) != NORMA_OK)
         return NORMA_ERROR_MEMORY;
-    norma_core_ring_begin(l->surface, l->ring->position, &ring);
-    join_run(l, run, &ring);
-    norma_core_ring_release(l->surface->call, &ring, count);
+    norma_core_star_begin(l->prepared, l->star->position, &star);
+    join_run(l, run, &star);
+    norma_core_star_release(l->prepared->call, &star, count);
     return NORMA_OK;
 }
 
@@ -209,17 +209,17 @@ static norma_result join_edges(const large_visit *l) {
     for (size_t edges = 0; some.end[0] < l->listed[0] || some.end[1] < l->listed[1]; edges++) {
         const edge_run run = next_edge(l, some.end);
         if (stops(l, edges)) return NORMA_CANCELLED;
-        if (run_length(&run) + run_length(&some) > RING_ROOM && run_length(&some)) {
-            join_run(l, &some, l->ring);
+        if (run_length(&run) + run_length(&some) > STAR_ROOM && run_length(&some)) {
+            join_run(l, &some, l->star);
             some = (edge_run){{run.begin[0], run.begin[1]}, {run.begin[0], run.begin[1]}};
         }
-        if (run_length(&run) > RING_ROOM) {
+        if (run_length(&run) > STAR_ROOM) {
             if (join_large_run(l, &run) != NORMA_OK) return NORMA_ERROR_MEMORY;
             memcpy(some.begin, run.end, sizeof some.begin);
         }
         memcpy(some.end, run.end, sizeof some.end);
     }
-    join_run(l, &some, l->ring);
+    join_run(l, &some, l->star);
     return NORMA_OK;
 }
 
@@ -244,11 +244,11 @@ static void order_by_fan(const large_visit *l, uint32_t *ends, uint32_t *ordered
 }
 
 static void see_fan(
-    const large_visit *l, const ring_sum *sum, const uint32_t *corners, size_t count) {
+    const large_visit *l, const star_sum *sum, const uint32_t *corners, size_t count) {
     core_fan fan = {
-        .reason = l->ring->finite ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE};
-    if (l->ring->finite && sum->votes) norma_core_decide_sum(sum->sum, sum->weight, &fan);
-    const core_fans fans = {.position = l->ring->position,
+        .reason = l->star->finite ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE};
+    if (l->star->finite && sum->votes) norma_core_decide_sum(sum->sum, sum->weight, &fan);
+    const core_fans fans = {.position = l->star->position,
         .count = (uint32_t)count,
         .fan_count = 1,
         .corners = corners,
@@ -262,40 +262,40 @@ static norma_result see_fans(const large_visit *l) {
     size_t at = 0;
     order_by_fan(l, ends, ordered);
     for (size_t first = 0; first < l->count; first++) {
-        ring_sum sum = {.votes = 0};
+        star_sum sum = {.votes = 0};
         const size_t begin = at;
         if (l->large->fan[first] != first) continue;
         for (; at < ends[first]; at++) {
             if (stops(l, at)) return NORMA_CANCELLED;
-            if (at % RING_ROOM == 0)
-                norma_core_ring_fill(l->surface, ordered + at,
-                    l->count - at < RING_ROOM ? l->count - at : RING_ROOM, 1, l->ring);
-            norma_core_ring_vote(&l->ring->corners[at % RING_ROOM], &sum);
+            if (at % STAR_ROOM == 0)
+                norma_core_star_fill(l->prepared, ordered + at,
+                    l->count - at < STAR_ROOM ? l->count - at : STAR_ROOM, 1, l->star);
+            norma_core_star_vote(&l->star->corners[at % STAR_ROOM], &sum);
         }
         see_fan(l, &sum, ordered + begin, at - begin);
     }
     return NORMA_OK;
 }
 
-norma_result norma_core_visit_large_ring(const core_surface *surface, const ring_visit *visit,
-    uint32_t position, large_ring *large, rings_part *part) {
-    ring_room room;
-    core_ring ring;
-    const core_around *around = &surface->around;
-    const uint32_t begin = around->starts[position];
-    large_visit l = {.surface = surface,
+norma_result norma_core_visit_large_star(const core_prepared_mesh *prepared,
+    const position_visit *visit, uint32_t position, large_star *large, stars_part *part) {
+    star_room room;
+    core_star star;
+    const core_corners_of_position *corners_of = &prepared->corners_of;
+    const uint32_t begin = corners_of->starts[position];
+    large_visit l = {.prepared = prepared,
         .visit = visit,
         .large = large,
-        .corners = around->corners + begin,
-        .count = around->starts[position + 1] - begin,
-        .ring = &ring,
+        .corners = corners_of->corners + begin,
+        .count = corners_of->starts[position + 1] - begin,
+        .star = &star,
         .part = part};
-    norma_core_ring_in_room(&ring, &room);
-    norma_core_ring_begin(surface, position, &ring);
+    norma_core_star_in_room(&star, &room);
+    norma_core_star_begin(prepared, position, &star);
     norma_result result = list_corners(&l);
-    if (result == NORMA_OK && ring.waits) part->waiting++;
-    if (result != NORMA_OK || ring.waits) return result;
-    norma_core_count_add(&part->tally.degenerate, &ring.degenerate);
+    if (result == NORMA_OK && star.waits) part->waiting++;
+    if (result != NORMA_OK || star.waits) return result;
+    norma_core_count_add(&part->tally.degenerate, &star.degenerate);
     sort_entries(large->out, l.listed[0]);
     sort_entries(large->back, l.listed[1]);
     result = join_edges(&l);

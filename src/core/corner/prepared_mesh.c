@@ -12,7 +12,7 @@ typedef struct survey_part {
 } survey_part;
 
 typedef struct face_survey {
-    core_surface *surface;
+    core_prepared_mesh *prepared;
     atomic_uchar
         *flat_at; /* NULL, or nonzero at positions of faces that have edges but no direction */
     survey_part *parts; /* of each chunk */
@@ -20,8 +20,8 @@ typedef struct face_survey {
 
 static void survey_face(
     const face_survey *survey, size_t f, const core_face *face, survey_part *part) {
-    const core_mesh *mesh = &survey->surface->mesh;
-    if (survey->surface->faces) survey->surface->faces[f] = *face;
+    const core_mesh *mesh = &survey->prepared->mesh;
+    if (survey->prepared->faces) survey->prepared->faces[f] = *face;
     if ((face->flags & CORE_FACE_DIRECTED) || !(face->flags & CORE_FACE_FINITE)) return;
     norma_core_count_one(&part->degenerate, f);
     if (!survey->flat_at || !(face->flags & CORE_FACE_EDGED)) return;
@@ -33,7 +33,7 @@ static void survey_face(
 
 static void survey_chunk(void *context, size_t chunk) {
     const face_survey *survey = context;
-    const core_surface *s = survey->surface;
+    const core_prepared_mesh *s = survey->prepared;
     const size_t count = s->mesh.face_count, begin = chunk * FACES_IN_CHUNK,
                  end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
     core_face faces[CORE_LANES];
@@ -47,7 +47,7 @@ static void survey_chunk(void *context, size_t chunk) {
 
 /* Measures all faces once: polygons are kept, of triangles only what is wrong with them. */
 static norma_result survey_faces(face_survey *survey, int *any_flat) {
-    core_surface *s = survey->surface;
+    core_prepared_mesh *s = survey->prepared;
     const size_t chunks =
         s->mesh.face_count / FACES_IN_CHUNK + (s->mesh.face_count % FACES_IN_CHUNK != 0);
     survey->parts = norma_core_allocate(s->call, chunks, sizeof *survey->parts);
@@ -62,103 +62,106 @@ static norma_result survey_faces(face_survey *survey, int *any_flat) {
     return result;
 }
 
-static void find_longest_edges(const core_surface *s, uint32_t *longest) {
+static void find_longest_edges(const core_prepared_mesh *s, uint32_t *longest) {
     for (size_t f = 0; f < s->mesh.face_count; f++) {
         core_face face;
-        norma_core_surface_face(s, f, &face);
+        norma_core_prepared_mesh_face(s, f, &face);
         const int flat = (face.flags & (CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED)) ==
                          (CORE_FACE_FINITE | CORE_FACE_EDGED);
         longest[f] = flat ? norma_core_longest_edge(&s->mesh, f) : UINT32_MAX;
     }
 }
 
-static void lend_at_each(
-    core_surface *s, const uint32_t *longest, core_ring *ring, uint32_t *lender) {
-    memset(lender, 0xff, s->mesh.face_count * sizeof *lender);
+static void borrow_at_each(
+    core_prepared_mesh *s, const uint32_t *longest, core_star *star, uint32_t *borrowed_from) {
+    memset(borrowed_from, 0xff, s->mesh.face_count * sizeof *borrowed_from);
     for (size_t p = 0; p < s->mesh.positions.count; p++) {
         if (!atomic_load_explicit(&s->flat_at[p], memory_order_relaxed)) continue;
-        norma_core_ring_load(s, (uint32_t)p, 0, ring);
-        norma_core_ring_lend(s, ring, longest, lender);
+        norma_core_star_load(s, (uint32_t)p, 0, star);
+        norma_core_star_borrow_directions(s, star, longest, borrowed_from);
     }
 }
 
-static norma_result lend_directions(core_surface *s) {
+static norma_result borrow_directions(core_prepared_mesh *s) {
     const size_t faces = s->mesh.face_count;
-    core_ring ring = {0};
-    uint32_t *lender = norma_core_allocate(s->call, faces, sizeof *lender),
+    core_star star = {0};
+    uint32_t *borrowed_from = norma_core_allocate(s->call, faces, sizeof *borrowed_from),
              *longest = norma_core_allocate(s->call, faces, sizeof *longest);
-    norma_result result = lender && longest
-                              ? norma_core_ring_allocate(s->call, &ring, s->around.most)
+    norma_result result = borrowed_from && longest
+                              ? norma_core_star_allocate(s->call, &star, s->corners_of.most)
                               : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         find_longest_edges(s, longest);
-        lend_at_each(s, longest, &ring, lender);
-        norma_core_ring_release(s->call, &ring, s->around.most);
-        s->lender = lender;
-        lender = NULL;
+        borrow_at_each(s, longest, &star, borrowed_from);
+        norma_core_star_release(s->call, &star, s->corners_of.most);
+        s->borrowed_from = borrowed_from;
+        borrowed_from = NULL;
     }
     norma_core_release(s->call, longest, faces, sizeof *longest);
-    norma_core_release(s->call, lender, faces, sizeof *lender);
+    norma_core_release(s->call, borrowed_from, faces, sizeof *borrowed_from);
     return result;
 }
 
-norma_result norma_core_surface_lend(core_surface *s) {
+norma_result norma_core_find_borrowed_directions(core_prepared_mesh *s) {
     const size_t positions = s->mesh.positions.count;
-    face_survey survey = {.surface = s};
+    face_survey survey = {.prepared = s};
     int any_flat = 0;
     survey.flat_at = norma_core_allocate(s->call, positions, sizeof *survey.flat_at);
     if (!survey.flat_at) return NORMA_ERROR_MEMORY;
     for (size_t p = 0; p < positions; p++) atomic_init(&survey.flat_at[p], 0);
     s->flat_at = survey.flat_at;
     const norma_result result = survey_faces(&survey, &any_flat);
-    return result == NORMA_OK && any_flat ? lend_directions(s) : result;
+    return result == NORMA_OK && any_flat ? borrow_directions(s) : result;
 }
 
 /* Polygons are measured once, since that takes long; triangles where they are met. */
-static norma_result measure_polygons(core_surface *s, core_use use) {
-    face_survey survey = {.surface = s};
+static norma_result measure_polygons(core_prepared_mesh *s, core_use use) {
+    face_survey survey = {.prepared = s};
     int any_flat = 0;
     if (!(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces)))
         return NORMA_ERROR_MEMORY;
-    return use == CORE_FOR_FANS ? norma_core_surface_lend(s) : survey_faces(&survey, &any_flat);
+    return use == CORE_FOR_FANS ? norma_core_find_borrowed_directions(s)
+                                : survey_faces(&survey, &any_flat);
 }
 
 /* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this
  * much over the crease. */
 static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20; /* 1e-6 */
 
-void norma_core_surface_crease(core_surface *surface, double crease_angle_rad) {
-    surface->crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD;
-    surface->crease_cosine = surface->crease < 0          ? 2
-                             : surface->crease > NORMA_PI ? -2
-                                                          : cos(surface->crease);
+void norma_core_prepared_mesh_crease(core_prepared_mesh *prepared, double crease_angle_rad) {
+    prepared->crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD;
+    prepared->crease_cosine = prepared->crease < 0          ? 2
+                              : prepared->crease > NORMA_PI ? -2
+                                                            : cos(prepared->crease);
 }
 
-norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use,
-    double crease_angle_rad, core_surface *surface) {
-    *surface = (core_surface){.call = call, .mesh = *checked};
-    norma_core_surface_crease(surface, crease_angle_rad);
+norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
+    double crease_angle_rad, core_prepared_mesh *prepared) {
+    *prepared = (core_prepared_mesh){.call = call, .mesh = *checked};
+    norma_core_prepared_mesh_crease(prepared, crease_angle_rad);
     norma_core_stage(call, 0.05, 0.2);
-    norma_result result = norma_core_weld(call, &surface->mesh);
+    norma_result result = norma_core_weld(call, &prepared->mesh);
     if (result == NORMA_OK && use != CORE_FOR_SUMS) {
         norma_core_stage(call, 0.2, 0.35);
-        result = norma_core_around_build(call, &surface->mesh, &surface->around);
+        result = norma_core_corners_of_position_build(call, &prepared->mesh, &prepared->corners_of);
     }
-    if (result == NORMA_OK && surface->mesh.face_starts) {
+    if (result == NORMA_OK && prepared->mesh.face_starts) {
         norma_core_stage(call, 0.35, 0.5);
-        result = measure_polygons(surface, use);
+        result = measure_polygons(prepared, use);
     }
-    if (result != NORMA_OK) norma_core_surface_close(surface);
+    if (result != NORMA_OK) norma_core_prepared_mesh_close(prepared);
     return result;
 }
 
-void norma_core_surface_close(core_surface *surface) {
-    const core_call *call = surface->call;
-    norma_core_release(call, surface->lender, surface->mesh.face_count, sizeof *surface->lender);
+void norma_core_prepared_mesh_close(core_prepared_mesh *prepared) {
+    const core_call *call = prepared->call;
     norma_core_release(
-        call, surface->flat_at, surface->mesh.positions.count, sizeof *surface->flat_at);
-    norma_core_release(call, surface->faces, surface->mesh.face_count, sizeof *surface->faces);
-    if (surface->around.starts) norma_core_around_release(call, &surface->around);
-    if (surface->mesh.weld) norma_core_unweld(call, &surface->mesh);
-    *surface = (core_surface){0};
+        call, prepared->borrowed_from, prepared->mesh.face_count, sizeof *prepared->borrowed_from);
+    norma_core_release(
+        call, prepared->flat_at, prepared->mesh.positions.count, sizeof *prepared->flat_at);
+    norma_core_release(call, prepared->faces, prepared->mesh.face_count, sizeof *prepared->faces);
+    if (prepared->corners_of.starts)
+        norma_core_corners_of_position_release(call, &prepared->corners_of);
+    if (prepared->mesh.weld) norma_core_unweld(call, &prepared->mesh);
+    *prepared = (core_prepared_mesh){0};
 }

@@ -6,44 +6,44 @@
 #include "core/face/face_geometry.h"
 #include <stdatomic.h>
 
-typedef struct core_surface {
+typedef struct core_prepared_mesh {
     core_call *call;
     core_mesh mesh;
-    core_around around;
+    core_corners_of_position corners_of;
     core_face *faces; /* of each face of a mesh of polygons; NULL for triangles, which are measured
                          where they are met */
-    uint32_t *lender; /* NULL where no face needs one; else of each face without a direction the
-                         face whose direction it borrows, UINT32_MAX: none */
-    atomic_uchar *flat_at; /* with lender: nonzero at the positions of faces that have edges but no
-                              direction */
+    uint32_t *borrowed_from; /* NULL where no face needs one; else of each face without a direction
+                         the face whose direction it borrows, UINT32_MAX: none */
+    atomic_uchar *flat_at; /* with borrowed_from: nonzero at the positions of faces that have edges
+                              but no direction */
     norma_count degenerate_faces; /* of polygons; triangles are counted where they are met */
     double crease; /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi:
                       every angle */
     double crease_cosine; /* about its cosine */
-} core_surface;
+} core_prepared_mesh;
 
 typedef enum core_use {
     CORE_FOR_SUMS = 0,
-    CORE_FOR_RINGS,
+    CORE_FOR_STARS,
     CORE_FOR_FANS
-} core_use; /* sums need no corners sorted; fans are rings cut at edges */
+} core_use; /* sums need no corners sorted; fans are stars cut at edges */
 
 /* call stays the caller's. What it returns but NORMA_OK leaves nothing to release. */
-norma_result norma_core_surface_open(core_call *call, core_mesh *checked, core_use use,
-    double crease_angle_rad, core_surface *surface);
+norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
+    double crease_angle_rad, core_prepared_mesh *prepared);
 /* Another crease for the same surface: nothing else in it hangs on that. */
-void norma_core_surface_crease(core_surface *surface, double crease_angle_rad);
+void norma_core_prepared_mesh_crease(core_prepared_mesh *prepared, double crease_angle_rad);
 /* For triangles, once one without a direction has been met: finds whose directions such borrow.
  * MEMORY or CANCELLED: it has not. */
-norma_result norma_core_surface_lend(core_surface *surface);
-void norma_core_surface_close(core_surface *surface);
+norma_result norma_core_find_borrowed_directions(core_prepared_mesh *prepared);
+void norma_core_prepared_mesh_close(core_prepared_mesh *prepared);
 
-static inline void norma_core_surface_face(
-    const core_surface *surface, size_t face, core_face *out) {
-    if (surface->faces)
-        *out = surface->faces[face];
+static inline void norma_core_prepared_mesh_face(
+    const core_prepared_mesh *prepared, size_t face, core_face *out) {
+    if (prepared->faces)
+        *out = prepared->faces[face];
     else
-        norma_core_face_geometry(&surface->mesh, face, out);
+        norma_core_face_geometry(&prepared->mesh, face, out);
 }
 
 static inline void norma_core_count_one(norma_count *count, size_t index) {

@@ -8,7 +8,7 @@
 #include <math.h>
 
 typedef struct split_work {
-    core_surface *surface;
+    core_prepared_mesh *prepared;
     core_output output; /* of new vertices; normals may be NULL */
     uint8_t *firsts;    /* of each corner: whether a new vertex begins with it */
     size_t
@@ -29,36 +29,37 @@ typedef struct split_work {
 
 /* ---- one position */
 
-static void set_bits(const split_work *work, const core_fan *fan, ring_member *m) {
+static void set_bits(const split_work *work, const core_fan *fan, star_member *m) {
     if (fan->reason == NORMA_REASON_NONE)
         memcpy(m->bits, fan->normal, sizeof m->bits);
     else
         memcpy(m->bits, work->output.fallback, sizeof m->bits);
 }
 
-static const core_fan *fan_of_member(const core_fans *fans, const ring_member *m) {
+static const core_fan *fan_of_member(const core_fans *fans, const star_member *m) {
     return &fans->fans[fans->fan_of[m->index]];
 }
 
 /* Where the nearest is asked for, a corner without a normal is one with the first corner of its
  * vertex that has one. Members come sorted by vertex and index. */
-static void borrow_within_vertex(const core_fans *fans, ring_member *members, size_t count) {
-    const ring_member *lender = NULL;
-    for (size_t i = 0; i < count && !lender; i++)
-        if (fan_of_member(fans, &members[i])->reason == NORMA_REASON_NONE) lender = &members[i];
-    for (size_t i = 0; i < count && lender; i++)
+static void borrow_within_vertex(const core_fans *fans, star_member *members, size_t count) {
+    const star_member *borrowed_from = NULL;
+    for (size_t i = 0; i < count && !borrowed_from; i++)
+        if (fan_of_member(fans, &members[i])->reason == NORMA_REASON_NONE)
+            borrowed_from = &members[i];
+    for (size_t i = 0; i < count && borrowed_from; i++)
         if (fan_of_member(fans, &members[i])->reason != NORMA_REASON_NONE)
-            memcpy(members[i].bits, lender->bits, sizeof lender->bits);
+            memcpy(members[i].bits, borrowed_from->bits, sizeof borrowed_from->bits);
 }
 
 static void list_members(const split_work *work, const core_fans *fans) {
-    ring_member *members = fans->members;
+    star_member *members = fans->members;
     for (uint32_t i = 0; i < fans->count; i++) {
-        members[i] = (ring_member){
-            .vertex = norma_core_corner(&work->surface->mesh, fans->corners[i]), .index = i};
+        members[i] = (star_member){
+            .vertex = norma_core_corner(&work->prepared->mesh, fans->corners[i]), .index = i};
         if (!work->output.nearest) set_bits(work, &fans->fans[fans->fan_of[i]], &members[i]);
     }
-    norma_core_sort_members(members, fans->count);
+    norma_core_sort_corners(members, fans->count);
     if (!work->output.nearest) return;
     for (size_t i = 0; i < fans->count; i++)
         set_bits(work, fan_of_member(fans, &members[i]), &members[i]);
@@ -68,7 +69,7 @@ static void list_members(const split_work *work, const core_fans *fans) {
         }
         borrow_within_vertex(fans, members + begin, end - begin);
     }
-    norma_core_sort_members(members, fans->count);
+    norma_core_sort_corners(members, fans->count);
 }
 
 /* A vertex has a normal as soon as one of its corners does; first_fan is that one's, or the first
@@ -81,7 +82,7 @@ static const core_fan *fan_of_group(const core_fans *fans, size_t begin, size_t 
     return fan_of_member(fans, &fans->members[begin]);
 }
 
-static size_t group_end(const ring_member *members, size_t begin, size_t count) {
+static size_t group_end(const star_member *members, size_t begin, size_t count) {
     size_t end = begin + 1;
     while (end < count && norma_core_same_normal(&members[begin], &members[end])) end++;
     return end;
@@ -97,7 +98,7 @@ static void keep_single(const split_work *work, const core_fans *fans) {
 
 /* One vertex and one fan with a normal: nothing to sort. 0 where it is not so. */
 static int number_plain(const split_work *work, const core_fans *fans) {
-    const core_mesh *mesh = &work->surface->mesh;
+    const core_mesh *mesh = &work->prepared->mesh;
     const uint32_t first = fans->corners[0], vertex = norma_core_corner(mesh, first);
     if (fans->fan_count != 1 || fans->fans[0].reason != NORMA_REASON_NONE) return 0;
     for (size_t i = 1; i < fans->count && mesh->weld; i++)
@@ -129,12 +130,12 @@ static void see_to_number(void *context, const core_fans *fans, core_tally *tall
 enum { CORNERS_IN_BLOCK = 1 << 15, CORNERS_AT_ONCE = 1 << 8 };
 
 static size_t blocks_of(const split_work *work) {
-    return work->surface->mesh.corner_count / CORNERS_IN_BLOCK +
-           (work->surface->mesh.corner_count % CORNERS_IN_BLOCK != 0);
+    return work->prepared->mesh.corner_count / CORNERS_IN_BLOCK +
+           (work->prepared->mesh.corner_count % CORNERS_IN_BLOCK != 0);
 }
 
 static size_t block_end(const split_work *work, size_t block) {
-    const size_t count = work->surface->mesh.corner_count, begin = block * CORNERS_IN_BLOCK;
+    const size_t count = work->prepared->mesh.corner_count, begin = block * CORNERS_IN_BLOCK;
     return count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
 }
 
@@ -150,7 +151,7 @@ static norma_result count_vertices(const split_work *work, size_t *count) {
     const size_t blocks = blocks_of(work);
     work->before[0] = 0;
     const norma_result result =
-        norma_core_parallel(work->surface->call, blocks, count_block, (void *)(uintptr_t)work);
+        norma_core_parallel(work->prepared->call, blocks, count_block, (void *)(uintptr_t)work);
     for (size_t b = 0; b < blocks && result == NORMA_OK; b++)
         work->before[b + 1] += work->before[b];
     *count = result == NORMA_OK ? work->before[blocks] : 0;
@@ -158,8 +159,8 @@ static norma_result count_vertices(const split_work *work, size_t *count) {
 }
 
 static void write_vertex(const split_work *work, uint32_t number, uint32_t corner) {
-    const uint32_t vertex = norma_core_corner(&work->surface->mesh, corner),
-                   position = norma_core_welded(&work->surface->mesh, vertex);
+    const uint32_t vertex = norma_core_corner(&work->prepared->mesh, corner),
+                   position = norma_core_welded(&work->prepared->mesh, vertex);
     if (work->source_vertices) work->source_vertices[number] = vertex;
     if (!work->single[position]) return;
     work->vertices[position] = number;
@@ -188,7 +189,7 @@ static void write_vertices(void *context, size_t block) {
  * in the second pass. */
 static void number_block(void *context, size_t block) {
     const split_work *work = context;
-    const core_mesh *mesh = &work->surface->mesh;
+    const core_mesh *mesh = &work->prepared->mesh;
     uint32_t number = (uint32_t)work->before[block];
     for (size_t c = block * CORNERS_IN_BLOCK; c < block_end(work, block); c++) {
         const uint32_t position = norma_core_welded_corner(mesh, c);
@@ -198,7 +199,7 @@ static void number_block(void *context, size_t block) {
 }
 
 static void release_normals(split_work *work) {
-    norma_core_release(work->surface->call, work->normals, work->surface->mesh.positions.count,
+    norma_core_release(work->prepared->call, work->normals, work->prepared->mesh.positions.count,
         sizeof *work->normals);
     work->normals = NULL;
 }
@@ -206,7 +207,7 @@ static void release_normals(split_work *work) {
 /* What is done with is released before memory that nobody has touched yet is written to: the
  * caller's corners. */
 static norma_result write_numbers(split_work *work) {
-    core_call *call = work->surface->call;
+    core_call *call = work->prepared->call;
     const size_t blocks = blocks_of(work);
     norma_core_stage(call, 0.76, 0.78);
     norma_result result = norma_core_parallel(call, blocks, write_vertices, work);
@@ -222,24 +223,24 @@ static norma_result write_numbers(split_work *work) {
 /* The sorted corners of single positions are needed no more, where nobody is to be asked for a
  * normal. */
 static norma_result thin_out(split_work *work) {
-    core_around *around = &work->surface->around;
+    core_corners_of_position *corners_of = &work->prepared->corners_of;
     size_t count = 0;
-    for (size_t p = 0; p < around->position_count; p++)
-        count += work->single[p] ? 0 : around->starts[p + 1] - around->starts[p];
-    if (count > around->corner_count / 2) return NORMA_OK;
-    if (!(work->few = norma_core_allocate(work->surface->call, count, sizeof *work->few)))
+    for (size_t p = 0; p < corners_of->position_count; p++)
+        count += work->single[p] ? 0 : corners_of->starts[p + 1] - corners_of->starts[p];
+    if (count > corners_of->corner_count / 2) return NORMA_OK;
+    if (!(work->few = norma_core_allocate(work->prepared->call, count, sizeof *work->few)))
         return NORMA_ERROR_MEMORY;
-    for (size_t p = 0, begin = 0, at = 0; p < around->position_count; p++) {
-        const size_t end = around->starts[p + 1];
+    for (size_t p = 0, begin = 0, at = 0; p < corners_of->position_count; p++) {
+        const size_t end = corners_of->starts[p + 1];
         for (size_t i = begin; i < end && !work->single[p]; i++)
-            work->few[at++] = around->corners[i];
+            work->few[at++] = corners_of->corners[i];
         begin = end;
-        around->starts[p + 1] = (uint32_t)at;
+        corners_of->starts[p + 1] = (uint32_t)at;
     }
-    norma_core_release(
-        work->surface->call, around->corners, around->corner_count, sizeof *around->corners);
-    around->corners = work->few;
-    around->corner_count = work->few_count = count;
+    norma_core_release(work->prepared->call, corners_of->corners, corners_of->corner_count,
+        sizeof *corners_of->corners);
+    corners_of->corners = work->few;
+    corners_of->corner_count = work->few_count = count;
     return NORMA_OK;
 }
 
@@ -267,8 +268,8 @@ static void receive(void *context, const corner_request *request, const float no
 }
 
 static norma_result fill_from_nearest(split_work *work) {
-    const core_call *call = work->surface->call;
-    const size_t corners = work->surface->mesh.corner_count;
+    const core_call *call = work->prepared->call;
+    const size_t corners = work->prepared->mesh.corner_count;
     const float zero[3] = {0, 0, 0};
     size_t count = 0, found;
     for (size_t c = 0; c < corners; c++) count += work->wanted[c];
@@ -276,9 +277,9 @@ static norma_result fill_from_nearest(split_work *work) {
     corner_request *requests = norma_core_allocate(call, count, sizeof *requests);
     if (!requests) return NORMA_ERROR_MEMORY;
     norma_result result = norma_core_find_sources(
-        work->surface, work->reasons, work->wanted, requests, count, &found);
+        work->prepared, work->reasons, work->wanted, requests, count, &found);
     if (result == NORMA_OK && found)
-        result = norma_core_fetch_normals(work->surface, requests, found, receive, work);
+        result = norma_core_fetch_normals(work->prepared, requests, found, receive, work);
     for (size_t c = 0; c < corners && result == NORMA_OK && !found; c++)
         if (work->wanted[c]) norma_core_write_normal(&work->output, work->numbers[c], zero);
     norma_core_release(call, requests, count, sizeof *requests);
@@ -294,10 +295,10 @@ typedef struct split_output {
 } split_output;
 
 static norma_result allocate_numbers(split_work *work, int lacking) {
-    const core_call *call = work->surface->call;
-    const size_t corners = work->surface->mesh.corner_count;
+    const core_call *call = work->prepared->call;
+    const size_t corners = work->prepared->mesh.corner_count;
     work->vertices =
-        norma_core_allocate(call, work->surface->mesh.positions.count, sizeof *work->vertices);
+        norma_core_allocate(call, work->prepared->mesh.positions.count, sizeof *work->vertices);
     if (!work->numbers && work->output.normals)
         work->numbers = work->own_numbers =
             norma_core_allocate(call, corners, sizeof *work->own_numbers);
@@ -313,45 +314,46 @@ static norma_result allocate_numbers(split_work *work, int lacking) {
 
 /* lacking: some corner is to get the nearest normal. */
 static norma_result write_split(split_work *work, int lacking) {
-    core_surface *surface = work->surface;
-    rings_part ignored;
+    core_prepared_mesh *prepared = work->prepared;
+    stars_part ignored;
     norma_result result = lacking ? NORMA_OK : thin_out(work);
     if (result == NORMA_OK) result = allocate_numbers(work, lacking);
     if (result == NORMA_OK) result = write_numbers(work);
     if (result != NORMA_OK || !work->numbers) return result;
-    const ring_visit visit = {
+    const position_visit visit = {
         .join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
-    norma_core_stage(surface->call, 0.8, 0.97);
-    result = norma_core_visit_rings(surface, &visit, &ignored);
+    norma_core_stage(prepared->call, 0.8, 0.97);
+    result = norma_core_visit_positions(prepared, &visit, &ignored);
     return result == NORMA_OK && lacking ? fill_from_nearest(work) : result;
 }
 
-static norma_result check_room(const core_surface *surface, const split_output *out, size_t count) {
-    if (out->corners && surface->mesh.corner_count > out->corner_capacity)
+static norma_result check_room(
+    const core_prepared_mesh *prepared, const split_output *out, size_t count) {
+    if (out->corners && prepared->mesh.corner_count > out->corner_capacity)
         return NORMA_ERROR_CAPACITY;
     if ((out->source_vertices || out->normals) && count > out->vertex_capacity)
         return NORMA_ERROR_CAPACITY;
-    return out->normals && count > SIZE_MAX / surface->call->options.normal_stride
+    return out->normals && count > SIZE_MAX / prepared->call->options.normal_stride
                ? NORMA_ERROR_OVERFLOW
                : NORMA_OK;
 }
 
 static norma_result compute(
-    core_surface *surface, split_work *work, const split_output *out, norma_report *report) {
-    core_call *call = surface->call;
-    rings_part sum = {0};
+    core_prepared_mesh *prepared, split_work *work, const split_output *out, norma_report *report) {
+    core_call *call = prepared->call;
+    stars_part sum = {0};
     size_t count;
-    const ring_visit visit = {.join = CORE_JOIN_FANS,
+    const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = 1,
         .see = see_to_number,
         .context = work,
         .target = work->firsts,
         .target_size = 1};
     norma_core_stage(call, 0.5, 0.75);
-    norma_result result = norma_core_visit_rings(surface, &visit, &sum);
+    norma_result result = norma_core_visit_positions(prepared, &visit, &sum);
     norma_core_stage(call, 0.75, 0.76);
     if (result == NORMA_OK) result = count_vertices(work, &count);
-    if (result == NORMA_OK) result = check_room(surface, out, count);
+    if (result == NORMA_OK) result = check_room(prepared, out, count);
     if (result != NORMA_OK) return result;
     const int lacking =
         sum.tally.non_finite.count || sum.tally.unreferenced.count || sum.tally.cancelled.count;
@@ -365,8 +367,8 @@ static norma_result compute(
 }
 
 static void release_work(const core_call *call, split_work *work) {
-    const size_t corners = work->surface->mesh.corner_count,
-                 positions = work->surface->mesh.positions.count;
+    const size_t corners = work->prepared->mesh.corner_count,
+                 positions = work->prepared->mesh.positions.count;
     norma_core_release(call, work->firsts, corners, 1);
     norma_core_release(call, work->before, blocks_of(work) + 1, sizeof *work->before);
     norma_core_release(call, work->single, positions, 1);
@@ -377,13 +379,13 @@ static void release_work(const core_call *call, split_work *work) {
     norma_core_release(call, work->wanted, corners, 1);
     if (!work->few) return;
     norma_core_release(call, work->few, work->few_count, sizeof *work->few);
-    work->surface->around.corners = NULL;
-    work->surface->around.corner_count = corners;
+    work->prepared->corners_of.corners = NULL;
+    work->prepared->corners_of.corner_count = corners;
 }
 
 static norma_result allocate_work(const core_call *call, split_work *work) {
-    const size_t corners = work->surface->mesh.corner_count,
-                 positions = work->surface->mesh.positions.count;
+    const size_t corners = work->prepared->mesh.corner_count,
+                 positions = work->prepared->mesh.positions.count;
     work->firsts = norma_core_allocate(call, corners, 1);
     work->before = norma_core_allocate(call, blocks_of(work) + 1, sizeof *work->before);
     work->single = norma_core_allocate(call, positions, 1);
@@ -397,13 +399,13 @@ static norma_result allocate_work(const core_call *call, split_work *work) {
 }
 
 static norma_result allocate_and_compute(
-    core_surface *surface, const split_output *out, norma_report *report) {
+    core_prepared_mesh *prepared, const split_output *out, norma_report *report) {
     split_work work = {
-        .surface = surface, .numbers = out->corners, .source_vertices = out->source_vertices};
-    norma_result result = norma_core_output_open(surface->call, out->normals, 0, 0, &work.output);
-    if (result == NORMA_OK) result = allocate_work(surface->call, &work);
-    if (result == NORMA_OK) result = compute(surface, &work, out, report);
-    release_work(surface->call, &work);
+        .prepared = prepared, .numbers = out->corners, .source_vertices = out->source_vertices};
+    norma_result result = norma_core_output_open(prepared->call, out->normals, 0, 0, &work.output);
+    if (result == NORMA_OK) result = allocate_work(prepared->call, &work);
+    if (result == NORMA_OK) result = compute(prepared, &work, out, report);
+    release_work(prepared->call, &work);
     return result;
 }
 
@@ -415,7 +417,7 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
         corners, source_vertices, normals, corner_capacity, vertex_capacity, vertex_count};
     core_call call;
     core_mesh checked;
-    core_surface surface;
+    core_prepared_mesh prepared;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK && isnan(crease_angle_rad)) result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
@@ -424,12 +426,12 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
     if (result == NORMA_OK)
-        result = norma_core_surface_open(
-            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
+        result = norma_core_prepared_mesh_open(
+            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &prepared);
     if (result != NORMA_OK) return result;
-    result = allocate_and_compute(&surface, &out, report);
+    result = allocate_and_compute(&prepared, &out, report);
     norma_core_stage(&call, 1, 1);
     if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
-    norma_core_surface_close(&surface);
+    norma_core_prepared_mesh_close(&prepared);
     return result;
 }

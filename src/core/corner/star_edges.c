@@ -7,23 +7,23 @@
 
 /* ---- sorting: by the position at the other end, direction, key, order of corners */
 
-static int edge_less(const ring_edge *a, const ring_edge *b) {
+static int edge_less(const star_edge *a, const star_edge *b) {
     if (a->other != b->other) return a->other < b->other;
     if (a->back != b->back) return a->back < b->back;
     if (a->key != b->key) return a->key < b->key;
     return a->corner < b->corner;
 }
 
-static void insertion_sort(ring_edge *edges, size_t count) {
+static void insertion_sort(star_edge *edges, size_t count) {
     for (size_t i = 1; i < count; i++) {
-        const ring_edge moved = edges[i];
+        const star_edge moved = edges[i];
         size_t at = i;
         for (; at > 0 && edge_less(&moved, &edges[at - 1]); at--) edges[at] = edges[at - 1];
         edges[at] = moved;
     }
 }
 
-static void merge(const ring_edge *from, size_t begin, size_t middle, size_t end, ring_edge *to) {
+static void merge(const star_edge *from, size_t begin, size_t middle, size_t end, star_edge *to) {
     size_t left = begin, right = middle;
     for (size_t at = begin; at < end; at++) {
         const int take_right =
@@ -36,32 +36,32 @@ enum { SORTED_RUN = 16 };
 
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
-/* Sorts ring->edges; merging from runs that insertion has sorted, O(n log n) for any ring. */
-void norma_core_sort_edges(core_ring *ring) {
-    const size_t count = ring->edge_count;
+/* Sorts star->edges; merging from runs that insertion has sorted, O(n log n) for any star. */
+void norma_core_sort_edges(core_star *star) {
+    const size_t count = star->edge_count;
     for (size_t begin = 0; begin < count; begin += SORTED_RUN)
-        insertion_sort(ring->edges + begin, least(SORTED_RUN, count - begin));
+        insertion_sort(star->edges + begin, least(SORTED_RUN, count - begin));
     for (size_t run = SORTED_RUN; run < count; run *= 2) {
         for (size_t begin = 0; begin < count; begin += 2 * run)
-            merge(ring->edges, begin, least(begin + run, count), least(begin + 2 * run, count),
-                ring->sorted);
-        ring_edge *sorted = ring->sorted;
-        ring->sorted = ring->edges;
-        ring->edges = sorted;
+            merge(star->edges, begin, least(begin + run, count), least(begin + 2 * run, count),
+                star->sorted);
+        star_edge *sorted = star->sorted;
+        star->sorted = star->edges;
+        star->edges = sorted;
     }
 }
 
-void norma_core_list_edges(core_ring *ring) {
-    ring->edge_count = 0;
-    for (uint32_t i = 0; i < ring->count; i++) {
-        const ring_corner *c = &ring->corners[i];
-        if (!(c->flags & RING_KEPT)) continue;
-        ring->edges[ring->edge_count++] =
-            (ring_edge){.key = c->next_key, .other = c->next, .corner = i};
-        ring->edges[ring->edge_count++] =
-            (ring_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
+void norma_core_list_edges(core_star *star) {
+    star->edge_count = 0;
+    for (uint32_t i = 0; i < star->count; i++) {
+        const star_corner *c = &star->corners[i];
+        if (!(c->flags & STAR_KEPT)) continue;
+        star->edges[star->edge_count++] =
+            (star_edge){.key = c->next_key, .other = c->next, .corner = i};
+        star->edges[star->edge_count++] =
+            (star_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
     }
-    norma_core_sort_edges(ring);
+    norma_core_sort_edges(star);
 }
 
 /* ---- one edge */
@@ -83,17 +83,17 @@ size_t norma_core_partner_count(const edge_side *other, uint64_t key) {
            (norma_core_first_not_below(other, key, 1) - norma_core_first_not_below(other, key, 0));
 }
 
-const ring_edge *norma_core_only_partner(const edge_side *other, uint64_t key) {
+const star_edge *norma_core_only_partner(const edge_side *other, uint64_t key) {
     return other->edges[0].key != key ? &other->edges[0] : &other->edges[other->count - 1];
 }
 
-edge norma_core_edge_at(const core_ring *ring, size_t begin, size_t *end) {
+edge norma_core_edge_at(const core_star *star, size_t begin, size_t *end) {
     size_t middle = begin, stop;
-    const uint32_t other = ring->edges[begin].other;
-    while (middle < ring->edge_count && ring->edges[middle].other == other &&
-           !ring->edges[middle].back)
+    const uint32_t other = star->edges[begin].other;
+    while (middle < star->edge_count && star->edges[middle].other == other &&
+           !star->edges[middle].back)
         middle++;
-    for (stop = middle; stop < ring->edge_count && ring->edges[stop].other == other;) stop++;
+    for (stop = middle; stop < star->edge_count && star->edges[stop].other == other;) stop++;
     *end = stop;
-    return (edge){{ring->edges + begin, middle - begin}, {ring->edges + middle, stop - middle}};
+    return (edge){{star->edges + begin, middle - begin}, {star->edges + middle, stop - middle}};
 }

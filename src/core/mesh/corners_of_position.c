@@ -10,7 +10,7 @@ enum { CORNERS_WORTH_A_PART = 1 << 17, MOST_PARTS = 8 };
 
 typedef struct part_work {
     const core_mesh *mesh;
-    core_around *around;
+    core_corners_of_position *corners_of;
     size_t parts;
 } part_work;
 
@@ -21,8 +21,8 @@ static size_t begin_of(const part_work *w, size_t count, size_t part) {
 }
 
 static uint32_t *counts_of(const part_work *w, size_t part) {
-    return w->parts == 1 ? w->around->starts + 1
-                         : w->around->corners + part * w->around->position_count;
+    return w->parts == 1 ? w->corners_of->starts + 1
+                         : w->corners_of->corners + part * w->corners_of->position_count;
 }
 
 /* One loop without a question inside for what nearly all meshes are. */
@@ -45,7 +45,7 @@ static void count_part(void *context, size_t part) {
     const size_t begin = begin_of(w, w->mesh->corner_count, part),
                  end = begin_of(w, w->mesh->corner_count, part + 1);
     uint32_t *counts = counts_of(w, part);
-    memset(counts, 0, w->around->position_count * sizeof *counts);
+    memset(counts, 0, w->corners_of->position_count * sizeof *counts);
     if (is_plain(w->mesh))
         count_range(w->mesh, begin, end, counts, 1);
     else
@@ -55,22 +55,22 @@ static void count_part(void *context, size_t part) {
 /* Where each position's first corner will go, one entry further on than its start will be found:
  * placing moves it to where the next position starts. */
 static void add_up(const part_work *w) {
-    core_around *around = w->around;
+    core_corners_of_position *corners_of = w->corners_of;
     uint32_t sum = 0;
-    around->starts[0] = 0;
-    around->most = 0;
-    for (size_t p = 0; p < around->position_count; p++) {
+    corners_of->starts[0] = 0;
+    corners_of->most = 0;
+    for (size_t p = 0; p < corners_of->position_count; p++) {
         uint32_t count = 0;
         for (size_t part = 0; part < w->parts; part++) count += counts_of(w, part)[p];
-        around->starts[p + 1] = sum;
+        corners_of->starts[p + 1] = sum;
         sum += count;
-        if (count > around->most) around->most = count;
+        if (count > corners_of->most) corners_of->most = count;
     }
 }
 
 CORE_INLINE void place_range(const part_work *w, uint32_t first, uint32_t count, int plain) {
     const core_mesh *mesh = w->mesh;
-    uint32_t *places = w->around->starts + 1, *corners = w->around->corners;
+    uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
     for (size_t c = 0; c < mesh->corner_count; c++) {
         const uint32_t p = position_of(mesh, c, plain);
         if (p - first < count) corners[places[p]++] = (uint32_t)c;
@@ -78,15 +78,15 @@ CORE_INLINE void place_range(const part_work *w, uint32_t first, uint32_t count,
 }
 
 CORE_INLINE void place_all(const part_work *w, int plain) {
-    uint32_t *places = w->around->starts + 1, *corners = w->around->corners;
+    uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
     for (size_t c = 0; c < w->mesh->corner_count; c++)
         corners[places[position_of(w->mesh, c, plain)]++] = (uint32_t)c;
 }
 
 static void place_part(void *context, size_t part) {
     const part_work *w = context;
-    const uint32_t begin = (uint32_t)begin_of(w, w->around->position_count, part),
-                   end = (uint32_t)begin_of(w, w->around->position_count, part + 1);
+    const uint32_t begin = (uint32_t)begin_of(w, w->corners_of->position_count, part),
+                   end = (uint32_t)begin_of(w, w->corners_of->position_count, part + 1);
     if (w->parts == 1 && is_plain(w->mesh))
         place_all(w, 1);
     else if (w->parts == 1)
@@ -97,28 +97,29 @@ static void place_part(void *context, size_t part) {
         place_range(w, begin, end - begin, 0);
 }
 
-static void name_faces(const core_mesh *mesh, core_around *around) {
+static void name_faces(const core_mesh *mesh, core_corners_of_position *corners_of) {
     for (size_t f = 0; f < mesh->face_count; f++)
         for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
-            around->faces[c] = (uint32_t)f;
+            corners_of->faces[c] = (uint32_t)f;
 }
 
 /* As many as may work, each with enough to do, and all their counts with room among the sorted
  * corners; one alone counts where the starts will be. */
-static size_t choose_parts(const core_call *call, const core_around *around) {
+static size_t choose_parts(const core_call *call, const core_corners_of_position *corners_of) {
     const size_t workers = norma_core_workers(call),
-                 by_size = around->corner_count / CORNERS_WORTH_A_PART;
+                 by_size = corners_of->corner_count / CORNERS_WORTH_A_PART;
     const size_t by_memory =
-        around->position_count ? around->corner_count / around->position_count : 0;
+        corners_of->position_count ? corners_of->corner_count / corners_of->position_count : 0;
     size_t parts = workers < MOST_PARTS ? workers : MOST_PARTS;
     if (parts > by_size) parts = by_size;
     if (parts > by_memory) parts = by_memory;
     return parts ? parts : 1;
 }
 
-static norma_result sort_corners(core_call *call, const core_mesh *mesh, core_around *around) {
+static norma_result sort_corners(
+    core_call *call, const core_mesh *mesh, core_corners_of_position *corners_of) {
     const double from = call->progress_from, to = call->progress_to;
-    part_work w = {.mesh = mesh, .around = around, .parts = choose_parts(call, around)};
+    part_work w = {.mesh = mesh, .corners_of = corners_of, .parts = choose_parts(call, corners_of)};
     norma_core_stage(call, from, (from + to) / 2);
     norma_result result = norma_core_parallel(call, w.parts, count_part, &w);
     if (result == NORMA_OK) {
@@ -129,24 +130,32 @@ static norma_result sort_corners(core_call *call, const core_mesh *mesh, core_ar
     return result;
 }
 
-norma_result norma_core_around_build(core_call *call, const core_mesh *mesh, core_around *around) {
-    *around =
-        (core_around){.position_count = mesh->positions.count, .corner_count = mesh->corner_count};
-    around->starts = norma_core_allocate(call, around->position_count + 1, sizeof *around->starts);
-    around->corners = norma_core_allocate(call, around->corner_count, sizeof *around->corners);
+norma_result norma_core_corners_of_position_build(
+    core_call *call, const core_mesh *mesh, core_corners_of_position *corners_of) {
+    *corners_of = (core_corners_of_position){
+        .position_count = mesh->positions.count, .corner_count = mesh->corner_count};
+    corners_of->starts =
+        norma_core_allocate(call, corners_of->position_count + 1, sizeof *corners_of->starts);
+    corners_of->corners =
+        norma_core_allocate(call, corners_of->corner_count, sizeof *corners_of->corners);
     if (mesh->face_starts)
-        around->faces = norma_core_allocate(call, around->corner_count, sizeof *around->faces);
+        corners_of->faces =
+            norma_core_allocate(call, corners_of->corner_count, sizeof *corners_of->faces);
     norma_result result = NORMA_ERROR_MEMORY;
-    if (around->starts && around->corners && (!mesh->face_starts || around->faces))
-        result = sort_corners(call, mesh, around);
-    if (result == NORMA_OK && around->faces) name_faces(mesh, around);
-    if (result != NORMA_OK) norma_core_around_release(call, around);
+    if (corners_of->starts && corners_of->corners && (!mesh->face_starts || corners_of->faces))
+        result = sort_corners(call, mesh, corners_of);
+    if (result == NORMA_OK && corners_of->faces) name_faces(mesh, corners_of);
+    if (result != NORMA_OK) norma_core_corners_of_position_release(call, corners_of);
     return result;
 }
 
-void norma_core_around_release(const core_call *call, core_around *around) {
-    norma_core_release(call, around->starts, around->position_count + 1, sizeof *around->starts);
-    norma_core_release(call, around->corners, around->corner_count, sizeof *around->corners);
-    norma_core_release(call, around->faces, around->corner_count, sizeof *around->faces);
-    *around = (core_around){0};
+void norma_core_corners_of_position_release(
+    const core_call *call, core_corners_of_position *corners_of) {
+    norma_core_release(
+        call, corners_of->starts, corners_of->position_count + 1, sizeof *corners_of->starts);
+    norma_core_release(
+        call, corners_of->corners, corners_of->corner_count, sizeof *corners_of->corners);
+    norma_core_release(
+        call, corners_of->faces, corners_of->corner_count, sizeof *corners_of->faces);
+    *corners_of = (core_corners_of_position){0};
 }

@@ -99,7 +99,7 @@ norma_result norma_core_topology_open(
 void norma_core_topology_close(core_topology *t) {
     norma_core_release(t->call, t->partners, t->mesh.corner_count, sizeof *t->partners);
     norma_core_release(t->call, t->others, t->mesh.corner_count, sizeof *t->others);
-    if (t->around.starts) norma_core_around_release(t->call, &t->around);
+    if (t->corners_of.starts) norma_core_corners_of_position_release(t->call, &t->corners_of);
     norma_core_release(t->call, t->polygons, t->mesh.face_count, sizeof *t->polygons);
     norma_core_release(t->call, t->corners, t->mesh.corner_count, sizeof *t->corners);
     *t = (core_topology){0};
@@ -107,29 +107,29 @@ void norma_core_topology_close(core_topology *t) {
 
 /* ---- the corners at one position */
 
-typedef struct ring_slot {
+typedef struct star_slot {
     uint32_t next, previous;          /* positions of the kept neighbours */
     uint32_t corner, previous_corner; /* where the edges to next and from previous begin */
     uint32_t face;
     uint32_t anchor; /* nonzero: the face is judged as a twin at this corner */
-} ring_slot;
+} star_slot;
 
-typedef struct ring {
-    ring_slot *slots;
+typedef struct star {
+    star_slot *slots;
     core_edge_run *runs; /* two for each slot */
     core_twin *twins;
     uint32_t *fans; /* of each slot a lower one of the same fan, or itself */
     size_t count;
     uint32_t position;
-} ring;
+} star;
 
-enum { RING_SLOTS = 64, FEW_SLOTS = 12 };
-typedef struct ring_space {
-    ring_slot slots[RING_SLOTS];
-    core_edge_run runs[2 * RING_SLOTS];
-    core_twin twins[RING_SLOTS];
-    uint32_t fans[RING_SLOTS];
-} ring_space;
+enum { STAR_SLOTS = 64, FEW_SLOTS = 12 };
+typedef struct star_space {
+    star_slot slots[STAR_SLOTS];
+    core_edge_run runs[2 * STAR_SLOTS];
+    core_twin twins[STAR_SLOTS];
+    uint32_t fans[STAR_SLOTS];
+} star_space;
 
 typedef struct pairing {
     core_topology *topology;
@@ -137,33 +137,33 @@ typedef struct pairing {
     size_t blocks;
 } pairing;
 
-static int load_triangle(const core_topology *t, uint32_t position, size_t corner, ring_slot *s) {
+static int load_triangle(const core_topology *t, uint32_t position, size_t corner, star_slot *s) {
     const size_t face = corner / 3, begin = 3 * face,
                  next = corner + 1 < begin + 3 ? corner + 1 : begin,
                  previous = corner > begin ? corner - 1 : begin + 2;
-    *s = (ring_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous,
+    *s = (star_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous,
         (uint32_t)face, 0};
     s->anchor = position < s->next && position < s->previous;
     return s->next != position && s->previous != position && s->next != s->previous;
 }
 
-static int load_polygon(const core_topology *t, size_t corner, ring_slot *s) {
-    const size_t face = t->around.faces[corner];
+static int load_polygon(const core_topology *t, size_t corner, star_slot *s) {
+    const size_t face = t->corners_of.faces[corner];
     if (t->polygons[face].anchor == UINT32_MAX || !norma_core_is_kept(&t->mesh, face, corner))
         return 0;
     const size_t next = norma_core_next_kept(&t->mesh, face, corner),
                  previous = norma_core_previous_kept(&t->mesh, face, corner);
-    *s = (ring_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous,
+    *s = (star_slot){t->corners[next], t->corners[previous], (uint32_t)corner, (uint32_t)previous,
         (uint32_t)face, t->polygons[face].anchor == corner};
     return 1;
 }
 
-static void load_ring(const core_topology *t, uint32_t position, ring *r) {
+static void load_star(const core_topology *t, uint32_t position, star *r) {
     r->count = 0;
     r->position = position;
-    for (uint32_t i = t->around.starts[position]; i < t->around.starts[position + 1]; i++) {
-        const size_t corner = t->around.corners[i];
-        ring_slot *s = &r->slots[r->count];
+    for (uint32_t i = t->corners_of.starts[position]; i < t->corners_of.starts[position + 1]; i++) {
+        const size_t corner = t->corners_of.corners[i];
+        star_slot *s = &r->slots[r->count];
         const int has_edges =
             t->polygons ? load_polygon(t, corner, s) : load_triangle(t, position, corner, s);
         r->count += has_edges != 0;
@@ -171,9 +171,9 @@ static void load_ring(const core_topology *t, uint32_t position, ring *r) {
     }
 }
 
-/* ---- the ordinary ring: whole fans, closed or open, one face each way at each edge */
+/* ---- the ordinary star: whole fans, closed or open, one face each way at each edge */
 
-static int pair_few(const ring *r, uint8_t *after) {
+static int pair_few(const star *r, uint8_t *after) {
     const size_t n = r->count;
     for (size_t i = 0; i < n; i++) {
         size_t ahead = n, matches = 0;
@@ -200,7 +200,7 @@ static size_t fan_length(const uint8_t *after, size_t n) {
     return length;
 }
 
-static int pair_ordinary(const core_topology *t, const ring *r) {
+static int pair_ordinary(const core_topology *t, const star *r) {
     uint8_t after[FEW_SLOTS];
     if (r->count > FEW_SLOTS || !pair_few(r, after) || fan_length(after, r->count) != r->count)
         return 0;
@@ -213,7 +213,7 @@ static int pair_ordinary(const core_topology *t, const ring *r) {
     return 1;
 }
 
-/* ---- any ring */
+/* ---- any star */
 
 static int run_is_less(const void *first, const void *second) {
     const core_edge_run *a = first, *b = second;
@@ -240,10 +240,10 @@ static void sort_runs(core_edge_run *runs, size_t count) {
     }
 }
 
-static size_t list_runs(const core_topology *t, const ring *r) {
+static size_t list_runs(const core_topology *t, const star *r) {
     size_t count = 0;
     for (size_t i = 0; i < r->count; i++) {
-        const ring_slot *s = &r->slots[i];
+        const star_slot *s = &r->slots[i];
         const uint64_t key = t->polygons ? t->polygons[s->face].key : 0;
         r->runs[count++] =
             (core_edge_run){t->polygons ? key : s->previous, s->next, s->corner, (uint32_t)i, 1};
@@ -269,7 +269,7 @@ static void join(uint32_t *fans, uint32_t a, uint32_t b) {
 }
 
 static void pair_edge(
-    const pairing *p, size_t block, const ring *r, const core_edge_run *runs, size_t count) {
+    const pairing *p, size_t block, const star *r, const core_edge_run *runs, size_t count) {
     const core_topology *t = p->topology;
     for (size_t i = 1; i < count; i++) join(r->fans, runs[0].slot, runs[i].slot);
     if (runs->other < r->position) return;
@@ -288,12 +288,12 @@ static void pair_edge(
         p->visitor->edge(p->visitor->context, block, r->position, runs, count);
 }
 
-static void find_twins(const pairing *p, size_t block, const ring *r) {
+static void find_twins(const pairing *p, size_t block, const star *r) {
     const core_topology *t = p->topology;
     size_t count = 0;
     if (!p->visitor || !p->visitor->twins) return;
     for (size_t i = 0; i < r->count; i++) {
-        const ring_slot *s = &r->slots[i];
+        const star_slot *s = &r->slots[i];
         if (s->anchor)
             r->twins[count++] =
                 (core_twin){t->polygons ? t->polygons[s->face].key : pair_of(s->next, s->previous),
@@ -309,7 +309,7 @@ static void find_twins(const pairing *p, size_t block, const ring *r) {
     }
 }
 
-static void pair_any(const pairing *p, size_t block, const ring *r) {
+static void pair_any(const pairing *p, size_t block, const star *r) {
     size_t fans = 0;
     for (size_t i = 0; i < r->count; i++) r->fans[i] = (uint32_t)i;
     const size_t count = list_runs(p->topology, r);
@@ -324,8 +324,8 @@ static void pair_any(const pairing *p, size_t block, const ring *r) {
     find_twins(p, block, r);
 }
 
-static void pair_ring(const pairing *p, size_t block, uint32_t position, ring *r) {
-    load_ring(p->topology, position, r);
+static void pair_star(const pairing *p, size_t block, uint32_t position, star *r) {
+    load_star(p->topology, position, r);
     if (r->count && !pair_ordinary(p->topology, r)) pair_any(p, block, r);
 }
 
@@ -333,30 +333,31 @@ static void pair_ring(const pairing *p, size_t block, uint32_t position, ring *r
 
 static void pair_block(void *context, size_t block) {
     const pairing *p = context;
-    const core_around *around = &p->topology->around;
-    const size_t count = around->position_count, begin = block * POSITIONS_IN_BLOCK,
+    const core_corners_of_position *corners_of = &p->topology->corners_of;
+    const size_t count = corners_of->position_count, begin = block * POSITIONS_IN_BLOCK,
                  end = count - begin < POSITIONS_IN_BLOCK ? count : begin + POSITIONS_IN_BLOCK;
-    ring_space space;
-    ring r = {space.slots, space.runs, space.twins, space.fans, 0, 0};
+    star_space space;
+    star r = {space.slots, space.runs, space.twins, space.fans, 0, 0};
     for (size_t position = begin; position < end; position++) {
-        const size_t size = around->starts[position + 1] - around->starts[position];
-        if (size && size <= RING_SLOTS) pair_ring(p, block, (uint32_t)position, &r);
+        const size_t size = corners_of->starts[position + 1] - corners_of->starts[position];
+        if (size && size <= STAR_SLOTS) pair_star(p, block, (uint32_t)position, &r);
     }
 }
 
 static norma_result pair_large(const pairing *p) {
     const core_topology *t = p->topology;
-    const size_t most = t->around.most;
-    if (most <= RING_SLOTS) return NORMA_OK;
-    ring r = {norma_core_allocate(t->call, most, sizeof *r.slots),
+    const size_t most = t->corners_of.most;
+    if (most <= STAR_SLOTS) return NORMA_OK;
+    star r = {norma_core_allocate(t->call, most, sizeof *r.slots),
         norma_core_allocate(t->call, 2 * most, sizeof *r.runs),
         norma_core_allocate(t->call, most, sizeof *r.twins),
         norma_core_allocate(t->call, most, sizeof *r.fans), 0, 0};
     norma_result result = r.slots && r.runs && r.twins && r.fans ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t position = 0; position < t->around.position_count && result == NORMA_OK;
+    for (size_t position = 0; position < t->corners_of.position_count && result == NORMA_OK;
          position++) {
-        if (t->around.starts[position + 1] - t->around.starts[position] <= RING_SLOTS) continue;
-        pair_ring(p, p->blocks - 1, (uint32_t)position, &r);
+        if (t->corners_of.starts[position + 1] - t->corners_of.starts[position] <= STAR_SLOTS)
+            continue;
+        pair_star(p, p->blocks - 1, (uint32_t)position, &r);
         if (norma_core_progress(t->call, 1)) result = NORMA_CANCELLED;
     }
     norma_core_release(t->call, r.slots, most, sizeof *r.slots);
@@ -372,9 +373,10 @@ size_t norma_core_topology_blocks(const core_topology *topology) {
 
 norma_result norma_core_pair_edges(core_topology *topology, const core_topology_visitor *visitor) {
     const pairing p = {topology, visitor, norma_core_topology_blocks(topology)};
-    norma_result result = topology->around.starts ? NORMA_OK
-                                                  : norma_core_around_build(topology->call,
-                                                        &topology->mesh, &topology->around);
+    norma_result result = topology->corners_of.starts
+                              ? NORMA_OK
+                              : norma_core_corners_of_position_build(
+                                    topology->call, &topology->mesh, &topology->corners_of);
     if (result != NORMA_OK) return result;
     if (!topology->partners)
         topology->partners = norma_core_allocate(

@@ -29,20 +29,20 @@ typedef struct core_topology {
     core_mesh mesh; /* its corners are welded positions: the least of those that are one; no weld of
                        its own */
     uint32_t *corners; /* those, owned */
-    core_around around;
+    core_corners_of_position corners_of;
     core_polygon *polygons; /* of each face; NULL for triangles */
     uint32_t *partners;     /* of each corner: see above. NULL before norma_core_pair_edges */
     uint32_t *others; /* at corners with CORE_EDGE_CONFLICT or _MANY, and there only: the corner of
                          the edge's next face, round about */
 } core_topology;
 
-typedef struct core_edge_run { /* a face runs along an edge between the ring's position and another
+typedef struct core_edge_run { /* a face runs along an edge between the star's position and another
                                   one */
     uint64_t key;              /* equal for faces that have all their edges in common */
     uint32_t other;            /* position */
     uint32_t corner;           /* at which the run begins */
-    uint32_t slot;             /* of the ring */
-    uint32_t out;              /* nonzero: from the ring's position to the other */
+    uint32_t slot;             /* of the star */
+    uint32_t out;              /* nonzero: from the star's position to the other */
 } core_edge_run;
 
 typedef struct core_twin {
@@ -81,6 +81,6 @@ static inline size_t norma_core_topology_next(const core_topology *t, size_t fac
 }
 /* Of a corner of any mesh. */
 static inline size_t norma_core_topology_face(const core_topology *t, size_t corner) {
-    return t->polygons ? t->around.faces[corner] : corner / 3;
+    return t->polygons ? t->corners_of.faces[corner] : corner / 3;
 }
 #endif

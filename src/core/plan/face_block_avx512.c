@@ -30,23 +30,23 @@ CORE_IN_REGISTERS void open_faces(
 }
 
 CORE_IN_REGISTERS void keep_faces(
-    const core_opened_eight *o, const core_sloped_eight *s, uint32_t begin, tile_room *room) {
+    const core_opened_eight *o, const core_sloped_eight *s, uint32_t begin, block_room *room) {
     __m512d weight[3];
     core_weigh_eight(s, weight);
     core_store_eight_rows(o->normal, _mm512_set1_pd(1), room->normals + begin);
     for (int k = 0; k < 3; k++)
-        _mm512_storeu_pd(room->weights + ((size_t)k << TILE_FACE_BITS) + begin, weight[k]);
+        _mm512_storeu_pd(room->weights + ((size_t)k << BLOCK_FACE_BITS) + begin, weight[k]);
 }
 
-static void list_doubted(const tile_view *t, uint32_t begin, unsigned sure, tile_room *room) {
+static void list_doubted(const block_view *t, uint32_t begin, unsigned sure, block_room *room) {
     for (uint32_t i = 0; i < CORE_LANES && begin + i < t->face_count; i++)
         if (!(sure >> i & 1U)) room->doubted[room->doubted_count++] = (uint16_t)(begin + i);
 }
 
 /* The next eight are read and multiplied while this one's divisions are under way: what waits for
  * them would otherwise keep the processor from seeing that far ahead. */
-CORE_FOR_AVX512 void norma_core_tile_angles_avx512(
-    const tile_view *t, tile_some eights, tile_room *room) {
+CORE_FOR_AVX512 void norma_core_block_angles_avx512(
+    const block_view *t, block_some eights, block_room *room) {
     const double(*rows)[4] = (const double(*)[4])room->positions;
     uint32_t number = eights.count && eights.numbers ? eights.numbers[0] : 0;
     core_opened_eight o;

@@ -1,94 +1,94 @@
-/* face_block_build.c: rings are taken along the curve until a tile is full; then its faces and
- * vertices are numbered and its lists written behind those of the tile before. */
+/* face_block_build.c: stars are taken along the curve until a block is full; then its faces and
+ * vertices are numbered and its lists written behind those of the block before. */
 #include "core/plan/face_block_moved.h"
 
 enum {
     TABLE = 1 << 12,
-    FIRST_TILES = 16,
-    TILE_FOURS = TILE_SLOTS / 4,
-    MOST_IN_FOURS = 2 * TILE_CORNERS
+    FIRST_BLOCKS = 16,
+    BLOCK_FOURS = BLOCK_SLOTS / 4,
+    MOST_IN_FOURS = 2 * BLOCK_CORNERS
 };
 
-/* Numbers of the mesh, each with a number of the tile's. */
-typedef struct tile_table {
+/* Numbers of the mesh, each with a number of the block's. */
+typedef struct block_table {
     uint32_t keys[TABLE]; /* and 1 */
     uint16_t values[TABLE];
     uint32_t count;
-} tile_table;
+} block_table;
 
-typedef struct staged_slot {
+typedef struct staged_group {
     uint32_t member_end, vertex_end;
     int joined;
-} staged_slot;
+} staged_group;
 
-/* Slots as they come, by the mesh's numbers. */
-typedef struct tile_stage {
-    size_t slot_count, member_count, vertex_count;
-    staged_slot slots[TILE_SLOTS];
-    uint32_t members[TILE_MEMBERS], vertices[TILE_VERTICES];
+/* Groups as they come, by the mesh's numbers. */
+typedef struct block_stage {
+    size_t group_count, member_count, vertex_count;
+    staged_group groups[BLOCK_SLOTS];
+    uint32_t members[BLOCK_MEMBERS], vertices[BLOCK_VERTICES];
     int overflow, first_at_position;
-} tile_stage;
+} block_stage;
 
-typedef struct tile_builder {
+typedef struct block_builder {
     norma_plan *plan;
-    plan_slots *slots;
+    plan_groups *groups;
     const core_mesh *mesh;
     const uint32_t *corner_faces; /* polygons */
-    uint8_t *wide;
-    tile_table faces, vertices, own;
-    tile_stage stage, ring;
-    uint32_t face_list[TILE_FACES], vertex_list[TILE_VERTICES];
+    uint8_t *overflow;
+    block_table faces, vertices, own;
+    block_stage stage, star;
+    uint32_t face_list[BLOCK_FACES], vertex_list[BLOCK_VERTICES];
     uint32_t corner_count; /* of the faces listed */
     uint32_t *words;       /* growing */
     size_t word_count, word_room;
-    plan_tile *tiles;
-    size_t tile_count, tile_room, occurrences;
+    plan_block *blocks;
+    size_t block_count, block_room, occurrences;
     norma_result result;
-} tile_builder;
+} block_builder;
 
 /* ---- tables */
 
-static uint32_t slot_in_table(const tile_table *t, uint32_t key) {
+static uint32_t group_in_table(const block_table *t, uint32_t key) {
     uint32_t at = (key * UINT32_C(0x9e3779b1)) >> 20;
     while (t->keys[at] && t->keys[at] != key + 1) at = (at + 1) & (TABLE - 1);
     return at;
 }
 
-static void clear_table(tile_table *t) {
+static void clear_table(block_table *t) {
     memset(t->keys, 0, sizeof t->keys);
     t->count = 0;
 }
 
 /* Whether the key is new; it then gets the next number. */
-static int enter(tile_table *t, uint32_t key) {
-    const uint32_t at = slot_in_table(t, key);
+static int enter(block_table *t, uint32_t key) {
+    const uint32_t at = group_in_table(t, key);
     if (t->keys[at]) return 0;
     t->keys[at] = key + 1;
     t->values[at] = (uint16_t)t->count++;
     return 1;
 }
 
-static uint32_t number_of(const tile_table *t, uint32_t key) {
-    return t->values[slot_in_table(t, key)];
+static uint32_t number_of(const block_table *t, uint32_t key) {
+    return t->values[group_in_table(t, key)];
 }
-static int has(const tile_table *t, uint32_t key) { return t->keys[slot_in_table(t, key)] != 0; }
+static int has(const block_table *t, uint32_t key) { return t->keys[group_in_table(t, key)] != 0; }
 
-static uint32_t face_of(const tile_builder *b, uint32_t corner) {
+static uint32_t face_of(const block_builder *b, uint32_t corner) {
     return b->corner_faces ? b->corner_faces[corner] : corner / 3;
 }
 
 /* ---- staging */
 
-static void clear_stage(tile_stage *s) {
-    s->slot_count = s->member_count = s->vertex_count = 0;
+static void clear_stage(block_stage *s) {
+    s->group_count = s->member_count = s->vertex_count = 0;
     s->overflow = 0;
 }
 
-static void stage_slot(void *context, const uint32_t *members, size_t member_count,
+static void stage_group(void *context, const uint32_t *members, size_t member_count,
     const uint32_t *vertices, size_t vertex_count) {
-    tile_stage *s = context;
-    if (s->slot_count == TILE_SLOTS || member_count > TILE_MEMBERS - s->member_count ||
-        vertex_count > TILE_VERTICES - s->vertex_count)
+    block_stage *s = context;
+    if (s->group_count == BLOCK_SLOTS || member_count > BLOCK_MEMBERS - s->member_count ||
+        vertex_count > BLOCK_VERTICES - s->vertex_count)
         s->overflow = 1;
     if (s->overflow) return;
     memcpy(s->members + s->member_count, members, member_count * sizeof *members);
@@ -96,54 +96,55 @@ static void stage_slot(void *context, const uint32_t *members, size_t member_cou
         memcpy(s->vertices + s->vertex_count, vertices, vertex_count * sizeof *vertices);
     s->member_count += member_count;
     s->vertex_count += vertex_count;
-    s->slots[s->slot_count++] =
-        (staged_slot){(uint32_t)s->member_count, (uint32_t)s->vertex_count, !s->first_at_position};
+    s->groups[s->group_count++] =
+        (staged_group){(uint32_t)s->member_count, (uint32_t)s->vertex_count, !s->first_at_position};
     s->first_at_position = 0;
 }
 
-static int join_stage(tile_stage *s, const tile_stage *ring) {
-    if (s->slot_count + ring->slot_count > TILE_SLOTS ||
-        s->member_count + ring->member_count > TILE_MEMBERS ||
-        s->vertex_count + ring->vertex_count > TILE_VERTICES)
+static int join_stage(block_stage *s, const block_stage *star) {
+    if (s->group_count + star->group_count > BLOCK_SLOTS ||
+        s->member_count + star->member_count > BLOCK_MEMBERS ||
+        s->vertex_count + star->vertex_count > BLOCK_VERTICES)
         return 0;
-    memcpy(s->members + s->member_count, ring->members, ring->member_count * sizeof *s->members);
-    memcpy(s->vertices + s->vertex_count, ring->vertices, ring->vertex_count * sizeof *s->vertices);
-    for (size_t i = 0; i < ring->slot_count; i++) {
-        s->slots[s->slot_count + i] = ring->slots[i];
-        s->slots[s->slot_count + i].member_end += (uint32_t)s->member_count;
-        s->slots[s->slot_count + i].vertex_end += (uint32_t)s->vertex_count;
+    memcpy(s->members + s->member_count, star->members, star->member_count * sizeof *s->members);
+    memcpy(s->vertices + s->vertex_count, star->vertices, star->vertex_count * sizeof *s->vertices);
+    for (size_t i = 0; i < star->group_count; i++) {
+        s->groups[s->group_count + i] = star->groups[i];
+        s->groups[s->group_count + i].member_end += (uint32_t)s->member_count;
+        s->groups[s->group_count + i].vertex_end += (uint32_t)s->vertex_count;
     }
-    s->slot_count += ring->slot_count;
-    s->member_count += ring->member_count;
-    s->vertex_count += ring->vertex_count;
+    s->group_count += star->group_count;
+    s->member_count += star->member_count;
+    s->vertex_count += star->vertex_count;
     return 1;
 }
 
-/* ---- the faces and vertices of a tile to be; 0 where one more ring does not fit, the tables then
+/* ---- the faces and vertices of a block to be; 0 where one more star does not fit, the tables then
  * of no more use than for what was there before */
 
-typedef struct tile_mark {
+typedef struct block_mark {
     uint32_t faces, vertices, corners;
-} tile_mark;
+} block_mark;
 
-static void take_back(tile_table *t, const uint32_t *list, uint32_t count) {
+static void take_back(block_table *t, const uint32_t *list, uint32_t count) {
     /* Keys that came last are nobody's way to another's place but theirs: taken out in reverse, the
      * table is as it was. */
-    while (t->count > count) t->keys[slot_in_table(t, list[--t->count])] = 0;
+    while (t->count > count) t->keys[group_in_table(t, list[--t->count])] = 0;
 }
 
-static int enter_vertex(tile_builder *b, uint32_t vertex) {
+static int enter_vertex(block_builder *b, uint32_t vertex) {
     if (has(&b->vertices, vertex)) return 1;
-    if (b->vertices.count == TILE_VERTICES) return 0;
+    if (b->vertices.count == BLOCK_VERTICES) return 0;
     b->vertex_list[b->vertices.count] = vertex;
     return enter(&b->vertices, vertex);
 }
 
-static int enter_face(tile_builder *b, uint32_t face) {
+static int enter_face(block_builder *b, uint32_t face) {
     const size_t begin = norma_core_face_begin(b->mesh, face),
                  end = norma_core_face_end(b->mesh, face);
     if (has(&b->faces, face)) return 1;
-    if (b->faces.count == TILE_MOST_FACES || end - begin > TILE_CORNERS - b->corner_count) return 0;
+    if (b->faces.count == BLOCK_MOST_FACES || end - begin > BLOCK_CORNERS - b->corner_count)
+        return 0;
     b->face_list[b->faces.count] = face;
     enter(&b->faces, face);
     b->corner_count += (uint32_t)(end - begin);
@@ -152,96 +153,96 @@ static int enter_face(tile_builder *b, uint32_t face) {
     return 1;
 }
 
-static int enter_ring(tile_builder *b, const tile_stage *ring) {
-    const tile_mark before = {b->faces.count, b->vertices.count, b->corner_count};
+static int enter_star(block_builder *b, const block_stage *star) {
+    const block_mark before = {b->faces.count, b->vertices.count, b->corner_count};
     int fits = 1;
-    for (size_t i = 0; i < ring->member_count && fits; i++)
-        fits = enter_face(b, face_of(b, ring->members[i]));
-    if (fits && join_stage(&b->stage, ring)) return 1;
+    for (size_t i = 0; i < star->member_count && fits; i++)
+        fits = enter_face(b, face_of(b, star->members[i]));
+    if (fits && join_stage(&b->stage, star)) return 1;
     take_back(&b->faces, b->face_list, before.faces);
     take_back(&b->vertices, b->vertex_list, before.vertices);
     b->corner_count = before.corners;
     return 0;
 }
 
-static void begin_tile(tile_builder *b) {
+static void begin_block(block_builder *b) {
     clear_table(&b->faces);
     clear_table(&b->vertices);
     clear_stage(&b->stage);
     b->corner_count = 0;
 }
 
-/* ---- writing a tile */
+/* ---- writing a block */
 
 static int grow(const core_call *call, void **memory, size_t *room, size_t count, size_t wanted,
     size_t size, size_t first) {
     size_t larger = *room ? *room : first;
     while (larger < wanted) larger += larger / 4 + 64;
     if (*memory && larger == *room) return 1;
-    void *block = norma_core_allocate(call, larger, size);
-    if (!block) return 0;
-    if (*memory) memcpy(block, *memory, count * size);
+    void *store = norma_core_allocate(call, larger, size);
+    if (!store) return 0;
+    if (*memory) memcpy(store, *memory, count * size);
     norma_core_release(call, *memory, *room, size);
-    *memory = block;
+    *memory = store;
     *room = larger;
     return 1;
 }
 
 static size_t halves(size_t count) { return count / 2 + count % 2; }
 
-static void write_halves(tile_builder *b, const uint16_t *numbers, size_t count) {
+static void write_halves(block_builder *b, const uint16_t *numbers, size_t count) {
     b->words[b->word_count + halves(count) - (count != 0)] = 0;
     memcpy(b->words + b->word_count, numbers, count * sizeof *numbers);
     b->word_count += halves(count);
 }
 
-static void write_words(tile_builder *b, const uint32_t *numbers, size_t count) {
+static void write_words(block_builder *b, const uint32_t *numbers, size_t count) {
     memcpy(b->words + b->word_count, numbers, count * sizeof *numbers);
     b->word_count += count;
 }
 
-/* Everything of the tile in the tile's numbers, before it is written. */
-typedef struct tile_draft {
-    uint32_t vertices[TILE_VERTICES], face_starts[TILE_FACES + 1], mesh_corners[TILE_FACES],
-        weld[TILE_VERTICES];
-    uint16_t corners[TILE_CORNERS], corner_faces[TILE_CORNERS],
-        member_starts[TILE_SLOTS + TILE_VERTICES + 1], members[TILE_MEMBERS + TILE_CORNERS],
-        vertex_starts[TILE_SLOTS + 1], slot_of[TILE_VERTICES], place[TILE_CORNERS],
-        four_counts[TILE_FOURS], fours[MOST_IN_FOURS];
-    plan_tile tile;
-} tile_draft;
+/* Everything of the block in the block's numbers, before it is written. */
+typedef struct block_draft {
+    uint32_t vertices[BLOCK_VERTICES], face_starts[BLOCK_FACES + 1], mesh_corners[BLOCK_FACES],
+        weld[BLOCK_VERTICES];
+    uint16_t corners[BLOCK_CORNERS], corner_faces[BLOCK_CORNERS],
+        member_starts[BLOCK_SLOTS + BLOCK_VERTICES + 1], members[BLOCK_MEMBERS + BLOCK_CORNERS],
+        vertex_starts[BLOCK_SLOTS + 1], group_of[BLOCK_VERTICES], place[BLOCK_CORNERS],
+        four_counts[BLOCK_FOURS], fours[MOST_IN_FOURS];
+    plan_block block;
+} block_draft;
 
-/* Own vertices in the order of their slots, then those that only take part in faces. */
-static void number_own(tile_builder *b, tile_draft *d) {
-    const tile_stage *s = &b->stage;
+/* Own vertices in the order of their groups, then those that only take part in faces. */
+static void number_own(block_builder *b, block_draft *d) {
+    const block_stage *s = &b->stage;
     const int per_vertex = b->plan->of == NORMA_PER_VERTEX;
     uint32_t first = 0, begin = 0;
     clear_table(&b->own);
-    d->tile.one_each = (uint8_t)per_vertex;
-    for (uint32_t i = 0; i < s->slot_count; i++) {
-        const uint32_t end = per_vertex ? s->slots[i].vertex_end : s->slots[i].member_end;
-        if (!s->slots[i].joined) first = i;
-        if (b->own.count != i) d->tile.one_each = 0;
+    d->block.one_each = (uint8_t)per_vertex;
+    for (uint32_t i = 0; i < s->group_count; i++) {
+        const uint32_t end = per_vertex ? s->groups[i].vertex_end : s->groups[i].member_end;
+        if (!s->groups[i].joined) first = i;
+        if (b->own.count != i) d->block.one_each = 0;
         d->vertex_starts[i] = (uint16_t)b->own.count;
         for (uint32_t m = begin; m < end; m++) {
             const uint32_t vertex =
                 per_vertex ? s->vertices[m] : norma_core_corner(b->mesh, s->members[m]);
             if (!enter(&b->own, vertex)) continue;
-            d->slot_of[b->own.count - 1] = (uint16_t)(per_vertex ? i : first);
+            d->group_of[b->own.count - 1] = (uint16_t)(per_vertex ? i : first);
             d->vertices[b->own.count - 1] = vertex;
         }
         begin = end;
     }
-    d->tile.slot_count = (uint16_t)s->slot_count;
-    d->tile.own_count = (uint16_t)b->own.count;
-    d->vertex_starts[s->slot_count] = (uint16_t)b->own.count;
-    if (b->own.count != s->slot_count) d->tile.one_each = 0;
-    d->tile.plain = d->tile.one_each;
-    for (uint32_t i = 0; i < s->slot_count; i++)
-        if (s->slots[i].joined) d->tile.plain = 0;
+    d->block.group_count = (uint16_t)s->group_count;
+    d->block.own_count = (uint16_t)b->own.count;
+    d->vertex_starts[s->group_count] = (uint16_t)b->own.count;
+    if (b->own.count != s->group_count) d->block.one_each = 0;
+    d->block.plain = d->block.one_each;
+    for (uint32_t i = 0; i < s->group_count; i++)
+        if (s->groups[i].joined) d->block.plain = 0;
 }
 
-static void number_corners(tile_builder *b, tile_draft *d) {
+static void number_corners(block_builder *b, block_draft *d) {
     uint32_t corners = 0;
     for (uint32_t f = 0; f < b->faces.count; f++) {
         const size_t begin = norma_core_face_begin(b->mesh, b->face_list[f]),
@@ -251,112 +252,112 @@ static void number_corners(tile_builder *b, tile_draft *d) {
         for (size_t c = begin; c < end; c++) {
             const uint32_t vertex = norma_core_corner(b->mesh, c);
             if (enter(&b->own, vertex)) d->vertices[b->own.count - 1] = vertex;
-            d->place[corners] = (uint16_t)norma_core_tile_member(
+            d->place[corners] = (uint16_t)norma_core_block_member(
                 b->mesh->face_starts != NULL, f, (uint32_t)(c - begin), corners);
             d->corner_faces[corners] = (uint16_t)f;
             d->corners[corners++] = (uint16_t)number_of(&b->own, vertex);
         }
     }
     d->face_starts[b->faces.count] = corners;
-    d->tile.face_count = (uint16_t)b->faces.count;
-    d->tile.corner_count = (uint16_t)corners;
-    d->tile.vertex_count = (uint16_t)b->own.count;
+    d->block.face_count = (uint16_t)b->faces.count;
+    d->block.corner_count = (uint16_t)corners;
+    d->block.vertex_count = (uint16_t)b->own.count;
 }
 
-static void list_own_members(tile_builder *b, tile_draft *d) {
-    const tile_stage *s = &b->stage;
+static void list_own_members(block_builder *b, block_draft *d) {
+    const block_stage *s = &b->stage;
     uint32_t begin = 0;
-    for (size_t i = 0; i < s->slot_count; i++) {
-        d->member_starts[i] = (uint16_t)(begin | (s->slots[i].joined ? TILE_JOINED : 0U));
-        for (uint32_t m = begin; m < s->slots[i].member_end; m++) {
+    for (size_t i = 0; i < s->group_count; i++) {
+        d->member_starts[i] = (uint16_t)(begin | (s->groups[i].joined ? BLOCK_JOINED : 0U));
+        for (uint32_t m = begin; m < s->groups[i].member_end; m++) {
             const uint32_t face = number_of(&b->faces, face_of(b, s->members[m])),
                            number = s->members[m] - d->mesh_corners[face];
             d->members[m] = d->place[d->face_starts[face] + number];
         }
-        begin = s->slots[i].member_end;
+        begin = s->groups[i].member_end;
     }
 }
 
 /* The corners here of vertices that are not own: a counting sort. */
-static void list_other_members(tile_draft *d) {
-    const uint32_t own = d->tile.own_count, others = d->tile.vertex_count - own;
-    uint16_t *starts = d->member_starts + d->tile.slot_count;
-    uint32_t sum = d->tile.member_count;
+static void list_other_members(block_draft *d) {
+    const uint32_t own = d->block.own_count, others = d->block.vertex_count - own;
+    uint16_t *starts = d->member_starts + d->block.group_count;
+    uint32_t sum = d->block.member_count;
     for (uint32_t i = 0; i < others; i++) starts[i] = 0;
-    for (uint32_t c = 0; c < d->tile.corner_count; c++)
+    for (uint32_t c = 0; c < d->block.corner_count; c++)
         if (d->corners[c] >= own) starts[d->corners[c] - own]++;
     for (uint32_t i = 0; i < others; i++) starts[i] = (uint16_t)(sum += starts[i]);
     starts[others] = (uint16_t)sum;
-    for (uint32_t c = d->tile.corner_count; c-- > 0;)
+    for (uint32_t c = d->block.corner_count; c-- > 0;)
         if (d->corners[c] >= own) d->members[--starts[d->corners[c] - own]] = d->place[c];
-    d->tile.member_count = (uint16_t)sum;
+    d->block.member_count = (uint16_t)sum;
 }
 
-/* The members of four slots, one of each in turn, so that they are added up side by side without
- * asking who has one more: who has none left has TILE_NOBODY. Slots up to a multiple of eight are
+/* The members of four groups, one of each in turn, so that they are added up side by side without
+ * asking who has one more: who has none left has BLOCK_NOBODY. Groups up to a multiple of eight are
  * the last one again. Where that takes much more room than the members themselves, there are none.
  */
-static void list_fours(tile_draft *d) {
-    const uint32_t slots = d->tile.slot_count, fours = 2 * norma_core_tile_eights(slots);
-    const uint32_t all = d->member_starts[slots] & (TILE_JOINED - 1U),
+static void list_fours(block_draft *d) {
+    const uint32_t groups = d->block.group_count, fours = 2 * norma_core_block_eights(groups);
+    const uint32_t all = d->member_starts[groups] & (BLOCK_JOINED - 1U),
                    most = all + all / 2 + 64 < MOST_IN_FOURS ? all + all / 2 + 64 : MOST_IN_FOURS;
     uint32_t listed = 0;
-    d->tile.four_count = 0;
+    d->block.four_count = 0;
     for (uint32_t i = 0; i < fours; i++) {
         uint32_t begin[4], count[4], longest = 0;
         for (uint32_t k = 0; k < 4; k++) {
-            const uint32_t slot = 4 * i + k < slots ? 4 * i + k : slots - 1;
-            begin[k] = d->member_starts[slot] & (TILE_JOINED - 1U);
-            count[k] = (d->member_starts[slot + 1] & (TILE_JOINED - 1U)) - begin[k];
+            const uint32_t group = 4 * i + k < groups ? 4 * i + k : groups - 1;
+            begin[k] = d->member_starts[group] & (BLOCK_JOINED - 1U);
+            count[k] = (d->member_starts[group + 1] & (BLOCK_JOINED - 1U)) - begin[k];
             longest = count[k] > longest ? count[k] : longest;
         }
-        if (d->tile.polygons || listed + 4 * longest > most) return;
+        if (d->block.polygons || listed + 4 * longest > most) return;
         d->four_counts[i] = (uint16_t)longest;
         for (uint32_t m = 0; m < longest; m++)
             for (uint32_t k = 0; k < 4; k++)
                 d->fours[listed++] =
-                    m < count[k] ? d->members[begin[k] + m] : (uint16_t)TILE_NOBODY;
+                    m < count[k] ? d->members[begin[k] + m] : (uint16_t)BLOCK_NOBODY;
     }
-    d->tile.four_count = listed;
+    d->block.four_count = listed;
 }
 
 /* Triangles up to a multiple of eight are the last one again. */
-static void fill_eights(tile_draft *d) {
-    for (uint32_t c = d->tile.corner_count;
-         c < 3 * CORE_LANES * norma_core_tile_eights(d->tile.face_count); c++)
+static void fill_eights(block_draft *d) {
+    for (uint32_t c = d->block.corner_count;
+         c < 3 * CORE_LANES * norma_core_block_eights(d->block.face_count); c++)
         d->corners[c] = d->corners[c - 3];
 }
 
-static void find_shared(tile_builder *b, tile_draft *d) {
+static void find_shared(block_builder *b, block_draft *d) {
     clear_table(&b->vertices);
-    d->tile.welded = 0;
-    for (uint32_t v = 0, first[TILE_VERTICES]; v < d->tile.vertex_count; v++) {
+    d->block.welded = 0;
+    for (uint32_t v = 0, first[BLOCK_VERTICES]; v < d->block.vertex_count; v++) {
         const uint32_t position = norma_core_welded(b->mesh, d->vertices[v]);
         if (enter(&b->vertices, position)) first[b->vertices.count - 1] = v;
         d->weld[v] = first[number_of(&b->vertices, position)];
-        d->tile.welded |= d->weld[v] != v;
+        d->block.welded |= d->weld[v] != v;
     }
 }
 
-static size_t corners_kept(const plan_tile *t) {
+static size_t corners_kept(const plan_block *t) {
     return t->polygons ? t->corner_count
-                       : (size_t)3 * CORE_LANES * norma_core_tile_eights(t->face_count);
+                       : (size_t)3 * CORE_LANES * norma_core_block_eights(t->face_count);
 }
-static size_t fours_of(const plan_tile *t) {
-    return t->four_count ? 2 * (size_t)norma_core_tile_eights(t->slot_count) : 0;
+static size_t fours_of(const plan_block *t) {
+    return t->four_count ? 2 * (size_t)norma_core_block_eights(t->group_count) : 0;
 }
 
-static size_t words_of(const plan_tile *t) {
+static size_t words_of(const plan_block *t) {
     const size_t polygons = t->polygons != 0;
     return t->vertex_count * (size_t)(1 + (t->welded != 0)) + t->face_count * (1 + 2 * polygons) +
            polygons + halves(corners_kept(t)) * (1 + polygons) +
-           halves((size_t)t->slot_count + t->vertex_count - t->own_count + 1) +
+           halves((size_t)t->group_count + t->vertex_count - t->own_count + 1) +
            halves(t->member_count) + halves(fours_of(t)) + halves(t->four_count) +
-           halves((size_t)t->slot_count + 1) + halves(t->own_count);
+           halves((size_t)t->group_count + 1) + halves(t->own_count);
 }
 
-static void write_draft(tile_builder *b, const tile_draft *d) {
-    const plan_tile *t = &d->tile;
+static void write_draft(block_builder *b, const block_draft *d) {
+    const plan_block *t = &d->block;
     write_words(b, d->vertices, t->vertex_count);
     write_words(b, b->face_list, t->face_count);
     if (t->polygons) write_words(b, d->mesh_corners, t->face_count);
@@ -364,20 +365,20 @@ static void write_draft(tile_builder *b, const tile_draft *d) {
     if (t->welded) write_words(b, d->weld, t->vertex_count);
     write_halves(b, d->corners, corners_kept(t));
     if (t->polygons) write_halves(b, d->corner_faces, t->corner_count);
-    write_halves(b, d->member_starts, (size_t)t->slot_count + t->vertex_count - t->own_count + 1);
+    write_halves(b, d->member_starts, (size_t)t->group_count + t->vertex_count - t->own_count + 1);
     write_halves(b, d->members, t->member_count);
     write_halves(b, d->four_counts, fours_of(t));
     write_halves(b, d->fours, t->four_count);
     if (t->one_each) return;
     if (b->plan->of == NORMA_PER_VERTEX)
-        write_halves(b, d->vertex_starts, (size_t)t->slot_count + 1);
-    write_halves(b, d->slot_of, t->own_count);
+        write_halves(b, d->vertex_starts, (size_t)t->group_count + 1);
+    write_halves(b, d->group_of, t->own_count);
 }
 
-tile_view norma_core_tile(const norma_plan *plan, size_t tile) {
-    const plan_tile *t = &plan->tiles[tile];
+block_view norma_core_block(const norma_plan *plan, size_t block) {
+    const plan_block *t = &plan->blocks[block];
     const uint32_t *words = plan->words + t->at;
-    tile_view v = {t->vertex_count, t->own_count, t->slot_count, t->face_count, t->corner_count,
+    block_view v = {t->vertex_count, t->own_count, t->group_count, t->face_count, t->corner_count,
         t->member_count, t->first_occurrence, t->four_count, t->plain, .vertices = words};
     v.faces = words += t->vertex_count;
     words += t->face_count;
@@ -398,7 +399,7 @@ tile_view norma_core_tile(const norma_plan *plan, size_t tile) {
         numbers += 2 * halves(t->corner_count);
     }
     v.member_starts = numbers;
-    v.members = numbers += 2 * halves((size_t)t->slot_count + t->vertex_count - t->own_count + 1);
+    v.members = numbers += 2 * halves((size_t)t->group_count + t->vertex_count - t->own_count + 1);
     numbers += 2 * halves(t->member_count);
     if (t->four_count) {
         v.four_counts = numbers;
@@ -408,70 +409,70 @@ tile_view norma_core_tile(const norma_plan *plan, size_t tile) {
     if (t->one_each) return v;
     if (plan->of == NORMA_PER_VERTEX) {
         v.vertex_starts = numbers;
-        numbers += 2 * halves((size_t)t->slot_count + 1);
+        numbers += 2 * halves((size_t)t->group_count + 1);
     }
-    v.slot_of = numbers;
+    v.group_of = numbers;
     return v;
 }
 
-static void draft_tile(tile_builder *b, tile_draft *d) {
-    d->tile = (plan_tile){.at = b->word_count,
+static void draft_block(block_builder *b, block_draft *d) {
+    d->block = (plan_block){.at = b->word_count,
         .first_occurrence = (uint32_t)b->occurrences,
         .polygons = b->mesh->face_starts != NULL};
     number_own(b, d);
     number_corners(b, d);
     list_own_members(b, d);
-    d->tile.member_count = (uint16_t)b->stage.member_count;
+    d->block.member_count = (uint16_t)b->stage.member_count;
     list_other_members(d);
     list_fours(d);
-    if (!d->tile.polygons) fill_eights(d);
+    if (!d->block.polygons) fill_eights(d);
     find_shared(b, d);
 }
 
 /* What a mesh of triangles, two for each vertex, takes, and a little more. */
-static size_t about_words(const tile_builder *b) { return 14 * (b->mesh->corner_count / 6) + 256; }
+static size_t about_words(const block_builder *b) { return 14 * (b->mesh->corner_count / 6) + 256; }
 
-static void end_tile(tile_builder *b, tile_draft *d) {
-    const core_call *call = b->slots->surface->call;
-    if (!b->stage.slot_count || b->result != NORMA_OK) return;
-    draft_tile(b, d);
+static void end_block(block_builder *b, block_draft *d) {
+    const core_call *call = b->groups->prepared->call;
+    if (!b->stage.group_count || b->result != NORMA_OK) return;
+    draft_block(b, d);
     if (!grow(call, (void **)&b->words, &b->word_room, b->word_count,
-            b->word_count + words_of(&d->tile), sizeof *b->words, about_words(b)) ||
-        !grow(call, (void **)&b->tiles, &b->tile_room, b->tile_count, b->tile_count + 1,
-            sizeof *b->tiles, FIRST_TILES) ||
-        b->occurrences > UINT32_MAX - TILE_VERTICES) {
+            b->word_count + words_of(&d->block), sizeof *b->words, about_words(b)) ||
+        !grow(call, (void **)&b->blocks, &b->block_room, b->block_count, b->block_count + 1,
+            sizeof *b->blocks, FIRST_BLOCKS) ||
+        b->occurrences > UINT32_MAX - BLOCK_VERTICES) {
         b->result = NORMA_ERROR_MEMORY;
         return;
     }
     write_draft(b, d);
-    b->tiles[b->tile_count++] = d->tile;
-    b->occurrences += d->tile.vertex_count;
-    begin_tile(b);
+    b->blocks[b->block_count++] = d->block;
+    b->occurrences += d->block.vertex_count;
+    begin_block(b);
 }
 
 /* ---- all of them */
 
-static void take_ring(tile_builder *b, tile_draft *d, uint32_t position) {
-    const uint32_t *starts = b->slots->surface->around.starts;
-    clear_stage(&b->ring);
-    b->ring.first_at_position = 1;
-    if (starts[position + 1] - starts[position] > TILE_RING)
-        b->ring.overflow = 1;
+static void take_star(block_builder *b, block_draft *d, uint32_t position) {
+    const uint32_t *starts = b->groups->prepared->corners_of.starts;
+    clear_stage(&b->star);
+    b->star.first_at_position = 1;
+    if (starts[position + 1] - starts[position] > BLOCK_STAR)
+        b->star.overflow = 1;
     else
-        norma_core_plan_slots_at(b->slots, position, stage_slot, &b->ring);
-    if (!b->ring.overflow && enter_ring(b, &b->ring)) return;
-    if (!b->ring.overflow && b->stage.slot_count) {
-        end_tile(b, d);
-        if (b->result != NORMA_OK || enter_ring(b, &b->ring)) return;
+        norma_core_plan_groups_at(b->groups, position, stage_group, &b->star);
+    if (!b->star.overflow && enter_star(b, &b->star)) return;
+    if (!b->star.overflow && b->stage.group_count) {
+        end_block(b, d);
+        if (b->result != NORMA_OK || enter_star(b, &b->star)) return;
     }
-    b->wide[position] = 1;
+    b->overflow[position] = 1;
 }
 
-/* A block that is nearly full becomes the plan's as it is: to copy it would cost fresh memory. */
+/* A store that is nearly full becomes the plan's as it is: to copy it would cost fresh memory. */
 static void *keep_grown(norma_plan *plan, void **memory, size_t *room, size_t count, size_t size) {
-    if (*memory && *room - count <= count / 8 && plan->block_count < PLAN_MOST_BLOCKS) {
+    if (*memory && *room - count <= count / 8 && plan->store_count < PLAN_MOST_BLOCKS) {
         void *kept = *memory;
-        plan->blocks[plan->block_count++] = (plan_block){kept, *room, size};
+        plan->stores[plan->store_count++] = (plan_store){kept, *room, size};
         plan->bytes += *room * size;
         *memory = NULL;
         *room = 0;
@@ -482,14 +483,14 @@ static void *keep_grown(norma_plan *plan, void **memory, size_t *room, size_t co
     return copy;
 }
 
-static norma_result keep_tiles(tile_builder *b) {
+static norma_result keep_blocks(block_builder *b) {
     norma_plan *plan = b->plan;
-    plan->tiles =
-        keep_grown(plan, (void **)&b->tiles, &b->tile_room, b->tile_count, sizeof *plan->tiles);
+    plan->blocks =
+        keep_grown(plan, (void **)&b->blocks, &b->block_room, b->block_count, sizeof *plan->blocks);
     plan->words =
         keep_grown(plan, (void **)&b->words, &b->word_room, b->word_count, sizeof *plan->words);
-    if (!plan->tiles || !plan->words) return NORMA_ERROR_MEMORY;
-    plan->tile_count = b->tile_count;
+    if (!plan->blocks || !plan->words) return NORMA_ERROR_MEMORY;
+    plan->block_count = b->block_count;
     plan->occurrence_count = b->occurrences;
     return NORMA_OK;
 }
@@ -504,15 +505,15 @@ static norma_result list_occurrences(norma_plan *plan) {
     if (!plan->occurrence_starts || !plan->occurrences) return NORMA_ERROR_MEMORY;
     uint32_t *starts = plan->occurrence_starts, sum = 0;
     memset(starts, 0, (count + 1) * sizeof *starts);
-    for (size_t t = 0; t < plan->tile_count; t++)
-        for (uint32_t i = 0; i < plan->tiles[t].vertex_count; i++)
-            starts[plan->words[plan->tiles[t].at + i]]++;
+    for (size_t t = 0; t < plan->block_count; t++)
+        for (uint32_t i = 0; i < plan->blocks[t].vertex_count; i++)
+            starts[plan->words[plan->blocks[t].at + i]]++;
     for (size_t v = 0; v < count; v++) starts[v] = sum += starts[v];
     starts[count] = sum;
-    for (size_t t = plan->tile_count; t-- > 0;)
-        for (uint32_t i = plan->tiles[t].vertex_count; i-- > 0;)
-            plan->occurrences[--starts[plan->words[plan->tiles[t].at + i]]] =
-                plan->tiles[t].first_occurrence + i;
+    for (size_t t = plan->block_count; t-- > 0;)
+        for (uint32_t i = plan->blocks[t].vertex_count; i-- > 0;)
+            plan->occurrences[--starts[plan->words[plan->blocks[t].at + i]]] =
+                plan->blocks[t].first_occurrence + i;
     return NORMA_OK;
 }
 
@@ -527,40 +528,40 @@ static norma_result keep_marks(norma_plan *plan) {
     return NORMA_OK;
 }
 
-static norma_result build(tile_builder *b, tile_draft *d, const uint32_t *order, size_t count) {
+static norma_result build(block_builder *b, block_draft *d, const uint32_t *order, size_t count) {
     enum { RINGS_BETWEEN_TELLING = 1 << 16 };
-    begin_tile(b);
+    begin_block(b);
     for (size_t i = 0; i < count && b->result == NORMA_OK; i++) {
         if (i % RINGS_BETWEEN_TELLING == 0 &&
-            norma_core_progress(b->slots->surface->call, (double)i / (double)count))
+            norma_core_progress(b->groups->prepared->call, (double)i / (double)count))
             return NORMA_CANCELLED;
-        take_ring(b, d, order[i]);
+        take_star(b, d, order[i]);
     }
-    end_tile(b, d);
-    if (b->result == NORMA_OK) b->result = keep_tiles(b);
+    end_block(b, d);
+    if (b->result == NORMA_OK) b->result = keep_blocks(b);
     return b->result;
 }
 
-norma_result norma_core_plan_tile(norma_plan *plan, plan_slots *slots, uint8_t *wide) {
-    const core_surface *surface = slots->surface;
-    const core_call *call = surface->call;
-    const size_t count = surface->mesh.positions.count;
+norma_result norma_core_plan_block(norma_plan *plan, plan_groups *groups, uint8_t *overflow) {
+    const core_prepared_mesh *prepared = groups->prepared;
+    const core_call *call = prepared->call;
+    const size_t count = prepared->mesh.positions.count;
     size_t ordered = 0;
     uint32_t *order = norma_core_allocate(call, count, sizeof *order);
-    tile_builder *b = norma_core_allocate(call, 1, sizeof *b);
-    tile_draft *d = norma_core_allocate(call, 1, sizeof *d);
+    block_builder *b = norma_core_allocate(call, 1, sizeof *b);
+    block_draft *d = norma_core_allocate(call, 1, sizeof *d);
     norma_result result =
-        order && b && d ? norma_core_plan_order(surface, order, &ordered) : NORMA_ERROR_MEMORY;
+        order && b && d ? norma_core_plan_order(prepared, order, &ordered) : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         memset(b, 0, sizeof *b);
         b->plan = plan;
-        b->slots = slots;
-        b->mesh = &surface->mesh;
-        b->corner_faces = surface->around.faces;
-        b->wide = wide;
+        b->groups = groups;
+        b->mesh = &prepared->mesh;
+        b->corner_faces = prepared->corners_of.faces;
+        b->overflow = overflow;
         result = build(b, d, order, ordered);
         norma_core_release(call, b->words, b->word_room, sizeof *b->words);
-        norma_core_release(call, b->tiles, b->tile_room, sizeof *b->tiles);
+        norma_core_release(call, b->blocks, b->block_room, sizeof *b->blocks);
         if (result == NORMA_OK) result = list_occurrences(plan);
         if (result == NORMA_OK) result = keep_marks(plan);
     }

@@ -1,5 +1,5 @@
 /* face_block_sums.c: the loops in which an update spends its time: eight triangles at a time are
- * read, measured and kept as rows; slots sum rows in the order of their members. Compiled for each
+ * read, measured and kept as rows; groups sum rows in the order of their members. Compiled for each
  * instruction set; what is computed is what norma_vertex_normals computes, by the same steps. */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("no-tree-slp-vectorize") /* this compiler takes rows that are read whole      \
@@ -9,12 +9,12 @@
 #include "core/face/measure_simd.h"
 #include "core/plan/face_block_avx512.h"
 
-CORE_INLINE uint32_t number_at(tile_some some, uint32_t i) {
+CORE_INLINE uint32_t number_at(block_some some, uint32_t i) {
     return some.numbers ? some.numbers[i] : i;
 }
 
 /* Some in a row, or by number; the last one again where there are no more. */
-CORE_INLINE void name_some(tile_some some, uint32_t begin, uint32_t count, uint32_t *out) {
+CORE_INLINE void name_some(block_some some, uint32_t begin, uint32_t count, uint32_t *out) {
     for (uint32_t i = 0; i < count; i++)
         out[i] = number_at(some, begin + i < some.count ? begin + i : some.count - 1);
 }
@@ -45,8 +45,8 @@ CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero
 CORE_INLINE int is_zero(const zero_sum *zero) { return *zero == 0; }
 #endif
 
-CORE_INLINE int load_floats(const tile_view *t, const tile_some *eights, const unsigned char *data,
-    size_t stride, double (*out)[4]) {
+CORE_INLINE int load_floats(const block_view *t, const block_some *eights,
+    const unsigned char *data, size_t stride, double (*out)[4]) {
     zero_sum zero = {0};
     for (uint32_t v = 0; v < t->vertex_count && !eights; v++)
         load_one(data + t->vertices[v] * stride, out[v], &zero);
@@ -60,13 +60,13 @@ CORE_INLINE int load_floats(const tile_view *t, const tile_some *eights, const u
 
 /* ---- triangles */
 
-enum { BATCHES_AT_ONCE = 4 }; /* more would leave the nearest cache less for the tile */
+enum { BATCHES_AT_ONCE = 4 }; /* more would leave the nearest cache less for the block */
 
-typedef struct tile_batch {
+typedef struct block_batch {
     core_batch measured;
     core_arcs arcs;
     uint32_t eight;
-} tile_batch;
+} block_batch;
 
 /* at: the vertices of eight triangles, three by three. */
 #if defined(CORE_HAS_SHUFFLES)
@@ -100,17 +100,17 @@ CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_ba
 }
 #endif
 
-CORE_INLINE void keep_batch(const core_batch *batch, uint32_t eight, tile_room *room) {
+CORE_INLINE void keep_batch(const core_batch *batch, uint32_t eight, block_room *room) {
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
     const uint32_t begin = eight * CORE_LANES;
     core_lanes_to_rows(batch->normal[0], batch->normal[1], batch->normal[2], ones,
         (core_rows *)(void *)room->normals[begin]);
     for (uint32_t k = 0; k < 3; k++)
-        memcpy(
-            &room->weights[k << TILE_FACE_BITS | begin], batch->weight[k], sizeof batch->weight[k]);
+        memcpy(&room->weights[k << BLOCK_FACE_BITS | begin], batch->weight[k],
+            sizeof batch->weight[k]);
 }
 
-CORE_INLINE int all_sure(const tile_batch *batches, uint32_t count) {
+CORE_INLINE int all_sure(const block_batch *batches, uint32_t count) {
     double sure[CORE_LANES] = {0};
     for (uint32_t b = 0; b < count; b++)
         for (int i = 0; i < CORE_LANES; i++) sure[i] += batches[b].measured.sure[i];
@@ -118,7 +118,7 @@ CORE_INLINE int all_sure(const tile_batch *batches, uint32_t count) {
 }
 
 static void list_doubted(
-    const tile_view *t, const tile_batch *batches, uint32_t count, tile_room *room) {
+    const block_view *t, const block_batch *batches, uint32_t count, block_room *room) {
     for (uint32_t i = 0; i < count * CORE_LANES; i++) {
         const uint32_t face = batches[i / CORE_LANES].eight * CORE_LANES + i % CORE_LANES;
         if (face < t->face_count && batches[i / CORE_LANES].measured.sure[i % CORE_LANES] == 0)
@@ -127,7 +127,7 @@ static void list_doubted(
 }
 
 CORE_INLINE void measure_batches(
-    tile_batch *batches, uint32_t count, norma_weight weight, tile_room *room) {
+    block_batch *batches, uint32_t count, norma_weight weight, block_room *room) {
     const int in_steps = weight == NORMA_WEIGHT_ANGLE;
     for (uint32_t i = 0; i < count; i++) {
         if (in_steps)
@@ -148,8 +148,8 @@ CORE_INLINE void measure_batches(
  * before, too long for the processor to see the next one's beginning. So each step is taken for
  * some batches at a time: they wait for nothing of each other. */
 CORE_INLINE void measure_weighted(
-    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
-    tile_batch batches[BATCHES_AT_ONCE];
+    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
+    block_batch batches[BATCHES_AT_ONCE];
     for (uint32_t begin = 0; begin < eights.count; begin += BATCHES_AT_ONCE) {
         const uint32_t count =
             eights.count - begin < BATCHES_AT_ONCE ? eights.count - begin : BATCHES_AT_ONCE;
@@ -166,7 +166,7 @@ CORE_INLINE void measure_weighted(
 
 /* One loop for each weight, so that none asks inside. */
 CORE_INLINE void measure_triangles(
-    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
+    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     switch (weight) {
     case NORMA_WEIGHT_ANGLE:
         measure_weighted(t, eights, NORMA_WEIGHT_ANGLE, room);
@@ -189,59 +189,59 @@ CORE_INLINE void measure_triangles(
     }
 }
 
-/* ---- slots */
+/* ---- groups */
 
-/* x, y, z and the weight of one slot, in a register where there are some. */
+/* x, y, z and the weight of one group, in a register where there are some. */
 #if defined(CORE_HAS_SHUFFLES)
-typedef core_d4 slot_sum;
-CORE_INLINE slot_sum no_votes(void) { return (slot_sum){0, 0, 0, -0.0}; }
-CORE_INLINE slot_sum add_row(slot_sum sum, const double *row, double weight) {
+typedef core_d4 group_sum;
+CORE_INLINE group_sum no_votes(void) { return (group_sum){0, 0, 0, -0.0}; }
+CORE_INLINE group_sum add_row(group_sum sum, const double *row, double weight) {
     return sum + core_load_row(row) * (core_d4){weight, weight, weight, weight};
 }
-CORE_INLINE void keep_sum(slot_sum sum, vertex_sum *out) { core_store_row(&out->x, sum); }
+CORE_INLINE void keep_sum(group_sum sum, vertex_sum *out) { core_store_row(&out->x, sum); }
 #else
-typedef vertex_sum slot_sum;
-CORE_INLINE slot_sum no_votes(void) { return (slot_sum){0, 0, 0, -0.0}; }
-CORE_INLINE slot_sum add_row(slot_sum sum, const double *row, double weight) {
-    return (slot_sum){sum.x + row[0] * weight, sum.y + row[1] * weight, sum.z + row[2] * weight,
+typedef vertex_sum group_sum;
+CORE_INLINE group_sum no_votes(void) { return (group_sum){0, 0, 0, -0.0}; }
+CORE_INLINE group_sum add_row(group_sum sum, const double *row, double weight) {
+    return (group_sum){sum.x + row[0] * weight, sum.y + row[1] * weight, sum.z + row[2] * weight,
         sum.weight + row[3] * weight};
 }
-CORE_INLINE void keep_sum(slot_sum sum, vertex_sum *out) { *out = sum; }
+CORE_INLINE void keep_sum(group_sum sum, vertex_sum *out) { *out = sum; }
 #endif
 
-typedef struct slot_members {
+typedef struct group_members {
     const uint16_t *numbers;
     uint32_t count;
-} slot_members;
+} group_members;
 
-CORE_INLINE slot_members members_of(const tile_view *t, uint32_t slot) {
-    const uint32_t begin = norma_core_tile_start(t, slot);
-    return (slot_members){t->members + begin, norma_core_tile_start(t, slot + 1) - begin};
+CORE_INLINE group_members members_of(const block_view *t, uint32_t group) {
+    const uint32_t begin = norma_core_block_start(t, group);
+    return (group_members){t->members + begin, norma_core_block_start(t, group + 1) - begin};
 }
 
-CORE_INLINE slot_sum add_member(const tile_view *t, const tile_room *room, slot_members of,
-    uint32_t i, int polygons, slot_sum sum) {
+CORE_INLINE group_sum add_member(const block_view *t, const block_room *room, group_members of,
+    uint32_t i, int polygons, group_sum sum) {
     const uint32_t member = of.numbers[i];
     return add_row(sum,
-        room->normals[polygons ? t->corner_faces[member] : member & (TILE_FACES - 1U)],
+        room->normals[polygons ? t->corner_faces[member] : member & (BLOCK_FACES - 1U)],
         room->weights[member]);
 }
 
-CORE_INLINE void add_rest(const tile_view *t, const tile_room *room, slot_members of, uint32_t from,
-    int polygons, slot_sum sum, vertex_sum *out) {
+CORE_INLINE void add_rest(const block_view *t, const block_room *room, group_members of,
+    uint32_t from, int polygons, group_sum sum, vertex_sum *out) {
     for (uint32_t i = from; i < of.count; i++) sum = add_member(t, room, of, i, polygons, sum);
     keep_sum(sum, out);
 }
 
-/* Four slots at a time as far as the shortest goes: what is added to one waits for what was added
+/* Four groups at a time as far as the shortest goes: what is added to one waits for what was added
  * before, not for the others'. */
-CORE_INLINE void sum_four(const tile_view *t, const uint32_t slots[4], const tile_room *room,
+CORE_INLINE void sum_four(const block_view *t, const uint32_t groups[4], const block_room *room,
     int polygons, vertex_sum *out) {
-    const slot_members a = members_of(t, slots[0]), b = members_of(t, slots[1]),
-                       c = members_of(t, slots[2]), d = members_of(t, slots[3]);
+    const group_members a = members_of(t, groups[0]), b = members_of(t, groups[1]),
+                        c = members_of(t, groups[2]), d = members_of(t, groups[3]);
     const uint32_t ab = a.count < b.count ? a.count : b.count,
                    cd = c.count < d.count ? c.count : d.count, together = ab < cd ? ab : cd;
-    slot_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
+    group_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
     for (uint32_t i = 0; i < together; i++) {
         sum_a = add_member(t, room, a, i, polygons, sum_a);
         sum_b = add_member(t, room, b, i, polygons, sum_b);
@@ -254,19 +254,19 @@ CORE_INLINE void sum_four(const tile_view *t, const uint32_t slots[4], const til
     add_rest(t, room, d, together, polygons, sum_d, out + 3);
 }
 
-/* The same of all slots in a row, where their members are listed by fours. */
+/* The same of all groups in a row, where their members are listed by fours. */
 CORE_INLINE const uint16_t *sum_listed(
-    const uint16_t *members, uint32_t count, const tile_room *room, vertex_sum *out) {
-    slot_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
+    const uint16_t *members, uint32_t count, const block_room *room, vertex_sum *out) {
+    group_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
     for (const uint16_t *end = members + (size_t)4 * count; members < end; members += 4) {
         sum_a = add_row(
-            sum_a, room->normals[members[0] & (TILE_FACES - 1U)], room->weights[members[0]]);
+            sum_a, room->normals[members[0] & (BLOCK_FACES - 1U)], room->weights[members[0]]);
         sum_b = add_row(
-            sum_b, room->normals[members[1] & (TILE_FACES - 1U)], room->weights[members[1]]);
+            sum_b, room->normals[members[1] & (BLOCK_FACES - 1U)], room->weights[members[1]]);
         sum_c = add_row(
-            sum_c, room->normals[members[2] & (TILE_FACES - 1U)], room->weights[members[2]]);
+            sum_c, room->normals[members[2] & (BLOCK_FACES - 1U)], room->weights[members[2]]);
         sum_d = add_row(
-            sum_d, room->normals[members[3] & (TILE_FACES - 1U)], room->weights[members[3]]);
+            sum_d, room->normals[members[3] & (BLOCK_FACES - 1U)], room->weights[members[3]]);
     }
     keep_sum(sum_a, out);
     keep_sum(sum_b, out + 1);
@@ -275,21 +275,22 @@ CORE_INLINE const uint16_t *sum_listed(
     return members;
 }
 
-CORE_INLINE void sum_eight(const tile_view *t, tile_some slots, uint32_t begin,
-    const tile_room *room, int polygons, vertex_sum *out) {
+CORE_INLINE void sum_eight(const block_view *t, block_some groups, uint32_t begin,
+    const block_room *room, int polygons, vertex_sum *out) {
     for (uint32_t i = 0; i < CORE_LANES; i += 4) {
         uint32_t names[4];
-        name_some(slots, begin + i, 4, names);
+        name_some(groups, begin + i, 4, names);
         sum_four(t, names, room, polygons, out + i);
     }
 }
 
 /* One by one, where not all have a normal. */
-CORE_INLINE int decide_each(const tile_view *t, tile_some slots, tile_room *room, int polygons) {
+CORE_INLINE int decide_each(
+    const block_view *t, block_some groups, block_room *room, int polygons) {
     vertex_sum sums[CORE_LANES];
     int all = 1;
-    for (uint32_t i = 0; i < slots.count; i++) {
-        if (i % CORE_LANES == 0) sum_eight(t, slots, i, room, polygons, sums);
+    for (uint32_t i = 0; i < groups.count; i++) {
+        if (i % CORE_LANES == 0) sum_eight(t, groups, i, room, polygons, sums);
         const vertex_sum *s = &sums[i % CORE_LANES];
         room->reasons[i] = (uint8_t)norma_core_plan_decide(
             (const double[4]){s->x, s->y, s->z, s->weight}, room->results[i]);
@@ -306,16 +307,16 @@ typedef struct finisher {
 /* Eight sums become normals while the next ones are added up, in two steps: see normalize_simd.h.
  */
 CORE_INLINE int sum_all(
-    const tile_view *t, tile_some slots, finisher finish, tile_room *room, int polygons) {
-    const uint32_t eights = norma_core_tile_eights(slots.count);
+    const block_view *t, block_some groups, finisher finish, block_room *room, int polygons) {
+    const uint32_t eights = norma_core_block_eights(groups.count);
     const uint16_t *members = t->fours;
     vertex_sum sums[2][CORE_LANES];
     core_lengths lengths[2];
     core_lane fine = {0};
-    memset(room->reasons, NORMA_REASON_NONE, slots.count);
+    memset(room->reasons, NORMA_REASON_NONE, groups.count);
     for (uint32_t i = 0; i < eights + 2; i++) {
-        if (i < eights && (polygons || slots.numbers || !members))
-            sum_eight(t, slots, i * CORE_LANES, room, polygons, sums[i % 2]);
+        if (i < eights && (polygons || groups.numbers || !members))
+            sum_eight(t, groups, i * CORE_LANES, room, polygons, sums[i % 2]);
         else if (i < eights)
             for (uint32_t k = 0; k < 2; k++)
                 members = sum_listed(members, t->four_counts[2 * i + k], room, &sums[i % 2][4 * k]);
@@ -324,23 +325,24 @@ CORE_INLINE int sum_all(
         if (i >= 1 && i <= eights) finish.lengths(sums[(i - 1) % 2], &lengths[(i - 1) % 2], fine);
     }
     return core_lanes_total(fine) == (double)eights * CORE_LANES ||
-           decide_each(t, slots, room, polygons);
+           decide_each(t, groups, room, polygons);
 }
 
-CORE_INLINE int sum_slots(const tile_view *t, tile_some slots, finisher finish, tile_room *room) {
-    const tile_some row = {NULL, slots.count};
-    if (t->corner_faces) return sum_all(t, slots, finish, room, 1);
-    return slots.numbers ? sum_all(t, slots, finish, room, 0) : sum_all(t, row, finish, room, 0);
+CORE_INLINE int sum_groups(
+    const block_view *t, block_some groups, finisher finish, block_room *room) {
+    const block_some row = {NULL, groups.count};
+    if (t->corner_faces) return sum_all(t, groups, finish, room, 1);
+    return groups.numbers ? sum_all(t, groups, finish, room, 0) : sum_all(t, row, finish, room, 0);
 }
 
 /* ---- for each instruction set */
 
-static int load_portable(const tile_view *t, const tile_some *eights, const unsigned char *data,
+static int load_portable(const block_view *t, const block_some *eights, const unsigned char *data,
     size_t stride, double (*out)[4]) {
     return load_floats(t, eights, data, stride, out);
 }
 static void measure_portable(
-    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
+    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     measure_triangles(t, eights, weight, room);
 }
 static void lengths_portable(const vertex_sum *sums, core_lengths *out, double *fine) {
@@ -349,23 +351,23 @@ static void lengths_portable(const vertex_sum *sums, core_lengths *out, double *
 static void directions_portable(const core_lengths *of, float (*normals)[3]) {
     core_lanes_directions(of, normals);
 }
-static int sum_portable(const tile_view *t, tile_some slots, tile_room *room) {
-    return sum_slots(t, slots, (finisher){lengths_portable, directions_portable}, room);
+static int sum_portable(const block_view *t, block_some groups, block_room *room) {
+    return sum_groups(t, groups, (finisher){lengths_portable, directions_portable}, room);
 }
 
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static int load_avx2(const tile_view *t, const tile_some *eights,
+CORE_FOR_AVX2 static int load_avx2(const block_view *t, const block_some *eights,
     const unsigned char *data, size_t stride, double (*out)[4]) {
     return load_floats(t, eights, data, stride, out);
 }
 CORE_FOR_AVX2 static void measure_avx2(
-    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
+    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     measure_triangles(t, eights, weight, room);
 }
 CORE_FOR_AVX512 static void measure_avx512(
-    const tile_view *t, tile_some eights, norma_weight weight, tile_room *room) {
+    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     if (weight == NORMA_WEIGHT_ANGLE)
-        norma_core_tile_angles_avx512(t, eights, room);
+        norma_core_block_angles_avx512(t, eights, room);
     else
         measure_triangles(t, eights, weight, room);
 }
@@ -375,24 +377,24 @@ CORE_FOR_AVX2 static void lengths_avx2(const vertex_sum *sums, core_lengths *out
 CORE_FOR_AVX2 static void directions_avx2(const core_lengths *of, float (*normals)[3]) {
     core_lanes_directions(of, normals);
 }
-CORE_FOR_AVX2 static int sum_avx2(const tile_view *t, tile_some slots, tile_room *room) {
-    return sum_slots(t, slots, (finisher){lengths_avx2, directions_avx2}, room);
+CORE_FOR_AVX2 static int sum_avx2(const block_view *t, block_some groups, block_room *room) {
+    return sum_groups(t, groups, (finisher){lengths_avx2, directions_avx2}, room);
 }
 
 /* Rows are of four: wider registers do not help to sum them, nor to finish sums. */
-tile_kernels norma_core_tile_kernels(norma_isa isa) {
+block_kernels norma_core_block_kernels(norma_isa isa) {
     switch (norma_core_level(isa)) {
     case CORE_AVX512:
-        return (tile_kernels){load_avx2, measure_avx512, sum_avx2};
+        return (block_kernels){load_avx2, measure_avx512, sum_avx2};
     case CORE_AVX2:
-        return (tile_kernels){load_avx2, measure_avx2, sum_avx2};
+        return (block_kernels){load_avx2, measure_avx2, sum_avx2};
     default:
-        return (tile_kernels){load_portable, measure_portable, sum_portable};
+        return (block_kernels){load_portable, measure_portable, sum_portable};
     }
 }
 #else
-tile_kernels norma_core_tile_kernels(norma_isa isa) {
+block_kernels norma_core_block_kernels(norma_isa isa) {
     (void)isa;
-    return (tile_kernels){load_portable, measure_portable, sum_portable};
+    return (block_kernels){load_portable, measure_portable, sum_portable};
 }
 #endif

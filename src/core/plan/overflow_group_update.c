@@ -1,4 +1,4 @@
-/* overflow_group_update.c: sums of wide slots. Each streams through the faces that vote in it,
+/* overflow_group_update.c: sums of overflow groups. Each streams through the faces that vote in it,
  * eight triangles at a time, and keeps nothing but its sum, so that it needs no memory however many
  * there are. */
 #include "core/plan/plan.h"
@@ -12,14 +12,14 @@ typedef struct cached_face {
     core_face face;
 } cached_face; /* number: UINT32_MAX where there is none */
 
-typedef struct wide_work {
+typedef struct overflow_work {
     const plan_work *work;
     plan_work *work_of_call; /* the same, for the calling thread */
-    core_mesh mesh;          /* the wide faces, at the update's positions */
-    size_t tasks, first_slot, slot_count;
-    const uint64_t *touched; /* NULL: all slots from first_slot on; else a bit of each */
+    core_mesh mesh;          /* the overflow faces, at the update's positions */
+    size_t tasks, first_group, group_count;
+    const uint64_t *touched; /* NULL: all groups from first_group on; else a bit of each */
     core_tally tallies[PLAN_MOST_TASKS];
-} wide_work;
+} overflow_work;
 
 /* ---- votes, in the order of members, eight at a time */
 
@@ -27,36 +27,36 @@ typedef struct votes {
     double normal[CORE_LANES][4], weight[CORE_LANES]; /* the fourth: 1; a weight of -0 is no vote */
 } votes;
 
-static uint32_t face_of(const plan_wide *wide, uint32_t corner) {
-    return wide->corner_faces ? wide->corner_faces[corner] : corner / 3;
+static uint32_t face_of(const overflow_group *overflow, uint32_t corner) {
+    return overflow->corner_faces ? overflow->corner_faces[corner] : corner / 3;
 }
 
-static int serves(const plan_wide *wide, size_t slot, uint32_t vertex) {
-    if (!wide->vertex_starts) return 1;
-    uint32_t low = wide->vertex_starts[slot], high = wide->vertex_starts[slot + 1];
+static int serves(const overflow_group *overflow, size_t group, uint32_t vertex) {
+    if (!overflow->vertex_starts) return 1;
+    uint32_t low = overflow->vertex_starts[group], high = overflow->vertex_starts[group + 1];
     while (high - low > 1) {
         const uint32_t middle = low + (high - low) / 2;
-        if (wide->vertices[middle] <= vertex)
+        if (overflow->vertices[middle] <= vertex)
             low = middle;
         else
             high = middle;
     }
-    return wide->vertices[low] == vertex;
+    return overflow->vertices[low] == vertex;
 }
 
 /* A face without a direction is counted where the normal of its first corner is written. */
-static void count_degenerate(const wide_work *w, const core_face *face, uint32_t number,
-    uint32_t corner, size_t slot, core_tally *tally) {
-    const plan_wide *wide = &w->work->plan->wide;
+static void count_degenerate(const overflow_work *w, const core_face *face, uint32_t number,
+    uint32_t corner, size_t group, core_tally *tally) {
+    const overflow_group *overflow = &w->work->plan->overflow;
     if (!tally || (face->flags & CORE_FACE_DIRECTED) || !(face->flags & CORE_FACE_FINITE) ||
         corner != norma_core_face_begin(&w->mesh, number))
         return;
-    if (serves(wide, slot, wide->corners[corner]))
-        norma_core_count_one(&tally->degenerate, wide->faces[number]);
+    if (serves(overflow, group, overflow->corners[corner]))
+        norma_core_count_one(&tally->degenerate, overflow->faces[number]);
 }
 
-static void take_face(const wide_work *w, const core_face *face, uint32_t number, uint32_t corner,
-    double normal[4], double *weight) {
+static void take_face(const overflow_work *w, const core_face *face, uint32_t number,
+    uint32_t corner, double normal[4], double *weight) {
     const int voting =
         (face->flags & CORE_FACE_DIRECTED) && norma_core_is_kept(&w->mesh, number, corner);
     for (int k = 0; k < 3; k++) normal[k] = voting ? face->normal[k] : 0;
@@ -66,8 +66,9 @@ static void take_face(const wide_work *w, const core_face *face, uint32_t number
                      : -0.0;
 }
 
-/* Slots that follow each other meet the same large polygons. */
-static const core_face *measured_polygon(const wide_work *w, uint32_t number, cached_face *cache) {
+/* Groups that follow each other meet the same large polygons. */
+static const core_face *measured_polygon(
+    const overflow_work *w, uint32_t number, cached_face *cache) {
     cached_face *at = &cache[number % CACHED_FACES];
     if (at->number != number) {
         norma_core_face_geometry(&w->mesh, number, &at->face);
@@ -92,7 +93,7 @@ static int load_lane(const core_mesh *mesh, uint32_t face, core_batch *batch, in
     return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
 }
 
-static void collect_triangles(const wide_work *w, size_t slot, const uint32_t *members,
+static void collect_triangles(const overflow_work *w, size_t group, const uint32_t *members,
     size_t count, core_tally *tally, votes *out) {
     core_batch batch;
     int edged[CORE_LANES];
@@ -108,62 +109,63 @@ static void collect_triangles(const wide_work *w, size_t slot, const uint32_t *m
         }
         core_face face;
         norma_core_face_geometry(&w->mesh, members[i] / 3, &face);
-        count_degenerate(w, &face, members[i] / 3, members[i], slot, tally);
+        count_degenerate(w, &face, members[i] / 3, members[i], group, tally);
         take_face(w, &face, members[i] / 3, members[i], out->normal[i], &out->weight[i]);
     }
 }
 
-static void collect(const wide_work *w, size_t slot, const uint32_t *members, size_t count,
+static void collect(const overflow_work *w, size_t group, const uint32_t *members, size_t count,
     cached_face *cache, core_tally *tally, votes *out) {
-    const plan_wide *wide = &w->work->plan->wide;
-    if (!wide->corner_faces) {
-        collect_triangles(w, slot, members, count, tally, out);
+    const overflow_group *overflow = &w->work->plan->overflow;
+    if (!overflow->corner_faces) {
+        collect_triangles(w, group, members, count, tally, out);
         return;
     }
     for (size_t i = 0; i < count; i++) {
-        const uint32_t number = face_of(wide, members[i]);
+        const uint32_t number = face_of(overflow, members[i]);
         const core_face *face = measured_polygon(w, number, cache);
-        count_degenerate(w, face, number, members[i], slot, tally);
+        count_degenerate(w, face, number, members[i], group, tally);
         take_face(w, face, number, members[i], out->normal[i], &out->weight[i]);
     }
 }
 
-/* ---- one slot */
+/* ---- one group */
 
 /* Over all members, or those that are corners of one vertex. tally: NULL where its faces are
  * counted already. */
-static void sum_slot(const wide_work *w, size_t slot, uint32_t vertex, cached_face *cache,
+static void sum_group(const overflow_work *w, size_t group, uint32_t vertex, cached_face *cache,
     core_tally *tally, double sum[4]) {
-    const plan_wide *wide = &w->work->plan->wide;
-    const uint32_t end = wide->member_starts[slot + 1];
+    const overflow_group *overflow = &w->work->plan->overflow;
+    const uint32_t end = overflow->member_starts[group + 1];
     votes v;
     sum[0] = sum[1] = sum[2] = 0;
     sum[3] = -0.0;
-    for (uint32_t i = wide->member_starts[slot]; i < end; i += CORE_LANES) {
+    for (uint32_t i = overflow->member_starts[group]; i < end; i += CORE_LANES) {
         const size_t count = end - i < CORE_LANES ? end - i : CORE_LANES;
-        collect(w, slot, wide->members + i, count, cache, tally, &v);
+        collect(w, group, overflow->members + i, count, cache, tally, &v);
         for (size_t j = 0; j < count; j++) {
-            if (vertex != UINT32_MAX && wide->corners[wide->members[i + j]] != vertex) continue;
+            if (vertex != UINT32_MAX && overflow->corners[overflow->members[i + j]] != vertex)
+                continue;
             for (int k = 0; k < 4; k++) sum[k] += v.weight[j] * v.normal[j][k];
         }
     }
 }
 
-typedef struct wide_cone {
-    const wide_work *work;
+typedef struct overflow_cone {
+    const overflow_work *work;
     cached_face *cache;
     const uint32_t *members;
     uint32_t vertex;
-} wide_cone;
+} overflow_cone;
 
 static int cone_normal(const void *context, size_t index, double normal[3]) {
-    const wide_cone *cone = context;
-    const wide_work *w = cone->work;
-    const plan_wide *wide = &w->work->plan->wide;
-    const uint32_t corner = cone->members[index], number = face_of(wide, corner);
+    const overflow_cone *cone = context;
+    const overflow_work *w = cone->work;
+    const overflow_group *overflow = &w->work->plan->overflow;
+    const uint32_t corner = cone->members[index], number = face_of(overflow, corner);
     core_face face;
-    if (cone->vertex != UINT32_MAX && wide->corners[corner] != cone->vertex) return 0;
-    if (wide->corner_faces)
+    if (cone->vertex != UINT32_MAX && overflow->corners[corner] != cone->vertex) return 0;
+    if (overflow->corner_faces)
         face = *measured_polygon(w, number, cone->cache);
     else
         norma_core_face_geometry(&w->mesh, number, &face);
@@ -171,102 +173,106 @@ static int cone_normal(const void *context, size_t index, double normal[3]) {
     return (face.flags & CORE_FACE_DIRECTED) && norma_core_is_kept(&w->mesh, number, corner);
 }
 
-static int decide_slot(const wide_work *w, size_t slot, uint32_t vertex, cached_face *cache,
+static int decide_group(const overflow_work *w, size_t group, uint32_t vertex, cached_face *cache,
     core_tally *tally, float normal[3]) {
-    const plan_wide *wide = &w->work->plan->wide;
-    const wide_cone cone = {w, cache, wide->members + wide->member_starts[slot], vertex};
+    const overflow_group *overflow = &w->work->plan->overflow;
+    const overflow_cone cone = {
+        w, cache, overflow->members + overflow->member_starts[group], vertex};
     double sum[4];
-    sum_slot(w, slot, vertex, cache, tally, sum);
+    sum_group(w, group, vertex, cache, tally, sum);
     if (w->work->call->options.weight != NORMA_WEIGHT_VISIBLE)
         return norma_core_plan_decide(sum, normal);
     return norma_core_plan_decide_cone(sum[3], cone_normal, &cone,
-        wide->member_starts[slot + 1] - wide->member_starts[slot], normal);
+        overflow->member_starts[group + 1] - overflow->member_starts[group], normal);
 }
 
-static int is_finite(const wide_work *w, uint32_t vertex) {
+static int is_finite(const overflow_work *w, uint32_t vertex) {
     double p[3];
     norma_core_position(&w->mesh, vertex, p);
     return norma_core_finite(p);
 }
 
 static void write_corners(
-    const wide_work *w, size_t slot, int reason, const float normal[3], core_tally *tally) {
-    const plan_wide *wide = &w->work->plan->wide;
-    for (uint32_t i = wide->member_starts[slot]; i < wide->member_starts[slot + 1]; i++) {
-        const uint32_t corner = wide->members[i];
-        norma_core_write_element(w->work->output, wide->mesh_corners[corner],
-            is_finite(w, wide->corners[corner]) ? reason : NORMA_REASON_NON_FINITE, normal, tally);
+    const overflow_work *w, size_t group, int reason, const float normal[3], core_tally *tally) {
+    const overflow_group *overflow = &w->work->plan->overflow;
+    for (uint32_t i = overflow->member_starts[group]; i < overflow->member_starts[group + 1]; i++) {
+        const uint32_t corner = overflow->members[i];
+        norma_core_write_element(w->work->output, overflow->mesh_corners[corner],
+            is_finite(w, overflow->corners[corner]) ? reason : NORMA_REASON_NON_FINITE, normal,
+            tally);
     }
 }
 
-/* Where the slot's votes cancel, those of each vertex's own corners decide. */
-static void write_vertices(const wide_work *w, size_t slot, int reason, const float normal[3],
+/* Where the group's votes cancel, those of each vertex's own corners decide. */
+static void write_vertices(const overflow_work *w, size_t group, int reason, const float normal[3],
     cached_face *cache, core_tally *tally) {
-    const plan_wide *wide = &w->work->plan->wide;
-    for (uint32_t i = wide->vertex_starts[slot]; i < wide->vertex_starts[slot + 1]; i++) {
-        const uint32_t vertex = wide->vertices[i];
+    const overflow_group *overflow = &w->work->plan->overflow;
+    for (uint32_t i = overflow->vertex_starts[group]; i < overflow->vertex_starts[group + 1]; i++) {
+        const uint32_t vertex = overflow->vertices[i];
         float own[3] = {0, 0, 0};
         int own_reason = reason;
         if (!is_finite(w, vertex))
             own_reason = NORMA_REASON_NON_FINITE;
         else if (reason == NORMA_REASON_CANCELLED &&
-                 decide_slot(w, slot, vertex, cache, NULL, own) == NORMA_REASON_NONE)
+                 decide_group(w, group, vertex, cache, NULL, own) == NORMA_REASON_NONE)
             own_reason = NORMA_REASON_NONE;
         norma_core_write_element(
             w->work->output, vertex, own_reason, reason == NORMA_REASON_NONE ? normal : own, tally);
     }
 }
 
-static void update_slot(const wide_work *w, size_t slot, cached_face *cache, core_tally *tally) {
+static void update_group(
+    const overflow_work *w, size_t group, cached_face *cache, core_tally *tally) {
     float normal[3] = {0, 0, 0};
-    const int reason = decide_slot(w, slot, UINT32_MAX, cache, tally, normal);
+    const int reason = decide_group(w, group, UINT32_MAX, cache, tally, normal);
     if (w->work->plan->of == NORMA_PER_CORNER)
-        write_corners(w, slot, reason, normal, tally);
+        write_corners(w, group, reason, normal, tally);
     else
-        write_vertices(w, slot, reason, normal, cache, tally);
+        write_vertices(w, group, reason, normal, cache, tally);
 }
 
 static void update_some(void *context, size_t task) {
-    wide_work *w = context;
-    const plan_range range = norma_core_plan_range(w->slot_count, w->tasks, task);
+    overflow_work *w = context;
+    const plan_range range = norma_core_plan_range(w->group_count, w->tasks, task);
     cached_face cache[CACHED_FACES];
     for (int i = 0; i < CACHED_FACES; i++) cache[i].number = UINT32_MAX;
     for (size_t i = range.begin; i < range.end; i++)
         if (!w->touched || (w->touched[i / 64] >> (i % 64) & 1))
-            update_slot(w, w->first_slot + i, cache, &w->tallies[task]);
+            update_group(w, w->first_group + i, cache, &w->tallies[task]);
 }
 
 static norma_result run(
-    wide_work *w, size_t first_slot, size_t slot_count, const uint64_t *touched) {
+    overflow_work *w, size_t first_group, size_t group_count, const uint64_t *touched) {
     plan_work *work = w->work_of_call;
-    w->first_slot = first_slot;
-    w->slot_count = slot_count;
+    w->first_group = first_group;
+    w->group_count = group_count;
     w->touched = touched;
-    w->tasks = slot_count < PLAN_MOST_TASKS ? slot_count : PLAN_MOST_TASKS;
+    w->tasks = group_count < PLAN_MOST_TASKS ? group_count : PLAN_MOST_TASKS;
     memset(w->tallies, 0, sizeof w->tallies);
     const norma_result result = norma_core_parallel(work->call, w->tasks, update_some, w);
     for (size_t i = 0; i < w->tasks; i++) norma_core_tally_add(work->tally, &w->tallies[i]);
     return result;
 }
 
-/* ---- what moved: faces and slots are marked in blocks that the stack has room for, each once
+/* ---- what moved: faces and groups are marked in stores that the stack has room for, each once
  * however many of its corners moved */
 
-typedef struct slot_block {
+typedef struct group_store {
     size_t first, count, touched_count;
     uint64_t touched[SLOTS_IN_BLOCK / 64];
-} slot_block;
+} group_store;
 
 static void mark(uint64_t *bits, size_t i) { bits[i / 64] |= (uint64_t)1 << (i % 64); }
 
-static size_t mark_faces(const wide_work *w, size_t first, size_t count, uint64_t *bits) {
-    const plan_wide *wide = &w->work->plan->wide;
+static size_t mark_faces(const overflow_work *w, size_t first, size_t count, uint64_t *bits) {
+    const overflow_group *overflow = &w->work->plan->overflow;
     size_t marked = 0;
     memset(bits, 0, FACES_IN_BLOCK / 8);
     for (size_t i = 0; i < w->work->moved_count; i++) {
         const uint32_t vertex = w->work->moved[i];
-        for (uint32_t at = wide->at_starts[vertex]; at < wide->at_starts[vertex + 1]; at++) {
-            const uint32_t face = face_of(wide, wide->at[at]);
+        for (uint32_t at = overflow->at_starts[vertex]; at < overflow->at_starts[vertex + 1];
+             at++) {
+            const uint32_t face = face_of(overflow, overflow->at[at]);
             if (face < first || face - first >= count) continue;
             mark(bits, face - first);
             marked++;
@@ -275,59 +281,59 @@ static size_t mark_faces(const wide_work *w, size_t first, size_t count, uint64_
     return marked;
 }
 
-static void mark_slots_of_face(const wide_work *w, size_t face, slot_block *block) {
-    const plan_wide *wide = &w->work->plan->wide;
+static void mark_groups_of_face(const overflow_work *w, size_t face, group_store *store) {
+    const overflow_group *overflow = &w->work->plan->overflow;
     for (size_t c = norma_core_face_begin(&w->mesh, face); c < norma_core_face_end(&w->mesh, face);
          c++)
-        for (uint32_t i = wide->slot_starts[c]; i < wide->slot_starts[c + 1]; i++) {
-            const uint32_t slot = wide->slots[i];
-            if (slot < block->first || slot - block->first >= block->count) continue;
-            mark(block->touched, slot - block->first);
-            block->touched_count++;
+        for (uint32_t i = overflow->group_starts[c]; i < overflow->group_starts[c + 1]; i++) {
+            const uint32_t group = overflow->groups[i];
+            if (group < store->first || group - store->first >= store->count) continue;
+            mark(store->touched, group - store->first);
+            store->touched_count++;
         }
 }
 
-static void mark_slots(const wide_work *w, slot_block *block) {
+static void mark_groups(const overflow_work *w, group_store *store) {
     uint64_t bits[FACES_IN_BLOCK / 64];
     const size_t faces = w->mesh.face_count;
-    memset(block->touched, 0, sizeof block->touched);
-    block->touched_count = 0;
+    memset(store->touched, 0, sizeof store->touched);
+    store->touched_count = 0;
     for (size_t first = 0; first < faces; first += FACES_IN_BLOCK) {
         const size_t count = faces - first < FACES_IN_BLOCK ? faces - first : FACES_IN_BLOCK;
         if (!mark_faces(w, first, count, bits)) continue;
         for (size_t f = 0; f < count; f++)
-            if (bits[f / 64] >> (f % 64) & 1) mark_slots_of_face(w, first + f, block);
+            if (bits[f / 64] >> (f % 64) & 1) mark_groups_of_face(w, first + f, store);
     }
 }
 
-static norma_result update_moved(wide_work *w) {
-    const size_t slots = w->work->plan->wide.slot_count;
-    slot_block block;
+static norma_result update_moved(overflow_work *w) {
+    const size_t groups = w->work->plan->overflow.group_count;
+    group_store store;
     norma_result result = NORMA_OK;
-    for (block.first = 0; block.first < slots && result == NORMA_OK;
-         block.first += SLOTS_IN_BLOCK) {
-        block.count = slots - block.first < SLOTS_IN_BLOCK ? slots - block.first : SLOTS_IN_BLOCK;
-        mark_slots(w, &block);
-        if (block.touched_count) result = run(w, block.first, block.count, block.touched);
+    for (store.first = 0; store.first < groups && result == NORMA_OK;
+         store.first += SLOTS_IN_BLOCK) {
+        store.count = groups - store.first < SLOTS_IN_BLOCK ? groups - store.first : SLOTS_IN_BLOCK;
+        mark_groups(w, &store);
+        if (store.touched_count) result = run(w, store.first, store.count, store.touched);
     }
     return result;
 }
 
-norma_result norma_core_plan_update_wide(plan_work *work) {
-    const plan_wide *wide = &work->plan->wide;
-    wide_work w = {.work = work, .work_of_call = work, .mesh = work->mesh};
-    if (!wide->slot_count) return NORMA_OK;
-    w.mesh.corners = wide->corners;
-    w.mesh.corner_count = wide->corner_count;
-    w.mesh.corner_size = sizeof *wide->corners;
-    w.mesh.face_starts = wide->face_starts;
-    w.mesh.face_count = wide->face_count;
+norma_result norma_core_plan_update_overflow(plan_work *work) {
+    const overflow_group *overflow = &work->plan->overflow;
+    overflow_work w = {.work = work, .work_of_call = work, .mesh = work->mesh};
+    if (!overflow->group_count) return NORMA_OK;
+    w.mesh.corners = overflow->corners;
+    w.mesh.corner_count = overflow->corner_count;
+    w.mesh.corner_size = sizeof *overflow->corners;
+    w.mesh.face_starts = overflow->face_starts;
+    w.mesh.face_count = overflow->face_count;
     w.mesh.weld = work->plan->weld;
-    return work->moved ? update_moved(&w) : run(&w, 0, wide->slot_count, NULL);
+    return work->moved ? update_moved(&w) : run(&w, 0, overflow->group_count, NULL);
 }
 
-void norma_core_plan_wide_vertices(const norma_plan *plan, uint32_t *vertices) {
-    const plan_wide *wide = &plan->wide;
-    for (size_t c = 0; c < wide->corner_count; c++)
-        vertices[wide->mesh_corners[c]] = wide->corners[c];
+void norma_core_plan_overflow_vertices(const norma_plan *plan, uint32_t *vertices) {
+    const overflow_group *overflow = &plan->overflow;
+    for (size_t c = 0; c < overflow->corner_count; c++)
+        vertices[overflow->mesh_corners[c]] = overflow->corners[c];
 }

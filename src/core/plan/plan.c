@@ -3,10 +3,10 @@
 #include <math.h>
 
 void *norma_core_plan_keep(norma_plan *plan, size_t count, size_t size) {
-    if (plan->block_count == PLAN_MOST_BLOCKS) return NULL;
+    if (plan->store_count == PLAN_MOST_BLOCKS) return NULL;
     void *memory = norma_core_allocate(&plan->memory, count, size);
     if (!memory) return NULL;
-    plan->blocks[plan->block_count++] = (plan_block){memory, count, size};
+    plan->stores[plan->store_count++] = (plan_store){memory, count, size};
     plan->bytes += count * size;
     return memory;
 }
@@ -15,30 +15,30 @@ size_t norma_plan_bytes(const norma_plan *plan) { return plan ? plan->bytes : 0;
 
 void norma_plan_destroy(norma_plan *plan) {
     if (!plan) return;
-    for (size_t i = 0; i < plan->block_count; i++)
+    for (size_t i = 0; i < plan->store_count; i++)
         norma_core_release(
-            &plan->memory, plan->blocks[i].memory, plan->blocks[i].count, plan->blocks[i].size);
+            &plan->memory, plan->stores[i].memory, plan->stores[i].count, plan->stores[i].size);
     const core_call memory = plan->memory;
     norma_core_release(&memory, plan, 1, sizeof *plan);
 }
 
-static norma_plan *new_plan(const core_surface *surface, norma_element of) {
-    norma_plan *plan = norma_core_allocate(surface->call, 1, sizeof *plan);
+static norma_plan *new_plan(const core_prepared_mesh *prepared, norma_element of) {
+    norma_plan *plan = norma_core_allocate(prepared->call, 1, sizeof *plan);
     if (!plan) return NULL;
     *plan = (norma_plan){.of = of,
-        .vertex_count = surface->mesh.positions.count,
-        .corner_count = surface->mesh.corner_count,
-        .face_count = surface->mesh.face_count,
-        .scale = surface->mesh.scale};
-    plan->memory.options.allocator = surface->call->options.allocator;
+        .vertex_count = prepared->mesh.positions.count,
+        .corner_count = prepared->mesh.corner_count,
+        .face_count = prepared->mesh.face_count,
+        .scale = prepared->mesh.scale};
+    plan->memory.options.allocator = prepared->call->options.allocator;
     plan->bytes = sizeof *plan;
     return plan;
 }
 
 /* Vertices that no corner names, and faces that name none. */
-static norma_result find_lonely(norma_plan *plan, const core_surface *surface) {
-    const core_mesh *mesh = &surface->mesh;
-    uint8_t *used = norma_core_allocate(surface->call, plan->vertex_count, 1);
+static norma_result find_lonely(norma_plan *plan, const core_prepared_mesh *prepared) {
+    const core_mesh *mesh = &prepared->mesh;
+    uint8_t *used = norma_core_allocate(prepared->call, plan->vertex_count, 1);
     if (!used) return NORMA_ERROR_MEMORY;
     memset(used, 0, plan->vertex_count);
     for (size_t c = 0; c < mesh->corner_count; c++) used[norma_core_corner(mesh, c)] = 1;
@@ -49,23 +49,23 @@ static norma_result find_lonely(norma_plan *plan, const core_surface *surface) {
     plan->lonely = norma_core_plan_keep(plan, plan->lonely_count, sizeof *plan->lonely);
     for (size_t v = 0, found = 0; v < plan->vertex_count && plan->lonely; v++)
         if (!used[v]) plan->lonely[found++] = (uint32_t)v;
-    norma_core_release(surface->call, used, plan->vertex_count, 1);
+    norma_core_release(prepared->call, used, plan->vertex_count, 1);
     return plan->lonely ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-static norma_result fill(norma_plan *plan, core_surface *surface) {
-    plan_slots slots;
-    const size_t count = surface->mesh.positions.count;
-    norma_core_stage(surface->call, 0.5, 0.8);
-    norma_result result = norma_core_plan_slots_open(surface, plan->of, &slots);
+static norma_result fill(norma_plan *plan, core_prepared_mesh *prepared) {
+    plan_groups groups;
+    const size_t count = prepared->mesh.positions.count;
+    norma_core_stage(prepared->call, 0.5, 0.8);
+    norma_result result = norma_core_plan_groups_open(prepared, plan->of, &groups);
     if (result != NORMA_OK) return result;
-    uint8_t *wide = norma_core_allocate(surface->call, count, 1);
-    if (wide) memset(wide, 0, count);
-    result = wide ? find_lonely(plan, surface) : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) result = norma_core_plan_tile(plan, &slots, wide);
-    if (result == NORMA_OK) result = norma_core_plan_widen(plan, &slots, wide);
-    norma_core_release(surface->call, wide, count, 1);
-    norma_core_plan_slots_close(&slots);
+    uint8_t *overflow = norma_core_allocate(prepared->call, count, 1);
+    if (overflow) memset(overflow, 0, count);
+    result = overflow ? find_lonely(plan, prepared) : NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK) result = norma_core_plan_block(plan, &groups, overflow);
+    if (result == NORMA_OK) result = norma_core_plan_list_overflow(plan, &groups, overflow);
+    norma_core_release(prepared->call, overflow, count, 1);
+    norma_core_plan_groups_close(&groups);
     return result;
 }
 
@@ -73,7 +73,7 @@ norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float c
     const norma_options *options, norma_plan **plan) {
     core_call call;
     core_mesh checked;
-    core_surface surface;
+    core_prepared_mesh prepared;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK &&
         (!plan || isnan(crease_angle_rad) || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER)))
@@ -82,14 +82,14 @@ norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float c
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
     if (result == NORMA_OK)
-        result = norma_core_surface_open(
-            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &surface);
+        result = norma_core_prepared_mesh_open(
+            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &prepared);
     if (result != NORMA_OK) return result;
-    norma_plan *made = new_plan(&surface, of);
-    result = made ? fill(made, &surface) : NORMA_ERROR_MEMORY;
+    norma_plan *made = new_plan(&prepared, of);
+    result = made ? fill(made, &prepared) : NORMA_ERROR_MEMORY;
     norma_core_stage(&call, 1, 1);
     if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
-    norma_core_surface_close(&surface);
+    norma_core_prepared_mesh_close(&prepared);
     if (result == NORMA_OK)
         *plan = made;
     else

@@ -1,6 +1,6 @@
-/* plan.h: what of a mesh's normals depends on topology alone. Its unit is the slot: the corners
- * whose votes make up one sum. Per corner a slot is a fan; per vertex it is the fans that a
- * vertex's corners lie in, shared by all vertices of the same fans. A slot's corners are listed in
+/* plan.h: what of a mesh's normals depends on topology alone. Its unit is the group: the corners
+ * whose votes make up one sum. Per corner a group is a fan; per vertex it is the fans that a
+ * vertex's corners lie in, shared by all vertices of the same fans. A group's corners are listed in
  * ascending order, that of every sum. */
 #ifndef NORMA_CORE_PLAN_H
 #define NORMA_CORE_PLAN_H
@@ -11,28 +11,28 @@
 
 enum { PLAN_MOST_BLOCKS = 24 };
 
-typedef struct plan_block {
+typedef struct plan_store {
     void *memory;
     size_t count, size;
-} plan_block;
+} plan_store;
 
-/* Slots whose sums are streamed through, face by face as they are met: those at positions with more
- * corners, or with larger faces, than a tile holds. Its faces are those that meet such a position,
- * with their corners numbered anew. */
-typedef struct plan_wide {
-    size_t face_count, corner_count, slot_count;
+/* Groups whose sums are streamed through, face by face as they are met: those at positions with
+ * more corners, or with larger faces, than a block holds. Its faces are those that meet such a
+ * position, with their corners numbered anew. */
+typedef struct overflow_group {
+    size_t face_count, corner_count, group_count;
     uint32_t *faces;                    /* of the mesh; ascending */
     uint32_t *corners;                  /* vertices */
     uint32_t *face_starts;              /* NULL: triangles */
     uint32_t *corner_faces;             /* NULL: triangles */
     uint32_t *mesh_corners;             /* per corner: of each corner its number in the mesh */
-    uint32_t *member_starts, *members;  /* of each slot its corners */
-    uint32_t *vertex_starts, *vertices; /* per vertex: of each slot those that it serves */
-    uint32_t *slot_starts, *slots;      /* of each corner the slots that it votes in */
+    uint32_t *member_starts, *members;  /* of each group its corners */
+    uint32_t *vertex_starts, *vertices; /* per vertex: of each group those that it serves */
+    uint32_t *group_starts, *groups;    /* of each corner the groups that it votes in */
     uint32_t *at_starts, *at;           /* of each vertex of the mesh its corners here */
-} plan_wide;
+} overflow_group;
 
-typedef struct plan_tile plan_tile; /* face_block.h */
+typedef struct plan_block plan_block; /* face_block.h */
 
 /* The one part of a plan that updates write: marks for what moved, of a mesh that is larger than
  * the stack has bits for. Whoever comes while another has them does without, in more passes. */
@@ -51,15 +51,15 @@ struct norma_plan {
     uint32_t *lonely; /* vertices without corners, ascending */
     size_t lonely_count;
     norma_count empty_faces; /* of no corner at all */
-    plan_tile *tiles;
-    size_t tile_count;
-    uint32_t *words;                           /* the tiles' lists */
-    uint32_t *occurrence_starts, *occurrences; /* of each vertex, where the tiles have it */
+    plan_block *blocks;
+    size_t block_count;
+    uint32_t *words;                           /* the blocks' lists */
+    uint32_t *occurrence_starts, *occurrences; /* of each vertex, where the blocks have it */
     size_t occurrence_count;
     plan_shared *shared; /* NULL where the stack suffices */
-    plan_wide wide;
-    plan_block blocks[PLAN_MOST_BLOCKS];
-    size_t block_count, bytes;
+    overflow_group overflow;
+    plan_store stores[PLAN_MOST_BLOCKS];
+    size_t store_count, bytes;
 };
 
 /* Memory that lives as long as the plan does. */
@@ -73,38 +73,41 @@ static inline void norma_core_plan_give_back(const norma_plan *plan) {
     atomic_flag_clear_explicit(&plan->shared->taken, memory_order_release);
 }
 
-/* ---- normal_groups.c: the slots at a position */
+/* ---- normal_groups.c: the groups at a position */
 
-typedef void plan_slot_receiver(void *context, const uint32_t *members, size_t member_count,
+typedef void plan_group_receiver(void *context, const uint32_t *members, size_t member_count,
     const uint32_t *vertices, size_t vertex_count);
 
-typedef struct plan_slots {
-    const core_surface *surface;
+typedef struct plan_groups {
+    const core_prepared_mesh *prepared;
     norma_element of;
     uint32_t *lead; /* of each corner the first of its fan; NULL where a vertex has each position to
                        itself */
     size_t room;    /* of the rest: corners at one position */
     uint64_t *by_fan, *by_vertex, *merged;
-    struct slot_vertex *sets;
+    struct group_vertex *sets;
     uint32_t *members, *vertices;
-} plan_slots;
+} plan_groups;
 
-norma_result norma_core_plan_slots_open(core_surface *surface, norma_element of, plan_slots *slots);
-void norma_core_plan_slots_close(plan_slots *slots);
-/* Tells of each slot at a position, always in the same order; vertices per vertex only. */
-void norma_core_plan_slots_at(
-    plan_slots *slots, uint32_t position, plan_slot_receiver *receive, void *context);
+norma_result norma_core_plan_groups_open(
+    core_prepared_mesh *prepared, norma_element of, plan_groups *groups);
+void norma_core_plan_groups_close(plan_groups *groups);
+/* Tells of each group at a position, always in the same order; vertices per vertex only. */
+void norma_core_plan_groups_at(
+    plan_groups *groups, uint32_t position, plan_group_receiver *receive, void *context);
 
 /* position_order.c: the positions that have corners, in an order in which neighbours are near each
  * other; order has room for all positions. */
-norma_result norma_core_plan_order(const core_surface *surface, uint32_t *order, size_t *count);
+norma_result norma_core_plan_order(
+    const core_prepared_mesh *prepared, uint32_t *order, size_t *count);
 
-/* face_block_build.c: all positions whose rings a tile has room for; wide becomes nonzero at the
- * others. */
-norma_result norma_core_plan_tile(norma_plan *plan, plan_slots *slots, uint8_t *wide);
+/* face_block_build.c: all positions whose stars a block has room for; overflow becomes nonzero at
+ * the others. */
+norma_result norma_core_plan_block(norma_plan *plan, plan_groups *groups, uint8_t *overflow);
 
-/* ---- overflow_group.c: chosen: nonzero at each position whose slots are wide. */
-norma_result norma_core_plan_widen(norma_plan *plan, plan_slots *slots, const uint8_t *chosen);
+/* ---- overflow_group.c: chosen: nonzero at each position whose groups are overflow. */
+norma_result norma_core_plan_list_overflow(
+    norma_plan *plan, plan_groups *groups, const uint8_t *chosen);
 
 /* ---- one update */
 
@@ -119,11 +122,11 @@ typedef struct plan_work {
 } plan_work;
 
 /* face_block_update.c, overflow_group_update.c */
-norma_result norma_core_plan_update_tiles(plan_work *work);
-void norma_core_plan_tile_vertices(const norma_plan *plan, uint32_t *vertices);
-norma_result norma_core_plan_update_wide(plan_work *work);
+norma_result norma_core_plan_update_blocks(plan_work *work);
+void norma_core_plan_block_vertices(const norma_plan *plan, uint32_t *vertices);
+norma_result norma_core_plan_update_overflow(plan_work *work);
 /* Of each corner of its faces the vertex, by the corner's number in the mesh. */
-void norma_core_plan_wide_vertices(const norma_plan *plan, uint32_t *vertices);
+void norma_core_plan_overflow_vertices(const norma_plan *plan, uint32_t *vertices);
 
 /* What a sum of three components and a weight amounts to: NORMA_REASON_NONE and the normal,
  * UNREFERENCED where nobody voted (the weight is -0), or CANCELLED. */

@@ -74,8 +74,8 @@ static void update_lonely(const plan_work *work) {
 }
 
 static norma_result update(plan_work *work) {
-    norma_result result = norma_core_plan_update_tiles(work);
-    if (result == NORMA_OK) result = norma_core_plan_update_wide(work);
+    norma_result result = norma_core_plan_update_blocks(work);
+    if (result == NORMA_OK) result = norma_core_plan_update_overflow(work);
     if (result != NORMA_OK) return result;
     update_lonely(work);
     if (!work->moved) norma_core_count_add(&work->tally->degenerate, &work->plan->empty_faces);
@@ -150,8 +150,8 @@ static norma_result fill_from_nearest(const plan_work *work) {
                               : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) result = update_scratch(work, &scratch);
     if (result == NORMA_OK && per_corner) {
-        norma_core_plan_tile_vertices(plan, scratch.vertices);
-        norma_core_plan_wide_vertices(plan, scratch.vertices);
+        norma_core_plan_block_vertices(plan, scratch.vertices);
+        norma_core_plan_overflow_vertices(plan, scratch.vertices);
     }
     if (result == NORMA_OK) result = look_up(work, &scratch);
     norma_core_release(work->call, scratch.normals, scratch.count, 3 * sizeof *scratch.normals);

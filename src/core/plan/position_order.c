@@ -88,18 +88,19 @@ static void sort_by_key(uint64_t *items, uint64_t *other, size_t count) {
     }
 }
 
-norma_result norma_core_plan_order(const core_surface *surface, uint32_t *order, size_t *count) {
-    const core_mesh *mesh = &surface->mesh;
+norma_result norma_core_plan_order(
+    const core_prepared_mesh *prepared, uint32_t *order, size_t *count) {
+    const core_mesh *mesh = &prepared->mesh;
     const size_t room = mesh->positions.count;
-    uint64_t *items = norma_core_allocate(surface->call, room, sizeof *items),
-             *other = norma_core_allocate(surface->call, room, sizeof *other);
+    uint64_t *items = norma_core_allocate(prepared->call, room, sizeof *items),
+             *other = norma_core_allocate(prepared->call, room, sizeof *other);
     *count = 0;
     if (items && other) {
         curve c;
         begin_curve(mesh, &c);
         for (size_t p = 0; p < room; p++) {
             double at[3];
-            if (surface->around.starts[p] == surface->around.starts[p + 1]) continue;
+            if (prepared->corners_of.starts[p] == prepared->corners_of.starts[p + 1]) continue;
             norma_core_position(mesh, (uint32_t)p, at);
             items[(*count)++] = (uint64_t)key_of(&c, at) << 32 | p;
         }
@@ -107,7 +108,7 @@ norma_result norma_core_plan_order(const core_surface *surface, uint32_t *order,
         for (size_t i = 0; i < *count; i++) order[i] = (uint32_t)(DIGITS % 2 ? other[i] : items[i]);
     }
     const norma_result result = items && other ? NORMA_OK : NORMA_ERROR_MEMORY;
-    norma_core_release(surface->call, items, room, sizeof *items);
-    norma_core_release(surface->call, other, room, sizeof *other);
+    norma_core_release(prepared->call, items, room, sizeof *items);
+    norma_core_release(prepared->call, other, room, sizeof *other);
     return result;
 }

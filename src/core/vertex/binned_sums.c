@@ -18,7 +18,7 @@ enum {
 };
 
 typedef struct bin_work {
-    const core_surface *surface;
+    const core_prepared_mesh *prepared;
     const core_range *ranges;
     const core_output *output;
     core_add_triangles *add;
@@ -69,7 +69,7 @@ static int is_coherent(const core_range *ranges, size_t chunks, size_t bin_size)
 static void write_one(
     const bin_work *work, const vertex_sum *sum, size_t vertex, core_tally *tally) {
     float normal[3];
-    const int reason = norma_core_resolve_record(&work->surface->mesh, sum, vertex, normal);
+    const int reason = norma_core_resolve_record(&work->prepared->mesh, sum, vertex, normal);
     norma_core_write_element(work->output, vertex, reason, normal, tally);
 }
 
@@ -93,18 +93,18 @@ static void write_bin(
 }
 
 static void compute_bin(const bin_work *work, size_t bin, vertex_sum *sums) {
-    const core_surface *surface = work->surface;
-    const size_t first = bin * work->bin_size, positions = surface->mesh.positions.count,
+    const core_prepared_mesh *prepared = work->prepared;
+    const size_t first = bin * work->bin_size, positions = prepared->mesh.positions.count,
                  count = positions - first < work->bin_size ? positions - first : work->bin_size;
     core_face_adder face_adder = {
-        surface, sums, (uint32_t)first, (uint32_t)count, &work->tallies[bin].degenerate};
-    core_adder adder = {&surface->mesh, surface->call->options.weight, sums, (uint32_t)first,
+        prepared, sums, (uint32_t)first, (uint32_t)count, &work->tallies[bin].degenerate};
+    core_adder adder = {&prepared->mesh, prepared->call->options.weight, sums, (uint32_t)first,
         (uint32_t)count, 0, 0, 0, norma_core_add_face, &face_adder};
     norma_core_clear_sums(sums, count);
     for (size_t chunk = 0; chunk < work->chunks; chunk++) {
         if (work->ranges[chunk].least >= first + count || work->ranges[chunk].most < first)
             continue;
-        const size_t begin = chunk * CORE_FACES_IN_CHUNK, faces = surface->mesh.face_count;
+        const size_t begin = chunk * CORE_FACES_IN_CHUNK, faces = prepared->mesh.face_count;
         adder.owns_all =
             work->ranges[chunk].least >= first && work->ranges[chunk].most < first + count;
         work->add(&adder, begin,
@@ -125,7 +125,7 @@ static void compute_bins(void *context, size_t task) {
 }
 
 static norma_result compute_all(bin_work *work, core_tally *sum) {
-    core_call *call = work->surface->call;
+    core_call *call = work->prepared->call;
     atomic_int taken[MOST_BUFFERS];
     work->taken = taken;
     for (size_t i = 0; i < work->buffers; i++) atomic_init(&taken[i], 0);
@@ -137,10 +137,10 @@ static norma_result compute_all(bin_work *work, core_tally *sum) {
 
 static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
 
-norma_result norma_core_bin_vertices(core_surface *surface, const core_range *ranges,
+norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_range *ranges,
     const core_output *output, core_tally *tally, int *done) {
-    core_call *call = surface->call;
-    const core_mesh *mesh = &surface->mesh;
+    core_call *call = prepared->call;
+    const core_mesh *mesh = &prepared->mesh;
     const size_t positions = mesh->positions.count, chunks = count_chunks(mesh);
     *done = 0;
     if (mesh->face_starts || mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE ||
@@ -153,7 +153,7 @@ norma_result norma_core_bin_vertices(core_surface *surface, const core_range *ra
     const size_t workers = call->options.parallel_for ? BUFFERS_FOR_JOBS : norma_core_workers(call);
     const size_t buffers = smaller(smaller(workers, MOST_BUFFERS),
         1 + (bins - 1) / BINS_FOR_EACH); /* a quarter of all sums, however many work */
-    bin_work work = {.surface = surface,
+    bin_work work = {.prepared = prepared,
         .ranges = ranges,
         .output = output,
         .add = norma_core_choose_add(call->options.isa),

@@ -15,7 +15,7 @@
 enum { MOST_CHUNKS = 64, LEAST_CHUNKS = 16, BYTES_FOR_EIGHT_FACES = 15, SETS = 2 };
 
 typedef struct queue_work {
-    const core_surface *surface;
+    const core_prepared_mesh *prepared;
     const core_mesh *mesh;
     core_queue_triangles *queue_faces;
     core_drain_queue *drain;
@@ -32,7 +32,7 @@ typedef struct queue_work {
 /* ---- queueing */
 
 typedef struct face_queuer {
-    const core_surface *surface;
+    const core_prepared_mesh *prepared;
     core_queue *queue;
     size_t begin;
     norma_count *degenerate;
@@ -41,7 +41,7 @@ typedef struct face_queuer {
 /* A triangle that doubles do not decide, or whose corners are not three. */
 static void queue_face(void *context, size_t f) {
     const face_queuer *q = context;
-    const core_mesh *mesh = &q->surface->mesh;
+    const core_mesh *mesh = &q->prepared->mesh;
     const size_t in_chunk = f - q->begin;
     core_face face;
     norma_core_face_geometry(mesh, f, &face);
@@ -51,7 +51,7 @@ static void queue_face(void *context, size_t f) {
         q->queue->row[in_chunk][k] = face.normal[k];
         if (directed && norma_core_is_kept(mesh, f, 3 * f + k))
             q->queue->weight[in_chunk][k] = norma_core_corner_weight(
-                mesh, q->surface->call->options.weight, f, &face, 3 * f + k);
+                mesh, q->prepared->call->options.weight, f, &face, 3 * f + k);
         else
             q->queue->at[3 * in_chunk + k] = CORE_NOWHERE;
     }
@@ -60,7 +60,7 @@ static void queue_face(void *context, size_t f) {
 
 /* Stage by stage there is nothing to wait for. */
 static void wait_for(const queue_work *work, const atomic_size_t *value, size_t least) {
-    if (!work->surface->call->options.parallel_for) norma_core_wait(value, least);
+    if (!work->prepared->call->options.parallel_for) norma_core_wait(value, least);
 }
 
 /* The queues of a segment are those of the last but one, when that is drained. */
@@ -71,8 +71,8 @@ static void wait_until_free(const queue_work *work, size_t segment) {
 }
 
 static void queue_faces(queue_work *work, size_t queue, size_t begin, size_t end) {
-    face_queuer queuer = {work->surface, &work->queues[queue], begin, &work->degenerate[queue]};
-    const norma_options *o = &work->surface->call->options;
+    face_queuer queuer = {work->prepared, &work->queues[queue], begin, &work->degenerate[queue]};
+    const norma_options *o = &work->prepared->call->options;
     const core_adder adder = {work->mesh, o->weight, work->sums, 0, 0, 0, 1,
         o->weld == NORMA_WELD_DISTANCE, queue_face, &queuer};
     work->queue_faces(&adder, begin, end, work->scale, &work->queues[queue]);
@@ -160,16 +160,16 @@ static size_t parts_for(const core_call *call) {
     return parts;
 }
 
-norma_result norma_core_queue_vertices(const core_surface *surface, const core_mesh *mesh,
+norma_result norma_core_queue_vertices(const core_prepared_mesh *prepared, const core_mesh *mesh,
     vertex_sum *sums, norma_count *degenerate, int *done) {
-    core_call *call = surface->call;
+    core_call *call = prepared->call;
     size_t chunks = mesh->face_count / 8 * BYTES_FOR_EIGHT_FACES / sizeof(core_queue);
     *done = 0;
     if (chunks < LEAST_CHUNKS) return NORMA_OK;
     if (chunks > MOST_CHUNKS) chunks = MOST_CHUNKS;
     const size_t chunks_in_all =
         mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);
-    queue_work work = {.surface = surface,
+    queue_work work = {.prepared = prepared,
         .mesh = mesh,
         .sums = sums,
         .queue_faces = norma_core_choose_queue(call->options.isa),

@@ -19,13 +19,13 @@ static int resolve(const core_vertices *vertices, size_t vertex, float normal[3]
 }
 
 void norma_core_release_vertices(core_vertices *vertices) {
-    const core_call *call = vertices->surface->call;
+    const core_call *call = vertices->prepared->call;
     norma_core_release(call, vertices->sums, vertices->count, sizeof *vertices->sums);
     norma_core_release(call, vertices->own, vertices->count, sizeof *vertices->own);
     norma_core_release(call, vertices->own_sums, vertices->own_count, sizeof *vertices->own_sums);
     norma_core_release(call, vertices->normals, vertices->count, sizeof *vertices->normals);
     norma_core_release(call, vertices->reasons, vertices->count, 1);
-    *vertices = (core_vertices){.surface = vertices->surface};
+    *vertices = (core_vertices){.prepared = vertices->prepared};
 }
 
 static void write_some(const vertex_work *work, size_t begin, size_t end, core_tally *tally) {
@@ -39,7 +39,7 @@ static void write_some(const vertex_work *work, size_t begin, size_t end, core_t
 /* Some vertices at once, where each has a normal of its own: else 0, and nothing written. */
 static int write_batch(const vertex_work *work, size_t begin) {
     const core_vertices *vertices = &work->vertices;
-    const uint32_t *weld = vertices->surface->mesh.weld;
+    const uint32_t *weld = vertices->prepared->mesh.weld;
     vertex_sum welded[CORE_LANES];
     float normals[CORE_LANES][3];
     for (size_t i = 0; weld && i < CORE_LANES; i++) welded[i] = vertices->sums[weld[begin + i]];
@@ -60,7 +60,7 @@ static void write_chunk(void *context, size_t chunk) {
 }
 
 static norma_result write_all(vertex_work *work, core_tally *sum) {
-    core_call *call = work->vertices.surface->call;
+    core_call *call = work->vertices.prepared->call;
     const size_t count = work->vertices.count,
                  chunks = count / VERTICES_IN_CHUNK + (count % VERTICES_IN_CHUNK != 0);
     work->tallies = norma_core_allocate(call, chunks, sizeof *work->tallies);
@@ -88,7 +88,7 @@ static void write_nearest(const vertex_work *work, core_nearest *nearest) {
 static norma_result fill_from_nearest(const vertex_work *work, size_t queries) {
     core_nearest nearest;
     norma_result result = norma_core_nearest_begin(
-        work->vertices.surface->call, &work->vertices.surface->mesh, &nearest);
+        work->vertices.prepared->call, &work->vertices.prepared->mesh, &nearest);
     if (result != NORMA_OK) return result;
     for (size_t v = 0; v < work->vertices.count; v++) {
         float normal[3];
@@ -101,21 +101,21 @@ static norma_result fill_from_nearest(const vertex_work *work, size_t queries) {
     return result;
 }
 
-static norma_result compute(core_surface *surface, const core_range *ranges,
+static norma_result compute(core_prepared_mesh *prepared, const core_range *ranges,
     const core_output *output, norma_report *report) {
-    core_call *call = surface->call;
+    core_call *call = prepared->call;
     vertex_work work = {.output = output, .finish = norma_core_choose_finish(call->options.isa)};
     core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     int done = 0;
     norma_core_stage(call, 0.5, 0.9);
-    norma_result result = norma_core_bin_vertices(surface, ranges, output, &tally, &done);
+    norma_result result = norma_core_bin_vertices(prepared, ranges, output, &tally, &done);
     if (result == NORMA_OK && done) norma_core_write_report(report, &tally, NULL, NULL);
     if (result != NORMA_OK || done) return result;
     tally = (core_tally){{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     result = call->options.weight == NORMA_WEIGHT_VISIBLE
-                 ? norma_core_cone_vertices(surface, &work.vertices, &tally)
+                 ? norma_core_cone_vertices(prepared, &work.vertices, &tally)
                  : norma_core_sum_vertices(
-                       surface, norma_core_is_scattered(&surface->mesh), &work.vertices, &tally);
+                       prepared, norma_core_is_scattered(&prepared->mesh), &work.vertices, &tally);
     if (result != NORMA_OK) return result;
     norma_core_stage(call, 0.9, 0.97);
     result = write_all(&work, &tally);
@@ -130,18 +130,18 @@ static norma_result compute(core_surface *surface, const core_range *ranges,
 
 static norma_result open_and_compute(core_call *call, core_mesh *checked, core_range *ranges,
     const core_output *output, norma_report *report) {
-    core_surface surface;
+    core_prepared_mesh prepared;
     norma_core_stage(call, 0, 0.05);
     norma_result result = norma_core_mesh_ranges(call, checked, ranges);
     if (result == NORMA_OK)
-        result = norma_core_surface_open(call, checked,
-            call->options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_RINGS : CORE_FOR_SUMS, 0,
-            &surface);
+        result = norma_core_prepared_mesh_open(call, checked,
+            call->options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_STARS : CORE_FOR_SUMS, 0,
+            &prepared);
     if (result != NORMA_OK) return result;
-    result = compute(&surface, ranges, output, report);
+    result = compute(&prepared, ranges, output, report);
     norma_core_stage(call, 1, 1);
     if (result == NORMA_OK && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
-    norma_core_surface_close(&surface);
+    norma_core_prepared_mesh_close(&prepared);
     return result;
 }
 

@@ -8,7 +8,7 @@ typedef struct vertex_sum {
 } vertex_sum; /* weight: -0 as long as nobody votes */
 
 typedef struct core_vertices {
-    core_surface *surface;
+    core_prepared_mesh *prepared;
     size_t count;         /* vertices */
     vertex_sum *sums;     /* of positions */
     uint32_t *own;        /* NULL where nothing cancels; else of each vertex its number in own_sums,
@@ -23,15 +23,15 @@ typedef struct core_vertices {
 /* vertex_sums.c, most_visible_normals.c. What they return but NORMA_OK leaves nothing to release.
  * tally: degenerate faces are added. scattered: faces in a row lie far apart. */
 norma_result norma_core_sum_vertices(
-    core_surface *surface, int scattered, core_vertices *vertices, core_tally *tally);
+    core_prepared_mesh *prepared, int scattered, core_vertices *vertices, core_tally *tally);
 norma_result norma_core_cone_vertices(
-    core_surface *surface, core_vertices *vertices, core_tally *tally);
+    core_prepared_mesh *prepared, core_vertices *vertices, core_tally *tally);
 void norma_core_release_vertices(core_vertices *vertices);
 
 /* vertex_sums.c: one face added by itself, corners elsewhere than at the count positions from first
  * on passed over. The first corner's owner counts the degenerate. */
 typedef struct core_face_adder {
-    const core_surface *surface;
+    const core_prepared_mesh *prepared;
     vertex_sum *sums;
     uint32_t first, count;
     norma_count *degenerate;
@@ -42,7 +42,7 @@ void norma_core_clear_sums(vertex_sum *sums, size_t count);
 /* binned_sums.c: where faces in a row touch positions near each other, and none is welded, range by
  * range of positions, from the corners to the output. *done: whether it could; ranges: of the
  * chunks of faces. */
-norma_result norma_core_bin_vertices(core_surface *surface, const core_range *ranges,
+norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_range *ranges,
     const core_output *output, core_tally *tally, int *done);
 
 /* NORMA_REASON_NONE and its normal, or why there is none. */

@@ -38,13 +38,13 @@ static void add(vertex_sum *sum, double weight, const double normal[3]) {
 
 void norma_core_add_face(void *context, size_t f) {
     const core_face_adder *adder = context;
-    const core_surface *surface = adder->surface;
-    const core_mesh *mesh = &surface->mesh;
+    const core_prepared_mesh *prepared = adder->prepared;
+    const core_mesh *mesh = &prepared->mesh;
     const size_t begin = norma_core_face_begin(mesh, f), end = norma_core_face_end(mesh, f);
     core_face face;
-    norma_core_surface_face(surface, f, &face);
+    norma_core_prepared_mesh_face(prepared, f, &face);
     if (!(face.flags & CORE_FACE_DIRECTED)) {
-        if (!surface->faces && (face.flags & CORE_FACE_FINITE) &&
+        if (!prepared->faces && (face.flags & CORE_FACE_FINITE) &&
             norma_core_welded_corner(mesh, begin) - adder->first < adder->count)
             norma_core_count_one(adder->degenerate, f);
         return;
@@ -53,7 +53,7 @@ void norma_core_add_face(void *context, size_t f) {
         const uint32_t sum = norma_core_welded_corner(mesh, c) - adder->first;
         if (sum >= adder->count || !norma_core_is_kept(mesh, f, c)) continue;
         add(&adder->sums[sum],
-            norma_core_corner_weight(mesh, surface->call->options.weight, f, &face, c),
+            norma_core_corner_weight(mesh, prepared->call->options.weight, f, &face, c),
             face.normal);
     }
 }
@@ -65,14 +65,14 @@ void norma_core_clear_sums(vertex_sum *sums, size_t count) {
 /* ---- chunks and ranges */
 
 static void chunk_faces(const sum_work *work, size_t chunk, size_t *begin, size_t *end) {
-    const size_t count = work->vertices->surface->mesh.face_count;
+    const size_t count = work->vertices->prepared->mesh.face_count;
     *begin = chunk * FACES_IN_CHUNK;
     *end = count - *begin < FACES_IN_CHUNK ? count : *begin + FACES_IN_CHUNK;
 }
 
 static void touch_chunk(void *context, size_t chunk) {
     const sum_work *work = context;
-    const core_mesh *mesh = &work->vertices->surface->mesh;
+    const core_mesh *mesh = &work->vertices->prepared->mesh;
     position_range touched = {UINT32_MAX, 0};
     size_t begin, end;
     chunk_faces(work, chunk, &begin, &end);
@@ -86,7 +86,7 @@ static void touch_chunk(void *context, size_t chunk) {
 }
 
 static void add_chunk(sum_work *work, size_t range_number, position_range range, size_t chunk) {
-    const core_surface *surface = work->vertices->surface;
+    const core_prepared_mesh *prepared = work->vertices->prepared;
     vertex_sum *sums = work->vertices->sums + range.begin;
     const uint32_t count = range.end - range.begin;
     size_t begin, end;
@@ -95,11 +95,11 @@ static void add_chunk(sum_work *work, size_t range_number, position_range range,
         return;
     chunk_faces(work, chunk, &begin, &end);
     core_face_adder face_adder = {
-        surface, sums, range.begin, count, &work->degenerate[range_number]};
-    const core_adder adder = {&work->mesh, surface->call->options.weight, sums, range.begin, count,
-        work->ranges == 1, work->scattered, surface->call->options.weld == NORMA_WELD_DISTANCE,
+        prepared, sums, range.begin, count, &work->degenerate[range_number]};
+    const core_adder adder = {&work->mesh, prepared->call->options.weight, sums, range.begin, count,
+        work->ranges == 1, work->scattered, prepared->call->options.weld == NORMA_WELD_DISTANCE,
         norma_core_add_face, &face_adder};
-    if (!surface->faces)
+    if (!prepared->faces)
         work->add(&adder, begin, end);
     else
         for (size_t f = begin; f < end; f++) norma_core_add_face(&face_adder, f);
@@ -126,7 +126,7 @@ static norma_result sum_alone(sum_work *work) {
     for (size_t chunk = 0; chunk < work->chunks; chunk++) {
         if (chunk % CHUNKS_BETWEEN_TELLING == 0 &&
             norma_core_progress(
-                work->vertices->surface->call, (double)chunk / (double)work->chunks))
+                work->vertices->prepared->call, (double)chunk / (double)work->chunks))
             return NORMA_CANCELLED;
         add_chunk(work, 0, range, chunk);
     }
@@ -134,7 +134,7 @@ static norma_result sum_alone(sum_work *work) {
 }
 
 static norma_result sum_shared(sum_work *work) {
-    core_call *call = work->vertices->surface->call;
+    core_call *call = work->vertices->prepared->call;
     work->touched = norma_core_allocate(call, work->chunks, sizeof *work->touched);
     if (!work->touched) return NORMA_ERROR_MEMORY;
     norma_result result = norma_core_parallel(call, work->chunks, touch_chunk, work);
@@ -143,10 +143,10 @@ static norma_result sum_shared(sum_work *work) {
     return result;
 }
 
-static size_t ranges_for(const core_surface *surface) {
-    const core_call *call = surface->call;
+static size_t ranges_for(const core_prepared_mesh *prepared) {
+    const core_call *call = prepared->call;
     if (call->options.parallel_for) return RANGES_FOR_JOBS;
-    if (surface->mesh.face_count < FEWEST_FACES_TO_SHARE) return 1;
+    if (prepared->mesh.face_count < FEWEST_FACES_TO_SHARE) return 1;
     const size_t workers = norma_core_workers(call);
     return workers < MOST_RANGES ? workers : MOST_RANGES;
 }
@@ -168,30 +168,30 @@ static int cancels(const vertex_sum *s) {
 }
 
 static void add_own(core_vertices *vertices, size_t f) {
-    const core_surface *surface = vertices->surface;
-    const core_mesh *mesh = &surface->mesh;
+    const core_prepared_mesh *prepared = vertices->prepared;
+    const core_mesh *mesh = &prepared->mesh;
     core_face face;
-    norma_core_surface_face(surface, f, &face);
+    norma_core_prepared_mesh_face(prepared, f, &face);
     if (!(face.flags & CORE_FACE_DIRECTED)) return;
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
         const uint32_t number = vertices->own[norma_core_corner(mesh, c)];
         if (number == UINT32_MAX || !norma_core_is_kept(mesh, f, c)) continue;
         add(&vertices->own_sums[number],
-            norma_core_corner_weight(mesh, surface->call->options.weight, f, &face, c),
+            norma_core_corner_weight(mesh, prepared->call->options.weight, f, &face, c),
             face.normal);
     }
 }
 
 static int touches_own(const core_vertices *vertices, size_t f) {
-    const core_mesh *mesh = &vertices->surface->mesh;
+    const core_mesh *mesh = &vertices->prepared->mesh;
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
         if (vertices->own[norma_core_corner(mesh, c)] != UINT32_MAX) return 1;
     return 0;
 }
 
 static norma_result sum_own(core_vertices *vertices) {
-    const core_call *call = vertices->surface->call;
-    const core_mesh *mesh = &vertices->surface->mesh;
+    const core_call *call = vertices->prepared->call;
+    const core_mesh *mesh = &vertices->prepared->mesh;
     size_t cancelled = 0;
     if (!mesh->weld) return NORMA_OK; /* a position has the corners of one vertex */
     for (size_t v = 0; v < vertices->count; v++)
@@ -211,7 +211,7 @@ static norma_result sum_own(core_vertices *vertices) {
 }
 
 int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]) {
-    const core_mesh *mesh = &vertices->surface->mesh;
+    const core_mesh *mesh = &vertices->prepared->mesh;
     if (vertices->own && vertices->own[vertex] != UINT32_MAX) {
         const vertex_sum *own = &vertices->own_sums[vertices->own[vertex]];
         return has_votes(own) ? norma_core_resolve_record(mesh, own, vertex, normal)
@@ -237,44 +237,44 @@ int norma_core_resolve_record(
 /* Triangles are measured from positions in memory of our own where they are scattered; polygons are
  * measured already. */
 static norma_result copy_positions(sum_work *work) {
-    core_surface *surface = work->vertices->surface;
-    core_call *call = surface->call;
+    core_prepared_mesh *prepared = work->vertices->prepared;
+    core_call *call = prepared->call;
     const double from = call->progress_from, to = call->progress_to,
                  copied = from + 0.1 * (to - from);
-    work->mesh = surface->mesh;
-    if (!work->scattered || surface->faces) return NORMA_OK;
+    work->mesh = prepared->mesh;
+    if (!work->scattered || prepared->faces) return NORMA_OK;
     norma_core_stage(call, from, copied);
-    const norma_result result = norma_core_copy_scattered(call, &surface->mesh, &work->mesh);
+    const norma_result result = norma_core_copy_scattered(call, &prepared->mesh, &work->mesh);
     norma_core_stage(call, copied, to);
     return result;
 }
 
 static norma_result sum_all(sum_work *work) {
-    core_surface *surface = work->vertices->surface;
+    core_prepared_mesh *prepared = work->vertices->prepared;
     norma_result result = copy_positions(work);
     int done = 0;
-    if (result == NORMA_OK && work->scattered && !surface->faces && work->ranges > 1)
+    if (result == NORMA_OK && work->scattered && !prepared->faces && work->ranges > 1)
         result = norma_core_queue_vertices(
-            surface, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
+            prepared, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
     if (result == NORMA_OK && !done) result = work->ranges > 1 ? sum_shared(work) : sum_alone(work);
-    norma_core_release_scattered(surface->call, &surface->mesh, &work->mesh);
+    norma_core_release_scattered(prepared->call, &prepared->mesh, &work->mesh);
     return result;
 }
 
 norma_result norma_core_sum_vertices(
-    core_surface *surface, int scattered, core_vertices *vertices, core_tally *tally) {
-    const size_t count = surface->mesh.positions.count, faces = surface->mesh.face_count;
-    *vertices = (core_vertices){.surface = surface, .count = count};
-    vertices->sums = norma_core_allocate(surface->call, count, sizeof *vertices->sums);
+    core_prepared_mesh *prepared, int scattered, core_vertices *vertices, core_tally *tally) {
+    const size_t count = prepared->mesh.positions.count, faces = prepared->mesh.face_count;
+    *vertices = (core_vertices){.prepared = prepared, .count = count};
+    vertices->sums = norma_core_allocate(prepared->call, count, sizeof *vertices->sums);
     if (!vertices->sums) return NORMA_ERROR_MEMORY;
     sum_work work = {.vertices = vertices,
         .scattered = scattered,
-        .add = norma_core_choose_add(surface->call->options.isa),
-        .ranges = ranges_for(surface),
+        .add = norma_core_choose_add(prepared->call->options.isa),
+        .ranges = ranges_for(prepared),
         .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
     norma_result result = sum_all(&work);
     if (result == NORMA_OK) result = sum_own(vertices);
-    norma_core_count_add(&tally->degenerate, &surface->degenerate_faces);
+    norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
     for (size_t i = 0; i < work.ranges; i++)
         norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
     if (result != NORMA_OK) norma_core_release_vertices(vertices);

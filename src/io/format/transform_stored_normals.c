@@ -3,13 +3,13 @@
 #include "io/format/transform_stored_normals.h"
 #include <math.h>
 
-int norma_carry_is_identity(const double model[16]) {
+int norma_stored_normals_is_identity(const double model[16]) {
     for (int i = 0; i < 16; ++i)
         if (model[i] != (i % 5 == 0 ? 1.0 : 0.0)) return 0;
     return 1;
 }
 
-norma_document_result norma_carry_progress(const norma_document *document,
+norma_document_result norma_stored_normals_progress(const norma_document *document,
     const norma_transform_options *options, double fraction, norma_document_error *error) {
     if (options->progress && options->progress(options->progress_user, fraction))
         return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
@@ -39,13 +39,13 @@ static norma_document_result prepare(const norma_document *document, const doubl
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_carry_begin(const norma_document *document,
+norma_document_result norma_stored_normals_begin(const norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     normal_carrier *carrier, norma_document_error *error) {
     norma_document_result result = prepare(document, options->matrix, carrier, error);
     if (result) return result;
     summary->mirrored = carrier->mirrored;
-    return norma_carry_progress(document, options, 0, error);
+    return norma_stored_normals_progress(document, options, 0, error);
 }
 
 static void settle_lost(const normal_carrier *carrier, const double *before, float *after,
@@ -61,8 +61,9 @@ static void settle_lost(const normal_carrier *carrier, const double *before, flo
     }
 }
 
-norma_document_result norma_carry_normals(norma_document *document, const normal_carrier *carrier,
-    const double *normals, size_t count, float *out, norma_document_error *error) {
+norma_document_result norma_transform_stored_normals(norma_document *document,
+    const normal_carrier *carrier, const double *normals, size_t count, float *out,
+    norma_document_error *error) {
     const norma_vec3_view view = {.data = normals, .count = count, .format = NORMA_FORMAT_DOUBLE};
     norma_result failed = norma_transform_normals(carrier->matrix, view, out, 0, count);
     if (failed) return norma_document_fail_core(document, error, failed);

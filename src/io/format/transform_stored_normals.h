@@ -10,14 +10,15 @@ typedef struct normal_carrier {
 } normal_carrier;
 
 /* Progress is 0, and the summary knows whether the matrix mirrors. */
-norma_document_result norma_carry_begin(const norma_document *document,
+norma_document_result norma_stored_normals_begin(const norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     normal_carrier *carrier, norma_document_error *error);
-norma_document_result norma_carry_progress(const norma_document *document,
+norma_document_result norma_stored_normals_progress(const norma_document *document,
     const norma_transform_options *options, double fraction, norma_document_error *error);
 /* normals: three doubles each, out: three floats. What the matrix takes to nothing gets the
  * direction that remains, what is not finite becomes zero; notes say how many. */
-norma_document_result norma_carry_normals(norma_document *document, const normal_carrier *carrier,
-    const double *normals, size_t count, float *out, norma_document_error *error);
-int norma_carry_is_identity(const double model[16]);
+norma_document_result norma_transform_stored_normals(norma_document *document,
+    const normal_carrier *carrier, const double *normals, size_t count, float *out,
+    norma_document_error *error);
+int norma_stored_normals_is_identity(const double model[16]);
 #endif

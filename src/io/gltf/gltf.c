@@ -332,7 +332,7 @@ const format_functions norma_gltf_functions = {
     .write = norma_gltf_write,
     .write_companions = norma_gltf_write_companions,
     .changed_companion = norma_gltf_changed_companion,
-    .settle = norma_gltf_settle,
+    .settle = norma_gltf_reopen,
     .reads_from = norma_gltf_reads_from,
     .scene = &norma_gltf_scene,
 };

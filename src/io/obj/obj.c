@@ -26,7 +26,7 @@ static norma_document_result read_anew(norma_document *document, norma_document_
     return norma_obj_read(document, document->state, error);
 }
 
-norma_document_result norma_obj_settle(norma_document *document, norma_document_error *error) {
+norma_document_result norma_obj_flush_edits(norma_document *document, norma_document_error *error) {
     obj_state *state = document->state;
     unsigned char *bytes;
     size_t size;

@@ -93,7 +93,7 @@ norma_mesh norma_obj_mesh(const obj_state *state);
 
 /* obj.c: the changes become the document's bytes, which are read anew. Nothing to do where there
  * are none. */
-norma_document_result norma_obj_settle(norma_document *document, norma_document_error *error);
+norma_document_result norma_obj_flush_edits(norma_document *document, norma_document_error *error);
 int norma_obj_has_change(const obj_state *state); /* obj_write.c */
 
 /* smoothing_groups.c: sets group_masks, and hard_edges where masks do not suffice, such that faces

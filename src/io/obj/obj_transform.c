@@ -148,7 +148,7 @@ norma_document_result norma_obj_transform(norma_document *document,
     summary->mirrored = info.mirrored;
     if (is_identity(options->matrix, 4) || (!state->position_count && !state->normal_count))
         return NORMA_DOCUMENT_OK;
-    norma_document_result told = norma_carry_progress(document, options, 0, error);
+    norma_document_result told = norma_stored_normals_progress(document, options, 0, error);
     if (told) return told;
     summary->changed = 1;
     result = move_positions(document, state, options->matrix);
@@ -160,5 +160,5 @@ norma_document_result norma_obj_transform(norma_document *document,
         norma_document_add_note(document,
             "the matrix mirrors; free-form surfaces keep the direction of their "
             "parameters, so that their sides change");
-    return norma_carry_progress(document, options, 1, error);
+    return norma_stored_normals_progress(document, options, 1, error);
 }

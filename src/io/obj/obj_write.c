@@ -410,7 +410,7 @@ static int changes(const obj_state *s, const obj_stretch *a, const obj_stretch *
 
 /* Of one stretch what lies between two places; from: begin, or the block's place. */
 static void make_text(
-    const pieces *p, size_t stretch, const char *from, const char *to, norma_piece *piece) {
+    const pieces *p, size_t stretch, const char *from, const char *to, norma_data_run *piece) {
     const obj_stretch *at = &p->state->stretches[stretch];
     const char *begin = p->text + at->offset;
     if (!changes(p->state, at, at + 1)) {
@@ -432,7 +432,7 @@ static void make_text(
     free((void *)w.tokens);
 }
 
-static void make_normals(const pieces *p, size_t slice, norma_piece *piece) {
+static void make_normals(const pieces *p, size_t slice, norma_data_run *piece) {
     const size_t begin = slice * SLICE, left = p->state->normal_count - begin,
                  end = begin + (left < SLICE ? left : SLICE);
     writer w = {.state = p->state, .sink = &piece->sink, .text = p->text, .end = p->end};
@@ -443,7 +443,7 @@ static void make_normals(const pieces *p, size_t slice, norma_piece *piece) {
             write_kept_normal(&w, i, p->ending);
 }
 
-static void make_piece(void *context, size_t index, norma_piece *piece) {
+static void make_run(void *context, size_t index, norma_data_run *piece) {
     const pieces *p = context;
     const obj_stretch *stretches = p->state->stretches;
     const int behind = index > p->split + p->slices;
@@ -489,7 +489,7 @@ norma_document_result norma_obj_write(norma_document *document, const char *path
     size_t count;
     (void)path;
     find_split(&p, &count);
-    switch (norma_write_ordered(document->threads, count, make_piece, &p, write, user)) {
+    switch (norma_write_ordered(document->threads, count, make_run, &p, write, user)) {
     case NORMA_ORDERED_REFUSED:
         return norma_document_fail(
             document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");

@@ -67,7 +67,7 @@ static const unsigned char *row_of(const void *context, size_t row, size_t *leng
 norma_document_result norma_obj_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
     text_walk walk;
-    norma_document_result result = norma_obj_settle(document, error);
+    norma_document_result result = norma_obj_flush_edits(document, error);
     const obj_state *state = document->state;
     (void)mesh;
     if (result) return result;

@@ -304,7 +304,7 @@ static size_t even_row(const ply_plan *plan) {
     return plan->element->list_count == 0 ? plan->element->fixed_size : plan->element->triangle_row;
 }
 
-static void make_slice(void *context, size_t index, norma_piece *piece) {
+static void make_slice(void *context, size_t index, norma_data_run *piece) {
     const row_slices *slices = context;
     const ply_plan *plan = slices->writer->plan;
     const int added = index >= slices->slices;

@@ -38,7 +38,7 @@ static void close_ply(norma_document *document) {
     document->state = NULL;
 }
 
-norma_document_result norma_ply_settle(norma_document *document, norma_document_error *error) {
+norma_document_result norma_ply_flush_edits(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     if (!norma_ply_has_edit(state)) return NORMA_DOCUMENT_OK;
     unsigned char *bytes;
@@ -113,7 +113,7 @@ static norma_document_result decode_normals(norma_document *document, norma_docu
 static norma_document_result give_mesh(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
-    norma_document_result result = norma_ply_settle(document, error);
+    norma_document_result result = norma_ply_flush_edits(document, error);
     ply_state *state = document->state;
     if (!result && !state->normals && state->header.normal[0] != PLY_NONE)
         result = decode_normals(document, error);

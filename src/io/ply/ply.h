@@ -274,5 +274,5 @@ norma_document_result norma_ply_row_spans(norma_document *document, const ply_el
 
 /* ply.c: the changes become bytes of the document, which is read anew. Nothing to do where there
  * are none. */
-norma_document_result norma_ply_settle(norma_document *document, norma_document_error *error);
+norma_document_result norma_ply_flush_edits(norma_document *document, norma_document_error *error);
 #endif

@@ -48,9 +48,9 @@ typedef struct carried_normals {
     ply_type types[3];
 } carried_normals;
 
-static norma_document_result carry_normals(norma_document *document, const normal_carrier *carrier,
-    const ply_element *element, const int properties[3], carried_normals *carried,
-    norma_document_error *error) {
+static norma_document_result transform_column(norma_document *document,
+    const normal_carrier *carrier, const ply_element *element, const int properties[3],
+    carried_normals *carried, norma_document_error *error) {
     const ply_header *header = &((const ply_state *)document->state)->header;
     const size_t count = (size_t)element->count;
     double *stored = NULL;
@@ -59,7 +59,8 @@ static norma_document_result carry_normals(norma_document *document, const norma
     carried->normals = result ? NULL : norma_io_allocate(count, 3 * sizeof *carried->normals);
     if (!result && !carried->normals) result = norma_document_fail_memory(document, error);
     if (!result)
-        result = norma_carry_normals(document, carrier, stored, count, carried->normals, error);
+        result = norma_transform_stored_normals(
+            document, carrier, stored, count, carried->normals, error);
     if (!result) {
         norma_ply_normal_types(header, element, properties, carried->types);
         result = norma_ply_encode_normals(document, carried->types, carried->normals, count, error);
@@ -75,13 +76,13 @@ static norma_document_result transform_normals(
     norma_document_result result = NORMA_DOCUMENT_OK;
     carried_normals carried = {0};
     if (header->normal[0] != PLY_NONE) {
-        result = carry_normals(document, carrier, norma_ply_element(header, header->vertex),
+        result = transform_column(document, carrier, norma_ply_element(header, header->vertex),
             header->normal, &carried, error);
         state->edit.normals = carried.normals;
         memcpy(state->edit.normal_types, carried.types, sizeof carried.types);
     }
     if (!result && header->face_normal[0] != PLY_NONE) {
-        result = carry_normals(document, carrier, norma_ply_element(header, header->face),
+        result = transform_column(document, carrier, norma_ply_element(header, header->face),
             header->face_normal, &carried, error);
         state->edit.face_normals = carried.normals;
         memcpy(state->edit.face_normal_types, carried.types, sizeof carried.types);
@@ -108,18 +109,18 @@ static norma_document_result reverse_faces(norma_document *document, norma_docum
 norma_document_result norma_ply_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error) {
-    norma_document_result result = norma_ply_settle(document, error);
+    norma_document_result result = norma_ply_flush_edits(document, error);
     if (result) return result;
     ply_state *state = document->state;
     summary->vertices = state->vertices;
     summary->meshes = 1;
-    if (norma_carry_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
+    if (norma_stored_normals_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
     normal_carrier carrier;
-    result = norma_carry_begin(document, options, summary, &carrier, error);
+    result = norma_stored_normals_begin(document, options, summary, &carrier, error);
     if (result) return result;
     result = transform_positions(document, options->matrix, error);
     if (!result) result = transform_normals(document, &carrier, error);
     if (!result && carrier.mirrored) result = reverse_faces(document, error);
     if (!result) result = norma_ply_drop_idle_edit(document, &summary->changed, error);
-    return result ? result : norma_carry_progress(document, options, 1, error);
+    return result ? result : norma_stored_normals_progress(document, options, 1, error);
 }

@@ -113,7 +113,7 @@ static void put_vertices(const stl_state *state, unsigned char *out, size_t face
 
 enum { SLICE = 1 << 12 }; /* facets */
 
-static void make_facets(void *context, size_t slice, norma_piece *piece) {
+static void make_facets(void *context, size_t slice, norma_data_run *piece) {
     const stl_state *state = context;
     const size_t first = slice * SLICE, left = state->facets - first,
                  end = first + (left < SLICE ? left : SLICE);

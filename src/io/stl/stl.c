@@ -79,7 +79,7 @@ static norma_document_result describe_mesh(
 static norma_document_result give_mesh(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
-    norma_document_result result = norma_stl_settle(document, error);
+    norma_document_result result = norma_stl_flush_edits(document, error);
     if (!result) result = norma_stl_decode(document, error);
     if (result) return result;
     const stl_state *state = document->state;
@@ -122,7 +122,7 @@ norma_document_result norma_stl_take_bytes(
     return norma_rewrite_read(document, read_bytes, error);
 }
 
-norma_document_result norma_stl_settle(norma_document *document, norma_document_error *error) {
+norma_document_result norma_stl_flush_edits(norma_document *document, norma_document_error *error) {
     const stl_state *state = document->state;
     if (!state->normals && !state->vertices) return NORMA_DOCUMENT_OK;
     unsigned char *bytes;

@@ -60,7 +60,7 @@ norma_document_result norma_stl_decode(norma_document *document, norma_document_
 /* The file is to be these bytes from now on, which become the document's. */
 norma_document_result norma_stl_take_bytes(
     norma_document *document, unsigned char *bytes, size_t size, norma_document_error *error);
-norma_document_result norma_stl_settle(norma_document *document, norma_document_error *error);
+norma_document_result norma_stl_flush_edits(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_write(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error);
 norma_document_result norma_stl_drop_idle_edit(

@@ -146,7 +146,7 @@ norma_document_result norma_stl_compute(norma_document *document,
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "STL holds one normal for each facet: smooth shading and creases cannot be stored; "
             "expected neither, or another format");
-    norma_document_result result = norma_stl_settle(document, error);
+    norma_document_result result = norma_stl_flush_edits(document, error);
     if (result) return result;
     const stl_state *state = document->state;
     const norma_count none = {0, SIZE_MAX};
@@ -204,8 +204,8 @@ static norma_document_result transform_normals(
         stored && state->normals ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
     for (size_t i = 0; i < numbers && !result; ++i) stored[i] = (double)state->stored[i];
     if (!result)
-        result =
-            norma_carry_normals(document, carrier, stored, state->facets, state->normals, error);
+        result = norma_transform_stored_normals(
+            document, carrier, stored, state->facets, state->normals, error);
     free(stored);
     return result;
 }
@@ -213,17 +213,17 @@ static norma_document_result transform_normals(
 norma_document_result norma_stl_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error) {
-    norma_document_result result = norma_stl_settle(document, error);
+    norma_document_result result = norma_stl_flush_edits(document, error);
     if (result) return result;
     summary->vertices = 3 * ((const stl_state *)document->state)->facets;
     summary->meshes = 1;
-    if (norma_carry_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
+    if (norma_stored_normals_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
     normal_carrier carrier;
-    result = norma_carry_begin(document, options, summary, &carrier, error);
+    result = norma_stored_normals_begin(document, options, summary, &carrier, error);
     if (result) return result;
     result = norma_stl_decode(document, error);
     if (!result) result = transform_vertices(document, options->matrix, carrier.mirrored, error);
     if (!result) result = transform_normals(document, &carrier, error);
     if (!result) result = norma_stl_drop_idle_edit(document, &summary->changed, error);
-    return result ? result : norma_carry_progress(document, options, 1, error);
+    return result ? result : norma_stored_normals_progress(document, options, 1, error);
 }

@@ -164,7 +164,7 @@ static norma_document_result edit_text(norma_document *document, const norma_mes
 norma_document_result norma_stl_edit(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     norma_memory_sink memory = {0};
-    norma_document_result result = norma_stl_settle(document, error);
+    norma_document_result result = norma_stl_flush_edits(document, error);
     if (result) return result;
     const stl_state *state = document->state;
     norma_sink *sink = norma_sink_create(norma_memory_sink_write, &memory);

@@ -14,17 +14,17 @@ enum { MOST_HELPERS = 255 };
 typedef struct line { /* in which pieces stand */
     pthread_mutex_t lock;
     pthread_cond_t ready, room; /* told: the calling thread, the others */
-    norma_make_piece *make;
+    norma_make_data_run *make;
     void *context;
-    norma_piece *pieces;
+    norma_data_run *pieces;
     unsigned char *made;
     size_t count, places;   /* piece i stands at place i % places */
     size_t next, handed_on; /* the next to be made; how many are gone */
     int stop;
 } line;
 
-static void make_piece(line *l, size_t index) {
-    norma_piece *piece = &l->pieces[index % l->places];
+static void make_run(line *l, size_t index) {
+    norma_data_run *piece = &l->pieces[index % l->places];
     if (!piece->sink.block) norma_sink_flush(&piece->sink); /* its first block */
     piece->sink.used = 0;
     piece->span = NULL;
@@ -49,7 +49,7 @@ static void *help(void *context) {
             continue;
         }
         pthread_mutex_unlock(&l->lock);
-        make_piece(l, index);
+        make_run(l, index);
         pthread_mutex_lock(&l->lock);
         l->made[index % l->places] = 1;
         pthread_cond_signal(&l->ready);
@@ -58,7 +58,7 @@ static void *help(void *context) {
     return NULL;
 }
 
-static norma_ordered_result hand_on(const norma_piece *piece, norma_write *write, void *user) {
+static norma_ordered_result hand_on(const norma_data_run *piece, norma_write *write, void *user) {
     if (piece->sink.failed) return NORMA_ORDERED_MEMORY;
     if (piece->sink.used && write(user, piece->sink.block, piece->sink.used))
         return NORMA_ORDERED_REFUSED;
@@ -81,7 +81,7 @@ static norma_ordered_result lead(line *l, norma_write *write, void *user) {
             pthread_cond_broadcast(&l->room);
         } else if (take(l, &index)) {
             pthread_mutex_unlock(&l->lock);
-            make_piece(l, index);
+            make_run(l, index);
             pthread_mutex_lock(&l->lock);
             l->made[index % l->places] = 1;
         } else {
@@ -138,7 +138,7 @@ static norma_ordered_result open_and_run(line *l, size_t threads, norma_write *w
     return result;
 }
 
-norma_ordered_result norma_write_ordered(uint32_t threads, size_t count, norma_make_piece *make,
+norma_ordered_result norma_write_ordered(uint32_t threads, size_t count, norma_make_data_run *make,
     void *context, norma_write *write, void *user) {
     const size_t workers = norma_io_threads(threads);
     line l = {.make = make,

@@ -93,12 +93,12 @@ static void has_only(norma_document *document, const expected *wanted, size_t co
 static void mends(norma_document *document, int rays, const char *rules, uint8_t (*turned)[MOST],
     const part *parts, int count) {
     uint8_t mask[128] = {0};
-    norma_mend_summary summary;
+    norma_fix_summary summary;
     size_t size;
     assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
     const norma_check_options options = {
         .struct_size = sizeof options, .rules = mask, .open_by_rays = rays};
-    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_fix_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(summary.changed, 1);
     unsigned char *bytes = scene_output(document, &size);
     document = scene_reopen(bytes, size, "a.glb");
@@ -112,7 +112,7 @@ static void mends(norma_document *document, int rays, const char *rules, uint8_t
             assert_int_equal(((const uint32_t *)data.mesh.corners)[c], parts[i].corners[from]);
         }
     }
-    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_fix_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(summary.changed, 0);
     if (rays) assert_true(summary.by_rays > 0 && summary.least_confidence > 0);
     norma_document_close(document);
@@ -164,18 +164,18 @@ static void test_rays(void **state) {
     static part parts[2];
     static uint8_t all[2][MOST] = {{1, 1, 1, 1}, {1, 1, 1, 1, 1, 1}};
     gltf_asset a = {0};
-    norma_mend_summary summary;
+    norma_fix_summary summary;
     memset(parts, 0, sizeof parts);
     for (int side = 0; side < 5; side++) add_side(&parts[side > 1], low, high, side, 1);
     norma_document *document = open_parts(&a, parts, 2);
     uint8_t mask[128] = {0};
     assert_int_equal(norma_rules_select("N304,N302", mask, NULL), NORMA_OK);
     norma_check_options options = {.struct_size = sizeof options, .rules = mask};
-    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL),
+    assert_int_equal(norma_fix_document(document, &options, 1, &summary, NULL),
         NORMA_DOCUMENT_OK); /* only when asked */
     assert_int_equal(summary.changed, 0);
     options.open_by_rays = 1;
-    assert_int_equal(norma_mend_document(document, &options, 0, &summary, NULL),
+    assert_int_equal(norma_fix_document(document, &options, 0, &summary, NULL),
         NORMA_DOCUMENT_OK); /* and not by what is safe */
     assert_int_equal(summary.changed, 0);
     mends(document, 1, "N304", all, parts, 2);
@@ -309,18 +309,18 @@ static void test_seam(void **state) {
     gltf_asset a = {0};
     float normals[2][STRIP][3];
     uint8_t mask[128] = {0};
-    norma_mend_summary summary;
+    norma_fix_summary summary;
     size_t size;
     norma_document *document = open_cylinder(&a, normals);
     assert_int_equal(count_seams(document), ROWS - 2);
     assert_int_equal(norma_rules_select("N501", mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
-    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_fix_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
     unsigned char *bytes = scene_output(document, &size);
     norma_document_close(document);
     document = scene_reopen(bytes, size, "a.glb");
     assert_int_equal(count_seams(document), 0);
-    assert_int_equal(norma_mend_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_fix_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(summary.changed, 0);
     for (int half = 0; half < 2; half++) {
         norma_mesh_data data;

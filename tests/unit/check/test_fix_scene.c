@@ -97,12 +97,12 @@ static norma_document *reopen(norma_document *document, unsigned char **bytes) {
     return again;
 }
 
-static norma_mend_summary mend(norma_document *document, const char *rules, int unsafe) {
+static norma_fix_summary mend(norma_document *document, const char *rules, int unsafe) {
     uint8_t mask[128];
     const norma_check_options options = options_of(rules, mask);
-    norma_mend_summary summary;
+    norma_fix_summary summary;
     norma_document_error error;
-    if (norma_mend_document(document, &options, unsafe, &summary, &error))
+    if (norma_fix_document(document, &options, unsafe, &summary, &error))
         fail_msg("%s", error.message);
     return summary;
 }
@@ -110,7 +110,7 @@ static norma_mend_summary mend(norma_document *document, const char *rules, int 
 /* The document is closed; the result lives in bytes. A further time must change nothing. */
 static norma_document *mended(
     norma_document *document, const char *rules, int unsafe, unsigned char **bytes) {
-    norma_mend_summary summary = {.again = 1};
+    norma_fix_summary summary = {.again = 1};
     for (int i = 0; i < 4 && summary.again; i++) {
         summary = mend(document, rules, unsafe);
         document = reopen(document, bytes);
@@ -432,9 +432,9 @@ static void test_too_large_to_bake(void **state) {
         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]",
         1);
     norma_document_result result = NORMA_DOCUMENT_OK;
-    norma_mend_summary summary = {.again = 1};
+    norma_fix_summary summary = {.again = 1};
     for (int i = 0; i < 4 && !result && summary.again; ++i) {
-        result = norma_mend_document(document, &options, 1, &summary, &error);
+        result = norma_fix_document(document, &options, 1, &summary, &error);
         if (!result && summary.again) {
             norma_document *settled;
             assert_int_equal(

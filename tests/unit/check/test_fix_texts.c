@@ -16,11 +16,11 @@
 
 static int mend(norma_document *document, const char *rules) {
     uint8_t mask[128] = {0};
-    norma_mend_summary summary;
+    norma_fix_summary summary;
     norma_document_error error;
     assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
-    if (norma_mend_document(document, &options, 1, &summary, &error)) fail_msg("%s", error.message);
+    if (norma_fix_document(document, &options, 1, &summary, &error)) fail_msg("%s", error.message);
     return summary.changed;
 }
 

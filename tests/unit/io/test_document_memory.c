@@ -111,11 +111,11 @@ static norma_document_result read_all(norma_document *d, norma_document_error *e
 static norma_document_result mend(norma_document *d, outcome *out) {
     static const norma_check_options options = {.struct_size = sizeof options, .threads = 1};
     norma_findings *findings = NULL;
-    norma_mend_summary summary;
+    norma_fix_summary summary;
     norma_document_result result = norma_check_document(d, &options, &findings, &out->error);
     out->findings = result ? 0 : norma_findings_count(findings);
     norma_findings_free(findings);
-    return result ? result : norma_mend_document(d, &options, 1, &summary, &out->error);
+    return result ? result : norma_fix_document(d, &options, 1, &summary, &out->error);
 }
 
 static norma_document_result change(norma_document *d, int kind, outcome *out) {

@@ -425,7 +425,7 @@ static void morphs_turn_normals(void **state) {
 
 /* Normals of bytes, one of them of no length: it alone is mended, with --only broken; all others
  * keep codes that no encoder of ours would choose. */
-static void broken_normals_alone_are_mended(void **state) {
+static void broken_normals_alone_are_fixed(void **state) {
     static bytes b;
     static const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
     static const uint16_t indices[6] = {0, 1, 2, 1, 3, 2};
@@ -996,7 +996,7 @@ int main(void) {
         cmocka_unit_test(what_is_shared_stays_shared),
         cmocka_unit_test(materials_make_no_seam),
         cmocka_unit_test(morphs_turn_normals),
-        cmocka_unit_test(broken_normals_alone_are_mended),
+        cmocka_unit_test(broken_normals_alone_are_fixed),
         cmocka_unit_test(nan_positions_are_filled),
         cmocka_unit_test(strips_and_fans_unroll),
         cmocka_unit_test(stitches_are_left_out_of_a_list),

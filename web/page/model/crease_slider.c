@@ -1,6 +1,6 @@
 /* crease_slider.c: ordinary positions, nearly all there are (up to so many triangles, one way round
  * them, directions that doubles decide), by short loops over what is kept; any other by the core's
- * ring, which knows everything. Both add in ascending order of corners, so that the bits are the
+ * star, which knows everything. Both add in ascending order of corners, so that the bits are the
  * same. */
 #include "crease_slider.h"
 #include "core/mesh/output.h"
@@ -12,7 +12,7 @@ enum { MOST_CORNERS = 16, NO_WEIGHT = -1 };
 enum { BY_RING = 0, CLOSED, OPEN }; /* how a position is done */
 
 static const double DOUBT =
-    0x1p-30; /* a cosine this near to the crease's does not tell; the core's ring does */
+    0x1p-30; /* a cosine this near to the crease's does not tell; the core's star does */
 
 typedef struct kept_face {
     double normal[3], weight[3];
@@ -20,9 +20,9 @@ typedef struct kept_face {
 
 struct creases {
     core_call call;
-    core_surface surface;
-    core_ring ring;
-    size_t ring_room;
+    core_prepared_mesh surface;
+    core_star star;
+    size_t star_room;
     kept_face *faces;
     uint8_t *kinds;  /* of each position */
     double *least;   /* of each ordinary position, the least cosine round it */
@@ -131,8 +131,9 @@ static double dot3(const double a[3], const double b[3]) {
  * many. */
 static int look_round(const creases *c, uint32_t position, const uint8_t *sure, round_position *r) {
     const core_mesh *mesh = &c->surface.mesh;
-    const uint32_t *corners = c->surface.around.corners + c->surface.around.starts[position];
-    r->count = c->surface.around.starts[position + 1] - c->surface.around.starts[position];
+    const uint32_t *corners =
+        c->surface.corners_of.corners + c->surface.corners_of.starts[position];
+    r->count = c->surface.corners_of.starts[position + 1] - c->surface.corners_of.starts[position];
     if (r->count > MOST_CORNERS) return 0;
     for (uint32_t i = 0; i < r->count; ++i) {
         const uint32_t begin = corners[i] / 3 * 3, turn = corners[i] - begin;
@@ -146,8 +147,8 @@ static int look_round(const creases *c, uint32_t position, const uint8_t *sure, 
 }
 
 static void keep_position(creases *c, uint32_t position, const uint8_t *sure) {
-    const size_t begin = c->surface.around.starts[position];
-    const uint32_t *corners = c->surface.around.corners + begin;
+    const size_t begin = c->surface.corners_of.starts[position];
+    const uint32_t *corners = c->surface.corners_of.corners + begin;
     round_position r;
     c->kinds[position] = BY_RING;
     if (!look_round(c, position, sure, &r)) return;
@@ -168,11 +169,11 @@ static void keep_position(creases *c, uint32_t position, const uint8_t *sure) {
 /* ---- opening */
 
 static int allocate(creases *c) {
-    const core_surface *s = &c->surface;
+    const core_prepared_mesh *s = &c->surface;
     const size_t positions = s->mesh.positions.count + 1, corners = s->mesh.corner_count + 1,
-                 most = s->around.most + 1;
-    if (norma_core_ring_allocate(&c->call, &c->ring, most) != NORMA_OK) return 0;
-    c->ring_room = most;
+                 most = s->corners_of.most + 1;
+    if (norma_core_star_allocate(&c->call, &c->star, most) != NORMA_OK) return 0;
+    c->star_room = most;
     c->kinds = calloc(positions, sizeof *c->kinds);
     if (s->mesh.face_starts) return c->kinds != NULL;
     c->faces = malloc((s->mesh.face_count + 1) * sizeof *c->faces);
@@ -196,7 +197,7 @@ static int keep_triangles(creases *c) {
         keep_position(c, (uint32_t)p, sure);
     const int all_sure = !memchr(sure, 0, faces);
     free(sure);
-    return all_sure || norma_core_surface_lend(&c->surface) == NORMA_OK;
+    return all_sure || norma_core_find_borrowed_directions(&c->surface) == NORMA_OK;
 }
 
 creases *creases_open(const norma_mesh *mesh, norma_weld weld) {
@@ -207,7 +208,8 @@ creases *creases_open(const norma_mesh *mesh, norma_weld weld) {
         norma_core_begin(&c->call, &options) != NORMA_OK ||
         norma_core_mesh_shape(mesh, &checked) != NORMA_OK ||
         norma_core_mesh_content(&c->call, &checked) != NORMA_OK ||
-        norma_core_surface_open(&c->call, &checked, CORE_FOR_FANS, 0, &c->surface) != NORMA_OK) {
+        norma_core_prepared_mesh_open(&c->call, &checked, CORE_FOR_FANS, 0, &c->surface) !=
+            NORMA_OK) {
         free(c);
         return NULL;
     }
@@ -219,8 +221,8 @@ creases *creases_open(const norma_mesh *mesh, norma_weld weld) {
 
 void creases_close(creases *c) {
     if (!c) return;
-    if (c->ring_room) norma_core_ring_release(&c->call, &c->ring, c->ring_room);
-    norma_core_surface_close(&c->surface);
+    if (c->star_room) norma_core_star_release(&c->call, &c->star, c->star_room);
+    norma_core_prepared_mesh_close(&c->surface);
     free(c->faces);
     free(c->kinds);
     free(c->least);
@@ -240,15 +242,15 @@ norma_weld creases_weld(const creases *c) { return c->call.options.weld; }
 static void copy3(float *to, const float *from) { memcpy(to, from, 3 * sizeof *to); }
 
 /* 0: some corner has no normal. */
-static int compute_by_ring(creases *c, uint32_t position, float *normals) {
-    core_ring *ring = &c->ring;
-    norma_core_ring_load(&c->surface, position, 1, ring);
-    norma_core_ring_join_fans(&c->surface, ring, NULL);
-    norma_core_ring_sum(&c->surface, ring);
-    for (size_t i = 0; i < ring->count; ++i) {
-        const core_fan *fan = &ring->fans[ring->fan_of[i]];
+static int compute_by_star(creases *c, uint32_t position, float *normals) {
+    core_star *star = &c->star;
+    norma_core_star_load(&c->surface, position, 1, star);
+    norma_core_star_join_fans(&c->surface, star, NULL);
+    norma_core_star_sum(&c->surface, star);
+    for (size_t i = 0; i < star->count; ++i) {
+        const core_fan *fan = &star->fans[star->fan_of[i]];
         if (fan->reason != NORMA_REASON_NONE) return 0;
-        copy3(normals + 3 * (size_t)ring->corners[i].corner, fan->normal);
+        copy3(normals + 3 * (size_t)star->corners[i].corner, fan->normal);
     }
     return 1;
 }
@@ -381,16 +383,16 @@ static int compute_fans(creases *c, size_t begin, const uint32_t *corners, size_
 }
 
 static int compute_position(creases *c, uint32_t position, float *normals) {
-    const size_t begin = c->surface.around.starts[position],
-                 count = c->surface.around.starts[position + 1] - begin;
-    const uint32_t *corners = c->surface.around.corners + begin;
+    const size_t begin = c->surface.corners_of.starts[position],
+                 count = c->surface.corners_of.starts[position + 1] - begin;
+    const uint32_t *corners = c->surface.corners_of.corners + begin;
     const int open = c->kinds[position] == OPEN;
     uint32_t cuts;
     if (count == 0) return 1;
-    if (c->kinds[position] == BY_RING) return compute_by_ring(c, position, normals);
+    if (c->kinds[position] == BY_RING) return compute_by_star(c, position, normals);
     if (c->least[position] > c->surface.crease_cosine + DOUBT)
         return compute_whole(c, position, corners, count, normals);
-    if (!find_cuts(c, begin, count, &cuts)) return compute_by_ring(c, position, normals);
+    if (!find_cuts(c, begin, count, &cuts)) return compute_by_star(c, position, normals);
     if ((cuts & (cuts - 1)) == 0 && !(cuts && open))
         return compute_whole(c, position, corners, count, normals);
     return compute_fans(c, begin, corners, count, cuts, open, normals);
@@ -399,7 +401,7 @@ static int compute_position(creases *c, uint32_t position, float *normals) {
 int creases_compute(creases *c, float crease_rad, norma_weight weight, float *normals) {
     if (!(crease_rad == crease_rad)) return 0;
     c->call.options.weight = weight;
-    norma_core_surface_crease(&c->surface, (double)crease_rad);
+    norma_core_prepared_mesh_crease(&c->surface, (double)crease_rad);
     if (c->faces && c->weight != (int)weight && !is_visible(c)) measure_all(c, weight, NULL);
     if (c->faces && c->whole_of != (int)weight)
         memset(c->has_whole, 0, c->surface.mesh.positions.count);

@@ -58,7 +58,7 @@ static norma_document_result make_data(
     if (result) return result;
     double *values = norma_io_allocate(array.count + 1, array.width * sizeof *values);
     if (!values) return norma_document_fail_memory(b->g->document, error);
-    norma_gltf_carry(
+    norma_gltf_transform_vectors(
         (bake_role)entry->role, b->map, &array, entry->b == GLTF_NONE ? NULL : &base, values);
     gltf_data data;
     const bake_encoded encoded = norma_gltf_encode((bake_role)entry->role, &array, values, &data);
@@ -75,7 +75,7 @@ static norma_document_result make_data(
                                     : NORMA_DOCUMENT_OK;
 }
 
-/* base: see norma_gltf_carry. */
+/* base: see norma_gltf_transform_vectors. */
 static norma_document_result bake_slot(const mesh_baker *b, bake_role role, uint32_t accessor,
     uint32_t base, const gltf_slot *slot, norma_document_error *error) {
     const int is_direction = role != BAKE_POSITIONS && role != BAKE_POSITION_DELTAS;

@@ -104,7 +104,7 @@ norma_document_result norma_gltf_compute(norma_document *document,
     job.core.progress = NULL;
     begin_summary(&job);
     norma_document_result result = norma_gltf_begin_change(g, error);
-    if (!result) result = norma_gltf_make_sets(&job);
+    if (!result) result = norma_gltf_find_vertex_sharing(&job);
     if (!result) result = compute_meshes(&job);
     if (!result) result = put_all(&job);
     if (!result) {
@@ -113,6 +113,6 @@ norma_document_result norma_gltf_compute(norma_document *document,
         result = norma_gltf_finish(g, error);
         summary->changed = g->changed;
     }
-    norma_gltf_sets_free(&job);
+    norma_gltf_vertex_sharing_free(&job);
     return result;
 }

@@ -70,11 +70,11 @@ norma_document_result norma_gltf_gather(
 norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *surface);
 void norma_gltf_surface_free(gltf_surface *surface);
 
-norma_document_result norma_gltf_make_sets(gltf_job *job); /* vertex_sharing.c */
+norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job); /* vertex_sharing.c */
 norma_document_result norma_gltf_take_points(
     gltf_job *job, gltf_surface *surface); /* points become corners */
 norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set);
-void norma_gltf_sets_free(gltf_job *job);
+void norma_gltf_vertex_sharing_free(gltf_job *job);
 
 norma_document_result norma_gltf_morph(
     gltf_job *job, const gltf_surface *surface); /* morph_deltas.c */

@@ -157,7 +157,7 @@ static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_
     return result;
 }
 
-norma_document_result norma_gltf_make_sets(gltf_job *job) {
+norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {
     const gltf *g = job->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint32_t *sets_at = norma_io_allocate(g->primitive_count, sizeof *sets_at);
@@ -176,7 +176,7 @@ norma_document_result norma_gltf_make_sets(gltf_job *job) {
     return result;
 }
 
-void norma_gltf_sets_free(gltf_job *job) {
+void norma_gltf_vertex_sharing_free(gltf_job *job) {
     for (uint32_t s = 0; s < job->set_count; ++s) {
         gltf_set *set = &job->sets[s];
         for (uint32_t t = 0; set->deltas && t < job->g->primitives[set->lead].target_count; ++t)

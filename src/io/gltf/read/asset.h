@@ -298,7 +298,7 @@ norma_document_result norma_gltf_write(norma_document *document, const char *pat
 norma_document_result norma_gltf_write_companions(norma_document *document, const char *path,
     int in_place, companion_writers *writers, norma_document_error *error);
 char *norma_gltf_changed_companion(const norma_document *document);
-norma_document_result norma_gltf_settle(
+norma_document_result norma_gltf_reopen(
     const norma_document *document, norma_document *settled, norma_document_error *error);
 int norma_gltf_reads_from(const norma_document *document, const char *path);
 

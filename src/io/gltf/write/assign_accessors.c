@@ -232,7 +232,7 @@ static norma_document_result assign(
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_resolve(gltf *g, norma_document_error *error) {
+norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     norma_document_result result = drop_unchanged(g, error);
     if (result) return result;

@@ -11,7 +11,7 @@ typedef struct run {
     size_t offset, stride, size, count;
 } run;
 
-static run run_of_piece(const patch_piece *piece) {
+static run run_of_run(const data_run *piece) {
     return (run){piece->old_offset, piece->old_stride, piece->old_size, piece->old_count};
 }
 
@@ -25,7 +25,7 @@ static int overlap(const run *a, const run *b) {
            (x < y + b->size && y < x + a->size);
 }
 
-static int same_run(const patch_piece *a, const patch_piece *b) {
+static int same_run(const data_run *a, const data_run *b) {
     return a->old_offset == b->old_offset && a->old_stride == b->old_stride &&
            a->old_size == b->old_size && a->old_count == b->old_count && a->size == b->size &&
            a->count == b->count && memcmp(a->bytes, b->bytes, a->count * a->size) == 0;
@@ -66,8 +66,8 @@ static void count_stays(placer *p) {
     for (uint32_t a = 0; a < p->g->accessor_count; ++a)
         if (p->g->accessors[a].view != GLTF_NONE && p->patch->replaced[a] == GLTF_NONE)
             ++p->stays[p->g->accessors[a].view];
-    for (size_t i = p->patch->piece_count; i-- > 0;) {
-        const patch_piece *piece = &p->patch->pieces[i];
+    for (size_t i = p->patch->run_count; i-- > 0;) {
+        const data_run *piece = &p->patch->pieces[i];
         if (piece->old_view == GLTF_NONE) continue;
         p->next[i] = p->first[piece->old_view];
         p->first[piece->old_view] = (uint32_t)i;
@@ -77,14 +77,14 @@ static void count_stays(placer *p) {
 
 /* Whether the piece can be written over its old bytes without harm to others. */
 static int fits(const placer *p, uint32_t number) {
-    const patch_piece *piece = &p->patch->pieces[number];
-    const run own = run_of_piece(piece);
+    const data_run *piece = &p->patch->pieces[number];
+    const run own = run_of_run(piece);
     const uint32_t pins = p->patch->pins[piece->old_view];
     if (piece->size != piece->old_size || piece->count != piece->old_count ||
         pins > (piece->target == 0 ? 1u : 0u))
         return 0;
     for (uint32_t i = p->first[piece->old_view]; i != GLTF_NONE; i = p->next[i]) {
-        const run other = run_of_piece(&p->patch->pieces[i]);
+        const run other = run_of_run(&p->patch->pieces[i]);
         if (i != number && overlap(&own, &other) && !same_run(piece, &p->patch->pieces[i]))
             return 0;
     }
@@ -107,7 +107,7 @@ static norma_document_result out_of_memory(const placer *p) {
     return norma_document_fail_memory(p->g->document, p->error);
 }
 
-static void write_rows(unsigned char *to, size_t stride, const patch_piece *piece) {
+static void write_rows(unsigned char *to, size_t stride, const data_run *piece) {
     for (size_t i = 0; i < piece->count; ++i)
         memcpy(to + i * stride, piece->bytes + i * piece->size, piece->size);
 }
@@ -129,13 +129,13 @@ static norma_document_result own_view(placer *p, uint32_t view) {
 }
 
 /* Whether a piece alone is all that an old view holds. */
-static int fills_view(const placer *p, uint32_t view, const patch_piece *piece) {
+static int fills_view(const placer *p, uint32_t view, const data_run *piece) {
     return !p->patch->views[view].bytes && piece->old_offset == 0 &&
            piece->old_stride == piece->size &&
            p->g->views[view].length == piece->count * piece->size;
 }
 
-static norma_document_result lend_to_view(placer *p, uint32_t view, const patch_piece *piece) {
+static norma_document_result lend_to_view(placer *p, uint32_t view, const data_run *piece) {
     patch_view *to = &p->patch->views[view];
     to->bytes = piece->bytes;
     to->length = p->g->views[view].length;
@@ -143,13 +143,13 @@ static norma_document_result lend_to_view(placer *p, uint32_t view, const patch_
     return NORMA_DOCUMENT_OK;
 }
 
-static size_t stride_for(const patch_piece *piece) {
+static size_t stride_for(const data_run *piece) {
     int vertex = piece->target == 34962;
     return vertex && piece->size % 4 ? (piece->size + 3) / 4 * 4 : piece->size;
 }
 
 /* Fills a view, old or new, with one piece alone. */
-static norma_document_result take_view(placer *p, uint32_t view, patch_piece *piece) {
+static norma_document_result take_view(placer *p, uint32_t view, data_run *piece) {
     patch_view *to = &p->patch->views[view];
     size_t stride = stride_for(piece);
     if (piece->count > SIZE_MAX / stride ||
@@ -161,7 +161,7 @@ static norma_document_result take_view(placer *p, uint32_t view, patch_piece *pi
     to->stride = stride != piece->size || said ? stride : 0;
     to->target = piece->target;
     if (to->owned) write_rows(to->owned, stride, piece);
-    norma_gltf_point_piece(p->g, piece, view, 0);
+    norma_gltf_point_data_run(p->g, piece, view, 0);
     piece->placed = 1;
     return NORMA_DOCUMENT_OK;
 }
@@ -169,16 +169,16 @@ static norma_document_result take_view(placer *p, uint32_t view, patch_piece *pi
 /* All users grow alike, side by side in one stride: the view grows with them. */
 static int can_stay_interleaved(const placer *p, uint32_t view) {
     size_t stride = p->g->views[view].stride;
-    const patch_piece *lead = &p->patch->pieces[p->first[view]];
+    const data_run *lead = &p->patch->pieces[p->first[view]];
     if (stride == 0 || p->stays[view] || lead->count > SIZE_MAX / stride) return 0;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
-        const patch_piece *piece = &p->patch->pieces[i];
+        const data_run *piece = &p->patch->pieces[i];
         if (piece->size != piece->old_size || piece->old_count != lead->old_count ||
             piece->count != lead->count || piece->old_offset + piece->size > stride)
             return 0;
-        const run own = run_of_piece(piece);
+        const run own = run_of_run(piece);
         for (uint32_t k = p->next[i]; k != GLTF_NONE; k = p->next[k]) {
-            const run other = run_of_piece(&p->patch->pieces[k]);
+            const run other = run_of_run(&p->patch->pieces[k]);
             if (overlap(&own, &other) && !same_run(piece, &p->patch->pieces[k])) return 0;
         }
     }
@@ -210,7 +210,7 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
     }
     if (leaver != GLTF_NONE && can_stay_interleaved(p, view)) return grow_interleaved(p, view);
     for (uint32_t i = p->first[view]; !result && i != GLTF_NONE; i = p->next[i]) {
-        patch_piece *piece = &p->patch->pieces[i];
+        data_run *piece = &p->patch->pieces[i];
         if (!piece->fits) continue;
         result = fills_view(p, view, piece) ? lend_to_view(p, view, piece) : own_view(p, view);
         if (!result && p->patch->views[view].owned)
@@ -244,8 +244,8 @@ static uint32_t choose_buffer(const gltf *g) {
 static norma_document_result add_views(placer *p) {
     gltf_patch *patch = p->patch;
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t i = 0; !result && i < patch->piece_count; ++i) {
-        patch_piece *piece = &patch->pieces[i];
+    for (size_t i = 0; !result && i < patch->run_count; ++i) {
+        data_run *piece = &patch->pieces[i];
         if (piece->placed) continue;
         patch_view *grown = norma_io_grow(
             patch->views, &patch->view_capacity, patch->view_count + 1, sizeof *grown);
@@ -270,7 +270,7 @@ static int prepare(placer *p) {
     patch->view_count = patch->view_capacity = g->view_count;
     p->stays = norma_io_allocate(g->view_count, sizeof *p->stays);
     p->first = norma_io_allocate(g->view_count, sizeof *p->first);
-    p->next = norma_io_allocate(patch->piece_count, sizeof *p->next);
+    p->next = norma_io_allocate(patch->run_count, sizeof *p->next);
     if (!patch->views) patch->view_count = 0;
     if (!patch->pins || !patch->views || !p->stays || !p->first || !p->next) return 0;
     memset(p->first, 0xFF, g->view_count * sizeof *p->first);
@@ -285,9 +285,9 @@ static int prepare(placer *p) {
     return 1;
 }
 
-norma_document_result norma_gltf_place(gltf *g, norma_document_error *error) {
+norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error) {
     placer p = {.g = g, .patch = g->patch, .error = error};
-    norma_document_result result = norma_gltf_make_pieces(g, error);
+    norma_document_result result = norma_gltf_make_data_runs(g, error);
     if (!result && !prepare(&p)) result = out_of_memory(&p);
     for (uint32_t v = 0; !result && v < g->view_count; ++v)
         if (p.first[v] != GLTF_NONE) result = place_in_view(&p, v);

@@ -7,15 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int add_piece(gltf_patch *patch, const patch_piece *piece) {
-    patch_piece *grown =
-        norma_io_grow(patch->pieces, &patch->piece_capacity, patch->piece_count + 1, sizeof *grown);
+static int add_run(gltf_patch *patch, const data_run *piece) {
+    data_run *grown =
+        norma_io_grow(patch->pieces, &patch->run_capacity, patch->run_count + 1, sizeof *grown);
     if (!grown) {
         free(piece->owned);
         return 0;
     }
     patch->pieces = grown;
-    patch->pieces[patch->piece_count++] = *piece;
+    patch->pieces[patch->run_count++] = *piece;
     return 1;
 }
 
@@ -165,14 +165,14 @@ static void choose_indices(const gltf_data *data, uint32_t *indices, size_t want
 
 /* A piece of a sparse part: of the object that is its indices or its values. It takes the bytes, or
  * frees them. */
-static int add_sparse_piece(gltf *g, const gltf_accessor *a, const char *member,
-    unsigned char *bytes, size_t size, size_t count) {
+static int add_sparse_run(gltf *g, const gltf_accessor *a, const char *member, unsigned char *bytes,
+    size_t size, size_t count) {
     const int values = strcmp(member, "values") == 0;
     const size_t old_size =
         values ? a->element_size : norma_gltf_component_size(a->sparse.indices_component);
     const uint32_t old_view = values ? a->sparse.values_view : a->sparse.indices_view;
-    const patch_piece piece = {.token = norma_json_member(&g->json,
-                                   norma_json_member(&g->json, a->token, "sparse"), member),
+    const data_run piece = {.token = norma_json_member(
+                                &g->json, norma_json_member(&g->json, a->token, "sparse"), member),
         .new_accessor = GLTF_NONE,
         .old_view = old_view,
         .old_offset = values ? a->sparse.values_offset : a->sparse.indices_offset,
@@ -183,7 +183,7 @@ static int add_sparse_piece(gltf *g, const gltf_accessor *a, const char *member,
         .owned = bytes,
         .size = size,
         .count = count};
-    return bytes && add_piece(g->patch, &piece);
+    return bytes && add_run(g->patch, &piece);
 }
 
 /* Fewer elements than before: the indices are chosen anew, and are no more than there are elements.
@@ -198,7 +198,7 @@ static int replace_indices(
     if (count != a->sparse.count)
         norma_json_set_uint(
             g->edits, norma_json_member(&g->json, a->token, "sparse"), "count", count);
-    return add_sparse_piece(g, a, "indices", bytes, size, count);
+    return add_sparse_run(g, a, "indices", bytes, size, count);
 }
 
 /* The pieces of the sparse part; *base tells whether the base must be written too. */
@@ -218,7 +218,7 @@ static norma_document_result add_sparse(
         for (size_t i = 0; i < count; ++i)
             memcpy(values + i * size, data->bytes + indices[i] * size, size);
     }
-    if (!result && !add_sparse_piece(g, a, "values", values, size, count))
+    if (!result && !add_sparse_run(g, a, "values", values, size, count))
         result = norma_document_fail_memory(g->document, error);
     free(indices);
     return result;
@@ -237,7 +237,7 @@ static norma_document_result replace_accessor(
         base = !rest_is_zero(data, NULL, 0);
     }
     if (!base) return NORMA_DOCUMENT_OK;
-    const patch_piece piece = {.token = a->token,
+    const data_run piece = {.token = a->token,
         .new_accessor = GLTF_NONE,
         .old_view = a->view,
         .old_offset = a->offset,
@@ -249,30 +249,30 @@ static norma_document_result replace_accessor(
         .size = norma_gltf_data_size(data),
         .count = data->count,
         .target = target_of(data)};
-    return add_piece(g->patch, &piece) ? NORMA_DOCUMENT_OK
-                                       : norma_document_fail_memory(g->document, error);
+    return add_run(g->patch, &piece) ? NORMA_DOCUMENT_OK
+                                     : norma_document_fail_memory(g->document, error);
 }
 
-norma_document_result norma_gltf_make_pieces(gltf *g, norma_document_error *error) {
+norma_document_result norma_gltf_make_data_runs(gltf *g, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t i = 0; !result && i < g->accessor_count; ++i)
         if (patch->replaced[i] != GLTF_NONE) result = replace_accessor(g, i, error);
     for (uint32_t i = 0; !result && i < patch->accessor_count; ++i) {
         const gltf_data *data = &patch->datas[patch->accessors[i].data];
-        const patch_piece piece = {.token = GLTF_NONE,
+        const data_run piece = {.token = GLTF_NONE,
             .new_accessor = i,
             .old_view = GLTF_NONE,
             .bytes = data->bytes,
             .size = norma_gltf_data_size(data),
             .count = data->count,
             .target = target_of(data)};
-        if (!add_piece(patch, &piece)) result = norma_document_fail_memory(g->document, error);
+        if (!add_run(patch, &piece)) result = norma_document_fail_memory(g->document, error);
     }
     return result;
 }
 
-void norma_gltf_point_piece(gltf *g, const patch_piece *piece, uint32_t view, size_t offset) {
+void norma_gltf_point_data_run(gltf *g, const data_run *piece, uint32_t view, size_t offset) {
     if (piece->token == GLTF_NONE) {
         g->patch->accessors[piece->new_accessor].view = view;
         return;

@@ -79,7 +79,7 @@ static double vanishing(const bake_map *map, const double normal[3]) {
 
 /* The unit normal; returns the length it had under the unnormalised map, 0 where there was nothing
  * to carry: zero stays zero, what is not finite gets the fallback. */
-static double carry_normal(const bake_map *map, const double normal[3], double out[3]) {
+static double transform_normal(const bake_map *map, const double normal[3], double out[3]) {
     double carried[3];
     normal_map(map->normal, normal, carried);
     const double size = length(carried);
@@ -100,7 +100,7 @@ static void any_perpendicular(const double normal[3], double out[3]) {
 }
 
 /* x, y, z, sign. normal: the carried unit normal, zeros where there is none. */
-static void carry_tangent(
+static void transform_tangent(
     const bake_map *map, const double tangent[4], const double normal[3], double out[4]) {
     out[3] = map->mirrored ? -tangent[3] : tangent[3];
     if (length(tangent) == 0) {
@@ -122,15 +122,15 @@ static void carry_tangent(
     }
 }
 
-static void carry_normal_delta(
+static void transform_normal_delta(
     const bake_map *map, const double delta[3], const double *base, double out[3]) {
     double unit[3];
-    const double size = base ? carry_normal(map, base, unit) : 0;
+    const double size = base ? transform_normal(map, base, unit) : 0;
     normal_map(map->normal, delta, out);
     for (int k = 0; k < 3 && size > 0; k++) out[k] /= size;
 }
 
-static void carry_tangent_delta(
+static void transform_tangent_delta(
     const bake_map *map, const double delta[3], const double *base, double out[3]) {
     double carried[3] = {0, 0, 0};
     if (base) linear(map->matrix, base, carried);
@@ -139,7 +139,7 @@ static void carry_tangent_delta(
     for (int k = 0; k < 3 && size > 0; k++) out[k] /= size;
 }
 
-void norma_gltf_carry(bake_role role, const bake_map *map, const gltf_array *array,
+void norma_gltf_transform_vectors(bake_role role, const bake_map *map, const gltf_array *array,
     const gltf_array *base, double *values) {
     for (size_t i = 0; i < array->count; i++) {
         double in[4] = {0}, with[4] = {0}, normal[3] = {0, 0, 0}, *out = values + i * array->width;
@@ -151,17 +151,17 @@ void norma_gltf_carry(bake_role role, const bake_map *map, const gltf_array *arr
             for (int k = 0; k < 3; k++) out[k] += map->matrix[12 + k];
             break;
         case BAKE_NORMALS:
-            carry_normal(map, in, out);
+            transform_normal(map, in, out);
             break;
         case BAKE_TANGENTS:
-            if (base) carry_normal(map, with, normal);
-            carry_tangent(map, in, normal, out);
+            if (base) transform_normal(map, with, normal);
+            transform_tangent(map, in, normal, out);
             break;
         case BAKE_NORMAL_DELTAS:
-            carry_normal_delta(map, in, base ? with : NULL, out);
+            transform_normal_delta(map, in, base ? with : NULL, out);
             break;
         case BAKE_TANGENT_DELTAS:
-            carry_tangent_delta(map, in, base ? with : NULL, out);
+            transform_tangent_delta(map, in, base ? with : NULL, out);
             break;
         case BAKE_POSITION_DELTAS:
         case BAKE_WINDING:

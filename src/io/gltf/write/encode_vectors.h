@@ -16,7 +16,7 @@ typedef enum bake_role {
 /* array->count elements of array->width numbers into values. base: the normals that tangents go
  * with, or that deltas of normals are added to, or the tangents that deltas of tangents are; NULL
  * where there are none. */
-void norma_gltf_carry(bake_role role, const bake_map *map, const gltf_array *array,
+void norma_gltf_transform_vectors(bake_role role, const bake_map *map, const gltf_array *array,
     const gltf_array *base, double *values);
 
 /* values in the encoding of the stored array where that can hold them (positions: exactly;

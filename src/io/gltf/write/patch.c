@@ -32,7 +32,7 @@ void norma_gltf_patch_free(gltf *g) {
     norma_gltf_free_layout(g);
     for (size_t i = 0; i < patch->data_count; ++i) free(patch->datas[i].bytes);
     for (size_t i = 0; i < patch->copy_count; ++i) norma_json_edits_destroy(patch->copies[i].edits);
-    for (size_t i = 0; i < patch->piece_count; ++i) free(patch->pieces[i].owned);
+    for (size_t i = 0; i < patch->run_count; ++i) free(patch->pieces[i].owned);
     for (size_t i = 0; i < patch->view_count; ++i) free(patch->views[i].owned);
     void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies,
         patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released,
@@ -152,9 +152,9 @@ static norma_document_result append_copies(gltf *g, norma_document_error *error)
 
 norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    norma_document_result result =
-        patch ? norma_gltf_resolve(g, error) : norma_document_fail_memory(g->document, error);
-    if (!result) result = norma_gltf_place(g, error);
+    norma_document_result result = patch ? norma_gltf_assign_accessors(g, error)
+                                         : norma_document_fail_memory(g->document, error);
+    if (!result) result = norma_gltf_assign_views(g, error);
     if (!result) result = append_copies(g, error);
     if (result) return result;
     g->changed = norma_json_edits_any(g->edits);

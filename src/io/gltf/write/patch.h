@@ -22,7 +22,7 @@ typedef struct patch_accessor { /* a new one */
 } patch_accessor;
 
 /* New contents of one run of elements in a view: an accessor's own, or its sparse values. */
-typedef struct patch_piece {
+typedef struct data_run {
     uint32_t
         token; /* of the JSON object with bufferView and byteOffset; GLTF_NONE: of new_accessor */
     uint32_t new_accessor;
@@ -33,7 +33,7 @@ typedef struct patch_piece {
     size_t size, count;
     int target;       /* of a new view: 34962, 34963, or 0 */
     int fits, placed; /* fits: over its old bytes, without harm to others */
-} patch_piece;
+} data_run;
 
 typedef struct patch_view {     /* old ones first, then new ones */
     const unsigned char *bytes; /* NULL: stays as it was */
@@ -64,15 +64,15 @@ struct gltf_patch {
     patch_slot *slots;
     patch_copy *copies;
     patch_accessor *accessors;
-    patch_piece *pieces;
+    data_run *pieces;
     patch_view *views;
     uint32_t *replaced; /* for each old accessor its new data, or GLTF_NONE */
     uint32_t *released; /* accessors, once for each use given up; from resolving on: those that are
                            free to be taken */
     uint32_t *pins;     /* for each old view: what uses it beside the accessors' own numbers */
     size_t data_count, data_capacity, slot_count, slot_capacity, copy_count, copy_capacity;
-    size_t accessor_count, accessor_capacity, piece_count, piece_capacity, view_count,
-        view_capacity, released_count, released_capacity;
+    size_t accessor_count, accessor_capacity, run_count, run_capacity, view_count, view_capacity,
+        released_count, released_capacity;
     uint32_t
         default_buffer; /* for new views without a better place; may be g->buffer_count: one more */
     patch_buffer *buffers; /* by the layout: g->buffer_count + 1 */
@@ -86,12 +86,12 @@ void norma_gltf_patch_free(gltf *g);
 uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
 
 /* The steps of norma_gltf_finish. */
-norma_document_result norma_gltf_resolve(gltf *g, norma_document_error *error);
-norma_document_result norma_gltf_make_pieces(
+norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);
+norma_document_result norma_gltf_make_data_runs(
     gltf *g, norma_document_error *error); /* and edits the accessors */
-void norma_gltf_point_piece(gltf *g, const patch_piece *piece, uint32_t view, size_t offset);
+void norma_gltf_point_data_run(gltf *g, const data_run *piece, uint32_t view, size_t offset);
 norma_document_result norma_gltf_append_accessors(gltf *g, norma_document_error *error);
-norma_document_result norma_gltf_place(gltf *g, norma_document_error *error);
+norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
 
 typedef enum gltf_destination { GLTF_TO_PATH, GLTF_IN_PLACE, GLTF_TO_STREAM } gltf_destination;
 gltf_destination norma_gltf_destination(const gltf *g, const char *path);

@@ -22,7 +22,7 @@ static int copy_unchanged(const gltf_buffer *buffer, given_buffer *given) {
     return given->bytes != NULL;
 }
 
-norma_document_result norma_gltf_settle(
+norma_document_result norma_gltf_reopen(
     const norma_document *document, norma_document *settled, norma_document_error *error) {
     const gltf *g = norma_gltf_of(document);
     const patch_buffer *changed = g->changed ? g->patch->buffers : NULL;
