@@ -1,7 +1,7 @@
 /* view_command.c: norma view: one HTML file with the page and the model in it. The page is the
  * playground that `make web` leaves; the model is packed by model_pack.c. */
 #include "cli/common/cli.h"
-#include "../../../web/page/model/model_pack.h"
+#include "web/page/model/model_pack.h"
 #include "cli/view/embedded_page.h"
 #include <stdlib.h>
 #include <string.h>
