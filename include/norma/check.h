@@ -181,7 +181,7 @@ norma_document_result norma_fix_document(norma_document *document,
     norma_document_error *error);
 
 /* Deprecated names of version 0.1. */
-#define norma_mend_summary norma_fix_summary
+#define norma_mend_summary  norma_fix_summary
 #define norma_mend_document norma_fix_document
 
 /* ---- how normals were made */
