@@ -1,7 +1,7 @@
 #!/bin/bash
 # Writes the core as one file, norma.c, beside norma.h, for those who copy two files:
 #   scripts/single.sh [FOLDER]          (build/single)
-# Internal headers come first, each once, then every file of src/core. A file-scope name that several files use gets the file's name in front.
+# Internal headers come first, each once, then every file of src/core and its folders. A file-scope name that several files use gets the file's name in front.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 out=${1:-$root/build/single}
@@ -9,14 +9,16 @@ mkdir -p "$out"
 out=$(cd "$out" && pwd)
 cp "$root/include/norma/norma.h" "$out/norma.h"
 
-cd "$root/src/core"
+cd "$root/src"
 version=$(sed -nE 's/^#define NORMA_VERSION_(MAJOR|MINOR|PATCH) +([0-9]+).*/\2/p' "$out/norma.h" | paste -sd.)
 
 # The internal headers, each after those it includes.
-headers=$(for header in *.h; do
+headers=$(find core -name '*.h' | sort | while read -r header; do
     echo "$header $header"
-    sed -nE 's/^#[[:space:]]*include[[:space:]]*"([^"]+)".*/\1/p' "$header" | sed "s/\$/ $header/"
+    sed -nE 's/^#[[:space:]]*include[[:space:]]*"([^"]+)".*/\1/p' "$header" | sed "s|\$| $header|"
 done | tsort)
+
+mapfile -t files < <(find core -name '*.c' | sort)
 
 # Names at file scope: FILE NAME, one a line.
 names() {
@@ -36,7 +38,7 @@ names() {
             n = split(s, w, ",")
             for (i = 1; i <= n; i++) { sub(/=.*/, "", w[i]); gsub(/[ \t]/, "", w[i]); if (w[i] ~ /^[A-Za-z_][A-Za-z0-9_]*$/) emit(w[i]) }
             if (end) inside = 0
-        }' ./*.c | sort -u
+        }' "${files[@]}" | sort -u
 }
 all_names=$(names)
 clashes=$(printf '%s\n' "$all_names" | awk '{ print $2 }' | sort | uniq -d)
@@ -57,7 +59,7 @@ HEAD
  */
 HEAD
     # Feature-test macros must come before any header.
-    sed -nE 's/^#[[:space:]]*define[[:space:]]+(_[A-Z0-9_]+_SOURCE)(.*)/#ifndef \1\n#define \1\2\n#endif/p' ./*.c | awk '!(/^#ifndef/ && seen[$0]++) { if (!skip) print } /^#ifndef/ { skip = seen[$0] > 1 } /^#endif/ { skip = 0 }'
+    sed -nE 's/^#[[:space:]]*define[[:space:]]+(_[A-Z0-9_]+_SOURCE)(.*)/#ifndef \1\n#define \1\2\n#endif/p' "${files[@]}" | awk '!(/^#ifndef/ && seen[$0]++) { if (!skip) print } /^#ifndef/ { skip = seen[$0] > 1 } /^#endif/ { skip = 0 }'
     cat <<'HEAD'
 #ifdef __FAST_MATH__
 #error "norma.c needs IEEE arithmetic: compile it without -ffast-math"
@@ -77,12 +79,13 @@ HEAD
         printf '\n/* ---- %s */\n\n' "$header"
         body "$header"
     done
-    for file in *.c; do
-        mine=$(comm -12 <(printf '%s\n' "$all_names" | awk -v f="./$file" '$1 == f { print $2 }' | sort) <(printf '%s\n' "$clashes"))
+    for file in "${files[@]}"; do
+        place=${file#core/} place=${place%.c} place=${place//\//_}
+        mine=$(comm -12 <(printf '%s\n' "$all_names" | awk -v f="$file" '$1 == f { print $2 }' | sort) <(printf '%s\n' "$clashes"))
         macros=$(sed -nE 's/^#[[:space:]]*define[[:space:]]+([A-Za-z_][A-Za-z0-9_]*).*/\1/p' "$file" | grep -vE '_SOURCE$' | sort -u || true)
         printf '\n/* ---- %s */\n\n' "$file"
         for name in $mine; do
-            printf '%s\n' "$macros" | grep -qx "$name" || echo "#define $name norma_single_${file%.c}_$name"
+            printf '%s\n' "$macros" | grep -qx "$name" || echo "#define $name norma_single_${place}_$name"
         done
         body "$file"
         for name in $(printf '%s\n' "$mine" "$macros" | sort -u); do
