@@ -50,7 +50,7 @@ norma_result norma_explain_measure(
 norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, norma_deviation *deviation);
 
-/* deviation.c: what is told of the angles of a surface. */
+/* summarise_angles.c */
 norma_result norma_explain_summarise(
     core_call *call, const explain_surface *surface, norma_deviation *deviation);
 #endif

@@ -180,48 +180,13 @@ static inline size_t norma_check_block_count(size_t count, size_t size) {
     return count / size + (count % size != 0);
 }
 
-/* ---- a run (run.c): begin; for each mesh norma_check_run_mesh; rules on nodes and the like;
- * finish or abandon */
+/* ---- places (place.c) */
 
-/* format decides the profile where options do not. ARGUMENT, MEMORY: nothing to abandon. */
-norma_result norma_check_begin(
-    check_run *run, const norma_check_options *options, norma_file_format format);
-/* next: of the mesh that comes after it, or NULL. given stays as it is until the last primitive of
- * its mesh was run. */
-norma_result norma_check_run_mesh(
-    check_run *run, const norma_check_mesh *given, const norma_mesh_info *next);
+/* "mesh 0 primitive 1 \"name\"", or "" for the one mesh of OBJ, PLY and STL. */
 void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]);
-norma_findings *norma_check_finish(check_run *run);
-void norma_check_abandon(check_run *run);
-/* Takes from mask what a list of extras' "ignore" names; words that name no rule are passed over.
- */
+/* Takes from mask the rules that a list of extras' "ignore" names. Words that name no rule are
+ * skipped. */
 void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore);
-
-/* ---- families: each looks at its rules on one mesh */
-norma_result norma_check_lengths(check_mesh *m);     /* lengths.c: N101 to N103 */
-norma_result norma_check_facing(check_mesh *m);      /* facing.c: N201, N202 */
-norma_result norma_check_placeholder(check_mesh *m); /* placeholder.c: N203 */
-norma_result norma_check_deviation(check_mesh *m);   /* deviation.c: N204 */
-norma_result norma_check_facets(check_mesh *m);      /* facets.c: N205 */
-norma_result norma_check_edges(check_mesh *m);       /* edges.c: N301, N303, N305, N306 */
-norma_result norma_check_solids(check_mesh *m);      /* solids.c: N302, N304 */
-norma_result norma_check_shapes(check_mesh *m);      /* face_shapes.c: N401, N402 */
-norma_result norma_check_cancelled(check_mesh *m);   /* cancelled.c: N403 */
-norma_result norma_check_polygons(check_mesh *m);    /* polygons.c: N404, N405 */
-norma_result norma_check_seams(check_mesh *m);       /* seams.c: N501 */
-/* seams.c, seams_joined.c. Angles in radians; 0: no seam there. */
-double norma_check_seam_least(const char *encoding);
-double norma_check_seam_angle(const check_mesh *m, size_t position, double least);
-norma_result norma_check_add_seams(check_mesh *m, check_hits *hits);
-norma_result norma_check_seams_hold(check_mesh *m);
-norma_result norma_check_seams_joined(check_run *run);
-norma_result norma_check_solids_joined(check_run *run); /* solids_joined.c */
-void norma_check_solids_drop(check_run *run);
+/* Whether both are primitives of one glTF mesh, in this order. Either may be NULL. */
 int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second);
-norma_result norma_check_coincident(check_mesh *m); /* coincident.c: N503 */
-norma_result norma_check_precision(check_mesh *m);  /* precision.c: N502, N701, N702 */
-
-/* edges.c: topology.partners; adds the findings of edges that are wanted when the edges are paired,
- * once. */
-norma_result norma_check_pairs(check_mesh *m);
 #endif

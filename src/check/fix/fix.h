@@ -35,6 +35,7 @@ typedef struct fix_mesh {
 typedef enum fix_element { MEND_VERTEX, MEND_FACE, MEND_NORMAL } fix_element;
 int norma_fix_mark(
     const fix_mesh *m, check_rule rule, fix_element element, size_t count, uint8_t **marks);
+int norma_fix_is_rule(const norma_finding *finding, check_rule rule);
 int norma_fix_has(const fix_mesh *m, check_rule rule);
 int norma_fix_has_edit(const norma_mesh_edit *edit);
 

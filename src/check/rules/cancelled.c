@@ -1,7 +1,7 @@
 /* cancelled.c: N403: vertices around which the weighted normals of faces all but cancel. Where some
  * direction sees all faces at a position from the front there is nothing to look at closer: no
  * weights can make their sum shorter than the least cosine. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include "core/call/sort.h"
 #include <math.h>
 #include <string.h>

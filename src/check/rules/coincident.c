@@ -2,7 +2,7 @@
  * some steps wide, so that most positions are far from the sides of their cell and one look
  * suffices. A slot knows the cell it is for, so that a position is read only where another one
  * shares its cell. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* edges.c: N301, N303, N305 and N306: faces wound against each other, edges of more than two faces,
  * faces that are there twice. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

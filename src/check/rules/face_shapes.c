@@ -1,5 +1,5 @@
 /* face_shapes.c: N401 and N402: faces without area, and slivers. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* facets.c: N205: the normals of STL facets against their winding. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include "check/findings/angle.h"
 #include <math.h>
 #include <string.h>

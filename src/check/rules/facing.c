@@ -1,5 +1,5 @@
 /* facing.c: N201 and N202: stored normals against the directions of the faces that use them. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include "check/findings/angle.h"
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* lengths.c: N101 to N103: normals that are no unit vectors, by what their encoding can hold. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include <math.h>
 #include <string.h>
 

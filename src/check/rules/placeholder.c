@@ -1,5 +1,5 @@
 /* placeholder.c: N203: one and the same normal nearly everywhere, on a mesh that is curved. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include <math.h>
 #include <string.h>
 

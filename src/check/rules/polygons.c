@@ -1,6 +1,6 @@
 /* polygons.c: N404 and N405: polygons that fold over where a reader cuts them into a fan, and
  * polygons that are not flat. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include "check/findings/angle.h"
 #include "core/face/triangle.h"
 #include <math.h>

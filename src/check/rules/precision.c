@@ -1,5 +1,5 @@
 /* precision.c: N502, N701 and N702: what the way of storing a mesh does to it. */
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* seams_joined.c: N501 over the primitives of one glTF mesh together, since a seam of materials
  * runs between two of them: they are held until the last one has come, then joined to one mesh. A
  * position counts once, at the last primitive that has it. */
-#include "check/findings/check_run.h"
+#include "check/rules/seams.h"
 #include "core/face/triangle.h"
 #include <stdlib.h>
 #include <string.h>
@@ -26,10 +26,6 @@ typedef struct joined {
     uint32_t *corners, *materials, *members; /* members: of each vertex */
     double least;
 } joined;
-
-int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second) {
-    return first && second && first->mesh == second->mesh && second->primitive > first->primitive;
-}
 
 /* Those that are held are judged by norma_check_seams_joined. */
 norma_result norma_check_seams_hold(check_mesh *m) {

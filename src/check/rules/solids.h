@@ -3,7 +3,7 @@
 #ifndef NORMA_CHECK_SOLIDS_H
 #define NORMA_CHECK_SOLIDS_H
 #include "core/orient/components.h"
-#include "check/findings/check_run.h"
+#include "check/rules/mesh_rules.h"
 
 typedef struct check_solids {
     check_mesh *m; /* who is told: rules, place, positions */

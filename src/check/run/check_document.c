@@ -3,6 +3,7 @@
  * (N001). */
 #include "check/findings/findings.h"
 #include "check/rules/scene_rules.h"
+#include "check/run/run.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,9 @@
 /* run.c: one run over a file or over arrays: options made whole, each mesh through all families of
  * rules, then nodes. */
 #include "check/findings/findings.h"
+#include "check/rules/mesh_rules.h"
 #include "check/rules/scene_rules.h"
+#include "check/run/run.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -69,30 +71,6 @@ norma_findings *norma_check_finish(check_run *run) {
     free_held(run);
     norma_findings_sort(findings);
     return findings;
-}
-
-void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore) {
-    uint8_t silenced[CHECK_RULE_COUNT] = {0};
-    char word[64];
-    while (ignore && *ignore) {
-        size_t length = strcspn(ignore, ",");
-        if (length < sizeof word) {
-            memcpy(word, ignore, length);
-            word[length] = 0;
-            (void)norma_rules_select(word, silenced, NULL);
-        }
-        ignore += length + (ignore[length] != 0);
-    }
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
-        if (silenced[i]) mask[i] = 0;
-}
-
-void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]) {
-    const char *name = info->name ? info->name : "";
-    label[0] = 0;
-    if (info->where && *info->where)
-        norma_check_message(label, *name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z",
-            info->mesh, info->primitive, name);
 }
 
 /* ARGUMENT, INDEX, OVERFLOW: arrays that no rule may walk. */

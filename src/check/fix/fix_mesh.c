@@ -1,0 +1,183 @@
+/* fix_mesh.c: one mesh while it is being fixed: the elements that its findings name, its corners
+ * and normals as they will be once the edit is made. */
+#include "check/fix/fix.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- marks */
+
+int norma_fix_is_rule(const norma_finding *finding, check_rule rule) {
+    size_t count;
+    return finding->rule == norma_rules(&count) + rule;
+}
+
+int norma_fix_has(const fix_mesh *m, check_rule rule) {
+    for (size_t i = 0; i < m->finding_count; i++)
+        if (norma_fix_is_rule(m->findings[i], rule)) return 1;
+    return 0;
+}
+
+int norma_fix_mark(
+    const fix_mesh *m, check_rule rule, fix_element element, size_t count, uint8_t **marks) {
+    int any = 0;
+    for (size_t i = 0; i < m->finding_count; i++) {
+        const norma_finding *finding = m->findings[i];
+        if (!norma_fix_is_rule(finding, rule)) continue;
+        if (!*marks && !(*marks = calloc(count + 1, 1))) return -1;
+        for (size_t k = 0; k < finding->sample_count; k++) {
+            const norma_sample *sample = &finding->samples[k];
+            size_t number = element == MEND_VERTEX ? sample->vertex
+                            : element == MEND_FACE ? sample->face
+                                                   : sample->normal;
+            if (number < count) (*marks)[number] = 1, any = 1;
+        }
+    }
+    return any;
+}
+
+/* ---- a mesh as it will be */
+
+norma_result norma_fix_corners(fix_mesh *m) {
+    if (m->corners) return NORMA_OK;
+    const core_mesh *mesh = &m->mesh;
+    m->corners = malloc((mesh->corner_count + 1) * sizeof *m->corners);
+    if (!m->corners) return NORMA_ERROR_MEMORY;
+    for (size_t face = 0; face < mesh->face_count; face++) {
+        size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+        int reversed = m->edit->reverse_faces && m->edit->reverse_faces[face];
+        for (size_t c = begin; c < end; c++)
+            m->corners[c] = norma_core_corner(mesh, reversed && c > begin ? end + begin - c : c);
+    }
+    return NORMA_OK;
+}
+
+norma_mesh norma_fix_mesh_now(const fix_mesh *m) {
+    norma_mesh now = m->data.mesh;
+    now.corners = m->corners;
+    now.corner_size = 4;
+    now.hard_edges = NULL; /* they may have turned with the faces */
+    return now;
+}
+
+norma_result norma_fix_face_normals(fix_mesh *m) {
+    norma_result result = norma_fix_corners(m);
+    if (result || m->face_normals) return result;
+    const norma_mesh now = norma_fix_mesh_now(m);
+    const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
+    m->face_normals = malloc((m->mesh.face_count + 1) * 3 * sizeof *m->face_normals);
+    return m->face_normals
+               ? norma_face_normals(&now, &options, m->face_normals, m->mesh.face_count, NULL)
+               : NORMA_ERROR_MEMORY;
+}
+
+/* The weight and crease that the stored normals show; the defaults of computing where they show
+ * none. */
+static norma_result find_deviation(fix_mesh *m) {
+    const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
+    norma_result result = m->knows_deviation ? NORMA_OK
+                                             : norma_explain_normals(&m->data, m->info.normals,
+                                                   &options, &m->deviation);
+    if (result || m->knows_deviation) return result;
+    m->knows_deviation = 1;
+    if (m->deviation.corners == 0) {
+        m->deviation.weight = NORMA_WEIGHT_ANGLE;
+        m->deviation.shading = norma_document_format(m->document) == NORMA_FILE_PLY
+                                   ? NORMA_SHADING_SMOOTH
+                                   : NORMA_SHADING_CREASE;
+        m->deviation.crease_angle_rad = 1.0471975511965976; /* 60 degrees */
+    }
+    return NORMA_OK;
+}
+
+norma_result norma_fix_surface(fix_mesh *m) {
+    norma_result result = m->surface ? NORMA_OK : norma_fix_corners(m);
+    if (result || m->surface) return result;
+    result = find_deviation(m);
+    if (result) return result;
+    const norma_deviation *d = &m->deviation;
+    const int smooth = d->shading == NORMA_SHADING_SMOOTH;
+    const float crease = d->shading == NORMA_SHADING_FLAT ? -1.0f
+                         : smooth                         ? 3.5f
+                                                          : (float)d->crease_angle_rad;
+    const norma_options options = {.struct_size = sizeof options,
+        .weight = d->weight,
+        .non_manifold = smooth ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD,
+        .fallback = NORMA_FALLBACK_NEAREST,
+        .threads = m->threads};
+    const norma_mesh now = norma_fix_mesh_now(m);
+    m->surface = malloc((m->mesh.corner_count + 1) * 3 * sizeof *m->surface);
+    return m->surface ? norma_corner_normals(
+                            &now, crease, &options, m->surface, m->mesh.corner_count, NULL)
+                      : NORMA_ERROR_MEMORY;
+}
+
+/* ---- normals as they will be */
+
+size_t norma_fix_normal_count(const fix_mesh *m) {
+    return m->info.normals == NORMA_NORMALS_NONE ? 0 : m->data.normals.count;
+}
+
+/* corner: as it was read, not as it will be. */
+size_t norma_fix_normal_of(const fix_mesh *m, size_t face, size_t corner) {
+    size_t number = m->data.corner_normals ? m->data.corner_normals[corner]
+                    : m->info.normals == NORMA_NORMALS_PER_FACET
+                        ? face
+                        : norma_core_corner(&m->mesh, corner);
+    return number < norma_fix_normal_count(m) ? number : SIZE_MAX;
+}
+
+void norma_fix_normal(const fix_mesh *m, size_t number, double normal[3]) {
+    if (!m->edit->set_normals || !m->edit->set_normals[number]) {
+        norma_view_read(&m->data.normals, number, normal);
+        return;
+    }
+    for (int axis = 0; axis < 3; axis++)
+        normal[axis] = (double)m->edit->normals[3 * number + (size_t)axis];
+}
+
+/* Half of the step between two codes; floats and texts: what rounding and nine digits make of a
+ * number. */
+static double half_step(const char *encoding) {
+    static const struct {
+        const char *name;
+        double steps;
+    } codes[] = {
+        {"snorm8", 127}, {"int8", 127}, {"snorm10", 511}, {"snorm16", 32767}, {"int16", 32767}};
+    for (size_t i = 0; i < sizeof codes / sizeof *codes; i++)
+        if (strcmp(encoding, codes[i].name) == 0) return .5 / codes[i].steps;
+    return 1e-7;
+}
+
+/* Whether it would be stored as what is there: then it is no change, and others need not wait for
+ * it. */
+static int is_stored(const fix_mesh *m, size_t number, const double unit[3]) {
+    double stored[3];
+    const double near = half_step(m->info.encoding);
+    norma_view_read(&m->data.normals, number, stored);
+    return fabs(unit[0] - stored[0]) < near && fabs(unit[1] - stored[1]) < near &&
+           fabs(unit[2] - stored[2]) < near;
+}
+
+int norma_fix_set_normal(fix_mesh *m, size_t number, const double normal[3]) {
+    size_t count = norma_fix_normal_count(m);
+    double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    if (!(length > 0) || !isfinite(length)) return 1;
+    const double unit[3] = {normal[0] / length, normal[1] / length, normal[2] / length};
+    if (!(m->edit->set_normals && m->edit->set_normals[number]) && is_stored(m, number, unit))
+        return 1;
+    if (!m->edit->set_normals) {
+        m->edit->set_normals = calloc(count + 1, 1);
+        m->edit->normals = calloc(3 * count + 1, sizeof(float));
+    }
+    if (!m->edit->set_normals || !m->edit->normals) return 0;
+    ((uint8_t *)(uintptr_t)m->edit->set_normals)[number] = 1;
+    float *to = (float *)(uintptr_t)m->edit->normals + 3 * number;
+    for (int axis = 0; axis < 3; axis++) to[axis] = (float)unit[axis] + 0.0f;
+    return 1;
+}
+
+int norma_fix_has_edit(const norma_mesh_edit *edit) {
+    return edit->reverse_faces || edit->drop_faces || edit->cut_faces || edit->set_normals ||
+           edit->set_positions || edit->set_tangents || edit->strip_normals ||
+           edit->source_vertices;
+}

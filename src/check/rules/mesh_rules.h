@@ -1,0 +1,29 @@
+/* mesh_rules.h: the families of rules about the shape of one mesh and its normals. Each function
+ * looks at its rules on one mesh. */
+#ifndef NORMA_CHECK_MESH_RULES_H
+#define NORMA_CHECK_MESH_RULES_H
+#include "check/findings/check_run.h"
+
+norma_result norma_check_lengths(check_mesh *m);     /* lengths.c: N101 to N103 */
+norma_result norma_check_facing(check_mesh *m);      /* facing.c: N201, N202 */
+norma_result norma_check_placeholder(check_mesh *m); /* placeholder.c: N203 */
+norma_result norma_check_deviation(check_mesh *m);   /* deviation.c: N204 */
+norma_result norma_check_facets(check_mesh *m);      /* facets.c: N205 */
+norma_result norma_check_edges(check_mesh *m);       /* edges.c: N301, N303, N305, N306 */
+norma_result norma_check_solids(check_mesh *m);      /* solids.c: N302, N304 */
+norma_result norma_check_shapes(check_mesh *m);      /* face_shapes.c: N401, N402 */
+norma_result norma_check_cancelled(check_mesh *m);   /* cancelled.c: N403 */
+norma_result norma_check_polygons(check_mesh *m);    /* polygons.c: N404, N405 */
+norma_result norma_check_seams(check_mesh *m);       /* seams.c: N501 */
+norma_result norma_check_coincident(check_mesh *m);  /* coincident.c: N503 */
+norma_result norma_check_precision(check_mesh *m);   /* precision.c: N502, N701, N702 */
+
+/* edges.c: fills topology.partners, and adds the findings of edges that are wanted; once a mesh. */
+norma_result norma_check_pairs(check_mesh *m);
+
+/* Primitives of one glTF mesh that were held until the last one came: seams_joined.c,
+ * solids_joined.c. */
+norma_result norma_check_seams_joined(check_run *run);
+norma_result norma_check_solids_joined(check_run *run);
+void norma_check_solids_drop(check_run *run);
+#endif

@@ -1,0 +1,139 @@
+/* seam_angle.c: the angle between the normals on both sides of a seam of UVs, colours or materials,
+ * at positions where the surface itself is smooth; and the finding about them (N501). */
+#include "check/rules/seams.h"
+#include "core/face/triangle.h"
+#include <math.h>
+#include <string.h>
+
+enum { MOST_CORNERS = 1024 }; /* at one position; more are a hub, not a seam */
+static const double LEAST_RAD = 0.017453292519943295; /* 1 degree */
+static const double BEND_COSINE = 0.8660254037844386; /* of 30 degrees */
+
+typedef struct seam_vertex {             /* corners that have all in common */
+    uint32_t vertex, texcoord, material; /* texcoord: UINT32_MAX: the vertex's own */
+    size_t normal, faces;
+} seam_vertex;
+
+static seam_vertex vertex_of(const check_mesh *m, size_t corner) {
+    const norma_mesh_attributes *a = &m->given->attributes;
+    size_t face = norma_core_topology_face(&m->topology, corner);
+    return (seam_vertex){
+        .vertex = norma_core_corner(&m->mesh, corner),
+        .texcoord = a->corner_texcoords ? a->corner_texcoords[corner] : UINT32_MAX,
+        .material = a->face_materials ? a->face_materials[face] : 0,
+        .normal = norma_check_normal_of(m, face, corner),
+        .faces = 1,
+    };
+}
+
+static int is_same(const seam_vertex *a, const seam_vertex *b) {
+    return a->vertex == b->vertex && a->texcoord == b->texcoord && a->material == b->material &&
+           a->normal == b->normal;
+}
+
+/* Distinct vertices at a position; 0 where there is but one, or too many. */
+static size_t list_vertices(
+    const check_mesh *m, const uint32_t *corners, size_t count, seam_vertex *vertices) {
+    size_t distinct = 0;
+    for (size_t i = 0; i < count; i++) {
+        seam_vertex v = vertex_of(m, corners[i]);
+        size_t k = 0;
+        while (k < distinct && !is_same(&vertices[k], &v)) k++;
+        if (k < distinct)
+            vertices[k].faces++;
+        else
+            vertices[distinct++] = v;
+    }
+    return distinct > 1 ? distinct : 0;
+}
+
+static int same_floats(const float *values, size_t width, size_t count, size_t a, size_t b) {
+    if (!values || a == b) return 1;
+    return a < count && b < count &&
+           !memcmp(values + width * a, values + width * b, width * sizeof *values);
+}
+
+/* By UV, colour or material: a vertex of its own for a normal alone is a hard edge that somebody
+ * made. */
+static int differ(const check_mesh *m, const seam_vertex *a, const seam_vertex *b) {
+    const norma_mesh_attributes *at = &m->given->attributes;
+    size_t uv_a = at->corner_texcoords ? a->texcoord : a->vertex,
+           uv_b = at->corner_texcoords ? b->texcoord : b->vertex;
+    return a->material != b->material ||
+           !same_floats(at->texcoords, 2, at->texcoord_count, uv_a, uv_b) ||
+           !same_floats(at->colors, 4, m->mesh.positions.count, a->vertex, b->vertex);
+}
+
+static double angle_between(const check_mesh *m, size_t first, size_t second) {
+    double a[3], b[3], cross[3];
+    if (first == second || first == SIZE_MAX || second == SIZE_MAX) return 0;
+    norma_check_normal(m, first, a);
+    norma_check_normal(m, second, b);
+    if (!norma_core_finite(a) || !norma_core_finite(b)) return 0;
+    norma_core_cross(a, b, cross);
+    return norma_core_angle(norma_core_length(cross), norma_core_dot(a, b));
+}
+
+static double widest_seam(const check_mesh *m, const seam_vertex *vertices, size_t count) {
+    double widest = 0;
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = i + 1; k < count && vertices[i].faces > 1; k++)
+            if (vertices[k].faces > 1 && differ(m, &vertices[i], &vertices[k]))
+                widest = fmax(widest, angle_between(m, vertices[i].normal, vertices[k].normal));
+    return widest;
+}
+
+static int edge_is_smooth(const check_mesh *m, size_t corner) {
+    const core_topology *t = &m->topology;
+    uint32_t partner = t->partners[corner];
+    if (partner == CORE_EDGE_NONE) return 1;
+    if (partner >= CORE_EDGE_SPECIAL) return 0;
+    const check_face *a = &m->faces[norma_core_topology_face(t, corner)],
+                     *b = &m->faces[norma_core_topology_face(t, partner)];
+    double cosine = (double)a->normal[0] * (double)b->normal[0] +
+                    (double)a->normal[1] * (double)b->normal[1] +
+                    (double)a->normal[2] * (double)b->normal[2];
+    return cosine > BEND_COSINE || !norma_check_directed(a) || !norma_check_directed(b);
+}
+
+/* Every edge at the position: those that begin there, and those that end there, in the same faces.
+ */
+static int surface_is_smooth(const check_mesh *m, const uint32_t *corners, size_t count) {
+    const core_topology *t = &m->topology;
+    for (size_t i = 0; i < count; i++) {
+        size_t face = norma_core_topology_face(t, corners[i]);
+        if (t->partners[corners[i]] == CORE_EDGE_NONE) continue;
+        if (!edge_is_smooth(m, corners[i]) ||
+            !edge_is_smooth(m, norma_core_previous_kept(&t->mesh, face, corners[i])))
+            return 0;
+    }
+    return 1;
+}
+
+double norma_check_seam_least(const char *encoding) {
+    return fmax(LEAST_RAD, 2 * norma_check_encoding_bound(encoding));
+}
+
+double norma_check_seam_angle(const check_mesh *m, size_t position, double least) {
+    const core_corners_of_position *around = &m->topology.corners_of;
+    seam_vertex vertices[MOST_CORNERS];
+    size_t count = around->starts[position + 1] - around->starts[position];
+    const uint32_t *corners = &around->corners[around->starts[position]];
+    if (count < 4 || count > MOST_CORNERS) return 0;
+    double angle = widest_seam(m, vertices, list_vertices(m, corners, count, vertices));
+    return angle > least && surface_is_smooth(m, corners, count) ? angle : 0;
+}
+
+norma_result norma_check_add_seams(check_mesh *m, check_hits *hits) {
+    char message[CHECK_MESSAGE];
+    norma_check_message(message,
+        "%z positions on seams where normals differ by up to %g degrees though the surface is "
+        "smooth: a line that nobody modelled",
+        hits->count, hits->worst);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N501,
+            .severity = NORMA_SEVERITY_WARNING,
+            .unit = "deg",
+            .hits = hits,
+            .message = message});
+}
