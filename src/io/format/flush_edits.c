@@ -1,8 +1,9 @@
-/* flush_edits.c: files whose changes wait beside the bytes that were read: written, compared, and
- * settled into bytes of the document's own. */
+/* flush_edits.c: files whose changes wait beside the bytes that were read: opened, written,
+ * compared, and turned into bytes of the document's own. */
 #include "io/format/flush_edits.h"
 #include "io/format/scene.h"
 #include <stdlib.h>
+#include <string.h>
 
 norma_document_result norma_rewrite(norma_document *document, norma_rewrite_body *body,
     norma_write *write, void *user, norma_document_error *error) {
@@ -26,27 +27,52 @@ norma_document_result norma_rewrite_compare(norma_document *document, const unsi
                                                  : NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_rewrite_to_memory(
-    norma_document *document, unsigned char **bytes, size_t *size, norma_document_error *error) {
-    norma_memory_sink memory = {0};
-    norma_document_result result =
-        document->functions->write(document, NULL, norma_memory_sink_write, &memory, error);
-    if (result) {
-        free(memory.bytes);
-        return result == NORMA_DOCUMENT_ERROR_FILE ? norma_document_fail_memory(document, error)
-                                                   : result;
-    }
-    *bytes = memory.bytes;
-    *size = memory.size;
-    return NORMA_DOCUMENT_OK;
+/* ---- opening, closing, and changes that become bytes */
+
+norma_document_result norma_edited_open(
+    norma_document *document, const edited_format *format, norma_document_error *error) {
+    document->state = norma_io_allocate(1, format->state_size);
+    return document->state ? format->read(document, error)
+                           : norma_document_fail_memory(document, error);
 }
 
-norma_document_result norma_rewrite_read(norma_document *document,
-    norma_document_result (*read)(norma_document *, norma_document_error *),
-    norma_document_error *error) {
+void norma_edited_close(norma_document *document, const edited_format *format) {
+    if (!document->state) return;
+    format->free_content(document->state);
+    free(document->state);
+    document->state = NULL;
+}
+
+/* The file as it would be written, in memory, the caller's to free. */
+static norma_document_result write_to_memory(
+    norma_document *document, norma_memory_sink *memory, norma_document_error *error) {
+    norma_document_result result =
+        document->functions->write(document, NULL, norma_memory_sink_write, memory, error);
+    if (!result) return result;
+    free(memory->bytes);
+    return result == NORMA_DOCUMENT_ERROR_FILE ? norma_document_fail_memory(document, error)
+                                               : result;
+}
+
+/* Reading our own bytes finds nothing new, so notes about them are removed. */
+norma_document_result norma_edited_replace(norma_document *document, const edited_format *format,
+    unsigned char *bytes, size_t size, norma_document_error *error) {
     const size_t notes = document->note_count;
-    norma_document_result result = read(document, error);
+    format->free_content(document->state);
+    memset(document->state, 0, format->state_size);
+    norma_file_close(&document->source);
+    document->source = (file_bytes){.data = bytes, .size = size, .owned = 1};
+    norma_document_result result = format->read(document, error);
     norma_scene_forget(document->scene);
     while (document->note_count > notes) free(document->notes[--document->note_count]);
     return result;
+}
+
+norma_document_result norma_edited_flush(
+    norma_document *document, const edited_format *format, norma_document_error *error) {
+    norma_memory_sink memory = {0};
+    if (!format->has_edit(document->state)) return NORMA_DOCUMENT_OK;
+    norma_document_result result = write_to_memory(document, &memory, error);
+    return result ? result
+                  : norma_edited_replace(document, format, memory.bytes, memory.size, error);
 }

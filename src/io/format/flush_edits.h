@@ -1,5 +1,5 @@
 /* flush_edits.h: what the formats share whose changes wait beside the bytes that were read: written
- * through a sink, compared with what was there, settled into bytes of the document's own. */
+ * through a sink, compared with what was there, made the document's own bytes. */
 #ifndef NORMA_IO_REWRITE_H
 #define NORMA_IO_REWRITE_H
 #include "io/format/format.h"
@@ -13,11 +13,22 @@ norma_document_result norma_rewrite(norma_document *document, norma_rewrite_body
 /* Whether the file would be another than the size bytes it was. */
 norma_document_result norma_rewrite_compare(norma_document *document, const unsigned char *bytes,
     size_t size, int *changed, norma_document_error *error);
-/* The file as it would be written, in memory, the caller's to free. */
-norma_document_result norma_rewrite_to_memory(
-    norma_document *document, unsigned char **bytes, size_t *size, norma_document_error *error);
-/* Reads such bytes: reading our own says nothing new, so notes of it go. */
-norma_document_result norma_rewrite_read(norma_document *document,
-    norma_document_result (*read)(norma_document *, norma_document_error *),
-    norma_document_error *error);
+/* A format whose changes wait beside the bytes of the document: how its state is made, read and let
+ * go. */
+typedef struct edited_format {
+    size_t state_size;
+    int (*has_edit)(const void *state);
+    void (*free_content)(void *state);
+    /* From document->source, into a state of zeros. */
+    norma_document_result (*read)(norma_document *document, norma_document_error *error);
+} edited_format;
+norma_document_result norma_edited_open(
+    norma_document *document, const edited_format *format, norma_document_error *error);
+void norma_edited_close(norma_document *document, const edited_format *format);
+/* The changes become the document's bytes, which are read again. Does nothing without changes. */
+norma_document_result norma_edited_flush(
+    norma_document *document, const edited_format *format, norma_document_error *error);
+/* These bytes become the document's, which owns them from now on. */
+norma_document_result norma_edited_replace(norma_document *document, const edited_format *format,
+    unsigned char *bytes, size_t size, norma_document_error *error);
 #endif

@@ -3,42 +3,8 @@
 #include "io/obj/obj.h"
 #include "io/format/edit.h"
 #include "io/obj/vertex_lines.h"
-#include "io/format/flush_edits.h"
 #include "io/format/scene.h"
 #include <stdlib.h>
-
-static norma_document_result open_obj(norma_document *document, norma_document_error *error) {
-    obj_state *state = norma_io_allocate(1, sizeof *state);
-    if (!state) return norma_document_fail_memory(document, error);
-    document->state = state;
-    return norma_obj_read(document, state, error);
-}
-
-static void close_obj(norma_document *document) {
-    obj_state *state = document->state;
-    if (!state) return;
-    norma_obj_free(state);
-    free(state);
-    document->state = NULL;
-}
-
-static norma_document_result read_anew(norma_document *document, norma_document_error *error) {
-    return norma_obj_read(document, document->state, error);
-}
-
-norma_document_result norma_obj_flush_edits(norma_document *document, norma_document_error *error) {
-    obj_state *state = document->state;
-    unsigned char *bytes;
-    size_t size;
-    if (!norma_obj_has_change(state)) return NORMA_DOCUMENT_OK;
-    norma_document_result result = norma_rewrite_to_memory(document, &bytes, &size, error);
-    if (result) return result;
-    norma_obj_free(state);
-    *state = (obj_state){0};
-    norma_file_close(&document->source);
-    document->source = (file_bytes){.data = bytes, .size = size, .owned = 1};
-    return norma_rewrite_read(document, read_anew, error);
-}
 
 static size_t mesh_count(const norma_document *document) {
     (void)document;
@@ -57,18 +23,6 @@ static norma_document_result mesh_info(
     info->encoding = state->has_normals ? "text" : "";
     info->has_smoothing_groups = state->has_groups;
     return NORMA_DOCUMENT_OK;
-}
-
-norma_mesh norma_obj_mesh(const obj_state *state) {
-    static const double nowhere[3];
-    static const uint32_t nothing[1];
-    const norma_vec3_view positions = {state->positions ? state->positions : nowhere,
-        state->position_count, 0, NORMA_FORMAT_DOUBLE};
-    return (norma_mesh){.positions = positions,
-        .corners = state->corners ? state->corners : nothing,
-        .corner_count = state->corner_count,
-        .face_starts = state->face_starts,
-        .face_count = state->face_count};
 }
 
 /* Normals that are not there are shown as none. */
@@ -103,8 +57,8 @@ static norma_document_result mesh_data(
     return NORMA_DOCUMENT_OK;
 }
 
-const format_functions norma_obj_functions = {.open = open_obj,
-    .close = close_obj,
+const format_functions norma_obj_functions = {.open = norma_obj_open,
+    .close = norma_obj_close,
     .mesh_count = mesh_count,
     .mesh_info = mesh_info,
     .mesh_data = mesh_data,

@@ -84,17 +84,14 @@ static inline size_t norma_obj_normal_offset(const obj_state *state, size_t norm
 }
 
 /* read_parallel.c */
-norma_document_result norma_obj_read(
-    norma_document *document, obj_state *state, norma_document_error *error);
-void norma_obj_free(obj_state *state);
+norma_document_result norma_obj_read(norma_document *document, norma_document_error *error);
 
+/* obj_state.c. Flushing makes the changes the document's bytes, which are read again. */
+norma_document_result norma_obj_open(norma_document *document, norma_document_error *error);
+void norma_obj_close(norma_document *document);
+norma_document_result norma_obj_flush_edits(norma_document *document, norma_document_error *error);
 /* The core's view of positions and faces, without groups. */
 norma_mesh norma_obj_mesh(const obj_state *state);
-
-/* obj.c: the changes become the document's bytes, which are read anew. Nothing to do where there
- * are none. */
-norma_document_result norma_obj_flush_edits(norma_document *document, norma_document_error *error);
-int norma_obj_has_change(const obj_state *state); /* obj_write.c */
 
 /* smoothing_groups.c: sets group_masks, and hard_edges where masks do not suffice, such that faces
  * of one group other than 0 share edges, and others do not. */

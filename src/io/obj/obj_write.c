@@ -475,12 +475,6 @@ static void find_split(pieces *p, size_t *count) {
     *count += p->slices + 1;
 }
 
-int norma_obj_has_change(const obj_state *state) {
-    return state->normals_replaced || state->normals_turned || state->positions_moved ||
-           state->faces_reversed || state->reverse_faces || state->drop_faces || state->cut_faces ||
-           state->vertices;
-}
-
 norma_document_result norma_obj_write(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error) {
     const obj_state *state = document->state;

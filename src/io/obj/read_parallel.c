@@ -439,8 +439,8 @@ static norma_document_result gather(
     return result;
 }
 
-norma_document_result norma_obj_read(
-    norma_document *document, obj_state *state, norma_document_error *error) {
+norma_document_result norma_obj_read(norma_document *document, norma_document_error *error) {
+    obj_state *state = document->state;
     const unsigned char *bytes = document->source.data;
     const size_t size = document->source.size;
     gathering g = {.document = document,
@@ -456,21 +456,4 @@ norma_document_result norma_obj_read(
             "UTF-16 text; expected ASCII or UTF-8 (convert it first)");
     const int marked = size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0;
     return gather(&g, g.text + (marked ? 3 : 0), document, error);
-}
-
-void norma_obj_free(obj_state *state) {
-    norma_obj_free_vertices(state->vertices);
-    free(state->stretches);
-    free(state->positions);
-    free(state->corners);
-    free(state->corner_normals);
-    free(state->face_starts);
-    free(state->normals);
-    free(state->normal_offsets);
-    free(state->other_normals);
-    free(state->runs);
-    free(state->name);
-    free(state->shown_normals);
-    free(state->group_masks);
-    free(state->hard_edges);
 }

@@ -82,15 +82,6 @@ norma_document_result norma_obj_equal_vertices(
 
 /* ---- new numbers */
 
-void norma_obj_free_vertices(obj_vertices *v) {
-    if (!v) return;
-    free(v->kept_before);
-    free(v->numbers);
-    free(v->corners);
-    free(v->lines);
-    free(v);
-}
-
 /* Old ones that stay, from the first of the list on. */
 static size_t count_kept(const norma_mesh_edit *edit) {
     size_t kept = edit->vertex_count > 0;

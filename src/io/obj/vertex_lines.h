@@ -20,5 +20,4 @@ norma_document_result norma_obj_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
 norma_document_result norma_obj_edit_vertices(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error);
-void norma_obj_free_vertices(obj_vertices *vertices);
 #endif

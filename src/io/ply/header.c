@@ -9,26 +9,6 @@
 
 enum { MAX_WORDS = 6 };
 
-static const struct {
-    const char *name, *bits_name;
-    size_t size;
-} types[] = {
-    [PLY_INT8] = {"char", "int8", 1},
-    [PLY_UINT8] = {"uchar", "uint8", 1},
-    [PLY_INT16] = {"short", "int16", 2},
-    [PLY_UINT16] = {"ushort", "uint16", 2},
-    [PLY_INT32] = {"int", "int32", 4},
-    [PLY_UINT32] = {"uint", "uint32", 4},
-    [PLY_FLOAT] = {"float", "float32", 4},
-    [PLY_DOUBLE] = {"double", "float64", 8},
-    [PLY_NO_TYPE] = {"", "", 0},
-};
-
-size_t norma_ply_type_size(ply_type type) { return types[type].size; }
-const char *norma_ply_type_name(ply_type type, int with_bits) {
-    return with_bits ? types[type].bits_name : types[type].name;
-}
-
 int norma_ply_span_is(const ply_state *state, ply_span span, const char *text) {
     return span.length == strlen(text) &&
            memcmp(state->bytes + span.offset, text, span.length) == 0;
@@ -168,8 +148,8 @@ static norma_document_result read_element(header_reader *reader) {
 
 static ply_type type_of(const ply_state *state, ply_span word) {
     for (int i = 0; i < PLY_NO_TYPE; ++i)
-        if (norma_ply_span_is(state, word, types[i].name) ||
-            norma_ply_span_is(state, word, types[i].bits_name))
+        if (norma_ply_span_is(state, word, norma_ply_type_name((ply_type)i, 0)) ||
+            norma_ply_span_is(state, word, norma_ply_type_name((ply_type)i, 1)))
             return (ply_type)i;
     return PLY_NO_TYPE;
 }

@@ -4,52 +4,6 @@
 #include "io/ply/ply.h"
 #include "io/text/number.h"
 #include "io/stream/tasks.h"
-#include <stdarg.h>
-#include <stdio.h>
-
-static size_t line_of(const ply_state *state, size_t offset) {
-    unsigned char line_end = state->bytes[state->header.line_break.offset] == '\r' &&
-                                     state->header.line_break.length == 1
-                                 ? '\r'
-                                 : '\n';
-    size_t line = 1;
-    for (const unsigned char *at = state->bytes, *end = at + offset;
-         (at = memchr(at, line_end, (size_t)(end - at))) != NULL; ++at)
-        ++line;
-    return line;
-}
-
-norma_document_result norma_ply_fail_at(const norma_document *document, norma_document_error *error,
-    size_t offset, const char *format, ...) {
-    char place[40], message[400];
-    const ply_state *state = document->state;
-    int in_text =
-        state->header.encoding == PLY_ASCII || (state->header.body && offset < state->header.body);
-    snprintf(place, sizeof place, in_text ? "%zu" : "byte %zu",
-        in_text ? line_of(state, offset < state->size ? offset : state->size) : offset);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(message, sizeof message, format, arguments);
-    va_end(arguments);
-    return norma_document_fail(
-        document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "%s", message);
-}
-
-size_t norma_ply_property_size(
-    const ply_header *header, const ply_property *property, const unsigned char *at) {
-    if (!norma_ply_is_list(property)) return norma_ply_type_size(property->type);
-    int64_t count = norma_ply_get_integer(at, property->count_type, header->encoding);
-    return norma_ply_type_size(property->count_type) +
-           (size_t)count * norma_ply_type_size(property->type);
-}
-
-const unsigned char *norma_ply_row_end(
-    const ply_header *header, const ply_element *element, const unsigned char *row) {
-    if (element->list_count == 0) return row + element->fixed_size;
-    for (size_t i = 0; i < element->property_count; ++i)
-        row += norma_ply_property_size(header, norma_ply_property(header, element, (int)i), row);
-    return row;
-}
 
 static norma_document_result fail_short(const norma_document *document, norma_document_error *error,
     const ply_element *element, uint64_t row) {

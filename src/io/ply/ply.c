@@ -6,52 +6,6 @@
 #include "io/format/scene.h"
 #include <stdlib.h>
 
-static void free_state_content(ply_state *state) {
-    norma_ply_free_edit(&state->edit);
-    norma_ply_free_mesh(&state->mesh);
-    free(state->normals);
-    free(state->header.elements);
-    free(state->header.properties);
-    free(state->own);
-    *state = (ply_state){0};
-}
-
-static norma_document_result read_bytes(norma_document *document, norma_document_error *error) {
-    norma_document_result result = norma_ply_read_header(document, error);
-    if (!result) result = norma_ply_locate(document, error);
-    return result ? result : norma_ply_read_mesh(document, error);
-}
-
-static norma_document_result open_ply(norma_document *document, norma_document_error *error) {
-    ply_state *state = norma_io_allocate(1, sizeof *state);
-    if (!state) return norma_document_fail_memory(document, error);
-    document->state = state;
-    state->bytes = document->source.data;
-    state->size = document->source.size;
-    return read_bytes(document, error);
-}
-
-static void close_ply(norma_document *document) {
-    if (!document->state) return;
-    free_state_content(document->state);
-    free(document->state);
-    document->state = NULL;
-}
-
-norma_document_result norma_ply_flush_edits(norma_document *document, norma_document_error *error) {
-    ply_state *state = document->state;
-    if (!norma_ply_has_edit(state)) return NORMA_DOCUMENT_OK;
-    unsigned char *bytes;
-    size_t size;
-    norma_document_result result = norma_rewrite_to_memory(document, &bytes, &size, error);
-    if (result) return result;
-    free_state_content(state);
-    state->own = bytes;
-    state->bytes = bytes;
-    state->size = size;
-    return norma_rewrite_read(document, read_bytes, error);
-}
-
 static size_t count_meshes(const norma_document *document) {
     (void)document;
     return 1;
@@ -126,8 +80,8 @@ static norma_document_result give_mesh(
 }
 
 const format_functions norma_ply_functions = {
-    .open = open_ply,
-    .close = close_ply,
+    .open = norma_ply_open,
+    .close = norma_ply_close,
     .mesh_count = count_meshes,
     .mesh_info = describe_mesh,
     .mesh_data = give_mesh,

@@ -116,9 +116,8 @@ typedef struct ply_edit {
 } ply_edit;
 
 typedef struct ply_state {
-    const unsigned char *bytes; /* the source's, or own */
+    const unsigned char *bytes; /* the document's */
     size_t size;
-    unsigned char *own;
     ply_header header;
     ply_mesh mesh;
     ply_edit edit;
@@ -128,8 +127,6 @@ typedef struct ply_state {
 
 /* header.c */
 norma_document_result norma_ply_read_header(norma_document *document, norma_document_error *error);
-size_t norma_ply_type_size(ply_type type);
-const char *norma_ply_type_name(ply_type type, int with_bits); /* "float", or "float32" */
 int norma_ply_span_is(const ply_state *state, ply_span span, const char *text);
 static inline int norma_ply_is_list(const ply_property *property) {
     return property->count_type != PLY_NO_TYPE;
@@ -142,7 +139,9 @@ static inline const ply_element *norma_ply_element(const ply_header *header, int
     return index == PLY_NONE ? NULL : &header->elements[index];
 }
 
-/* row_value.c: single values in binary rows */
+/* row_value.c: types, single values, and the size of binary rows */
+size_t norma_ply_type_size(ply_type type);
+const char *norma_ply_type_name(ply_type type, int with_bits); /* "float", or "float32" */
 double norma_ply_get(const unsigned char *at, ply_type type, ply_encoding encoding);
 int64_t norma_ply_get_integer(const unsigned char *at, ply_type type, ply_encoding encoding);
 void norma_ply_put(unsigned char *at, ply_type type, ply_encoding encoding, double value);
@@ -150,17 +149,19 @@ int norma_ply_is_native(ply_encoding encoding);
 int norma_ply_type_holds(ply_type type, double value); /* exactly; floats by range */
 /* As text; the length. */
 size_t norma_ply_format(ply_type type, double value, int unit, char text[32]);
-
-/* locate_rows.c: where each element's rows lie. Fails where the file is too short. */
-norma_document_result norma_ply_locate(norma_document *document, norma_document_error *error);
-norma_document_result norma_ply_fail_at(const norma_document *document, norma_document_error *error,
-    size_t offset, const char *format, ...);
 /* After a row of a located binary element. */
 const unsigned char *norma_ply_row_end(
     const ply_header *header, const ply_element *element, const unsigned char *row);
 /* Bytes of a list or value at `at`, which must lie within the file. */
 size_t norma_ply_property_size(
     const ply_header *header, const ply_property *property, const unsigned char *at);
+
+/* locate_rows.c: where each element's rows lie. Fails where the file is too short. */
+norma_document_result norma_ply_locate(norma_document *document, norma_document_error *error);
+
+/* ply_error.c: an error at an offset of the file. */
+norma_document_result norma_ply_fail_at(const norma_document *document, norma_document_error *error,
+    size_t offset, const char *format, ...);
 
 /* ascii_read.c: rows of text */
 const unsigned char *norma_ply_token(const unsigned char *at, const unsigned char *end,
@@ -191,9 +192,6 @@ norma_document_result norma_ply_read_columns(norma_document *document, const ply
     const int properties[3], double **values, norma_document_error *error);
 /* The core's mesh; valid as long as the state's is. */
 norma_mesh norma_ply_core_mesh(const ply_state *state);
-/* What stored codes are divided by: 127, 32767, or 1. */
-double norma_ply_normal_scale(
-    const ply_header *header, const ply_element *element, const int properties[3]);
 
 /* triangle_strips.c: triangle strips with restarts (-1) */
 size_t norma_ply_strip_triangles(
@@ -208,6 +206,11 @@ norma_document_result norma_ply_compute(norma_document *document,
 norma_document_result norma_ply_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
+
+/* normal_codes.c */
+/* What stored codes are divided by: 127, 32767, or 1. */
+double norma_ply_normal_scale(
+    const ply_header *header, const ply_element *element, const int properties[3]);
 /* The types that normals are written in: as stored where that holds unit vectors, else float. */
 void norma_ply_normal_types(const ply_header *header, const ply_element *element,
     const int properties[3], ply_type types[3]);
@@ -272,7 +275,8 @@ static inline int norma_ply_is_cut(const ply_plan *plan, size_t row) {
 norma_document_result norma_ply_row_spans(norma_document *document, const ply_element *element,
     ply_span **spans, norma_document_error *error);
 
-/* ply.c: the changes become bytes of the document, which is read anew. Nothing to do where there
- * are none. */
+/* ply_state.c. Flushing makes the changes the document's bytes, which are read again. */
+norma_document_result norma_ply_open(norma_document *document, norma_document_error *error);
+void norma_ply_close(norma_document *document);
 norma_document_result norma_ply_flush_edits(norma_document *document, norma_document_error *error);
 #endif

@@ -134,14 +134,6 @@ static norma_document_result read_positions(norma_document *document, norma_docu
     return NORMA_DOCUMENT_OK;
 }
 
-double norma_ply_normal_scale(
-    const ply_header *header, const ply_element *element, const int properties[3]) {
-    ply_type first = norma_ply_property(header, element, properties[0])->type;
-    for (int axis = 1; axis < 3; ++axis)
-        if (norma_ply_property(header, element, properties[axis])->type != first) return 1;
-    return first == PLY_INT8 ? 127 : first == PLY_INT16 ? 32767 : 1;
-}
-
 /* ---- lists */
 
 static size_t list_offset(

@@ -1,7 +1,28 @@
-/* row_value.c: single values of PLY rows, binary in either byte order and as text. */
+/* row_value.c: the types of PLY values; single values, binary in either byte order and as text; the
+ * size of a binary row. */
 #include "io/ply/ply.h"
 #include "io/text/number.h"
 #include <math.h>
+
+static const struct {
+    const char *name, *bits_name;
+    size_t size;
+} types[] = {
+    [PLY_INT8] = {"char", "int8", 1},
+    [PLY_UINT8] = {"uchar", "uint8", 1},
+    [PLY_INT16] = {"short", "int16", 2},
+    [PLY_UINT16] = {"ushort", "uint16", 2},
+    [PLY_INT32] = {"int", "int32", 4},
+    [PLY_UINT32] = {"uint", "uint32", 4},
+    [PLY_FLOAT] = {"float", "float32", 4},
+    [PLY_DOUBLE] = {"double", "float64", 8},
+    [PLY_NO_TYPE] = {"", "", 0},
+};
+
+size_t norma_ply_type_size(ply_type type) { return types[type].size; }
+const char *norma_ply_type_name(ply_type type, int with_bits) {
+    return with_bits ? types[type].bits_name : types[type].name;
+}
 
 int norma_ply_is_native(ply_encoding encoding) {
     const uint16_t probe = 1;
@@ -99,4 +120,20 @@ size_t norma_ply_format(ply_type type, double value, int unit, char text[32]) {
     size_t length = sign + norma_number_format_integer((uint64_t)(int64_t)fabs(value), text + sign);
     text[length] = '\0';
     return length;
+}
+
+size_t norma_ply_property_size(
+    const ply_header *header, const ply_property *property, const unsigned char *at) {
+    if (!norma_ply_is_list(property)) return norma_ply_type_size(property->type);
+    int64_t count = norma_ply_get_integer(at, property->count_type, header->encoding);
+    return norma_ply_type_size(property->count_type) +
+           (size_t)count * norma_ply_type_size(property->type);
+}
+
+const unsigned char *norma_ply_row_end(
+    const ply_header *header, const ply_element *element, const unsigned char *row) {
+    if (element->list_count == 0) return row + element->fixed_size;
+    for (size_t i = 0; i < element->property_count; ++i)
+        row += norma_ply_property_size(header, norma_ply_property(header, element, (int)i), row);
+    return row;
 }

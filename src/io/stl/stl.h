@@ -8,9 +8,8 @@
 enum { STL_HEADER = 84, STL_FACET = 50, STL_NORMAL = 12, STL_VERTICES = 36 };
 
 typedef struct stl_state {
-    const unsigned char *bytes; /* the source's, or own */
+    const unsigned char *bytes; /* the document's */
     size_t size;
-    unsigned char *own;
     int binary;
     size_t facets;
     char *name;      /* of the first solid */
@@ -55,14 +54,14 @@ norma_document_result norma_stl_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
 
-/* stl.c */
+/* stl_state.c. Flushing makes the changes the document's bytes, which are read again. */
+norma_document_result norma_stl_open(norma_document *document, norma_document_error *error);
+void norma_stl_close(norma_document *document);
 norma_document_result norma_stl_decode(norma_document *document, norma_document_error *error);
-/* The file is to be these bytes from now on, which become the document's. */
+/* These bytes become the document's. */
 norma_document_result norma_stl_take_bytes(
     norma_document *document, unsigned char *bytes, size_t size, norma_document_error *error);
 norma_document_result norma_stl_flush_edits(norma_document *document, norma_document_error *error);
-norma_document_result norma_stl_write(norma_document *document, const char *path,
-    norma_write *write, void *user, norma_document_error *error);
 norma_document_result norma_stl_drop_idle_edit(
     norma_document *document, int *changed, norma_document_error *error);
 norma_mesh norma_stl_core_mesh(const stl_state *state);

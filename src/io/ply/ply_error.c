@@ -1,0 +1,32 @@
+/* ply_error.c: errors of a PLY with their place: a line in text, a byte in binary rows. */
+#include "io/ply/ply.h"
+#include <stdarg.h>
+#include <stdio.h>
+
+static size_t line_of(const ply_state *state, size_t offset) {
+    unsigned char line_end = state->bytes[state->header.line_break.offset] == '\r' &&
+                                     state->header.line_break.length == 1
+                                 ? '\r'
+                                 : '\n';
+    size_t line = 1;
+    for (const unsigned char *at = state->bytes, *end = at + offset;
+         (at = memchr(at, line_end, (size_t)(end - at))) != NULL; ++at)
+        ++line;
+    return line;
+}
+
+norma_document_result norma_ply_fail_at(const norma_document *document, norma_document_error *error,
+    size_t offset, const char *format, ...) {
+    char place[40], message[400];
+    const ply_state *state = document->state;
+    int in_text =
+        state->header.encoding == PLY_ASCII || (state->header.body && offset < state->header.body);
+    snprintf(place, sizeof place, in_text ? "%zu" : "byte %zu",
+        in_text ? line_of(state, offset < state->size ? offset : state->size) : offset);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    return norma_document_fail(
+        document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "%s", message);
+}
