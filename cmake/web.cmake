@@ -1,15 +1,16 @@
-# The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, which has the tests and the bundler, puts the files together.
+# The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, puts the files together; esbuild makes one script of the page's modules.
 # Two modules: norma.wasm is the core, page.wasm the core with the readers of io. Neither imports anything.
 find_program(NORMA_WASM_CC NAMES clang)
 find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
+find_program(NORMA_ESBUILD NAMES esbuild)
 find_path(NORMA_WASI_INCLUDE NAMES wasm32-wasi/stdlib.h)
-foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_NODE NORMA_WASI_INCLUDE)
+foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_NODE NORMA_ESBUILD NORMA_WASI_INCLUDE)
   if(NOT ${tool} AND NORMA_WEB STREQUAL "AUTO")
     message(STATUS "Without the page and the npm package: ${tool} was not found; scripts/install-deps.sh web installs what is missing")
     return()
   elseif(NOT ${tool})
-    message(FATAL_ERROR "The page needs clang, lld, wasi-libc, libclang-rt-dev-wasm32 and nodejs (${tool}); scripts/install-deps.sh web installs what is missing, "
+    message(FATAL_ERROR "The page needs clang, lld, wasi-libc, libclang-rt-dev-wasm32, nodejs and esbuild (${tool}); scripts/install-deps.sh web installs what is missing, "
                         "-DNORMA_WEB=OFF builds without")
   endif()
 endforeach()
@@ -69,7 +70,7 @@ add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
   DEPENDS ${web_inputs} ${web_dir}/norma.wasm COMMENT "npm package" VERBATIM)
 file(GLOB web_page_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/page/* ${CMAKE_SOURCE_DIR}/src/render/shaders/*)
 add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
-  COMMAND ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs page ${web_dir}
+  COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs page ${web_dir}
   DEPENDS ${web_page_inputs} ${web_inputs} ${web_dir}/page.wasm COMMENT "The page" VERBATIM)
 add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/norma.html)
 

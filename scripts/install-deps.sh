@@ -13,7 +13,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
 packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libjansson-dev libpng-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
-web_packages="clang lld wasi-libc libclang-rt-dev-wasm32"
+web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 esbuild"
 [ "$what" != web ] || packages=$web_packages
 if [ "$what" = bench ]; then
     packages="$packages $web_packages g++ libvtk9-dev libopen3d-dev libopenmesh-dev libcgal-dev libassimp-dev libglm-dev libcglm-dev libeigen3-dev"

@@ -1,6 +1,7 @@
 /* Puts together what `make web` leaves.
  *   node build.mjs package FOLDER    FOLDER/npm, from FOLDER/norma.wasm
  *   node build.mjs page FOLDER       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm */
+import { execFileSync } from "node:child_process";
 import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -17,34 +18,12 @@ function buildPackage(folder) {
   copyFileSync(join(folder, "norma.wasm"), join(out, "norma.wasm"));
 }
 
-/* ---- modules as one text: each becomes a function that returns what it exports, in the order in which they need each other */
+/* ---- the page */
 
-function readModules(start) {
-  const modules = [], seen = new Set();
-  const visit = (path) => {
-    if (seen.has(path)) return;
-    seen.add(path);
-    const imports = [];
-    const text = readFileSync(path, "utf8").replace(/^import \{([^}]*)\} from "(\.[^"]*)";\n/gm, (_, names, from) => {
-      const source = join(dirname(path), from);
-      visit(source);
-      imports.push({ names: names.trim(), source });
-      return "";
-    });
-    modules.push({ path, text, imports });
-  };
-  visit(start);
-  return modules;
-}
-
-function joinModules(start) {
-  const modules = readModules(start), number = new Map(modules.map(({ path }, i) => [path, i]));
-  return modules.map(({ text, imports }, i) => {
-    const exported = [...text.matchAll(/^export (?:async )?(?:function|const|class) (\w+)/gm)].map((match) => match[1]);
-    const body = text.replace(/^export \{[^}]*\};\n/gm, "").replace(/^export /gm, "");
-    const taken = imports.map(({ names, source }) => `const {${names}} = module${number.get(source)};`).join("\n");
-    return `const module${i} = (() => {\n${taken}\n${body}\nreturn {${exported.join(", ")}};\n})();`;
-  }).join("\n");
+/* All modules of the page as one script (esbuild). */
+function bundle(start) {
+  const options = ["--bundle", "--format=iife", "--target=es2020", "--charset=utf8", "--log-level=warning"];
+  return execFileSync(process.env.ESBUILD || "esbuild", [start, ...options], { encoding: "utf8", maxBuffer: 1 << 26 });
 }
 
 function readShaders() {
@@ -60,7 +39,7 @@ function buildPage(folder) {
   const parts = {
     STYLE: readFileSync(join(page, "style.css"), "utf8"),
     WASM: readFileSync(join(folder, "page.wasm")).toString("base64"),
-    SCRIPT: guard(`${readShaders()}\n${joinModules(join(page, "main.js"))}`),
+    SCRIPT: guard(`${readShaders()}\n${bundle(join(page, "main.js"))}`),
   };
   const text = readFileSync(join(page, "index.html"), "utf8").replace(/\/\*(STYLE|WASM|SCRIPT)\*\//g, (_, name) => parts[name]);
   writeFileSync(join(folder, "page.html"), text);

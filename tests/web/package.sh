@@ -1,6 +1,6 @@
 #!/bin/bash
 # The npm package: the same bits as the native library, arguments and errors, types, examples in node and three.js.
-#   tests/web/web.sh --refresh     writes the examples' expected output anew
+#   tests/web/package.sh --refresh     writes the examples' expected output anew
 # shellcheck disable=SC2016  # single quotes hold what inner shells expand
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
@@ -39,7 +39,7 @@ tap bits node tests/web/bits.mjs "$package" "$scratch/native"
 tap calls node tests/web/calls.mjs "$package"
 
 # What the page makes of a file, with the sanitizers of a native compiler.
-check "the model's files compile under the sanitizers" gcc -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-attributes -Iinclude tests/web/model.c \
+check "the model's files compile under the sanitizers" gcc -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-attributes -Iinclude -Isrc tests/web/model.c \
     web/page/model/model.c web/page/model/recompute.c web/page/model/crease_slider.c web/page/model/shown_findings.c web/page/model/pick.c web/page/model/page_triangles.c web/package/wasm/calls.c web/page/model/model_pack.c web/page/model/pack_findings.c -o "$scratch/model" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
 check "packs of the assets are drawn, and damaged ones drawn or refused" "$scratch/model" assets/*.obj assets/*.stl tests/cli/golden/files/*.obj tests/cli/golden/files/roof.*
 
