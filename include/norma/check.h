@@ -43,12 +43,12 @@ typedef struct norma_rule {
 } norma_rule;
 
 /* All rules, by id; the library's own, never freed. count: how many there are. */
-const norma_rule *norma_rules(size_t *count);
+NORMA_API const norma_rule *norma_rules(size_t *count);
 /* Sets mask[i] to 1 for each rule i of norma_rules that a list names, by ids, beginnings of ids
  * ("N3") or names, with commas between; spaces and case do not matter. Other bytes stay as they
  * are. NORMA_ERROR_ARGUMENT for a word that names no rule: it is in unknown (which may be NULL),
  * cut to fit, and mask is as it was. */
-norma_result norma_rules_select(const char *list, uint8_t *mask, char unknown[64]);
+NORMA_API norma_result norma_rules_select(const char *list, uint8_t *mask, char unknown[64]);
 
 /* ---- findings */
 
@@ -93,16 +93,16 @@ typedef struct norma_finding {
 
 typedef struct norma_findings norma_findings;
 
-size_t norma_findings_count(const norma_findings *findings);
+NORMA_API size_t norma_findings_count(const norma_findings *findings);
 /* By place, in the order of the file; at one place by rule, the gravest first. Owned by findings.
  * NULL for an index that is not there. */
-const norma_finding *norma_findings_get(const norma_findings *findings, size_t index);
-norma_check_profile norma_findings_profile(
+NORMA_API const norma_finding *norma_findings_get(const norma_findings *findings, size_t index);
+NORMA_API norma_check_profile norma_findings_profile(
     const norma_findings *findings); /* as it was judged: render or print */
-int norma_findings_partly(
+NORMA_API int norma_findings_partly(
     const norma_findings *findings); /* nonzero: a part was not checked (N002, told of even where
                                         that rule was not asked for) */
-void norma_findings_free(norma_findings *findings); /* NULL is fine */
+NORMA_API void norma_findings_free(norma_findings *findings); /* NULL is fine */
 
 /* ---- checking */
 
@@ -147,16 +147,16 @@ typedef struct norma_check_scene {
  * NORMA_ERROR_ARGUMENT: a NULL, an option out of its range, arrays that norma_vertex_normals would
  * refuse; NORMA_ERROR_INDEX, _OVERFLOW, _MEMORY, NORMA_CANCELLED. O(n log n) and 60 bytes a
  * triangle of scratch. */
-norma_result norma_check_scene_run(
+NORMA_API norma_result norma_check_scene_run(
     const norma_check_scene *scene, const norma_check_options *options, norma_findings **findings);
 /* The rules over a document, opened whole and, for N106 to have something to say, leniently. What
  * its infos call not_read is told of by N002. */
-norma_document_result norma_check_document(norma_document *document,
+NORMA_API norma_document_result norma_check_document(norma_document *document,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error);
 /* The finding of a file that could not be opened: N001 with what the error says. NULL: out of
  * memory. */
-norma_findings *norma_check_unreadable(const norma_document_error *error, norma_file_format format,
-    const norma_check_options *options);
+NORMA_API norma_findings *norma_check_unreadable(const norma_document_error *error,
+    norma_file_format format, const norma_check_options *options);
 
 /* ---- mending */
 
@@ -176,7 +176,7 @@ typedef struct norma_fix_summary {
  * options: as for norma_check_document, but for max_samples and profile, which is that of the
  * rules. Errors as of norma_check_document and norma_document_edit; after one the document can only
  * be closed. The document is to be opened leniently. */
-norma_document_result norma_fix_document(norma_document *document,
+NORMA_API norma_document_result norma_fix_document(norma_document *document,
     const norma_check_options *options, int unsafe, norma_fix_summary *summary,
     norma_document_error *error);
 
@@ -192,11 +192,11 @@ norma_document_result norma_fix_document(norma_document *document,
  * many faces, on a part of them, and what is told is of all. NORMA_OK with deviation->corners 0:
  * nothing to compare (no normals, facets, none that is a direction). options may be NULL; of it
  * threads, progress and allocator are used. Errors are those of norma_corner_normals. */
-norma_result norma_explain_normals(const norma_mesh_data *data, norma_normal_storage storage,
-    const norma_options *options, norma_deviation *deviation);
+NORMA_API norma_result norma_explain_normals(const norma_mesh_data *data,
+    norma_normal_storage storage, const norma_options *options, norma_deviation *deviation);
 /* Upper bound of a bin of the histogram: .01, .02, .05, .1, .2, .5, 1, 2, 5, 10, 15, 20, 30, 45,
  * 60, 90, 120, 180 degrees, in radians; the last one is in its bin. */
-double norma_deviation_bound_rad(size_t bin);
+NORMA_API double norma_deviation_bound_rad(size_t bin);
 
 #ifdef __cplusplus
 }

@@ -46,9 +46,10 @@ typedef enum norma_file_format {
     NORMA_FILE_GLTF,
     NORMA_FILE_GLB
 } norma_file_format;
-const char *norma_file_format_name(
+NORMA_API const char *norma_file_format_name(
     norma_file_format format); /* "obj", "ply", "stl", "gltf", "glb"; "" for unknown */
-norma_file_format norma_file_format_of_path(const char *path); /* by its extension, case aside */
+NORMA_API norma_file_format norma_file_format_of_path(
+    const char *path); /* by its extension, case aside */
 
 typedef struct norma_document norma_document;
 
@@ -79,20 +80,21 @@ typedef struct norma_document_options {
  * to those who have it open; in place it is then not replaced. */
 
 /* error may be NULL. On failure *document is NULL. */
-norma_document_result norma_document_open(const char *path, const norma_document_options *options,
-    norma_document **document, norma_document_error *error);
+NORMA_API norma_document_result norma_document_open(const char *path,
+    const norma_document_options *options, norma_document **document, norma_document_error *error);
 /* bytes stay the caller's and must outlive the document; name stands for the path in messages and
  * decides the folder of external buffers (NULL: no folder, so that external buffers are refused).
  */
-norma_document_result norma_document_open_memory(const void *bytes, size_t size, const char *name,
-    const norma_document_options *options, norma_document **document, norma_document_error *error);
-void norma_document_close(norma_document *document); /* NULL is fine */
-norma_file_format norma_document_format(const norma_document *document);
+NORMA_API norma_document_result norma_document_open_memory(const void *bytes, size_t size,
+    const char *name, const norma_document_options *options, norma_document **document,
+    norma_document_error *error);
+NORMA_API void norma_document_close(norma_document *document); /* NULL is fine */
+NORMA_API norma_file_format norma_document_format(const norma_document *document);
 
 /* Notes: what a person should know that is not an error (a part that was passed over and why, what
  * was changed beside normals). One line each. */
-size_t norma_document_note_count(const norma_document *document);
-const char *norma_document_note(const norma_document *document, size_t index);
+NORMA_API size_t norma_document_note_count(const norma_document *document);
+NORMA_API const char *norma_document_note(const norma_document *document, size_t index);
 
 /* ---- what is in it */
 
@@ -121,8 +123,8 @@ typedef struct norma_mesh_info { /* one for each glTF primitive; one for a whole
                              compression, no positions, points, lines) */
 } norma_mesh_info;
 
-size_t norma_document_mesh_count(const norma_document *document);
-norma_document_result norma_document_mesh_info(
+NORMA_API size_t norma_document_mesh_count(const norma_document *document);
+NORMA_API norma_document_result norma_document_mesh_info(
     const norma_document *document, size_t index, norma_mesh_info *info);
 
 /* The mesh as arrays, decoded on first use and owned by the document. Argument error for a document
@@ -135,7 +137,7 @@ typedef struct norma_mesh_data {
         *corner_normals; /* for each corner the number of its stored normal, UINT32_MAX: none; NULL:
                             the corner's position (per vertex) or face (per facet) */
 } norma_mesh_data;
-norma_document_result norma_document_mesh_data(
+NORMA_API norma_document_result norma_document_mesh_data(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
 
 typedef struct norma_node_info { /* glTF nodes that draw a mesh; none in other formats */
@@ -153,14 +155,14 @@ typedef struct norma_node_info { /* glTF nodes that draw a mesh; none in other f
     const char *ignore; /* as of norma_material_info: rules that extras of the node, or of a node
                            above it, silence */
 } norma_node_info;
-size_t norma_document_node_count(const norma_document *document);
-norma_document_result norma_document_node_info(
+NORMA_API size_t norma_document_node_count(const norma_document *document);
+NORMA_API norma_document_result norma_document_node_info(
     const norma_document *document, size_t index, norma_node_info *info);
 
 /* World matrix of one instance (0 of a node without instancing: its own), column-major. Argument
  * error for a node or an instance that is not there; index is that of norma_document_node_info. */
-norma_document_result norma_document_instance_world(norma_document *document, size_t index,
-    size_t instance, double world[16], norma_document_error *error);
+NORMA_API norma_document_result norma_document_instance_world(norma_document *document,
+    size_t index, size_t instance, double world[16], norma_document_error *error);
 
 /* ---- what else belongs to a surface: for whoever judges it or draws it
  *
@@ -180,8 +182,8 @@ typedef struct norma_material_info {
     size_t normal_texcoord; /* the set of UVs that it uses */
     const char *ignore;     /* "N201,N3"; "" for none */
 } norma_material_info;
-size_t norma_document_material_count(norma_document *document);
-norma_document_result norma_document_material_info(
+NORMA_API size_t norma_document_material_count(norma_document *document);
+NORMA_API norma_document_result norma_document_material_info(
     norma_document *document, size_t index, norma_material_info *info);
 
 typedef struct norma_mesh_attributes { /* what a mesh has beside norma_mesh_data */
@@ -208,14 +210,14 @@ typedef struct norma_mesh_attributes { /* what a mesh has beside norma_mesh_data
         *ignore; /* rules that extras of the document's root, the mesh or the primitive silence */
 } norma_mesh_attributes;
 /* Argument error where norma_document_mesh_data has one. */
-norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index,
-    norma_mesh_attributes *attributes, norma_document_error *error);
+NORMA_API norma_document_result norma_document_mesh_attributes(norma_document *document,
+    size_t index, norma_mesh_attributes *attributes, norma_document_error *error);
 
 typedef struct norma_morph_data { /* what one target adds to each vertex at weight 1, as floats,
                                      positions in the unit of the mesh's; count 0: none */
     norma_vec3_view positions, normals, tangents;
 } norma_morph_data;
-norma_document_result norma_document_morph_data(norma_document *document, size_t mesh,
+NORMA_API norma_document_result norma_document_morph_data(norma_document *document, size_t mesh,
     size_t target, norma_morph_data *data, norma_document_error *error);
 
 typedef struct norma_skin_info {
@@ -227,16 +229,16 @@ typedef struct norma_skin_info {
     size_t joint;      /* the node for which that is so; SIZE_MAX: no joints */
     const char *ignore; /* rules that extras of the document's root silence */
 } norma_skin_info;
-size_t norma_document_skin_count(norma_document *document);
-norma_document_result norma_document_skin_info(
+NORMA_API size_t norma_document_skin_count(norma_document *document);
+NORMA_API norma_document_result norma_document_skin_info(
     norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
 
 typedef struct norma_unread { /* a part that was not read */
     const char *where, *why; /* JSON pointer; one line, "compressed with KHR_draco_mesh_compression,
                                 which is not read yet" */
 } norma_unread;
-size_t norma_document_unread_count(norma_document *document);
-norma_document_result norma_document_unread(
+NORMA_API size_t norma_document_unread_count(norma_document *document);
+NORMA_API norma_document_result norma_document_unread(
     norma_document *document, size_t index, norma_unread *unread);
 
 /* ---- computing normals */
@@ -282,7 +284,7 @@ typedef struct norma_compute_summary {
 
 /* Computes normals into the document. Argument error for what the format cannot hold (smooth
  * shading in STL). After an error the document can only be closed. */
-norma_document_result norma_document_compute(norma_document *document,
+NORMA_API norma_document_result norma_document_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
 
@@ -303,7 +305,7 @@ typedef struct norma_transform_summary {
     int mirrored; /* the matrix, or one of the nodes baked, mirrors: winding was reversed there (a
                      glTF that is not baked: by whoever draws it) */
 } norma_transform_summary;
-norma_document_result norma_document_transform(norma_document *document,
+NORMA_API norma_document_result norma_document_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
 
@@ -316,7 +318,7 @@ norma_document_result norma_document_transform(norma_document *document,
  * for it: the mesh then lies elsewhere. meshes: a mark for each mesh of the document (a glTF mesh
  * moves where one of its primitives is marked); NULL: all. *changed: whether any moved. A change
  * like norma_document_transform, with its errors. O(file). */
-norma_document_result norma_document_recentre(
+NORMA_API norma_document_result norma_document_recentre(
     norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
 
 /* ---- editing: single faces, normals, positions, tangents; what norma check --fix does to a file
@@ -364,7 +366,7 @@ typedef struct norma_mesh_edit {
 /* edits: one for each mesh of the document, in its order. Like compute and transform a change: of
  * an open glTF the only one. Argument error for what the format does not have. After an error the
  * document can only be closed. O(file). */
-norma_document_result norma_document_edit(
+NORMA_API norma_document_result norma_document_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 
 /* glTF, PLY, OBJ: of each vertex of a mesh the first that equals it bit for bit in all that the
@@ -373,7 +375,7 @@ norma_document_result norma_document_edit(
  * room for norma_mesh_info.vertices. Argument error for other formats; unsupported where a glTF's
  * vertices, which may share their bytes, would take far more room than the file. Expected
  * O(vertices). */
-norma_document_result norma_document_equal_vertices(
+NORMA_API norma_document_result norma_document_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
 
 /* ---- writing */
@@ -393,25 +395,25 @@ typedef struct norma_save_options {
  * gain bytes, so that the old .gltf, and others that share them, read what they read. What the
  * temporary files are called: .norma-PROCESS-NUMBER.tmp; on Linux they have no name until they are
  * whole. */
-norma_document_result norma_document_save(norma_document *document, const char *path,
+NORMA_API norma_document_result norma_document_save(norma_document *document, const char *path,
     const norma_save_options *options, norma_document_error *error);
 
 /* Hands the whole file to write in order (nonzero from it: stop, file error); a .gltf with its
  * buffers as data URIs. */
 typedef int norma_write(void *user, const void *bytes, size_t size);
-norma_document_result norma_document_write(
+NORMA_API norma_document_result norma_document_write(
     norma_document *document, norma_write *write, void *user, norma_document_error *error);
 
 /* The document as it would be read after norma_document_save to path (NULL: after
  * norma_document_write), of its own; nothing is written. So an open glTF can be changed more than
  * once: settle between the changes, and save the last one, to the same path. options: as of
  * norma_document_open; the format stays. document stays as it is. O(file). */
-norma_document_result norma_document_settle(norma_document *document, const char *path,
+NORMA_API norma_document_result norma_document_settle(norma_document *document, const char *path,
     const norma_document_options *options, norma_document **settled, norma_document_error *error);
 
 /* Writes path as norma_document_save does, whole or not at all, with any bytes: a report, a
  * picture. A device or a pipe is written as it is. */
-norma_document_result norma_save_bytes(
+NORMA_API norma_document_result norma_save_bytes(
     const char *path, const void *bytes, size_t size, norma_document_error *error);
 
 #ifdef __cplusplus

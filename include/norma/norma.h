@@ -8,6 +8,25 @@
 #define NORMA_H
 #include <stddef.h>
 #include <stdint.h>
+
+/* The release this header belongs to, and the same as one number to compare with:
+ * 10000 * major + 100 * minor + patch. norma_version_number() is that of the linked library. */
+#define NORMA_VERSION_MAJOR 0
+#define NORMA_VERSION_MINOR 1
+#define NORMA_VERSION_PATCH 0
+#define NORMA_VERSION                                                                              \
+    (10000 * NORMA_VERSION_MAJOR + 100 * NORMA_VERSION_MINOR + NORMA_VERSION_PATCH)
+
+/* Marks every public function: the shared library exports these and nothing else. Define it before
+ * including this header to mark them differently. */
+#ifndef NORMA_API
+#if defined(__GNUC__) && !defined(_WIN32)
+#define NORMA_API __attribute__((visibility("default")))
+#else
+#define NORMA_API
+#endif
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -23,7 +42,8 @@ typedef enum norma_result {
 } norma_result;
 /* One English sentence for each result, and one for a number that is none; never NULL. The text is
  * the library's and never freed. Any thread, any time. */
-const char *norma_result_text(norma_result result); /* one sentence, each its own; never NULL */
+NORMA_API const char *norma_result_text(
+    norma_result result); /* one sentence, each its own; never NULL */
 
 /* ---- meshes */
 
@@ -196,7 +216,7 @@ typedef struct norma_report {
  * Schumacker 1974, relative to a vertex), right for concave polygons too. normals: face_count of
  * them (triangles: corner_count / 3). O(corners); no scratch memory to speak of but with
  * NORMA_WELD_DISTANCE, the only weld that matters here, and the nearest fallback. */
-norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *options,
+NORMA_API norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *options,
     float *normals, size_t capacity, norma_report *report);
 /* The unit normal of each position: the sum over all corners at it (welded as options->weld says),
  * each face's normal weighted by options->weight; where that sum cancels, ||sum|| <= 2^-20 sum of
@@ -206,7 +226,7 @@ norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *opt
  * reflex), the face's area A: alpha (Thuermer, Wuethrich 1998), A, 1, |a x b| / (|a|^2 |b|^2) (Max
  * 1999), alpha A, alpha |a| |b|; or no sum but the axis of the smallest cone (Aubry, Loehner 2008).
  */
-norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *options,
+NORMA_API norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *options,
     float *normals, size_t capacity, norma_report *report);
 /* The unit normal of each corner: the sum over its fan, the corners at its position that smooth
  * edges join. An edge is smooth where two faces share it (each the other's only partner: the faces
@@ -215,7 +235,7 @@ norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *o
  * bit. A crease of pi or more lets every angle pass, 0 only what is flat, below 0 nothing. A face
  * without a direction borrows, for the dihedral alone, that of the face it shares its longest edge
  * with. normals: corner_count of them. O(positions + corners * log of the valence). */
-norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad,
+NORMA_API norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, float *normals, size_t capacity, norma_report *report);
 
 /* The same normals as an indexed mesh: the new vertex of each corner; for each new vertex the old
@@ -231,7 +251,7 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
  * and 17 a position, with normals but no corners 5 and 17; for each corner at a position of more
  * than 64 of a mesh of triangles 260 where that takes 20; and 2 a corner where the nearest is
  * looked for. */
-norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
+NORMA_API norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, uint32_t *corners, size_t corner_capacity,
     uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
     norma_report *report);
@@ -242,8 +262,8 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
  * 2^-20 of its terms' lengths together) or is not finite, normal becomes zero and the result is
  * still NORMA_OK. NORMA_ERROR_ARGUMENT for a NULL, nothing written. normal may be one of the
  * inputs. Right over the whole float range. */
-norma_result norma_interpolate_normal(const float a[3], const float b[3], const float c[3],
-    const float barycentric[3], float normal[3]);
+NORMA_API norma_result norma_interpolate_normal(const float a[3], const float b[3],
+    const float c[3], const float barycentric[3], float normal[3]);
 
 /* ---- meshes that move: what depends on topology alone, done once. Fans and shared positions are
  * those of the mesh at creation.
@@ -270,8 +290,8 @@ typedef struct norma_plan norma_plan;
  * NORMA_ERROR_ARGUMENT for plan NULL or an element that is none; NORMA_ERROR_MEMORY also for a mesh
  * made up so that its vertices' overlapping fans hold more than 16 times its corners. Cost about
  * that of norma_corner_normals. */
-norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float crease_angle_rad,
-    const norma_options *options, norma_plan **plan);
+NORMA_API norma_result norma_plan_create(const norma_mesh *mesh, norma_element of,
+    float crease_angle_rad, const norma_options *options, norma_plan **plan);
 /* The normals of the plan's mesh at new positions, of any format and stride, as many as the mesh
  * had (else NORMA_ERROR_ARGUMENT). Per corner: the bits that norma_corner_normals would give if
  * shared positions and fans were the plan's. Per vertex: the sum over the fans that its corners lie
@@ -291,14 +311,14 @@ norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float c
  * corner's (its vertex's) normal was written; edges are not looked at, and not counted. Cost:
  * O(corners), or O(what is written and the vertices around it); double positions are all looked at,
  * for the range they lie in. */
-norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions,
+NORMA_API norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions,
     const uint32_t *moved, size_t moved_count, /* NULL: all */
     const norma_options *options, float *normals, size_t capacity, norma_report *report);
 /* What the plan holds, in bytes; 0 for NULL. */
-size_t norma_plan_bytes(const norma_plan *plan);
+NORMA_API size_t norma_plan_bytes(const norma_plan *plan);
 /* Gives all of it back to the allocator it came from. NULL is fine. No update of it may be running.
  */
-void norma_plan_destroy(norma_plan *plan);
+NORMA_API void norma_plan_destroy(norma_plan *plan);
 
 /* ---- morph targets
  *
@@ -319,10 +339,10 @@ void norma_plan_destroy(norma_plan *plan);
  * NORMA_ERROR_CAPACITY is found before anything is written; where capacity is target_count times
  * the positions it need not be looked for, which halves the cost. Of the options, fallback,
  * normal_stride, reasons and edges are of no use. */
-norma_result norma_morph_normals(const norma_mesh *base, const norma_vec3_view *base_normals,
-    const norma_vec3_view *targets, size_t target_count, float smallest,
-    const norma_options *options, size_t *target_starts, uint32_t *vertices, float *deltas,
-    size_t capacity);
+NORMA_API norma_result norma_morph_normals(const norma_mesh *base,
+    const norma_vec3_view *base_normals, const norma_vec3_view *targets, size_t target_count,
+    float smallest, const norma_options *options, size_t *target_starts, uint32_t *vertices,
+    float *deltas, size_t capacity);
 
 /* ---- matrices
  *
@@ -389,28 +409,28 @@ typedef struct norma_matrix_info {
  * sqrt 2 of the right singular vectors that belong to the largest and the smallest singular value,
  * where Kantorovich's bound (1948) is reached. Below rank 3, M n lies across the right normal
  * there, or one of the two is zero. Cost: some ten nanoseconds, with info a microsecond or two. */
-norma_result norma_normal_matrix(
+NORMA_API norma_result norma_normal_matrix(
     const float model[16], norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
 /* Many: models are count times 16 floats, normal_matrices takes count times nine; the same bits as
  * one by one. A model that is not finite gets zeros, the others are done, and then the result is
  * NORMA_ERROR_ARGUMENT. The two arrays must not overlap. */
-norma_result norma_normal_matrices(const float *models, size_t count, norma_winding winding,
-    float *normal_matrices, size_t capacity);
+NORMA_API norma_result norma_normal_matrices(const float *models, size_t count,
+    norma_winding winding, float *normal_matrices, size_t capacity);
 /* The same into a shader's layout: model_stride from one model to the next (0: 64), matrix_stride
  * from one result to the next (0: three columns), column_stride from one column to the next (0:
  * 12). Between columns nothing is written. Any layout in which no column lies on another, also all
  * first columns, then all second, then all third; others are NORMA_ERROR_ARGUMENT. */
-norma_result norma_normal_matrices_strided(const float *models, size_t model_stride, size_t count,
-    norma_winding winding, float *normal_matrices, size_t matrix_stride, size_t column_stride,
-    size_t capacity); /* std140: 48 and 16 */
+NORMA_API norma_result norma_normal_matrices_strided(const float *models, size_t model_stride,
+    size_t count, norma_winding winding, float *normal_matrices, size_t matrix_stride,
+    size_t column_stride, size_t capacity); /* std140: 48 and 16 */
 /* Normals through a 3x3, each made unit again: out = normalize(normal_matrix n). in: any format and
  * stride, integers as they are, lengths as they are, over the whole range of floats and doubles;
  * out: three floats at each out_stride (0: 12). Zero stays zero, and what is not finite, or meets
  * an entry of the matrix that is not, becomes zero: NORMA_OK. Directions to the last bit or so of a
  * float. out may begin where in.data does if out_stride is at most the input's stride; otherwise
  * they must not overlap. O(count). */
-norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_view in, float *out,
-    size_t out_stride, size_t capacity);
+NORMA_API norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_view in,
+    float *out, size_t out_stride, size_t capacity);
 
 /* ---- beyond the first contract: forms by name, double precision, the concatenated case
  *
@@ -429,28 +449,28 @@ typedef enum norma_shortcut { /* what carries normals without an inverse, a mirr
  * transpose. */
 
 /* norma_normal_matrix in double precision. */
-norma_result norma_normal_matrix_double(const double model[16], norma_winding winding,
+NORMA_API norma_result norma_normal_matrix_double(const double model[16], norma_winding winding,
     double normal_matrix[9], norma_matrix_info *info);
 /* The normal matrix and the info of view * model, without forming a product that rounding could
  * make singular or regular: cof(V M) = cof(V) cof(M), with exact signs and zeros. For normals in
  * view space. The kind is translation where the product moves the origin by more than 1e-5 of the
  * terms that make it up. */
-norma_result norma_normal_matrix_model_view(const float model[16], const float view[16],
+NORMA_API norma_result norma_normal_matrix_model_view(const float model[16], const float view[16],
     norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
 /* cof(M): the transpose of the adjugate, also det(M) times the inverse transpose where there is
  * one. The area vector of a face (its area times its normal) goes through it. The same as
  * norma_normal_matrix_double with NORMA_WINDING_KEPT. */
-norma_result norma_cofactor_matrix(const double model[16], double cofactor[9]);
+NORMA_API norma_result norma_cofactor_matrix(const double model[16], double cofactor[9]);
 /* (M^-1)^T = cof(M) / det(M), entries within two units in the last place. */
-norma_result norma_inverse_transpose(const double model[16],
+NORMA_API norma_result norma_inverse_transpose(const double model[16],
     double inverse_transpose[9]); /* exactly singular: argument error, nothing written */
 /* What info allows: rotation for the identity, a translation and a rotation; uniform scale and axis
  * scale for theirs; none for shear, singular and NULL. */
-norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info);
+NORMA_API norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info);
 /* Each column of M over its squared length: the inverse transpose where the columns are
  * perpendicular (NORMA_SHORTCUT_AXIS_SCALE; R diag(s) gives R diag(1/s)), and wrong where they are
  * not, which is not looked at. A column of zeros: argument error, nothing written. */
-norma_result norma_axis_scale_matrix(
+NORMA_API norma_result norma_axis_scale_matrix(
     const double model[16], double normal_matrix[9]); /* M diag(1/s^2) */
 
 /* Positions as points: out = A p + t, A the upper 3x3 and t = [12..14]; the last row is ignored,
@@ -458,9 +478,9 @@ norma_result norma_axis_scale_matrix(
  * out_stride (0: tight). Computed in double precision in one order, ((a x + b y) + c z) + t, then
  * rounded. What is not finite stays so; what exceeds a float becomes infinite. Overlap as for
  * norma_transform_normals. O(count). */
-norma_result norma_transform_positions(
+NORMA_API norma_result norma_transform_positions(
     const double model[16], norma_vec3_view in, float *out, size_t out_stride, size_t capacity);
-norma_result norma_transform_positions_double(
+NORMA_API norma_result norma_transform_positions_double(
     const double model[16], norma_vec3_view in, double *out, size_t out_stride, size_t capacity);
 /* Tangents x, y, z, sign (four floats each): M t made perpendicular to the transformed normal,
  * unit; the sign times that of the determinant. tangents: four floats at each tangent_stride (0:
@@ -471,19 +491,19 @@ norma_result norma_transform_positions_double(
  * finite, any perpendicular is taken, always the same. out: four floats at each out_stride (0: 16);
  * may be tangents itself with the same stride. A model that is not finite: argument error.
  * O(count). */
-norma_result norma_transform_tangents(const float model[16], const float *tangents,
+NORMA_API norma_result norma_transform_tangents(const float model[16], const float *tangents,
     size_t tangent_stride, norma_vec3_view normals, size_t count, float *out, size_t out_stride,
     size_t capacity);
 /* Tangents made perpendicular to new normals (Gram-Schmidt), sign kept; where nothing is left of
  * one, any perpendicular. All else as for norma_transform_tangents. */
-norma_result norma_orthogonalise_tangents(const float *tangents, size_t tangent_stride,
+NORMA_API norma_result norma_orthogonalise_tangents(const float *tangents, size_t tangent_stride,
     norma_vec3_view normals, size_t count, float *out, size_t out_stride, size_t capacity);
 /* Reverses the winding in place: of each face its corners but the first.
  * corners: corner_count indices of corner_size bytes (4 or 0, 2, 1). face_starts: face_count + 1
  * offsets from 0 to corner_count that do not fall, or NULL for triangles (face_count is then not
  * looked at; a corner_count that is no multiple of three is an argument error). What belongs to
  * corners (hard edges, normals per corner) is not moved. O(corner_count). */
-norma_result norma_reverse_winding(void *corners, size_t corner_size, size_t corner_count,
+NORMA_API norma_result norma_reverse_winding(void *corners, size_t corner_size, size_t corner_count,
     const uint32_t *face_starts, size_t face_count);
 
 typedef enum norma_orient_open {
@@ -522,7 +542,7 @@ typedef struct norma_orient_report {
  * elements of reverse, one for each face. Errors are those of norma_face_normals. The same answer
  * for any number of threads. O(corners log of the valence), and of nesting and rays O(parts log
  * parts + rays log faces). */
-norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
+NORMA_API norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     const norma_options *options, uint8_t *reverse, size_t capacity, norma_orient_report *report);
 
 /* Signed normalised integers (glTF: c / 127, c / 32767, at least -1). Encoding takes the nearest
@@ -531,25 +551,23 @@ norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
  * are). The reader is the Khronos validator: | length - 1 | <= 0.00674; nearest by Euclid, so that
  * the direction is within .3907 degrees (8 bits) or .00151 (16). -n gets the negated code. Zero and
  * what is not finite become zero. O(count). */
-norma_result norma_encode_snorm8(
+NORMA_API norma_result norma_encode_snorm8(
     norma_vec3_view normals, int8_t *out, size_t out_stride, size_t capacity);
-norma_result norma_encode_snorm16(
+NORMA_API norma_result norma_encode_snorm16(
     norma_vec3_view normals, int16_t *out, size_t out_stride, size_t capacity);
 /* Back to floats: max(c / 127, -1) or max(c / 32767, -1), correctly rounded and not renormalised.
  * codes: three integers at each stride (0: tight), count of them. */
-norma_result norma_decode_snorm8(const int8_t *codes, size_t stride, size_t count, float *out,
-    size_t out_stride, size_t capacity);
-norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t count, float *out,
-    size_t out_stride, size_t capacity);
+NORMA_API norma_result norma_decode_snorm8(const int8_t *codes, size_t stride, size_t count,
+    float *out, size_t out_stride, size_t capacity);
+NORMA_API norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t count,
+    float *out, size_t out_stride, size_t capacity);
 
 /* ---- the library */
 
-#define NORMA_VERSION_MAJOR 0
-#define NORMA_VERSION_MINOR 1
-#define NORMA_VERSION_PATCH 0
-/* Text of the library's own, never freed: compare it with the three numbers above, which are those
- * of the header. */
-const char *norma_version(void); /* of the library that is linked: "0.1.0" */
+/* The version of the linked library as text, "0.1.0". Never freed. */
+NORMA_API const char *norma_version(void);
+/* The same as a number that compares with NORMA_VERSION: 100 for 0.1.0. */
+NORMA_API uint32_t norma_version_number(void);
 
 #ifdef __cplusplus
 }

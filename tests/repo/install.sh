@@ -27,6 +27,10 @@ difference=$(diff <(sed 's/@@.*//' <<<"$exported") <(printf '%s\n' "$declared"))
 if [ -z "$difference" ]; then pass "libnorma.so exports what the public headers declare"; else fail "libnorma.so exports what the public headers declare" "$difference"; fi
 check "every exported symbol has a version" test -z "$(printf '%s\n' "$exported" | grep -v '@@NORMA_[0-9.]*$')"
 check "libnorma.so has the soname libnorma.so.0" bash -c 'readelf -d "$0" | grep -q "SONAME.*\[libnorma.so.0\]"' "$lib/libnorma.so"
+# The static library marks the same functions as public and hides all others.
+visible=$(readelf -sW "$lib/libnorma.a" 2>/dev/null | awk '$5 == "GLOBAL" && $6 == "DEFAULT" && $7 != "UND" { print $8 }' | sort -u)
+difference=$(diff <(printf '%s\n' "$visible") <(printf '%s\n' "$declared"))
+if [ -z "$difference" ]; then pass "libnorma.a hides what the public headers do not declare"; else fail "libnorma.a hides what the public headers do not declare" "$difference"; fi
 # In a static library all names meet those of the program.
 strangers=$(nm --defined-only "$lib/libnorma.a" 2>/dev/null | awk 'NF == 3 && $2 ~ /[A-Z]/ && $3 !~ /^norma_/ { print $3 }')
 if [ -z "$strangers" ]; then pass "every symbol of libnorma.a begins with norma_"; else fail "every symbol of libnorma.a begins with norma_" "$strangers"; fi

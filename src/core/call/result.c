@@ -27,3 +27,5 @@ const char *norma_result_text(norma_result result) {
 const char *norma_version(void) {
     return VERSION(NORMA_VERSION_MAJOR, NORMA_VERSION_MINOR, NORMA_VERSION_PATCH);
 }
+
+uint32_t norma_version_number(void) { return NORMA_VERSION; }

@@ -898,6 +898,8 @@ static void texts(void **state) {
             assert_string_not_equal(text, norma_result_text((norma_result)results[k]));
     }
     assert_string_equal(norma_version(), "0.1.0");
+    assert_int_equal(norma_version_number(), 100);
+    assert_int_equal(NORMA_VERSION, 100);
 }
 
 int main(void) {
