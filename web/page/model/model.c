@@ -1,6 +1,7 @@
 /* model.c: a pack becomes arrays for the graphics card. The pack may come from a page that somebody
  * edited, so that every offset and index is checked. */
 #include "model.h"
+#include "core/face/cut_polygon.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -93,14 +94,14 @@ static size_t count_triangles(const model_mesh *mesh, size_t *most_corners) {
     return triangles;
 }
 
-static void cut_faces(model_mesh *mesh, double (*points)[3], uint32_t *scratch) {
+static void cut_faces(model_mesh *mesh, core_cutter *cutter) {
     uint32_t *out = mesh->triangle_corners;
     for (size_t face = 0; face < mesh->mesh.face_count; ++face) {
         const size_t start = face_start(mesh, face), corners = face_start(mesh, face + 1) - start;
         if (corners < 3) continue;
         for (size_t i = 0; i < corners; ++i)
-            model_position(mesh, model_corner_position(mesh, start + i), points[i]);
-        model_triangulate((const double(*)[3])points, corners, scratch, out);
+            model_position(mesh, model_corner_position(mesh, start + i), cutter->points[i]);
+        (void)norma_core_cut_polygon(cutter, corners, out);
         for (size_t i = 0; i < 3 * (corners - 2); ++i) out[i] += (uint32_t)start;
         out += 3 * (corners - 2);
     }
@@ -108,18 +109,20 @@ static void cut_faces(model_mesh *mesh, double (*points)[3], uint32_t *scratch) 
 
 static int make_triangles(model_mesh *mesh) {
     size_t most = 0;
+    core_cutter cutter;
     if (!mesh->mesh.face_starts) {
         mesh->triangle_count = mesh->mesh.corner_count / 3;
         return 1;
     }
     mesh->triangle_count = count_triangles(mesh, &most);
     mesh->triangle_corners = malloc(12 * mesh->triangle_count + 1);
-    double(*points)[3] = malloc(sizeof *points * most + 1);
-    uint32_t *scratch = malloc(sizeof *scratch * most + 1);
-    const int made = mesh->triangle_corners && points && scratch;
-    if (made) cut_faces(mesh, points, scratch);
-    free(points);
-    free(scratch);
+    void *memory = malloc(norma_core_cutter_size(most));
+    const int made = mesh->triangle_corners && memory;
+    if (made) {
+        norma_core_cutter_begin(&cutter, memory, most, mesh->mesh.corner_count);
+        cut_faces(mesh, &cutter);
+    }
+    free(memory);
     return made;
 }
 

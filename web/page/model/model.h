@@ -33,12 +33,6 @@ typedef struct model {
 model *model_open(unsigned char *pack, size_t size);
 void model_close(model *model);
 
-/* A polygon as triangles: corner_count - 2 times three numbers of its corners, from 0. Ears are cut
- * off one after the other (Meisters 1975), in the plane that the polygon's area vector is
- * perpendicular to. scratch: corner_count numbers. */
-void model_triangulate(
-    const double (*points)[3], size_t corner_count, uint32_t *scratch, uint32_t *triangles);
-
 /* shown_findings.c */
 int model_findings_are_sound(const view_pack_head *head, const unsigned char *pack);
 
