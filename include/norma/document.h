@@ -1,16 +1,19 @@
-/* document.h: files that hold normals. Read, patched and written back, with every byte that is not
- * about normals kept.
+/* document.h: files that contain normals. They are read, changed and written back, and every byte
+ * that has nothing to do with normals is kept.
  *
- * A document is opened from a path or from memory, changed by norma_document_compute, _transform or
- * _edit, and saved: to a temporary file that is flushed and renamed, so that the old file or the
- * new one is whole at any time. The source file is mapped, not copied; it must not change while its
- * document is open. A glTF document takes one change; a second, on top of the first, is an argument
- * error: save and open it again. Its mesh data and infos stay those of the file as it was read; in
- * the other formats they follow the changes. Distinct documents may be used by distinct threads at
- * once; one document by one thread at a time.
+ * Open a document from a path or from memory, change it with norma_document_compute, _transform or
+ * _edit, and save it. Saving writes a temporary file, flushes it and renames it, so at any time
+ * either the old file or the new one is complete. Large source files are mapped, not copied; they
+ * must not change while their document is open.
  *
- * Zero-initialised option structs mean the documented defaults. Strings are UTF-8, owned by the
- * document, valid until it is closed. */
+ * A glTF document takes one change. A second change is an argument error: save the document and
+ * open it again, or use norma_document_settle. Mesh data and infos of a changed glTF remain those
+ * of the file as it was read; in the other formats they follow the changes.
+ *
+ * Different threads may use different documents at the same time; only one thread at a time may use
+ * a document. A zero-initialised option struct means the documented defaults. Strings are UTF-8,
+ * belong to the document and are valid until it is closed. Options, summaries and errors may be
+ * NULL; an error is written only on failure. */
 #ifndef NORMA_DOCUMENT_H
 #define NORMA_DOCUMENT_H
 #include <norma/norma.h>
@@ -20,22 +23,26 @@ extern "C" {
 
 typedef enum norma_document_result {
     NORMA_DOCUMENT_OK = 0,
-    NORMA_DOCUMENT_CANCELLED = 1,        /* by the progress callback */
-    NORMA_DOCUMENT_ERROR_ARGUMENT = -1,  /* a call that makes no sense for this document: a usage
-                                            error, status 2 on the command line */
-    NORMA_DOCUMENT_ERROR_FILE = -2,      /* the system could not open, read, write or rename */
-    NORMA_DOCUMENT_ERROR_MALFORMED = -3, /* the bytes are not what their format demands */
-    NORMA_DOCUMENT_ERROR_UNSUPPORTED =
-        -4, /* legal, but beyond what this version reads; the message names it */
-    NORMA_DOCUMENT_ERROR_REFUSED =
-        -5, /* a path outside the asset's folder, a file of other content in the way */
+    NORMA_DOCUMENT_CANCELLED = 1, /* the progress callback cancelled the call */
+
+    /* The call makes no sense for this document: a usage error, status 2 on the command line. */
+    NORMA_DOCUMENT_ERROR_ARGUMENT = -1,
+    /* The system could not open, read, write or rename a file. */
+    NORMA_DOCUMENT_ERROR_FILE = -2,
+    /* The contents violate the file format. */
+    NORMA_DOCUMENT_ERROR_MALFORMED = -3,
+    /* Valid, but this version cannot read it; the message says what. */
+    NORMA_DOCUMENT_ERROR_UNSUPPORTED = -4,
+    /* A path leads outside the asset's folder, or a file with other contents is in the way. */
+    NORMA_DOCUMENT_ERROR_REFUSED = -5,
     NORMA_DOCUMENT_ERROR_MEMORY = -6
 } norma_document_result;
 
 typedef struct norma_document_error {
     norma_document_result result;
-    char message[1000]; /* one line: file, place (line, byte, accessor), what was found and what was
-                           expected; cut to fit */
+    /* One line, cut to fit: file, place (line, byte or accessor), what was found and what was
+     * expected. */
+    char message[1000];
 } norma_document_error;
 
 typedef enum norma_file_format {
@@ -46,57 +53,87 @@ typedef enum norma_file_format {
     NORMA_FILE_GLTF,
     NORMA_FILE_GLB
 } norma_file_format;
-NORMA_API const char *norma_file_format_name(
-    norma_file_format format); /* "obj", "ply", "stl", "gltf", "glb"; "" for unknown */
-NORMA_API norma_file_format norma_file_format_of_path(
-    const char *path); /* by its extension, case aside */
+
+/* Returns "obj", "ply", "stl", "gltf" or "glb"; "" for unknown. */
+NORMA_API const char *norma_file_format_name(norma_file_format format);
+
+/* Returns the format that a path's extension stands for, ignoring case. */
+NORMA_API norma_file_format norma_file_format_of_path(const char *path);
+
+/* ---- opening and closing */
 
 typedef struct norma_document norma_document;
 
 typedef enum norma_document_depth {
-    NORMA_DOCUMENT_WHOLE = 0, /* all that computing, transforming and writing need */
-    NORMA_DOCUMENT_SUMMARY    /* only what norma_document_mesh_info and _node tell: the body is read
-                                 where a count hangs on it */
+    /* Everything that computing, transforming and writing need. */
+    NORMA_DOCUMENT_WHOLE = 0,
+    /* Only what norma_document_mesh_info and norma_document_node_info return. The body of the file
+     * is read only if a count depends on it. */
+    NORMA_DOCUMENT_SUMMARY
 } norma_document_depth;
 
 typedef struct norma_document_options {
-    size_t
-        struct_size; /* sizeof of the caller's header; 0: its first version, up to progress_user */
+    /* sizeof(norma_document_options) of the caller; 0: the first version, up to progress_user. */
+    size_t struct_size;
     norma_file_format format; /* unknown: by the path's extension */
     norma_document_depth depth;
     uint32_t threads; /* as in norma_options */
     norma_progress *progress;
     void *progress_user;
-    int lenient; /* nonzero: what norma check judges is read instead of refused: glTF normals fewer
-                    or more than positions (told of by norma_document_mesh_attributes), extensions
-                    that a file requires and that are not known (by norma_document_unread) */
-    int copied;  /* nonzero: files are read into memory. Else large ones are mapped: of a file that
-                    another program shortens while the document is  open, reading what was lost
-                    raises  SIGBUS (POSIX), which this library does not catch */
+
+    /* Nonzero: read, instead of refusing, what norma check judges: glTF with fewer or more normals
+     * than positions (norma_document_mesh_attributes reports it), and unknown extensions that the
+     * file requires (norma_document_unread reports them). */
+    int lenient;
+
+    /* Nonzero: read files into memory instead of mapping large ones. If another program shortens a
+     * mapped file, reading the lost part raises SIGBUS (POSIX), which this library does not catch.
+     */
+    int copied;
 } norma_document_options;
 
-/* A file that changes while it is read, or between then and saving, is a file error, and nothing is
- * written. One that is replaced, as this library and most editors do it, goes on being what it was
- * to those who have it open; in place it is then not replaced. */
+/* If a file changes while it is read, or before it is saved, the result is a file error and nothing
+ * is written. If it is replaced, as this library and most editors do, an open document keeps the
+ * old contents, and saving in place is refused. */
 
-/* error may be NULL. On failure *document is NULL. */
+/* Opens a file.
+ *
+ *   path       its path
+ *   options    NULL for the defaults
+ *   document   written: the document, NULL on failure; release it with norma_document_close
+ *   error      written on failure; or NULL
+ *
+ * Cost: O(file). */
 NORMA_API norma_document_result norma_document_open(const char *path,
     const norma_document_options *options, norma_document **document, norma_document_error *error);
-/* bytes stay the caller's and must outlive the document; name stands for the path in messages and
- * decides the folder of external buffers (NULL: no folder, so that external buffers are refused).
- */
+
+/* Opens a file that is in memory.
+ *
+ *   bytes      the file; not copied, so it must outlive the document
+ *   size       bytes
+ *   name       stands for the path in messages; its folder is that of external buffers. NULL: no
+ *              folder, external buffers are refused
+ *   options    NULL for the defaults; give the format if name has no extension
+ *   document   written: the document, NULL on failure; release it with norma_document_close
+ *   error      written on failure; or NULL */
 NORMA_API norma_document_result norma_document_open_memory(const void *bytes, size_t size,
     const char *name, const norma_document_options *options, norma_document **document,
     norma_document_error *error);
-NORMA_API void norma_document_close(norma_document *document); /* NULL is fine */
+
+/* Closes a document and frees everything it owns. NULL is fine. */
+NORMA_API void norma_document_close(norma_document *document);
+
+/* Returns the format that the document was read as. */
 NORMA_API norma_file_format norma_document_format(const norma_document *document);
 
-/* Notes: what a person should know that is not an error (a part that was passed over and why, what
- * was changed beside normals). One line each. */
+/* Returns the number of notes: things a person should know that are not errors, for example a part
+ * that was skipped and why, or what was changed besides normals. */
 NORMA_API size_t norma_document_note_count(const norma_document *document);
+
+/* Returns a note, one line of text. */
 NORMA_API const char *norma_document_note(const norma_document *document, size_t index);
 
-/* ---- what is in it */
+/* ---- contents */
 
 typedef enum norma_normal_storage {
     NORMA_NORMALS_NONE = 0,
@@ -105,152 +142,244 @@ typedef enum norma_normal_storage {
     NORMA_NORMALS_PER_FACET
 } norma_normal_storage;
 
-typedef struct norma_mesh_info { /* one for each glTF primitive; one for a whole OBJ, PLY or STL */
-    const char *name; /* of the glTF mesh, the first OBJ object, the first STL solid; "" where there
-                         is none */
+/* A mesh of a document: a glTF primitive, or a whole OBJ, PLY or STL. */
+typedef struct norma_mesh_info {
+    const char *name;       /* of the glTF mesh, the first OBJ object, the first STL solid; or "" */
     const char *where;      /* JSON pointer of the primitive; "" for a whole OBJ, PLY or STL */
     size_t mesh, primitive; /* numbers in the file; 0 outside glTF */
     size_t vertices;        /* positions; STL: three for each facet */
-    size_t faces; /* polygons as the file has them; glTF: triangles, strips and fans unrolled; 0 for
-                     points and lines */
-    size_t triangles; /* sum of corners - 2 */
+
+    /* Polygons as in the file. glTF: triangles, with strips and fans unrolled. 0 for points and
+     * lines. */
+    size_t faces;
+    size_t triangles; /* the sum of (corners - 2) */
     norma_normal_storage normals;
-    const char *encoding; /* of the normals: "float", "double", "text", "snorm8", "snorm16", ...; ""
-                             where there are none */
+    const char *encoding; /* "float", "double", "text", "snorm8", "snorm16", ...; "": no normals */
     int has_tangents, has_smoothing_groups;
     size_t morph_targets;
-    const char *not_read; /* NULL, or why this mesh cannot be computed or transformed (its
-                             compression, no positions, points, lines) */
+
+    /* NULL, or why this mesh cannot be computed or transformed: its compression, no positions,
+     * points, lines. */
+    const char *not_read;
 } norma_mesh_info;
 
+/* Returns the number of meshes. */
 NORMA_API size_t norma_document_mesh_count(const norma_document *document);
+
+/* Describes a mesh.
+ *
+ *   index   below norma_document_mesh_count, else an argument error
+ *   info    written */
 NORMA_API norma_document_result norma_document_mesh_info(
     const norma_document *document, size_t index, norma_mesh_info *info);
 
-/* The mesh as arrays, decoded on first use and owned by the document. Argument error for a document
- * of depth SUMMARY, and where info.not_read is set. */
+/* A mesh as arrays. */
 typedef struct norma_mesh_data {
     norma_mesh mesh; /* positions, corners, face_starts, smoothing_groups */
-    norma_vec3_view
-        normals; /* stored normals, decoded to float, as stored (not renormalised); count 0: none */
-    const uint32_t
-        *corner_normals; /* for each corner the number of its stored normal, UINT32_MAX: none; NULL:
-                            the corner's position (per vertex) or face (per facet) */
+
+    /* The stored normals, decoded to float but not renormalised. count 0: none. */
+    norma_vec3_view normals;
+
+    /* For each corner the index of its stored normal, UINT32_MAX for none. NULL: the index of the
+     * corner's position (per vertex) or face (per facet). */
+    const uint32_t *corner_normals;
 } norma_mesh_data;
+
+/* Returns a mesh as arrays. They are decoded on first use and belong to the document.
+ *
+ *   index   below norma_document_mesh_count
+ *   data    written
+ *   error   written on failure; or NULL
+ *
+ * Errors: an argument error for a document of depth SUMMARY, or if not_read of its info is set. */
 NORMA_API norma_document_result norma_document_mesh_data(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
 
-typedef struct norma_node_info { /* glTF nodes that draw a mesh; none in other formats */
+/* A glTF node that draws a mesh. Other formats have none. */
+typedef struct norma_node_info {
     const char *name;
-    size_t node, mesh;         /* numbers in the file */
-    double world[16];          /* column-major */
-    size_t instances;          /* EXT_mesh_gpu_instancing: how many; else 1 */
-    size_t parent;             /* number in the file; SIZE_MAX: a root */
-    size_t skin;               /* number in the file; SIZE_MAX: none */
-    size_t mirrored_instances; /* of the instances: those whose world matrix mirrors; of a SUMMARY
-                                  all or none, by the node's own matrix */
-    const char *where;         /* "/nodes/4" */
-    const char *path;   /* names from the root, "a/b/leg"; a node without one: its number; cut in
-                           front where it is very long */
-    const char *ignore; /* as of norma_material_info: rules that extras of the node, or of a node
-                           above it, silence */
+    size_t node, mesh; /* numbers in the file */
+    double world[16];  /* column-major */
+    size_t instances;  /* with EXT_mesh_gpu_instancing their number; otherwise 1 */
+    size_t parent;     /* number in the file; SIZE_MAX: a root */
+    size_t skin;       /* number in the file; SIZE_MAX: none */
+
+    /* Instances whose world matrix mirrors. With depth SUMMARY all or none, judged by the node's
+     * own matrix. */
+    size_t mirrored_instances;
+    const char *where; /* "/nodes/4" */
+
+    /* Names from the root on, "a/b/leg", with numbers for unnamed nodes. Very long paths are cut at
+     * the front. */
+    const char *path;
+
+    /* Rules silenced by extras of the node or of a node above it; as in norma_material_info. */
+    const char *ignore;
 } norma_node_info;
+
+/* Returns the number of nodes that draw a mesh. */
 NORMA_API size_t norma_document_node_count(const norma_document *document);
+
+/* Describes a node that draws a mesh.
+ *
+ *   index   below norma_document_node_count, else an argument error
+ *   info    written */
 NORMA_API norma_document_result norma_document_node_info(
     const norma_document *document, size_t index, norma_node_info *info);
 
-/* World matrix of one instance (0 of a node without instancing: its own), column-major. Argument
- * error for a node or an instance that is not there; index is that of norma_document_node_info. */
+/* Returns the world matrix of one instance of a node.
+ *
+ *   index      of the node, as in norma_document_node_info
+ *   instance   below norma_node_info.instances; 0 is the node itself if it has no instances
+ *   world      written: sixteen doubles, column-major
+ *   error      written on failure; or NULL
+ *
+ * Errors: an argument error if the node or the instance does not exist. */
 NORMA_API norma_document_result norma_document_instance_world(norma_document *document,
     size_t index, size_t instance, double world[16], norma_document_error *error);
 
-/* ---- what else belongs to a surface: for whoever judges it or draws it
+/* ---- materials, attributes, morph targets, skins: for checking and drawing
  *
- * Infos and arrays are made on first use, owned by the document, and valid until it is changed or
- * closed. What a format does not have is empty. Rules that a file silences are named in extras:
- * {"norma": {"ignore": ["N201", "N3", "placeholder-normals"]}}, of the document's root, a mesh, a
- * primitive, a material, a node. */
+ * Infos and arrays are made on first use, belong to the document, and are valid until it is changed
+ * or closed. What a format does not have is empty. An index that is out of range is an argument
+ * error.
+ *
+ * A glTF can silence rules of norma check in the extras of its root, a mesh, a primitive, a
+ * material or a node: {"norma": {"ignore": ["N201", "N3", "placeholder-normals"]}}. */
 
 typedef struct norma_material_info {
-    const char *name, *where; /* where: "/materials/3"; "" in OBJ, whose name is what usemtl says */
-    float base_color[4];      /* linear, alpha last; ones where it is not told */
+    const char *name;    /* OBJ: the name in usemtl */
+    const char *where;   /* "/materials/3"; "" in OBJ */
+    float base_color[4]; /* linear, alpha last; all 1 by default */
     float metallic, roughness;
     int double_sided, unlit;
-    int not_opaque;         /* alphaMode other than OPAQUE, or some light passes through
-                               (KHR_materials_transmission, _diffuse_transmission) */
-    int normal_map;         /* a normal texture, or a normal texture of its clear coat */
-    size_t normal_texcoord; /* the set of UVs that it uses */
-    const char *ignore;     /* "N201,N3"; "" for none */
+
+    /* Nonzero: alphaMode is not OPAQUE, or some light passes through
+     * (KHR_materials_transmission, KHR_materials_diffuse_transmission). */
+    int not_opaque;
+    int normal_map;         /* nonzero: it has a normal texture, possibly of its clear coat */
+    size_t normal_texcoord; /* the set of UVs of the normal texture */
+    const char *ignore;     /* silenced rules, "N201,N3"; "": none */
 } norma_material_info;
+
+/* Returns the number of materials. */
 NORMA_API size_t norma_document_material_count(norma_document *document);
+
+/* Describes a material.
+ *
+ *   index   below norma_document_material_count
+ *   info    written */
 NORMA_API norma_document_result norma_document_material_info(
     norma_document *document, size_t index, norma_material_info *info);
 
-typedef struct norma_mesh_attributes { /* what a mesh has beside norma_mesh_data */
-    size_t material; /* SIZE_MAX: none (glTF: the default material); OBJ with face_materials: of the
-                        first face */
-    const uint32_t *face_materials; /* OBJ with several: of each face, UINT32_MAX none; else NULL */
-    const float *texcoords; /* two numbers each, v as stored: of the set that the normal map uses,
-                               else of set 0; NULL: none */
+/* What a mesh has beside norma_mesh_data. */
+typedef struct norma_mesh_attributes {
+    /* SIZE_MAX: none (glTF: the default material). OBJ with several: that of the first face. */
+    size_t material;
+    const uint32_t *face_materials; /* OBJ with several: one per face, UINT32_MAX: none; or NULL */
+
+    /* Two numbers each, v as stored: the set that the normal map uses, otherwise set 0. NULL: none.
+     */
+    const float *texcoords;
     size_t texcoord_count;
-    const uint32_t
-        *corner_texcoords; /* OBJ: of each corner, UINT32_MAX none; NULL: the corner's vertex */
-    const float *colors;   /* red, green, blue, alpha of each vertex; NULL: none */
-    const float *tangents; /* x, y, z, sign of each vertex, as stored; NULL: none */
+    const uint32_t *corner_texcoords; /* OBJ: one per corner, UINT32_MAX: none. NULL: its vertex */
+    const float *colors;              /* red, green, blue, alpha per vertex; or NULL */
+    const float *tangents;            /* x, y, z, sign per vertex, as stored; or NULL */
     size_t tangent_count;
-    const char *tangent_encoding; /* "float", "snorm8", "snorm16"; "" where there are none */
-    size_t normals_missing; /* elements without the normal that they should have: glTF vertices; OBJ
-                               faces of which some corners name a normal and others none */
-    size_t normals_surplus; /* glTF: normals too many */
-    size_t normals_out_of_range; /* OBJ: faces with a vn that is 0 or is not there (their
-                                    corner_normals: UINT32_MAX) */
-    const uint8_t *face_faults;  /* OBJ: of each face 1 where it is one of normals_missing, 2 of
-                                    normals_out_of_range, else 0; NULL: no face is */
-    const char
-        *ignore; /* rules that extras of the document's root, the mesh or the primitive silence */
+    const char *tangent_encoding; /* "float", "snorm8", "snorm16"; "": no tangents */
+
+    /* Elements that lack a normal. glTF: vertices. OBJ: faces of which only some corners refer to a
+     * normal. */
+    size_t normals_missing;
+    size_t normals_surplus; /* glTF: normals beyond the number of vertices */
+
+    /* OBJ: faces that refer to vn 0 or to a vn that does not exist. Their corner_normals are
+     * UINT32_MAX. */
+    size_t normals_out_of_range;
+
+    /* OBJ: for each face 1 if normals_missing counts it, 2 if normals_out_of_range does, else 0.
+     * NULL: all are 0. */
+    const uint8_t *face_faults;
+    const char *ignore; /* rules silenced by extras of the root, the mesh or the primitive */
 } norma_mesh_attributes;
-/* Argument error where norma_document_mesh_data has one. */
+
+/* Returns what a mesh has beside norma_mesh_data.
+ *
+ *   index        below norma_document_mesh_count
+ *   attributes   written
+ *   error        written on failure; or NULL
+ *
+ * Errors: those of norma_document_mesh_data. */
 NORMA_API norma_document_result norma_document_mesh_attributes(norma_document *document,
     size_t index, norma_mesh_attributes *attributes, norma_document_error *error);
 
-typedef struct norma_morph_data { /* what one target adds to each vertex at weight 1, as floats,
-                                     positions in the unit of the mesh's; count 0: none */
+/* What a morph target adds to each vertex at weight 1, as floats. Positions are in the units of the
+ * mesh. count 0: nothing. */
+typedef struct norma_morph_data {
     norma_vec3_view positions, normals, tangents;
 } norma_morph_data;
+
+/* Returns a morph target.
+ *
+ *   mesh     below norma_document_mesh_count
+ *   target   below norma_mesh_info.morph_targets
+ *   data     written
+ *   error    written on failure; or NULL */
 NORMA_API norma_document_result norma_document_morph_data(norma_document *document, size_t mesh,
     size_t target, norma_morph_data *data, norma_document_error *error);
 
 typedef struct norma_skin_info {
     const char *name, *where; /* where: "/skins/0" */
     size_t joint_count;
-    double anisotropy; /* largest over smallest singular value of a joint's world matrix, at rest or
-                          in any key of an animation that scales it or a node above it: the largest
-                          there is; INFINITY where one is singular */
-    size_t joint;      /* the node for which that is so; SIZE_MAX: no joints */
-    const char *ignore; /* rules that extras of the document's root silence */
+
+    /* The largest anisotropy (largest over smallest singular value) of a joint's world matrix: at
+     * rest, or at any key of an animation that scales it or a node above it. INFINITY if one is
+     * singular. */
+    double anisotropy;
+    size_t joint;       /* the joint's node with this anisotropy; SIZE_MAX: no joints */
+    const char *ignore; /* rules silenced by extras of the root */
 } norma_skin_info;
+
+/* Returns the number of skins. */
 NORMA_API size_t norma_document_skin_count(norma_document *document);
+
+/* Describes a skin.
+ *
+ *   index   below norma_document_skin_count
+ *   info    written
+ *   error   written on failure; or NULL */
 NORMA_API norma_document_result norma_document_skin_info(
     norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
 
-typedef struct norma_unread { /* a part that was not read */
-    const char *where, *why; /* JSON pointer; one line, "compressed with KHR_draco_mesh_compression,
-                                which is not read yet" */
+/* A part of the file that was not read. */
+typedef struct norma_unread {
+    const char *where, *why; /* JSON pointer; one line of text */
 } norma_unread;
+
+/* Returns the number of parts that were not read. */
 NORMA_API size_t norma_document_unread_count(norma_document *document);
+
+/* Describes a part that was not read.
+ *
+ *   index    below norma_document_unread_count
+ *   unread   written */
 NORMA_API norma_document_result norma_document_unread(
     norma_document *document, size_t index, norma_unread *unread);
 
 /* ---- computing normals */
 
 typedef enum norma_shading {
-    NORMA_SHADING_DEFAULT = 0, /* creases at 60 degrees; PLY: smooth; STL: facets; OBJ with
-                                  smoothing groups: by them alone */
+    /* Creases at 60 degrees. PLY: smooth. STL: flat. OBJ with smoothing groups: by groups alone. */
+    NORMA_SHADING_DEFAULT = 0,
     NORMA_SHADING_CREASE,
     NORMA_SHADING_SMOOTH,
     NORMA_SHADING_FLAT
 } norma_shading;
+
+/* Which normals are computed. */
 typedef enum norma_only { NORMA_ONLY_ALL = 0, NORMA_ONLY_MISSING, NORMA_ONLY_BROKEN } norma_only;
+
+/* Whether smoothing groups of OBJ are respected. */
 typedef enum norma_groups { NORMA_GROUPS_AUTO = 0, NORMA_GROUPS_IGNORE } norma_groups;
 
 typedef struct norma_compute_options {
@@ -263,27 +392,32 @@ typedef struct norma_compute_options {
     norma_non_manifold non_manifold;
     norma_groups groups;
     norma_only only;
-    int morphs; /* nonzero: morph targets get normal deltas also where they had none */
+    int morphs; /* nonzero: morph targets without normal deltas get them too */
     uint32_t threads;
     norma_progress *progress;
     void *progress_user;
 } norma_compute_options;
 
 typedef struct norma_compute_summary {
-    int changed; /* 0: the document would be written as it was read, byte for byte */
+    int changed; /* 0: the document would be written byte for byte as it was read */
     size_t faces, vertices_before, vertices_after;
-    norma_shading shading;   /* as it was done: crease, smooth or flat */
-    double crease_angle_rad; /* with crease: the angle in force; pi where groups alone decide */
-    int by_groups;           /* smoothing groups took part */
-    int edges_counted;       /* whether the three counts of edges (hard, and two of the report) were
-                                looked at */
+    norma_shading shading;   /* what was done: crease, smooth or flat */
+    double crease_angle_rad; /* with crease: the angle applied; pi if groups alone decide */
+    int by_groups;           /* nonzero: smoothing groups took part */
+    int edges_counted;       /* nonzero: hard_edges and the edges of the report were counted */
     size_t hard_edges;       /* between two faces */
-    size_t filled;           /* elements that had no normal of their own and got the nearest one */
-    norma_report report;     /* over all meshes; first: SIZE_MAX where several meshes were summed */
+    size_t filled;           /* elements without a normal of their own that got the nearest one */
+    norma_report report;     /* of all meshes; first is SIZE_MAX if several were summed */
 } norma_compute_summary;
 
-/* Computes normals into the document. Argument error for what the format cannot hold (smooth
- * shading in STL). After an error the document can only be closed. */
+/* Computes normals into the document.
+ *
+ *   options   NULL for the defaults
+ *   summary   written; or NULL
+ *   error     written on failure; or NULL
+ *
+ * Errors: an argument error for what the format cannot hold (smooth shading in STL). After an error
+ * the document can only be closed. */
 NORMA_API norma_document_result norma_document_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
@@ -292,8 +426,8 @@ NORMA_API norma_document_result norma_document_compute(norma_document *document,
 
 typedef struct norma_transform_options {
     size_t struct_size;
-    double matrix[16]; /* column-major, of the points; all zero: identity */
-    int bake;          /* glTF: node transforms go into the meshes as well */
+    double matrix[16]; /* applied to points; column-major; all zero: identity */
+    int bake;          /* nonzero: glTF node transforms are applied to the meshes as well */
     uint32_t threads;
     norma_progress *progress;
     void *progress_user;
@@ -302,79 +436,116 @@ typedef struct norma_transform_options {
 typedef struct norma_transform_summary {
     int changed;
     size_t vertices, meshes, nodes_baked;
-    int mirrored; /* the matrix, or one of the nodes baked, mirrors: winding was reversed there (a
-                     glTF that is not baked: by whoever draws it) */
+
+    /* Nonzero: the matrix, or a node that was baked, mirrors. The winding was reversed there. In a
+     * glTF that is not baked, renderers reverse it. */
+    int mirrored;
 } norma_transform_summary;
+
+/* Transforms positions, normals and tangents, and reverses the winding under a mirror.
+ *
+ *   options   NULL for the defaults
+ *   summary   written; or NULL
+ *   error     written on failure; or NULL
+ *
+ * Errors: an argument error if the matrix is not finite or its last row is not 0 0 0 1. After an
+ * error the document can only be closed. */
 NORMA_API norma_document_result norma_document_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
 
-/* Brings meshes that lie far from their origin near it, so that floats have digits left for their
- * shape: positions move by a step that floats hold, such that the differences are exact, along the
- * axes on which a mesh lies more than eight times its size away. glTF: a node below each node that
- * drew the mesh draws it now, moved back, so that all stays where it was; of a mesh that is drawn
- * with a skin, by instancing, with animated weights or by no node, or whose positions are no
- * floats, the origin stays, and a note says so. OBJ, PLY and STL have nothing that could make up
- * for it: the mesh then lies elsewhere. meshes: a mark for each mesh of the document (a glTF mesh
- * moves where one of its primitives is marked); NULL: all. *changed: whether any moved. A change
- * like norma_document_transform, with its errors. O(file). */
+/* Moves meshes that lie far from their origin near it, so that floats have digits left for their
+ * shape. A mesh is moved along the axes on which it lies more than eight times its size away, by
+ * a step for which all differences are exact.
+ *
+ *   meshes    a byte for each mesh of the document, nonzero to move it (a glTF mesh moves if one of
+ *             its primitives is marked); NULL: all
+ *   changed   written: whether any mesh moved; or NULL
+ *   error     written on failure; or NULL
+ *
+ * glTF: a new node below each node that drew the mesh draws it now, moved back, so that nothing
+ * moves in the scene. Meshes with a skin, with instancing, with animated weights, without a node,
+ * or with positions that are not floats stay as they are, and a note says so. OBJ, PLY and STL
+ * cannot compensate: the mesh really moves.
+ * Errors: those of norma_document_transform. Cost: O(file). */
 NORMA_API norma_document_result norma_document_recentre(
     norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
 
-/* ---- editing: single faces, normals, positions, tangents; what norma check --fix does to a file
- *
- * All that is not named keeps its bytes wherever its encoding stays. NULL: that stays as it is.
- * Marks are bytes, nonzero for what is meant. */
+/* ---- editing: single faces, normals, positions and tangents, as norma check --fix does */
 
-enum {
-    NORMA_STRIP_NOTHING = 0,
-    NORMA_STRIP_ALL,
-    NORMA_STRIP_MORPHS
-}; /* normals, and tangents with them, of the mesh and its morph targets; of
-                       the targets alone, where the mesh has none */
+enum { NORMA_STRIP_NOTHING = 0, NORMA_STRIP_ALL, NORMA_STRIP_MORPHS };
 
+/* Changes to one mesh. Each pointer may be NULL: that stays as it is. Everything not named keeps
+ * its bytes as long as its encoding stays. Marks are bytes, nonzero to select an element. */
 typedef struct norma_mesh_edit {
-    const uint8_t *reverse_faces; /* a mark for each face: its corners run the other way round, the
-                                     first stays the first */
-    const uint8_t *drop_faces; /* a mark for each face: it is left out (a glTF primitive keeps one:
-                                  without any it would not be valid) */
-    const uint8_t *cut_faces;  /* OBJ, PLY: a mark for each face: it becomes triangles, with the
-                                  corners' UVs and normals, ... */
-    const uint32_t
-        *cut_corners; /* ...three numbers of its corners (from 0, within the face) each: of a face
-                         whose corners begin at corner c from 3 c on, two triangles fewer than it
-                         has corners. Not together with reverse_faces */
-    const float *normals; /* three numbers for each stored normal: of a vertex (glTF, PLY), a vn
-                             (OBJ), a facet (STL); unit vectors */
-    const uint8_t *set_normals; /* a mark for each: those that replace the stored ones */
-    const double *positions;    /* three numbers for each position (STL: three positions a facet) */
+    /* A mark for each face: its winding is reversed; the first corner stays the first. */
+    const uint8_t *reverse_faces;
+
+    /* A mark for each face: it is removed. A glTF primitive keeps one, because it would not be
+     * valid without any. */
+    const uint8_t *drop_faces;
+
+    /* OBJ, PLY: a mark for each face: it is cut into triangles, which keep the UVs and normals of
+     * its corners. cut_corners has three corner numbers (from 0, within the face) for each
+     * triangle: those of a face whose corners begin at corner c begin at 3 c, and there are two
+     * triangles fewer than the face has corners. Cannot be combined with reverse_faces. */
+    const uint8_t *cut_faces;
+    const uint32_t *cut_corners;
+
+    /* Three numbers for each stored normal, of unit length: of a vertex (glTF, PLY), a vn (OBJ) or
+     * a facet (STL). set_normals marks those that replace the stored ones. */
+    const float *normals;
+    const uint8_t *set_normals;
+
+    /* Three numbers for each position (STL: three positions per facet), and marks. */
+    const double *positions;
     const uint8_t *set_positions;
-    const float *tangents; /* glTF: x, y, z, sign for each vertex */
-    const uint8_t
-        *set_tangents; /* where the primitive has none yet, all are taken, whatever the marks */
-    int strip_normals; /* glTF: normals that are taken away; their accessor stays, since numbers
-                          never shift */
-    const uint32_t *source_vertices; /* glTF, PLY, OBJ: these are the vertices now, each a copy of
-                                        all that the old one of this number has (attributes, morph
-                                        targets; of an OBJ the v line); the marks and numbers above
-                                        then count the new ones. OBJ: not together with them */
-    size_t vertex_count;             /* of source_vertices, at least 1 */
-    const uint32_t *new_corners;     /* with it: the new vertex of each corner, in the order of
-                                        norma_mesh_data (before reverse_faces) */
+
+    /* glTF: x, y, z, sign for each vertex, and marks. A primitive that has no tangents yet takes
+     * all of them, whatever the marks. */
+    const float *tangents;
+    const uint8_t *set_tangents;
+
+    /* glTF: NORMA_STRIP_ALL removes the normals, and the tangents with them, of the mesh and its
+     * morph targets; NORMA_STRIP_MORPHS only those of the targets, if the mesh has none. The
+     * accessors stay, so that their numbers do not change. */
+    int strip_normals;
+
+    /* glTF, PLY, OBJ: the new vertices. Each is a copy of everything the old vertex of this number
+     * has: attributes and morph targets; in OBJ the v line. The marks and numbers above then count
+     * new vertices; in OBJ they cannot be combined with this. */
+    const uint32_t *source_vertices;
+    size_t vertex_count; /* of source_vertices, at least 1 */
+
+    /* With source_vertices: the new vertex of each corner, in the order of norma_mesh_data, before
+     * reverse_faces. */
+    const uint32_t *new_corners;
 } norma_mesh_edit;
 
-/* edits: one for each mesh of the document, in its order. Like compute and transform a change: of
- * an open glTF the only one. Argument error for what the format does not have. After an error the
- * document can only be closed. O(file). */
+/* Applies edits to a document. It is a change, like computing and transforming: an open glTF takes
+ * only one.
+ *
+ *   edits   one for each mesh of the document, in its order
+ *   error   written on failure; or NULL
+ *
+ * Errors: an argument error for what the format does not have. After an error the document can only
+ * be closed. Cost: O(file). */
 NORMA_API norma_document_result norma_document_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 
-/* glTF, PLY, OBJ: of each vertex of a mesh the first that equals it bit for bit in all that the
- * file gives it (attributes, morph targets; PLY: the whole row, of a text its words; OBJ: the words
- * of the v line); itself where something in the file may name vertices by their numbers. first:
- * room for norma_mesh_info.vertices. Argument error for other formats; unsupported where a glTF's
- * vertices, which may share their bytes, would take far more room than the file. Expected
- * O(vertices). */
+/* Finds duplicate vertices in a glTF, PLY or OBJ: for each vertex of a mesh the first one that
+ * equals it bit for bit in everything the file stores for it.
+ *
+ *   mesh    below norma_document_mesh_count
+ *   first   written: room for norma_mesh_info.vertices; a vertex itself if something in the file
+ *           may refer to vertices by their numbers
+ *   error   written on failure; or NULL
+ *
+ * glTF compares attributes and morph targets, PLY the whole row (in a text file its words), OBJ the
+ * words of the v line.
+ * Errors: an argument error for other formats; unsupported if a glTF's vertices share their bytes
+ * so much that they would need far more room than the file has.
+ * Cost: O(vertices), expected. */
 NORMA_API norma_document_result norma_document_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
 
@@ -382,37 +553,55 @@ NORMA_API norma_document_result norma_document_equal_vertices(
 
 typedef struct norma_save_options {
     size_t struct_size;
-    int in_place; /* nonzero: path may name the source; a .gltf keeps the names of its own buffers
-                   */
-    norma_progress *progress; /* cancelled: nothing is left of the new file */
+    int in_place; /* nonzero: path may be the source; a .gltf keeps the names of its buffers */
+    norma_progress *progress; /* if it cancels, nothing of the new file remains */
     void *progress_user;
 } norma_save_options;
 
-/* Writes path whole or not at all; a .gltf with its buffers beside it. Refuses a path that names
- * the source or one of its buffers, unless in place, and in place what another program has changed
- * or is replacing at the same time. Whenever the process or the machine stops, path is the old file
- * or the new one: buffers are on the disk before the .gltf that needs them, and in place they only
- * gain bytes, so that the old .gltf, and others that share them, read what they read. What the
- * temporary files are called: .norma-PROCESS-NUMBER.tmp; on Linux they have no name until they are
- * whole. */
+/* Writes the document to a path, completely or not at all; a .gltf with its buffers beside it.
+ *
+ *   path      refused if it is the source or one of its buffers, unless in_place is set
+ *   options   NULL for the defaults
+ *   error     written on failure; or NULL
+ *
+ * In place, a file that another program has changed, or is replacing at the same time, is refused.
+ * Whenever the process or the machine stops, path is the old file or the new one. Buffers are on
+ * disk before the .gltf that needs them. In place they only grow, so that the old .gltf, and others
+ * that share them, still read the same bytes. Temporary files are named .norma-PROCESS-NUMBER.tmp;
+ * on Linux they have no name until they are complete. */
 NORMA_API norma_document_result norma_document_save(norma_document *document, const char *path,
     const norma_save_options *options, norma_document_error *error);
 
-/* Hands the whole file to write in order (nonzero from it: stop, file error); a .gltf with its
- * buffers as data URIs. */
+/* Receives the next bytes of a file. Return nonzero to stop with a file error. */
 typedef int norma_write(void *user, const void *bytes, size_t size);
+
+/* Passes the whole file to a function, in order; a .gltf with its buffers as data URIs.
+ *
+ *   write   called with consecutive bytes
+ *   user    passed to write
+ *   error   written on failure; or NULL */
 NORMA_API norma_document_result norma_document_write(
     norma_document *document, norma_write *write, void *user, norma_document_error *error);
 
-/* The document as it would be read after norma_document_save to path (NULL: after
- * norma_document_write), of its own; nothing is written. So an open glTF can be changed more than
- * once: settle between the changes, and save the last one, to the same path. options: as of
- * norma_document_open; the format stays. document stays as it is. O(file). */
+/* Returns the document as it would be read after saving it; nothing is written. This allows several
+ * changes of an open glTF: settle between the changes, and save the last one to the same path.
+ *
+ *   path      as if saved by norma_document_save to this path; NULL: as if by norma_document_write
+ *   options   as for norma_document_open; the format stays
+ *   settled   written: a document of its own; release it with norma_document_close
+ *   error     written on failure; or NULL
+ *
+ * document stays as it is. Cost: O(file). */
 NORMA_API norma_document_result norma_document_settle(norma_document *document, const char *path,
     const norma_document_options *options, norma_document **settled, norma_document_error *error);
 
-/* Writes path as norma_document_save does, whole or not at all, with any bytes: a report, a
- * picture. A device or a pipe is written as it is. */
+/* Writes any bytes to a path as norma_document_save does, completely or not at all: a report, a
+ * picture. A device or a pipe is written directly.
+ *
+ *   path    replaced if it exists
+ *   bytes   the contents
+ *   size    bytes
+ *   error   written on failure; or NULL */
 NORMA_API norma_document_result norma_save_bytes(
     const char *path, const void *bytes, size_t size, norma_document_error *error);
 

@@ -1,16 +1,26 @@
-/* norma.h: normals of meshes, and normals through transforms. The core of Norma: no I/O, no
- * globals, libc and libm alone.
+/* norma.h: surface normals of meshes, and normals under transforms. This is the core of Norma: it
+ * does no I/O, has no globals and needs only libc and libm.
  *
- * Vectors are columns, 4x4 matrices column-major (translation in [12..14]), 3x3 matrices
- * column-major: the same bytes as row-major matrices for row vectors. Angles are radians, strides
- * bytes. Zero-initialised structs mean the documented defaults. */
+ * Conventions:
+ * - Vectors are columns. 4x4 matrices are column-major (translation in [12..14]), 3x3 matrices too.
+ *   In memory these are the same bytes as row-major matrices for row vectors.
+ * - Angles are in radians, strides in bytes, counts and capacities in elements.
+ * - A zero-initialised struct means the documented defaults.
+ *
+ * The comment above each function lists its parameters one per line, then its particular errors,
+ * cost and source. What several functions have in common is said once, at the start of their
+ * section. */
 #ifndef NORMA_H
 #define NORMA_H
 #include <stddef.h>
 #include <stdint.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
 
-/* The release this header belongs to, and the same as one number to compare with:
- * 10000 * major + 100 * minor + patch. norma_version_number() is that of the linked library. */
+/* The release that this header belongs to. NORMA_VERSION is one number to compare with:
+ * 10000 * major + 100 * minor + patch. norma_version_number() returns that of the linked library.
+ */
 #define NORMA_VERSION_MAJOR 0
 #define NORMA_VERSION_MINOR 1
 #define NORMA_VERSION_PATCH 0
@@ -27,23 +37,24 @@
 #endif
 #endif
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+/* ---- results */
 
 typedef enum norma_result {
     NORMA_OK = 0,
-    NORMA_CANCELLED = 1, /* by the progress callback */
-    NORMA_ERROR_ARGUMENT = -1,
-    NORMA_ERROR_CAPACITY = -2,
-    NORMA_ERROR_INDEX = -3, /* a corner names no position */
-    NORMA_ERROR_MEMORY = -4,
-    NORMA_ERROR_OVERFLOW = -5 /* counts whose product no size_t holds */
+    NORMA_CANCELLED = 1,       /* the progress callback cancelled the call */
+    NORMA_ERROR_ARGUMENT = -1, /* an argument is missing, out of range or contradicts another */
+    NORMA_ERROR_CAPACITY = -2, /* an output buffer is too small */
+    NORMA_ERROR_INDEX = -3,    /* a corner refers to a position that does not exist */
+    NORMA_ERROR_MEMORY = -4,   /* out of memory */
+    NORMA_ERROR_OVERFLOW = -5  /* a size computed from the counts does not fit */
 } norma_result;
-/* One English sentence for each result, and one for a number that is none; never NULL. The text is
- * the library's and never freed. Any thread, any time. */
-NORMA_API const char *norma_result_text(
-    norma_result result); /* one sentence, each its own; never NULL */
+
+/* Returns a one-line description of a result.
+ *
+ *   result   any number; unknown codes get a generic text
+ *
+ * Returns a constant string that is never NULL and must not be freed. Any thread, any time. */
+NORMA_API const char *norma_result_text(norma_result result);
 
 /* ---- meshes */
 
@@ -56,56 +67,76 @@ typedef enum norma_format {
     NORMA_FORMAT_UINT16
 } norma_format;
 
-typedef struct norma_vec3_view { /* count vectors of three numbers; integers as they are, since a
-                                    common factor turns no direction */
+/* An array of vectors with three components each. Integers are taken as they are, without
+ * normalisation: a common factor changes no direction. */
+typedef struct norma_vec3_view {
     const void *data;
-    size_t count;
-    size_t stride; /* from one vector to the next; 0 = tight */
-    norma_format format;
+    size_t count;        /* vectors */
+    size_t stride;       /* bytes from one vector to the next; 0: tightly packed */
+    norma_format format; /* of each component */
 } norma_vec3_view;
 
+/* A mesh in the caller's memory: positions, and faces made of corners. */
 typedef struct norma_mesh {
     norma_vec3_view positions;
-    const void *corners; /* position of each corner; NULL: 0, 1, 2, ... */
+
+    /* For each corner the index of its position, face after face. NULL: 0, 1, 2, ... */
+    const void *corners;
     size_t corner_count;
-    size_t corner_size;               /* bytes of one corner: 4 (or 0), 2, 1 */
-    const uint32_t *face_starts;      /* face_count + 1 offsets into corners; NULL: triangles */
-    size_t face_count;                /* used with face_starts */
-    const uint32_t *smoothing_groups; /* bit mask of each face, or NULL */
-    const uint8_t *hard_edges; /* for each corner, nonzero: the edge to the face's next corner is
-                                  hard; or NULL */
+    size_t corner_size; /* bytes of one index: 4 (or 0), 2 or 1 */
+
+    /* face_count + 1 offsets into corners: face f has the corners from face_starts[f] up to but not
+     * including face_starts[f + 1]. NULL: every face is a triangle. */
+    const uint32_t *face_starts;
+    size_t face_count; /* read only if face_starts is given */
+
+    /* A bit mask for each face, or NULL. Faces are smoothed across an edge only if their masks
+     * share a bit. */
+    const uint32_t *smoothing_groups;
+
+    /* A byte for each corner, or NULL. Nonzero: the edge from this corner to the next corner of the
+     * face is hard. */
+    const uint8_t *hard_edges;
 } norma_mesh;
 
 /* ---- options */
 
+/* How much each face counts in an average. A corner lies between the edges a and b, with the
+ * interior angle alpha; A is the area of its face. */
 typedef enum norma_weight {
-    NORMA_WEIGHT_ANGLE = 0, /* Thuermer, Wuethrich 1998 */
-    NORMA_WEIGHT_AREA,      /* Gouraud's average, weighted */
-    NORMA_WEIGHT_UNIFORM,
-    NORMA_WEIGHT_MAX, /* sin(angle) / (|a| |b|), Max 1999 */
-    NORMA_WEIGHT_ANGLE_AREA,
-    NORMA_WEIGHT_VISIBLE, /* centre of the smallest cone round the face normals, Aubry, Loehner 2008
-                           */
-    NORMA_WEIGHT_ANGLE_LENGTHS /* angle |a| |b| */
+    NORMA_WEIGHT_ANGLE = 0,    /* alpha (Thuermer, Wuethrich 1998) */
+    NORMA_WEIGHT_AREA,         /* A */
+    NORMA_WEIGHT_UNIFORM,      /* 1 (Gouraud 1971) */
+    NORMA_WEIGHT_MAX,          /* |a x b| / (|a|^2 |b|^2) (Max 1999) */
+    NORMA_WEIGHT_ANGLE_AREA,   /* alpha A */
+    NORMA_WEIGHT_VISIBLE,      /* no sum: axis of the smallest cone around the face normals */
+                               /* (Aubry, Loehner 2008) */
+    NORMA_WEIGHT_ANGLE_LENGTHS /* alpha |a| |b| */
 } norma_weight;
 
+/* Which corners lie at the same point of the surface. */
 typedef enum norma_weld {
-    NORMA_WELD_EXACT = 0, /* corners at exactly equal positions share (-0 = 0) */
-    NORMA_WELD_NONE,      /* only corners of the same index do */
-    NORMA_WELD_DISTANCE   /* positions joined by a chain of steps <= weld_distance */
+    NORMA_WELD_EXACT = 0, /* corners at exactly equal positions (-0 equals 0) */
+    NORMA_WELD_NONE,      /* only corners with the same index */
+    NORMA_WELD_DISTANCE   /* positions connected by a chain of steps <= weld_distance */
 } norma_weld;
 
+/* How edges of three or more faces are treated. */
 typedef enum norma_non_manifold {
-    NORMA_NON_MANIFOLD_HARD = 0,
-    NORMA_NON_MANIFOLD_SMOOTH
+    NORMA_NON_MANIFOLD_HARD = 0, /* as hard edges */
+    NORMA_NON_MANIFOLD_SMOOTH    /* smooth between all faces within the crease angle */
 } norma_non_manifold;
+
+/* What an element without a normal of its own gets. */
 typedef enum norma_fallback {
-    NORMA_FALLBACK_ZERO = 0,
-    NORMA_FALLBACK_NEAREST,
-    NORMA_FALLBACK_GIVEN
+    NORMA_FALLBACK_ZERO = 0, /* (0, 0, 0) */
+    NORMA_FALLBACK_NEAREST,  /* the normal of the nearest element that has one */
+    NORMA_FALLBACK_GIVEN     /* fallback_normal */
 } norma_fallback;
+
+/* Instruction sets. All give the same bits. */
 typedef enum norma_isa {
-    NORMA_ISA_BEST = 0,
+    NORMA_ISA_BEST = 0, /* the fastest one this machine has */
     NORMA_ISA_PORTABLE,
     NORMA_ISA_SSE2,
     NORMA_ISA_AVX2,
@@ -114,23 +145,31 @@ typedef enum norma_isa {
     NORMA_ISA_SIMD128
 } norma_isa;
 
-enum norma_reason { /* why an element has no normal of its own, and holds the fallback */
-    NORMA_REASON_NONE = 0,
+/* Why an element has no normal of its own and holds the fallback. */
+enum norma_reason {
+    NORMA_REASON_NONE = 0,     /* it has one */
     NORMA_REASON_DEGENERATE,   /* the face has no direction (face normals only) */
-    NORMA_REASON_NON_FINITE,   /* its own position (a face: one of its positions) is NaN or infinite
-                                */
-    NORMA_REASON_UNREFERENCED, /* no face that has a direction shares in it */
-    NORMA_REASON_CANCELLED     /* what shares in it sums to nothing */
+    NORMA_REASON_NON_FINITE,   /* its position, or one of its face's, is NaN or infinite */
+    NORMA_REASON_UNREFERENCED, /* no face with a direction uses it */
+    NORMA_REASON_CANCELLED     /* the normals around it cancel each other */
 };
 
+/* One piece of parallel work. */
 typedef void norma_task(void *context, size_t index);
-typedef void norma_parallel_for(void *user, size_t count, norma_task *task,
-    void *context); /* each index once, in any order; returns when all are done */
-typedef int norma_progress(void *user, double fraction); /* never falls; nonzero cancels */
-/* Both functions or neither (malloc and free). Called by the calling thread only; size and
- * alignment (a power of two, at most 64) as they were asked for. */
+
+/* Runs task(context, i) once for each i below count, in any order and on any threads, and returns
+ * when all are done. */
+typedef void norma_parallel_for(void *user, size_t count, norma_task *task, void *context);
+
+/* Reports progress from 0 to 1; fraction never decreases. Return nonzero to cancel. */
+typedef int norma_progress(void *user, double fraction);
+
+/* The caller's allocator: both functions, or neither for malloc and free. Only the calling thread
+ * calls it. */
 typedef struct norma_allocator {
-    void *(*allocate)(void *user, size_t size, size_t alignment); /* NULL: out of memory */
+    /* alignment: a power of two, at most 64. Returns NULL if out of memory. */
+    void *(*allocate)(void *user, size_t size, size_t alignment);
+    /* size: as it was allocated. */
     void (*release)(void *user, void *block, size_t size);
     void *user;
 } norma_allocator;
@@ -138,207 +177,289 @@ typedef struct norma_allocator {
 #define NORMA_ALL_THREADS UINT32_MAX
 
 typedef struct norma_options {
-    size_t struct_size; /* sizeof(norma_options) of the caller's header; 0: this first version */
+    size_t struct_size; /* sizeof(norma_options) of the caller; 0: the first version */
     norma_weight weight;
     norma_weld weld;
-    double weld_distance;            /* in the units of the positions */
-    norma_non_manifold non_manifold; /* edges of three or more faces: hard, or smooth between all
-                                        faces within the crease */
+    double weld_distance; /* in the units of the positions */
+    norma_non_manifold non_manifold;
     norma_fallback fallback;
-    float fallback_normal[3];
-    size_t normal_stride; /* of the output; 0 = 12 */
-    uint8_t *reasons;     /* NULL, or room for an enum norma_reason of each normal */
-    uint32_t threads; /* how many may work: 0 or 1 the calling one alone, NORMA_ALL_THREADS as many
-                         as the machine runs */
-    norma_isa isa;    /* one that the machine lacks is an argument error */
+    float fallback_normal[3]; /* must be finite */
+    size_t normal_stride;     /* bytes between normals in the output; 0: 12 */
+    uint8_t *reasons;         /* written: an enum norma_reason for each normal; or NULL */
+
+    /* How many threads may work. 0 or 1: only the calling one. NORMA_ALL_THREADS: as many as the
+     * machine runs at once. */
+    uint32_t threads;
+    norma_isa isa; /* an argument error if the machine lacks it */
     norma_allocator allocator;
-    norma_parallel_for
-        *parallel_for; /* an engine's own jobs instead of threads, used whenever given */
+
+    /* The caller's own job system, used instead of threads if given. */
+    norma_parallel_for *parallel_for;
     void *parallel_for_user;
-    norma_progress *progress;
+    norma_progress *progress; /* called by the calling thread only; or NULL */
     void *progress_user;
-    /* From here on later than the first version: read only where struct_size says so. */
-    struct norma_edges *edges; /* NULL, or where the calls that look at edges count them */
+
+    /* Later than the first version: read only if struct_size covers it. */
+    struct norma_edges *edges; /* written by the calls that use creases; or NULL */
 } norma_options;
 
-typedef struct norma_edges { /* distinct pairs of (welded) positions along which faces run, each
-                                counted once */
-    size_t count;            /* all of them */
-    size_t open;             /* of one face */
-    size_t smooth;           /* shared, within the crease, not marked hard */
-    size_t hard;             /* of two faces, and not smooth */
+/* Counts of distinct edges: pairs of (welded) positions along which faces run. */
+typedef struct norma_edges {
+    size_t count;  /* all edges */
+    size_t open;   /* edges of one face */
+    size_t smooth; /* shared, within the crease angle, not marked hard */
+    size_t hard;   /* edges of two faces that are not smooth */
 } norma_edges;
 
 typedef struct norma_count {
     size_t count, first;
-} norma_count; /* first: the least index, SIZE_MAX where count is 0 */
+} norma_count; /* first: the lowest index; SIZE_MAX if count is 0 */
 
+/* What had no normal, and what was odd about the edges. Each element is counted once, in the order
+ * of the members. */
 typedef struct norma_report {
     norma_count degenerate_faces; /* faces */
-    norma_count non_finite; /* these three: elements of the output (faces, vertices, corners), each
-                               counted once, in this order */
+
+    /* Elements of the output: faces, vertices or corners. */
+    norma_count non_finite;
     norma_count unreferenced;
     norma_count cancelled;
-    norma_count non_manifold_edges; /* these two: by the calls that look at edges; first: the least
-                                       corner at which such an edge begins */
+
+    /* Edges, counted by the calls that use creases. first: the lowest corner at which such an edge
+     * begins. */
+    norma_count non_manifold_edges;
     norma_count winding_conflicts;
 } norma_report;
 
-/* ---- normals: three floats for each face, vertex, corner, of unit length or the fallback. Options
- * and report may be NULL.
+/* ---- normals
  *
- * What holds for the four calls below:
- * - Buffers are the caller's, read or written during the call only. normals: the first three floats
- * of each element at options->normal_stride bytes (12 by default) from one to the next, of any
- * alignment; capacity counts elements, not floats. Each is written once and never read, so it may
- * be mapped memory of a GPU; nothing is written between or beyond them. -0 is never written.
- * - Errors: NORMA_ERROR_ARGUMENT for a NULL mesh, a NULL buffer where there is something to read or
- * write, triangles whose corner_count is no multiple of three, face_starts that fall or do not run
- * from 0 to corner_count, no corners and more corners than positions, a NaN crease, an option out
- * of its range, an instruction set that the machine lacks; _CAPACITY, _INDEX, _OVERFLOW (also from
- * 2^32 - 1 positions, corners or faces on), _MEMORY. All but _MEMORY and NORMA_CANCELLED are found
- * before anything is written; after those two, outputs and report are undefined. An empty mesh is
- * NORMA_OK.
- * - A face's direction is that of its vector area, within 1e-7 rad of the exact one for the
- * positions given, however thin the face, from edges of 1e-38 to 1e38 and at any distance from the
- * origin. Consecutive corners at one (welded) position are one, the last of them. A face with fewer
- * than three left, of exactly no area, or with a position that is not finite has no direction and
- * no vote.
- * - What has no normal gets options->fallback, its reason in options->reasons, and is counted in
- * the report. Never NaN.
- * - The same bits for any number of threads, any parallel_for and any instruction set: each sum
- * runs over its corners in ascending order.
- * - Threads: any number of calls may run at once on meshes that nobody changes. progress is called
- * by the calling thread only. */
+ * Common to the four calls below:
+ *
+ * - Output. normals takes three floats for each element (face, vertex or corner): a unit vector, or
+ *   the fallback. Each is written once and never read back, so it may be mapped GPU memory. Any
+ *   alignment will do. Elements lie options->normal_stride bytes apart (12 by default); nothing is
+ *   written between or beyond them, and -0 is never written. capacity counts elements, not floats.
+ * - Ownership. All buffers belong to the caller and are used only during the call.
+ * - NULL. options and report may be NULL.
+ * - Missing normals. An element without a normal gets options->fallback; options->reasons says why
+ *   and the report counts it. NaN is never written.
+ * - Face directions. A face's direction is that of its vector area. It is within 1e-7 rad of the
+ *   exact one for the given positions, however thin the face, for edges from 1e-38 to 1e38 and at
+ *   any distance from the origin. Consecutive corners at one (welded) position count as one corner,
+ *   the last of them. A face has no direction and no vote if fewer than three corners are left, if
+ *   its area is exactly zero, or if one of its positions is not finite.
+ * - Errors. NORMA_ERROR_ARGUMENT: mesh is NULL; a buffer is NULL but something has to be read or
+ *   written there; triangles whose corner_count is not a multiple of three; face_starts that
+ *   decrease or do not run from 0 to corner_count; no corners but a corner_count above the number
+ *   of positions; a NaN crease; an option out of range; an instruction set that the machine lacks.
+ *   NORMA_ERROR_CAPACITY, NORMA_ERROR_INDEX. NORMA_ERROR_OVERFLOW: also from 2^32 - 1 positions,
+ *   corners or faces on. These are found before anything is written. After NORMA_ERROR_MEMORY and
+ *   NORMA_CANCELLED, outputs and report are undefined. An empty mesh is NORMA_OK.
+ * - Reproducibility. The bits are the same for any number of threads, any parallel_for and any
+ *   instruction set: each sum runs over its corners in ascending order.
+ * - Thread safety. Any number of calls may run at once as long as nobody changes their meshes. */
 
-/* The unit normal of each face: that of its vector area, (p1 - p0) x (p2 - p0) for a triangle, for
- * a polygon the sum of (p_i - p_0) x (p_{i+1} - p_0) (Newell's method, Sutherland, Sproull,
- * Schumacker 1974, relative to a vertex), right for concave polygons too. normals: face_count of
- * them (triangles: corner_count / 3). O(corners); no scratch memory to speak of but with
- * NORMA_WELD_DISTANCE, the only weld that matters here, and the nearest fallback. */
+/* Computes the unit normal of each face, correct for concave polygons too.
+ *
+ *   mesh       the faces
+ *   options    of the options, weight and non_manifold are ignored; weld matters only if it is
+ *              NORMA_WELD_DISTANCE
+ *   normals    written: face_count normals (triangles: corner_count / 3)
+ *   capacity   normals that fit
+ *   report     written; or NULL
+ *
+ * Cost: O(corners); almost no scratch memory, except with NORMA_WELD_DISTANCE and
+ * NORMA_FALLBACK_NEAREST.
+ * Source: the vector area, (p1 - p0) x (p2 - p0) for a triangle, the sum of (p_i - p_0) x
+ * (p_{i+1} - p_0) for a polygon (Newell's method: Sutherland, Sproull, Schumacker 1974). */
 NORMA_API norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *options,
     float *normals, size_t capacity, norma_report *report);
-/* The unit normal of each position: the sum over all corners at it (welded as options->weld says),
- * each face's normal weighted by options->weight; where that sum cancels, ||sum|| <= 2^-20 sum of
- * weights, over the corners of the position's own index. Nobody's creases are looked at. normals:
- * positions.count of them. O(positions + corners), whatever the valence; NORMA_WELD_DISTANCE O(n
- * log n). Weights of a corner between edges a and b, its interior angle alpha (above pi where it is
- * reflex), the face's area A: alpha (Thuermer, Wuethrich 1998), A, 1, |a x b| / (|a|^2 |b|^2) (Max
- * 1999), alpha A, alpha |a| |b|; or no sum but the axis of the smallest cone (Aubry, Loehner 2008).
- */
+
+/* Computes the unit normal of each position: the weighted sum of the normals of all faces with a
+ * corner there. Creases are ignored.
+ *
+ *   mesh       the faces
+ *   options    weight chooses the weights, weld which positions share a normal
+ *   normals    written: positions.count normals
+ *   capacity   normals that fit
+ *   report     written; or NULL
+ *
+ * If a sum cancels (||sum|| <= 2^-20 times the sum of weights), the sum over the corners of the
+ * position's own index is taken instead.
+ * Cost: O(positions + corners), whatever the valence; NORMA_WELD_DISTANCE: O(n log n).
+ * Source: Gouraud 1971; the weights' sources are at norma_weight. */
 NORMA_API norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *options,
     float *normals, size_t capacity, norma_report *report);
-/* The unit normal of each corner: the sum over its fan, the corners at its position that smooth
- * edges join. An edge is smooth where two faces share it (each the other's only partner: the faces
- * that run along it the other way, its own reversed twin left out), the dihedral angle is at most
- * crease_angle_rad + 1e-6, no side marks it hard, and, where groups are given, their masks share a
- * bit. A crease of pi or more lets every angle pass, 0 only what is flat, below 0 nothing. A face
- * without a direction borrows, for the dihedral alone, that of the face it shares its longest edge
- * with. normals: corner_count of them. O(positions + corners * log of the valence). */
+
+/* Computes the unit normal of each corner: the weighted sum over its fan, that is, over the corners
+ * at its position that are joined to it by smooth edges.
+ *
+ *   mesh               the faces; smoothing_groups and hard_edges are respected
+ *   crease_angle_rad   the largest dihedral angle of a smooth edge; pi or more lets every angle
+ *                      pass, 0 only flat edges, below 0 none
+ *   options            as for norma_vertex_normals, and non_manifold and edges
+ *   normals            written: corner_count normals
+ *   capacity           normals that fit
+ *   report             written; or NULL
+ *
+ * An edge is smooth if two faces share it, their dihedral angle is at most crease_angle_rad + 1e-6,
+ * neither marks it hard, and their smoothing groups, if given, have a bit in common. Two faces
+ * share an edge if each is the other's only partner; partners run along the edge in opposite
+ * directions, and a face's own reversed twin does not count. For the dihedral angle only, a face
+ * without a direction borrows that of the face it shares its longest edge with.
+ * Cost: O(positions + corners * log valence). */
 NORMA_API norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, float *normals, size_t capacity, norma_report *report);
 
-/* The same normals as an indexed mesh: the new vertex of each corner; for each new vertex the old
- * one and its normal. New vertices are numbered as corners first use them. corners, source_vertices
- * and normals may be NULL, to count. New vertices are told apart by old vertex and the bits of the
- * normal; positions that no corner uses are left out. corner_capacity counts corners,
- * vertex_capacity the elements of source_vertices and of normals; *vertex_count (may be NULL) is
- * set on success. The report is that of norma_corner_normals, in corners; options->reasons, where
- * given, has room for one of each new vertex. With the nearest fallback, a corner without a normal
- * is one with the first corner of its vertex that has one, so degenerate faces add no vertex.
- * corners may not be mesh->corners, which are read again after it has been written. Cost as
- * norma_corner_normals, twice where a position splits; of scratch, on top, at most 3 bytes a corner
- * and 17 a position, with normals but no corners 5 and 17; for each corner at a position of more
- * than 64 of a mesh of triangles 260 where that takes 20; and 2 a corner where the nearest is
- * looked for. */
+/* Computes the same normals as norma_corner_normals, as an indexed mesh: a vertex is split where
+ * its corners have different normals. Call it with NULL outputs to learn vertex_count.
+ *
+ *   mesh               as for norma_corner_normals
+ *   crease_angle_rad   as for norma_corner_normals
+ *   options            as for norma_corner_normals; reasons: one for each new vertex
+ *   corners            written: the new vertex of each corner; or NULL. Not mesh->corners, which is
+ *                      read again after this is written
+ *   corner_capacity    corners that fit
+ *   source_vertices    written: the old vertex of each new vertex; or NULL
+ *   normals            written: the normal of each new vertex; or NULL
+ *   vertex_capacity    elements that fit in source_vertices and in normals
+ *   vertex_count       written on success: the number of new vertices; or NULL
+ *   report             written, counting corners; or NULL
+ *
+ * New vertices are numbered in the order in which corners first use them. Two are different if the
+ * old vertex or a bit of the normal differs. Positions without corners are dropped. With
+ * NORMA_FALLBACK_NEAREST, a corner without a normal joins the first corner of its vertex that has
+ * one, so degenerate faces add no vertices.
+ * Cost: that of norma_corner_normals, twice if a position is split. Additional scratch memory: at
+ * most 3 bytes per corner and 17 per position; 5 and 17 with normals but no corners; 2 more per
+ * corner with NORMA_FALLBACK_NEAREST. Triangle corners at positions of more than 64 corners take
+ * 260 bytes instead of the 20 of norma_corner_normals. */
 NORMA_API norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, uint32_t *corners, size_t corner_capacity,
     uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
     norma_report *report);
 
-/* Phong's interpolation (1975, p. 314): the normal inside a face, renormalised: barycentric[0] a +
- * barycentric[1] b + barycentric[2] c made unit. a, b, c: the corners' normals, used with the
- * lengths they have; the weights need not sum to 1. Where the sum cancels (its length is at most
- * 2^-20 of its terms' lengths together) or is not finite, normal becomes zero and the result is
- * still NORMA_OK. NORMA_ERROR_ARGUMENT for a NULL, nothing written. normal may be one of the
- * inputs. Right over the whole float range. */
+/* Interpolates the normal inside a triangle: the unit vector along
+ * barycentric[0] a + barycentric[1] b + barycentric[2] c, right over the whole range of floats.
+ *
+ *   a, b, c       the normals of the corners, used with the lengths they have
+ *   barycentric   the weights; they need not sum to 1
+ *   normal        written; may be one of the inputs
+ *
+ * If the sum cancels (it is at most 2^-20 of the lengths of its terms together) or is not finite,
+ * normal becomes zero and the result is NORMA_OK.
+ * Errors: NORMA_ERROR_ARGUMENT if a pointer is NULL; then nothing is written.
+ * Source: Phong 1975, p. 314. */
 NORMA_API norma_result norma_interpolate_normal(const float a[3], const float b[3],
     const float c[3], const float barycentric[3], float normal[3]);
 
-/* ---- meshes that move: what depends on topology alone, done once. Fans and shared positions are
- * those of the mesh at creation.
+/* ---- meshes that move
  *
- * A plan keeps who votes where, so that an update has nothing left to do but to measure faces and
- * sum. Creases stay those of the mesh at creation, so that no edge flickers between hard and soft
- * as it bends; a face that had no direction then votes as soon as it has one, in the fan that it
- * lay in.
- * - Threads: an update writes nothing of the plan. Any number of updates of one plan may run at
- * once, each with its own output.
- * - Memory: an update allocates nothing, but where NORMA_FALLBACK_NEAREST is asked for and some
- * normal is missing: then scratch from its options' allocator. With threads above 1, threads of the
- * system are started and joined. An update's tasks need some 128 KiB of stack. */
+ * A plan keeps everything that depends on topology alone, so that an update only has to measure
+ * faces and sum. Fans and shared positions are those of the mesh at creation: no edge flickers
+ * between hard and soft as it bends. A face that had no direction at creation takes part as soon as
+ * it has one, in the fan it lay in.
+ *
+ * - Thread safety. An update does not change the plan. Any number of updates of one plan may run at
+ *   once, each with its own output.
+ * - Memory. An update allocates nothing, except with NORMA_FALLBACK_NEAREST when a normal is
+ *   missing: then scratch memory from the allocator of its options. With threads above 1 it starts
+ *   and joins threads. Its tasks need about 128 KiB of stack. */
 
 typedef enum norma_element {
     NORMA_PER_VERTEX = 0,
     NORMA_PER_CORNER
-} norma_element; /* per vertex: the fans that its corners lie in, summed */
+} norma_element; /* per vertex: the sum of the fans that its corners lie in */
+
 typedef struct norma_plan norma_plan;
-/* Makes a plan. mesh is read during the call only; options: weld, non_manifold, allocator (kept
- * until norma_plan_destroy: it must live as long), threads, isa, parallel_for, progress, edges
- * (where they are counted) are of use, the rest is not. *plan is written on success alone; it is
- * the caller's, to be given to norma_plan_destroy. Errors as for norma_corner_normals, and
- * NORMA_ERROR_ARGUMENT for plan NULL or an element that is none; NORMA_ERROR_MEMORY also for a mesh
- * made up so that its vertices' overlapping fans hold more than 16 times its corners. Cost about
- * that of norma_corner_normals. */
+
+/* Makes a plan of a mesh.
+ *
+ *   mesh               read during the call only
+ *   of                 normals per vertex or per corner
+ *   crease_angle_rad   as for norma_corner_normals
+ *   options            uses weld, non_manifold, threads, isa, parallel_for, progress, edges and
+ *                      allocator; other options are ignored. The allocator must live as long as the
+ *                      plan. May be NULL
+ *   plan               written on success; release it with norma_plan_destroy
+ *
+ * Errors: those of norma_corner_normals; NORMA_ERROR_ARGUMENT also if plan is NULL or of is not a
+ * norma_element; NORMA_ERROR_MEMORY also for contrived meshes in which the overlapping fans of
+ * vertices hold more than 16 times the corners.
+ * Cost: about that of norma_corner_normals. */
 NORMA_API norma_result norma_plan_create(const norma_mesh *mesh, norma_element of,
     float crease_angle_rad, const norma_options *options, norma_plan **plan);
-/* The normals of the plan's mesh at new positions, of any format and stride, as many as the mesh
- * had (else NORMA_ERROR_ARGUMENT). Per corner: the bits that norma_corner_normals would give if
- * shared positions and fans were the plan's. Per vertex: the sum over the fans that its corners lie
- * in, where that cancels over its own corners; so the bits of norma_vertex_normals wherever those
- * fans are all there are at its position. Each face is measured by the positions that its own
- * corners name, also where positions that were one have parted. moved: NULL, and all is computed;
- * or the numbers of the vertices that moved since normals were last right, in any order, repeated
- * or not (one that does not exist: NORMA_ERROR_INDEX, before anything is written). Then the
- * normals, and reasons, that these positions can change are written and nothing else: of all
- * corners of all faces that name a moved vertex, with those that share their sums. The outcome is
- * that of a full update, bit for bit. normals: norma_plan's vertices or corners of them; capacity,
- * stride, reasons, fallback as for the calls above. Options: weight, fallback, normal_stride,
- * reasons, threads, isa, parallel_for, progress are of use, and with NORMA_FALLBACK_NEAREST
- * allocator; the weld is the plan's. With that fallback, normals that are missing may change
- * wherever they are: all of them are written, and an update of some costs as much as one of all,
- * and more. report (may be NULL): of what was written; degenerate_faces: faces of which the first
- * corner's (its vertex's) normal was written; edges are not looked at, and not counted. Cost:
- * O(corners), or O(what is written and the vertices around it); double positions are all looked at,
- * for the range they lie in. */
+
+/* Computes the normals of a plan's mesh at new positions: all of them, or only those that some
+ * moved vertices affect. The result of a partial update is that of a full one, bit for bit.
+ *
+ *   plan          from norma_plan_create
+ *   positions     any format and stride; as many as the mesh had
+ *   moved         NULL: compute all normals. Otherwise the vertices that moved since the normals
+ *                 were last right, in any order; repetitions are fine
+ *   moved_count   elements of moved
+ *   options       uses weight, fallback, normal_stride, reasons, threads, isa, parallel_for,
+ *                 progress, and allocator with NORMA_FALLBACK_NEAREST. weld is the plan's. May be
+ *                 NULL
+ *   normals       written: one normal for each vertex or corner of the plan. With moved, only
+ *                 normals and reasons that can change are written: those of all corners of faces
+ *                 with a moved vertex, and those that share their sums
+ *   capacity      normals that fit
+ *   report        written, or NULL; counts what was written. degenerate_faces: faces whose first
+ *                 corner (or its vertex) was written. Edges are not counted
+ *
+ * Per corner, the bits are those of norma_corner_normals with the plan's shared positions and fans.
+ * Per vertex, they are the sum over the fans of the vertex's corners, or over its own corners if
+ * that cancels; they equal norma_vertex_normals if those fans are all fans at the position. Faces
+ * are measured at their own corners' positions, even if positions that were equal have moved apart.
+ * With NORMA_FALLBACK_NEAREST, any missing normal may change: all missing ones are written, and a
+ * partial update costs at least as much as a full one.
+ * Errors: NORMA_ERROR_ARGUMENT if the number of positions differs; NORMA_ERROR_INDEX if moved names
+ * a vertex that does not exist. Both are found before anything is written.
+ * Cost: O(corners), or O(what is written and the vertices around it). Double positions are always
+ * all read, to find their range. */
 NORMA_API norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions,
-    const uint32_t *moved, size_t moved_count, /* NULL: all */
-    const norma_options *options, float *normals, size_t capacity, norma_report *report);
-/* What the plan holds, in bytes; 0 for NULL. */
+    const uint32_t *moved, size_t moved_count, const norma_options *options, float *normals,
+    size_t capacity, norma_report *report);
+
+/* Returns the size of a plan in bytes; 0 for NULL. */
 NORMA_API size_t norma_plan_bytes(const norma_plan *plan);
-/* Gives all of it back to the allocator it came from. NULL is fine. No update of it may be running.
+
+/* Releases a plan through the allocator it came from. NULL is fine. No update of it may be running.
  */
 NORMA_API void norma_plan_destroy(norma_plan *plan);
 
-/* ---- morph targets
+/* ---- morph targets */
+
+/* Computes the normal deltas of morph targets, sparsely: for each target the vertices whose normals
+ * differ from those of the base, and the differences. Call it with vertices and deltas NULL to
+ * learn the counts.
  *
- * Normal deltas of morph targets, sparse: of each target, the vertices whose normals differ from
- * the base's, and by how much. base: the mesh with the positions of the base. base_normals: NULL,
- * or the base's own normals, one for each position, which are kept: vertices at one (welded)
- * position with one normal then share a sum, those with different ones lie across a crease and do
- * not. With NULL all vertices at one position share. targets: target_count views of positions
- * (places, not displacements), each as many as the base's. A delta is the normal of the target less
- * that of the base, both summed by options->weight over the shared vertices; the target's positions
- * are those of each group's first vertex. So equal positions get equal deltas, no seam opens, and
- * where nothing moves there is none. Deltas of a length of at most smallest (0 or more) are left
- * out, and those where base or target have no normal. target_starts: room for target_count + 1;
- * target t has the deltas from target_starts[t] to before target_starts[t + 1]. For each of them
- * vertices receives the vertex, ascending within a target, and deltas three floats; either or both
- * may be NULL, to count. capacity counts deltas. Errors as for norma_vertex_normals, and
- * NORMA_ERROR_ARGUMENT for a NaN or negative bound, counts that differ, target_starts NULL;
- * NORMA_ERROR_CAPACITY is found before anything is written; where capacity is target_count times
- * the positions it need not be looked for, which halves the cost. Of the options, fallback,
- * normal_stride, reasons and edges are of no use. */
+ *   base            the mesh, with the positions of the base
+ *   base_normals    NULL: all vertices at one (welded) position share a sum. Otherwise the normals
+ *                   that the base keeps, one for each position: vertices at one position share a
+ *                   sum only if they have the same normal; different ones lie across a crease
+ *   targets         target_count views of positions (absolute, not displacements), each with as
+ *                   many as the base
+ *   target_count    number of targets
+ *   smallest        deltas of at most this length are left out; 0 or more
+ *   options         weight, weld, threads, isa, allocator, parallel_for and progress are used;
+ *                   fallback, normal_stride, reasons and edges are ignored. May be NULL
+ *   target_starts   written: target_count + 1 offsets. Target t has the deltas from
+ *                   target_starts[t] up to but not including target_starts[t + 1]
+ *   vertices        written: the vertex of each delta, ascending within a target; or NULL
+ *   deltas          written: three floats for each delta; or NULL
+ *   capacity        deltas that fit
+ *
+ * A delta is the normal of the target minus that of the base, both computed by the weighted sum
+ * over the shared vertices, with the target's position of the first vertex of each shared group.
+ * So equal positions get equal deltas, no seam opens, and where nothing moves there is no delta.
+ * Deltas are left out too where base or target has no normal.
+ * Errors: those of norma_vertex_normals; NORMA_ERROR_ARGUMENT also if smallest is NaN or negative,
+ * if counts differ or if target_starts is NULL. NORMA_ERROR_CAPACITY is found before anything is
+ * written.
+ * Cost: half if capacity is target_count times the number of positions, because the deltas need not
+ * be counted first. */
 NORMA_API norma_result norma_morph_normals(const norma_mesh *base,
     const norma_vec3_view *base_normals, const norma_vec3_view *targets, size_t target_count,
     float smallest, const norma_options *options, size_t *target_starts, uint32_t *vertices,
@@ -346,227 +467,362 @@ NORMA_API norma_result norma_morph_normals(const norma_mesh *base,
 
 /* ---- matrices
  *
- * What holds for the calls from here on:
- * - Buffers are the caller's, read or written during the call only; they need no more alignment
- * than their type's, and where a stride is given, none. Counts and capacities are in elements
- * (matrices, vectors), strides in bytes, 0 for tight.
- * - Errors: NORMA_ERROR_ARGUMENT for a NULL where there is something to read or write, a number
- * that is no value of its enum, an output stride shorter than what is written at it;
- * NORMA_ERROR_OVERFLOW where count * stride exceeds a size_t; NORMA_ERROR_CAPACITY where capacity
- * is below count. They are found before anything is written. A count of 0 is NORMA_OK, and buffers
- * may then be NULL. No memory is allocated.
- * - Of a model only the upper 3x3 matters ([0..2], [4..6], [8..10]); a translation or a last row
- * never reaches a normal, and neither need be finite.
- * - Calls are pure functions of what they are given: any number may run at once. The same bits from
- * every compiler, one or many at a time. -0 is never written into a matrix. */
+ * Common to the calls from here on:
+ *
+ * - Ownership. Buffers belong to the caller and are used only during the call. Without a stride
+ *   parameter they need the alignment of their type, with one they need none.
+ * - Sizes. Counts and capacities are in elements (matrices, vectors), strides in bytes, 0 for
+ *   tightly packed.
+ * - Errors. NORMA_ERROR_ARGUMENT: a buffer is NULL but something has to be read or written there; a
+ *   number is not a value of its enum; an output stride is shorter than one element.
+ *   NORMA_ERROR_OVERFLOW: count * stride exceeds a size_t. NORMA_ERROR_CAPACITY: capacity is below
+ *   count. They are found before anything is written. If count is 0, the result is NORMA_OK and
+ *   buffers may be NULL.
+ * - Memory. None is allocated.
+ * - Models. Only the upper 3x3 of a model ([0..2], [4..6], [8..10]) affects normals. Translation
+ *   and last row are ignored and need not be finite.
+ * - Thread safety. The calls are pure functions: any number may run at once.
+ * - Reproducibility. The bits are the same with every compiler, one at a time or many. -0 is never
+ *   written into a matrix. */
 
+/* What happens to the faces when a matrix mirrors. */
 typedef enum norma_winding {
-    NORMA_WINDING_KEPT = 0,
-    NORMA_WINDING_REVERSED
-} norma_winding; /* reversed: where the matrix mirrors, the caller reverses the faces */
+    NORMA_WINDING_KEPT = 0, /* they stay, so the surface turns inside out */
+    NORMA_WINDING_REVERSED  /* the caller reverses them */
+} norma_winding;
 
-typedef enum norma_kind { /* of the upper 3x3, a mirror aside; relative tolerance 1e-5 */
-    NORMA_KIND_IDENTITY = 0,
+/* The kind of an upper 3x3 or of its mirror image, judged from bottom to top of this list with a
+ * relative tolerance of 1e-5. Translation is a kind of identity: its [12..14] are not all zero.
+ * "Identity" includes -I and I with one axis reversed (then mirrored is set); any other reflection
+ * counts as a mirrored rotation. */
+typedef enum norma_kind {
+    NORMA_KIND_IDENTITY = 0, /* entries within 1e-5 */
     NORMA_KIND_TRANSLATION,
-    NORMA_KIND_ROTATION,
-    NORMA_KIND_UNIFORM_SCALE,
-    NORMA_KIND_NON_UNIFORM_SCALE, /* columns perpendicular: rotation after scales along the axes */
-    NORMA_KIND_SHEAR,
-    NORMA_KIND_SINGULAR
+    NORMA_KIND_ROTATION,          /* columns perpendicular and of length 1 */
+    NORMA_KIND_UNIFORM_SCALE,     /* columns perpendicular and of equal length */
+    NORMA_KIND_NON_UNIFORM_SCALE, /* columns perpendicular: axis scales, then a rotation */
+    NORMA_KIND_SHEAR,             /* two columns with |cosine| above 1e-5 */
+    NORMA_KIND_SINGULAR           /* rank below 3 */
 } norma_kind;
-/* Judged in this order: singular, rank below 3; shear, two columns with |cosine| above 1e-5;
- * non-uniform scale, lengths of columns that differ by more than 1e-5 of the longest; uniform
- * scale, that length not 1 within 1e-5; rotation, the rest but for the identity, entries within
- * 1e-5. The identity "a mirror aside" is I, -I, or I with one axis turned round (mirrored is set);
- * any other mirror is a mirrored rotation. Translation: an identity with [12..14] not all zero. */
 
 typedef struct norma_matrix_info {
     norma_kind kind;
-    int rank;               /* singular values above 1e-6 of the largest */
-    int mirrored;           /* determinant below 0 */
-    double determinant;     /* of the upper 3x3 */
-    double anisotropy;      /* largest over smallest singular value; INFINITY below rank 3 */
-    double worst_error_rad; /* between M n and the right normal, faces reversed under a mirror:
-                               asin((a^2-1)/(a^2+1)); pi/2 below rank 3 */
-    float worst_normal[3];  /* a unit normal for which plain M errs so */
+    int rank;           /* singular values above 1e-6 of the largest */
+    int mirrored;       /* nonzero: the determinant is negative */
+    double determinant; /* of the upper 3x3, correctly rounded */
+    double anisotropy;  /* largest over smallest singular value; INFINITY below rank 3 */
+
+    /* The largest angle between M n and the right normal (faces reversed under a mirror):
+     * asin((a^2 - 1) / (a^2 + 1)) for an anisotropy of a (Kantorovich 1948); pi/2 below rank 3,
+     * where M n is perpendicular to the right normal or one of the two is zero. */
+    double worst_error_rad;
+
+    /* A unit normal, before M, for which this error occurs: (v1 + v3) / sqrt 2 of the right
+     * singular vectors with the largest and the smallest singular value. */
+    float worst_normal[3];
 } norma_matrix_info;
 
-/* The normal matrix of a model: the 3x3 that carries the normals of faces and vertices through it.
- * Renormalise after it. Kept: cof(M). Reversed: sign(det) cof(M), the direction of the inverse
- * transpose; sign is +1 where the determinant is exactly 0. Times a power of two where a float
- * would overflow or underflow.
+/* Computes the normal matrix of a model: the 3x3 that takes normals of faces and vertices through
+ * it. Renormalise after applying it. It is cof(M) if the winding is kept, and sign(det) cof(M), the
+ * direction of the inverse transpose, if it is reversed (sign(0) = 1).
  *
- * cof(M)(a x b) = M a x M b for every M, so nothing is divided by and rank 2 is exact. Each entry
- * is rounded to a double and then to a float; its sign and whether it is zero are exact, and so is
- * the determinant's sign. The power of two is 1 unless an entry exceeds a float or a column that is
- * not zero would have no normal float; then the largest entry comes to lie in [1, 2), or higher
- * where the smallest needs the room: direction is all that it carries. A model whose cofactors are
- * all exactly zero (rank 0 or 1: no face keeps a direction) gives zeros and NORMA_OK; rank says so.
- * An upper 3x3 that is not finite gives zeros, the info of a matrix of zeros, and
- * NORMA_ERROR_ARGUMENT. normal_matrix: nine floats, column-major; may be model itself. info: NULL,
- * or what the model is: determinant correctly rounded, singular values by one-sided Jacobi
- * rotations (Hestenes 1958), worst_normal in the model's own space (before M), unit: (v1 + v3) /
- * sqrt 2 of the right singular vectors that belong to the largest and the smallest singular value,
- * where Kantorovich's bound (1948) is reached. Below rank 3, M n lies across the right normal
- * there, or one of the two is zero. Cost: some ten nanoseconds, with info a microsecond or two. */
+ *   model           sixteen floats; only the upper 3x3 is used
+ *   winding         what happens to the faces if the model mirrors
+ *   normal_matrix   written: nine floats, column-major; may be model itself
+ *   info            written: what kind of matrix the model is; or NULL
+ *
+ * cof(M)(a x b) = M a x M b for every M, so there is no division and rank 2 is exact. Each entry is
+ * rounded to double and then to float; its sign, whether it is zero, and the sign of the
+ * determinant are exact. Entries that would overflow or underflow are scaled by a common power of
+ * two: if an entry exceeds a float, or a nonzero column would lose its last normal float, the
+ * largest entry is brought into [1, 2), or higher if the smallest needs the room. Only the
+ * direction matters. If all cofactors are exactly zero (rank 0 or 1: every face loses its
+ * direction), the result is a matrix of zeros and NORMA_OK; info->rank is then 0 or 1.
+ * Errors: NORMA_ERROR_ARGUMENT if the upper 3x3 is not finite; then normal_matrix is zero and info
+ * that of a zero matrix.
+ * Cost: about ten nanoseconds; with info one or two microseconds.
+ * Source: singular values by one-sided Jacobi rotations (Hestenes 1958). */
 NORMA_API norma_result norma_normal_matrix(
     const float model[16], norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
-/* Many: models are count times 16 floats, normal_matrices takes count times nine; the same bits as
- * one by one. A model that is not finite gets zeros, the others are done, and then the result is
- * NORMA_ERROR_ARGUMENT. The two arrays must not overlap. */
+
+/* Computes many normal matrices, with the bits of norma_normal_matrix.
+ *
+ *   models            count times sixteen floats
+ *   count             number of models
+ *   winding           as for norma_normal_matrix
+ *   normal_matrices   written: count times nine floats; must not overlap models
+ *   capacity          matrices that fit
+ *
+ * Errors: NORMA_ERROR_ARGUMENT if a model is not finite; its matrix is zero, the others are
+ * computed. */
 NORMA_API norma_result norma_normal_matrices(const float *models, size_t count,
     norma_winding winding, float *normal_matrices, size_t capacity);
-/* The same into a shader's layout: model_stride from one model to the next (0: 64), matrix_stride
- * from one result to the next (0: three columns), column_stride from one column to the next (0:
- * 12). Between columns nothing is written. Any layout in which no column lies on another, also all
- * first columns, then all second, then all third; others are NORMA_ERROR_ARGUMENT. */
+
+/* Computes many normal matrices into a shader's layout. std140 has a matrix_stride of 48 and a
+ * column_stride of 16.
+ *
+ *   models            as for norma_normal_matrices
+ *   model_stride      bytes from one model to the next; 0: 64
+ *   count             number of models
+ *   winding           as for norma_normal_matrix
+ *   normal_matrices   written: three columns of three floats each; nothing between columns
+ *   matrix_stride     bytes from one matrix to the next; 0: three columns
+ *   column_stride     bytes from one column to the next; 0: 12
+ *   capacity          matrices that fit
+ *
+ * Any layout in which no two columns overlap is allowed, also all first columns, then all second,
+ * then all third.
+ * Errors: those of norma_normal_matrices; NORMA_ERROR_ARGUMENT also if columns overlap. */
 NORMA_API norma_result norma_normal_matrices_strided(const float *models, size_t model_stride,
     size_t count, norma_winding winding, float *normal_matrices, size_t matrix_stride,
-    size_t column_stride, size_t capacity); /* std140: 48 and 16 */
-/* Normals through a 3x3, each made unit again: out = normalize(normal_matrix n). in: any format and
- * stride, integers as they are, lengths as they are, over the whole range of floats and doubles;
- * out: three floats at each out_stride (0: 12). Zero stays zero, and what is not finite, or meets
- * an entry of the matrix that is not, becomes zero: NORMA_OK. Directions to the last bit or so of a
- * float. out may begin where in.data does if out_stride is at most the input's stride; otherwise
- * they must not overlap. O(count). */
+    size_t column_stride, size_t capacity);
+
+/* Transforms normals and makes them unit: out = normalize(normal_matrix n).
+ *
+ *   normal_matrix   nine floats, column-major
+ *   in              normals of any format, stride and length
+ *   out             written: three floats each. May begin where in.data does if out_stride is at
+ *                   most the input's stride; otherwise the two must not overlap
+ *   out_stride      bytes from one result to the next; 0: 12
+ *   capacity        normals that fit
+ *
+ * Directions are right to about the last bit of a float, over the whole range of floats and
+ * doubles. Zero stays zero; a normal that is not finite, or meets an entry of the matrix that is
+ * not, becomes zero; both are NORMA_OK.
+ * Cost: O(count). */
 NORMA_API norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_view in,
     float *out, size_t out_stride, size_t capacity);
 
-/* ---- beyond the first contract: forms by name, double precision, the concatenated case
+/* ---- matrices: double precision and other forms
  *
  * The double forms are exact before their last rounding: each cofactor and the determinant are
- * correctly rounded, over the whole range of doubles. The power of two of norma_normal_matrix
- * applies where a double would overflow or underflow. An upper 3x3 that is not finite gives zeros
- * and NORMA_ERROR_ARGUMENT. Each output may be its own model. Cost: a few microseconds. */
+ * correctly rounded over the whole range of doubles. Entries that would overflow or underflow a
+ * double are scaled as in norma_normal_matrix. If the upper 3x3 is not finite, the result is a
+ * matrix of zeros and NORMA_ERROR_ARGUMENT. An output may be its own model. Cost: a few
+ * microseconds. */
 
-typedef enum norma_shortcut { /* what carries normals without an inverse, a mirror aside */
-    NORMA_SHORTCUT_NONE = 0,
-    NORMA_SHORTCUT_ROTATION,      /* M itself, nothing to renormalise */
+/* The cheapest right way to transform normals. For a mirroring matrix each gives the result of
+ * NORMA_WINDING_REVERSED, the sense of the inverse transpose. */
+typedef enum norma_shortcut {
+    NORMA_SHORTCUT_NONE = 0,      /* only the normal matrix is right */
+    NORMA_SHORTCUT_ROTATION,      /* M itself; nothing to renormalise */
     NORMA_SHORTCUT_UNIFORM_SCALE, /* M itself, renormalised */
-    NORMA_SHORTCUT_AXIS_SCALE     /* M(n / s^2), s the lengths of M's columns; not with shear */
+    NORMA_SHORTCUT_AXIS_SCALE     /* M (n / s^2), s being the lengths of M's columns */
 } norma_shortcut;
-/* Where mirrored is set, these give the sense of NORMA_WINDING_REVERSED: that of the inverse
- * transpose. */
 
-/* norma_normal_matrix in double precision. */
+/* norma_normal_matrix in double precision, with the same parameters. */
 NORMA_API norma_result norma_normal_matrix_double(const double model[16], norma_winding winding,
     double normal_matrix[9], norma_matrix_info *info);
-/* The normal matrix and the info of view * model, without forming a product that rounding could
- * make singular or regular: cof(V M) = cof(V) cof(M), with exact signs and zeros. For normals in
- * view space. The kind is translation where the product moves the origin by more than 1e-5 of the
- * terms that make it up. */
+
+/* Computes the normal matrix of view * model, for normals in view space, without forming a product
+ * that rounding could make singular or regular: cof(V M) = cof(V) cof(M), with exact signs and
+ * zeros.
+ *
+ *   model, view     sixteen floats each
+ *   winding         as for norma_normal_matrix
+ *   normal_matrix   written: nine floats, column-major
+ *   info            written: that of the product; or NULL. The kind is translation if the product
+ *                   moves the origin by more than 1e-5 of the terms it is made of */
 NORMA_API norma_result norma_normal_matrix_model_view(const float model[16], const float view[16],
     norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
-/* cof(M): the transpose of the adjugate, also det(M) times the inverse transpose where there is
- * one. The area vector of a face (its area times its normal) goes through it. The same as
- * norma_normal_matrix_double with NORMA_WINDING_KEPT. */
-NORMA_API norma_result norma_cofactor_matrix(const double model[16], double cofactor[9]);
-/* (M^-1)^T = cof(M) / det(M), entries within two units in the last place. */
-NORMA_API norma_result norma_inverse_transpose(const double model[16],
-    double inverse_transpose[9]); /* exactly singular: argument error, nothing written */
-/* What info allows: rotation for the identity, a translation and a rotation; uniform scale and axis
- * scale for theirs; none for shear, singular and NULL. */
-NORMA_API norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info);
-/* Each column of M over its squared length: the inverse transpose where the columns are
- * perpendicular (NORMA_SHORTCUT_AXIS_SCALE; R diag(s) gives R diag(1/s)), and wrong where they are
- * not, which is not looked at. A column of zeros: argument error, nothing written. */
-NORMA_API norma_result norma_axis_scale_matrix(
-    const double model[16], double normal_matrix[9]); /* M diag(1/s^2) */
 
-/* Positions as points: out = A p + t, A the upper 3x3 and t = [12..14]; the last row is ignored,
- * there is no division by w. in: any format and stride; out: three floats (doubles) at each
- * out_stride (0: tight). Computed in double precision in one order, ((a x + b y) + c z) + t, then
- * rounded. What is not finite stays so; what exceeds a float becomes infinite. Overlap as for
- * norma_transform_normals. O(count). */
+/* Computes cof(M): the transpose of the adjugate, and det(M) times the inverse transpose if M is
+ * invertible. It transforms area vectors (a face's area times its normal) exactly. The same as
+ * norma_normal_matrix_double with NORMA_WINDING_KEPT.
+ *
+ *   model      sixteen doubles
+ *   cofactor   written: nine doubles, column-major */
+NORMA_API norma_result norma_cofactor_matrix(const double model[16], double cofactor[9]);
+
+/* Computes the inverse transpose, (M^-1)^T = cof(M) / det(M), each entry within two units in the
+ * last place.
+ *
+ *   model               sixteen doubles
+ *   inverse_transpose   written: nine doubles, column-major
+ *
+ * Errors: NORMA_ERROR_ARGUMENT if M is exactly singular; then nothing is written. */
+NORMA_API norma_result norma_inverse_transpose(const double model[16], double inverse_transpose[9]);
+
+/* Returns the shortcut that a kind of matrix allows: rotation for identity, translation and
+ * rotation; uniform scale and axis scale for uniform and non-uniform scale; none for shear and
+ * singular.
+ *
+ *   info   from norma_normal_matrix; NULL: none */
+NORMA_API norma_shortcut norma_matrix_shortcut(const norma_matrix_info *info);
+
+/* Computes M diag(1/s^2), that is each column of M divided by its squared length. For perpendicular
+ * columns this is the inverse transpose: R diag(s) becomes R diag(1/s) (NORMA_SHORTCUT_AXIS_SCALE).
+ * For other matrices it is wrong; this is not checked.
+ *
+ *   model           sixteen doubles
+ *   normal_matrix   written: nine doubles, column-major
+ *
+ * Errors: NORMA_ERROR_ARGUMENT if a column is zero; then nothing is written. */
+NORMA_API norma_result norma_axis_scale_matrix(const double model[16], double normal_matrix[9]);
+
+/* ---- positions, tangents and winding under a matrix */
+
+/* Transforms points: out = A p + t, A being the upper 3x3 and t = [12..14]. The last row is
+ * ignored; there is no division by w.
+ *
+ *   model        sixteen doubles
+ *   in           positions of any format and stride
+ *   out          written: three floats each; may overlap in as in norma_transform_normals
+ *   out_stride   bytes from one result to the next; 0: 12
+ *   capacity     positions that fit
+ *
+ * Computed in double precision in one order, ((a x + b y) + c z) + t, then rounded. NaN and
+ * infinity stay; values that exceed a float become infinite.
+ * Cost: O(count). */
 NORMA_API norma_result norma_transform_positions(
     const double model[16], norma_vec3_view in, float *out, size_t out_stride, size_t capacity);
+
+/* norma_transform_positions with doubles as the result; out_stride 0: 24. */
 NORMA_API norma_result norma_transform_positions_double(
     const double model[16], norma_vec3_view in, double *out, size_t out_stride, size_t capacity);
-/* Tangents x, y, z, sign (four floats each): M t made perpendicular to the transformed normal,
- * unit; the sign times that of the determinant. tangents: four floats at each tangent_stride (0:
- * 16); the sign gives the bitangent as sign * cross(normal, tangent) (glTF, Mikkelsen 2008).
- * normals: those of the result, as norma_transform_normals gave them with NORMA_WINDING_REVERSED,
- * at least count of them, any format and length. A normal that is zero or not finite asks nothing
- * of its tangent. Where at most 2^-20 of a tangent is left beside its normal, or M t is zero or not
- * finite, any perpendicular is taken, always the same. out: four floats at each out_stride (0: 16);
- * may be tangents itself with the same stride. A model that is not finite: argument error.
- * O(count). */
+
+/* Transforms tangents: M t made perpendicular to the transformed normal and unit. A tangent is
+ * x, y, z, sign; the bitangent is sign * cross(normal, tangent). The sign is multiplied by that of
+ * the determinant.
+ *
+ *   model            sixteen floats, all finite in the upper 3x3
+ *   tangents         four floats each
+ *   tangent_stride   bytes from one tangent to the next; 0: 16
+ *   normals          the transformed normals, from norma_transform_normals with a matrix for
+ *                    NORMA_WINDING_REVERSED; at least count, of any format and length
+ *   count            number of tangents
+ *   out              written: four floats each; may be tangents itself with the same stride
+ *   out_stride       bytes from one result to the next; 0: 16
+ *   capacity         tangents that fit
+ *
+ * If at most 2^-20 of a tangent remains beside its normal, or M t is zero or not finite, some
+ * perpendicular vector is taken, always the same one. If a normal is zero or not finite, its
+ * tangent need not be perpendicular to it.
+ * Cost: O(count). Source: the convention of glTF and of Mikkelsen 2008. */
 NORMA_API norma_result norma_transform_tangents(const float model[16], const float *tangents,
     size_t tangent_stride, norma_vec3_view normals, size_t count, float *out, size_t out_stride,
     size_t capacity);
-/* Tangents made perpendicular to new normals (Gram-Schmidt), sign kept; where nothing is left of
- * one, any perpendicular. All else as for norma_transform_tangents. */
+
+/* Makes tangents perpendicular to new normals (Gram-Schmidt) and keeps their signs. The parameters
+ * are those of norma_transform_tangents. */
 NORMA_API norma_result norma_orthogonalise_tangents(const float *tangents, size_t tangent_stride,
     norma_vec3_view normals, size_t count, float *out, size_t out_stride, size_t capacity);
-/* Reverses the winding in place: of each face its corners but the first.
- * corners: corner_count indices of corner_size bytes (4 or 0, 2, 1). face_starts: face_count + 1
- * offsets from 0 to corner_count that do not fall, or NULL for triangles (face_count is then not
- * looked at; a corner_count that is no multiple of three is an argument error). What belongs to
- * corners (hard edges, normals per corner) is not moved. O(corner_count). */
+
+/* Reverses the winding of every face in place: all corners but the first change their order.
+ *
+ *   corners        corner_count indices
+ *   corner_size    bytes of one index: 4 (or 0), 2 or 1
+ *   corner_count   number of corners; without face_starts a multiple of three
+ *   face_starts    face_count + 1 offsets that run from 0 to corner_count and never decrease; NULL:
+ *                  triangles
+ *   face_count     number of faces; ignored without face_starts
+ *
+ * Data of corners (hard edges, normals per corner) is not moved.
+ * Cost: O(corner_count). */
 NORMA_API norma_result norma_reverse_winding(void *corners, size_t corner_size, size_t corner_count,
     const uint32_t *face_starts, size_t face_count);
 
+/* ---- orientation */
+
+/* How open parts of a surface are oriented. */
 typedef enum norma_orient_open {
-    NORMA_ORIENT_OPEN_KEPT = 0,
-    NORMA_ORIENT_OPEN_BY_RAYS
+    NORMA_ORIENT_OPEN_KEPT = 0, /* as most of their faces are */
+    NORMA_ORIENT_OPEN_BY_RAYS   /* by a majority of rays */
 } norma_orient_open;
 
 typedef struct norma_orient_report {
-    size_t parts; /* that shared edges hold together, cut at edges of more than two faces; each is
-                     one of the next three */
-    size_t closed, open, one_sided; /* one-sided: no winding agrees with itself (a Moebius band);
-                                       its faces are left as they are */
-    size_t inward;                  /* closed ones that looked inward once their faces agreed */
-    size_t nested; /* solids right inside a solid: cavities that were turned, or bodies of their
-                      own; left as they are */
-    size_t by_rays,
-        undecided; /* open ones: turned or confirmed by rays; left as most of their faces were */
-    double least_confidence; /* of those by rays: (rays for it - rays against it) / 256; 1 where
-                                there are none */
+    /* Sets of faces connected by shared edges, separated at edges of more than two faces. Each part
+     * is closed, open or one-sided. */
+    size_t parts;
+    /* One-sided: no winding is consistent (a Moebius band); the faces are left as they are. */
+    size_t closed, open, one_sided;
+    size_t inward; /* closed parts that faced inward once their faces agreed */
+    size_t nested; /* solids directly inside a solid, left as they are: cavities with the wrong
+                    * winding, or bodies of their own */
+
+    /* Open parts: turned or confirmed by rays; undecided ones are left as most of their faces
+     * were. */
+    size_t by_rays, undecided;
+    /* The least of these: (rays for the decision - rays against it) / 256; 1 if by_rays is 0. */
+    double least_confidence;
+
     size_t reversed_faces;
-    size_t winding_conflicts, non_manifold_edges; /* before: edges of exactly two faces that run the
-                                                     same way; of more than two */
+    /* Before the change: edges of exactly two faces that run the same way; edges of more than two
+     * faces. */
+    size_t winding_conflicts, non_manifold_edges;
 } norma_orient_report;
 
-/* Which faces should be wound the other way round, so that neighbours agree and what is closed
- * looks outward: reverse[f] becomes 1 or 0 for each face.
+/* Finds the faces whose winding should be reversed so that neighbours agree and closed surfaces
+ * face outward. The mesh is not changed: reverse a face by swapping two of its corners.
  *
- * Each part is wound as most of its faces are. A closed one then looks outward by the sign of its
- * volume, unless it is a cavity: negative volume right inside (the smallest part in which it lies,
- * by winding numbers) a solid, judged from outside in. Open parts keep the winding of most of their
- * faces, or are turned by a majority of 256 rays each, towards the side from which rays run farther
- * (Takayama, Jacobson, Kavan, Sorkine-Hornung 2014): a guess, with a confidence. A part counts as
- * closed where its own faces cancel at each edge, though others touch it there. The mesh is not
- * changed; norma_reverse_winding of single faces, or swapping two corners, does that. options:
- * weld, threads, parallel_for, allocator and progress are used; may be NULL, as report. capacity:
- * elements of reverse, one for each face. Errors are those of norma_face_normals. The same answer
- * for any number of threads. O(corners log of the valence), and of nesting and rays O(parts log
- * parts + rays log faces). */
+ *   mesh       the faces
+ *   open       what to do with open parts
+ *   options    uses weld, threads, parallel_for, allocator and progress; may be NULL
+ *   reverse    written: 1 or 0 for each face
+ *   capacity   faces that fit
+ *   report     written; or NULL
+ *
+ * Each part is first wound as most of its faces are. A closed part is then turned outward by the
+ * sign of its volume. Cavities stay cavities: parts are judged from outside in, and a part with
+ * negative volume directly inside a solid (the smallest part that contains it, by winding numbers)
+ * is kept. Open parts keep the winding of most of their faces, or are turned by 256 rays each
+ * towards the side from which rays travel farther: a guess, with a confidence. A part counts as
+ * closed if its own faces cancel at each edge, even if other parts touch it there.
+ * The result is the same for any number of threads. Errors: those of norma_face_normals.
+ * Cost: O(corners * log valence), plus O(parts log parts + rays log faces) for nesting and rays.
+ * Source: Takayama, Jacobson, Kavan, Sorkine-Hornung 2014 (rays). */
 NORMA_API norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     const norma_options *options, uint8_t *reverse, size_t capacity, norma_orient_report *report);
 
-/* Signed normalised integers (glTF: c / 127, c / 32767, at least -1). Encoding takes the nearest
- * code whose length a reader accepts as unit. normals: any format and length; made unit first. out:
- * three integers at each out_stride (0: tight; glTF pads three bytes to four, which stay as they
- * are). The reader is the Khronos validator: | length - 1 | <= 0.00674; nearest by Euclid, so that
- * the direction is within .3907 degrees (8 bits) or .00151 (16). -n gets the negated code. Zero and
- * what is not finite become zero. O(count). */
+/* ---- packing: signed normalised integers, as in glTF
+ *
+ * A code c means max(c / 127, -1) with 8 bits and max(c / 32767, -1) with 16. */
+
+/* Encodes normals as three signed bytes each. Each gets the nearest code (by Euclidean distance)
+ * whose length readers accept as unit.
+ *
+ *   normals      any format, stride and length; made unit first
+ *   out          written: three codes each. glTF pads three bytes to four; the fourth is not
+ *                written
+ *   out_stride   bytes from one result to the next; 0: tightly packed
+ *   capacity     normals that fit
+ *
+ * The direction is within 0.3907 degrees. A length is accepted if | length - 1 | <= 0.00674, the
+ * rule of the Khronos glTF validator. -n gets the negated code of n. Zero and values that are not
+ * finite become zero.
+ * Cost: O(count). */
 NORMA_API norma_result norma_encode_snorm8(
     norma_vec3_view normals, int8_t *out, size_t out_stride, size_t capacity);
+
+/* norma_encode_snorm8 with 16-bit codes; the direction is within 0.00151 degrees. */
 NORMA_API norma_result norma_encode_snorm16(
     norma_vec3_view normals, int16_t *out, size_t out_stride, size_t capacity);
-/* Back to floats: max(c / 127, -1) or max(c / 32767, -1), correctly rounded and not renormalised.
- * codes: three integers at each stride (0: tight), count of them. */
+
+/* Decodes 8-bit codes to floats, correctly rounded and not renormalised.
+ *
+ *   codes        three codes each
+ *   stride       bytes from one normal's codes to the next's; 0: tightly packed
+ *   count        number of normals
+ *   out          written: three floats each
+ *   out_stride   bytes from one result to the next; 0: 12
+ *   capacity     normals that fit
+ *
+ * Cost: O(count). */
 NORMA_API norma_result norma_decode_snorm8(const int8_t *codes, size_t stride, size_t count,
     float *out, size_t out_stride, size_t capacity);
+
+/* norma_decode_snorm8 with 16-bit codes. */
 NORMA_API norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t count,
     float *out, size_t out_stride, size_t capacity);
 
 /* ---- the library */
 
-/* The version of the linked library as text, "0.1.0". Never freed. */
+/* Returns the version of the linked library as text, "0.1.0". The string is constant and must not
+ * be freed. Any thread, any time. */
 NORMA_API const char *norma_version(void);
-/* The same as a number that compares with NORMA_VERSION: 100 for 0.1.0. */
+
+/* Returns the version of the linked library as a number, 100 for 0.1.0; compare it with
+ * NORMA_VERSION. Any thread, any time. */
 NORMA_API uint32_t norma_version_number(void);
 
 #ifdef __cplusplus
