@@ -41,6 +41,10 @@ int norma_file_same(const char *a, const char *b);
 /* Whether path is there and is neither a regular file nor a folder: a device, a pipe. */
 int norma_file_is_stream(const char *path);
 
+/* Whether path is a regular file, links followed; whether it is itself a symbolic link. */
+int norma_file_is_regular(const char *path);
+int norma_file_is_link(const char *path);
+
 /* An atomic writer: bytes go through a buffer to a temporary file in the folder of path, which has
  * no name until all is written, where the system can do that; prepare flushes it to the disk;
  * commit prepares, renames it to path and flushes the folder; abandon removes it. Each returns 0,
@@ -66,6 +70,9 @@ int norma_file_writers_commit(file_writer **writers, size_t count, size_t *faile
 /* Makes a folder and sees to it that its name is on the disk; *made is 0 where it was there.
  * Returns 0 or errno. */
 int norma_folder_make(const char *path, int *made);
+/* The names in a folder, in no order, until visit returns something else than 0. Returns errno
+ * where it cannot be read. */
+int norma_folder_visit(const char *path, int (*visit)(void *user, const char *name), void *user);
 void norma_folder_remove(const char *path); /* where it is empty; else it stays */
 /* What a file_writer needs, not on Windows: to have names in a folder on the disk. A folder that
  * may not be read cannot be flushed, and some file systems flush none: no reason to call a file

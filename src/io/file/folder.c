@@ -2,6 +2,7 @@
  * crash, made where they are missing, and taken away again. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -49,6 +50,17 @@ int norma_folder_make(const char *path, int *made) {
         norma_folder_remove(path);
         *made = 0;
     }
+    return error;
+}
+
+int norma_folder_visit(const char *path, int (*visit)(void *user, const char *name), void *user) {
+    DIR *folder = opendir(path);
+    const struct dirent *entry;
+    if (!folder) return errno;
+    errno = 0;
+    while ((entry = readdir(folder)) && !visit(user, entry->d_name)) errno = 0;
+    const int error = entry ? 0 : errno;
+    closedir(folder);
     return error;
 }
 

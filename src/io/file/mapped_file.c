@@ -165,3 +165,17 @@ int norma_file_is_stream(const char *path) {
     struct stat status;
     return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
 }
+
+int norma_file_is_regular(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+int norma_file_is_link(const char *path) {
+#if defined(_WIN32)
+    return (void)path, 0;
+#else
+    struct stat status;
+    return lstat(path, &status) == 0 && S_ISLNK(status.st_mode);
+#endif
+}

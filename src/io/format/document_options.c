@@ -15,6 +15,15 @@ char *norma_io_copy_text(const char *text, size_t length) {
     return copy;
 }
 
+char *norma_io_join(const char *folder, const char *name) {
+    const size_t a = strlen(folder), b = strlen(name);
+    char *joined = norma_io_allocate(a + b + 1, 1);
+    if (!joined) return NULL;
+    memcpy(joined, folder, a);
+    memcpy(joined + a, name, b);
+    return joined;
+}
+
 void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size) {
     if (block && needed <= *capacity) return block;
     size_t larger = *capacity > SIZE_MAX / 2 ? needed : *capacity * 2;

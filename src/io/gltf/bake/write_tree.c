@@ -1,6 +1,7 @@
 /* write_tree.c: the changed hierarchy as JSON: edits of old nodes and scenes, texts of new nodes.
  * What did not change is not touched. */
 #include "io/gltf/bake/new_tree.h"
+#include "io/gltf/write/patch.h"
 #include "io/gltf/read/node_matrix.h"
 #include <stdlib.h>
 #include <string.h>
@@ -179,6 +180,11 @@ static int edit_scene(json_edits *edits, const tree_scene *scene) {
 norma_document_result norma_gltf_tree_write(gltf_tree *tree, norma_document_error *error) {
     json_edits *edits = tree->failed ? NULL : norma_gltf_edits(tree->g, 0);
     int done = edits != NULL;
+    if (tree->count > tree->g->node_count) {
+        const norma_document_result dangling =
+            norma_gltf_check_dangling(tree->g, GLTF_LIST_NODES, error);
+        if (dangling) return dangling;
+    }
     for (uint32_t i = 0; done && i < tree->g->node_count; i++) done = edit_node(tree, edits, i);
     done = done && (tree->count == tree->g->node_count || append_nodes(tree, edits));
     for (size_t i = 0; done && i < tree->scene_count; i++)

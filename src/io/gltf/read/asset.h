@@ -48,6 +48,7 @@ typedef struct gltf_buffer {
     size_t length;              /* byteLength */
     char *name;                 /* decoded URI of a file beside; else NULL */
     const unsigned char *bytes; /* NULL until loaded; at least length of them */
+    size_t available;           /* so many there are, once loaded */
     file_bytes file;
     unsigned char *owned;
 } gltf_buffer;
@@ -257,6 +258,9 @@ unsigned char *norma_gltf_data_decode(
 /* 1: name (decoded) is a file in folder or below, not absolute, no scheme, without "..", also after
  * symbolic links; 0: outside; *path: to be freed. */
 int norma_gltf_path_inside(const char *folder, const char *name, char **path);
+/* The same, every link followed; to be freed. What is not there, as it is given. NULL: out of
+ * memory. */
+char *norma_gltf_real_path(const char *folder, const char *name);
 
 /* ---- changing (patch.c) */
 

@@ -158,6 +158,7 @@ static int take_given(const gltf *g, gltf_buffer *buffer) {
         number < g->document->given_count ? &g->document->given[number] : NULL;
     if (!given || !given->bytes || given->size < buffer->length) return 0;
     buffer->bytes = given->bytes;
+    buffer->available = given->size;
     buffer->file.stamp = given->stamp;
     return 1;
 }
@@ -186,6 +187,7 @@ static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_docum
             "the buffer %s cannot be read: %s", buffer->name, text);
     }
     buffer->bytes = buffer->file.data;
+    buffer->available = buffer->file.size;
     if (buffer->file.size >= buffer->length) return NORMA_DOCUMENT_OK;
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
         "the buffer %s has %zu bytes; expected %zu", buffer->name, buffer->file.size,

@@ -147,6 +147,13 @@ static int is_below(const char *name) {
     return strchr(name, '\\') == NULL;
 }
 
+char *norma_gltf_real_path(const char *folder, const char *name) {
+    char *joined = norma_io_join(folder, name), *real = joined ? realpath(joined, NULL) : NULL;
+    if (!real) return joined;
+    free(joined);
+    return real;
+}
+
 int norma_gltf_path_inside(const char *folder, const char *name, char **path) {
     *path = NULL;
     errno = EACCES;

@@ -58,6 +58,7 @@ typedef struct placer {
     gltf_patch *patch;
     uint32_t *stays;        /* for each view: users who keep what is there */
     uint32_t *first, *next; /* pieces of each view */
+    uint8_t *overrun;       /* of each buffer: a view ends behind it */
     norma_document_error *error;
 } placer;
 
@@ -226,18 +227,23 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
 
 /* A view that ends behind its buffer is a fault that must not come to mean our bytes when the
  * buffer grows. */
-static int may_grow(const gltf *g, uint32_t buffer) {
-    for (uint32_t v = 0; v < g->view_count; ++v)
-        if (g->views[v].buffer == buffer && norma_gltf_view_overruns(g, v)) return 0;
-    return 1;
+static int find_growing(placer *p) {
+    const gltf *g = p->g;
+    p->overrun = norma_io_allocate((size_t)g->buffer_count + 1, 1);
+    for (uint32_t v = 0; p->overrun && v < g->view_count; ++v)
+        p->overrun[g->views[v].buffer] |= (uint8_t)norma_gltf_view_overruns(g, v);
+    return p->overrun != NULL;
 }
 
+static int may_grow(const placer *p, uint32_t buffer) { return !p->overrun[buffer]; }
+
 /* Where new bytes go: the BIN chunk, else the first buffer that has bytes, else one more buffer. */
-static uint32_t choose_buffer(const gltf *g) {
+static uint32_t choose_buffer(const placer *p) {
+    const gltf *g = p->g;
     for (uint32_t i = 0; i < g->buffer_count; ++i)
-        if (g->buffers[i].storage == GLTF_STORED_BIN && may_grow(g, i)) return i;
+        if (g->buffers[i].storage == GLTF_STORED_BIN && may_grow(p, i)) return i;
     for (uint32_t i = 0; i < g->buffer_count; ++i)
-        if (g->buffers[i].bytes && may_grow(g, i)) return i;
+        if (g->buffers[i].bytes && may_grow(p, i)) return i;
     return g->buffer_count;
 }
 
@@ -255,7 +261,7 @@ static norma_document_result add_views(placer *p) {
         uint32_t near = piece->old_view == GLTF_NONE ? patch->default_buffer
                                                      : patch->views[piece->old_view].buffer;
         patch->views[view] =
-            (patch_view){.buffer = may_grow(p->g, near) ? near : patch->default_buffer};
+            (patch_view){.buffer = may_grow(p, near) ? near : patch->default_buffer};
         result = take_view(p, view, piece);
     }
     return result;
@@ -264,7 +270,8 @@ static norma_document_result add_views(placer *p) {
 static int prepare(placer *p) {
     const gltf *g = p->g;
     gltf_patch *patch = p->patch;
-    patch->default_buffer = choose_buffer(g);
+    if (!find_growing(p)) return 0;
+    patch->default_buffer = choose_buffer(p);
     patch->pins = norma_gltf_view_pins(g);
     patch->views = norma_io_allocate(g->view_count, sizeof *patch->views);
     patch->view_count = patch->view_capacity = g->view_count;
@@ -279,7 +286,7 @@ static int prepare(placer *p) {
         if (g->buffers[buffer].storage == GLTF_STORED_NOWHERE)
             buffer = g->views[v].meshopt.token != GLTF_NONE ? g->views[v].meshopt.buffer
                                                             : patch->default_buffer;
-        patch->views[v].buffer = buffer;
+        patch->views[v].buffer = may_grow(p, buffer) ? buffer : patch->default_buffer;
     }
     count_stays(p);
     return 1;
@@ -296,5 +303,6 @@ norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *err
     free(p.stays);
     free(p.first);
     free(p.next);
+    free(p.overrun);
     return result;
 }

@@ -9,16 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-char *norma_gltf_join(const char *folder, const char *name) {
-    size_t a = strlen(folder), b = strlen(name);
-    char *joined = norma_io_allocate(a + b + 1, 1);
-    if (joined) {
-        memcpy(joined, folder, a);
-        memcpy(joined + a, name, b);
-    }
-    return joined;
-}
-
 char *norma_gltf_folder_of(const char *path) {
     const char *slash = strrchr(path, '/');
     size_t length = slash ? (size_t)(slash - path) + 1 : 0;
@@ -111,7 +101,7 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
     int try_more = free_only, chosen = 0;
     for (unsigned attempt = 0; !chosen && !result; ++attempt) {
         char *name = name_after(path, buffer, several, attempt),
-             *file = name && folder ? norma_gltf_join(folder, name) : NULL;
+             *file = name && folder ? norma_io_join(folder, name) : NULL;
         found there = file ? look(g, buffer, file) : FOUND_NOTHING;
         chosen = file && (there == FOUND_NOTHING || (there == FOUND_SAME && !free_only));
         if (there == FOUND_UNKNOWN)
@@ -134,14 +124,6 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
     }
     free(folder);
     return result;
-}
-
-static int is_named_twice(const gltf *g, uint32_t buffer) {
-    for (uint32_t b = 0; b < g->buffer_count; ++b)
-        if (b != buffer && g->buffers[b].name &&
-            strcmp(g->buffers[b].name, g->buffers[buffer].name) == 0)
-            return 1;
-    return 0;
 }
 
 /* A buffer that no view needs may be out of reach; then its name stays as it is. */
@@ -171,8 +153,8 @@ norma_document_result norma_gltf_name_buffers(
         if (old) result = reach(g, b, &reached, error);
         if (result || !reached || destination == GLTF_TO_STREAM) continue;
         if (destination == GLTF_IN_PLACE && old &&
-            !(patch->buffers[b].changed && is_named_twice(g, b))) {
-            patch->buffers[b].name = norma_gltf_join(g->buffers[b].name, "");
+            !(patch->buffers[b].changed && norma_gltf_is_named_twice(g, b))) {
+            patch->buffers[b].name = norma_io_join(g->buffers[b].name, "");
             result = patch->buffers[b].name ? NORMA_DOCUMENT_OK
                                             : norma_document_fail_memory(g->document, error);
         } else {

@@ -1,64 +1,14 @@
 /* byte_layout.c: where in the buffers new bytes go. What a replaced view leaves behind, and nothing
  * else uses, is free; a view keeps its place where it fits, else it takes the first free place,
- * else the end. In place, a file beside is only added to: the old asset, and any other that shares
- * the file, reads what it read. */
+ * else the end. In place, no byte of a file beside that any asset names is written over, and the
+ * file is never shortened: the old asset, and any other that shares the file, reads what it read.
+ * New bytes go where nobody names any, else behind the file's real end. */
+#include "io/gltf/write/own_bytes.h"
 #include "io/gltf/write/patch.h"
 #include <stdlib.h>
 #include <string.h>
 
 enum { ALIGNMENT = 4 };
-
-typedef struct range {
-    size_t start, end;
-} range;
-
-typedef struct ranges {
-    range *list;
-    size_t count, capacity;
-    int failed;
-} ranges;
-
-static void add_range(ranges *r, size_t start, size_t end) {
-    if (end <= start || r->failed) return;
-    range *grown = norma_io_grow(r->list, &r->capacity, r->count + 1, sizeof *grown);
-    if (!grown) {
-        r->failed = 1;
-        return;
-    }
-    r->list = grown;
-    r->list[r->count++] = (range){start, end};
-}
-
-static int compare_ranges(const void *a, const void *b) {
-    const range *x = a, *y = b;
-    return x->start < y->start ? -1 : x->start > y->start;
-}
-
-static void sort_and_merge(ranges *r) {
-    if (r->count < 2) return;
-    qsort(r->list, r->count, sizeof *r->list, compare_ranges);
-    size_t last = 0;
-    for (size_t i = 1; i < r->count; ++i) {
-        if (r->list[i].start > r->list[last].end)
-            r->list[++last] = r->list[i];
-        else if (r->list[i].end > r->list[last].end)
-            r->list[last].end = r->list[i].end;
-    }
-    r->count = last + 1;
-}
-
-static void take_away(const ranges *from, const ranges *what, ranges *left) {
-    size_t k = 0;
-    for (size_t i = 0; i < from->count; ++i) {
-        size_t at = from->list[i].start, end = from->list[i].end;
-        while (k < what->count && what->list[k].end <= at) ++k;
-        for (size_t m = k; m < what->count && what->list[m].start < end; ++m) {
-            add_range(left, at, what->list[m].start);
-            if (what->list[m].end > at) at = what->list[m].end;
-        }
-        add_range(left, at, end);
-    }
-}
 
 gltf_storage norma_gltf_storage_of(const gltf *g, uint32_t buffer) {
     if (buffer < g->buffer_count) return g->buffers[buffer].storage;
@@ -68,9 +18,10 @@ gltf_storage norma_gltf_storage_of(const gltf *g, uint32_t buffer) {
 }
 
 /* A buffer that is to be made has the bytes of a BIN chunk that no buffer spoke of. */
-static const unsigned char *old_bytes(const gltf *g, uint32_t buffer, size_t *length) {
+static const unsigned char *old_bytes(
+    const gltf *g, uint32_t buffer, int whole_file, size_t *length) {
     if (buffer < g->buffer_count) {
-        *length = g->buffers[buffer].length;
+        *length = whole_file ? g->buffers[buffer].available : g->buffers[buffer].length;
         return g->buffers[buffer].bytes;
     }
     *length = norma_gltf_storage_of(g, buffer) == GLTF_STORED_BIN && g->bin ? g->bin_size : 0;
@@ -78,7 +29,8 @@ static const unsigned char *old_bytes(const gltf *g, uint32_t buffer, size_t *le
 }
 
 static void add_part(ranges *r, size_t offset, size_t length, size_t limit) {
-    if (offset < limit) add_range(r, offset, length > limit - offset ? limit : offset + length);
+    if (offset < limit)
+        norma_range_add(r, offset, length > limit - offset ? limit : offset + length);
 }
 
 /* The padding behind a view goes with it; what lives there is taken away again. */
@@ -86,24 +38,49 @@ static size_t padded(size_t offset, size_t length) {
     return length + (ALIGNMENT - (offset + length) % ALIGNMENT) % ALIGNMENT;
 }
 
-/* What of the buffer nobody needs once the new views are in use. */
-static int find_free(const gltf *g, uint32_t buffer, size_t length, ranges *left) {
+int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer) {
+    int twice = 0;
+    for (uint32_t b = 0; b < g->buffer_count && g->document->folder && !twice; ++b) {
+        if (b == buffer || !g->buffers[b].name) continue;
+        char *one = norma_io_join(g->document->folder, g->buffers[buffer].name),
+             *other = norma_io_join(g->document->folder, g->buffers[b].name);
+        twice = !one || !other || norma_file_same(one, other);
+        free(one);
+        free(other);
+    }
+    return twice;
+}
+
+/* Whether the buffer's file is replaced by itself with more in it. */
+static int keeps_file(const gltf *g, uint32_t buffer, gltf_destination destination) {
+    return destination == GLTF_IN_PLACE && buffer < g->buffer_count &&
+           g->buffers[buffer].storage == GLTF_STORED_FILE && !norma_gltf_is_named_twice(g, buffer);
+}
+
+/* The padding behind a view that goes is free with it. */
+static void add_view(
+    ranges *dead, ranges *alive, int goes, size_t offset, size_t length, size_t limit) {
+    add_part(goes ? dead : alive, offset, goes ? padded(offset, length) : length, limit);
+}
+
+/* What of the buffer nobody needs once the new views are in use; of a file that is kept, what
+ * nobody needs now either. */
+static int find_free(const gltf *g, uint32_t buffer, int whole_file, size_t length, ranges *left) {
     ranges alive = {0}, dead = {0};
     for (uint32_t v = 0; v < g->view_count; ++v) {
         const gltf_view *view = &g->views[v];
-        const int goes = g->patch->views[v].bytes != NULL;
+        const int goes = !whole_file && g->patch->views[v].bytes != NULL;
+        if (whole_file && g->patch->views[v].bytes) continue;
         if (view->buffer == buffer)
-            add_part(goes ? &dead : &alive, view->offset,
-                goes ? padded(view->offset, view->length) : view->length, length);
+            add_view(&dead, &alive, goes, view->offset, view->length, length);
         if (view->meshopt.token != GLTF_NONE && view->meshopt.buffer == buffer)
-            add_part(goes ? &dead : &alive, view->meshopt.offset,
-                goes ? padded(view->meshopt.offset, view->meshopt.length) : view->meshopt.length,
-                length);
+            add_view(&dead, &alive, goes, view->meshopt.offset, view->meshopt.length, length);
     }
-    sort_and_merge(&alive);
-    sort_and_merge(&dead);
-    take_away(&dead, &alive, left);
-    int ok = !alive.failed && !dead.failed && !left->failed;
+    int ok = !whole_file || norma_gltf_unnamed_bytes(g, buffer, &dead);
+    norma_ranges_merge(&alive);
+    norma_ranges_merge(&dead);
+    norma_ranges_subtract(&dead, &alive, left);
+    ok = ok && !alive.failed && !dead.failed && !left->failed;
     free(alive.list);
     free(dead.list);
     return ok;
@@ -125,7 +102,7 @@ static void use(space *s, size_t i, size_t offset, size_t length) {
         s->left.list[i].end = offset;
     }
     if (offset > whole.start && offset + length < whole.end) {
-        add_range(&s->left, 0, 1);
+        norma_range_add(&s->left, 0, 1);
         if (s->left.failed) return;
         memmove(s->left.list + i + 2, s->left.list + i + 1,
             (s->left.count - i - 2) * sizeof *s->left.list);
@@ -163,19 +140,29 @@ static void find_place(space *s, patch_view *view) {
     }
 }
 
+/* Up to where the views reach: the byteLength. What lies behind is kept, and not spoken of. */
+static size_t end_of_views(const gltf *g, uint32_t buffer, size_t end) {
+    for (size_t v = 0; v < g->patch->view_count; ++v) {
+        const patch_view *view = &g->patch->views[v];
+        if (view->bytes && view->buffer == buffer && view->offset + view->length > end)
+            end = view->offset + view->length;
+    }
+    return end;
+}
+
 static norma_document_result give_places(
-    gltf *g, uint32_t buffer, int only_add, norma_document_error *error) {
+    gltf *g, uint32_t buffer, int whole_file, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     size_t length;
     space s = {.end = 0};
-    old_bytes(g, buffer, &length);
-    int ok = only_add || find_free(g, buffer, length, &s.left);
-    int reaches_end = s.left.count && s.left.list[s.left.count - 1].end == length;
+    old_bytes(g, buffer, whole_file, &length);
+    int ok = find_free(g, buffer, whole_file, length, &s.left);
+    int reaches_end = !whole_file && s.left.count && s.left.list[s.left.count - 1].end == length;
     s.end = reaches_end ? s.left.list[s.left.count - 1].start : length;
     if (reaches_end)
         s.left.list[s.left.count - 1].end = SIZE_MAX;
     else
-        add_range(&s.left, length, SIZE_MAX);
+        norma_range_add(&s.left, length, SIZE_MAX);
     for (uint32_t v = 0; ok && v < g->view_count; ++v) {
         patch_view *view = &patch->views[v];
         view->allocated = view->bytes && view->buffer == buffer && g->views[v].buffer == buffer &&
@@ -186,6 +173,8 @@ static norma_document_result give_places(
         if (patch->views[v].bytes && patch->views[v].buffer == buffer && !patch->views[v].allocated)
             find_place(&s, &patch->views[v]);
     patch->buffers[buffer].length = s.end;
+    patch->buffers[buffer].byte_length =
+        whole_file ? end_of_views(g, buffer, g->buffers[buffer].length) : s.end;
     ok = ok && !s.left.failed;
     free(s.left.list);
     return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
@@ -219,10 +208,10 @@ static int fill_gap(
     return at >= end || add_segment(buffer, at, end - at, NULL);
 }
 
-static int build(const gltf *g, uint32_t number) {
+static int build(const gltf *g, uint32_t number, int whole_file) {
     patch_buffer made = {0}, *buffer = &g->patch->buffers[number];
     size_t old_length, at = 0;
-    const unsigned char *old = old_bytes(g, number, &old_length);
+    const unsigned char *old = old_bytes(g, number, whole_file, &old_length);
     int ok = 1;
     for (size_t v = 0; ok && v < g->patch->view_count; ++v)
         if (g->patch->views[v].bytes && g->patch->views[v].buffer == number)
@@ -250,11 +239,13 @@ norma_document_result norma_gltf_fill_buffers(
         if (!buffer->changed) continue;
         norma_document_result result =
             b < g->buffer_count ? norma_gltf_load_buffer(g, b, error) : NORMA_DOCUMENT_OK;
-        if (!result)
-            result = give_places(g, b,
-                destination == GLTF_IN_PLACE && norma_gltf_storage_of(g, b) == GLTF_STORED_FILE,
-                error);
-        if (!result && !build(g, b)) result = norma_document_fail_memory(g->document, error);
+        const int whole_file = keeps_file(g, b, destination);
+        if (!result && whole_file)
+            result = norma_gltf_check_own_data(g, b,
+                &(file_bytes){.data = g->buffers[b].bytes, .size = g->buffers[b].available}, error);
+        if (!result) result = give_places(g, b, whole_file, error);
+        if (!result && !build(g, b, whole_file))
+            result = norma_document_fail_memory(g->document, error);
         if (result) return result;
     }
     return NORMA_DOCUMENT_OK;

@@ -1,8 +1,10 @@
 /* companion_files.c: the files that go with an asset: its buffers, and into another folder the
  * images that it names. All are looked at before any is written, all are written before any is
  * renamed (by norma_document_save); a file of the same content is left alone, one of other content
- * is refused. */
+ * is refused. The names come from the asset, which may be anyone's: only what is an image by name
+ * and content goes along, nothing hidden, and nothing is written through a link. */
 #define _POSIX_C_SOURCE 200809L
+#include "io/gltf/write/own_bytes.h"
 #include "io/gltf/write/patch.h"
 #include <errno.h>
 #include <stdlib.h>
@@ -45,6 +47,29 @@ static norma_document_result refuse(const companions *c, const char *path) {
         c->document->path);
 }
 
+static norma_document_result refuse_link(const companions *c, const char *path) {
+    const norma_document target = {.path = (char *)(uintptr_t)path};
+    return norma_document_fail(&target, c->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
+        "is a symbolic link, or reached through one, and is not written through; %s needs a file "
+        "of this name beside it",
+        c->document->path);
+}
+
+/* Whether a file would land where its path says: neither it nor a folder on the way from the
+ * output's folder is a link to somewhere else. A buffer that is replaced may be a link, which was
+ * followed when it was read. */
+static int stays_in_folder(const companions *c, const companion *one) {
+    int stays = one->replaces || !norma_file_is_link(one->path);
+    char *path = one->path;
+    for (char *slash = strchr(path + strlen(c->folder), '/'); slash && stays;
+         slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        stays = one->replaces || !norma_file_is_link(path);
+        *slash = '/';
+    }
+    return stays;
+}
+
 /* Adds a file to be written, unless it is there already. Takes over one->path and one->file. */
 static norma_document_result add(companions *c, companion one) {
     file_bytes there;
@@ -56,6 +81,8 @@ static norma_document_result add(companions *c, companion one) {
     }
     if (failed == ENOMEM)
         result = out_of_memory(c);
+    else if (!same && !stays_in_folder(c, &one))
+        result = refuse_link(c, one.path);
     else if (!same && failed != ENOENT && failed != ENOTDIR && !(c->in_place && !failed))
         result = refuse(c, one.path);
     if (!same && !result) {
@@ -74,7 +101,7 @@ static norma_document_result add(companions *c, companion one) {
 
 static norma_document_result add_buffer(companions *c, uint32_t number) {
     const patch_buffer *b = &c->g->patch->buffers[number];
-    companion one = {.path = norma_gltf_join(c->folder, b->name)};
+    companion one = {.path = norma_io_join(c->folder, b->name)};
     if (!one.path) return out_of_memory(c);
     if (c->in_place && number < c->g->buffer_count && c->g->buffers[number].name &&
         strcmp(c->g->buffers[number].name, b->name) == 0)
@@ -88,12 +115,42 @@ static norma_document_result add_buffer(companions *c, uint32_t number) {
     return add(c, one);
 }
 
-/* A file of the asset's folder under its own name: one that does not exist, or lies outside, stays
- * where it is; one that cannot be read is an error. */
-static norma_document_result add_file(companions *c, const char *name) {
+/* ---- images */
+
+static int is_image(const unsigned char *bytes, size_t size) {
+    static const struct {
+        const char *start;
+        size_t length, at;
+    } kinds[] = {{"\x89PNG\r\n\x1A\n", 8, 0}, {"\xFF\xD8\xFF", 3, 0}, {"WEBP", 4, 8},
+        {"\xABKTX 20\xBB\r\n\x1A\n", 12, 0}, {"\xABKTX 11\xBB\r\n\x1A\n", 12, 0}, {"DDS ", 4, 0},
+        {"sB", 2, 0}, {"GIF8", 4, 0}, {"BM", 2, 0}, {"ftyp", 4, 4}};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
+        if (size >= kinds[i].at + kinds[i].length &&
+            memcmp(bytes + kinds[i].at, kinds[i].start, kinds[i].length) == 0)
+            return 1;
+    return 0;
+}
+
+static int is_image_name(const char *name) {
+    static const char *const suffixes[] = {
+        "png", "jpg", "jpeg", "webp", "ktx2", "ktx", "dds", "basis", "gif", "bmp", "avif"};
+    return !norma_gltf_is_hidden(name) &&
+           norma_gltf_has_suffix(name, suffixes, sizeof suffixes / sizeof *suffixes);
+}
+
+static norma_document_result not_copied(const companions *c, const char *name) {
+    norma_document_add_note(
+        c->document, "%s was not copied: it is no image by its name and its first bytes", name);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* A file of the asset's folder under its own name, an image or (not GLTF_NONE) a buffer: one that
+ * does not exist, or lies outside, stays where it is; one that cannot be read is an error. */
+static norma_document_result add_file(companions *c, const char *name, uint32_t buffer) {
     companion one = {.path = NULL};
     char *source;
     struct stat status;
+    if (buffer == GLTF_NONE && !is_image_name(name)) return not_copied(c, name);
     if (!norma_gltf_path_inside(c->document->folder, name, &source))
         return errno == ENOMEM ? out_of_memory(c)
                                : norma_document_add_note(c->document,
@@ -109,9 +166,16 @@ static norma_document_result add_file(companions *c, const char *name) {
                           : NORMA_DOCUMENT_OK;
     free(source);
     if (failed) return result;
+    const int image = buffer == GLTF_NONE,
+              no_image = image && !is_image(one.file.data, one.file.size);
+    if (!image) result = norma_gltf_check_own_data(c->g, buffer, &one.file, c->error);
+    if (result || no_image) {
+        norma_file_close(&one.file);
+        return result ? result : not_copied(c, name);
+    }
     one.bytes = one.file.data;
     one.size = one.file.size;
-    one.path = norma_gltf_join(c->folder, name);
+    one.path = norma_io_join(c->folder, name);
     if (!one.path) {
         norma_file_close(&one.file);
         return out_of_memory(c);
@@ -130,7 +194,7 @@ static norma_document_result add_images(companions *c) {
             norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE);
         char *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
         if (name)
-            result = add_file(c, name);
+            result = add_file(c, name, GLTF_NONE);
         else if (errno == ENOMEM)
             result = out_of_memory(c);
         free(name);
@@ -148,7 +212,7 @@ static int is_given(const companions *c, uint32_t number, int only_changed) {
 
 static norma_document_result add_given(companions *c, uint32_t number) {
     const given_buffer *given = &c->document->given[number];
-    companion one = {.path = norma_gltf_join(c->folder, c->g->buffers[number].name),
+    companion one = {.path = norma_io_join(c->folder, c->g->buffers[number].name),
         .bytes = given->bytes,
         .size = given->size};
     if (c->in_place) one.replaces = &c->g->buffers[number].file.stamp;
@@ -167,7 +231,7 @@ static norma_document_result collect(companions *c, const char *path) {
         if (g->buffers[b].name && is_given(c, b, c->in_place))
             result = add_given(c, b);
         else if (g->buffers[b].name && elsewhere)
-            result = add_file(c, g->buffers[b].name);
+            result = add_file(c, g->buffers[b].name, b);
     }
     return result || !elsewhere || !c->document->folder ? result : add_images(c);
 }
@@ -238,7 +302,7 @@ int norma_gltf_reads_from(const norma_document *document, const char *path) {
     int reads = 0;
     for (uint32_t b = 0; b < g->buffer_count && document->folder && !reads; ++b) {
         char *file =
-            g->buffers[b].name ? norma_gltf_join(document->folder, g->buffers[b].name) : NULL;
+            g->buffers[b].name ? norma_io_join(document->folder, g->buffers[b].name) : NULL;
         reads = file && norma_file_same(file, path);
         free(file);
     }
@@ -249,7 +313,7 @@ char *norma_gltf_changed_companion(const norma_document *document) {
     const gltf *g = norma_gltf_of(document);
     for (uint32_t b = 0; g->buffers && b < g->buffer_count && document->folder; ++b) {
         char *file = g->buffers[b].name && g->buffers[b].file.stamp.known
-                         ? norma_gltf_join(document->folder, g->buffers[b].name)
+                         ? norma_io_join(document->folder, g->buffers[b].name)
                          : NULL;
         if (file && norma_file_has_changed(file, &g->buffers[b].file.stamp)) return file;
         free(file);

@@ -16,7 +16,7 @@ norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_docume
     for (size_t v = 0; v < patch->view_count; ++v) patch->views[v].allocated = 0;
     patch->buffers = norma_io_allocate((size_t)g->buffer_count + 1, sizeof *patch->buffers);
     patch->layout = norma_json_edits_copy(g->edits);
-    char *laid_out_for = norma_gltf_join(key, "");
+    char *laid_out_for = norma_io_join(key, "");
     norma_document_result result = patch->buffers && patch->layout && laid_out_for
                                        ? NORMA_DOCUMENT_OK
                                        : norma_document_fail_memory(g->document, error);

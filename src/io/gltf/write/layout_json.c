@@ -185,8 +185,8 @@ static int edit_buffer(gltf *g, uint32_t number, gltf_destination destination) {
     int data = goes_as_data(g, number, destination);
     int moved = data ? b->changed || (old->storage == GLTF_STORED_FILE && old->bytes)
                      : b->name && (!old->name || strcmp(b->name, old->name) != 0);
-    if (b->changed && b->length != old->length)
-        norma_json_set_uint(edits, old->token, "byteLength", b->length);
+    if (b->changed && b->byte_length != old->length)
+        norma_json_set_uint(edits, old->token, "byteLength", b->byte_length);
     if (!moved) return 1;
     int ok = whole(g, number) && write_uri(g, number, &uri);
     norma_json_add(&uri, "", 1);
@@ -208,7 +208,7 @@ static int add_buffer(gltf *g) {
         norma_json_add_text(&text, ",");
     }
     norma_json_add_text(&text, "\"byteLength\":");
-    norma_json_add_uint(&text, b->length);
+    norma_json_add_uint(&text, b->byte_length);
     norma_json_add(&text, "}", 2);
     append_to_root(g, "buffers", &text, &start, 1);
     free(text.data);
@@ -281,7 +281,12 @@ norma_document_result norma_gltf_edit_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error) {
     int ok = 1;
     for (uint32_t b = 0; ok && b < g->buffer_count; ++b) ok = edit_buffer(g, b, destination);
-    if (ok && g->patch->buffers[g->buffer_count].changed) ok = add_buffer(g);
+    if (ok && g->patch->buffers[g->buffer_count].changed) {
+        const norma_document_result dangling =
+            norma_gltf_check_dangling(g, GLTF_LIST_BUFFERS, error);
+        if (dangling) return dangling;
+        ok = add_buffer(g);
+    }
     if (!ok) return norma_document_fail_memory(g->document, error);
     remove_placeholders(g);
     drop_unused_extensions(g);

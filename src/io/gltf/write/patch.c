@@ -155,6 +155,12 @@ norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
     norma_document_result result = patch ? norma_gltf_assign_accessors(g, error)
                                          : norma_document_fail_memory(g->document, error);
     if (!result) result = norma_gltf_assign_views(g, error);
+    if (!result && patch->accessor_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_ACCESSORS, error);
+    if (!result && patch->view_count > g->view_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_VIEWS, error);
+    if (!result && patch->copy_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_MESHES, error);
     if (!result) result = append_copies(g, error);
     if (result) return result;
     g->changed = norma_json_edits_any(g->edits);

@@ -52,7 +52,8 @@ typedef struct patch_segment { /* part of a buffer as it will be written */
 
 typedef struct patch_buffer { /* old ones, and one more where none can be written to */
     int changed, removed;
-    size_t length;
+    size_t length;           /* of the bytes that are written */
+    size_t byte_length;      /* as the JSON says; less where a file holds more than this asset's */
     patch_segment *segments; /* in order, without gaps */
     size_t segment_count, segment_capacity;
     char *name; /* of the file that it goes into; NULL: BIN, data: URI, or nothing */
@@ -105,14 +106,24 @@ void norma_gltf_edit_views(gltf *g); /* layout_json.c: the layout's JSON */
 norma_document_result norma_gltf_edit_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error);
 norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destination,
-    const char *path, norma_document_error *error); /* buffer_names.c */
+    const char *path, norma_document_error *error);            /* buffer_names.c */
+int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer); /* by other buffers, one file */
 gltf_storage norma_gltf_storage_of(
     const gltf *g, uint32_t buffer); /* of old ones and the one more */
 int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
+/* dangling.c: refuses to add to a list that some index of the file reaches beyond. */
+typedef enum gltf_list {
+    GLTF_LIST_ACCESSORS,
+    GLTF_LIST_VIEWS,
+    GLTF_LIST_BUFFERS,
+    GLTF_LIST_MESHES,
+    GLTF_LIST_NODES
+} gltf_list;
+norma_document_result norma_gltf_check_dangling(
+    const gltf *g, gltf_list list, norma_document_error *error);
 /* ---- paths (buffer_names.c) */
 char *norma_gltf_folder_of(
     const char *path); /* with its slash, "" for the current one; to be freed */
-char *norma_gltf_join(const char *folder, const char *name);
 int norma_gltf_same_folder(
     const gltf *g, const char *path); /* path stands in the folder that the asset was read from */
 #endif

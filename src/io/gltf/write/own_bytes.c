@@ -1,0 +1,211 @@
+/* own_bytes.c: which bytes of a buffer's file an asset may write over when it is changed in place.
+ * Other assets may share the file, and a copy of the asset may be kept as a backup, so every file
+ * of the folder that reads as glTF is asked which bytes it names. Bytes that nobody names may be
+ * used again; all others stay as they are. */
+#define _POSIX_C_SOURCE 200809L
+#include "io/gltf/write/own_bytes.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_ENTRIES = 4096, LARGEST_ASSET = 1 << 28, GLB_TEXT = 20 };
+
+typedef struct search {
+    const gltf *g;
+    const char *file;   /* the buffer's, as a path */
+    const char *folder; /* the one that is looked through, with its slash */
+    ranges named;
+    size_t entries, read;
+    int unknown; /* something may name bytes and cannot be asked */
+    int no_memory;
+} search;
+
+/* ---- one asset */
+
+/* Which of its buffers are the file; NULL: none, or out of memory. */
+static uint8_t *find_buffers(search *s, const json *j, uint32_t list, uint32_t count) {
+    uint8_t *same = norma_io_allocate(count, 1);
+    uint32_t number = 0;
+    int any = 0;
+    for (uint32_t item = norma_json_first(j, list); same && item != JSON_NONE;
+         item = norma_json_next(j, list, item), ++number) {
+        char *uri = norma_json_string(j, norma_json_member(j, item, "uri")),
+             *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL,
+             *path = name ? norma_io_join(s->folder, name) : NULL;
+        s->no_memory |= name && !path;
+        same[number] = path && norma_file_same(path, s->file);
+        any |= same[number];
+        free(path);
+        free(name);
+        free(uri);
+    }
+    s->no_memory |= !same;
+    if (any) return same;
+    free(same);
+    return NULL;
+}
+
+static size_t size_of(const json *j, uint32_t object, const char *key, size_t otherwise) {
+    uint64_t value;
+    const uint32_t token = norma_json_member(j, object, key);
+    return norma_json_uint(j, token, &value) && value < SIZE_MAX / 4 ? (size_t)value : otherwise;
+}
+
+/* Views, compressed bytes, and whatever an extension may add: each names a buffer, and a part of it
+ * or all. A buffer that is named nowhere is used in a way that is not known here. */
+static void add_named(search *s, const json *j) {
+    const uint32_t list = norma_json_member(j, 0, "buffers"), count = norma_json_size(j, list);
+    uint8_t *same = norma_json_is(j, list, JSON_ARRAY) ? find_buffers(s, j, list, count) : NULL;
+    for (uint32_t object = 1; same && object < j->count; ++object) {
+        const uint32_t token = norma_json_member(j, object, "buffer");
+        uint64_t buffer;
+        if (token == JSON_NONE || !norma_json_uint(j, token, &buffer) || buffer >= count) continue;
+        if (!same[buffer]) continue;
+        const size_t offset = size_of(j, object, "byteOffset", 0),
+                     length = size_of(j, object, "byteLength", SIZE_MAX / 4);
+        same[buffer] = 2;
+        norma_range_add(&s->named, offset, offset + length);
+    }
+    for (uint32_t b = 0; same && b < count; ++b)
+        if (same[b] == 1) norma_range_add(&s->named, 0, SIZE_MAX / 4);
+    free(same);
+}
+
+static int begins_like_json(const unsigned char *bytes, size_t size) {
+    size_t at = size >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    while (at < size && (bytes[at] == ' ' || (bytes[at] >= '\t' && bytes[at] <= '\r'))) ++at;
+    return at < size && bytes[at] == '{';
+}
+
+static void ask(search *s, const file_bytes *bytes) {
+    const char *text = (const char *)bytes->data;
+    size_t size = bytes->size;
+    if (size > GLB_TEXT && memcmp(text, "glTF", 4) == 0) {
+        const unsigned char *at = bytes->data + 12;
+        const size_t length =
+            (size_t)at[0] | (size_t)at[1] << 8 | (size_t)at[2] << 16 | (size_t)at[3] << 24;
+        text += GLB_TEXT;
+        size = length < size - GLB_TEXT ? length : size - GLB_TEXT;
+    } else if (!begins_like_json(bytes->data, size)) {
+        return;
+    }
+    json j;
+    json_error wrong;
+    s->read += size;
+    if (s->read > LARGEST_ASSET) {
+        s->unknown = 1;
+    } else if (norma_json_parse(text, size, &j, &wrong)) {
+        add_named(s, &j);
+        norma_json_free(&j);
+    } else {
+        s->unknown = 1;
+    }
+}
+
+static int visit(void *user, const char *name) {
+    search *s = user;
+    file_bytes bytes;
+    char *path = norma_io_join(s->folder, name);
+    s->unknown |= ++s->entries > MOST_ENTRIES;
+    s->no_memory |= !path;
+    if (path && norma_file_is_regular(path) && !norma_file_same(path, s->file)) {
+        if (norma_file_open(path, 0, &bytes) == 0) {
+            ask(s, &bytes);
+            norma_file_close(&bytes);
+        } else {
+            s->unknown = 1;
+        }
+    }
+    free(path);
+    return s->unknown || s->no_memory;
+}
+
+/* ---- all of them */
+
+static void look_through(search *s, const char *folder) {
+    s->folder = folder;
+    if (norma_folder_visit(folder[0] ? folder : ".", visit, s)) s->unknown = 1;
+}
+
+int norma_gltf_unnamed_bytes(const gltf *g, uint32_t buffer, ranges *left) {
+    const char *folder = g->document->folder, *name = g->buffers[buffer].name;
+    const char *slash = strrchr(name, '/');
+    search s = {.g = g, .file = norma_io_join(folder, name)};
+    char *beside =
+        slash ? norma_io_copy_text(s.file, strlen(folder) + (size_t)(slash - name) + 1) : NULL;
+    s.no_memory = !s.file || (slash && !beside);
+    if (!s.no_memory) look_through(&s, folder);
+    if (beside && !s.no_memory && !s.unknown) look_through(&s, beside);
+    if (!s.no_memory && !s.unknown) {
+        ranges whole = {0};
+        norma_range_add(&whole, 0, g->buffers[buffer].length);
+        norma_ranges_merge(&s.named);
+        norma_ranges_subtract(&whole, &s.named, left);
+        s.no_memory = whole.failed || s.named.failed || left->failed;
+        free(whole.list);
+    }
+    free(s.named.list);
+    free(beside);
+    free((char *)(uintptr_t)s.file);
+    return !s.no_memory;
+}
+
+/* ---- what a file looks like */
+
+int norma_gltf_is_hidden(const char *name) {
+    for (const char *part = name; part; part = strchr(part, '/')) {
+        part += *part == '/';
+        if (part[0] == '.' && part[1] != '/') return 1;
+    }
+    return 0;
+}
+
+static int equals_ignoring_case(const char *a, const char *b) {
+    for (; *a && *b; ++a, ++b)
+        if ((*a >= 'A' && *a <= 'Z' ? *a + 32 : *a) != *b) return 0;
+    return *a == *b;
+}
+
+int norma_gltf_has_suffix(const char *name, const char *const *suffixes, size_t count) {
+    const char *slash = strrchr(name, '/'), *dot = strrchr(slash ? slash : name, '.');
+    for (size_t i = 0; dot && i < count; ++i)
+        if (equals_ignoring_case(dot + 1, suffixes[i])) return 1;
+    return 0;
+}
+
+/* Numbers of vertices hold zeros and signs; a whole file without either is a text. */
+static int is_text(const unsigned char *bytes, size_t size) {
+    const size_t looked_at = size < 4096 ? size : 4096;
+    for (size_t i = 0; i < looked_at; ++i)
+        if (bytes[i] > '~' || (bytes[i] < ' ' && (bytes[i] < '\t' || bytes[i] > '\r'))) return 0;
+    return size > 0;
+}
+
+static int begins_like_another_kind(const unsigned char *bytes, size_t size) {
+    static const char *const kinds[] = {"glTF", "\x89PNG", "\xFF\xD8\xFF\xE0",
+        "\x7F"
+        "ELF",
+        "PK\3\4", "%PDF", "RIFF", "\xABKTX"};
+    for (size_t i = 0; size >= 4 && i < sizeof kinds / sizeof *kinds; ++i)
+        if (memcmp(bytes, kinds[i], 4) == 0) return 1;
+    return is_text(bytes, size);
+}
+
+norma_document_result norma_gltf_check_own_data(
+    const gltf *g, uint32_t buffer, const file_bytes *file, norma_document_error *error) {
+    static const char *const suffixes[] = {"bin", "glbin", "glbuf", "buf", "buffer", "dat", "data"};
+    const gltf_buffer *b = &g->buffers[buffer];
+    char place[200], *real = norma_gltf_real_path(g->document->folder, b->name);
+    if (!real) return norma_document_fail_memory(g->document, error);
+    const char *slash = strrchr(real, '/');
+    const int looks_right =
+        !norma_gltf_is_hidden(b->name) && !norma_gltf_is_hidden(slash ? slash + 1 : real) &&
+        norma_gltf_has_suffix(real, suffixes, sizeof suffixes / sizeof *suffixes) &&
+        !begins_like_another_kind(file->data, file->size);
+    free(real);
+    if (looks_right) return NORMA_DOCUMENT_OK;
+    norma_gltf_pointer(g, b->token, place, sizeof place);
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED, place,
+        "the buffer %s does not look like data of a glTF file, and is neither changed nor copied; "
+        "expected a binary file with a name like scene.bin",
+        b->name);
+}
