@@ -366,6 +366,18 @@ NORMA_API size_t norma_document_unread_count(norma_document *document);
 NORMA_API norma_document_result norma_document_unread(
     norma_document *document, size_t index, norma_unread *unread);
 
+/* Receives the path of a file; nonzero stops. */
+typedef int norma_visit_file(void *user, const char *path);
+/* Calls visit for each file beside its own that the document was read from or names: the buffers
+ * and images of a glTF, the material libraries of an OBJ, the texture files of a PLY. Paths are
+ * relative to the working folder, or absolute; a file may be named twice or be missing. Nothing is
+ * opened. A document that was read from memory without a name names none.
+ *
+ * document: the document; visit: called once for each file; user: handed to visit; error: may be
+ * NULL. Fails for want of memory only. */
+NORMA_API norma_document_result norma_document_visit_files(
+    norma_document *document, norma_visit_file *visit, void *user, norma_document_error *error);
+
 /* ---- computing normals */
 
 typedef enum norma_shading {

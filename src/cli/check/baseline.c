@@ -206,7 +206,7 @@ static void write_known(FILE *out, const check_baseline *baseline) {
     fputs("\n]}\n", out);
 }
 
-int check_baseline_write(check_baseline *baseline) {
+int check_baseline_write(check_baseline *baseline, cli_guard *guard) {
     cli_output output;
     if (baseline->incomplete) {
         fprintf(stderr, "norma: %s: not written: out of memory\n", baseline->path);
@@ -214,7 +214,8 @@ int check_baseline_write(check_baseline *baseline) {
     }
     if (baseline->count)
         qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_places);
-    if (!cli_output_begin(&output, baseline->path)) return CLI_FILE;
+    const int status = cli_output_begin(&output, baseline->path, guard);
+    if (status) return status;
     write_known(output.out, baseline);
     return cli_output_end(&output);
 }

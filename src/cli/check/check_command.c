@@ -234,6 +234,10 @@ static int read_options(
         return cli_usage(verb, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)
         return cli_usage(verb, "--baseline and --write-baseline exclude each other");
+    if (work->new_baseline && work->files.output &&
+        strcmp(work->new_baseline, work->files.output) == 0)
+        return cli_usage(
+            verb, "-o and --write-baseline name the same file, %s", work->new_baseline);
     if (!work->settings.fix &&
         (work->files.folder || work->files.in_place || work->settings.dry_run))
         return cli_usage(verb, "--%s needs --fix or --fix-unsafe",
@@ -266,9 +270,20 @@ static int gather_inputs(const cli_subcommand *verb, const check_work *work, che
         status = cli_worse(status, check_inputs_add(verb, inputs, word));
     }
     if (standard > 1) return cli_usage(verb, "standard input can be read only once");
+    for (size_t i = 0; i < work->lists.count; ++i)
+        cli_guard_read(work->files.guard, work->lists.words[i]);
+    for (size_t i = 0; i < inputs->count; ++i) cli_guard_read(work->files.guard, inputs->paths[i]);
+    if (work->baseline) cli_guard_read(work->files.guard, work->baseline);
     if (work->files.inputs.count + work->lists.count == 0)
         return cli_usage(verb, "no input file was given");
     return status;
+}
+
+/* Asked again when all is read, so that neither the report nor the baseline is written if one of
+ * the two would overwrite a source. */
+static int guard_baseline(const check_work *work) {
+    return work->new_baseline ? cli_guard_output(work->files.guard, work->new_baseline, NULL)
+                              : CLI_OK;
 }
 
 static int check_files(const check_work *work, const check_inputs *inputs, check_configs *configs) {
@@ -276,14 +291,17 @@ static int check_files(const check_work *work, const check_inputs *inputs, check
     check_totals totals = {0};
     const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
                         strcmp(work->files.output, "-") == 0;
-    if (!cli_output_begin(
-            &output, work->files.output && !work->settings.fix ? work->files.output : "-"))
-        return CLI_FILE;
+    int status = guard_baseline(work);
+    if (!status)
+        status = cli_output_begin(&output,
+            work->files.output && !work->settings.fix ? work->files.output : "-",
+            work->files.guard);
+    if (status) return status;
     if (streams) /* the mended file has standard output */
         output.out = stderr;
     work->format->begin(output.out);
-    int status =
-        check_all_files(&work->settings, configs, work->format, inputs, output.out, &totals);
+    status = check_all_files(&work->settings, configs, work->format, inputs, output.out, &totals);
+    if (status != CLI_USAGE && guard_baseline(work)) status = CLI_USAGE;
     if (status == CLI_USAGE || cli_interrupted()) {
         if (!streams) cli_output_drop(&output);
         return status;
@@ -313,7 +331,7 @@ static int check_places(const cli_subcommand *verb, check_work *work, const chec
 
 static int check_all(const cli_subcommand *verb, check_work *work) {
     check_inputs inputs = {0};
-    check_configs *configs = check_configs_new(work->config, work->no_config);
+    check_configs *configs = check_configs_new(work->config, work->no_config, work->files.guard);
     int status = !configs              ? cli_out_of_memory()
                  : open_baseline(work) ? gather_inputs(verb, work, &inputs)
                                        : CLI_FILE;
@@ -323,7 +341,7 @@ static int check_all(const cli_subcommand *verb, check_work *work) {
         status = cli_worse(status, check_files(work, &inputs, configs));
     if (work->new_baseline && work->settings.baseline && status != CLI_USAGE && !cli_interrupted())
         status = cli_worse(status == CLI_FINDINGS ? CLI_OK : status,
-            check_baseline_write(work->settings.baseline));
+            check_baseline_write(work->settings.baseline, work->files.guard));
     check_baseline_free(work->settings.baseline);
     check_configs_free(configs);
     check_inputs_free(&inputs);
@@ -334,20 +352,21 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     check_work work = {.settings = {.fail_on = -1},
         .format = &check_format_text,
         .common.threads = NORMA_ALL_THREADS};
-    int wants_help = 0, status = CLI_FILE;
-    work.files.inputs.words = calloc((size_t)count + 1, sizeof(char *));
+    int wants_help = 0, status;
     work.lists.words = calloc((size_t)count + 1, sizeof(char *));
-    if (work.files.inputs.words && work.lists.words)
-        status = read_options(verb, &work, count, arguments, &wants_help);
-    else
-        cli_out_of_memory();
+    if (!cli_files_begin(verb, &work.files, count) || !work.lists.words) {
+        cli_files_end(&work.files);
+        free((void *)work.lists.words);
+        return cli_out_of_memory();
+    }
+    status = read_options(verb, &work, count, arguments, &wants_help);
     if (wants_help) {
         fputs(verb->help, stdout);
         status = cli_finish(status);
     } else if (!status)
         status = check_all(verb, &work);
-    free(work.files.inputs.words);
-    free(work.lists.words);
+    cli_files_end(&work.files);
+    free((void *)work.lists.words);
     return status;
 }
 

@@ -48,7 +48,7 @@ typedef struct check_config {
 
 typedef struct check_configs check_configs; /* those read so far, by folder */
 /* named: --config FILE, NULL: found upward from each file; none: --no-config. */
-check_configs *check_configs_new(const char *named, int none);
+check_configs *check_configs_new(const char *named, int none, cli_guard *guard);
 void check_configs_free(check_configs *configs);
 /* The configuration of a file. NULL: one that cannot be read, which has been said. */
 const check_config *check_config_of(check_configs *configs, const char *path);
@@ -130,8 +130,8 @@ check_baseline *check_baseline_new(
 int check_baseline_knows(const check_baseline *baseline, const char *path,
     const norma_finding *finding, norma_severity severity);
 int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
-    norma_severity severity);                       /* 0: out of memory. Any thread */
-int check_baseline_write(check_baseline *baseline); /* a status */
+    norma_severity severity); /* 0: out of memory. Any thread */
+int check_baseline_write(check_baseline *baseline, cli_guard *guard); /* a status */
 int check_baseline_is_new(const check_baseline *baseline);
 void check_baseline_free(check_baseline *baseline);
 

@@ -161,8 +161,8 @@ static norma_document_result open_and_judge(file_check *check) {
         .threads = settings->threads,
         .lenient = 1,
         .progress = cli_stop_when_interrupted};
-    norma_document_result result =
-        cli_open(check->path, &opening, &check->document, &check->memory, &check->error);
+    norma_document_result result = cli_open(
+        settings->files, check->path, &opening, &check->document, &check->memory, &check->error);
     if (result) return result;
     choose_rules(check, rules);
     const norma_check_options options = choose_options(check, rules);

@@ -21,6 +21,7 @@ typedef struct config_entry {
 struct check_configs {
     const char *named;
     int none;
+    cli_guard *guard;
     check_config **configs; /* each read once */
     size_t config_count;
     config_entry *entries;
@@ -250,6 +251,7 @@ static check_config *add_config(check_configs *configs, const char *path) {
     check_config **grown = realloc(configs->configs, (configs->config_count + 1) * sizeof *grown);
     if (!grown) return without_memory();
     configs->configs = grown;
+    cli_guard_read(configs->guard, path);
     check_config *config = read_config(path);
     if (config) configs->configs[configs->config_count++] = config;
     return config;
@@ -286,11 +288,13 @@ static check_config *config_of_folder(check_configs *configs, const char *folder
     return found;
 }
 
-check_configs *check_configs_new(const char *named, int none) {
+check_configs *check_configs_new(const char *named, int none, cli_guard *guard) {
     check_configs *configs = calloc(1, sizeof *configs);
     if (!configs) return NULL;
     configs->named = named;
     configs->none = none;
+    configs->guard = guard;
+    if (named) cli_guard_read(guard, named);
     configs->empty.strict = configs->empty.fail_on = -1;
     return configs;
 }

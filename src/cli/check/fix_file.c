@@ -149,7 +149,13 @@ norma_document_result check_fix(const check_settings *settings, norma_document *
         *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         return error->result;
     }
-    norma_document_result result = judge_all(settings, document, &was, error);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!settings->dry_run &&
+        cli_guard_output(settings->files->guard, output, settings->files->in_place ? path : NULL)) {
+        *error = (norma_document_error){.result = NORMA_DOCUMENT_ERROR_ARGUMENT}; /* reported */
+        result = error->result;
+    }
+    if (!result) result = judge_all(settings, document, &was, error);
     if (!result) result = fix_steps(settings, document, options, path, output, mended, error);
     if (!result && mended->changed)
         result = norma_check_document(mended->document, options, &mended->findings, error);

@@ -124,8 +124,10 @@ int cli_check_outputs(
         return cli_usage(verb, "-o - and --json both want standard output");
     if (!files->output && standard)
         return cli_usage(verb, "standard input has no name to write to; expected -o OUT");
-    if (files->output) return check_output(verb, files, files->inputs.words[0]);
-    return files->folder ? check_folder(verb, files) : CLI_OK;
+    int status = files->output   ? check_output(verb, files, files->inputs.words[0])
+                 : files->folder ? check_folder(verb, files)
+                                 : CLI_OK;
+    return status ? status : cli_guard_outputs(files);
 }
 
 char *cli_output_of(const cli_files *files, const char *input) {
@@ -220,7 +222,8 @@ static norma_document_result open_input(
         .threads = job->common->threads,
         .progress = cli_progress_report,
         .progress_user = &progress};
-    norma_document_result result = cli_open(job->input, &options, document, memory, error);
+    norma_document_result result =
+        cli_open(job->files, job->input, &options, document, memory, error);
     cli_progress_stop(&progress);
     return result;
 }
@@ -260,18 +263,40 @@ static void report(
         report_json(job, document, error);
 }
 
+static int guard_output(const cli_files *files, const char *input, const char *output) {
+    return cli_guard_output(files->guard, output, files->in_place ? input : NULL);
+}
+
+static int guard_each(const cli_files *files) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < files->inputs.count && !status; ++i) {
+        char *output = cli_output_of(files, files->inputs.words[i]);
+        status = output ? guard_output(files, files->inputs.words[i], output) : cli_out_of_memory();
+        free(output);
+    }
+    return status;
+}
+
+int cli_guard_outputs(const cli_files *files) {
+    const int status = guard_each(files);
+    if (status) return status;
+    cli_guard_look_ahead(files->guard, files->inputs.words, files->inputs.count, files->format);
+    return guard_each(files);
+}
+
 static int run_job(const file_job *job) {
     norma_document *document;
     void *memory;
     norma_document_error error = {0};
     norma_document_result result = open_input(job, &document, &memory, &error);
-    if (!result) result = change_document(job, document, &error);
+    const int refused = result ? CLI_OK : guard_output(job->files, job->input, job->output);
+    if (!result && !refused) result = change_document(job, document, &error);
     error.result = result;
     cli_name_error(&error, job->input);
-    report(job, document, &error);
+    if (!refused) report(job, document, &error);
     norma_document_close(document);
     free(memory);
-    return cli_status_of(result);
+    return refused ? refused : cli_status_of(result);
 }
 
 static int change_files(const cli_subcommand *verb, const cli_common *common,
@@ -295,7 +320,7 @@ static int change_files(const cli_subcommand *verb, const cli_common *common,
 int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, const cli_table *own,
     size_t own_count, int count, char **arguments) {
     cli_common common = {.threads = NORMA_ALL_THREADS};
-    cli_files files = {.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
+    cli_files files = {0};
     const cli_table shared[] = {
         {cli_output_options, cli_output_option_count, &files},
         {cli_input_options, cli_input_option_count, &files},
@@ -303,7 +328,7 @@ int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, cons
     };
     cli_table tables[CLI_OWN_TABLES + CLI_COUNT(shared)];
     int wants_help;
-    if (!files.inputs.words) return cli_out_of_memory();
+    if (!cli_files_begin(verb, &files, count)) return CLI_FILE;
     own_count = own_count < CLI_OWN_TABLES ? own_count : CLI_OWN_TABLES;
     memcpy(tables, own, own_count * sizeof *own);
     memcpy(tables + own_count, shared, sizeof shared);
@@ -314,6 +339,6 @@ int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, cons
     else if (!status)
         status = changer->prepare(verb, changer->work, common.threads);
     if (!status && !wants_help) status = change_files(verb, &common, &files, changer);
-    free(files.inputs.words);
+    cli_files_end(&files);
     return status;
 }

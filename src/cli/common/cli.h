@@ -2,6 +2,7 @@
  * files, reports. Only public headers below this. */
 #ifndef NORMA_CLI_H
 #define NORMA_CLI_H
+#include "cli/common/guard.h"
 #include <norma/document.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -112,6 +113,7 @@ typedef struct cli_files {
     const char *output, *folder;
     int in_place;
     norma_file_format format; /* unknown: by each name */
+    cli_guard *guard;         /* keeps what is read from being overwritten */
 } cli_files;
 extern const cli_option cli_input_options[],
     cli_output_options[]; /* --input-format; -o --out-dir --in-place */
@@ -142,9 +144,14 @@ typedef struct cli_changer {
     int (*prepare)(const cli_subcommand *verb, void *work,
         uint32_t threads); /* once all options are read: a status */
 } cli_changer;
+/* Makes room for count words and the guard. 0: out of memory, reported. */
+int cli_files_begin(const cli_subcommand *verb, cli_files *files, int count);
+void cli_files_end(cli_files *files);
 int cli_check_inputs(const cli_subcommand *verb, const cli_files *files);
 int cli_check_outputs(const cli_subcommand *verb, const cli_common *common,
     const cli_files *files); /* whether all have somewhere to go; makes the folder */
+/* Whether no output is a source, as far as the inputs' names say. A status. */
+int cli_guard_outputs(const cli_files *files);
 char *cli_output_of(const cli_files *files,
     const char *input); /* of an input; the caller's to free. NULL: out of memory */
 /* Such a verb as a whole, from its arguments to its status; tables: its own options beside those
@@ -156,8 +163,9 @@ int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, cons
 norma_document_result cli_write_standard(
     norma_document *document, norma_document_error *error); /* to standard output; interruptible */
 /* Opens "-" or a path. *memory is what standard input held; freed after the document. */
-norma_document_result cli_open(const char *input, const norma_document_options *options,
-    norma_document **document, void **memory, norma_document_error *error);
+norma_document_result cli_open(const cli_files *files, const char *input,
+    const norma_document_options *options, norma_document **document, void **memory,
+    norma_document_error *error);
 const char *cli_input_name(const char *input); /* for people: "standard input" for "-" */
 double cli_megabytes(const char *input);       /* 0: not known */
 int cli_status_of(norma_document_result result);
@@ -185,12 +193,13 @@ int cli_memory_close(cli_memory_stream *stream);
 typedef struct cli_output {
     FILE *out;
     const char *path;
+    cli_guard *guard;
     cli_memory_stream gathered; /* not of standard output */
 } cli_output;
-int cli_output_begin(
-    cli_output *output, const char *path); /* "-": stdout; 0: failed, and said so */
-int cli_output_end(cli_output *output);    /* a status */
-void cli_output_drop(cli_output *output);  /* as if it had never been begun */
+/* path "-" is standard output; guard may be NULL. A status; not CLI_OK: reported already. */
+int cli_output_begin(cli_output *output, const char *path, cli_guard *guard);
+int cli_output_end(cli_output *output);   /* a status */
+void cli_output_drop(cli_output *output); /* as if it had never been begun */
 
 /* ---- progress and interruption */
 

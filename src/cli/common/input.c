@@ -20,6 +20,18 @@ static const char *set_input_format(void *settings, const char *value) {
 const cli_option cli_input_options[] = {{"input-format", 0, 1, set_input_format}};
 const size_t cli_input_option_count = CLI_COUNT(cli_input_options);
 
+int cli_files_begin(const cli_subcommand *verb, cli_files *files, int count) {
+    files->inputs = (cli_words){.words = calloc((size_t)count + 1, sizeof(char *))};
+    files->guard = files->inputs.words ? cli_guard_new(verb) : NULL;
+    if (!files->inputs.words) cli_out_of_memory();
+    return files->guard != NULL;
+}
+
+void cli_files_end(cli_files *files) {
+    free((void *)files->inputs.words);
+    cli_guard_free(files->guard);
+}
+
 int cli_check_inputs(const cli_subcommand *verb, const cli_files *files) {
     size_t standard = 0;
     if (files->inputs.count == 0) return cli_usage(verb, "no input file was given");
@@ -27,6 +39,7 @@ int cli_check_inputs(const cli_subcommand *verb, const cli_files *files) {
         if (files->inputs.words[i][0] == '\0')
             return cli_usage(verb, "the name of an input is empty");
         standard += strcmp(files->inputs.words[i], "-") == 0;
+        cli_guard_read(files->guard, files->inputs.words[i]);
     }
     if (standard > 1) return cli_usage(verb, "standard input can be read only once");
     if (standard && !files->format)
@@ -95,7 +108,7 @@ static norma_document_result read_named_pipe(
     return result;
 }
 
-norma_document_result cli_open(const char *input, const norma_document_options *options,
+static norma_document_result open_input(const char *input, const norma_document_options *options,
     norma_document **document, void **memory, norma_document_error *error) {
     int is_standard = strcmp(input, "-") == 0;
     struct stat status;
@@ -112,6 +125,14 @@ norma_document_result cli_open(const char *input, const norma_document_options *
     return result ? result
                   : norma_document_open_memory(
                         *memory, size, is_standard ? NULL : input, options, document, error);
+}
+
+norma_document_result cli_open(const cli_files *files, const char *input,
+    const norma_document_options *options, norma_document **document, void **memory,
+    norma_document_error *error) {
+    const norma_document_result result = open_input(input, options, document, memory, error);
+    if (!result) cli_guard_document(files->guard, *document, input);
+    return result;
 }
 
 int cli_status_of(norma_document_result result) {

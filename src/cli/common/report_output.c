@@ -32,16 +32,21 @@ static int look_ahead(const cli_output *output) {
     return fine;
 }
 
-int cli_output_begin(cli_output *output, const char *path) {
-    *output = (cli_output){.path = path};
+int cli_output_begin(cli_output *output, const char *path, cli_guard *guard) {
+    *output = (cli_output){.path = path, .guard = guard};
+    const int status = cli_guard_output(guard, path, NULL);
+    if (status) return status;
     if (strcmp(path, "-") == 0) {
         output->out = stdout;
-        return 1;
+        return CLI_OK;
     }
-    if (!look_ahead(output)) return 0;
-    if (!cli_memory_open(&output->gathered)) return fail(output, ENOMEM);
+    if (!look_ahead(output)) return CLI_FILE;
+    if (!cli_memory_open(&output->gathered)) {
+        fail(output, ENOMEM);
+        return CLI_FILE;
+    }
     output->out = output->gathered.out;
-    return 1;
+    return CLI_OK;
 }
 
 void cli_output_drop(cli_output *output) {
@@ -53,6 +58,11 @@ void cli_output_drop(cli_output *output) {
 int cli_output_end(cli_output *output) {
     if (output->out == stdout) return cli_finish(CLI_OK);
     norma_document_error error = {0};
+    const int refused = cli_guard_output(output->guard, output->path, NULL);
+    if (refused) {
+        cli_output_drop(output);
+        return refused;
+    }
     const int whole = cli_memory_close(&output->gathered);
     const int written = whole && norma_save_bytes(output->path, output->gathered.text,
                                      output->gathered.size, &error) == NORMA_DOCUMENT_OK;

@@ -357,7 +357,8 @@ static int run_file(const info_work *work, const char *path) {
         .threads = work->common.threads,
         .progress = cli_progress_report,
         .progress_user = &progress};
-    norma_document_result result = cli_open(path, &opening, &document, &memory, &error);
+    norma_document_result result =
+        cli_open(&work->files, path, &opening, &document, &memory, &error);
     if (!result) result = collect(work, document, &found, &error);
     cli_progress_stop(&progress);
     error.result = result;
@@ -382,15 +383,14 @@ static int run_file(const info_work *work, const char *path) {
 /* ---- the verb */
 
 static int run(const cli_subcommand *verb, int count, char **arguments) {
-    info_work work = {.common = {.threads = NORMA_ALL_THREADS},
-        .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
+    info_work work = {.common = {.threads = NORMA_ALL_THREADS}};
     const cli_table tables[] = {
         {options, CLI_COUNT(options), &work},
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
     int wants_help, status;
-    if (!work.files.inputs.words) return cli_out_of_memory();
+    if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
     status = cli_parse(
         verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
     if (wants_help)
@@ -400,7 +400,7 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     for (size_t i = 0; i < work.files.inputs.count && !wants_help && status != CLI_USAGE; ++i)
         status = cli_interrupted() ? cli_interrupted()
                                    : cli_worse(status, run_file(&work, work.files.inputs.words[i]));
-    free(work.files.inputs.words);
+    cli_files_end(&work.files);
     return cli_finish(status);
 }
 

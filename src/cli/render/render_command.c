@@ -100,7 +100,7 @@ static int write_picture(picture_job *job, const render_picture *picture) {
     render_png png;
     render_error error;
     if (render_png_encode(picture, &png, &error)) return fail_drawing(job, &error);
-    int status = cli_output_begin(&output, job->output) ? CLI_OK : CLI_FILE;
+    int status = cli_output_begin(&output, job->output, job->settings->files.guard);
     if (!status) {
         const size_t written = fwrite(png.bytes, 1, png.size, output.out);
         if (cli_interrupted()) {
@@ -264,6 +264,7 @@ static int draw_file(picture_job *job) {
         status = render_plan_add(job->verb, &job->plan, &file, NULL, &error);
         if (status && error.result) status = fail_input(settings, job->input, &error);
     }
+    if (!status) status = render_guard_outputs(settings);
     if (!status) status = draw_pictures(job, &file);
     render_device_forget(job->device);
     render_file_close(&file);
@@ -294,6 +295,7 @@ static int draw_sheet(picture_job *job) {
         if (status && error.result) status = fail_input(settings, inputs->words[i], &error);
     }
     job->input = inputs->words[0];
+    if (!status) status = render_guard_outputs(settings);
     if (!status) status = draw_pictures(job, &files[0]);
     render_device_forget(job->device);
     for (size_t i = 0; files && i < inputs->count; ++i) render_file_close(&files[i]);
@@ -328,7 +330,7 @@ static int draw_all(const cli_subcommand *verb, const render_settings *settings)
 static int run(const cli_subcommand *verb, int count, char **arguments) {
     render_settings settings;
     render_settings_default(&settings);
-    settings.files.inputs.words = calloc((size_t)count + 1, sizeof(char *));
+    if (!cli_files_begin(verb, &settings.files, count)) return CLI_FILE;
     const cli_table tables[] = {
         {render_options, render_option_count, &settings},
         {cli_matrix_options, cli_matrix_option_count, &settings.matrix},
@@ -336,7 +338,6 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
         {cli_common_options, cli_common_option_count, &settings.common},
     };
     int wants_help;
-    if (!settings.files.inputs.words) return cli_out_of_memory();
     int status = cli_parse(
         verb, tables, CLI_COUNT(tables), count, arguments, &settings.files.inputs, &wants_help);
     if (wants_help)
@@ -345,7 +346,7 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
         status = cli_check_inputs(verb, &settings.files);
     if (!status && !wants_help) status = render_settings_check(verb, &settings);
     if (!status && !wants_help) status = cli_finish(draw_all(verb, &settings));
-    free((void *)settings.files.inputs.words);
+    cli_files_end(&settings.files);
     return status;
 }
 

@@ -43,6 +43,8 @@ const char *render_base_name(const char *path);
 int render_is_standard(const char *name); /* "-" */
 /* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the
  * caller; NULL: out of memory. */
+/* Whether no picture that is to be written is a source, as far as it is known. A status. */
+int render_guard_outputs(const render_settings *settings);
 char *render_output_of(const render_settings *settings, const char *input, int turn);
 
 /* ---- a document as a scene */

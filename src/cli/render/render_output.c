@@ -111,6 +111,21 @@ static int check_outputs(const cli_subcommand *verb, const render_settings *sett
     return CLI_OK;
 }
 
+/* Every picture that will be drawn, those of a turntable included. */
+int render_guard_outputs(const render_settings *settings) {
+    const cli_words *inputs = &settings->files.inputs;
+    const int first = settings->turns ? 0 : -1, end = settings->turns ? settings->turns : 0;
+    int status = CLI_OK;
+    for (size_t i = 0; i < (settings->sheet ? 1 : inputs->count); ++i)
+        for (int turn = first; turn < end && !status; ++turn) {
+            char *output = render_output_of(settings, inputs->words[i], turn);
+            status = output ? cli_guard_output(settings->files.guard, output, NULL)
+                            : cli_out_of_memory();
+            free(output);
+        }
+    return status;
+}
+
 int render_settings_check(const cli_subcommand *verb, render_settings *settings) {
     const double *m = settings->matrix.matrix;
     if (settings->lines & RENDER_VERTEX_LINES && settings->hedgehog)
@@ -127,5 +142,10 @@ int render_settings_check(const cli_subcommand *verb, render_settings *settings)
         return cli_usage(verb, "--turntable excludes --views and --sheet");
     settings->look.steady = settings->turns > 0;
     int status = render_plan_check(verb, settings);
-    return status ? status : check_outputs(verb, settings);
+    if (!status) status = check_outputs(verb, settings);
+    if (!status) status = render_guard_outputs(settings);
+    if (!status)
+        cli_guard_look_ahead(settings->files.guard, settings->files.inputs.words,
+            settings->files.inputs.count, settings->files.format);
+    return status ? status : render_guard_outputs(settings);
 }

@@ -24,7 +24,8 @@ norma_document_result render_file_open(const render_settings *settings, const ch
         .progress = cli_progress_report,
         .progress_user = &progress,
         .lenient = 1};
-    norma_document_result result = cli_open(input, &options, &file->document, &file->memory, error);
+    norma_document_result result =
+        cli_open(&settings->files, input, &options, &file->document, &file->memory, error);
     cli_progress_stop(&progress);
     error->result = result;
     return result;

@@ -124,7 +124,7 @@ static norma_document_result read_pack(const view_work *work, const char *input,
         .progress = cli_progress_report,
         .progress_user = &progress,
         .lenient = 1};
-    norma_document_result result = cli_open(input, &opening, document, memory, error);
+    norma_document_result result = cli_open(&work->files, input, &opening, document, memory, error);
     if (!result) result = view_pack_document(*document, work->common.threads, pack, error);
     if (!result && cli_interrupted()) result = NORMA_DOCUMENT_CANCELLED;
     cli_progress_stop(&progress);
@@ -181,8 +181,8 @@ static int run_file(const view_work *work, const char *input) {
         cli_print_error(&error);
     } else {
         cli_output output;
-        status = CLI_FILE;
-        if (cli_output_begin(&output, work->output)) {
+        status = cli_output_begin(&output, work->output, work->files.guard);
+        if (!status) {
             write_page(
                 output.out, strcmp(input, "-") == 0 ? "standard input" : base_name(input), &pack);
             status = cli_output_end(&output);
@@ -214,7 +214,7 @@ static int check_words(const cli_subcommand *verb, const view_work *work) {
     if (!ends_in(work->output, ".html") && !ends_in(work->output, ".htm"))
         return cli_usage(
             verb, "-o %s: the output is a page; expected a name that ends in .html", work->output);
-    return CLI_OK;
+    return cli_guard_output(work->files.guard, work->output, NULL);
 }
 
 static int has_page(void) {
@@ -227,15 +227,14 @@ static int has_page(void) {
 }
 
 static int run(const cli_subcommand *verb, int count, char **arguments) {
-    view_work work = {.common = {.threads = NORMA_ALL_THREADS},
-        .files.inputs.words = calloc((size_t)count + 1, sizeof(char *))};
+    view_work work = {.common = {.threads = NORMA_ALL_THREADS}};
     const cli_table tables[] = {
         {options, CLI_COUNT(options), &work},
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
     int wants_help;
-    if (!work.files.inputs.words) return cli_out_of_memory();
+    if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
     int status = cli_parse(
         verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
     if (wants_help)
@@ -244,7 +243,7 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
         status = check_words(verb, &work);
     if (!status && !wants_help)
         status = has_page() ? run_file(&work, work.files.inputs.words[0]) : CLI_FILE;
-    free(work.files.inputs.words);
+    cli_files_end(&work.files);
     return cli_finish(status);
 }
 

@@ -29,10 +29,9 @@ static norma_document_result check_target(
     if (!in_place && norma_file_same(path, document->path) && !norma_file_is_stream(path))
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "is the input itself; expected another name, or to be told to work in place");
-    if (!in_place && document->functions->reads_from &&
-        document->functions->reads_from(document, path))
+    if (!in_place && norma_document_names_file(document, path))
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "is one of the files that %s is read from; expected another name", document->path);
+            "belongs to %s, which reads it or names it; expected another name", document->path);
     if (!name_fits(document, path)) {
         const char *name = norma_file_format_name(document->format);
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,

@@ -91,13 +91,26 @@ struct format_functions {
      * file yet. */
     norma_document_result (*settle)(
         const norma_document *document, norma_document *settled, norma_document_error *error);
-    /* NULL, or whether path is one of the files that this document was read from. */
-    int (*reads_from)(const norma_document *document, const char *path);
+    /* NULL, or hands visit each file beside its own that this document was read from or names,
+     * until visit returns nonzero. Returns 1 if it was stopped, -1 if memory is out, else 0. Called
+     * only if the document has a folder. */
+    int (*visit_files)(const norma_document *document, norma_visit_file *visit, void *user);
     const scene_functions *scene; /* NULL: nothing else is told */
 };
 
 extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions,
     norma_gltf_functions; /* gltf: .gltf and .glb */
+
+/* For visit_files (named_files.c): hands visit the file of a name, which is relative to the
+ * document's folder or absolute. Returns 1 if visit stopped, -1 if memory is out, else 0. */
+int norma_document_visit_name(const norma_document *document, const char *name, size_t length,
+    norma_visit_file *visit, void *user);
+/* The same for names with blanks between; since a name may hold blanks, also for all of the text.
+ */
+int norma_document_visit_names(const norma_document *document, const char *text, size_t length,
+    norma_visit_file *visit, void *user);
+/* Whether path is one of the files that visit_files names. */
+int norma_document_names_file(const norma_document *document, const char *path);
 
 /* Fills error (may be NULL) with "PATH: " and the formatted message, and returns result. place, if
  * not NULL, is put after the path: "PATH:PLACE: message" (a line number, "byte 120", "accessor 3").

@@ -333,6 +333,6 @@ const format_functions norma_gltf_functions = {
     .write_companions = norma_gltf_write_companions,
     .changed_companion = norma_gltf_changed_companion,
     .settle = norma_gltf_reopen,
-    .reads_from = norma_gltf_reads_from,
+    .visit_files = norma_gltf_visit_files,
     .scene = &norma_gltf_scene,
 };

@@ -1,10 +1,12 @@
 /* obj.c: OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names
  * one. */
 #include "io/obj/obj.h"
+#include "io/obj/statements.h"
 #include "io/format/edit.h"
 #include "io/obj/vertex_lines.h"
 #include "io/format/scene.h"
 #include <stdlib.h>
+#include <string.h>
 
 static size_t mesh_count(const norma_document *document) {
     (void)document;
@@ -57,6 +59,25 @@ static norma_document_result mesh_data(
     return NORMA_DOCUMENT_OK;
 }
 
+/* mtllib statements, wherever they stand. The word is searched for, since statements other than
+ * positions, normals and faces are not remembered. */
+static int visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
+    static const char word[] = "mtllib";
+    const size_t length = sizeof word - 1;
+    const char *at = (const char *)document->source.data, *end = at + document->source.size;
+    int stop = 0;
+    while (!stop && (size_t)(end - at) > length && (at = memchr(at, 'm', (size_t)(end - at)))) {
+        const char *rest = at + length;
+        if (end - at > (ptrdiff_t)length && memcmp(at, word, length) == 0 &&
+            (*rest == ' ' || *rest == '\t')) {
+            const char *stops = norma_obj_statement_end(rest, end);
+            stop = norma_document_visit_names(document, rest, (size_t)(stops - rest), visit, user);
+        }
+        ++at;
+    }
+    return stop;
+}
+
 const format_functions norma_obj_functions = {.open = norma_obj_open,
     .close = norma_obj_close,
     .mesh_count = mesh_count,
@@ -67,4 +88,5 @@ const format_functions norma_obj_functions = {.open = norma_obj_open,
     .edit = norma_obj_edit,
     .equal_vertices = norma_obj_equal_vertices,
     .write = norma_obj_write,
+    .visit_files = visit_files,
     .scene = &norma_obj_scene};

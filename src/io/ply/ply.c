@@ -5,6 +5,7 @@
 #include "io/format/edit.h"
 #include "io/format/scene.h"
 #include <stdlib.h>
+#include <string.h>
 
 static size_t count_meshes(const norma_document *document) {
     (void)document;
@@ -79,6 +80,23 @@ static norma_document_result give_mesh(
     return NORMA_DOCUMENT_OK;
 }
 
+/* "comment TextureFile NAME" in the header, as MeshLab and others write it. */
+static int visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
+    static const char word[] = "comment TextureFile ", last[] = "end_header";
+    const char *at = (const char *)document->source.data, *end = at + document->source.size;
+    int stop = 0;
+    while (at < end && !stop) {
+        const char *line_end = memchr(at, '\n', (size_t)(end - at)), *stops = line_end;
+        if (!line_end || strncmp(at, last, sizeof last - 1) == 0) break;
+        if (stops > at && stops[-1] == '\r') --stops;
+        if ((size_t)(stops - at) > sizeof word - 1 && memcmp(at, word, sizeof word - 1) == 0)
+            stop = norma_document_visit_names(document, at + sizeof word - 1,
+                (size_t)(stops - at) - (sizeof word - 1), visit, user);
+        at = line_end + 1;
+    }
+    return stop;
+}
+
 const format_functions norma_ply_functions = {
     .open = norma_ply_open,
     .close = norma_ply_close,
@@ -90,5 +108,6 @@ const format_functions norma_ply_functions = {
     .edit = norma_ply_edit,
     .equal_vertices = norma_ply_equal_vertices,
     .write = norma_ply_write,
+    .visit_files = visit_files,
     .scene = &norma_ply_scene,
 };

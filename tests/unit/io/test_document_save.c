@@ -80,8 +80,8 @@ static norma_document_result write_companions(norma_document *document, const ch
                : NORMA_DOCUMENT_OK;
 }
 
-static int reads_from(const norma_document *document, const char *path) {
-    return norma_file_same(path, fake_of(document)->beside);
+static int visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
+    return visit(user, fake_of(document)->beside) != 0;
 }
 
 static const format_functions functions = {.mesh_count = one_mesh,
@@ -89,7 +89,7 @@ static const format_functions functions = {.mesh_count = one_mesh,
     .compute = compute,
     .write = write_bytes,
     .write_companions = write_companions,
-    .reads_from = reads_from};
+    .visit_files = visit_files};
 
 static void put(const char *path, const char *text) {
     FILE *file = fopen(path, "wb");
@@ -133,6 +133,7 @@ static fake fake_document(const place *here) {
     return (fake){.document = {.functions = &functions,
                       .format = NORMA_FILE_OBJ,
                       .path = (char *)(uintptr_t)here->source,
+                      .folder = (char *)(uintptr_t) "",
                       .source = {.data = (const unsigned char *)"new", .size = 3}},
         .beside = here->beside};
 }
@@ -216,7 +217,7 @@ static void names_that_may_not_be_written(void **state) {
     snprintf(path, sizeof path, "%s/link.obj", here->folder);
     assert_int_equal(symlink("mesh.obj", path), 0);
     refuses(here, path, "is the input itself");
-    refuses(here, here->beside, "is read from");
+    refuses(here, here->beside, "belongs to");
     snprintf(path, sizeof path, "%s/out.ply", here->folder);
     refuses(here, path, ".obj");
     snprintf(path, sizeof path, "%s/out", here->folder);

@@ -304,7 +304,7 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
 char *norma_gltf_changed_companion(const norma_document *document);
 norma_document_result norma_gltf_reopen(
     const norma_document *document, norma_document *settled, norma_document_error *error);
-int norma_gltf_reads_from(const norma_document *document, const char *path);
+int norma_gltf_visit_files(const norma_document *document, norma_visit_file *visit, void *user);
 
 /* ---- verbs */
 norma_document_result norma_gltf_compute(norma_document *document,

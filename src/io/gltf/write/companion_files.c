@@ -183,22 +183,32 @@ static norma_document_result add_file(companions *c, const char *name, uint32_t 
     return add(c, one);
 }
 
+/* An image's URI as a name; NULL: it has none, or its bytes stand in the URI itself. *failed:
+ * memory is out. */
+static char *image_name(const json *j, uint32_t image, int *failed) {
+    const uint32_t token =
+        norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE;
+    errno = 0;
+    char *uri = norma_json_string(j, token),
+         *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
+    *failed = !name && errno == ENOMEM;
+    free(uri);
+    return name;
+}
+
 static norma_document_result add_images(companions *c) {
     const json *j = &c->g->json;
     uint32_t images = norma_json_member(j, 0, "images");
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t image = norma_json_first(j, images); !result && image != JSON_NONE;
          image = norma_json_next(j, images, image)) {
-        errno = 0;
-        char *uri = norma_json_string(j,
-            norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE);
-        char *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
+        int failed;
+        char *name = image_name(j, image, &failed);
         if (name)
             result = add_file(c, name, GLTF_NONE);
-        else if (errno == ENOMEM)
+        else if (failed)
             result = out_of_memory(c);
         free(name);
-        free(uri);
     }
     return result;
 }
@@ -297,16 +307,23 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
     return result;
 }
 
-int norma_gltf_reads_from(const norma_document *document, const char *path) {
+int norma_gltf_visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
     const gltf *g = norma_gltf_of(document);
-    int reads = 0;
-    for (uint32_t b = 0; b < g->buffer_count && document->folder && !reads; ++b) {
-        char *file =
-            g->buffers[b].name ? norma_io_join(document->folder, g->buffers[b].name) : NULL;
-        reads = file && norma_file_same(file, path);
-        free(file);
+    const json *j = &g->json;
+    int stop = 0;
+    for (uint32_t b = 0; g->buffers && b < g->buffer_count && !stop; ++b)
+        if (g->buffers[b].name)
+            stop = norma_document_visit_name(
+                document, g->buffers[b].name, strlen(g->buffers[b].name), visit, user);
+    const uint32_t images = norma_json_member(j, 0, "images");
+    for (uint32_t image = norma_json_first(j, images); !stop && image != JSON_NONE;
+         image = norma_json_next(j, images, image)) {
+        char *name = image_name(j, image, &stop);
+        if (stop) return -1;
+        if (name) stop = norma_document_visit_name(document, name, strlen(name), visit, user);
+        free(name);
     }
-    return reads;
+    return stop;
 }
 
 char *norma_gltf_changed_companion(const norma_document *document) {

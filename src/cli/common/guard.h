@@ -1,0 +1,27 @@
+/* guard.h: sources are never outputs. Every file that a command reads (meshes, buffers, lists,
+ * baselines, configurations) and every file that those name (images, material libraries) is put on
+ * one list; every output is compared with it before it is written. Files are told apart by device
+ * and inode, so that links and other spellings of a name count as the file. */
+#ifndef NORMA_CLI_GUARD_H
+#define NORMA_CLI_GUARD_H
+#include <norma/document.h>
+
+struct cli_subcommand;
+typedef struct cli_guard cli_guard;
+cli_guard *cli_guard_new(const struct cli_subcommand *verb); /* NULL: out of memory, reported */
+void cli_guard_free(cli_guard *guard);
+
+/* A file that is read; "-" is standard input. Safe in any thread, as are all of these. */
+void cli_guard_read(cli_guard *guard, const char *path);
+/* The files that an open document was read from or names. Cheap unless an output exists already. */
+void cli_guard_document(cli_guard *guard, norma_document *document, const char *input);
+/* The same for inputs that are opened later: glTF files are looked into, if an output exists and
+ * there are several inputs, so that no output of the first can replace a picture of the second. */
+void cli_guard_look_ahead(
+    cli_guard *guard, const char *const *inputs, size_t count, norma_file_format format);
+
+/* Called for every output before the work, when the inputs are known, and again just before it is
+ * written. own: the input that it replaces in place, else NULL. CLI_OK, or the status of the error
+ * that was reported. */
+int cli_guard_output(cli_guard *guard, const char *output, const char *own);
+#endif

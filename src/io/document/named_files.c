@@ -1,0 +1,68 @@
+/* named_files.c: the files that a document was read from or names, beside its own: buffers, images,
+ * material libraries. A program that writes somewhere asks for them, so that no source is
+ * overwritten; none of them is opened here. */
+#include "io/format/format.h"
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+norma_document_result norma_document_visit_files(
+    norma_document *document, norma_visit_file *visit, void *user, norma_document_error *error) {
+    norma_document_result result = norma_document_usable(document, error);
+    if (result) return result;
+    if (!visit)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no function to hand the files to was given");
+    if (!document->folder || !document->functions->visit_files) return NORMA_DOCUMENT_OK;
+    return document->functions->visit_files(document, visit, user) < 0
+               ? norma_document_fail_memory(document, error)
+               : NORMA_DOCUMENT_OK;
+}
+
+int norma_document_visit_name(const norma_document *document, const char *name, size_t length,
+    norma_visit_file *visit, void *user) {
+    const size_t folder_length = length && name[0] == '/' ? 0 : strlen(document->folder);
+    if (length == 0 || memchr(name, '\0', length)) return 0;
+    char *path = norma_io_allocate(folder_length + length + 1, 1);
+    if (!path) return -1;
+    memcpy(path, document->folder, folder_length);
+    memcpy(path + folder_length, name, length);
+    const int stop = visit(user, path) != 0;
+    free(path);
+    return stop;
+}
+
+int norma_document_visit_names(const norma_document *document, const char *text, size_t length,
+    norma_visit_file *visit, void *user) {
+    static const char blanks[] = " \t";
+    while (length && strchr(blanks, text[length - 1])) --length;
+    while (length && strchr(blanks, text[0])) ++text, --length;
+    int stop = norma_document_visit_name(document, text, length, visit, user), words = 0;
+    for (size_t at = 0, end; at < length && !stop; at = end) {
+        while (at < length && strchr(blanks, text[at])) ++at;
+        for (end = at; end < length && !strchr(blanks, text[end]);) ++end;
+        if (end < length || words++)
+            stop = norma_document_visit_name(document, text + at, end - at, visit, user);
+    }
+    return stop;
+}
+
+typedef struct search {
+    const char *path;
+    int found;
+} search;
+
+static int compare_file(void *user, const char *path) {
+    search *s = user;
+    s->found = norma_file_same(path, s->path);
+    return s->found;
+}
+
+int norma_document_names_file(const norma_document *document, const char *path) {
+    search s = {.path = path};
+    struct stat status;
+    /* Most outputs do not exist yet, and then they are nobody's source. */
+    if (document->folder && document->functions->visit_files && stat(path, &status) == 0)
+        document->functions->visit_files(document, compare_file, &s);
+    return s.found;
+}
