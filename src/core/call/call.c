@@ -2,7 +2,6 @@
 #define _DEFAULT_SOURCE /* madvise */
 #include "core/call/call.h"
 #include "core/call/vec3_view.h"
-#include "core/call/instruction_set.h"
 #include <stdlib.h>
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -39,7 +38,7 @@ norma_result norma_core_begin(core_call *call, const norma_options *options) {
     }
     if (!options_are_valid(&call->options)) return NORMA_ERROR_ARGUMENT;
     if (!call->options.normal_stride) call->options.normal_stride = 3 * sizeof(float);
-    call->measure = norma_core_choose_measure(call->options.isa);
+    call->level = norma_core_level(call->options.isa);
     norma_core_stage(call, 0, 1);
     return NORMA_OK;
 }

@@ -2,12 +2,12 @@
  * progress. */
 #ifndef NORMA_CORE_CALL_H
 #define NORMA_CORE_CALL_H
-#include "core/face/measure.h"
+#include "core/call/instruction_set.h"
 #include <stdatomic.h>
 
 typedef struct core_call {
     norma_options options; /* every field valid; absent ones at their defaults */
-    core_measure *measure; /* by options.isa */
+    core_level level;      /* of the kernels, by options.isa */
     double progress_from, progress_to,
         progress_told; /* the stage that runs now covers this part of the whole */
     int cancelled;

@@ -65,11 +65,11 @@ static double angle_in(const edge_frame *frame, const double normal[3]) {
 /* ---- joining */
 
 static void join_pair(const fin_set *f, const star_edge *out, const star_edge *back) {
-    if (out->key == back->key ||
-        norma_core_fan_of(f->star, out->corner) == norma_core_fan_of(f->star, back->corner))
+    if (out->key == back->key || norma_core_set_of(f->star->joined, out->corner) ==
+                                     norma_core_set_of(f->star->joined, back->corner))
         return;
     if (norma_core_edge_is_smooth(f->prepared, f->star, out, back))
-        norma_core_join(f->star, out->corner, back->corner);
+        norma_core_join_sets(f->star->joined, out->corner, back->corner);
 }
 
 /* The first fin at or after angle; count where all are before it. */
@@ -96,7 +96,7 @@ static int any_out(const fin_set *f, double angle, double width) {
 }
 
 static void join_neighbours(const fin_set *f) {
-    const double crease = f->prepared->crease;
+    const double crease = f->prepared->crease.angle;
     if (!f->back_count) return;
     for (size_t i = 0; i < f->out_count; i++) {
         const star_edge *out = &f->e->out.edges[f->out[i].edge];
@@ -111,8 +111,8 @@ static void join_neighbours(const fin_set *f) {
         const int round_the_other_side =
             any_out(f, a->angle - crease, gap + 2 * crease - 2 * NORMA_PI);
         if (near || round_the_other_side)
-            norma_core_join(
-                f->star, f->e->back.edges[a->edge].corner, f->e->back.edges[b->edge].corner);
+            norma_core_join_sets(f->star->joined, f->e->back.edges[a->edge].corner,
+                f->e->back.edges[b->edge].corner);
     }
 }
 
@@ -191,7 +191,7 @@ int norma_core_join_crowded_edge(
     fin_set f = {.prepared = prepared, .star = star, .e = e};
     edge_frame frame;
     const int groups = prepared->mesh.smoothing_groups != NULL;
-    if (prepared->crease >= NORMA_PI) {
+    if (prepared->crease.angle >= NORMA_PI) {
         if (groups || prepared->mesh.hard_edges) return 0;
         join_any_angle(&f, &e->out, &e->back, 0);
         join_any_angle(&f, &e->back, &e->out, 1);

@@ -2,49 +2,6 @@
 #include "core/corner/star_edges.h"
 #include "core/face/triangle.h"
 
-uint32_t norma_core_fan_of(core_star *star, uint32_t corner) {
-    star_corner *c = star->corners;
-    while (c[corner].fan != corner) {
-        c[corner].fan = c[c[corner].fan].fan;
-        corner = c[corner].fan;
-    }
-    return corner;
-}
-
-void norma_core_join(core_star *star, uint32_t a, uint32_t b) {
-    const uint32_t fan_a = norma_core_fan_of(star, a), fan_b = norma_core_fan_of(star, b);
-    if (fan_a < fan_b)
-        star->corners[fan_b].fan = fan_a;
-    else
-        star->corners[fan_a].fan = fan_b;
-}
-
-/* Far from the threshold the cosine tells; near it, where it cannot, the angle does. */
-static int within_crease(
-    const core_prepared_mesh *prepared, const star_corner *a, const star_corner *b) {
-    static const double doubt = 0x1p-30;
-    double cross[3];
-    const double cosine = norma_core_dot(a->normal, b->normal);
-    if (cosine > prepared->crease_cosine + doubt) return 1;
-    if (cosine < prepared->crease_cosine - doubt) return 0;
-    norma_core_cross(a->normal, b->normal, cross);
-    return norma_core_angle(norma_core_length(cross), cosine) <= prepared->crease;
-}
-
-int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_star *star,
-    const star_edge *out, const star_edge *back) {
-    const star_corner *a = &star->corners[out->corner], *b = &star->corners[back->corner];
-    const core_mesh *mesh = &prepared->mesh;
-    if (!(a->flags & STAR_HAS_NORMAL) || !(b->flags & STAR_HAS_NORMAL)) return 0;
-    if (mesh->hard_edges && (mesh->hard_edges[a->corner] || mesh->hard_edges[b->previous_corner]))
-        return 0;
-    if (mesh->smoothing_groups &&
-        !(mesh->smoothing_groups[a->face] & mesh->smoothing_groups[b->face]))
-        return 0;
-    if (prepared->crease >= NORMA_PI) return 1;
-    return within_crease(prepared, a, b);
-}
-
 /* ---- counting */
 
 static uint32_t least_begin(const core_star *star, const edge *e) {
@@ -113,11 +70,11 @@ static void join_all_partners(
     for (size_t i = 0; i < e->out.count; i++)
         for (size_t j = 0; j < e->back.count; j++) {
             const star_edge *out = &e->out.edges[i], *back = &e->back.edges[j];
-            if (out->key == back->key ||
-                norma_core_fan_of(star, out->corner) == norma_core_fan_of(star, back->corner))
+            if (out->key == back->key || norma_core_set_of(star->joined, out->corner) ==
+                                             norma_core_set_of(star->joined, back->corner))
                 continue;
             if (norma_core_edge_is_smooth(prepared, star, out, back))
-                norma_core_join(star, out->corner, back->corner);
+                norma_core_join_sets(star->joined, out->corner, back->corner);
         }
 }
 
@@ -130,7 +87,7 @@ static pairs join_only_partners(
         const star_edge *back = norma_core_only_partner(&e->back, out->key);
         if (norma_core_partner_count(&e->out, back->key) != 1) continue;
         if (norma_core_edge_is_smooth(prepared, star, out, back)) {
-            norma_core_join(star, out->corner, back->corner);
+            norma_core_join_sets(star->joined, out->corner, back->corner);
             pair.smooth++;
         } else {
             pair.hard++;
@@ -155,7 +112,7 @@ static void join_repeated(const core_prepared_mesh *prepared, core_star *star) {
             else
                 high = middle;
         }
-        norma_core_join(star, i, (uint32_t)low);
+        norma_core_join_sets(star->joined, i, (uint32_t)low);
     }
 }
 
@@ -209,7 +166,7 @@ static int join_ordinary(const core_prepared_mesh *prepared, core_star *star, st
         } else {
             const star_edge out = {.corner = i}, back = {.corner = (uint32_t)o.back[i]};
             const int smooth = norma_core_edge_is_smooth(prepared, star, &out, &back);
-            if (smooth) norma_core_join(star, out.corner, back.corner);
+            if (smooth) norma_core_join_sets(star->joined, out.corner, back.corner);
             *(smooth ? &edges.smooth : &edges.hard) += counted;
         }
         if (o.met[i] || star->position >= o.previous[i]) continue;
@@ -221,7 +178,7 @@ static int join_ordinary(const core_prepared_mesh *prepared, core_star *star, st
 }
 
 static void settle_fans(core_star *star) {
-    for (uint32_t i = 0; i < star->count; i++) star->corners[i].fan = norma_core_fan_of(star, i);
+    for (uint32_t i = 0; i < star->count; i++) star->joined[i] = norma_core_set_of(star->joined, i);
 }
 
 void norma_core_star_join_listed(

@@ -2,6 +2,7 @@
  * instruction set as those of measure.c are. */
 #include "core/corner/fan_batch.h"
 #include "core/call/instruction_set.h"
+#include "core/face/measure.h"
 #include "core/face/triangle.h"
 
 /* ---- directions and votes */
@@ -216,15 +217,10 @@ CORE_INLINE void close_star(fan_batch *t, const listed_star *star) {
 
 /* ---- joining */
 
-static const double DOUBT = 0x1p-30;
-
-/* Whether the caller's marks leave the edge between two faces smooth: out begins at the star, back
- * ends there. */
+/* out begins at the star, back ends there. */
 static int is_unmarked(const core_mesh *mesh, uint32_t out, uint32_t back) {
-    const uint32_t before = back % 3 == 0 ? back + 2 : back - 1;
-    if (mesh->hard_edges && (mesh->hard_edges[out] || mesh->hard_edges[before])) return 0;
-    return !mesh->smoothing_groups ||
-           (mesh->smoothing_groups[out / 3] & mesh->smoothing_groups[back / 3]);
+    return norma_core_is_unmarked(
+        mesh, out, out / 3, back % 3 == 0 ? back + 2 : back - 1, back / 3);
 }
 
 /* One bit for each lane whose edge to the following one is cut. 0: too near the crease to tell by
@@ -243,10 +239,10 @@ static int find_cuts(const core_prepared_mesh *s, const star_list *list, const f
             *cuts |= 1U << i;
             continue;
         }
-        const double cosine = t->cosine[star->begin + i];
-        if (cosine > s->crease_cosine + DOUBT) continue;
-        if (!(cosine < s->crease_cosine - DOUBT)) return 0;
-        *cuts |= 1U << i;
+        const core_crease_verdict verdict =
+            norma_core_crease_by_cosine(&s->crease, t->cosine[star->begin + i]);
+        if (verdict == CORE_CREASE_UNDECIDED) return 0;
+        if (verdict == CORE_CREASE_HARD) *cuts |= 1U << i;
     }
     return 1;
 }
@@ -331,7 +327,8 @@ CORE_INLINE int is_smooth(const core_prepared_mesh *s, fan_batch *t, const liste
     for (size_t i = star->begin; i < (size_t)star->begin + star->count; i++)
         least = t->cosine[i] < least ? t->cosine[i] : least;
     if (least == UNSURE) return -1;
-    return least > s->crease_cosine + DOUBT && !s->mesh.hard_edges && !s->mesh.smoothing_groups;
+    return norma_core_crease_by_cosine(&s->crease, least) == CORE_CREASE_SMOOTH &&
+           !s->mesh.hard_edges && !s->mesh.smoothing_groups;
 }
 
 CORE_INLINE int settle_star(const core_prepared_mesh *s, const star_list *list, fan_batch *t,
@@ -363,10 +360,11 @@ CORE_INLINE void decide(fan_batch *t, size_t count) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t f = from; f < from + CORE_LANES; f++) {
             const double x = t->sum[0][f], y = t->sum[1][f], z = t->sum[2][f],
-                         square = x * x + y * y + z * z, length = sqrt(square);
-            t->direction[0][f] = (float)(x / length) + 0.0F;
-            t->direction[1][f] = (float)(y / length) + 0.0F;
-            t->direction[2][f] = (float)(z / length) + 0.0F;
+                         square = x * x + y * y + z * z, length = sqrt(square),
+                         inverse = 1 / length;
+            t->direction[0][f] = (float)(x * inverse) + 0.0F;
+            t->direction[1][f] = (float)(y * inverse) + 0.0F;
+            t->direction[2][f] = (float)(z * inverse) + 0.0F;
             t->decided[f] = ((square > NORMA_TINIEST) & (square < NORMA_HUGEST) &
                                 (length > 0x1p-20 * t->total[f]))
                                 ? 1

@@ -146,24 +146,11 @@ static edge_run next_edge(const large_visit *l, const size_t at[2]) {
     return run;
 }
 
-static uint32_t large_fan_of(uint32_t *fan, uint32_t number) {
-    while (fan[number] != number) number = fan[number] = fan[fan[number]];
-    return number;
-}
-
-static void join_large(uint32_t *fan, uint32_t a, uint32_t b) {
-    const uint32_t fan_a = large_fan_of(fan, a), fan_b = large_fan_of(fan, b);
-    if (fan_a < fan_b)
-        fan[fan_b] = fan_a;
-    else
-        fan[fan_a] = fan_b;
-}
-
 /* What the star found joined is joined. numbers: of its corners in the large one. */
 static void carry_over(const large_visit *l, core_star *star, const uint32_t *numbers) {
     for (uint32_t i = 0; i < star->count; i++) {
-        const uint32_t fan = norma_core_fan_of(star, i);
-        if (fan != i) join_large(l->large->fan, numbers[i], numbers[fan]);
+        const uint32_t fan = norma_core_set_of(star->joined, i);
+        if (fan != i) norma_core_join_sets(l->large->fan, numbers[i], numbers[fan]);
     }
 }
 

@@ -124,21 +124,10 @@ static norma_result measure_polygons(core_prepared_mesh *s, core_use use) {
                                 : survey_faces(&survey, &any_flat);
 }
 
-/* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this
- * much over the crease. */
-static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20; /* 1e-6 */
-
-void norma_core_prepared_mesh_crease(core_prepared_mesh *prepared, double crease_angle_rad) {
-    prepared->crease = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD;
-    prepared->crease_cosine = prepared->crease < 0          ? 2
-                              : prepared->crease > NORMA_PI ? -2
-                                                            : cos(prepared->crease);
-}
-
 norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
     double crease_angle_rad, core_prepared_mesh *prepared) {
     *prepared = (core_prepared_mesh){.call = call, .mesh = *checked};
-    norma_core_prepared_mesh_crease(prepared, crease_angle_rad);
+    prepared->crease = norma_core_crease_at(crease_angle_rad);
     norma_core_stage(call, 0.05, 0.2);
     norma_result result = norma_core_weld(call, &prepared->mesh);
     if (result == NORMA_OK && use != CORE_FOR_SUMS) {

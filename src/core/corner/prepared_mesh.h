@@ -2,6 +2,8 @@
  * sorted by position, its polygons measured. */
 #ifndef NORMA_CORE_SURFACE_H
 #define NORMA_CORE_SURFACE_H
+#include "core/call/count.h"
+#include "core/corner/crease.h"
 #include "core/mesh/corners_of_position.h"
 #include "core/face/face_geometry.h"
 #include <stdatomic.h>
@@ -17,9 +19,7 @@ typedef struct core_prepared_mesh {
     atomic_uchar *flat_at; /* with borrowed_from: nonzero at the positions of faces that have edges
                               but no direction */
     norma_count degenerate_faces; /* of polygons; triangles are counted where they are met */
-    double crease; /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi:
-                      every angle */
-    double crease_cosine; /* about its cosine */
+    core_crease crease;           /* may be changed: nothing else here hangs on it */
 } core_prepared_mesh;
 
 typedef enum core_use {
@@ -31,8 +31,6 @@ typedef enum core_use {
 /* call stays the caller's. What it returns but NORMA_OK leaves nothing to release. */
 norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
     double crease_angle_rad, core_prepared_mesh *prepared);
-/* Another crease for the same surface: nothing else in it hangs on that. */
-void norma_core_prepared_mesh_crease(core_prepared_mesh *prepared, double crease_angle_rad);
 /* For triangles, once one without a direction has been met: finds whose directions such borrow.
  * MEMORY or CANCELLED: it has not. */
 norma_result norma_core_find_borrowed_directions(core_prepared_mesh *prepared);
@@ -44,21 +42,5 @@ static inline void norma_core_prepared_mesh_face(
         *out = prepared->faces[face];
     else
         norma_core_face_geometry(&prepared->mesh, face, out);
-}
-
-static inline void norma_core_count_one(norma_count *count, size_t index) {
-    if (!count->count || index < count->first) count->first = index;
-    count->count++;
-}
-static inline void norma_core_count_add(norma_count *sum, const norma_count *part) {
-    if (!part->count) return;
-    if (!sum->count || part->first < sum->first) sum->first = part->first;
-    sum->count += part->count;
-}
-static inline void norma_core_edges_add(norma_edges *sum, const norma_edges *part) {
-    sum->count += part->count;
-    sum->open += part->open;
-    sum->smooth += part->smooth;
-    sum->hard += part->hard;
 }
 #endif

@@ -97,3 +97,12 @@ edge norma_core_edge_at(const core_star *star, size_t begin, size_t *end) {
     *end = stop;
     return (edge){{star->edges + begin, middle - begin}, {star->edges + middle, stop - middle}};
 }
+
+int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_star *star,
+    const star_edge *out, const star_edge *back) {
+    const star_corner *a = &star->corners[out->corner], *b = &star->corners[back->corner];
+    return (a->flags & STAR_HAS_NORMAL) && (b->flags & STAR_HAS_NORMAL) &&
+           norma_core_is_unmarked(
+               &prepared->mesh, a->corner, a->face, b->previous_corner, b->face) &&
+           norma_core_is_within_crease(&prepared->crease, a->normal, b->normal);
+}

@@ -25,12 +25,10 @@ size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above
 /* The one of another key, where there is just one: twins lie together, so it is first or last. */
 const star_edge *norma_core_only_partner(const edge_side *other, uint64_t key);
 
-/* fans.c: out begins at the star's position, back ends there. Swapping the two changes no bit, so
- * both ends of the edge agree. */
+/* By crease.h, out begins at the star's position, back ends there. Swapping the two changes no bit,
+ * so both ends of the edge agree. */
 int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_star *star,
     const star_edge *out, const star_edge *back);
-uint32_t norma_core_fan_of(core_star *star, uint32_t corner);
-void norma_core_join(core_star *star, uint32_t a, uint32_t b);
 
 /* crowded_edge.c: joins all partners at an edge of very many faces; along: its unit direction. 0:
  * not done, each pair must be tried. */

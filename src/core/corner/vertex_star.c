@@ -1,6 +1,6 @@
 /* vertex_star.c: loading a star of corners, and summing its fans. */
 #include "core/corner/vertex_star.h"
-#include "core/mesh/output.h"
+#include "core/call/output.h"
 
 void norma_core_star_in_room(core_star *star, star_room *room) {
     *star = (core_star){.corners = room->corners,
@@ -8,6 +8,7 @@ void norma_core_star_in_room(core_star *star, star_room *room) {
         .sorted = room->sorted,
         .sums = room->sums,
         .fans = room->fans,
+        .joined = room->joined,
         .fan_of = room->fan_of,
         .normals = room->normals};
 }
@@ -19,10 +20,11 @@ norma_result norma_core_star_allocate(const core_call *call, core_star *star, si
     star->sorted = norma_core_allocate(call, 2 * corners, sizeof *star->sorted);
     star->sums = norma_core_allocate(call, corners, sizeof *star->sums);
     star->fans = norma_core_allocate(call, corners, sizeof *star->fans);
+    star->joined = norma_core_allocate(call, corners, sizeof *star->joined);
     star->fan_of = norma_core_allocate(call, corners, sizeof *star->fan_of);
     star->normals = norma_core_allocate(call, corners, sizeof *star->normals);
-    if (star->corners && star->edges && star->sorted && star->sums && star->fans && star->fan_of &&
-        star->normals)
+    if (star->corners && star->edges && star->sorted && star->sums && star->fans && star->joined &&
+        star->fan_of && star->normals)
         return NORMA_OK;
     norma_core_star_release(call, star, corners);
     return NORMA_ERROR_MEMORY;
@@ -34,6 +36,7 @@ void norma_core_star_release(const core_call *call, core_star *star, size_t corn
     norma_core_release(call, star->sorted, 2 * corners, sizeof *star->sorted);
     norma_core_release(call, star->sums, corners, sizeof *star->sums);
     norma_core_release(call, star->fans, corners, sizeof *star->fans);
+    norma_core_release(call, star->joined, corners, sizeof *star->joined);
     norma_core_release(call, star->fan_of, corners, sizeof *star->fan_of);
     norma_core_release(call, star->normals, corners, sizeof *star->normals);
     *star = (core_star){0};
@@ -138,8 +141,8 @@ static void load_triangle_corners(const core_prepared_mesh *prepared, int with_w
     for (int i = 0; i < CORE_LANES; i++)
         edged[i] =
             load_lane(&prepared->mesh, &corners[(size_t)i < count ? (size_t)i : 0], &batch, i);
-    prepared->call->measure(
-        &batch, prepared->call->options.weight, with_weights ? CORE_ALL_CORNERS : CORE_NO_CORNER);
+    norma_core_measure(prepared->call->level, &batch, prepared->call->options.weight,
+        with_weights ? CORE_ALL_CORNERS : CORE_NO_CORNER);
     for (int i = 0; (size_t)i < count; i++) {
         star_corner *c = &corners[i];
         if (!edged[i] || batch.sure[i] == 0) {
@@ -170,7 +173,7 @@ void norma_core_star_fill(const core_prepared_mesh *prepared, const uint32_t *co
         star_corner *c = &star->corners[i];
         c->corner = corners[i];
         c->face = (uint32_t)norma_core_face_of(&prepared->corners_of, c->corner);
-        c->fan = i;
+        star->joined[i] = i;
         c->flags = 0;
         if (prepared->faces) load_polygon_corner(prepared, with_weights, star, c);
     }
@@ -190,7 +193,7 @@ void norma_core_star_load(
 }
 
 void norma_core_star_join_all(core_star *star) {
-    for (size_t i = 0; i < star->count; i++) star->corners[i].fan = 0;
+    for (size_t i = 0; i < star->count; i++) star->joined[i] = 0;
 }
 
 void norma_core_star_vote(const star_corner *c, star_sum *sum) {
@@ -243,7 +246,7 @@ static void number_fans(core_star *star) {
     const uint32_t reason = star->finite ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE;
     star->fan_count = 0;
     for (uint32_t i = 0; i < star->count; i++) {
-        const uint32_t first = star->corners[i].fan;
+        const uint32_t first = star->joined[i];
         star->fan_of[i] = first == i ? (uint32_t)star->fan_count : star->fan_of[first];
         if (first != i) continue;
         star->sums[star->fan_count] = (star_sum){.votes = 0};

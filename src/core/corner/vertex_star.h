@@ -2,6 +2,7 @@
  * their faces, and the sum of each fan. */
 #ifndef NORMA_CORE_STAR_H
 #define NORMA_CORE_STAR_H
+#include "core/call/joined_sets.h"
 #include "core/corner/prepared_mesh.h"
 
 enum {
@@ -19,8 +20,6 @@ typedef struct star_corner {
     uint32_t corner, face;
     uint32_t next, previous;  /* welded positions of its kept neighbours; with STAR_KEPT */
     uint32_t previous_corner; /* where the edge from previous begins */
-    uint32_t fan;             /* star number of a corner of the same fan, lower or its own; after
-                                 star_close_fans the lowest */
     uint8_t flags;
 } star_corner;
 
@@ -46,6 +45,8 @@ typedef struct core_star {
     star_edge *edges, *sorted; /* two for each corner */
     star_sum *sums;            /* these two of each fan */
     core_fan *fans;
+    uint32_t *joined; /* of each corner, a star number of the same fan, lower or its own; once fans
+                         are joined the lowest */
     uint32_t
         *fan_of; /* of each corner, the number of its fan, in the order of their first corners */
     double (*normals)[3]; /* scratch of the visible weight */
@@ -62,7 +63,7 @@ typedef struct star_room { /* what a star of ordinary size needs, for the stack 
     star_edge edges[2 * STAR_ROOM], sorted[2 * STAR_ROOM];
     star_sum sums[STAR_ROOM];
     core_fan fans[STAR_ROOM];
-    uint32_t fan_of[STAR_ROOM];
+    uint32_t joined[STAR_ROOM], fan_of[STAR_ROOM];
     double normals[STAR_ROOM][3];
 } star_room;
 

@@ -6,46 +6,6 @@
 #include "core/face/exact_area.h"
 #include "core/face/triangle.h"
 
-size_t norma_core_next_kept(const core_mesh *mesh, size_t face, size_t corner) {
-    do corner = norma_core_next_in_face(mesh, face, corner);
-    while (!norma_core_is_kept(mesh, face, corner));
-    return corner;
-}
-
-size_t norma_core_previous_kept(const core_mesh *mesh, size_t face, size_t corner) {
-    do corner = norma_core_previous_in_face(mesh, face, corner);
-    while (!norma_core_is_kept(mesh, face, corner));
-    return corner;
-}
-
-double norma_core_length(const double v[3]) {
-    const double square = norma_core_dot(v, v);
-    if (square > NORMA_TINIEST && square < NORMA_HUGEST) return sqrt(square);
-    const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-    if (!(largest > 0) || largest > 0x1.fffffffffffffp1023) return largest;
-    const int exponent = ilogb(largest);
-    const double scaled[3] = {
-        ldexp(v[0], -exponent), ldexp(v[1], -exponent), ldexp(v[2], -exponent)};
-    return ldexp(sqrt(norma_core_dot(scaled, scaled)), exponent);
-}
-
-void norma_core_normalise(const double v[3], double unit[3]) {
-    double scaled[3] = {v[0], v[1], v[2]};
-    const double square = norma_core_dot(v, v);
-    if (!(square > NORMA_TINIEST && square < NORMA_HUGEST)) {
-        const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-        if (!(largest > 0)) {
-            unit[0] = unit[1] = unit[2] = 0;
-            return;
-        }
-        const int exponent = ilogb(largest);
-        for (int k = 0; k < 3; k++) scaled[k] = ldexp(v[k], -exponent);
-    }
-    const double inverse =
-        1 / sqrt(norma_core_dot(scaled, scaled)); /* as the kernel that makes eight at once */
-    for (int k = 0; k < 3; k++) unit[k] = scaled[k] * inverse;
-}
-
 /* Walks a face's kept corners in ascending order, for whoever asks for point 0, 1, 2, ... (and 0
  * again). */
 typedef struct kept_walk {
@@ -217,7 +177,7 @@ void norma_core_faces_geometry(
     }
     for (int i = 0; i < CORE_LANES; i++)
         edged[i] = load_lane(mesh, (size_t)i < count ? face + (size_t)i : face, &batch, i);
-    call->measure(&batch, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER);
+    norma_core_measure(call->level, &batch, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER);
     for (int i = 0; (size_t)i < count; i++) {
         if (edged[i] && batch.sure[i] != 0)
             take_lane(&batch, i, &out[i]);

@@ -40,12 +40,14 @@ CORE_FOR_AVX512 static void measure_avx512(
 }
 #endif
 
-core_measure *norma_core_choose_measure(norma_isa isa) {
+void norma_core_measure(
+    core_level level, core_batch *batch, norma_weight weight, core_corners wanted) {
 #if defined(CORE_HAS_X86)
-    static core_measure *const measures[] = {measure_portable, measure_avx2, measure_avx512};
-    return measures[norma_core_level(isa)];
+    typedef void measure_for(core_batch * t, norma_weight weight, core_corners wanted);
+    static measure_for *const measures[] = {measure_portable, measure_avx2, measure_avx512};
+    measures[level](batch, weight, wanted);
 #else
-    (void)isa;
-    return measure_portable;
+    (void)level;
+    measure_portable(batch, weight, wanted);
 #endif
 }

@@ -1,7 +1,7 @@
 /* measure.h: triangles measured eight at a time. */
 #ifndef NORMA_CORE_MEASURE_H
 #define NORMA_CORE_MEASURE_H
-#include <norma/norma.h>
+#include "core/call/instruction_set.h"
 
 enum {
     CORE_LANES = 8
@@ -23,8 +23,8 @@ typedef enum core_corners {
     CORE_NO_CORNER = 0,
     CORE_ALL_CORNERS
 } core_corners; /* whose weights are wanted */
-typedef void core_measure(core_batch *batch, norma_weight weight, core_corners wanted);
 
-/* The fastest that the machine and the options allow; every one gives the same bits. */
-core_measure *norma_core_choose_measure(norma_isa isa);
+/* Every level gives the same bits. */
+void norma_core_measure(
+    core_level level, core_batch *batch, norma_weight weight, core_corners wanted);
 #endif

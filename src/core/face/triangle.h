@@ -3,6 +3,7 @@
  * one triangle alone. */
 #ifndef NORMA_CORE_TRIANGLE_H
 #define NORMA_CORE_TRIANGLE_H
+#include "core/call/vector.h"
 #include <math.h>
 #include <norma/norma.h>
 
@@ -77,11 +78,6 @@ static inline double norma_core_weight_angle(double cross, double dot) {
     const double angle = norma_core_slope_angle(s, s.above / s.below);
     return s.below > 0 ? (dot < 0 ? NORMA_PI - angle : angle) : 0;
 }
-
-/* Squares of areas between these lost nothing to underflow or overflow, nor do products of three
- * such areas. */
-#define NORMA_TINIEST 0x1p-640
-#define NORMA_HUGEST  0x1p640
 
 /* Whether doubles are enough, from the square of the cross product of two edges and their dot
  * product, whose squares are |u|^2 |v|^2 together (Lagrange): each component errs by at most some 6

@@ -3,7 +3,6 @@
  * memory that the sorted corners will take, and then place each the corners of a range of
  * positions, so that none needs memory of its own. */
 #include "core/mesh/corners_of_position.h"
-#include "core/face/face_geometry.h"
 #include "core/call/instruction_set.h"
 
 enum { CORNERS_WORTH_A_PART = 1 << 17, MOST_PARTS = 8 };

@@ -3,6 +3,7 @@
 #ifndef NORMA_CORE_MESH_H
 #define NORMA_CORE_MESH_H
 #include "core/call/call.h"
+#include "core/call/vector.h"
 #include "core/call/vec3_view.h"
 
 typedef struct core_mesh {
@@ -60,6 +61,10 @@ static inline uint32_t norma_core_welded(const core_mesh *mesh, uint32_t index) 
     return mesh->weld ? mesh->weld[index] : index;
 }
 
+static inline uint32_t norma_core_welded_corner(const core_mesh *mesh, size_t corner) {
+    return norma_core_welded(mesh, norma_core_corner(mesh, corner));
+}
+
 static inline size_t norma_core_face_begin(const core_mesh *mesh, size_t face) {
     return mesh->face_starts ? mesh->face_starts[face] : 3 * face;
 }
@@ -67,9 +72,4 @@ static inline size_t norma_core_face_end(const core_mesh *mesh, size_t face) {
     return mesh->face_starts ? mesh->face_starts[face + 1] : 3 * face + 3;
 }
 
-/* Not NaN, not infinite. */
-static inline int norma_core_finite(const double v[3]) {
-    const double zero = (v[0] - v[0]) + (v[1] - v[1]) + (v[2] - v[2]);
-    return zero == 0;
-}
 #endif

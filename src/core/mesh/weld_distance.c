@@ -2,6 +2,7 @@
  * itself. Two branches are joined whole where even their farthest points are a step apart, and
  * passed over where their nearest are not, or where they are joined already: so dense clusters cost
  * no more than sparse ones, and the answer does not depend on any order. */
+#include "core/call/joined_sets.h"
 #include "core/mesh/kdtree.h"
 #include "core/mesh/weld.h"
 
@@ -12,25 +13,10 @@ typedef struct joiner {
     double squared_step;
 } joiner;
 
-static uint32_t root_of(uint32_t *weld, uint32_t site) {
-    while (weld[site] != site) {
-        weld[site] = weld[weld[site]];
-        site = weld[site];
-    }
-    return site;
-}
-
-static void join(joiner *j, uint32_t a, uint32_t b) {
-    const uint32_t ra = root_of(j->weld, a), rb = root_of(j->weld, b);
-    if (ra < rb)
-        j->weld[rb] = ra;
-    else
-        j->weld[ra] = rb;
-}
-
 static void join_range(joiner *j, size_t node, size_t begin, size_t end) {
     if (j->whole[node]) return;
-    for (size_t i = begin + 1; i < end; i++) join(j, j->tree.sites[begin], j->tree.sites[i]);
+    for (size_t i = begin + 1; i < end; i++)
+        norma_core_join_sets(j->weld, j->tree.sites[begin], j->tree.sites[i]);
     j->whole[node] = 1;
 }
 
@@ -64,19 +50,20 @@ static void join_leaves(joiner *j, branch a, branch b) {
         for (size_t k = b.begin; k < b.end; k++)
             if (squared_distance(j->tree.mesh, j->tree.sites[i], j->tree.sites[k]) <=
                 j->squared_step)
-                join(j, j->tree.sites[i], j->tree.sites[k]);
+                norma_core_join_sets(j->weld, j->tree.sites[i], j->tree.sites[k]);
 }
 
 static void join_across(joiner *j, branch a, branch b) {
     const core_box *box_a = &j->tree.boxes[a.node], *box_b = &j->tree.boxes[b.node];
     if (norma_core_box_least(box_a, box_b) > j->squared_step) return;
     if (j->whole[a.node] && j->whole[b.node] &&
-        root_of(j->weld, j->tree.sites[a.begin]) == root_of(j->weld, j->tree.sites[b.begin]))
+        norma_core_set_of(j->weld, j->tree.sites[a.begin]) ==
+            norma_core_set_of(j->weld, j->tree.sites[b.begin]))
         return;
     if (norma_core_box_greatest(box_a, box_b) <= j->squared_step) {
         join_range(j, a.node, a.begin, a.end);
         join_range(j, b.node, b.begin, b.end);
-        join(j, j->tree.sites[a.begin], j->tree.sites[b.begin]);
+        norma_core_join_sets(j->weld, j->tree.sites[a.begin], j->tree.sites[b.begin]);
         return;
     }
     const int leaf_a = is_leaf(j, a), leaf_b = is_leaf(j, b);
@@ -101,8 +88,8 @@ static void join_within(joiner *j, branch b) {
         join_within(j, second);
         join_across(j, first, second);
         j->whole[b.node] = j->whole[first.node] && j->whole[second.node] &&
-                           root_of(j->weld, j->tree.sites[first.begin]) ==
-                               root_of(j->weld, j->tree.sites[second.begin]);
+                           norma_core_set_of(j->weld, j->tree.sites[first.begin]) ==
+                               norma_core_set_of(j->weld, j->tree.sites[second.begin]);
     }
 }
 

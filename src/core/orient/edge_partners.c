@@ -2,6 +2,7 @@
  * surface has, fans of two faces at each edge, comparing the few of them with one another is
  * enough; all else is sorted. */
 #include "core/orient/edge_partners.h"
+#include "core/call/joined_sets.h"
 #include "core/call/sort.h"
 #include "core/mesh/weld.h"
 #include <stdlib.h>
@@ -254,24 +255,10 @@ static size_t list_runs(const core_topology *t, const star *r) {
     return count;
 }
 
-static uint32_t fan_of(uint32_t *fans, uint32_t slot_number) {
-    while (fans[slot_number] != slot_number)
-        slot_number = fans[slot_number] = fans[fans[slot_number]];
-    return slot_number;
-}
-
-static void join(uint32_t *fans, uint32_t a, uint32_t b) {
-    const uint32_t of_a = fan_of(fans, a), of_b = fan_of(fans, b);
-    if (of_a < of_b)
-        fans[of_b] = of_a;
-    else
-        fans[of_a] = of_b;
-}
-
 static void pair_edge(
     const pairing *p, size_t block, const star *r, const core_edge_run *runs, size_t count) {
     const core_topology *t = p->topology;
-    for (size_t i = 1; i < count; i++) join(r->fans, runs[0].slot, runs[i].slot);
+    for (size_t i = 1; i < count; i++) norma_core_join_sets(r->fans, runs[0].slot, runs[i].slot);
     if (runs->other < r->position) return;
     if (count == 2 && runs[0].out != runs[1].out) {
         t->partners[runs[0].corner] = runs[1].corner;

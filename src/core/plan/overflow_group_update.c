@@ -99,7 +99,8 @@ static void collect_triangles(const overflow_work *w, size_t group, const uint32
     int edged[CORE_LANES];
     for (size_t i = 0; i < CORE_LANES; i++)
         edged[i] = load_lane(&w->mesh, members[i < count ? i : 0] / 3, &batch, (int)i);
-    w->work->call->measure(&batch, w->work->call->options.weight, CORE_ALL_CORNERS);
+    norma_core_measure(
+        w->work->call->level, &batch, w->work->call->options.weight, CORE_ALL_CORNERS);
     for (size_t i = 0; i < count; i++) {
         if (edged[i] && batch.sure[i] != 0) {
             for (int k = 0; k < 3; k++) out->normal[i][k] = batch.normal[k][i];

@@ -2,15 +2,6 @@
 #include "core/plan/plan.h"
 #include <math.h>
 
-void *norma_core_plan_keep(norma_plan *plan, size_t count, size_t size) {
-    if (plan->store_count == PLAN_MOST_BLOCKS) return NULL;
-    void *memory = norma_core_allocate(&plan->memory, count, size);
-    if (!memory) return NULL;
-    plan->stores[plan->store_count++] = (plan_store){memory, count, size};
-    plan->bytes += count * size;
-    return memory;
-}
-
 size_t norma_plan_bytes(const norma_plan *plan) { return plan ? plan->bytes : 0; }
 
 void norma_plan_destroy(norma_plan *plan) {

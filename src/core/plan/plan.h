@@ -5,7 +5,7 @@
 #ifndef NORMA_CORE_PLAN_H
 #define NORMA_CORE_PLAN_H
 #include "core/corner/normal_cone.h"
-#include "core/mesh/output.h"
+#include "core/call/output.h"
 #include "core/corner/prepared_mesh.h"
 #include <stdatomic.h>
 

@@ -18,16 +18,6 @@ static int resolve(const core_vertices *vertices, size_t vertex, float normal[3]
                           : norma_core_resolve_cone(vertices, vertex, normal);
 }
 
-void norma_core_release_vertices(core_vertices *vertices) {
-    const core_call *call = vertices->prepared->call;
-    norma_core_release(call, vertices->sums, vertices->count, sizeof *vertices->sums);
-    norma_core_release(call, vertices->own, vertices->count, sizeof *vertices->own);
-    norma_core_release(call, vertices->own_sums, vertices->own_count, sizeof *vertices->own_sums);
-    norma_core_release(call, vertices->normals, vertices->count, sizeof *vertices->normals);
-    norma_core_release(call, vertices->reasons, vertices->count, 1);
-    *vertices = (core_vertices){.prepared = vertices->prepared};
-}
-
 static void write_some(const vertex_work *work, size_t begin, size_t end, core_tally *tally) {
     for (size_t v = begin; v < end; v++) {
         float normal[3];

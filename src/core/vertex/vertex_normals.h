@@ -2,10 +2,7 @@
 #ifndef NORMA_CORE_VERTICES_H
 #define NORMA_CORE_VERTICES_H
 #include "core/corner/visit_positions.h"
-
-typedef struct vertex_sum {
-    double x, y, z, weight;
-} vertex_sum; /* weight: -0 as long as nobody votes */
+#include "core/vertex/sum_record.h"
 
 typedef struct core_vertices {
     core_prepared_mesh *prepared;
@@ -20,24 +17,22 @@ typedef struct core_vertices {
     uint8_t *reasons;
 } core_vertices;
 
+static inline void norma_core_release_vertices(core_vertices *vertices) {
+    const core_call *call = vertices->prepared->call;
+    norma_core_release(call, vertices->sums, vertices->count, sizeof *vertices->sums);
+    norma_core_release(call, vertices->own, vertices->count, sizeof *vertices->own);
+    norma_core_release(call, vertices->own_sums, vertices->own_count, sizeof *vertices->own_sums);
+    norma_core_release(call, vertices->normals, vertices->count, sizeof *vertices->normals);
+    norma_core_release(call, vertices->reasons, vertices->count, 1);
+    *vertices = (core_vertices){.prepared = vertices->prepared};
+}
+
 /* vertex_sums.c, most_visible_normals.c. What they return but NORMA_OK leaves nothing to release.
  * tally: degenerate faces are added. scattered: faces in a row lie far apart. */
 norma_result norma_core_sum_vertices(
     core_prepared_mesh *prepared, int scattered, core_vertices *vertices, core_tally *tally);
 norma_result norma_core_cone_vertices(
     core_prepared_mesh *prepared, core_vertices *vertices, core_tally *tally);
-void norma_core_release_vertices(core_vertices *vertices);
-
-/* vertex_sums.c: one face added by itself, corners elsewhere than at the count positions from first
- * on passed over. The first corner's owner counts the degenerate. */
-typedef struct core_face_adder {
-    const core_prepared_mesh *prepared;
-    vertex_sum *sums;
-    uint32_t first, count;
-    norma_count *degenerate;
-} core_face_adder;
-void norma_core_add_face(void *face_adder, size_t face);
-void norma_core_clear_sums(vertex_sum *sums, size_t count);
 
 /* binned_sums.c: where faces in a row touch positions near each other, and none is welded, range by
  * range of positions, from the corners to the output. *done: whether it could; ranges: of the
@@ -45,9 +40,6 @@ void norma_core_clear_sums(vertex_sum *sums, size_t count);
 norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_range *ranges,
     const core_output *output, core_tally *tally, int *done);
 
-/* NORMA_REASON_NONE and its normal, or why there is none. */
-int norma_core_resolve_record(
-    const core_mesh *mesh, const vertex_sum *sum, size_t vertex, float normal[3]);
 int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]);
 int norma_core_resolve_cone(const core_vertices *vertices, size_t vertex, float normal[3]);
 #endif

@@ -4,7 +4,6 @@
  * whoever takes it. */
 #include "core/mesh/scattered_positions.h"
 #include "core/vertex/queued_sums.h"
-#include <math.h>
 
 enum {
     FACES_IN_CHUNK = CORE_FACES_IN_CHUNK,
@@ -26,41 +25,6 @@ typedef struct sum_work {
     position_range *touched; /* by each chunk; NULL for one range */
     norma_count degenerate[MOST_RANGES];
 } sum_work;
-
-/* ---- one face by itself: a polygon, or a triangle that doubles do not decide */
-
-static void add(vertex_sum *sum, double weight, const double normal[3]) {
-    sum->x += weight * normal[0];
-    sum->y += weight * normal[1];
-    sum->z += weight * normal[2];
-    sum->weight += weight;
-}
-
-void norma_core_add_face(void *context, size_t f) {
-    const core_face_adder *adder = context;
-    const core_prepared_mesh *prepared = adder->prepared;
-    const core_mesh *mesh = &prepared->mesh;
-    const size_t begin = norma_core_face_begin(mesh, f), end = norma_core_face_end(mesh, f);
-    core_face face;
-    norma_core_prepared_mesh_face(prepared, f, &face);
-    if (!(face.flags & CORE_FACE_DIRECTED)) {
-        if (!prepared->faces && (face.flags & CORE_FACE_FINITE) &&
-            norma_core_welded_corner(mesh, begin) - adder->first < adder->count)
-            norma_core_count_one(adder->degenerate, f);
-        return;
-    }
-    for (size_t c = begin; c < end; c++) {
-        const uint32_t sum = norma_core_welded_corner(mesh, c) - adder->first;
-        if (sum >= adder->count || !norma_core_is_kept(mesh, f, c)) continue;
-        add(&adder->sums[sum],
-            norma_core_corner_weight(mesh, prepared->call->options.weight, f, &face, c),
-            face.normal);
-    }
-}
-
-void norma_core_clear_sums(vertex_sum *sums, size_t count) {
-    for (size_t i = 0; i < count; i++) sums[i] = (vertex_sum){0, 0, 0, -0.0};
-}
 
 /* ---- chunks and ranges */
 
@@ -153,20 +117,6 @@ static size_t ranges_for(const core_prepared_mesh *prepared) {
 
 /* ---- sums that cancel: once more, over the corners of each vertex alone */
 
-static void sum_of(const vertex_sum *s, double sum[3]) {
-    sum[0] = s->x;
-    sum[1] = s->y;
-    sum[2] = s->z;
-}
-
-static int has_votes(const vertex_sum *s) { return !signbit(s->weight); }
-
-static int cancels(const vertex_sum *s) {
-    double sum[3];
-    sum_of(s, sum);
-    return has_votes(s) && norma_core_cancels(sum, s->weight);
-}
-
 static void add_own(core_vertices *vertices, size_t f) {
     const core_prepared_mesh *prepared = vertices->prepared;
     const core_mesh *mesh = &prepared->mesh;
@@ -176,7 +126,7 @@ static void add_own(core_vertices *vertices, size_t f) {
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
         const uint32_t number = vertices->own[norma_core_corner(mesh, c)];
         if (number == UINT32_MAX || !norma_core_is_kept(mesh, f, c)) continue;
-        add(&vertices->own_sums[number],
+        norma_core_add_vote(&vertices->own_sums[number],
             norma_core_corner_weight(mesh, prepared->call->options.weight, f, &face, c),
             face.normal);
     }
@@ -195,7 +145,8 @@ static norma_result sum_own(core_vertices *vertices) {
     size_t cancelled = 0;
     if (!mesh->weld) return NORMA_OK; /* a position has the corners of one vertex */
     for (size_t v = 0; v < vertices->count; v++)
-        cancelled += (size_t)cancels(&vertices->sums[norma_core_welded(mesh, (uint32_t)v)]);
+        cancelled += (size_t)norma_core_record_cancels(
+            &vertices->sums[norma_core_welded(mesh, (uint32_t)v)]);
     if (!cancelled) return NORMA_OK;
     vertices->own = norma_core_allocate(call, vertices->count, sizeof *vertices->own);
     vertices->own_sums = norma_core_allocate(call, cancelled, sizeof *vertices->own_sums);
@@ -203,7 +154,8 @@ static norma_result sum_own(core_vertices *vertices) {
     if (!vertices->own || !vertices->own_sums) return NORMA_ERROR_MEMORY;
     uint32_t number = 0;
     for (size_t v = 0; v < vertices->count; v++)
-        vertices->own[v] = cancels(&vertices->sums[mesh->weld[v]]) ? number++ : UINT32_MAX;
+        vertices->own[v] =
+            norma_core_record_cancels(&vertices->sums[mesh->weld[v]]) ? number++ : UINT32_MAX;
     norma_core_clear_sums(vertices->own_sums, cancelled);
     for (size_t f = 0; f < mesh->face_count; f++)
         if (touches_own(vertices, f)) add_own(vertices, f);
@@ -214,24 +166,11 @@ int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float n
     const core_mesh *mesh = &vertices->prepared->mesh;
     if (vertices->own && vertices->own[vertex] != UINT32_MAX) {
         const vertex_sum *own = &vertices->own_sums[vertices->own[vertex]];
-        return has_votes(own) ? norma_core_resolve_record(mesh, own, vertex, normal)
-                              : NORMA_REASON_CANCELLED;
+        return norma_core_has_votes(own) ? norma_core_resolve_record(mesh, own, vertex, normal)
+                                         : NORMA_REASON_CANCELLED;
     }
     return norma_core_resolve_record(
         mesh, &vertices->sums[norma_core_welded(mesh, (uint32_t)vertex)], vertex, normal);
-}
-
-int norma_core_resolve_record(
-    const core_mesh *mesh, const vertex_sum *s, size_t vertex, float normal[3]) {
-    double sum[3];
-    if (!has_votes(s)) {
-        norma_core_position(mesh, (uint32_t)vertex, sum);
-        return norma_core_finite(sum) ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE;
-    }
-    sum_of(s, sum);
-    if (norma_core_cancels(sum, s->weight)) return NORMA_REASON_CANCELLED;
-    norma_core_direction(sum, normal);
-    return NORMA_REASON_NONE;
 }
 
 /* Triangles are measured from positions in memory of our own where they are scattered; polygons are

@@ -3,7 +3,7 @@
  * star, which knows everything. Both add in ascending order of corners, so that the bits are the
  * same. */
 #include "crease_slider.h"
-#include "core/mesh/output.h"
+#include "core/call/output.h"
 #include "core/corner/vertex_star.h"
 #include "core/face/triangle.h"
 #include <stdlib.h>
@@ -58,7 +58,7 @@ static unsigned measure(creases *c, size_t first, size_t count, norma_weight wei
             batch.a[axis][lane] = p[2][axis] - p[1][axis];
         }
     }
-    c->call.measure(&batch, weight, CORE_ALL_CORNERS);
+    norma_core_measure(c->call.level, &batch, weight, CORE_ALL_CORNERS);
     for (size_t lane = 0; lane < count; ++lane) {
         kept_face *face = &c->faces[first + lane];
         for (int i = 0; i < 3; ++i) {
@@ -322,7 +322,7 @@ static int compute_whole(
 
 /* One bit for each step of the way that is cut. 0: too near the crease to tell by the cosine. */
 static int find_cuts(const creases *c, size_t begin, size_t count, uint32_t *cuts) {
-    const double crease = c->surface.crease_cosine;
+    const double crease = c->surface.crease.cosine;
     int told = 1;
     *cuts = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -390,7 +390,7 @@ static int compute_position(creases *c, uint32_t position, float *normals) {
     uint32_t cuts;
     if (count == 0) return 1;
     if (c->kinds[position] == BY_RING) return compute_by_star(c, position, normals);
-    if (c->least[position] > c->surface.crease_cosine + DOUBT)
+    if (c->least[position] > c->surface.crease.cosine + DOUBT)
         return compute_whole(c, position, corners, count, normals);
     if (!find_cuts(c, begin, count, &cuts)) return compute_by_star(c, position, normals);
     if ((cuts & (cuts - 1)) == 0 && !(cuts && open))
@@ -401,7 +401,7 @@ static int compute_position(creases *c, uint32_t position, float *normals) {
 int creases_compute(creases *c, float crease_rad, norma_weight weight, float *normals) {
     if (!(crease_rad == crease_rad)) return 0;
     c->call.options.weight = weight;
-    norma_core_prepared_mesh_crease(&c->surface, (double)crease_rad);
+    c->surface.crease = norma_core_crease_at((double)crease_rad);
     if (c->faces && c->weight != (int)weight && !is_visible(c)) measure_all(c, weight, NULL);
     if (c->faces && c->whole_of != (int)weight)
         memset(c->has_whole, 0, c->surface.mesh.positions.count);

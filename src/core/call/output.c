@@ -1,6 +1,6 @@
 /* output.c: one place for what reaches the caller. */
-#include "core/mesh/output.h"
-#include "core/corner/prepared_mesh.h"
+#include "core/call/output.h"
+#include "core/call/vector.h"
 
 norma_result norma_core_output_open(
     const core_call *call, float *normals, size_t count, size_t capacity, core_output *output) {

@@ -2,7 +2,9 @@
  * once, never read. */
 #ifndef NORMA_CORE_OUTPUT_H
 #define NORMA_CORE_OUTPUT_H
-#include "core/mesh/input_mesh.h"
+#include "core/call/call.h"
+#include "core/call/count.h"
+#include <string.h>
 
 typedef struct core_output {
     unsigned char *normals; /* NULL: only counted (norma_split) */
