@@ -37,6 +37,12 @@ if [ -z "$strangers" ]; then pass "every symbol of libnorma.a begins with norma_
 hardened=$(readelf -lW "$prefix/bin/norma"; readelf -dW "$prefix/bin/norma"; readelf -hW "$prefix/bin/norma")
 check "the tool is position independent, with relro and bindings resolved at once" bash -c 'grep -q "DYN" <<<"$0" && grep -q GNU_RELRO <<<"$0" && grep -qE "BIND_NOW|Flags:.*NOW" <<<"$0"' "$hardened"
 
+core_declared=$(nm -D --defined-only "$lib/libnorma-core.so" | awk '$2 == "T" { sub(/@@.*/, "", $3); print $3 }' | sort)
+check "libnorma-core.so exports what norma.h declares" test "$core_declared" = "$(scripts/public-symbols.sh include/norma/norma.h)"
+check "libnorma-core.so needs libc and libm only" bash -c '! readelf -d "$0" | grep NEEDED | grep -vE "lib(c|m)\.so|ld-linux"' "$lib/libnorma-core.so"
+twice=$(nm --defined-only "$lib/libnorma.a" 2>/dev/null | awk 'NF == 3 && $2 ~ /[A-Z]/ { print $3 }' | sort | uniq -d)
+if [ -z "$twice" ]; then pass "no symbol is twice in libnorma.a"; else fail "no symbol is twice in libnorma.a" "$twice"; fi
+
 # CMake
 check "CMake: find_package(norma) configures" cmake -S tests/repo/consumer -B "$scratch/consumer" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release
 check "CMake: consumers build" cmake --build "$scratch/consumer"
@@ -47,6 +53,21 @@ for kind in shared static; do
 done
 check "shared and static give the same bits" cmp <("$scratch/consumer/core-shared") <("$scratch/consumer/core-static")
 check "norma::norma is the shared library" bash -c 'readelf -d "$0" | grep -q libnorma.so.0' "$scratch/consumer/core-default"
+for kind in shared static; do
+    check "CMake: the core alone, $kind, gives the same bits" cmp <("$scratch/consumer/core-static") <("$scratch/consumer/alone-$kind")
+    check "CMake: with both libraries, $kind, too" cmp <("$scratch/consumer/core-static") <("$scratch/consumer/both-$kind")
+done
+check "norma::core is the core's shared library, and that alone" bash -c 'readelf -d "$0" | grep -q "libnorma-core.so.0" && ! readelf -d "$0" | grep -q "libnorma.so"' "$scratch/consumer/alone-default"
+# The components that a packager makes packages of.
+mkdir -p "$scratch/parts"
+for part in core core-development; do
+    check "the component $part installs" cmake --install "$tree" --prefix "$scratch/parts" --component $part
+done
+check "the core's components hold the core alone" bash -c 'test -z "$(find "$0" -name "libnorma.*" -o -name "norma.pc" -o -name "document.h" -o -path "*/bin/*")" && test -n "$(find "$0" -name norma-core.pc)"' "$scratch/parts"
+printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(alone C)' 'find_package(norma 0.1 REQUIRED COMPONENTS core)' "add_executable(alone $root/tests/repo/consumer/core.c)" \
+    'target_link_libraries(alone PRIVATE norma::core)' 'find_package(norma QUIET COMPONENTS norma)' 'if(norma_FOUND)' 'message(FATAL_ERROR "norma was found without libnorma")' 'endif()' >"$scratch/alone.txt"
+mkdir "$scratch/alone" && mv "$scratch/alone.txt" "$scratch/alone/CMakeLists.txt"
+check "CMake: find_package(norma COMPONENTS core) is enough for the core" bash -c 'cmake -S "$0" -B "$0/build" -DCMAKE_PREFIX_PATH="$1" && cmake --build "$0/build" && "$0/build/alone"' "$scratch/alone" "$scratch/parts"
 
 # pkg-config
 export PKG_CONFIG_PATH=$lib/pkgconfig
@@ -63,4 +84,10 @@ check "pkg-config: C, static, runs" bash -c '"$0" | grep -q "^vn 0 0 1$" && ! re
 # shellcheck disable=SC2046
 check "pkg-config: C++, shared, builds" clang++ -std=c++17 -Wall -Werror tests/repo/consumer/consumer.cpp -o "$scratch/pc-cpp" $(pkg-config --cflags --libs norma)
 check "pkg-config: C++, shared, runs" env LD_LIBRARY_PATH="$lib" "$scratch/pc-cpp"
+# shellcheck disable=SC2046
+check "pkg-config: the core, shared, builds" gcc -std=c11 -Wall -Werror tests/repo/consumer/core.c -o "$scratch/pc-core" $(pkg-config --cflags --libs norma-core)
+check "pkg-config: the core, shared, runs" env LD_LIBRARY_PATH="$lib" "$scratch/pc-core"
+# shellcheck disable=SC2046
+check "pkg-config: the core in a program without shared libraries builds" gcc -static -std=c11 -Wall -Werror tests/repo/consumer/core.c -o "$scratch/pc-core-static" $(pkg-config --static --cflags --libs norma-core)
+check "pkg-config: it runs" cmp <("$scratch/pc-core-static") <("$scratch/consumer/core-static")
 finish
