@@ -1,19 +1,5 @@
-# The renderer, a part of the tool alone: EGL and OpenGL ES are looked for when a picture is drawn (headers only here), PNG is written by libpng.
-find_package(PNG ${norma_least_png} REQUIRED)
-find_path(NORMA_EGL_INCLUDE EGL/eglext.h)
-find_path(NORMA_GLES_INCLUDE GLES3/gl3.h)
-if(NOT NORMA_EGL_INCLUDE OR NOT NORMA_GLES_INCLUDE)
-  message(FATAL_ERROR "headers of EGL and OpenGL ES 3 are needed (Debian: libegl-dev, libgles-dev); scripts/install-deps.sh installs what is missing")
-endif()
-
-file(STRINGS ${NORMA_EGL_INCLUDE}/EGL/eglext.h egl_line REGEX "define EGL_EGLEXT_VERSION [0-9]+" LIMIT_COUNT 1)
-string(REGEX REPLACE ".*EGL_EGLEXT_VERSION ([0-9]+).*" "\\1" egl_version "${egl_line}")
-if(egl_version LESS norma_least_egl_headers)
-  message(FATAL_ERROR "EGL headers of ${norma_least_egl_headers} or later are needed; ${NORMA_EGL_INCLUDE}/EGL/eglext.h is of ${egl_version}")
-endif()
-
-# Shaders as arrays of characters: the same text that the page has.
-set(shader_folder ${CMAKE_SOURCE_DIR}/src/render/shaders)
+# The renderer, a part of the tool alone (cmake/dependencies.cmake says whether it can be built). Shaders become arrays of characters: the same text that the page has.
+set(shader_folder ${PROJECT_SOURCE_DIR}/src/render/shaders)
 file(GLOB shaders CONFIGURE_DEPENDS ${shader_folder}/*.glsl ${shader_folder}/*.vert ${shader_folder}/*.frag)
 set(shader_text "/* Made from src/render/shaders. */\n")
 foreach(shader ${shaders})
@@ -24,10 +10,10 @@ foreach(shader ${shaders})
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
   string(APPEND shader_text "static const char render_shader_${name}[] = {${bytes}0};\n")
 endforeach()
-file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/shaders.h CONTENT "${shader_text}" @ONLY)
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/shaders.h CONTENT "${shader_text}" @ONLY)
 
 file(GLOB render_sources CONFIGURE_DEPENDS src/render/*.c)
 add_library(norma-render STATIC ${render_sources})
-target_include_directories(norma-render PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_BINARY_DIR}/generated)
+target_include_directories(norma-render PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/generated)
 target_include_directories(norma-render SYSTEM PRIVATE ${NORMA_EGL_INCLUDE} ${NORMA_GLES_INCLUDE})
 target_link_libraries(norma-render PUBLIC norma-static PRIVATE PNG::PNG m ${CMAKE_DL_LIBS})

@@ -5,9 +5,16 @@ find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
 find_program(NORMA_ESBUILD NAMES esbuild)
 find_path(NORMA_WASI_INCLUDE NAMES wasm32-wasi/stdlib.h)
-foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_NODE NORMA_ESBUILD NORMA_WASI_INCLUDE)
+if(NORMA_WASM_CC AND NOT NORMA_WASM_BUILTINS)
+  execute_process(COMMAND ${NORMA_WASM_CC} --target=wasm32-wasi -print-libgcc-file-name OUTPUT_VARIABLE builtins OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  if(builtins AND EXISTS "${builtins}")
+    set(NORMA_WASM_BUILTINS ${builtins} CACHE FILEPATH "clang's run-time library for WebAssembly")
+  endif()
+endif()
+set(norma_why_page "")
+foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_WASM_BUILTINS NORMA_NODE NORMA_ESBUILD NORMA_WASI_INCLUDE)
   if(NOT ${tool} AND NORMA_WEB STREQUAL "AUTO")
-    message(STATUS "Without the page and the npm package: ${tool} was not found; scripts/install-deps.sh web installs what is missing")
+    set(norma_why_page "${tool} was not found (Debian: clang lld wasi-libc libclang-rt-dev-wasm32 nodejs esbuild)")
     return()
   elseif(NOT ${tool})
     message(FATAL_ERROR "The page needs clang, lld, wasi-libc, libclang-rt-dev-wasm32, nodejs and esbuild (${tool}); scripts/install-deps.sh web installs what is missing, "
@@ -15,12 +22,13 @@ foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_NODE NORMA_ESBUILD NORMA_WASI_INC
   endif()
 endforeach()
 
-set(web_dir ${CMAKE_BINARY_DIR}/web)
+set(norma_has_page ON)
+set(web_dir ${PROJECT_BINARY_DIR}/web)
 set(web_objects_dir ${web_dir}/objects)
 file(MAKE_DIRECTORY ${web_objects_dir} ${web_dir}/npm)
 # No SLP vectoriser: clang 14's, for WebAssembly, stores a product into its own factor before that is read (norma_gltf_matrix_multiply in place, nodes at wrong places).
 set(web_flags --target=wasm32-wasi -std=c11 -O3 -DNDEBUG -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math
-              -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${CMAKE_SOURCE_DIR}/include -I${CMAKE_SOURCE_DIR}/src)
+              -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${PROJECT_SOURCE_DIR}/include -I${PROJECT_SOURCE_DIR}/src)
 if(NORMA_WERROR)
   list(APPEND web_flags -Werror)
 endif()
@@ -29,7 +37,7 @@ endif()
 function(web_objects list)
   set(objects "")
   foreach(source ${ARGN})
-    file(RELATIVE_PATH name ${CMAKE_SOURCE_DIR} ${source})
+    file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${source})
     string(REPLACE "/" "_" name ${name})
     set(object ${web_objects_dir}/${name}.o)
     add_custom_command(OUTPUT ${object}
@@ -48,29 +56,29 @@ function(web_module name)
 endfunction()
 
 set(web_core_sources ${core_sources})
-list(TRANSFORM web_core_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
-file(GLOB web_call_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/package/wasm/*.c)
+list(TRANSFORM web_core_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")
+file(GLOB web_call_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/wasm/*.c)
 web_objects(web_core_objects ${web_core_sources} ${web_call_sources})
 web_module(norma.wasm ${web_core_objects})
 
 # The page's module: the readers as well, without what a page has not.
 set(web_page_sources ${io_sources})
-list(FILTER web_page_sources EXCLUDE REGEX "/(file/mapped_file|file/atomic_write|file/folder|meshopt_views)\\.c$")
+list(FILTER web_page_sources EXCLUDE REGEX "/(file/mapped_file|file/atomic_write|file/folder|meshopt_views|meshopt_left_out)\\.c$")
 list(APPEND web_page_sources ${check_sources})
 list(FILTER web_page_sources EXCLUDE REGEX "/check/fix/")
-list(TRANSFORM web_page_sources REPLACE "^src/" "${CMAKE_SOURCE_DIR}/src/")
-file(GLOB web_model_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/page/model/*.c)
-set(web_flags_here -isystem ${CMAKE_SOURCE_DIR}/web/page/model/posix -include ${CMAKE_SOURCE_DIR}/web/page/model/missing.h)
+list(TRANSFORM web_page_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")
+file(GLOB web_model_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/model/*.c)
+set(web_flags_here -isystem ${PROJECT_SOURCE_DIR}/web/page/model/posix -include ${PROJECT_SOURCE_DIR}/web/page/model/missing.h)
 web_objects(web_page_objects ${web_page_sources} ${web_model_sources})
 web_module(page.wasm ${web_core_objects} ${web_page_objects})
 
-file(GLOB web_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/package/* ${CMAKE_SOURCE_DIR}/web/*.mjs)
+file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs)
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
-  COMMAND ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs package ${web_dir}
+  COMMAND ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir}
   DEPENDS ${web_inputs} ${web_dir}/norma.wasm COMMENT "npm package" VERBATIM)
-file(GLOB web_page_inputs CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/web/page/* ${CMAKE_SOURCE_DIR}/src/render/shaders/*)
+file(GLOB web_page_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/* ${PROJECT_SOURCE_DIR}/src/render/shaders/*)
 add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
-  COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${CMAKE_SOURCE_DIR}/web/build.mjs page ${web_dir}
+  COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs page ${web_dir}
   DEPENDS ${web_page_inputs} ${web_inputs} ${web_dir}/page.wasm COMMENT "The page" VERBATIM)
 add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/norma.html)
 

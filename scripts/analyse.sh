@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.." || exit 1
 out=${ANALYSE_BUILD:-build/analyse}
 mkdir -p "$out/found"
 rm -f "$out"/found/*
-cmake -S . -B "$out" -G Ninja -DCMAKE_C_COMPILER=clang -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF >"$out/configure.log" 2>&1 || { cat "$out/configure.log"; exit 1; }
+cmake -S . -B "$out" -G Ninja -DCMAKE_C_COMPILER=clang -DNORMA_TESTS=OFF -DNORMA_WEB=OFF -DNORMA_EXAMPLES=OFF >"$out/configure.log" 2>&1 || { cat "$out/configure.log"; exit 1; }
 command -v clang-tidy >/dev/null || { echo "clang-tidy is not installed (Debian: clang-tidy)"; exit 1; }
 export out
 one() {

@@ -13,7 +13,7 @@ triangles=${NORMA_BENCH_TRIANGLES:-2000000}
 mkdir -p "$out"
 
 case " $sections " in *" rivals "* | *" files "* | *" web "*) scripts/install-deps.sh bench || echo "some libraries could not be installed; those that are there are measured" ;; esac
-cmake -S . -B "$out/tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_BENCH=ON -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF >"$out/build.log" 2>&1 &&
+cmake -S . -B "$out/tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_BENCH=ON -DNORMA_TESTS=OFF -DNORMA_WEB=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF >"$out/build.log" 2>&1 &&
     cmake --build "$out/tree" >>"$out/build.log" 2>&1 || { tail -20 "$out/build.log"; exit 1; }
 bin=$out/tree/bin
 

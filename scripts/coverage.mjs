@@ -15,8 +15,8 @@ const layers = ["src/core", "src/io"];
 // The JSON that gcov prints for each object that was compiled to be counted, run or not.
 function* counted() {
     for (const layer of layers) {
-        const folder = join(resolve(tree), "CMakeFiles/norma-objects.dir", layer);
-        const notes = readdirSync(folder).filter(name => name.endsWith(".gcno")).map(name => join(folder, name));
+        const folder = join(resolve(tree), "CMakeFiles", layer === "src/core" ? "norma-core-objects.dir" : "norma-objects.dir", layer);
+        const notes = readdirSync(folder, { recursive: true }).filter(name => name.endsWith(".gcno")).map(name => join(folder, name));
         if (!notes.length) throw new Error(`${folder}: nothing was compiled to be counted`);
         const text = execFileSync("gcov", ["--json-format", "--stdout", "--branch-probabilities", ...notes], { maxBuffer: 1 << 30, stdio: ["ignore", "pipe", "ignore"] });
         for (const line of text.toString().split("\n")) if (line) yield JSON.parse(line);

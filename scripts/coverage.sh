@@ -17,7 +17,7 @@ export root tree
 
 build() {
     mkdir -p "$tree"
-    cmake -S . -B "$tree" -G Ninja -DCMAKE_C_COMPILER=gcc -DNORMA_COVERAGE=ON -DNORMA_WEB=OFF -DNORMA_SHARED=OFF -DNORMA_EXAMPLES=OFF \
+    cmake -S . -B "$tree" -G Ninja -DCMAKE_C_COMPILER=gcc -DNORMA_COVERAGE=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_SHARED=OFF -DNORMA_EXAMPLES=OFF \
         -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -DNDEBUG" >"$tree/build.log" 2>&1 &&
         cmake --build "$tree" -j "$jobs" >>"$tree/build.log" 2>&1 || { tail -n 20 "$tree/build.log"; exit 1; }
 }

@@ -20,7 +20,7 @@ build() {
     command -v clang >/dev/null || { echo "$0: clang is needed; scripts/install-deps.sh installs it" >&2; return 1; }
     mkdir -p "$tree"
     if [ ! -f "$tree/build.ninja" ]; then
-        cmake -S "$root" -B "$tree" -G Ninja -DCMAKE_C_COMPILER=clang -DNORMA_FUZZ=ON -DNORMA_WERROR=ON -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF \
+        cmake -S "$root" -B "$tree" -G Ninja -DCMAKE_C_COMPILER=clang -DNORMA_FUZZ=ON -DNORMA_WERROR=ON -DNORMA_TESTS=OFF -DNORMA_WEB=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF \
             -DNORMA_SANITIZE=address,undefined,float-cast-overflow,fuzzer-no-link -DCMAKE_BUILD_TYPE=Fuzz "-DCMAKE_C_FLAGS=-O1 -g1" >"$tree/build.log" 2>&1 || { cat "$tree/build.log"; return 1; }
     fi
     cmake --build "$tree" --target fuzzers -j "$jobs" >>"$tree/build.log" 2>&1 || { grep -aE 'error|FAILED' "$tree/build.log" | head -40; return 1; }

@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.." || exit 1
 status=0
 
 if command -v clang-tidy >/dev/null; then
-    cmake -S . -B build/lint -G Ninja -DCMAKE_C_COMPILER=clang -DNORMA_TESTS=OFF >/dev/null || exit 1
+    cmake -S . -B build/lint -G Ninja -DCMAKE_C_COMPILER=clang -DNORMA_TESTS=OFF -DNORMA_WEB=OFF >/dev/null || exit 1
     find src -name '*.c' | sort | xargs -P "$(nproc)" -n 4 clang-tidy -p build/lint --quiet 2>/dev/null || status=1
 else
     echo "clang-tidy is not installed (Debian: clang-tidy)"

@@ -67,7 +67,7 @@ units() {
 
 run_gcc() {
     say "gcc: building with warnings as errors"
-    build gcc -DCMAKE_C_COMPILER=gcc -DNORMA_WERROR=ON -DNORMA_WEB=ON -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2
+    build gcc -DCMAKE_C_COMPILER=gcc -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=ON -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2
     say "gcc: unit tests"
     units gcc unit
 }
@@ -83,7 +83,7 @@ run_scripts() {
 
 run_asan() {
     say "asan: building with clang, address and undefined-behaviour sanitizers"
-    build asan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
+    build asan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
     say "asan: unit tests"
     units asan unit
     one asan.golden tests/cli/golden.sh
@@ -92,7 +92,7 @@ run_asan() {
 
 run_tsan() {
     say "tsan: building with clang, thread sanitizer"
-    build tsan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_SANITIZE=thread -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
+    build tsan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_SANITIZE=thread -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
     say "tsan: the tests that use threads"
     units tsan parallel
     one tsan.programs tests/cli/threads.sh

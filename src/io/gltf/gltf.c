@@ -124,6 +124,17 @@ int norma_gltf_is_known(const char *name) {
     return 0;
 }
 
+/* A compression that a file requires and that cannot be read here; NULL for other extensions. */
+static const char *why_not_decoded(const char *name) {
+    if (strcmp(name, "KHR_draco_mesh_compression") == 0)
+        return "is not read yet; expected meshes without Draco's compression";
+    if (!norma_gltf_reads_meshopt() && (strcmp(name, "EXT_meshopt_compression") == 0 ||
+                                           strcmp(name, "KHR_meshopt_compression") == 0))
+        return "needs meshoptimizer, which this Norma was built without; expected meshes without "
+               "compression";
+    return NULL;
+}
+
 static norma_document_result check_required(const gltf *g, norma_document_error *error) {
     const json *j = &g->json;
     uint32_t list = norma_json_member(j, 0, "extensionsRequired");
@@ -133,15 +144,13 @@ static norma_document_result check_required(const gltf *g, norma_document_error 
          item = norma_json_next(j, list, item)) {
         char *name = norma_json_string(j, item);
         if (!name) return norma_gltf_malformed(g, error, item, "the name of an extension");
-        int draco = strcmp(name, "KHR_draco_mesh_compression") == 0;
-        int known = norma_gltf_is_known(name) ||
-                    (draco && g->document->depth == NORMA_DOCUMENT_SUMMARY) || g->document->lenient;
+        const char *why = why_not_decoded(name);
+        int known = why ? g->document->depth == NORMA_DOCUMENT_SUMMARY : norma_gltf_is_known(name);
         norma_document_result result = NORMA_DOCUMENT_OK;
-        if (!known)
+        if (!known && !g->document->lenient)
             result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
                 "/extensionsRequired", "requires %s, which %s", name,
-                draco ? "is not read yet; expected meshes without Draco's compression"
-                      : "is not known here");
+                why ? why : "is not known here");
         free(name);
         if (result) return result;
     }

@@ -200,6 +200,7 @@ norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsign
     norma_document_error *error); /* decoded where compressed; view->length of them */
 norma_document_result norma_gltf_decode_meshopt(
     gltf *g, uint32_t view, norma_document_error *error);
+int norma_gltf_reads_meshopt(void); /* 0: the library is built without meshoptimizer */
 /* The elements of an accessor, resolved once and cached. */
 norma_document_result norma_gltf_array(
     gltf *g, uint32_t accessor, gltf_array *array, norma_document_error *error);

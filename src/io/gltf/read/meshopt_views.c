@@ -59,6 +59,8 @@ static int decode(const gltf_meshopt *m, const unsigned char *bytes, unsigned ch
     return 1;
 }
 
+int norma_gltf_reads_meshopt(void) { return 1; }
+
 norma_document_result norma_gltf_decode_meshopt(
     gltf *g, uint32_t number, norma_document_error *error) {
     gltf_view *view = &g->views[number];

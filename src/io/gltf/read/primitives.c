@@ -140,17 +140,33 @@ static int lacks_bytes(const gltf *g, uint32_t accessor) {
     return 0;
 }
 
-static int set_lacks_bytes(const gltf *g, const gltf_attributes *set) {
+static int lacks_decoder(const gltf *g, uint32_t accessor) {
+    if (accessor == GLTF_NONE || norma_gltf_reads_meshopt()) return 0;
+    const uint32_t view = g->accessors[accessor].view;
+    return view != GLTF_NONE && g->views[view].meshopt.token != GLTF_NONE;
+}
+
+typedef int accessor_test(const gltf *g, uint32_t accessor);
+
+static int any_of_set(const gltf *g, const gltf_attributes *set, accessor_test *test) {
     for (uint32_t i = set->first; i < set->first + set->count; ++i)
-        if (lacks_bytes(g, g->attributes[i].accessor)) return 1;
+        if (test(g, g->attributes[i].accessor)) return 1;
+    return 0;
+}
+
+static int any_accessor(const gltf *g, const gltf_primitive *p, accessor_test *test) {
+    if (test(g, p->indices) || any_of_set(g, &p->base, test)) return 1;
+    for (uint32_t t = 0; t < p->target_count; ++t)
+        if (any_of_set(g, &g->targets[p->first_target + t], test)) return 1;
     return 0;
 }
 
 static const char *why_without_bytes(const gltf *g, const gltf_primitive *p) {
-    int lacks = lacks_bytes(g, p->indices) || set_lacks_bytes(g, &p->base);
-    for (uint32_t t = 0; t < p->target_count; ++t)
-        lacks |= set_lacks_bytes(g, &g->targets[p->first_target + t]);
-    return lacks ? "its buffer has no URI, so its bytes are not here" : NULL;
+    if (any_accessor(g, p, lacks_decoder))
+        return "compressed with EXT_meshopt_compression, and this Norma was built without "
+               "meshoptimizer";
+    return any_accessor(g, p, lacks_bytes) ? "its buffer has no URI, so its bytes are not here"
+                                           : NULL;
 }
 
 static void count_faces(const gltf *g, gltf_primitive *p) {

@@ -1,0 +1,26 @@
+/* render_left_out.c: norma render where the tool is built without libpng or the headers of EGL and
+ * OpenGL ES: says so and fails. */
+#include "cli/common/cli.h"
+#include <string.h>
+
+static const char help[] =
+    "norma render IN -o OUT.png: not in this build of norma\n"
+    "\n"
+    "It was built without libpng or without the headers of EGL and OpenGL ES 3. Install them\n"
+    "(Debian: libpng-dev libegl-dev libgles-dev) and build again.\n";
+
+static int run(const cli_subcommand *verb, int count, char **arguments) {
+    (void)verb;
+    for (int i = 0; i < count; ++i)
+        if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0) {
+            fputs(help, stdout);
+            return cli_finish(CLI_OK);
+        }
+    fputs("norma: render is not in this build; it needs libpng and the headers of EGL and OpenGL "
+          "ES 3\n",
+        stderr);
+    return CLI_FILE;
+}
+
+const cli_subcommand cli_subcommand_render = {
+    "render", "draws a picture (not in this build)", help, run};
