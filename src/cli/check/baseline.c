@@ -141,20 +141,16 @@ static int read_known(check_baseline *baseline, const json_t *root) {
 }
 
 check_baseline *check_baseline_read(const char *path) {
+    static const char expected[] = "a baseline as --write-baseline writes it";
     check_baseline *baseline = check_baseline_new(path);
-    json_error_t error;
-    json_t *root = baseline ? json_load_file(path, 0, &error) : NULL;
+    json_t *root = baseline ? check_load_json(path, expected) : NULL;
     if (root && read_known(baseline, root)) {
         baseline->is_new = 0;
         json_decref(root);
         return baseline;
     }
     if (!baseline) return NULL;
-    if (!root)
-        fprintf(stderr, "norma: %s:%d: %s; expected a baseline as --write-baseline writes it\n",
-            path, error.line, error.text);
-    else
-        fprintf(stderr, "norma: %s: expected a baseline as --write-baseline writes it\n", path);
+    if (root) cli_error("%s: expected %s", path, expected);
     json_decref(root);
     check_baseline_free(baseline);
     return NULL;
@@ -209,7 +205,7 @@ static void write_known(FILE *out, const check_baseline *baseline) {
 int check_baseline_write(check_baseline *baseline, cli_guard *guard) {
     cli_output output;
     if (baseline->incomplete) {
-        fprintf(stderr, "norma: %s: not written: out of memory\n", baseline->path);
+        cli_error("%s: not written: out of memory", baseline->path);
         return CLI_FILE;
     }
     if (baseline->count)

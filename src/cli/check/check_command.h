@@ -135,6 +135,12 @@ int check_baseline_write(check_baseline *baseline, cli_guard *guard); /* a statu
 int check_baseline_is_new(const check_baseline *baseline);
 void check_baseline_free(check_baseline *baseline);
 
+/* ---- JSON that someone wrote (load_json.c) */
+
+struct json_t;
+/* expected: what it should be, for messages. NULL: reported already. */
+struct json_t *check_load_json(const char *path, const char *expected);
+
 /* ---- words */
 
 const char *check_severity_name(norma_severity severity); /* "error" */

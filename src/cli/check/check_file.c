@@ -147,7 +147,7 @@ static void fix_file(file_check *check, const norma_check_options *options) {
     }
     check->fix_status = cli_status_of(result);
     if (check->mended.worse) {
-        fprintf(stderr, "norma: %s: mended it would be worse than it is (%s); it is not written\n",
+        cli_error("%s: mended it would be worse than it is (%s); it is not written",
             cli_input_name(check->path), check->mended.worse_by);
         check->fix_status = CLI_FINDINGS;
     }
@@ -239,7 +239,7 @@ static void report_unreadable(
     check->findings = norma_check_unreadable(&check->error,
         check->settings->input_format ? check->settings->input_format : named, &options);
     if (!check->findings) {
-        fprintf(stderr, "norma: %s: %s\n", path, check->error.message);
+        cli_error("%s: %s", path, check->error.message);
         return;
     }
     const check_item item = {norma_findings_get(check->findings, 0), NORMA_SEVERITY_ERROR};

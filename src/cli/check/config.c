@@ -32,7 +32,7 @@ struct check_configs {
 /* ---- reading */
 
 static int fail(const check_config *config, const char *where, const char *expected) {
-    fprintf(stderr, "norma: %s: %s: expected %s\n", config->path, where, expected);
+    cli_error("%s: %s: expected %s", config->path, where, expected);
     return 0;
 }
 
@@ -222,19 +222,15 @@ static check_config *without_memory(void) {
 static check_config *read_config(const char *path) {
     check_config *config = calloc(1, sizeof *config);
     if (!config) return without_memory();
-    json_error_t error;
     const char *key;
-    json_t *value, *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+    json_t *value, *root = check_load_json(path, "a configuration in JSON");
     config->strict = config->fail_on = -1;
     config->path = strdup(path);
     config->folder = absolute_folder_of(path);
     int fine = config->path && config->folder && root;
-    if (!root)
-        fprintf(stderr, "norma: %s:%d: %s; expected a configuration in JSON\n", path, error.line,
-            error.text);
-    else if (!config->path || !config->folder)
+    if (root && (!config->path || !config->folder))
         without_memory();
-    else if (!json_is_object(root))
+    else if (root && !json_is_object(root))
         fine = fail(config, "the file", "an object");
     if (fine) json_object_foreach(root, key, value) fine = fine && read_key(config, key, value);
     json_decref(root);

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 
 static int out_of_memory(void) {
-    fprintf(stderr, "norma: out of memory\n");
+    cli_error("out of memory");
     return CLI_FILE;
 }
 
@@ -123,8 +123,7 @@ static int walk_one(folder_walk *walk, const char *folder) {
     int count = scandir(folder[0] ? folder : ".", &entries, is_visible, compare_names),
         status = CLI_OK;
     if (count < 0) {
-        fprintf(
-            stderr, "norma: %s: cannot be read: %s\n", folder[0] ? folder : ".", strerror(errno));
+        cli_error("%s: cannot be read: %s", folder[0] ? folder : ".", strerror(errno));
         return CLI_FILE;
     }
     size_t first = walk->folders.count;
@@ -166,7 +165,7 @@ static int add_pattern(check_inputs *inputs, const char *pattern) {
     int status = walk_folder(inputs, folder, pattern);
     free(folder);
     if (!status && inputs->count == before) {
-        fprintf(stderr, "norma: %s: no file is named so\n", pattern);
+        cli_error("%s: no file is named so", pattern);
         return CLI_FILE;
     }
     return status;
@@ -180,7 +179,7 @@ int check_inputs_add(const cli_subcommand *verb, check_inputs *inputs, const cha
         size_t before = inputs->count;
         int result = walk_folder(inputs, word, NULL);
         if (!result && inputs->count == before) {
-            fprintf(stderr, "norma: %s: holds no OBJ, PLY, STL, glTF or GLB file\n", word);
+            cli_error("%s: holds no OBJ, PLY, STL, glTF or GLB file", word);
             return CLI_FILE;
         }
         return result;
@@ -197,7 +196,7 @@ int check_inputs_add_list(const cli_subcommand *verb, check_inputs *inputs, cons
     size_t capacity = 0;
     ssize_t length;
     if (!file) {
-        fprintf(stderr, "norma: %s: cannot be opened: %s\n", list, strerror(errno));
+        cli_error("%s: cannot be opened: %s", list, strerror(errno));
         return CLI_FILE;
     }
     while (!status && (length = getline(&line, &capacity, file)) >= 0) {
@@ -209,7 +208,7 @@ int check_inputs_add_list(const cli_subcommand *verb, check_inputs *inputs, cons
             status = check_inputs_add(verb, inputs, line);
     }
     if (!status && !feof(file)) { /* also where memory is out */
-        fprintf(stderr, "norma: %s: cannot be read: %s\n", cli_input_name(list), strerror(errno));
+        cli_error("%s: cannot be read: %s", cli_input_name(list), strerror(errno));
         status = CLI_FILE;
     }
     free(line);

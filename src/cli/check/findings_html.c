@@ -71,25 +71,6 @@ static const char script[] =
     "const gravest=heads[0].querySelector('button');gravest.click();gravest.click();\n"
     "</script>\n</body></html>\n";
 
-static void write_escaped(FILE *out, const char *text) {
-    for (const char *at = text; *at; ++at) switch (*at) {
-        case '&':
-            fputs("&amp;", out);
-            break;
-        case '<':
-            fputs("&lt;", out);
-            break;
-        case '>':
-            fputs("&gt;", out);
-            break;
-        case '"':
-            fputs("&quot;", out);
-            break;
-        default:
-            fputc(*at, out);
-        }
-}
-
 static void begin(FILE *out) { fputs(head, out); }
 
 static void write_worst(FILE *out, const norma_finding *finding) {
@@ -135,12 +116,12 @@ static void write_item(FILE *out, const check_report *report, const check_item *
     const char *severity = check_severity_name(item->severity);
     fprintf(out, "<tr><td class=\"severity %s\" data-key=\"%d\">%s</td><td>%s<br>%s</td><td>",
         severity, (int)item->severity, severity, finding->rule->id, finding->rule->name);
-    write_escaped(out, cli_input_name(report->path));
+    cli_write_outside_html(out, cli_input_name(report->path));
     fputs("<p class=\"place\">", out);
-    write_escaped(out, finding->label);
+    cli_write_outside_html(out, finding->label);
     if (finding->where[0]) {
         fputs("<br><code>", out);
-        write_escaped(out, finding->where);
+        cli_write_outside_html(out, finding->where);
         fputs("</code>", out);
     }
     fprintf(out, "</p></td><td class=\"number\" data-key=\"%zu\">", finding->count);
@@ -148,7 +129,7 @@ static void write_item(FILE *out, const check_report *report, const check_item *
     fputs("</td>", out);
     write_worst(out, finding);
     fputs("<td>", out);
-    write_escaped(out, finding->message);
+    cli_write_outside_html(out, finding->message);
     if (finding->fix)
         fprintf(out, "<p>Fix: <code>norma check %s --select %s</code></p>",
             finding->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", finding->rule->id);

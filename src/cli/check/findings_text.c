@@ -49,10 +49,10 @@ static void write_fix(FILE *out, const norma_finding *finding) {
 
 static void write_line(FILE *line, const char *path, const check_item *item) {
     const norma_finding *finding = item->finding;
-    fprintf(line, "%s: %s %s %s: ", path, check_severity_name(item->severity), finding->rule->id,
+    cli_say(line, "%s: %s %s %s: ", path, check_severity_name(item->severity), finding->rule->id,
         finding->rule->name);
-    if (finding->label[0]) fprintf(line, "%s: ", finding->label);
-    fputs(finding->message, line);
+    if (finding->label[0]) cli_say(line, "%s: ", finding->label);
+    cli_write_outside(line, finding->message);
     size_t length = strlen(finding->message);
     if (length && !strchr(".!?", finding->message[length - 1])) fputc('.', line);
     int placed = finding->worst.vertex != SIZE_MAX || finding->worst.face != SIZE_MAX ||
@@ -81,18 +81,23 @@ static void write_item(FILE *out, const char *path, const check_item *item) {
 static void begin(FILE *out) { (void)out; }
 
 static void write_file(FILE *out, const check_report *report) {
-    if (report->mended)
-        fprintf(out, "%s: mended\n%s", cli_input_name(report->path), report->mended);
-    if (report->by_rays)
-        fprintf(out, "%s: %zu open %s outward by a majority of rays, confidence at least %.2f\n",
+    if (report->mended) {
+        cli_say(out, "%s: mended", cli_input_name(report->path));
+        fprintf(out, "\n%s", report->mended);
+    }
+    if (report->by_rays) {
+        cli_say(out, "%s: %zu open %s outward by a majority of rays, confidence at least %.2f",
             cli_input_name(report->path), report->by_rays,
             report->by_rays == 1 ? "component looks" : "components look",
             floor(100 * report->least_confidence) / 100);
-    if (report->undecided)
-        fprintf(out, "%s: %zu open %s left as %s, rays do not agree\n",
-            cli_input_name(report->path), report->undecided,
-            report->undecided == 1 ? "component is" : "components are",
+        fputc('\n', out);
+    }
+    if (report->undecided) {
+        cli_say(out, "%s: %zu open %s left as %s, rays do not agree", cli_input_name(report->path),
+            report->undecided, report->undecided == 1 ? "component is" : "components are",
             report->undecided == 1 ? "it is" : "they are");
+        fputc('\n', out);
+    }
     for (size_t i = 0; i < report->count; ++i)
         write_item(out, cli_input_name(report->path), &report->items[i]);
 }

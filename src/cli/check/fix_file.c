@@ -24,7 +24,7 @@ static norma_document_result settle(const check_settings *settings, norma_docume
 /* What could not be mended, and why, is a note of the last step. */
 static void tell_notes(const char *path, norma_document *document, size_t before) {
     for (size_t i = before; i < norma_document_note_count(document); ++i)
-        fprintf(stderr, "norma: %s: %s\n", cli_input_name(path), norma_document_note(document, i));
+        cli_error("%s: %s", cli_input_name(path), norma_document_note(document, i));
 }
 
 /* ---- worse or better */

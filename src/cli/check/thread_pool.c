@@ -89,8 +89,7 @@ static void check_file(check_pool *pool, size_t file, const check_config *config
         part.size = gathered.size;
     } else { /* half a report is none */
         totals.status = cli_worse(totals.status, CLI_FILE);
-        fprintf(stderr, "norma: %s: not reported: out of memory\n",
-            cli_input_name(pool->inputs->paths[file]));
+        cli_error("%s: not reported: out of memory", cli_input_name(pool->inputs->paths[file]));
     }
     pthread_mutex_lock(&pool->lock);
     pool->parts[file % WINDOW] = part;
@@ -124,7 +123,7 @@ int check_all_files(const check_settings *asked, check_configs *configs, const c
     pthread_t threads[MOST_WORKERS];
     size_t workers = worker_count(settings.threads, inputs->count), started = 0;
     if (!pool) {
-        fprintf(stderr, "norma: out of memory\n");
+        cli_error("out of memory");
         return CLI_FILE;
     }
     if (workers > 1) settings.threads = 1; /* the files share the cores */

@@ -100,7 +100,7 @@ static int check_folder(const cli_subcommand *verb, const cli_files *files) {
                 sorted[i], files->folder, base_name(sorted[i]));
     free(sorted);
     if (!status && mkdir(files->folder, 0777) && errno != EEXIST) {
-        fprintf(stderr, "norma: %s: cannot be made: %s\n", files->folder, strerror(errno));
+        cli_error("%s: cannot be made: %s", files->folder, strerror(errno));
         return CLI_FILE;
     }
     if (!status && !is_folder(files->folder))
@@ -252,7 +252,7 @@ static void report(
         int to_stdout = is_standard(job->output);
         FILE *out = to_stdout ? stderr : stdout;
         fflush(stdout);
-        fprintf(out, "%s -> %s: ", cli_input_name(job->input),
+        cli_say(out, "%s -> %s: ", cli_input_name(job->input),
             to_stdout ? "standard output" : job->output);
         job->changer->write_text(job->changer->work, document, out);
         fputc('\n', out);

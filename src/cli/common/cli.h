@@ -3,6 +3,7 @@
 #ifndef NORMA_CLI_H
 #define NORMA_CLI_H
 #include "cli/common/guard.h"
+#include "cli/common/outside_text.h"
 #include <norma/document.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -162,18 +162,17 @@ void cli_name_error(norma_document_error *error, const char *input) {
 }
 
 void cli_print_error(const norma_document_error *error) {
-    if (error->message[0]) fprintf(stderr, "norma: %s\n", error->message);
+    if (error->message[0]) cli_error("%s", error->message);
 }
 
 void cli_print_notes(const char *input, const norma_document *document) {
     const size_t most = 20;
     size_t count = norma_document_note_count(document);
     for (size_t i = 0; i < count && i < most; ++i)
-        fprintf(stderr, "norma: %s: note: %s\n", cli_input_name(input),
-            norma_document_note(document, i));
+        cli_error("%s: note: %s", cli_input_name(input), norma_document_note(document, i));
     if (count > most)
-        fprintf(stderr, "norma: %s: note: and %zu more; --json has them all\n",
-            cli_input_name(input), count - most);
+        cli_error(
+            "%s: note: and %zu more; --json has them all", cli_input_name(input), count - most);
 }
 
 void cli_json_notes(struct cli_json *json, const norma_document *document) {
@@ -185,6 +184,6 @@ void cli_json_notes(struct cli_json *json, const norma_document *document) {
 
 int cli_finish(int status) {
     if (fflush(stdout) == 0 && !ferror(stdout)) return status;
-    fprintf(stderr, "norma: standard output: cannot be written: %s\n", strerror(errno));
+    cli_error("standard output: cannot be written: %s", strerror(errno));
     return cli_worse(status, CLI_FILE);
 }

@@ -9,7 +9,7 @@ int cli_usage(const cli_subcommand *verb, const char *format, ...) {
     va_list arguments;
     fprintf(stderr, "norma%s%s: ", verb ? " " : "", verb ? verb->name : "");
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    cli_say_list(stderr, format, arguments);
     va_end(arguments);
     fprintf(stderr, " (see 'norma help%s%s')\n", verb ? " " : "", verb ? verb->name : "");
     return CLI_USAGE;

@@ -52,8 +52,9 @@ void cli_progress_start(
 
 static void show(cli_progress *progress, double fraction, double elapsed) {
     const char *slash = strrchr(progress->name, '/');
-    fprintf(stderr, "\r%s %.40s: %3.0f %%", progress->what, slash ? slash + 1 : progress->name,
-        100 * fraction);
+    fprintf(stderr, "\r%s ", progress->what);
+    cli_write_outside_cut(stderr, slash ? slash + 1 : progress->name, 40);
+    fprintf(stderr, ": %3.0f %%", 100 * fraction);
     if (progress->megabytes > 0)
         fprintf(stderr, ", %.1f MB/s", progress->megabytes * fraction / elapsed);
     if (fraction > 0.01) fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);

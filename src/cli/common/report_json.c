@@ -5,36 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How many bytes at text are one UTF-8 character (RFC 3629: no overlong forms, no surrogates, at
- * most U+10FFFF); 0: none are. */
-static size_t utf8_length(const unsigned char *text) {
-    unsigned char lead = text[0];
-    if (lead < 0x80) return 1;
-    size_t length = lead >= 0xC2 && lead < 0xE0   ? 2
-                    : lead >= 0xE0 && lead < 0xF0 ? 3
-                    : lead >= 0xF0 && lead < 0xF5 ? 4
-                                                  : 0;
-    for (size_t i = 1; i < length; ++i)
-        if ((text[i] & 0xC0) != 0x80) return 0;
-    if ((lead == 0xE0 && text[1] < 0xA0) || (lead == 0xED && text[1] > 0x9F) ||
-        (lead == 0xF0 && text[1] < 0x90) || (lead == 0xF4 && text[1] > 0x8F))
-        return 0;
-    return length;
-}
-
 static void write_quoted(FILE *out, const char *text) {
+    uint32_t unsafe;
     fputc('"', out);
-    for (const unsigned char *at = (const unsigned char *)text; *at;) {
-        size_t length = utf8_length(at);
-        if (length == 0)
-            fputs("\\ufffd", out);
-        else if (*at == '"' || *at == '\\')
-            fprintf(out, "\\%c", *at);
-        else if (*at < 0x20 || *at == 0x7F)
-            fprintf(out, "\\u%04x", *at);
+    for (size_t length; (length = cli_next_character(text, &unsafe)); text += length) {
+        if (unsafe)
+            fprintf(out, "\\u%04x", unsafe >= CLI_NOT_UTF8 ? 0xFFFDu : (unsigned)unsafe);
+        else if (*text == '"' || *text == '\\')
+            fprintf(out, "\\%c", *text);
         else
-            fwrite(at, 1, length, out);
-        at += length ? length : 1;
+            fwrite(text, 1, length, out);
     }
     fputc('"', out);
 }

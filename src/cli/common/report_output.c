@@ -9,12 +9,12 @@
 #include <unistd.h>
 
 int cli_out_of_memory(void) {
-    fputs("norma: out of memory\n", stderr);
+    cli_error("out of memory");
     return CLI_FILE;
 }
 
 static int fail(const cli_output *output, int error) {
-    fprintf(stderr, "norma: %s: cannot be written: %s\n", output->path, strerror(error));
+    cli_error("%s: cannot be written: %s", output->path, strerror(error));
     return 0;
 }
 

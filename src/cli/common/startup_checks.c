@@ -61,7 +61,7 @@ static void find_mapped(uintptr_t address, char *name, size_t room) {
         length = 0;
         while ((byte = next_byte(&reader)) >= 0 && byte != '\n')
             if (found && (length > 0 || byte == '/') && length + 1 < room)
-                name[length++] = (char)(byte < 32 ? '?' : byte);
+                name[length++] = (char)(byte < 0x20 || byte >= 0x7F ? '?' : byte);
     }
     if (reader.descriptor >= 0) close(reader.descriptor);
     name[found ? length : 0] = '\0';

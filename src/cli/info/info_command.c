@@ -209,12 +209,10 @@ static void write_failure(const char *path, const norma_document_error *error) {
 
 /* ---- for people */
 
-/* A name as the file has it, without what would move the cursor of a terminal. */
 static void print_name(const char *name) {
     if (!name[0]) return;
     fputs(" \"", stdout);
-    for (const char *at = name; *at; ++at)
-        fputc((unsigned char)*at < 0x20 || *at == 0x7F ? '?' : *at, stdout);
+    cli_write_outside(stdout, name);
     fputc('"', stdout);
 }
 
@@ -255,7 +253,10 @@ static void print_part(const mesh_part *part) {
         cli_counted(stdout, info->morph_targets, "morph target", "morph targets");
     }
     fputs("\n", stdout);
-    if (info->not_read) printf("      cannot be computed or transformed: %s\n", info->not_read);
+    if (info->not_read) {
+        cli_say(stdout, "      cannot be computed or transformed: %s", info->not_read);
+        fputs("\n", stdout);
+    }
     if (part->is_explained) print_explained(&part->explained);
 }
 
@@ -294,7 +295,7 @@ static void print_nodes(const contents *found) {
 
 static void print_text(const contents *found) {
     size_t meshes = 0;
-    printf("%s: %s", cli_input_name(found->path),
+    cli_say(stdout, "%s: %s", cli_input_name(found->path),
         norma_file_format_name(norma_document_format(found->document)));
     if (found->part_count == 1 && !found->parts[0].info.where[0]) {
         print_name(found->parts[0].info.name);

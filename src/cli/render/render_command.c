@@ -91,7 +91,7 @@ typedef struct picture_job {
 } picture_job;
 
 static int fail_drawing(const picture_job *job, const render_error *error) {
-    fprintf(stderr, "norma: %s: %s\n", cli_input_name(job->input), error->message);
+    cli_error("%s: %s", cli_input_name(job->input), error->message);
     return error->result == RENDER_ERROR_ARGUMENT ? CLI_USAGE : CLI_FILE;
 }
 
@@ -184,7 +184,7 @@ static void report_text(const picture_job *job, const render_scene_file *file, i
     FILE *out = render_is_standard(job->output) ? stderr : stdout;
     const double worst = worst_error(job);
     char number[32];
-    fprintf(out, "%s -> %s: ", cli_input_name(job->input),
+    cli_say(out, "%s -> %s: ", cli_input_name(job->input),
         render_is_standard(job->output) ? "standard output" : job->output);
     cli_counted(out, job->plan.panels[0].triangles, "triangle", "triangles");
     if (pictures > 1)
@@ -309,7 +309,7 @@ static int draw_all(const cli_subcommand *verb, const render_settings *settings)
     picture_job *job = calloc(1, sizeof *job);
     render_error error = {.message = "out of memory"};
     if (!job || render_device_open(settings->software, &job->device, &error)) {
-        fprintf(stderr, "norma: %s\n", error.message);
+        cli_error("%s", error.message);
         free(job);
         return CLI_FILE;
     }

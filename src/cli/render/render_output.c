@@ -73,7 +73,7 @@ static int check_names(const cli_subcommand *verb, const render_settings *settin
 static int check_folder(const cli_subcommand *verb, const render_settings *settings) {
     int status = check_names(verb, settings);
     if (!status && mkdir(settings->files.folder, 0777) && errno != EEXIST) {
-        fprintf(stderr, "norma: %s: cannot be made: %s\n", settings->files.folder, strerror(errno));
+        cli_error("%s: cannot be made: %s", settings->files.folder, strerror(errno));
         return CLI_FILE;
     }
     return status;

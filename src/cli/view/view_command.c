@@ -50,24 +50,6 @@ static const cli_option options[] = {{"output", 'o', 1, set_output}};
 
 /* ---- writing */
 
-static void write_name(FILE *out, const char *name) {
-    for (const char *at = name; *at; ++at) {
-        switch (*at) {
-        case '&':
-            fputs("&amp;", out);
-            break;
-        case '"':
-            fputs("&quot;", out);
-            break;
-        case '<':
-            fputs("&lt;", out);
-            break;
-        default:
-            putc(*at, out);
-        }
-    }
-}
-
 static void write_base64(FILE *out, const unsigned char *bytes, size_t size) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     char text[4 * 1024];
@@ -106,7 +88,7 @@ static void write_page(FILE *out, const char *name, const view_pack *pack) {
     const char *model_mark = find_mark(after_name, end, VIEW_PAGE_MODEL),
                *after_model = model_mark + strlen(VIEW_PAGE_MODEL);
     fwrite(page, 1, (size_t)(name_mark - page), out);
-    write_name(out, name);
+    cli_write_outside_html(out, name);
     fwrite(after_name, 1, (size_t)(model_mark - after_name), out);
     write_base64(out, pack->bytes, pack->size);
     fwrite(after_model, 1, (size_t)(end - after_model), out);
@@ -162,7 +144,7 @@ static void report(const view_work *work, const char *input, const norma_documen
     }
     if (work->common.quiet) return;
     FILE *out = strcmp(work->output, "-") == 0 ? stderr : stdout;
-    fprintf(out, "%s -> %s: ", cli_input_name(input), work->output);
+    cli_say(out, "%s -> %s: ", cli_input_name(input), work->output);
     cli_counted(out, triangles, "triangle", "triangles");
     fputs("; open it in a browser\n", out);
     cli_print_notes(input, document);

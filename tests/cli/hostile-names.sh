@@ -1,0 +1,93 @@
+#!/bin/bash
+# Names are text of strangers: what a terminal obeys (ESC, BEL, C1), what turns the direction of text, what breaks a line and what is no UTF-8 never reaches standard output, standard
+# error or a report as it is, whether it stands in a glTF, in .norma.json, in a file's name or on the command line.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+NORMA=${NORMA_BIN:-$tree/bin/norma}
+cd "$scratch" || exit 1
+
+# ESC ] 0 ; (window title) BEL, CSI as C1 in UTF-8, right-to-left override, isolate, line separator.
+hostile=$'\e]0;owned\a\e[2J\u009b31m\u202egnp\u2066\u2028'
+escaped='\u001b]0;owned\u0007\u001b[2J\u009b31m\u202egnp\u2066\u2028\nchair.glb: No problems found'
+odd="odd $hostile"$'\xff\xc3('
+gltf() {
+    printf '{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"name":"%s","mesh":0,"scale":[2,-1,1]}],"materials":[{"name":"%s","doubleSided":true}],"meshes":[{"name":"%s","primitives":[{"material":0,"attributes":{"POSITION":0,"NORMAL":1}}]}],' "$1" "$1" "$1"
+    printf '"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],'
+    printf '"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}'
+}
+gltf "$escaped" >named.gltf
+cp named.gltf "$odd.gltf"
+printf '{"asset":{"version":"2.0"},"extensionsRequired":["%s"],"meshes":7}' "$escaped" >broken.gltf
+printf 'ply\n%s\n' "$hostile" >broken.ply
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n%s 1 2 3\nf 1 2 %s\n' "$hostile" "$hostile" >broken.obj
+mkdir keys values empty
+cp named.gltf keys && printf '{"%s": 1}' "$escaped" >keys/.norma.json
+cp named.gltf values && printf '{%s' "$hostile" >values/.norma.json
+printf '%s\n' "missing $hostile.obj" >list.txt
+
+# Bytes that may not be there: controls but for the line end, C1, marks of direction, separators; and all must be UTF-8.
+is_plain() { ! LC_ALL=C grep -aqP '[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80[\x8e\x8f\xa8-\xae]|\xe2\x81[\xa6-\xa9]|\xd8\x9c' "$1" && iconv -f UTF-8 -t UTF-8 "$1" >/dev/null 2>&1; }
+
+# plain LINES COMMAND...: what it says is plain, and has at most so many lines that begin with "chair.glb".
+plain() {
+    "$NORMA" "$@" >said 2>&1 </dev/null
+    if ! is_plain said; then
+        fail "plain: $(printf '%q ' "$@")" "$(cat -A said)"
+    elif grep -q '^chair.glb' said; then
+        fail "no name begins a line: $(printf '%q ' "$@")" "$(cat -A said)"
+    elif [ ! -s said ]; then
+        fail "says something: $(printf '%q ' "$@")"
+    else
+        pass "plain: $(printf '%q ' "$@")"
+    fi
+}
+
+# report FILE COMMAND...: the same of a file that it writes.
+report() {
+    local file=$1
+    shift
+    "$NORMA" "$@" -o "$file" >/dev/null 2>&1 </dev/null
+    if [ -s "$file" ] && is_plain "$file"; then pass "plain report: $(printf '%q ' "$@")"; else fail "plain report: $(printf '%q ' "$@")" "$(grep -aP '\x1b|\xc2[\x80-\x9f]|\xe2\x80\xae' "$file" | cat -A | cut -c1-400 | head -5)"; fi
+}
+
+for file in named.gltf "$odd.gltf" broken.gltf broken.ply broken.obj "no $odd.obj" keys/named.gltf values/named.gltf; do
+    plain info "$file"
+    plain info --json "$file"
+    plain check --no-config "$file" --fail-on info
+    plain check "$file"
+    plain check "$file" --json
+    plain check "$file" --fix-unsafe -o fixed.gltf
+    plain compute "$file" -o out.gltf
+    plain compute "$file" -o out.gltf --json
+    plain transform "$file" -o out.gltf --scale 2,1,1
+    plain transform "$file" --bake -o out.gltf
+    plain view "$file" -o page.html
+    plain render "$file" -o picture.png --size 32x32
+done
+for form in html sarif json text; do
+    report "report.$form" check named.gltf "$odd.gltf" broken.obj --format $form --fail-on never
+done
+"$NORMA" check named.gltf --format text -o said.txt --fail-on never >/dev/null 2>&1
+check "a name is shown, escaped" grep -qF '\x1B]0;owned\x07\x1B[2J\x9B31m\u202Egnp' said.txt
+plain check --files-from list.txt
+plain check "$hostile/*.obj"
+plain check --config "no $odd.json" named.gltf
+plain check --baseline "no $odd.json" named.gltf
+plain check named.gltf --select "$odd"
+plain compute named.gltf --out-dir "named.gltf/$odd"
+plain compute named.gltf -o "no $odd/out.gltf"
+plain compute named.gltf "--$odd"
+plain compute named.gltf --weight "$odd"
+plain explain "$odd"
+plain "$odd"
+plain help "$odd"
+plain matrix --scale "$odd"
+mkfifo pipe.json
+check "a pipe in place of a configuration is refused at once" timeout 5 bash -c '"$0" check named.gltf --config pipe.json 2>&1 | grep -q "is not a regular file"' "$NORMA"
+check "a line that does not exist is not told" bash -c '! "$0" check named.gltf --config no.json 2>&1 | grep -q -- ":-1"' "$NORMA"
+if "$NORMA" view named.gltf -o page.html >/dev/null 2>&1; then
+    cp named.gltf "$odd.gltf"
+    "$NORMA" view "$odd.gltf" -o page.html >/dev/null 2>&1
+    check "the page shows the file's name escaped" grep -qaF 'odd \x1B]0;owned' page.html
+fi
+finish
