@@ -35,7 +35,8 @@ static norma_document_result read_chunks(gltf *g, size_t end, norma_document_err
         size_t length = read_u32(bytes + at);
         uint32_t type = read_u32(bytes + at + 4);
         if (length > end - at - GLB_CHUNK_HEADER)
-            return fail_glb(g, error, at, "a chunk no longer than the file");
+            return fail_glb(
+                g, error, at, "a chunk that ends within the length that the header declares");
         if ((i == 0) != (type == GLB_JSON))
             return fail_glb(g, error, at, i == 0 ? "a JSON chunk first" : "one JSON chunk");
         if (i == 0) {
@@ -60,10 +61,15 @@ static norma_document_result read_glb(gltf *g, norma_document_error *error) {
     if (version != 2)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "byte 4",
             "GLB version %u; expected 2", (unsigned)version);
-    if (length != source->size)
+    if (length > source->size)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 8",
             "the header says %u bytes, the file has %zu; expected as many", (unsigned)length,
             source->size);
+    if (length < source->size)
+        norma_document_add_note(g->document,
+            "%zu bytes follow the %u that the header declares; they are kept, not read",
+            source->size - length, (unsigned)length);
+    g->container_size = length;
     return read_chunks(g, length, error);
 }
 

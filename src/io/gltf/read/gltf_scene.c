@@ -442,14 +442,28 @@ static const char *why_in_part(const gltf *g, const gltf_primitive *p) {
     return NULL;
 }
 
+/* Bytes behind the end that a GLB's header declares. 0: out of memory. */
+static int add_tail(gltf *g, norma_unread *unread, size_t *count) {
+    const size_t size = g->document->source.size - g->container_size;
+    char *texts = g->container_size && size
+                      ? norma_scene_allocate(g->document->scene, 2, sizeof(char[120]))
+                      : NULL;
+    if (!g->container_size || size == 0) return 1;
+    if (!texts) return 0;
+    snprintf(texts, 120, "byte %zu", g->container_size);
+    snprintf(texts + 120, 120, "%zu bytes follow the end that the header declares", size);
+    unread[(*count)++] = (norma_unread){texts, texts + 120};
+    return 1;
+}
+
 static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;
     norma_unread *unread = norma_scene_allocate(
-        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 1, sizeof *unread);
+        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 2, sizeof *unread);
     size_t count = 0;
-    if (!unread) return norma_document_fail_memory(document, error);
+    if (!unread || !add_tail(g, unread, &count)) return norma_document_fail_memory(document, error);
     if (norma_gltf_needs_later(g))
         unread[count++] =
             (norma_unread){"/asset/minVersion", "needs a later version of glTF than 2.0"};
