@@ -181,10 +181,8 @@ static int is_text(const unsigned char *bytes, size_t size) {
 }
 
 static int begins_like_another_kind(const unsigned char *bytes, size_t size) {
-    static const char *const kinds[] = {"glTF", "\x89PNG", "\xFF\xD8\xFF\xE0",
-        "\x7F"
-        "ELF",
-        "PK\3\4", "%PDF", "RIFF", "\xABKTX"};
+    static const char *const kinds[] = {
+        "glTF", "\x89PNG", "\xFF\xD8\xFF\xE0", "\x7F\x45LF", "PK\3\4", "%PDF", "RIFF", "\xABKTX"};
     for (size_t i = 0; size >= 4 && i < sizeof kinds / sizeof *kinds; ++i)
         if (memcmp(bytes, kinds[i], 4) == 0) return 1;
     return is_text(bytes, size);
