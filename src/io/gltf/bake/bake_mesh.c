@@ -1,5 +1,6 @@
 /* bake_mesh.c: every slot of a mesh that a matrix changes: positions, normals, tangents, the morph
  * targets' deltas of each, the order of the corners. */
+#include "io/gltf/bake/bake.h"
 #include "io/gltf/write/encode_vectors.h"
 #include <stdio.h>
 #include <stdlib.h>
