@@ -22,7 +22,7 @@ static norma_document_result too_large(
     const mesh_baker *b, uint32_t accessor, norma_document_error *error) {
     char place[60];
     (void)snprintf(place, sizeof place, "accessor %u", (unsigned)accessor);
-    return norma_document_fail(b->g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, place,
+    return norma_document_fail(b->g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
         "under node %u its numbers become larger than floats are; expected a smaller scale",
         (unsigned)b->node);
 }
