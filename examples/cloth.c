@@ -121,7 +121,7 @@ int main(int argc, char **argv) {
     const norma_mesh mesh = {.positions = {.data = c.now, .count = POINTS},
         .corners = c.corners,
         .corner_count = CORNERS};
-    norma_result result = norma_plan_create(&mesh, NORMA_PER_VERTEX, 3.2F, NULL, &plan);
+    norma_result result = norma_plan_create(&mesh, NORMA_PER_VERTEX, 3.1415927F, NULL, &plan);
     if (result == NORMA_OK)
         result = norma_plan_update(plan, mesh.positions, NULL, 0, NULL, c.normals[0], POINTS, NULL);
     for (int frame = 0; frame < FRAMES && result == NORMA_OK; frame++) {

@@ -38,7 +38,6 @@ hashes() {
     fi
 }
 
-bits=""
 here() { local folder=$1; shift; (cd "$folder" && "$bits" "$@"); }
 
 native() { # COMPILER FLAGS WAYS

@@ -231,6 +231,41 @@ typedef struct norma_report {
     norma_count winding_conflicts;
 } norma_report;
 
+/* ---- which argument was wrong */
+
+/* What a call was refused for. */
+typedef struct norma_fault {
+    norma_result result; /* NORMA_OK: nothing is wrong; the rest is then NULL or SIZE_MAX */
+    const char
+        *argument; /* "mesh->corners", "options->weight", "crease_angle_rad", ...; constant */
+    size_t index;  /* of the wrong element of that array; SIZE_MAX: no single one */
+    const char *expected; /* what it should be, a constant phrase */
+} norma_fault;
+
+/* Finds out why a call on a mesh returned an error: the argument, and the corner or offset in it.
+ *
+ *   mesh               as given to the call
+ *   crease_angle_rad   as given to the call; NULL if it has none
+ *   options            as given to the call; may be NULL
+ *   fault              written; or NULL
+ *
+ * Returns what the call would return for these arguments. NORMA_OK means that they are fine: an
+ * output was NULL, too small (NORMA_ERROR_CAPACITY) or the mesh's own.
+ * Cost: O(corners), on the calling thread. Allocates nothing. */
+NORMA_API norma_result norma_find_fault(const norma_mesh *mesh, const float *crease_angle_rad,
+    const norma_options *options, norma_fault *fault);
+
+/* Finds the first model whose upper 3x3 is not finite.
+ *
+ *   models         as given to norma_normal_matrices_strided
+ *   model_stride   bytes from one model to the next; 0: 64
+ *   count          number of models
+ *   fault          written; or NULL
+ *
+ * Returns NORMA_OK if all are finite. */
+NORMA_API norma_result norma_find_model_fault(
+    const float *models, size_t model_stride, size_t count, norma_fault *fault);
+
 /* ---- normals
  *
  * Common to the four calls below:
@@ -251,7 +286,8 @@ typedef struct norma_report {
  * - Errors. NORMA_ERROR_ARGUMENT: mesh is NULL; a buffer is NULL but something has to be read or
  *   written there; triangles whose corner_count is not a multiple of three; face_starts that
  *   decrease or do not run from 0 to corner_count; no corners but a corner_count above the number
- *   of positions; a NaN crease; an option out of range; an instruction set that the machine lacks.
+ *   of positions; a crease that is NaN, infinite or above pi + 1e-3; an option out of range; an
+ *   instruction set that the machine lacks. norma_find_fault names the argument and the element.
  *   NORMA_ERROR_CAPACITY, NORMA_ERROR_INDEX. NORMA_ERROR_OVERFLOW: also from 2^32 - 1 positions,
  *   corners or faces on. These are found before anything is written. After NORMA_ERROR_MEMORY and
  *   NORMA_CANCELLED, outputs and report are undefined. An empty mesh is NORMA_OK.
@@ -295,8 +331,8 @@ NORMA_API norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_
  * at its position that are joined to it by smooth edges.
  *
  *   mesh               the faces; smoothing_groups and hard_edges are respected
- *   crease_angle_rad   the largest dihedral angle of a smooth edge; pi or more lets every angle
- *                      pass, 0 only flat edges, below 0 none
+ *   crease_angle_rad   the largest dihedral angle of a smooth edge; pi lets every angle pass,
+ *                      0 only flat edges, below 0 none
  *   options            as for norma_vertex_normals, and non_manifold and edges
  *   normals            written: corner_count normals
  *   capacity           normals that fit
@@ -492,9 +528,8 @@ typedef enum norma_winding {
 } norma_winding;
 
 /* The kind of an upper 3x3 or of its mirror image, judged from bottom to top of this list with a
- * relative tolerance of 1e-5. Translation is a kind of identity: its [12..14] are not all zero.
- * "Identity" includes -I and I with one axis reversed (then mirrored is set); any other reflection
- * counts as a mirrored rotation. */
+ * relative tolerance of 1e-5. Translation is a kind of identity: its [12..14] are not all zero. A
+ * mirror is never an identity or a translation: reflections are mirrored rotations. */
 typedef enum norma_kind {
     NORMA_KIND_IDENTITY = 0, /* entries within 1e-5 */
     NORMA_KIND_TRANSLATION,

@@ -71,7 +71,7 @@ static void damaged(mesh_file *mesh, uint64_t *seed) {
 }
 
 static void random_options(plan_case *c, uint64_t *seed) {
-    static const float creases[] = {0, 0.3f, 0.8f, 1.6f, 4};
+    static const float creases[] = {0, 0.3f, 0.8f, 1.6f, 3.1415927f};
     c->options.weight = (norma_weight)plan_random(seed, 7);
     c->options.weld = (norma_weld)plan_random(seed, 3);
     c->options.weld_distance = 0.25;

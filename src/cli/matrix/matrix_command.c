@@ -123,13 +123,12 @@ static const char *meaning(const matrix_answer *found) {
     const norma_matrix_info *info = &found->info;
     switch (info->kind) {
     case NORMA_KIND_IDENTITY:
-        return info->mirrored ? "a mirror aside; M itself carries normals"
-                              : "normals stay as they are";
+        return "normals stay as they are";
     case NORMA_KIND_TRANSLATION:
-        return info->mirrored ? "a mirror aside; M itself carries normals"
-                              : "normals stay as they are: a translation never acts on them";
+        return "normals stay as they are: a translation never acts on them";
     case NORMA_KIND_ROTATION:
-        return "M itself carries normals";
+        return info->mirrored ? "a mirror aside; M itself carries normals"
+                              : "M itself carries normals";
     case NORMA_KIND_UNIFORM_SCALE:
         return "M itself carries normals, renormalised";
     case NORMA_KIND_NON_UNIFORM_SCALE:

@@ -87,7 +87,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
     cli_counted(out, summary->meshes, "mesh", "meshes");
     if (!work->matrix.given)
         fputs(work->summary.nodes_baked ? "" : ", no node baked", out);
-    else if (work->info.mirrored && work->info.kind <= NORMA_KIND_TRANSLATION)
+    else if (work->info.mirrored && work->info.kind == NORMA_KIND_ROTATION)
         fputs(", matrix: mirror", out);
     else
         fprintf(out, ", matrix: %s%s", cli_kind_name(work->info.kind),

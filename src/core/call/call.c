@@ -1,7 +1,9 @@
 /* call.c: options checked once, so that nothing behind needs to ask again. */
 #define _DEFAULT_SOURCE /* madvise */
 #include "core/call/call.h"
+#include "core/call/fault.h"
 #include "core/call/vec3_view.h"
+#include <math.h>
 #include <stdlib.h>
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -15,28 +17,62 @@ static int has_unknown_fields(const norma_options *options) {
     return 0;
 }
 
-static int options_are_valid(const norma_options *o) {
-    if (o->weight < NORMA_WEIGHT_ANGLE || o->weight > NORMA_WEIGHT_ANGLE_LENGTHS) return 0;
-    if (o->weld < NORMA_WELD_EXACT || o->weld > NORMA_WELD_DISTANCE) return 0;
-    if (o->weld == NORMA_WELD_DISTANCE && !(o->weld_distance >= 0)) return 0;
+static norma_result refuse_option(norma_fault *fault, const char *argument, const char *expected) {
+    return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, argument, SIZE_MAX, expected);
+}
+
+static norma_result check_choices(const norma_options *o, norma_fault *fault) {
+    if (o->weight < NORMA_WEIGHT_ANGLE || o->weight > NORMA_WEIGHT_ANGLE_LENGTHS)
+        return refuse_option(fault, "options->weight", "a norma_weight");
+    if (o->weld < NORMA_WELD_EXACT || o->weld > NORMA_WELD_DISTANCE)
+        return refuse_option(fault, "options->weld", "a norma_weld");
+    if (o->weld == NORMA_WELD_DISTANCE && !(o->weld_distance >= 0))
+        return refuse_option(fault, "options->weld_distance", "0 or more");
     if (o->non_manifold < NORMA_NON_MANIFOLD_HARD || o->non_manifold > NORMA_NON_MANIFOLD_SMOOTH)
-        return 0;
-    if (o->fallback < NORMA_FALLBACK_ZERO || o->fallback > NORMA_FALLBACK_GIVEN) return 0;
-    if (o->normal_stride && o->normal_stride < 3 * sizeof(float)) return 0;
-    if (!o->allocator.allocate != !o->allocator.release) return 0;
-    return norma_core_has_isa(o->isa);
+        return refuse_option(fault, "options->non_manifold", "a norma_non_manifold");
+    if (o->fallback < NORMA_FALLBACK_ZERO || o->fallback > NORMA_FALLBACK_GIVEN)
+        return refuse_option(fault, "options->fallback", "a norma_fallback");
+    for (size_t k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; k++)
+        if (!isfinite(o->fallback_normal[k]))
+            return norma_core_refuse(
+                fault, NORMA_ERROR_ARGUMENT, "options->fallback_normal", k, "a finite number");
+    return NORMA_OK;
+}
+
+static norma_result check_resources(const norma_options *o, norma_fault *fault) {
+    if (o->normal_stride && o->normal_stride < 3 * sizeof(float))
+        return refuse_option(fault, "options->normal_stride", "0, or at least 12 bytes");
+    if (!o->allocator.allocate != !o->allocator.release)
+        return refuse_option(fault, "options->allocator", "both functions, or neither");
+    if (!norma_core_has_isa(o->isa))
+        return refuse_option(fault, "options->isa", "an instruction set that this machine has");
+    return NORMA_OK;
+}
+
+enum { FIRST_VERSION = offsetof(norma_options, edges) };
+
+static size_t size_of(const norma_options *options) {
+    return options->struct_size ? options->struct_size : FIRST_VERSION;
+}
+
+norma_result norma_core_check_options(const norma_options *options, norma_fault *fault) {
+    if (!options) return NORMA_OK;
+    if (size_of(options) < FIRST_VERSION)
+        return refuse_option(fault, "options->struct_size", "sizeof(norma_options), or 0");
+    if (has_unknown_fields(options))
+        return refuse_option(fault, "options->struct_size",
+            "0 in all bytes that this version of the library does not know");
+    const norma_result result = check_choices(options, fault);
+    return result == NORMA_OK ? check_resources(options, fault) : result;
 }
 
 norma_result norma_core_begin(core_call *call, const norma_options *options) {
-    const size_t first_version = offsetof(norma_options, edges);
     *call = (core_call){0};
-    if (options) {
-        const size_t size = options->struct_size ? options->struct_size : first_version;
-        if (size < first_version || has_unknown_fields(options)) return NORMA_ERROR_ARGUMENT;
-        memcpy(
-            &call->options, options, size < sizeof(norma_options) ? size : sizeof(norma_options));
-    }
-    if (!options_are_valid(&call->options)) return NORMA_ERROR_ARGUMENT;
+    const norma_result result = norma_core_check_options(options, NULL);
+    if (result != NORMA_OK) return result;
+    if (options)
+        memcpy(&call->options, options,
+            size_of(options) < sizeof(norma_options) ? size_of(options) : sizeof(norma_options));
     if (!call->options.normal_stride) call->options.normal_stride = 3 * sizeof(float);
     call->level = norma_core_level(call->options.isa);
     norma_core_stage(call, 0, 1);

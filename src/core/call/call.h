@@ -7,13 +7,15 @@
 
 typedef struct core_call {
     norma_options options; /* every field valid; absent ones at their defaults */
+    size_t workers;        /* 0: not settled yet */
     core_level level;      /* of the kernels, by options.isa */
     double progress_from, progress_to,
         progress_told; /* the stage that runs now covers this part of the whole */
     int cancelled;
 } core_call;
 
-/* ARGUMENT where an option is out of its range; options may be NULL. */
+/* ARGUMENT where an option is out of its range; options and fault may be NULL. */
+norma_result norma_core_check_options(const norma_options *options, norma_fault *fault);
 norma_result norma_core_begin(core_call *call, const norma_options *options);
 
 /* Scratch memory from the caller's allocator, aligned for any type; NULL when there is none left or
@@ -26,7 +28,10 @@ void norma_core_release(const core_call *call, void *block, size_t count,
 void norma_core_stage(core_call *call, double from, double to);
 int norma_core_progress(core_call *call, double fraction_of_stage);
 
-/* How many may work, where the caller has no parallel_for: at least 1. */
+/* How many may work, where the caller has no parallel_for: at least 1. With NORMA_ALL_THREADS the
+ * system is asked, which takes longer than the normals of some thousand corners: so a call says
+ * first how many there are, and few are for the calling thread alone. */
+void norma_core_share(core_call *call, size_t corners);
 size_t norma_core_workers(const core_call *call);
 
 /* Runs task for each index below count: by the caller's parallel_for, by threads, or here. Tasks

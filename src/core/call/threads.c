@@ -90,7 +90,17 @@ static size_t machine_threads(void) {
 static void let_others_work(void) { sched_yield(); }
 #endif
 
+enum { FEWEST_CORNERS_TO_SHARE = 1 << 13 };
+
+void norma_core_share(core_call *call, size_t corners) {
+    call->workers = 0;
+    call->workers = call->options.threads == NORMA_ALL_THREADS && corners < FEWEST_CORNERS_TO_SHARE
+                        ? 1
+                        : norma_core_workers(call);
+}
+
 size_t norma_core_workers(const core_call *call) {
+    if (call->workers) return call->workers;
     const size_t wanted =
         call->options.threads == NORMA_ALL_THREADS ? machine_threads() : call->options.threads;
     return wanted ? wanted : 1;
@@ -100,9 +110,7 @@ norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task
     const pool c = {call, task, context, count};
     if (call->options.parallel_for) return run_in_callers_jobs(&c);
     const size_t most = count > 1 ? norma_core_workers(call) : 1,
-                 workers = most < count
-                               ? most
-                               : count; /* asking the system takes longer than a small mesh */
+                 workers = most < count ? most : count;
     return workers > 1 ? run_in_threads(&c, workers) : run_here(&c);
 }
 

@@ -89,8 +89,9 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     core_output output;
     core_prepared_mesh prepared;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK && isnan(crease_angle_rad)) result = NORMA_ERROR_ARGUMENT;
+    if (result == NORMA_OK) result = norma_core_check_crease(crease_angle_rad, NULL);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
+    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
     norma_core_stage(&call, 0, 0.05);

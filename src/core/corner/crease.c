@@ -1,10 +1,21 @@
 /* crease.c: the threshold, and the angles that a cosine does not decide. */
 #include "core/corner/crease.h"
+#include "core/call/fault.h"
 #include "core/face/triangle.h"
 
 /* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this
  * much over the crease. */
 static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20; /* 1e-6 */
+
+/* Who computes pi in floats, or from degrees, may be this much above it. */
+static const double ABOVE_PI_RAD = 1e-3;
+
+norma_result norma_core_check_crease(float crease_angle_rad, norma_fault *fault) {
+    if (isfinite(crease_angle_rad) && (double)crease_angle_rad <= NORMA_PI + ABOVE_PI_RAD)
+        return NORMA_OK;
+    return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "crease_angle_rad", SIZE_MAX,
+        "an angle in radians, not in degrees: at most pi");
+}
 
 core_crease norma_core_crease_at(double crease_angle_rad) {
     const double angle = crease_angle_rad >= NORMA_PI ? 4 : crease_angle_rad + CREASE_TOLERANCE_RAD;

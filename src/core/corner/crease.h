@@ -12,6 +12,8 @@ typedef struct core_crease {
     double cosine; /* about its cosine; 2 where no angle is smooth, -2 where all are */
 } core_crease;
 
+/* ARGUMENT where it is NaN, infinite or above pi, as degrees would be; fault may be NULL. */
+norma_result norma_core_check_crease(float crease_angle_rad, norma_fault *fault);
 core_crease norma_core_crease_at(double crease_angle_rad);
 
 typedef enum core_crease_verdict {

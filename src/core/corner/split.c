@@ -409,6 +409,14 @@ static norma_result allocate_and_compute(
     return result;
 }
 
+/* The mesh's corners are read again after new ones have been written. */
+static int overlaps_corners(const core_mesh *mesh, const uint32_t *corners) {
+    const uintptr_t old = (uintptr_t)mesh->corners, new = (uintptr_t)corners;
+    return corners && mesh->corners &&
+           new < old + mesh->corner_count * mesh->corner_size &&old <
+               new + mesh->corner_count * sizeof *corners;
+}
+
 norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, uint32_t *corners, size_t corner_capacity,
     uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
@@ -419,8 +427,10 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     core_mesh checked;
     core_prepared_mesh prepared;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK && isnan(crease_angle_rad)) result = NORMA_ERROR_ARGUMENT;
+    if (result == NORMA_OK) result = norma_core_check_crease(crease_angle_rad, NULL);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
+    if (result == NORMA_OK && overlaps_corners(&checked, corners)) result = NORMA_ERROR_ARGUMENT;
+    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
     if (result == NORMA_OK && corners && checked.corner_count > corner_capacity)
         result = NORMA_ERROR_CAPACITY;
     norma_core_stage(&call, 0, 0.05);

@@ -122,6 +122,7 @@ norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *opt
     core_output output;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
+    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, checked.face_count, capacity, &output);
     norma_core_stage(&call, 0, 0.1);

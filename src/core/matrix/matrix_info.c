@@ -25,16 +25,11 @@ static int scale_to_one(const double upper[9], double scaled[9]) {
     return exponent;
 }
 
-/* Orthonormal columns: is it the identity but for a mirror, that is I, -I, or I with one axis
- * turned round? */
+/* Never under a mirror: who skips identities would skip the mirror. */
 static int is_identity(const double m[9], int mirrored) {
-    int turned = 0;
-    for (int i = 0; i < 9; i++) {
-        const int diagonal = i % 4 == 0;
-        if (fabs(fabs(m[i]) - diagonal) > KIND_TOLERANCE) return 0;
-        turned += diagonal && m[i] < 0.0;
-    }
-    return mirrored ? turned != 2 : turned == 0;
+    for (int i = 0; i < 9; i++)
+        if (fabs(m[i] - (i % 4 == 0)) > KIND_TOLERANCE) return 0;
+    return !mirrored;
 }
 
 static norma_kind kind_of(const double scaled[9], int exponent, int mirrored, int translated) {

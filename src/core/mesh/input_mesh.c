@@ -1,31 +1,52 @@
 /* input_mesh.c: what must hold of a mesh before anything is computed or written: first its shape,
  * then what its arrays say. */
 #include "core/mesh/input_mesh.h"
+#include "core/call/fault.h"
 #include "core/call/instruction_set.h"
 #include <math.h>
 #include <stdatomic.h>
 
 typedef core_range core_range_of(const unsigned char *corners, size_t count);
 
-static norma_result shape_of_positions(const norma_vec3_view *view) {
-    if (!norma_format_size(view->format)) return NORMA_ERROR_ARGUMENT;
-    if (view->count && !view->data) return NORMA_ERROR_ARGUMENT;
-    if (norma_view_overflows(view)) return NORMA_ERROR_OVERFLOW;
-    return view->count > UINT32_MAX - 1 ? NORMA_ERROR_OVERFLOW : NORMA_OK;
+static norma_result check_positions(const norma_vec3_view *view, norma_fault *fault) {
+    if (!norma_format_size(view->format))
+        return norma_core_refuse(
+            fault, NORMA_ERROR_ARGUMENT, "mesh->positions.format", SIZE_MAX, "a norma_format");
+    if (view->count && !view->data)
+        return norma_core_refuse(
+            fault, NORMA_ERROR_ARGUMENT, "mesh->positions.data", SIZE_MAX, "not NULL");
+    if (norma_view_overflows(view) || view->count > UINT32_MAX - 1)
+        return norma_core_refuse(fault, NORMA_ERROR_OVERFLOW, "mesh->positions.count", SIZE_MAX,
+            "below 2^32 - 1, and count * stride fits a size_t");
+    return NORMA_OK;
 }
 
-norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked) {
-    if (!mesh) return NORMA_ERROR_ARGUMENT;
-    const norma_result positions = shape_of_positions(&mesh->positions);
-    if (positions != NORMA_OK) return positions;
-    if (mesh->corner_size != 0 && mesh->corner_size != 1 && mesh->corner_size != 2 &&
-        mesh->corner_size != 4)
-        return NORMA_ERROR_ARGUMENT;
-    if (!mesh->corners && mesh->corner_count > mesh->positions.count) return NORMA_ERROR_ARGUMENT;
-    if (!mesh->face_starts && mesh->corner_count % 3) return NORMA_ERROR_ARGUMENT;
-    if (mesh->corner_count > UINT32_MAX - 1 ||
-        (mesh->face_starts && mesh->face_count > UINT32_MAX - 1))
-        return NORMA_ERROR_OVERFLOW;
+static norma_result check_corner_count(const norma_mesh *mesh, norma_fault *fault) {
+    if (!mesh->corners && mesh->corner_count > mesh->positions.count)
+        return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "mesh->corner_count", SIZE_MAX,
+            "without corners at most mesh->positions.count");
+    if (!mesh->face_starts && mesh->corner_count % 3)
+        return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "mesh->corner_count", SIZE_MAX,
+            "a multiple of three, as there are no face_starts");
+    if (mesh->corner_count > UINT32_MAX - 1)
+        return norma_core_refuse(
+            fault, NORMA_ERROR_OVERFLOW, "mesh->corner_count", SIZE_MAX, "below 2^32 - 1");
+    if (mesh->face_starts && mesh->face_count > UINT32_MAX - 1)
+        return norma_core_refuse(
+            fault, NORMA_ERROR_OVERFLOW, "mesh->face_count", SIZE_MAX, "below 2^32 - 1");
+    return NORMA_OK;
+}
+
+norma_result norma_core_check_shape(
+    const norma_mesh *mesh, core_mesh *checked, norma_fault *fault) {
+    if (!mesh) return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "mesh", SIZE_MAX, "not NULL");
+    norma_result result = check_positions(&mesh->positions, fault);
+    if (result == NORMA_OK && mesh->corner_size != 0 && mesh->corner_size != 1 &&
+        mesh->corner_size != 2 && mesh->corner_size != 4)
+        result = norma_core_refuse(
+            fault, NORMA_ERROR_ARGUMENT, "mesh->corner_size", SIZE_MAX, "4 (or 0), 2 or 1 bytes");
+    if (result == NORMA_OK) result = check_corner_count(mesh, fault);
+    if (result != NORMA_OK) return result;
     *checked = (core_mesh){
         .positions = mesh->positions,
         .corners = mesh->corners,
@@ -57,12 +78,22 @@ void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out
         for (int i = 0; i < 3; i++) out[i] *= mesh->scale;
 }
 
-static int face_starts_are_valid(const core_mesh *mesh) {
-    if (mesh->face_starts[0] != 0 || mesh->face_starts[mesh->face_count] != mesh->corner_count)
-        return 0;
-    for (size_t f = 0; f < mesh->face_count; f++)
-        if (mesh->face_starts[f] > mesh->face_starts[f + 1]) return 0;
-    return 1;
+norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked) {
+    return norma_core_check_shape(mesh, checked, NULL);
+}
+
+norma_result norma_core_check_face_starts(const core_mesh *mesh, norma_fault *fault) {
+    const uint32_t *starts = mesh->face_starts;
+    const size_t faces = mesh->face_count;
+    if (!starts) return NORMA_OK;
+    if (starts[0] != 0 || starts[faces] != mesh->corner_count)
+        return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "mesh->face_starts",
+            starts[0] != 0 ? 0 : faces, "0 at the first and mesh->corner_count at the last");
+    for (size_t f = 0; f < faces; f++)
+        if (starts[f] > starts[f + 1])
+            return norma_core_refuse(
+                fault, NORMA_ERROR_ARGUMENT, "mesh->face_starts", f + 1, "at least the one before");
+    return NORMA_OK;
 }
 
 /* Faces of three corners each are triangles, whoever counts them. */
@@ -166,7 +197,8 @@ norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh) {
 }
 
 norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges) {
-    if (mesh->face_starts && !face_starts_are_valid(mesh)) return NORMA_ERROR_ARGUMENT;
+    const norma_result starts = norma_core_check_face_starts(mesh, NULL);
+    if (starts != NORMA_OK) return starts;
     if (mesh->face_starts && all_are_triangles(mesh)) mesh->face_starts = NULL;
     const norma_result result = check_corners(call, mesh, ranges);
     if (result == NORMA_OK && mesh->positions.format == NORMA_FORMAT_DOUBLE)

@@ -21,6 +21,9 @@ typedef struct core_mesh {
 
 /* ARGUMENT or OVERFLOW: what of it can be told without reading the arrays. */
 norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked);
+/* The same for who asks what is wrong, and of the offsets alone. fault may be NULL. */
+norma_result norma_core_check_shape(const norma_mesh *mesh, core_mesh *checked, norma_fault *fault);
+norma_result norma_core_check_face_starts(const core_mesh *mesh, norma_fault *fault);
 /* ARGUMENT (face_starts) or INDEX or CANCELLED: reads the arrays. */
 norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh);
 

@@ -92,6 +92,7 @@ norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     norma_orient_report counted = {.least_confidence = 1};
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
+    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
     if (result == NORMA_OK && ((checked.face_count && !reverse) || open < NORMA_ORIENT_OPEN_KEPT ||
                                   open > NORMA_ORIENT_OPEN_BY_RAYS))
         result = NORMA_ERROR_ARGUMENT;

@@ -1,6 +1,7 @@
 /* morph_normals.c: norma_morph_normals. Vertices that share a normal in the base are one vertex of
  * a mesh that is then morphed; both normals come from that mesh, by one plan, so that no seam opens
  * and where nothing moves the delta is exactly zero. */
+#include "core/face/triangle.h"
 #include "core/mesh/input_mesh.h"
 #include "core/mesh/weld.h"
 #include <math.h>
@@ -137,7 +138,7 @@ static norma_result prepare(morph *m) {
         .face_starts = m->mesh.face_starts,
         .face_count = m->mesh.face_starts ? m->mesh.face_count : 0,
     };
-    result = norma_plan_create(&groups, NORMA_PER_VERTEX, 4, &options, &m->plan);
+    result = norma_plan_create(&groups, NORMA_PER_VERTEX, (float)NORMA_PI, &options, &m->plan);
     return result == NORMA_OK ? normals_at(m, &m->mesh.positions, m->base, m->base_reasons)
                               : result;
 }
@@ -216,6 +217,7 @@ norma_result norma_morph_normals(const norma_mesh *base, const norma_vec3_view *
     if (result == NORMA_OK && (!(smallest >= 0) || !target_starts || (target_count && !targets)))
         result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(base, &m.mesh);
+    if (result == NORMA_OK) norma_core_share(&call, m.mesh.corner_count);
     if (result == NORMA_OK && base_normals)
         result = check_view(base_normals, m.mesh.positions.count);
     for (size_t t = 0; t < target_count && result == NORMA_OK; t++)

@@ -66,10 +66,11 @@ norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float c
     core_mesh checked;
     core_prepared_mesh prepared;
     norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK &&
-        (!plan || isnan(crease_angle_rad) || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER)))
+    if (result == NORMA_OK && (!plan || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER)))
         result = NORMA_ERROR_ARGUMENT;
+    if (result == NORMA_OK) result = norma_core_check_crease(crease_angle_rad, NULL);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
+    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
     if (result == NORMA_OK)

@@ -184,6 +184,7 @@ norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, element_count(plan), capacity, &output);
     if (result == NORMA_OK) result = open_work(plan, positions, moved, moved_count, &call, &work);
+    if (result == NORMA_OK) norma_core_share(&call, plan->corner_count);
     if (result == NORMA_OK) result = update(&work);
     const size_t without =
         tally.non_finite.count + tally.unreferenced.count + tally.cancelled.count;

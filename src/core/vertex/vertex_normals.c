@@ -142,6 +142,7 @@ norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *o
     core_output output;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
+    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, checked.positions.count, capacity, &output);
     if (result != NORMA_OK) return result;

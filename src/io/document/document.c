@@ -248,8 +248,8 @@ norma_document_result norma_document_mesh_data(
 static const char *bad_compute_option(const norma_compute_options *options) {
     if ((unsigned)options->shading > NORMA_SHADING_FLAT) return "unknown shading";
     if (options->shading == NORMA_SHADING_CREASE &&
-        !(options->crease_angle_rad >= 0 && isfinite(options->crease_angle_rad)))
-        return "the crease angle is no finite number from 0 up";
+        !(options->crease_angle_rad >= 0 && options->crease_angle_rad <= 3.1425926))
+        return "the crease angle must be in radians, from 0 to pi";
     if ((unsigned)options->weight > NORMA_WEIGHT_ANGLE_LENGTHS) return "unknown weight";
     if ((unsigned)options->weld > NORMA_WELD_DISTANCE) return "unknown way to weld";
     if (options->weld == NORMA_WELD_DISTANCE &&

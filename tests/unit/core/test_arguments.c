@@ -93,12 +93,149 @@ static void null_options_and_report_are_fine(void **state) {
     assert_ok(norma_split(&good, 1, NULL, corners, 12, sources, normals, 12, &count, NULL));
 }
 
-static void nan_crease(void **state) {
+static void creases_beyond_pi(void **state) {
     (void)state;
     expect(CORNERS, &good, NAN, NULL, ROOM, NORMA_ERROR_ARGUMENT);
     expect(SPLIT, &good, NAN, NULL, ROOM, NORMA_ERROR_ARGUMENT);
-    expect(CORNERS, &good, INFINITY, NULL, ROOM, NORMA_OK);
     expect(CORNERS, &good, -1, NULL, ROOM, NORMA_OK);
+    static const struct {
+        float crease;
+        norma_result expected;
+    } cases[] = {{3.1415927F, NORMA_OK}, {3.1425F, NORMA_OK}, {3.1427F, NORMA_ERROR_ARGUMENT},
+        {60, NORMA_ERROR_ARGUMENT}, {INFINITY, NORMA_ERROR_ARGUMENT},
+        {-INFINITY, NORMA_ERROR_ARGUMENT}};
+    for (size_t i = 0; i < COUNT_OF(cases); ++i) {
+        norma_plan *plan = NULL;
+        expect(CORNERS, &good, cases[i].crease, NULL, ROOM, cases[i].expected);
+        expect(SPLIT, &good, cases[i].crease, NULL, ROOM, cases[i].expected);
+        assert_int_equal(norma_plan_create(&good, NORMA_PER_CORNER, cases[i].crease, NULL, &plan),
+            cases[i].expected);
+        norma_plan_destroy(plan);
+    }
+}
+
+static void fallbacks_that_are_not_finite(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; ++k) {
+        norma_options options = {.fallback = NORMA_FALLBACK_GIVEN};
+        expect_all(&good, &options, NORMA_OK);
+        options.fallback_normal[k] = k ? NAN : -INFINITY;
+        expect_all(&good, &options, NORMA_ERROR_ARGUMENT);
+        options.fallback = NORMA_FALLBACK_NEAREST; /* then it is not looked at */
+        expect_all(&good, &options, NORMA_OK);
+    }
+}
+
+/* New corners that lie over the mesh's own, wholly or by one index at either end. */
+static void split_over_its_own_corners(void **state) {
+    (void)state;
+    uint32_t corners[36], before[36];
+    for (int i = 0; i < 36; ++i) corners[i] = tetrahedron[i % 12];
+    memcpy(before, corners, sizeof before);
+    norma_mesh mesh = good;
+    mesh.corners = corners + 12;
+    for (int shift = 1; shift < 24; ++shift) {
+        assert_int_equal(
+            norma_split(&mesh, 1, NULL, corners + shift, 12, NULL, NULL, 0, NULL, NULL),
+            NORMA_ERROR_ARGUMENT);
+        assert_memory_equal(corners, before, sizeof before);
+    }
+    assert_ok(norma_split(&mesh, 1, NULL, corners, 12, NULL, NULL, 0, NULL, NULL));
+    assert_ok(norma_split(&mesh, 1, NULL, corners + 24, 12, NULL, NULL, 0, NULL, NULL));
+}
+
+/* ---- which argument was wrong */
+
+static void expect_fault(const norma_mesh *mesh, const float *crease, const norma_options *options,
+    norma_result result, const char *argument, size_t index) {
+    norma_fault fault;
+    memset(&fault, 0xa5, sizeof fault);
+    assert_int_equal(norma_find_fault(mesh, crease, options, &fault), result);
+    assert_int_equal(norma_find_fault(mesh, crease, options, NULL), result);
+    assert_int_equal(fault.result, result);
+    assert_int_equal(fault.index, index);
+    assert_int_equal(!fault.argument, !argument);
+    assert_int_equal(!fault.expected, !argument);
+    if (argument) assert_string_equal(fault.argument, argument);
+    if (crease) expect(CORNERS, mesh, *crease, options, ROOM, result);
+    if (!crease) expect_all(mesh, options, result);
+}
+
+static void wrong_options_are_named(void **state) {
+    (void)state;
+    const norma_result wrong = NORMA_ERROR_ARGUMENT;
+    const float degrees = 60, radians = 1;
+    expect_fault(&good, NULL, NULL, NORMA_OK, NULL, SIZE_MAX);
+    expect_fault(&good, &radians, NULL, NORMA_OK, NULL, SIZE_MAX);
+    expect_fault(&good, &degrees, NULL, wrong, "crease_angle_rad", SIZE_MAX);
+    norma_fault fault;
+    norma_find_fault(&good, &degrees, NULL, &fault);
+    assert_non_null(strstr(fault.expected, "radians"));
+    expect_fault(&good, NULL, &(norma_options){.weight = (norma_weight)7}, wrong, "options->weight",
+        SIZE_MAX);
+    expect_fault(
+        &good, NULL, &(norma_options){.weld = (norma_weld)-1}, wrong, "options->weld", SIZE_MAX);
+    expect_fault(&good, NULL, &(norma_options){.weld = NORMA_WELD_DISTANCE, .weld_distance = -1.0},
+        wrong, "options->weld_distance", SIZE_MAX);
+    expect_fault(&good, NULL, &(norma_options){.normal_stride = 11}, wrong,
+        "options->normal_stride", SIZE_MAX);
+    expect_fault(
+        &good, NULL, &(norma_options){.isa = (norma_isa)99}, wrong, "options->isa", SIZE_MAX);
+    expect_fault(&good, NULL,
+        &(norma_options){.fallback = NORMA_FALLBACK_GIVEN, .fallback_normal = {0, NAN, 0}}, wrong,
+        "options->fallback_normal", 1);
+}
+
+static void wrong_meshes_are_named(void **state) {
+    (void)state;
+    uint32_t corners[12];
+    memcpy(corners, tetrahedron, sizeof corners);
+    norma_mesh mesh = good;
+    expect_fault(NULL, NULL, NULL, NORMA_ERROR_ARGUMENT, "mesh", SIZE_MAX);
+    mesh.corners = corners;
+    corners[7] = 4;
+    corners[9] = UINT32_MAX;
+    expect_fault(&mesh, NULL, NULL, NORMA_ERROR_INDEX, "mesh->corners", 7);
+    mesh.corner_count = 11;
+    expect_fault(&mesh, NULL, NULL, NORMA_ERROR_ARGUMENT, "mesh->corner_count", SIZE_MAX);
+    mesh = good;
+    mesh.corner_size = 3;
+    expect_fault(&mesh, NULL, NULL, NORMA_ERROR_ARGUMENT, "mesh->corner_size", SIZE_MAX);
+    mesh = good;
+    mesh.positions.data = NULL;
+    expect_fault(&mesh, NULL, NULL, NORMA_ERROR_ARGUMENT, "mesh->positions.data", SIZE_MAX);
+    static const uint32_t falling[] = {0, 6, 3, 12}, late[] = {1, 6, 12}, early[] = {0, 6, 11};
+    mesh = good;
+    mesh.face_starts = falling;
+    mesh.face_count = 3;
+    expect_fault(&mesh, NULL, NULL, NORMA_ERROR_ARGUMENT, "mesh->face_starts", 2);
+    mesh.face_starts = late;
+    mesh.face_count = 2;
+    expect_fault(&mesh, NULL, NULL, NORMA_ERROR_ARGUMENT, "mesh->face_starts", 0);
+    mesh.face_starts = early;
+    expect_fault(&mesh, NULL, NULL, NORMA_ERROR_ARGUMENT, "mesh->face_starts", 2);
+}
+
+static void wrong_models_are_named(void **state) {
+    (void)state;
+    enum { MODELS = 5 };
+    float models[MODELS][16], matrices[MODELS][9];
+    norma_fault fault;
+    for (int i = 0; i < MODELS; ++i)
+        for (int k = 0; k < 16; ++k) models[i][k] = k % 5 == 0 ? 1 : 0;
+    models[1][13] = NAN; /* a translation does not matter */
+    assert_ok(norma_find_model_fault(models[0], 0, MODELS, &fault));
+    assert_null(fault.argument);
+    models[3][6] = INFINITY;
+    assert_int_equal(norma_find_model_fault(models[0], 0, MODELS, &fault), NORMA_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_normal_matrices(models[0], MODELS, NORMA_WINDING_KEPT, matrices[0], MODELS),
+        fault.result);
+    assert_string_equal(fault.argument, "models");
+    assert_int_equal(fault.index, 3);
+    assert_int_equal(norma_find_model_fault(models[0], 2 * sizeof models[0], 2, NULL), NORMA_OK);
+    assert_int_equal(norma_find_model_fault(NULL, 0, 1, &fault), NORMA_ERROR_ARGUMENT);
+    assert_ok(norma_find_model_fault(NULL, 0, 0, &fault));
 }
 
 static void triangles_in_threes(void **state) {
@@ -234,8 +371,8 @@ static void capacities(void **state) {
     (void)state;
     for (int kind = 0; kind < CALLS; ++kind)
         for (size_t capacity = 0; capacity < (kind == SPLIT ? 4 : needed[kind]); ++capacity)
-            expect(kind, &good, 3.2f, NULL, capacity, NORMA_ERROR_CAPACITY);
-    expect(SPLIT, &good, 3.2f, NULL, 4, NORMA_OK);
+            expect(kind, &good, 3.1415927F, NULL, capacity, NORMA_ERROR_CAPACITY);
+    expect(SPLIT, &good, 3.1415927F, NULL, 4, NORMA_OK);
     expect(SPLIT, &good, 0, NULL, 11, NORMA_ERROR_CAPACITY);
     for (size_t corner_capacity = 0; corner_capacity < 12; ++corner_capacity) {
         outputs got, untouched;
@@ -342,6 +479,9 @@ static void struct_sizes(void **state) {
     bigger.options.struct_size = sizeof bigger;
     assert_ok(norma_corner_normals(&good, 1, &bigger.options, normals, 12, NULL));
     assert_int_equal(edges.count, 6);
+    bigger.more[63] = 1; /* something that this library does not know is asked for */
+    assert_int_equal(
+        norma_corner_normals(&good, 1, &bigger.options, normals, 12, NULL), NORMA_ERROR_ARGUMENT);
     options.struct_size = 8; /* smaller than any version */
     const norma_result result = norma_corner_normals(&good, 1, &options, normals, 12, NULL);
     assert_true(result == NORMA_ERROR_ARGUMENT || result == NORMA_OK);
@@ -435,7 +575,12 @@ int main(void) {
         cmocka_unit_test(null_positions),
         cmocka_unit_test(null_outputs),
         cmocka_unit_test(null_options_and_report_are_fine),
-        cmocka_unit_test(nan_crease),
+        cmocka_unit_test(creases_beyond_pi),
+        cmocka_unit_test(fallbacks_that_are_not_finite),
+        cmocka_unit_test(split_over_its_own_corners),
+        cmocka_unit_test(wrong_options_are_named),
+        cmocka_unit_test(wrong_meshes_are_named),
+        cmocka_unit_test(wrong_models_are_named),
         cmocka_unit_test(triangles_in_threes),
         cmocka_unit_test(face_starts_run_from_0_to_the_end),
         cmocka_unit_test(corners_without_indices_need_positions),

@@ -449,10 +449,10 @@ static void kinds_of_mirrors(void **state) {
         norma_kind kind;
         int mirrored;
     } table[] = {
-        {{-1, 1, 1}, NORMA_KIND_IDENTITY, 1},
-        {{1, -1, 1}, NORMA_KIND_IDENTITY, 1},
-        {{1, 1, -1}, NORMA_KIND_IDENTITY, 1},
-        {{-1, -1, -1}, NORMA_KIND_IDENTITY, 1},
+        {{-1, 1, 1}, NORMA_KIND_ROTATION, 1},
+        {{1, -1, 1}, NORMA_KIND_ROTATION, 1},
+        {{1, 1, -1}, NORMA_KIND_ROTATION, 1},
+        {{-1, -1, -1}, NORMA_KIND_ROTATION, 1},
         {{-1, -1, 1}, NORMA_KIND_ROTATION, 0},
         {{-2, 2, 2}, NORMA_KIND_UNIFORM_SCALE, 1},
         {{-2, 3, 4}, NORMA_KIND_NON_UNIFORM_SCALE, 1},

@@ -235,13 +235,13 @@ static void nearest_as_in_the_full_calls(void **state) {
     norma_mesh view = mesh_file_view_float(&mesh, floats);
     for (int of = 0; of < 2; ++of) {
         const size_t elements = of ? mesh.corner_count : mesh.position_count;
-        assert_ok(norma_plan_create(&view, (norma_element)of, 4, &options, &plan));
+        assert_ok(norma_plan_create(&view, (norma_element)of, 3.1415927F, &options, &plan));
         assert_ok(norma_plan_update(plan, view.positions, NULL, 0, &options, out, ROOM, NULL));
         for (int step = 0; step < 3; ++step) {
             floats[3 * 7 + 2] += 1;
             floats[3 * 12] = step == 1 ? (float)NAN : 0.5f;
             assert_ok(norma_plan_update(plan, view.positions, moved, 2, &options, out, ROOM, NULL));
-            assert_ok(of ? norma_corner_normals(&view, 4, &options, wanted, ROOM, NULL)
+            assert_ok(of ? norma_corner_normals(&view, 3.1415927F, &options, wanted, ROOM, NULL)
                          : norma_vertex_normals(&view, &options, wanted, ROOM, NULL));
             assert_memory_equal(out, wanted, 12 * elements);
         }
@@ -346,7 +346,7 @@ static void far_vertices(void **state) {
                     .corner_count = 6};
                 norma_options options = {.weight = (norma_weight)weight};
                 norma_plan *plan;
-                assert_ok(norma_plan_create(&mesh, NORMA_PER_VERTEX, 4, &options, &plan));
+                assert_ok(norma_plan_create(&mesh, NORMA_PER_VERTEX, 3.1415927F, &options, &plan));
                 assert_ok(
                     norma_plan_update(plan, mesh.positions, NULL, 0, &options, some, 5, NULL));
                 p[4][0] = fars[far];

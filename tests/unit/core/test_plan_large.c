@@ -6,7 +6,7 @@
 #include "mesh_files.h"
 #include "oracle/shapes.h"
 
-static const float ALL_ANGLES = 4;
+static const float ALL_ANGLES = 3.1415927f;
 
 typedef struct mover {
     mesh_file mesh;
@@ -220,7 +220,7 @@ static void marks(void **state) {
     const norma_mesh mesh = {.positions = {positions, COUNT, 0, NORMA_FORMAT_FLOAT},
         .corners = corners,
         .corner_count = CORNERS};
-    assert_int_equal(norma_plan_create(&mesh, NORMA_PER_VERTEX, 4, NULL, &plan), NORMA_OK);
+    assert_int_equal(norma_plan_create(&mesh, NORMA_PER_VERTEX, 3.1415927F, NULL, &plan), NORMA_OK);
     for (uint32_t row = SIDE / 2 - 20; row > 66; row -= 66) {
         const uint32_t far = SIDE - 1 - row,
                        both[] = {row * SIDE + row,

@@ -128,7 +128,7 @@ static void known_counts(void **state) {
     size_t count;
     assert_ok(norma_split(&view, 1, NULL, NULL, 0, NULL, NULL, 0, &count, NULL));
     assert_int_equal(count, 24); /* a cube's corners, three sides each */
-    assert_ok(norma_split(&view, 3.2f, NULL, NULL, 0, NULL, NULL, 0, &count, NULL));
+    assert_ok(norma_split(&view, 3.1415927F, NULL, NULL, 0, NULL, NULL, 0, &count, NULL));
     assert_int_equal(count, 8);
     view.corner_count = 0;
     view.face_count = 0;

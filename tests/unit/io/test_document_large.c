@@ -18,15 +18,12 @@ enum { PADDING = 18 << 20, SIDE = 90 };
 
 typedef struct text {
     char *data;
-    size_t size, capacity;
+    size_t size;
 } text;
 
 static void add_bytes(text *t, const void *bytes, size_t size) {
-    if (t->size + size > t->capacity) { /* a sanitizer's realloc copies every time */
-        t->capacity = 2 * (t->size + size);
-        t->data = realloc(t->data, t->capacity);
-        assert_non_null(t->data);
-    }
+    t->data = realloc(t->data, t->size + size);
+    assert_non_null(t->data);
     memcpy(t->data + t->size, bytes, size);
     t->size += size;
 }
