@@ -80,6 +80,30 @@ if [ "$refresh" = --refresh ]; then
     done
 fi
 
+# The table of rules in docs/checking.md is what norma explain prints.
+verb() { norma explain "$1" | sed -nE 's/^Fix: (\w+).*/\1/p'; }
+value() { sed -nE "s/.*\"$1\": \"([^\"]*)\".*/\1/p" "$scratch/rule"; }
+{
+    echo '| Rule | To render | To print | Fix |'
+    echo '|---|---|---|---|'
+    norma explain | while read -r id _; do
+        norma explain "$id" --json >"$scratch/rule"
+        case $(value fix) in
+        safe) fix=$(verb "$id") ;;
+        unsafe) fix=$(verb "$id")† ;;
+        *) fix=– ;;
+        esac
+        echo "| $id $(value name) | $(value render) | $(value print) | $fix |"
+    done
+} >"$scratch/rules"
+if [ "$refresh" = --refresh ]; then
+    sed -i -e "/<!-- rules -->/r $scratch/rules" -e '/<!-- rules -->/,/<!-- end of rules -->/{/^|/d}' docs/checking.md
+fi
+sed -n '/<!-- rules -->/,/<!-- end of rules -->/{/^|/p}' docs/checking.md >"$scratch/shown"
+if difference=$(diff "$scratch/shown" "$scratch/rules"); then pass "docs/checking.md: the table of rules"; else fail "docs/checking.md: the table of rules" "$difference"; fi
+rules=$(($(wc -l <"$scratch/rules") - 2))
+check "README: there are $rules rules" grep -q " $rules rules" README.md
+
 for document in README.md CONTRIBUTING.md CHANGELOG.md docs/*.md; do
     missing=$(grep -oE '\]\([^)#:]+' "$document" | sed 's/^](//' | grep -vE '^https?$' | while read -r link; do [ -e "$(dirname "$document")/$link" ] || echo "$link"; done)
     if [ -z "$missing" ]; then pass "$document: every link leads somewhere"; else fail "$document: every link leads somewhere" "$missing"; fi
