@@ -1,10 +1,6 @@
-/* weld.c: equal positions are found in two steps. Positions are dealt into buckets by their hash,
- * each as a tag and its number, in ascending order; then a table for each bucket, small enough for
- * the nearest cache, finds equal tags, and only then are positions looked at. Whoever comes first
- * stands for the rest. One table for all took a miss of every cache for each position. */
+/* weld.c: which positions are exactly equal (-0 = 0). */
 #include "core/mesh/weld.h"
-
-static const uint32_t EMPTY = UINT32_MAX;
+#include "core/mesh/weld_buckets.h"
 
 /* The same bits for -0 and 0. */
 static void position_key(const core_mesh *mesh, uint32_t index, uint64_t key[3]) {
@@ -23,24 +19,16 @@ static int key_has_nan(const uint64_t key[3]) {
            (key[2] & magnitude) > infinity;
 }
 
-/* A sum of products by odd numbers, of which the highest bits depend on every bit of the key. */
 static inline uint64_t hash_key(const uint64_t key[3]) {
     const uint64_t sum = key[0] * UINT64_C(0x9e3779b97f4a7c15) +
                          key[1] * UINT64_C(0xbf58476d1ce4e5b9) +
                          key[2] * UINT64_C(0x94d049bb133111eb);
-    return (sum ^ (sum >> 32)) * UINT64_C(0xd6e8feb86659fd93);
+    return norma_core_weld_mix(sum);
 }
 
-/* Of floats the bits of floats: fewer steps. Returns 0 for NaN. */
-static inline int hash_position(const core_mesh *mesh, uint32_t index, uint64_t *hash) {
+/* Of floats the bits of floats: fewer steps. */
+static uint64_t hash_floats(const unsigned char *at) {
     uint64_t key[3];
-    if (mesh->positions.format != NORMA_FORMAT_FLOAT) {
-        position_key(mesh, index, key);
-        *hash = hash_key(key);
-        return !key_has_nan(key);
-    }
-    const unsigned char *at =
-        (const unsigned char *)mesh->positions.data + index * mesh->positions.stride;
     int nan = 0;
     for (size_t k = 0; k < 3; k++) {
         float p;
@@ -51,184 +39,28 @@ static inline int hash_position(const core_mesh *mesh, uint32_t index, uint64_t 
         nan |= p != p;
         key[k] = bits;
     }
-    *hash = hash_key(key);
-    return !nan;
+    return nan ? 0 : hash_key(key);
 }
 
-enum {
-    MOST_BITS = 12,
-    IN_BUCKET = 2048,
-    MOST_SLICES = 16,
-    FEWEST_IN_SLICE = 1 << 16,
-    LARGE_BUCKET = 1 << 16
-};
-
-typedef struct weld_entry {
-    uint32_t tag, index;
-} weld_entry; /* tag: the bits of the hash behind those that tell the bucket; index: of the position
-               */
-
-typedef struct welding {
-    const core_mesh *mesh;
-    uint32_t *weld;
-    int bits;              /* there are 2^bits buckets */
-    size_t slices, groups; /* of the positions, each dealt by whoever takes it behind the slices
-                              before it; of the buckets */
-    uint32_t *cursors;     /* of each slice and bucket: how many, then where the next goes */
-    uint32_t *starts;      /* of the buckets in the entries, and the end */
-    weld_entry *entries;
-    uint32_t *tables; /* one for each group */
-    size_t table_size;
-    size_t found[MOST_SLICES]; /* by each group: how many positions are one with an earlier one */
-} welding;
-
-static size_t buckets_of(const welding *w) { return (size_t)1 << w->bits; }
-static size_t bucket_of(const welding *w, uint64_t hash) {
-    return w->bits ? (size_t)(hash >> (64 - w->bits)) : 0;
-}
-static size_t share_of(size_t count, size_t part, size_t parts) {
-    return (size_t)((uint64_t)count * part / parts);
-}
-
-static void count_slice(void *context, size_t slice) {
-    const welding *w = context;
-    uint32_t *counts = w->cursors + slice * buckets_of(w);
-    const size_t count = w->mesh->positions.count, end = share_of(count, slice + 1, w->slices);
-    memset(counts, 0, buckets_of(w) * sizeof *counts);
-    for (size_t i = share_of(count, slice, w->slices); i < end; i++) {
-        uint64_t hash;
-        if (hash_position(w->mesh, (uint32_t)i, &hash)) counts[bucket_of(w, hash)]++;
-    }
-}
-
-static void deal_slice(void *context, size_t slice) {
-    const welding *w = context;
-    uint32_t *cursors = w->cursors + slice * buckets_of(w);
-    const size_t count = w->mesh->positions.count, end = share_of(count, slice + 1, w->slices);
-    for (size_t i = share_of(count, slice, w->slices); i < end; i++) {
-        uint64_t hash;
-        w->weld[i] = (uint32_t)i;
-        if (hash_position(w->mesh, (uint32_t)i, &hash))
-            w->entries[cursors[bucket_of(w, hash)]++] =
-                (weld_entry){(uint32_t)(hash >> (32 - w->bits)), (uint32_t)i};
-    }
-}
-
-/* Counts become places: bucket by bucket, in each slice by slice. Returns the most that one bucket
- * holds. */
-static size_t place_buckets(const welding *w) {
-    uint32_t sum = 0, most = 0;
-    for (size_t bucket = 0; bucket < buckets_of(w); bucket++) {
-        w->starts[bucket] = sum;
-        for (size_t slice = 0; slice < w->slices; slice++) {
-            uint32_t *cursor = &w->cursors[slice * buckets_of(w) + bucket];
-            const uint32_t count = *cursor;
-            *cursor = sum;
-            sum += count;
-        }
-        if (sum - w->starts[bucket] > most) most = sum - w->starts[bucket];
-    }
-    w->starts[buckets_of(w)] = sum;
-    return most;
-}
-
-static int same_position(const core_mesh *mesh, uint32_t one, uint32_t other) {
-    uint64_t a[3], b[3];
-    position_key(mesh, one, a);
-    position_key(mesh, other, b);
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
-
-/* Of a table for count entries, a power of two. */
-static int table_bits(size_t count) {
-    int bits = 4;
-    while (((size_t)1 << bits) < count + count / 2) bits++;
-    return bits;
-}
-
-/* Returns how many are one with an earlier one. table: of entries' numbers, open addressing. */
-static size_t weld_bucket(const core_mesh *mesh, const weld_entry *entries, size_t count,
-    uint32_t *table, uint32_t *weld) {
-    const int bits = table_bits(count);
-    const uint32_t mask = (uint32_t)(((uint64_t)1 << bits) - 1);
-    size_t found = 0;
-    memset(table, 0xff, ((size_t)1 << bits) * sizeof *table);
+static void hash_positions(const void *context, size_t first, size_t count, uint64_t *hashes) {
+    const core_mesh *mesh = context;
+    const norma_vec3_view *view = &mesh->positions;
     for (size_t i = 0; i < count; i++) {
-        const weld_entry e = entries[i];
-        uint32_t slot = (uint32_t)((uint64_t)e.tag >> (32 - bits));
-        while (
-            table[slot] != EMPTY && (entries[table[slot]].tag != e.tag ||
-                                        !same_position(mesh, entries[table[slot]].index, e.index)))
-            slot = (slot + 1) & mask;
-        if (table[slot] == EMPTY) {
-            table[slot] = (uint32_t)i;
+        uint64_t key[3];
+        if (view->format == NORMA_FORMAT_FLOAT) {
+            hashes[i] = hash_floats((const unsigned char *)view->data + (first + i) * view->stride);
             continue;
         }
-        weld[e.index] = entries[table[slot]].index;
-        found++;
+        position_key(mesh, (uint32_t)(first + i), key);
+        hashes[i] = key_has_nan(key) ? 0 : hash_key(key);
     }
-    return found;
 }
 
-static void weld_group(void *context, size_t group) {
-    welding *w = context;
-    size_t found = 0;
-    for (size_t bucket = share_of(buckets_of(w), group, w->groups);
-         bucket < share_of(buckets_of(w), group + 1, w->groups); bucket++)
-        found += weld_bucket(w->mesh, w->entries + w->starts[bucket],
-            w->starts[bucket + 1] - w->starts[bucket], w->tables + group * w->table_size, w->weld);
-    w->found[group] = found;
-}
-
-/* Into the one bucket of a small mesh go at most all, which need not be counted before. */
-static int is_one_bucket(const welding *w) { return !w->bits && w->slices == 1; }
-
-/* With memory for all of it. */
-static norma_result run_welding(core_call *call, welding *w, size_t *found) {
-    norma_result result = NORMA_OK;
-    if (is_one_bucket(w))
-        w->cursors[0] = (uint32_t)w->mesh->positions.count;
-    else
-        result = norma_core_parallel(call, w->slices, count_slice, w);
-    if (result != NORMA_OK) return result;
-    const size_t most = place_buckets(w);
-    w->table_size = (size_t)1 << table_bits(most);
-    w->groups = most > LARGE_BUCKET || buckets_of(w) < w->slices ? 1 : w->slices;
-    w->tables = norma_core_allocate(call, w->groups * w->table_size, sizeof *w->tables);
-    if (!w->tables) return NORMA_ERROR_MEMORY;
-    result = norma_core_parallel(call, w->slices, deal_slice, w);
-    if (is_one_bucket(w)) w->starts[1] = w->cursors[0];
-    if (result == NORMA_OK) result = norma_core_parallel(call, w->groups, weld_group, w);
-    for (size_t i = 0; i < w->groups && result == NORMA_OK; i++) *found += w->found[i];
-    norma_core_release(call, w->tables, w->groups * w->table_size, sizeof *w->tables);
-    return result;
-}
-
-static size_t slices_for(const core_call *call, size_t count) {
-    const size_t workers = call->options.parallel_for ? MOST_SLICES : norma_core_workers(call),
-                 most = 1 + count / FEWEST_IN_SLICE, told = 4;
-    const size_t slices = workers > 1 || call->options.progress ? told * workers : 1;
-    return slices < MOST_SLICES ? (slices < most ? slices : most)
-           : MOST_SLICES < most ? MOST_SLICES
-                                : most;
-}
-
-/* *found: how many positions are one with an earlier one. */
-static norma_result weld_equal(
-    core_call *call, const core_mesh *mesh, uint32_t *weld, size_t *found) {
-    const size_t count = mesh->positions.count;
-    welding w = {.mesh = mesh, .weld = weld, .slices = slices_for(call, count)};
-    while (w.bits < MOST_BITS && count >> w.bits > IN_BUCKET) w.bits++;
-    w.entries = norma_core_allocate(call, count, sizeof *w.entries);
-    w.cursors = norma_core_allocate(call, w.slices << w.bits, sizeof *w.cursors);
-    w.starts = norma_core_allocate(call, buckets_of(&w) + 1, sizeof *w.starts);
-    *found = 0;
-    const norma_result result =
-        w.entries && w.cursors && w.starts ? run_welding(call, &w, found) : NORMA_ERROR_MEMORY;
-    norma_core_release(call, w.entries, count, sizeof *w.entries);
-    norma_core_release(call, w.cursors, w.slices << w.bits, sizeof *w.cursors);
-    norma_core_release(call, w.starts, buckets_of(&w) + 1, sizeof *w.starts);
-    return result;
+static int same_position(const void *context, uint32_t one, uint32_t other) {
+    uint64_t a[3], b[3];
+    position_key(context, one, a);
+    position_key(context, other, b);
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
 norma_result norma_core_weld(core_call *call, core_mesh *mesh) {
@@ -236,7 +68,8 @@ norma_result norma_core_weld(core_call *call, core_mesh *mesh) {
     uint32_t *weld = norma_core_allocate(call, mesh->positions.count, sizeof *weld);
     if (!weld) return NORMA_ERROR_MEMORY;
     size_t found;
-    norma_result result = weld_equal(call, mesh, weld, &found);
+    const weld_keys keys = {mesh->positions.count, mesh, hash_positions, same_position};
+    norma_result result = norma_core_weld_keys(call, &keys, weld, &found);
     const int by_distance =
         call->options.weld == NORMA_WELD_DISTANCE && call->options.weld_distance > 0;
     if (result == NORMA_OK && by_distance)
