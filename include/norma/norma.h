@@ -850,6 +850,60 @@ NORMA_API norma_result norma_decode_snorm8(const int8_t *codes, size_t stride, s
 NORMA_API norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t count,
     float *out, size_t out_stride, size_t capacity);
 
+/* ---- tangents of corners, from normals and texture coordinates */
+
+/* What a corner has besides its position. 8- and 16-bit numbers stand for v / 255 and v / 65535
+ * (signed: v / 127 and v / 32767, at least -1), rounded to floats. */
+typedef struct norma_attribute {
+    const void *data;
+    size_t count;  /* values of two (texture coordinates) or three (normals) numbers */
+    size_t stride; /* bytes from one value to the next; 0 = tight */
+    norma_format format;
+    norma_element of;        /* per vertex: one for each position, chosen by mesh->corners; per
+                                corner: one for each corner, in order */
+    const uint32_t *corners; /* or, where not NULL, the number of each corner's value */
+} norma_attribute;
+
+typedef enum norma_tangent_mode {
+    NORMA_TANGENTS_STEADY = 0, /* the same for any order of faces and corners; unit, perpendicular,
+                                  one sign for a face; weighted by options->weight */
+    NORMA_TANGENTS_MIKK        /* the bits of MikkTSpace (Mikkelsen 2008), for triangles and quads
+                                  in the order given */
+} norma_tangent_mode;
+
+/* The tangent of each corner: x, y, z and a sign, so that bitangent = sign * cross(normal, tangent)
+ * with texture coordinates as they are given (glTF, whose v runs downwards, wants the sign
+ * negated). Corners share where position, normal and texture coordinates are all equal (-0 = 0).
+ *
+ * NORMA_TANGENTS_MIKK gives the floats of MikkTSpace's reference with its default settings,
+ * compiled without contraction of products and sums, every run of its edges sorted. Doubles are
+ * rounded to floats first. Quads are cut along the diagonal that is shorter in texture space, then
+ * in space; polygons of five corners and more are cut into triangles first, and a corner takes its
+ * tangent from the first of them.
+ *
+ * NORMA_TANGENTS_STEADY sums, over the corners that share and whose faces have the same sign of
+ * texture area, the direction in which u grows, made perpendicular to the normal, weighted by
+ * options->weight (NORMA_WEIGHT_VISIBLE counts as NORMA_WEIGHT_UNIFORM). Normals of any length.
+ * |tangent . normal| is at most 1e-6 for unit normals.
+ *
+ * A corner without a tangent gets a unit vector perpendicular to its normal, the sign of its face
+ * if neighbours gave it one, else +1, and a reason: NORMA_REASON_NON_FINITE if its own position,
+ * normal or texture coordinates are not finite, NORMA_REASON_DEGENERATE if no face with texture
+ * area shares in it, NORMA_REASON_CANCELLED if what shares in it sums to nothing.
+ *
+ * normals and texcoords: one value for each position or corner, as their field "of" says, or
+ * numbered by their own corners. tangents: the first four floats of each corner at
+ * options->normal_stride bytes (0: 16) from one to the next; capacity counts corners. options (may
+ * be NULL): weight (steady), normal_stride, reasons, threads, isa, allocator, parallel_for and
+ * progress are used; weld and fallback are not. report (may be NULL): degenerate_faces, non_finite
+ * and cancelled count corners by their reason. Errors as for norma_corner_normals;
+ * NORMA_ERROR_ARGUMENT also for a mode or format that does not exist and for fewer values than
+ * positions or corners, NORMA_ERROR_INDEX for a corner that names no value. Cost: linear in corners
+ * and positions, whatever the valence; the same bits for any number of threads. */
+norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
+    const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
+    float *tangents, size_t capacity, norma_report *report);
+
 /* ---- the library */
 
 /* Returns the version of the linked library as text, "0.1.0". The string is constant and must not

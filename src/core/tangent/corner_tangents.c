@@ -1,0 +1,49 @@
+/* corner_tangents.c: norma_corner_tangents. Arguments, the vertices that corners share, then one of
+ * two ways to make tangents. */
+#include "core/tangent/tangents.h"
+
+static norma_result open_output(const core_call *call, const norma_options *options,
+    float *tangents, size_t count, size_t capacity, tangent_output *output) {
+    const size_t least = 4 * sizeof(float), asked = options ? options->normal_stride : 0;
+    *output = (tangent_output){.tangents = (unsigned char *)tangents,
+        .stride = asked ? asked : least,
+        .reasons = call->options.reasons};
+    if (output->stride < least || (count && !tangents)) return NORMA_ERROR_ARGUMENT;
+    if (count > capacity) return NORMA_ERROR_CAPACITY;
+    return count && count > SIZE_MAX / output->stride ? NORMA_ERROR_OVERFLOW : NORMA_OK;
+}
+
+static norma_result compute(tangent_mesh *mesh, norma_tangent_mode mode,
+    const tangent_output *output, norma_report *report) {
+    core_tally tally = {0};
+    norma_core_stage(mesh->call, 0.05, 0.3);
+    norma_result result = norma_core_tangent_open(mesh);
+    if (result != NORMA_OK) return result;
+    norma_core_stage(mesh->call, 0.3, 0.97);
+    result = mode == NORMA_TANGENTS_MIKK ? norma_core_mikk_tangents(mesh, output, &tally)
+                                         : norma_core_steady_tangents(mesh, output, &tally);
+    norma_core_stage(mesh->call, 1, 1);
+    if (result == NORMA_OK && norma_core_progress(mesh->call, 1)) result = NORMA_CANCELLED;
+    norma_core_tangent_close(mesh);
+    if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
+    return result;
+}
+
+norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
+    const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
+    float *tangents, size_t capacity, norma_report *report) {
+    core_call call;
+    tangent_mesh checked = {.call = &call};
+    tangent_output output;
+    norma_result result = norma_core_begin(&call, options);
+    if (result == NORMA_OK && mode != NORMA_TANGENTS_STEADY && mode != NORMA_TANGENTS_MIKK)
+        result = NORMA_ERROR_ARGUMENT;
+    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked.mesh);
+    if (result == NORMA_OK) result = norma_core_tangent_attributes(&checked, normals, texcoords);
+    if (result == NORMA_OK)
+        result =
+            open_output(&call, options, tangents, checked.mesh.corner_count, capacity, &output);
+    norma_core_stage(&call, 0, 0.05);
+    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
+    return result == NORMA_OK ? compute(&checked, mode, &output, report) : result;
+}

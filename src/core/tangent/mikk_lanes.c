@@ -1,0 +1,129 @@
+/* mikk_lanes.c: equations 18 and 19 of Mikkelsen 2008 and what a triangle adds at its corner,
+ * compiled for each instruction set of the machine's family and chosen at run time. */
+#include "core/tangent/mikk_lanes.h"
+#include "core/face/triangle.h"
+#include <float.h>
+
+/* The arc cosine from the sine, which is exact but for two roundings: the double is within some
+ * units of its last place, and the float it is rounded to is that of the exact value for each of
+ * the floats there are (tests/unit/core/test_tangents.c has those that lie nearest to a tie). */
+CORE_INLINE float acos_of(float x) {
+    const double c = (double)x, s = sqrt((1 - c) * (1 + c));
+    const float angle = (float)norma_core_angle(s, c);
+    return x != x ? x : angle;
+}
+
+float norma_core_mikk_acos(float x) { return acos_of(x); }
+
+CORE_INLINE int is_zero(float x) { return !(fabsf(x) > FLT_MIN); }
+
+typedef struct vector {
+    float x, y, z;
+} vector;
+
+CORE_INLINE float dot(vector a, vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+CORE_INLINE vector scale(float s, vector v) { return (vector){s * v.x, s * v.y, s * v.z}; }
+CORE_INLINE vector subtract(vector a, vector b) {
+    return (vector){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+CORE_INLINE vector add(vector a, vector b) { return (vector){a.x + b.x, a.y + b.y, a.z + b.z}; }
+CORE_INLINE vector normalised(vector v) {
+    const int zero = is_zero(v.x) & is_zero(v.y) & is_zero(v.z);
+    const float by = 1 / sqrtf(dot(v, v));
+    return (vector){zero ? v.x : by * v.x, zero ? v.y : by * v.y, zero ? v.z : by * v.z};
+}
+/* Made perpendicular to n, unit. */
+CORE_INLINE vector projected(vector v, vector n) {
+    return normalised(subtract(v, scale(dot(n, v), n)));
+}
+CORE_INLINE vector at(const mikk_lane *v, int lane) {
+    return (vector){v[0][lane], v[1][lane], v[2][lane]};
+}
+
+typedef struct derivative {
+    float area;
+    vector s, t; /* of any length */
+} derivative;
+
+CORE_INLINE derivative derive_lane(const mikk_batch *b, int l) {
+    const float t21x = b->texcoord[1][0][l] - b->texcoord[0][0][l],
+                t21y = b->texcoord[1][1][l] - b->texcoord[0][1][l],
+                t31x = b->texcoord[2][0][l] - b->texcoord[0][0][l],
+                t31y = b->texcoord[2][1][l] - b->texcoord[0][1][l];
+    const vector origin = at(b->position[0], l), d1 = subtract(at(b->position[1], l), origin),
+                 d2 = subtract(at(b->position[2], l), origin);
+    return (derivative){t21x * t31y - t21y * t31x, subtract(scale(t31y, d1), scale(t21y, d2)),
+        add(scale(-t31x, d1), scale(t21x, d2))};
+}
+
+CORE_INLINE void derive(const mikk_batch *b, mikk_derivative *out) {
+    for (int l = 0; l < MIKK_LANES; l++) {
+        const derivative d = derive_lane(b, l);
+        const int none = is_zero(d.area);
+        const float s = sqrtf(dot(d.s, d.s)) / fabsf(d.area),
+                    t = sqrtf(dot(d.t, d.t)) / fabsf(d.area);
+        out->area[l] = d.area;
+        out->length_s[l] = none ? 0 : s;
+        out->length_t[l] = none ? 0 : t;
+    }
+}
+
+/* Unit, in the sense of the area's sign; zero where it has no length. */
+CORE_INLINE vector unit(vector v, float length, float sign) {
+    const int zero = is_zero(length);
+    const float by = sign / length;
+    return (vector){zero ? 0 : by * v.x, zero ? 0 : by * v.y, zero ? 0 : by * v.z};
+}
+
+/* Only of triangles that have a texture area. */
+CORE_INLINE void contribute(const mikk_batch *b, mikk_corners *out) {
+    float cosines[MIKK_LANES];
+    for (int l = 0; l < MIKK_LANES; l++) {
+        const derivative d = derive_lane(b, l);
+        const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot(d.s, d.s)),
+                    length_t = sqrtf(dot(d.t, d.t));
+        const vector n = at(b->normal, l), here = at(b->at, l),
+                     s = projected(unit(d.s, length_s, sign), n),
+                     t = projected(unit(d.t, length_t, sign), n),
+                     in = projected(subtract(at(b->previous, l), here), n),
+                     away = projected(subtract(at(b->next, l), here), n);
+        const float cosine = dot(in, away);
+        cosines[l] = cosine > 1 ? 1 : cosine < -1 ? -1 : cosine;
+        out->s[0][l] = s.x;
+        out->s[1][l] = s.y;
+        out->s[2][l] = s.z;
+        out->t[0][l] = t.x;
+        out->t[1][l] = t.y;
+        out->t[2][l] = t.z;
+        out->length_s[l] = length_s / fabsf(d.area);
+        out->length_t[l] = length_t / fabsf(d.area);
+    }
+    for (int l = 0; l < MIKK_LANES; l++) out->angle[l] = acos_of(cosines[l]);
+}
+
+static void derive_portable(const mikk_batch *b, mikk_derivative *out) { derive(b, out); }
+static void contribute_portable(const mikk_batch *b, mikk_corners *out) { contribute(b, out); }
+
+#if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static void derive_avx2(const mikk_batch *b, mikk_derivative *out) { derive(b, out); }
+CORE_FOR_AVX2 static void contribute_avx2(const mikk_batch *b, mikk_corners *out) {
+    contribute(b, out);
+}
+CORE_FOR_AVX512 static void derive_avx512(const mikk_batch *b, mikk_derivative *out) {
+    derive(b, out);
+}
+CORE_FOR_AVX512 static void contribute_avx512(const mikk_batch *b, mikk_corners *out) {
+    contribute(b, out);
+}
+#endif
+
+const mikk_kernels *norma_core_mikk_kernels(norma_isa isa) {
+    static const mikk_kernels kernels[] = {
+        {derive_portable, contribute_portable},
+#if defined(CORE_HAS_X86)
+        {derive_avx2, contribute_avx2},
+        {derive_avx512, contribute_avx512},
+#endif
+    };
+    return &kernels[norma_core_level(isa)];
+}

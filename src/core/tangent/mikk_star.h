@@ -1,0 +1,57 @@
+/* mikk_star.h: the corners at one vertex, and the tangent spaces that they share. */
+#ifndef NORMA_CORE_MIKK_STAR_H
+#define NORMA_CORE_MIKK_STAR_H
+#include "core/tangent/mikk.h"
+#include "core/tangent/mikk_lanes.h"
+
+typedef struct mikk_space {
+    float s[3], t[3]; /* t and the lengths: only of meshes with quads */
+    float length_s, length_t, angle;
+    int positive;
+    int opposed; /* of a group: some of its tangents may be opposed to each other */
+} mikk_space;
+
+typedef struct mikk_star {
+    const mikk_mesh *mesh;
+    uint32_t vertex;
+    size_t count;
+    const uint32_t *corners;           /* of triangles, ascending */
+    const uint32_t *next, *previous;   /* the vertices beside it in each corner's triangle */
+    const mikk_corners *contributions; /* corner j's are in lane first + j */
+    size_t first;
+    mikk_edge_table *table;
+    mikk_links links;
+    uint32_t *space;    /* of each corner, or MIKK_NONE */
+    uint32_t *sequence; /* of each corner: how many got their space before it */
+    uint32_t *seeds;    /* of each space: the corner that its group began with */
+    mikk_space *spaces; /* room for twice the corners */
+    size_t space_count;
+} mikk_star;
+
+static inline uint8_t mikk_flags_of(const mikk_star *star, size_t j) {
+    return star->mesh->flags[star->corners[j] / 3];
+}
+static inline const mikk_corners *mikk_block(const mikk_star *star, size_t j) {
+    return &star->contributions[(star->first + j) / MIKK_LANES];
+}
+static inline size_t mikk_lane_of(const mikk_star *star, size_t j) {
+    return (star->first + j) % MIKK_LANES;
+}
+
+/* Adds what corner j contributes, and makes the sum a space. */
+void norma_core_mikk_add(const mikk_star *star, size_t j, mikk_space *space);
+void norma_core_mikk_finish(const mikk_star *star, mikk_space *space);
+
+/* Finds groups and sums their spaces. */
+void norma_core_mikk_groups(mikk_star *star);
+
+/* In groups in which tangents may be opposed to each other, each corner gets the space of all
+ * corners of the group that are not opposed to it. Links are used up. */
+void norma_core_mikk_divide(mikk_star *star);
+
+void norma_core_mikk_normalise(float v[3]);
+
+static inline int mikk_follows(const mikk_star *star, size_t j) {
+    return mikk_flags_of(star, j) & MIKK_FOLLOWS;
+}
+#endif

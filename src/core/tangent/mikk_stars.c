@@ -1,0 +1,313 @@
+/* mikk_stars.c: vertex by vertex, what its corners contribute, their groups, and what is written.
+ * Small stars are taken many at a time, so that lanes are full; large ones by the calling thread,
+ * with memory of their own. */
+#include "core/tangent/mikk_star.h"
+
+enum {
+    CORNERS_IN_BATCH = 256,
+    BLOCKS = (CORNERS_IN_BATCH + MIKK_SMALL_STAR) / MIKK_LANES,
+    LANES_IN_BATCH = BLOCKS * MIKK_LANES,
+    VERTICES_IN_TASK = 1 << 12
+};
+
+typedef struct star_work {
+    const mikk_mesh *mesh;
+    const tangent_output *output;
+    const mikk_kernels *kernels;
+    core_tally *tallies; /* one for each task */
+} star_work;
+
+/* ---- contributions */
+
+static void load_corner(
+    const mikk_mesh *m, uint32_t vertex, uint32_t corner, size_t lane, mikk_batch *batch) {
+    const tangent_vertex *here = &m->vertices[vertex];
+    const uint32_t *triangle = &m->triangles[corner - corner % 3];
+    for (size_t i = 0; i < 3; i++) {
+        const tangent_vertex *v = &m->vertices[triangle[i]];
+        for (int k = 0; k < 3; k++) batch->position[i][k][lane] = v->position[k];
+        for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = v->texcoord[k];
+    }
+    const tangent_vertex *next = &m->vertices[triangle[(corner + 1) % 3]],
+                         *previous = &m->vertices[triangle[(corner + 2) % 3]];
+    for (int k = 0; k < 3; k++) {
+        batch->normal[k][lane] = here->normal[k];
+        batch->at[k][lane] = here->position[k];
+        batch->next[k][lane] = next->position[k];
+        batch->previous[k][lane] = previous->position[k];
+    }
+}
+
+typedef struct star_corners {
+    mikk_corners *contributions;
+    uint32_t *next, *previous;
+} star_corners;
+
+/* Fills lanes [begin, begin + count), of which none has been computed before begin rounded up. */
+static void contribute(const star_work *w, uint32_t vertex, const uint32_t *corners, size_t begin,
+    size_t count, mikk_batch *batch, star_corners *out) {
+    const mikk_mesh *m = w->mesh;
+    for (size_t j = 0; j < count; j++) {
+        const size_t lane = (begin + j) % MIKK_LANES;
+        const uint32_t *triangle = &m->triangles[corners[j] - corners[j] % 3];
+        out->next[begin + j] = triangle[(corners[j] + 1) % 3];
+        out->previous[begin + j] = triangle[(corners[j] + 2) % 3];
+        load_corner(m, vertex, corners[j], lane, batch);
+        if (lane == MIKK_LANES - 1)
+            w->kernels->contribute(batch, &out->contributions[(begin + j) / MIKK_LANES]);
+    }
+}
+
+/* ---- what is written */
+
+static int is_of_use(const float v[3]) {
+    const float square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    return square > 0.998F && square < 1.002F; /* not NaN either */
+}
+
+static int same_space(const mikk_space *a, const mikk_space *b) {
+    int same = (a->length_s == b->length_s) & (a->length_t == b->length_t);
+    for (int k = 0; k < 3; k++) same &= (a->s[k] == b->s[k]) & (a->t[k] == b->t[k]);
+    return same;
+}
+
+/* Where both triangles of a quad have the corner: the first space, or the direction of the sum; the
+ * sign of the second. */
+static mikk_space average(const mikk_space *first, const mikk_space *second) {
+    mikk_space space = *first;
+    space.positive = second->positive;
+    if (same_space(first, second)) return space;
+    for (int k = 0; k < 3; k++) space.s[k] = first->s[k] + second->s[k];
+    norma_core_mikk_normalise(space.s);
+    return space;
+}
+
+static const mikk_space *space_of(const mikk_star *star, size_t j) {
+    return star->space[j] == MIKK_NONE ? NULL : &star->spaces[star->space[j]];
+}
+
+/* The corner that two triangles of a quad have, j being the second's. */
+static mikk_space *join_quad(const mikk_star *star, size_t j, mikk_space *room) {
+    const mikk_space *a = space_of(star, j - 1), *b = space_of(star, j);
+    if (!a && !b) return NULL;
+    if (!a || !b || a == b)
+        *room = a ? *a : *b;
+    else
+        *room = star->sequence[j - 1] < star->sequence[j] ? average(a, b) : average(b, a);
+    return room;
+}
+
+static int is_held_before(const mikk_star *star, size_t j) {
+    return mikk_flags_of(star, j) & (MIKK_HELD << star->corners[j] % 3);
+}
+
+static int is_joined_later(const mikk_star *star, size_t j) {
+    return j + 1 < star->count && is_held_before(star, j + 1) &&
+           (mikk_flags_of(star, j + 1) & MIKK_SECOND) &&
+           star->mesh->corners[star->corners[j]] == star->mesh->corners[star->corners[j + 1]];
+}
+
+static corner_tangent tangent_of(const mikk_star *star, size_t j) {
+    mikk_space room;
+    const int joined = is_held_before(star, j);
+    const mikk_space *space = joined ? join_quad(star, j, &room) : space_of(star, j);
+    if (!space) {
+        const uint8_t flags = mikk_flags_of(star, j);
+        const int negative = (flags & MIKK_FOLLOWED) && !(flags & MIKK_POSITIVE);
+        return (corner_tangent){.sign = negative ? -1 : 1, .reason = NORMA_REASON_DEGENERATE};
+    }
+    corner_tangent tangent = {.sign = space->positive ? 1 : -1};
+    memcpy(tangent.direction, space->s, sizeof tangent.direction);
+    if (!is_of_use(space->s)) tangent.reason = NORMA_REASON_CANCELLED;
+    return tangent;
+}
+
+/* Of a quad's two triangles the second holds the corner that both have; of a polygon's the first.
+ */
+static int is_written(const mikk_star *star, size_t j) {
+    return is_held_before(star, j) ? mikk_flags_of(star, j) & MIKK_SECOND
+                                   : !is_joined_later(star, j);
+}
+
+static void write_corners(const star_work *w, const mikk_star *star, core_tally *tally) {
+    const tangent_vertex *vertex = &w->mesh->vertices[star->vertex];
+    for (size_t j = 0; j < star->count; j++) {
+        if (w->mesh->corners && !is_written(star, j)) continue;
+        const corner_tangent tangent = tangent_of(star, j);
+        norma_core_write_tangent(
+            w->output, mikk_target(w->mesh, star->corners[j]), vertex, &tangent, tally);
+    }
+}
+
+/* The star's corner of this number. */
+static size_t find_corner(const mikk_star *star, uint32_t corner) {
+    size_t from = 0, to = star->count;
+    while (to - from > 1) {
+        const size_t middle = from + (to - from) / 2;
+        if (star->corners[middle] <= corner)
+            from = middle;
+        else
+            to = middle;
+    }
+    return from;
+}
+
+static void write_copies(const star_work *w, const mikk_star *star, core_tally *tally) {
+    const mikk_mesh *m = w->mesh;
+    if (!m->copy_starts) return;
+    for (uint32_t i = m->copy_starts[star->vertex]; i < m->copy_starts[star->vertex + 1]; i++) {
+        const mikk_copy copy = m->copies[i];
+        corner_tangent tangent = {.sign = 1, .reason = NORMA_REASON_DEGENERATE};
+        if (star->count) {
+            size_t j = copy.source == MIKK_NONE ? 0 : find_corner(star, copy.source);
+            if (is_joined_later(star, j)) j++;
+            tangent = tangent_of(star, j);
+        }
+        const uint32_t key = norma_core_tangent_key(m->input, copy.target);
+        norma_core_write_tangent(w->output, copy.target, &m->vertices[key], &tangent, tally);
+    }
+}
+
+static void finish_star(const star_work *w, mikk_star *star, core_tally *tally) {
+    if (star->count) norma_core_mikk_groups(star);
+    write_corners(w, star, tally);
+    write_copies(w, star, tally);
+}
+
+/* ---- small stars */
+
+typedef struct small_stars {
+    mikk_corners contributions[BLOCKS];
+    mikk_batch batch;
+    uint32_t next[LANES_IN_BATCH], previous[LANES_IN_BATCH];
+    uint32_t left[MIKK_SMALL_STAR], right[MIKK_SMALL_STAR], space[MIKK_SMALL_STAR],
+        sequence[MIKK_SMALL_STAR], seeds[MIKK_SMALL_STAR];
+    mikk_space spaces[2 * MIKK_SMALL_STAR];
+} small_stars;
+
+static size_t star_count(const mikk_mesh *m, size_t vertex) {
+    return m->around.starts[vertex + 1] - m->around.starts[vertex];
+}
+
+static void finish_small(
+    const star_work *w, small_stars *s, size_t vertex, size_t first, core_tally *tally) {
+    mikk_star star = {.mesh = w->mesh,
+        .vertex = (uint32_t)vertex,
+        .count = star_count(w->mesh, vertex),
+        .corners = w->mesh->around.corners + w->mesh->around.starts[vertex],
+        .next = s->next + first,
+        .previous = s->previous + first,
+        .contributions = s->contributions,
+        .first = first,
+        .links = {s->left, s->right},
+        .space = s->space,
+        .sequence = s->sequence,
+        .seeds = s->seeds,
+        .spaces = s->spaces};
+    finish_star(w, &star, tally);
+}
+
+/* As many of the vertices as fit. Returns the first that does not. */
+static size_t run_batch(
+    const star_work *w, small_stars *s, size_t begin, size_t end, core_tally *tally) {
+    const mikk_mesh *m = w->mesh;
+    star_corners out = {s->contributions, s->next, s->previous};
+    size_t filled = 0, vertex = begin;
+    for (; vertex < end && filled < CORNERS_IN_BATCH; vertex++) {
+        const size_t count = star_count(m, vertex);
+        if (count > MIKK_SMALL_STAR) continue;
+        contribute(w, (uint32_t)vertex, m->around.corners + m->around.starts[vertex], filled, count,
+            &s->batch, &out);
+        filled += count;
+    }
+    if (filled % MIKK_LANES)
+        w->kernels->contribute(&s->batch, &s->contributions[filled / MIKK_LANES]);
+    filled = 0;
+    for (size_t v = begin; v < vertex; v++) {
+        const size_t count = star_count(m, v);
+        if (count > MIKK_SMALL_STAR) continue;
+        finish_small(w, s, v, filled, tally);
+        filled += count;
+    }
+    return vertex;
+}
+
+static void star_task(void *context, size_t task) {
+    const star_work *w = context;
+    const size_t count = w->mesh->vertex_count, begin = task * VERTICES_IN_TASK,
+                 end = count - begin < VERTICES_IN_TASK ? count : begin + VERTICES_IN_TASK;
+    small_stars s;
+    memset(&s.batch, 0, sizeof s.batch);
+    for (size_t v = begin; v < end;) v = run_batch(w, &s, v, end, &w->tallies[task]);
+}
+
+/* ---- large stars */
+
+typedef struct large_stars {
+    size_t most, blocks;
+    mikk_corners *contributions;
+    uint32_t *numbers; /* seven for each corner */
+    mikk_space *spaces;
+    mikk_edge_table table;
+} large_stars;
+
+static void finish_large(
+    const star_work *w, const large_stars *s, size_t vertex, core_tally *tally) {
+    const size_t count = star_count(w->mesh, vertex), most = s->most;
+    const uint32_t *corners = w->mesh->around.corners + w->mesh->around.starts[vertex];
+    mikk_edge_table table = s->table;
+    mikk_batch batch = {0};
+    star_corners out = {s->contributions, s->numbers, s->numbers + most};
+    mikk_star star = {.mesh = w->mesh,
+        .vertex = (uint32_t)vertex,
+        .count = count,
+        .corners = corners,
+        .next = out.next,
+        .previous = out.previous,
+        .contributions = s->contributions,
+        .table = &table,
+        .links = {s->numbers + 2 * most, s->numbers + 3 * most},
+        .space = s->numbers + 4 * most,
+        .sequence = s->numbers + 5 * most,
+        .seeds = s->numbers + 6 * most,
+        .spaces = s->spaces};
+    contribute(w, (uint32_t)vertex, corners, 0, count, &batch, &out);
+    if (count % MIKK_LANES) w->kernels->contribute(&batch, &s->contributions[count / MIKK_LANES]);
+    finish_star(w, &star, tally);
+}
+
+static norma_result run_large(const star_work *w, core_tally *tally) {
+    const core_call *call = w->mesh->call;
+    large_stars s = {.most = w->mesh->around.most};
+    if (s.most <= MIKK_SMALL_STAR) return NORMA_OK;
+    s.blocks = s.most / MIKK_LANES + 1;
+    s.contributions = norma_core_allocate(call, s.blocks, sizeof *s.contributions);
+    s.numbers = norma_core_allocate(call, 7 * s.most, sizeof *s.numbers);
+    s.spaces = norma_core_allocate(call, 2 * s.most, sizeof *s.spaces);
+    norma_result result = norma_core_mikk_table_open(call, s.most, &s.table);
+    if (!s.contributions || !s.numbers || !s.spaces) result = NORMA_ERROR_MEMORY;
+    for (size_t v = 0; v < w->mesh->vertex_count && result == NORMA_OK; v++)
+        if (star_count(w->mesh, v) > MIKK_SMALL_STAR) finish_large(w, &s, v, tally);
+    norma_core_mikk_table_close(call, s.most, &s.table);
+    norma_core_release(call, s.contributions, s.blocks, sizeof *s.contributions);
+    norma_core_release(call, s.numbers, 7 * s.most, sizeof *s.numbers);
+    norma_core_release(call, s.spaces, 2 * s.most, sizeof *s.spaces);
+    return result;
+}
+
+norma_result norma_core_mikk_stars(mikk_mesh *m, const tangent_output *output, core_tally *tally) {
+    const size_t tasks =
+        m->vertex_count / VERTICES_IN_TASK + (m->vertex_count % VERTICES_IN_TASK != 0);
+    star_work w = {.mesh = m,
+        .output = output,
+        .kernels = norma_core_mikk_kernels(m->call->options.isa),
+        .tallies = norma_core_allocate(m->call, tasks, sizeof *w.tallies)};
+    if (!w.tallies) return NORMA_ERROR_MEMORY;
+    memset(w.tallies, 0, tasks * sizeof *w.tallies);
+    norma_result result = norma_core_parallel(m->call, tasks, star_task, &w);
+    if (result == NORMA_OK) result = run_large(&w, tally);
+    for (size_t i = 0; i < tasks && result == NORMA_OK; i++)
+        norma_core_tally_add(tally, &w.tallies[i]);
+    norma_core_release(m->call, w.tallies, tasks, sizeof *w.tallies);
+    return result;
+}

@@ -1,0 +1,46 @@
+/* mikk_tangents.c: MikkTSpace, step by step. */
+#include "core/tangent/mikk.h"
+
+/* A counting sort of the triangles' corners by vertex. */
+static norma_result sort_corners(mikk_mesh *mesh) {
+    const core_mesh triangles = {.positions = {.count = mesh->vertex_count},
+        .corners = mesh->triangles,
+        .corner_count = 3 * mesh->count,
+        .corner_size = 4,
+        .face_count = mesh->count};
+    return norma_core_corners_of_position_build(mesh->call, &triangles, &mesh->around);
+}
+
+static norma_result run(mikk_mesh *mesh, const tangent_output *output, core_tally *tally) {
+    norma_core_stage(mesh->call, 0.3, 0.4);
+    norma_result result = norma_core_mikk_triangles(mesh);
+    norma_core_stage(mesh->call, 0.4, 0.5);
+    if (result == NORMA_OK) result = norma_core_mikk_flags(mesh);
+    norma_core_stage(mesh->call, 0.5, 0.6);
+    if (result == NORMA_OK) result = sort_corners(mesh);
+    if (result == NORMA_OK) result = norma_core_mikk_follow(mesh);
+    norma_core_stage(mesh->call, 0.6, 0.97);
+    return result == NORMA_OK ? norma_core_mikk_stars(mesh, output, tally) : result;
+}
+
+norma_result norma_core_mikk_tangents(
+    const tangent_mesh *mesh, const tangent_output *output, core_tally *tally) {
+    mikk_mesh mikk = {.call = mesh->call,
+        .input = mesh,
+        .vertices = mesh->vertices,
+        .vertex_count = mesh->key_count};
+    if (!mesh->mesh.corner_count) return NORMA_OK;
+    const norma_result result = run(&mikk, output, tally);
+    norma_core_mikk_release(&mikk);
+    return result;
+}
+
+void norma_core_mikk_release(mikk_mesh *mesh) {
+    const core_call *call = mesh->call;
+    norma_core_release(call, mesh->triangles, 3 * mesh->room, sizeof *mesh->triangles);
+    norma_core_release(call, mesh->corners, 3 * mesh->room, sizeof *mesh->corners);
+    norma_core_release(call, mesh->flags, mesh->room, sizeof *mesh->flags);
+    norma_core_release(call, mesh->copy_starts, mesh->vertex_count + 1, sizeof *mesh->copy_starts);
+    norma_core_release(call, mesh->copies, mesh->copy_count, sizeof *mesh->copies);
+    if (mesh->around.starts) norma_core_corners_of_position_release(call, &mesh->around);
+}

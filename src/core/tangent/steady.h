@@ -1,0 +1,30 @@
+/* steady.h: tangents that depend on the mesh alone, not on the order in which it is given.
+ *
+ * Every number is computed from a face's corners in an order of their own (the rotation that is
+ * least by what the corners hold), and sums are sums of integers, so that neither the order of
+ * faces nor the first corner of a face changes a bit. */
+#ifndef NORMA_CORE_STEADY_H
+#define NORMA_CORE_STEADY_H
+#include "core/mesh/corners_of_position.h"
+#include "core/tangent/tangents.h"
+
+typedef struct steady_face {
+    double along[3];  /* unit: where the first texture coordinate grows; zero where sign is 0 */
+    double normal[3]; /* twice the vector area, of polygons of more than three corners */
+    double twice_area;
+} steady_face;
+
+typedef struct steady_mesh {
+    core_call *call;
+    const tangent_mesh *input;
+    uint32_t *vertex_of; /* of each corner */
+    steady_face *faces;
+    int8_t *signs;    /* of each face's texture area, 0: none, or something of it is not finite */
+    uint8_t *adopted; /* NULL, or of each face without one whether the sign is negative that it
+                         takes from its neighbours */
+    core_corners_of_position around;
+} steady_mesh;
+
+/* CANCELLED, or every face measured. */
+norma_result norma_core_steady_faces(steady_mesh *mesh);
+#endif

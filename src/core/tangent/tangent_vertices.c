@@ -1,0 +1,193 @@
+/* tangent_vertices.c: positions, normals and texture coordinates brought together, and which of
+ * them are equal. */
+#include "core/mesh/weld_buckets.h"
+#include "core/tangent/tangents.h"
+#include <math.h>
+
+/* ---- attributes, checked and read */
+
+static norma_result check_attribute(
+    const norma_attribute *a, size_t numbers, const core_mesh *mesh) {
+    if (!a) return mesh->corner_count ? NORMA_ERROR_ARGUMENT : NORMA_OK;
+    const size_t size = norma_format_size(a->format), bytes = numbers * size,
+                 stride = a->stride ? a->stride : bytes;
+    if (!size || (a->of != NORMA_PER_VERTEX && a->of != NORMA_PER_CORNER) || (a->count && !a->data))
+        return NORMA_ERROR_ARGUMENT;
+    if (a->count > SIZE_MAX / stride || (a->count && (a->count - 1) * stride > SIZE_MAX - bytes))
+        return NORMA_ERROR_OVERFLOW;
+    if (!a->corners &&
+        a->count < (a->of == NORMA_PER_VERTEX ? mesh->positions.count : mesh->corner_count))
+        return NORMA_ERROR_ARGUMENT;
+    return NORMA_OK;
+}
+
+norma_result norma_core_tangent_attributes(
+    tangent_mesh *mesh, const norma_attribute *normals, const norma_attribute *texcoords) {
+    mesh->normals = normals;
+    mesh->texcoords = texcoords;
+    const norma_result result = check_attribute(normals, 3, &mesh->mesh);
+    return result != NORMA_OK ? result : check_attribute(texcoords, 2, &mesh->mesh);
+}
+
+/* A normalised integer as a float: v / most, at least -1. */
+static float from_integer(double value, double most) {
+    const double scaled = value / most;
+    return (float)(scaled < -1 ? -1 : scaled);
+}
+
+static float read_number(norma_format format, const unsigned char *at) {
+    float single;
+    double wide;
+    int16_t i16;
+    uint16_t u16;
+    switch (format) {
+    case NORMA_FORMAT_FLOAT:
+        memcpy(&single, at, sizeof single);
+        return single;
+    case NORMA_FORMAT_DOUBLE:
+        memcpy(&wide, at, sizeof wide);
+        return (float)wide;
+    case NORMA_FORMAT_INT8:
+        return from_integer((double)(int8_t)*at, 127);
+    case NORMA_FORMAT_UINT8:
+        return from_integer((double)*at, 255);
+    case NORMA_FORMAT_INT16:
+        memcpy(&i16, at, sizeof i16);
+        return from_integer((double)i16, 32767);
+    default:
+        memcpy(&u16, at, sizeof u16);
+        return from_integer((double)u16, 65535);
+    }
+}
+
+static void read_attribute(const norma_attribute *a, size_t index, size_t numbers, float *out) {
+    const size_t size = norma_format_size(a->format),
+                 stride = a->stride ? a->stride : numbers * size;
+    const unsigned char *at = (const unsigned char *)a->data + index * stride;
+    if (a->format == NORMA_FORMAT_FLOAT)
+        memcpy(out, at, numbers * sizeof *out);
+    else
+        for (size_t i = 0; i < numbers; i++) out[i] = read_number(a->format, at + i * size);
+}
+
+static void read_position(const norma_vec3_view *view, size_t index, float out[3]) {
+    if (view->format == NORMA_FORMAT_FLOAT) {
+        memcpy(out, (const unsigned char *)view->data + index * view->stride, 3 * sizeof *out);
+        return;
+    }
+    double wide[3];
+    norma_view_read(view, index, wide);
+    for (int k = 0; k < 3; k++) out[k] = (float)wide[k];
+}
+
+/* ---- vertices, a slice of the keys in each task */
+
+enum { KEYS_IN_TASK = 1 << 14 };
+
+typedef struct reading {
+    const tangent_mesh *mesh;
+    atomic_int wrong; /* a corner names no value */
+} reading;
+
+/* SIZE_MAX where there is none. */
+static size_t value_of(const norma_attribute *a, size_t position, size_t corner) {
+    const size_t value = a->corners                  ? a->corners[corner]
+                         : a->of == NORMA_PER_VERTEX ? position
+                                                     : corner;
+    return value < a->count ? value : SIZE_MAX;
+}
+
+static void read_task(void *context, size_t task) {
+    reading *r = context;
+    const tangent_mesh *m = r->mesh;
+    const size_t begin = task * KEYS_IN_TASK,
+                 end = m->key_count - begin < KEYS_IN_TASK ? m->key_count : begin + KEYS_IN_TASK;
+    for (size_t key = begin; key < end; key++) {
+        const size_t position = m->by_position ? key : norma_core_corner(&m->mesh, key),
+                     normal = value_of(m->normals, position, key),
+                     texcoord = value_of(m->texcoords, position, key);
+        tangent_vertex *v = &m->vertices[key];
+        if (normal == SIZE_MAX || texcoord == SIZE_MAX) {
+            atomic_store_explicit(&r->wrong, 1, memory_order_relaxed);
+            return;
+        }
+        read_position(&m->mesh.positions, position, v->position);
+        read_attribute(m->normals, normal, 3, v->normal);
+        read_attribute(m->texcoords, texcoord, 2, v->texcoord);
+    }
+}
+
+static norma_result read_vertices(tangent_mesh *mesh) {
+    reading r = {.mesh = mesh};
+    const norma_result result = norma_core_parallel(mesh->call,
+        mesh->key_count / KEYS_IN_TASK + (mesh->key_count % KEYS_IN_TASK != 0), read_task, &r);
+    if (result != NORMA_OK) return result;
+    return atomic_load_explicit(&r.wrong, memory_order_relaxed) ? NORMA_ERROR_INDEX : NORMA_OK;
+}
+
+/* ---- equal ones */
+
+static const uint64_t ODD[4] = {UINT64_C(0x9e3779b97f4a7c15), UINT64_C(0xbf58476d1ce4e5b9),
+    UINT64_C(0x94d049bb133111eb), UINT64_C(0xc2b2ae3d27d4eb4f)};
+
+static void hash_vertices(const void *context, size_t first, size_t count, uint64_t *hashes) {
+    const tangent_vertex *vertices = (const tangent_vertex *)context + first;
+    for (size_t i = 0; i < count; i++) {
+        float numbers[8];
+        uint32_t bits[8];
+        uint64_t sum = 0;
+        int nan = 0;
+        memcpy(numbers, &vertices[i], sizeof numbers);
+        for (int k = 0; k < 8; k++) {
+            nan |= numbers[k] != numbers[k];
+            numbers[k] += 0.0F; /* the same bits for -0 and 0 */
+        }
+        memcpy(bits, numbers, sizeof bits);
+        for (int k = 0; k < 4; k++) sum += (bits[2 * k] | (uint64_t)bits[2 * k + 1] << 32) * ODD[k];
+        hashes[i] = nan ? 0 : norma_core_weld_mix(sum);
+    }
+}
+
+static int same_vertex(const void *context, uint32_t one, uint32_t other) {
+    const tangent_vertex *vertices = context;
+    float a[8], b[8];
+    int same = 1;
+    memcpy(a, &vertices[one], sizeof a);
+    memcpy(b, &vertices[other], sizeof b);
+    for (int k = 0; k < 8; k++) same &= a[k] == b[k];
+    return same;
+}
+
+static norma_result weld_vertices(tangent_mesh *mesh) {
+    const weld_keys keys = {mesh->key_count, mesh->vertices, hash_vertices, same_vertex};
+    size_t found;
+    mesh->weld = norma_core_allocate(mesh->call, mesh->key_count, sizeof *mesh->weld);
+    if (!mesh->weld) return NORMA_ERROR_MEMORY;
+    const norma_result result = norma_core_weld_keys(mesh->call, &keys, mesh->weld, &found);
+    if (result != NORMA_OK || found) return result;
+    norma_core_release(mesh->call, mesh->weld, mesh->key_count, sizeof *mesh->weld);
+    mesh->weld = NULL;
+    return NORMA_OK;
+}
+
+static int is_per_vertex(const norma_attribute *a) {
+    return a->of == NORMA_PER_VERTEX && !a->corners;
+}
+
+norma_result norma_core_tangent_open(tangent_mesh *mesh) {
+    if (!mesh->mesh.corner_count) return NORMA_OK;
+    mesh->by_position = is_per_vertex(mesh->normals) && is_per_vertex(mesh->texcoords);
+    mesh->key_count = mesh->by_position ? mesh->mesh.positions.count : mesh->mesh.corner_count;
+    mesh->vertices = norma_core_allocate(mesh->call, mesh->key_count, sizeof *mesh->vertices);
+    norma_result result = mesh->vertices ? read_vertices(mesh) : NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK) result = weld_vertices(mesh);
+    if (result != NORMA_OK) norma_core_tangent_close(mesh);
+    return result;
+}
+
+void norma_core_tangent_close(tangent_mesh *mesh) {
+    norma_core_release(mesh->call, mesh->vertices, mesh->key_count, sizeof *mesh->vertices);
+    norma_core_release(mesh->call, mesh->weld, mesh->key_count, sizeof *mesh->weld);
+    mesh->vertices = NULL;
+    mesh->weld = NULL;
+}

@@ -1,0 +1,70 @@
+/* tangents.h: what every way of making tangents works on: the vertices that corners share, and the
+ * caller's tangents. */
+#ifndef NORMA_CORE_TANGENTS_H
+#define NORMA_CORE_TANGENTS_H
+#include "core/mesh/input_mesh.h"
+#include "core/call/output.h"
+
+typedef struct tangent_vertex {
+    float position[3], normal[3], texcoord[2];
+} tangent_vertex;
+
+/* A key is a position where all attributes are per vertex, else a corner. */
+typedef struct tangent_mesh {
+    core_call *call;
+    core_mesh mesh;
+    const norma_attribute *normals, *texcoords;
+    int by_position;
+    size_t key_count;
+    tangent_vertex *vertices; /* of each key */
+    uint32_t *weld; /* NULL, or of each key the least that is equal to it (-0 = 0); NaN is equal to
+                       nothing */
+} tangent_mesh;
+
+/* ARGUMENT or OVERFLOW: what can be told without reading the arrays; mesh->mesh is checked. */
+norma_result norma_core_tangent_attributes(
+    tangent_mesh *mesh, const norma_attribute *normals, const norma_attribute *texcoords);
+/* INDEX, MEMORY or CANCELLED; on success norma_core_tangent_close releases it. */
+norma_result norma_core_tangent_open(tangent_mesh *mesh);
+void norma_core_tangent_close(tangent_mesh *mesh);
+
+static inline uint32_t norma_core_tangent_key(const tangent_mesh *mesh, size_t corner) {
+    return mesh->by_position ? norma_core_corner(&mesh->mesh, corner) : (uint32_t)corner;
+}
+static inline uint32_t norma_core_tangent_vertex(const tangent_mesh *mesh, size_t corner) {
+    const uint32_t key = norma_core_tangent_key(mesh, corner);
+    return mesh->weld ? mesh->weld[key] : key;
+}
+static inline int norma_core_tangent_is_finite(const tangent_vertex *v) {
+    float zero = 0; /* NaN minus itself is NaN, and so is infinity minus itself */
+    for (int k = 0; k < 3; k++) zero += v->position[k] - v->position[k];
+    for (int k = 0; k < 3; k++) zero += v->normal[k] - v->normal[k];
+    for (int k = 0; k < 2; k++) zero += v->texcoord[k] - v->texcoord[k];
+    return zero == 0;
+}
+
+/* ---- the caller's tangents */
+
+typedef struct tangent_output {
+    unsigned char *tangents;
+    size_t stride;
+    uint8_t *reasons;
+} tangent_output;
+
+typedef struct corner_tangent {
+    float direction[3];
+    float sign;
+    int reason; /* other than NONE: the direction is not looked at */
+} corner_tangent;
+
+/* Writes the tangent of a corner whose own vertex this is, or what it gets instead; counts the
+ * latter. */
+void norma_core_write_tangent(const tangent_output *output, size_t corner,
+    const tangent_vertex *vertex, const corner_tangent *tangent, core_tally *tally);
+
+/* The two modes: each writes every corner once. */
+norma_result norma_core_mikk_tangents(
+    const tangent_mesh *mesh, const tangent_output *output, core_tally *tally);
+norma_result norma_core_steady_tangents(
+    const tangent_mesh *mesh, const tangent_output *output, core_tally *tally);
+#endif
