@@ -1,54 +1,60 @@
-# A thin cover over CMake with Ninja. `make help` lists the targets.
+# A thin cover over CMake and scripts/. `make help` lists the targets.
 BUILD ?= build
 PREFIX ?= /usr/local
 CMAKE_FLAGS ?=
+V ?= 0
+export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint analyse portable install single clean
+.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint analyse portable deb install single clean
 .DEFAULT_GOAL := all
 
-# Where packages cannot be installed (another system, neither root nor sudo) the script says which, and CMake tells whether they are there all the same.
+# If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
 all:
 	@scripts/install-deps.sh build || true
 	@scripts/install-deps.sh web || true
-	@command -v cmake >/dev/null && command -v ninja >/dev/null || { echo "cmake and ninja are needed"; exit 1; }
-	@mkdir -p $(BUILD)
-	@cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_TESTS=OFF -DNORMA_WEB=AUTO $(CMAKE_FLAGS) >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
-	@cmake --build $(BUILD)
+	@scripts/build.sh
 
 help:
-	@echo "make          installs what building needs, then the optimised tool, $(BUILD)/bin/norma, and the libraries, $(BUILD)/lib/"
-	@echo "make demo     installs what is missing, builds, computes the normals of a real mesh, draws a picture"
-	@echo "make test     installs what is missing, then the whole test suite (two compilers, sanitizers, install, examples, README)"
-	@echo "make asan     the tests under the address and undefined-behaviour sanitizers only (clang)"
-	@echo "make tsan     the tests that use threads under the thread sanitizer only (clang)"
-	@echo "make coverage which lines and branches of core and io the tests run (gcov)"
-	@echo "make fuzz     MINUTES=15: every fuzz target for so many minutes of processor time each, on the cores there are (clang)"
-	@echo "make bench    Norma beside memcpy and beside other libraries, which it installs (more than a gigabyte); about ten minutes"
-	@echo "make web      the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
-	@echo "make figures  draws the figures of the guide and of the README into docs/figures again"
-	@echo "make single   $(BUILD)/single/norma.c and norma.h: the core as two files to copy"
-	@echo "make format   clang-format over src/check, src/cli and src/render"
-	@echo "make lint     clang-tidy, shellcheck and mandoc -T lint, whichever are installed"
-	@echo "make analyse  clang-tidy with .clang-tidy and gcc -fanalyzer; what is no fault stands in scripts/analysed.txt"
-	@echo "make portable the same bits from gcc and clang at every level, WebAssembly, 64-bit ARM (qemu) and Windows (Wine); installs them"
-	@echo "make install  into PREFIX ($(PREFIX)); DESTDIR is heeded"
-	@echo "make deps     installs what is missing, nothing else (Debian's packages and npm's)"
-	@echo "make clean    removes $(BUILD)"
+	@echo "make           installs what building needs, then builds $(BUILD)/bin/norma and the libraries in $(BUILD)/lib; V=1 shows every command"
+	@echo "make demo      builds, computes the normals of a mesh, explains a matrix and draws a picture"
+	@echo "make install   builds and installs into PREFIX ($(PREFIX)), below DESTDIR if that is set"
+	@echo "make web       builds the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
+	@echo "make single    writes the core as two files to copy: $(BUILD)/single/norma.c and norma.h"
+	@echo "make deb       builds Debian packages into $(BUILD)/deb and checks them with lintian"
+	@echo
+	@echo "make test      installs what is missing, then runs all tests (two compilers, sanitizers, install, examples, README)"
+	@echo "make asan      runs the tests with the address and undefined-behaviour sanitizers only (clang)"
+	@echo "make tsan      runs the tests that use threads with the thread sanitizer only (clang)"
+	@echo "make fuzz      runs every fuzz target for MINUTES (15) of processor time (clang)"
+	@echo "make coverage  shows which lines and branches of core and io the tests run (gcov)"
+	@echo "make portable  checks that results have the same bits with other compilers, as WebAssembly, on 64-bit ARM (qemu) and Windows (Wine)"
+	@echo "make bench     measures Norma against memcpy and other libraries, which it installs (more than a gigabyte); ten minutes"
+	@echo
+	@echo "make format    formats all C and C++ files with clang-format; scripts/format.sh --check changes nothing"
+	@echo "make lint      runs clang-tidy, shellcheck and mandoc -T lint, if they are installed"
+	@echo "make analyse   runs clang-tidy with .clang-tidy and gcc -fanalyzer; known false alarms are listed in scripts/analysed.txt"
+	@echo "make figures   draws the figures of the guide and the README again, into docs/figures"
+	@echo "make deps      installs what is missing (Debian and npm packages) and does nothing else"
+	@echo "make clean     removes $(BUILD)"
 
 deps:
 	@scripts/install-deps.sh
 
 demo:
 	@$(MAKE) --no-print-directory all
-	@BUILD=$(BUILD) scripts/demo.sh
+	@scripts/demo.sh
 
-test: deps
+# What could not be installed is reported, and the tests that need it are skipped or fail with a reason.
+test:
+	@scripts/install-deps.sh || true
 	@tests/run.sh
 
-asan: deps
+asan:
+	@scripts/install-deps.sh || true
 	@tests/run.sh asan
 
-tsan: deps
+tsan:
+	@scripts/install-deps.sh || true
 	@tests/run.sh tsan
 
 coverage:
@@ -57,7 +63,7 @@ coverage:
 bench:
 	@scripts/bench.sh
 
-# The page and the npm package are part of a plain make, wherever what they need is there; this says so where it is not.
+# A plain make builds the page and the npm package too if it can; this fails if it cannot.
 web:
 	@scripts/install-deps.sh web
 	@$(MAKE) --no-print-directory all CMAKE_FLAGS="$(CMAKE_FLAGS) -DNORMA_WEB=ON"
@@ -87,8 +93,12 @@ portable:
 	@scripts/install-deps.sh portable
 	@scripts/portable.sh
 
+deb:
+	@scripts/install-deps.sh deb
+	@scripts/deb.sh
+
 install: all
-	@cmake --install $(BUILD) --prefix $(PREFIX)
+	@scripts/install.sh
 
 clean:
 	rm -rf $(BUILD)

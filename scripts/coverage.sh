@@ -1,8 +1,7 @@
 #!/bin/bash
-# Which lines and branches of src/core and src/io the tests run (the fuzzers aside), counted by gcov: a table per file, then what did not run and is not explained in
-# tests/repo/uncovered.txt. Fails below 95 % of the lines or 85 % of the branches, and where that list is not what was found.
+# Which lines and branches of src/core and src/io the tests run (the fuzzers aside), counted by gcov. Fails below 95 % of the lines or 85 % of the branches.
 #   scripts/coverage.sh                 builds build/coverage, runs every test in it that can count, reports
-#   scripts/coverage.sh report ...      reports what was counted so far; --lines and --branches name what did not run; --refresh writes the table of docs/trust.md
+#   scripts/coverage.sh report ...      reports what was counted so far; --lines and --branches name what did not run
 #   scripts/coverage.sh more NAME...    runs these tests (test_obj, golden.sh, ...) as well and reports
 # The build is gcc's at -O0 with NDEBUG, core and io counted, and the rest optimised. The kernels are functions there rather than copies for each instruction set, so
 # that a branch counts once (random tests repeat an eighth as often as in make test); the function that chooses the instructions for each is a line of its own. All sets that the processor has are run by the tests themselves.
@@ -27,9 +26,9 @@ one() {
     local command=$tree/tests/$1 scratch status=0
     [[ $1 != *.sh ]] || command=$root/tests/$1
     scratch=$(mktemp -d)
-    NORMA_SCRATCH=$scratch timeout --kill-after=10 1800 "$command" >"$tree/results/$1" 2>&1 </dev/null || status=$?
+    NORMA_SCRATCH=$scratch timeout --kill-after=10 1800 "$command" >"$tree/results/${1//\//.}" 2>&1 </dev/null || status=$?
     rm -rf "$scratch"
-    [ "$status" -eq 0 ] || echo "$1: exit status $status, see $tree/results/$1"
+    [ "$status" -eq 0 ] || echo "$1: exit status $status, see $tree/results/${1//\//.}"
 }
 export -f one
 
@@ -37,7 +36,7 @@ export -f one
 # writes its counts leaves the file of them broken.
 tests() {
     (cd "$tree" && ctest -N -L unit) | sed -n 's/^ *Test *#[0-9]*: //p'
-    grep -l NORMA_BIN tests/cli/golden.sh tests/check-*.sh | xargs -n 1 basename | grep -vE 'web|hygiene|portable|interrupt|faults'
+    grep -l NORMA_BIN tests/cli/*.sh tests/repo/*.sh | sed 's,^tests/,,' | grep -vE 'hygiene|portable|interrupt|faults'
 }
 
 run() {

@@ -7,6 +7,7 @@
 #   scripts/install-deps.sh bench   that, and the libraries that `make bench` compares with (more than a gigabyte)
 #   scripts/install-deps.sh portable    and cross compilers for 64-bit ARM and Windows with what runs their programs
 #   scripts/install-deps.sh analyse     and clang-tidy
+#   scripts/install-deps.sh deb     what `make deb` needs
 #   scripts/install-deps.sh         what building and `make test` need
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -22,9 +23,10 @@ if [ "$what" = portable ]; then
     packages="$packages $web_packages llvm dpkg-dev gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine wine64"
 fi
 [ "$what" != analyse ] || packages="$packages clang clang-tidy"
+[ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ]; then
     # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint.
-    packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales"
+    packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format"
     # chromium: the page's tests.
     packages="$packages $web_packages chromium"
 fi
@@ -58,14 +60,19 @@ if [ -n "$missing" ]; then
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
 fi
 
-# from_npm FOLDER PLACE: the packages of FOLDER/package-lock.json, into PLACE.
+# from_npm FOLDER PLACE: the packages of FOLDER/package-lock.json, into PLACE. Where that fails (no network), the tests that need them are skipped.
+failed=0
 from_npm() {
     if ! cmp -s "$root/$1/package-lock.json" "$2/installed-lock.json"; then
         echo "installing: the packages of $1/package-lock.json from npm"
         mkdir -p "$2"
         cp "$root/$1/package.json" "$root/$1/package-lock.json" "$2"
-        (cd "$2" && npm ci --no-audit --no-fund --ignore-scripts --loglevel=error)
-        cp "$root/$1/package-lock.json" "$2/installed-lock.json"
+        if (cd "$2" && npm ci --no-audit --no-fund --ignore-scripts --loglevel=error); then
+            cp "$root/$1/package-lock.json" "$2/installed-lock.json"
+        else
+            echo "$0: npm could not install them; what needs them is left out" >&2
+            failed=1
+        fi
     fi
 }
 [ "$what" != bench ] || from_npm bench/rivals/npm "$root/build/npm-bench"
@@ -73,3 +80,4 @@ if [ "$what" = all ]; then
     from_npm tests/cli/validator "$root/build/npm"
     from_npm tests/web "$root/build/npm-web"
 fi
+exit $failed

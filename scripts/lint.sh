@@ -11,7 +11,7 @@ else
     echo "clang-tidy is not installed (Debian: clang-tidy)"
 fi
 if command -v shellcheck >/dev/null; then
-    shellcheck -x -P tests -e SC2016,SC2001 scripts/*.sh tests/*.sh .ci/run || status=1
+    shellcheck -x -P tests -S warning -e SC2016,SC2001 scripts/*.sh tests/*.sh tests/*/*.sh .ci/run || status=1
 else
     echo "shellcheck is not installed (Debian: shellcheck)"
 fi

@@ -38,6 +38,7 @@ hashes() {
     fi
 }
 
+bits=""
 here() { local folder=$1; shift; (cd "$folder" && "$bits" "$@"); }
 
 native() { # COMPILER FLAGS WAYS

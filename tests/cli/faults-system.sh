@@ -158,7 +158,7 @@ fi
 mkdir -p both && cp "$files/roof.gltf" both/a.gltf && cp "$files/roof.gltf" both/b.gltf && cp "$files/roof.bin" both/
 "$NORMA" compute both/a.gltf -o single.gltf --quiet
 bad=0
-for round in 1 2 3 4 5 6 7 8 9 10; do
+for _ in 1 2 3 4 5 6 7 8 9 10; do
     cp "$files/roof.gltf" both/a.gltf; cp "$files/roof.gltf" both/b.gltf; cp "$files/roof.bin" both/roof.bin
     "$NORMA" compute both/a.gltf --in-place --quiet 2>/dev/null & first=$!
     "$NORMA" compute both/b.gltf --in-place --flat --quiet 2>/dev/null & second=$!

@@ -1,7 +1,8 @@
 #!/bin/bash
 # Every glTF of the data set through norma compute. Two judges that are not ours: the Khronos validator may say nothing about an output that it did not say about its
 # input, and tests/cli/validator/corners.mjs, which reads both with code of its own, must find all but normals and tangents as they were.
-. "$(dirname "$0")/../support/tap.sh"
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
 data=${NORMA_DATA:-$root/../shared/data}
 norma=${NORMA_BIN:-$tree/bin/norma}
 validator=$root/tests/cli/validator

@@ -1,7 +1,8 @@
 #!/bin/bash
 # Every glTF of the data set through the tool under a matrix, as a node and baked. Two judges that are not ours: the Khronos validator may say nothing about an
 # output that it did not say about its input, and what is drawn, as read by tests/cli/validator/world.mjs, must be the input's, moved by the matrix.
-. "$(dirname "$0")/../support/tap.sh"
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
 data=${NORMA_DATA:-$root/../shared/data}
 norma=${NORMA_BIN:-$tree/bin/norma}
 validator=$root/tests/cli/validator

@@ -82,7 +82,7 @@ refused() {
     else fail "$name" "status $status; $(cat "$scratch/stderr")"; fi
 }
 printf 'v 0 0 0\nv 1 0 0\nl 1 2\n' >"$scratch/lines.obj"
-refused 2 "a file without a surface is told of" "$norma" render "$scratch/lines.obj" -o "$scratch/no.png"
+refused 3 "a file without a surface is told of" "$norma" render "$scratch/lines.obj" -o "$scratch/no.png"
 refused 3 "a file that is not there" "$norma" render "$scratch/nothing.obj" -o "$scratch/no.png"
 refused 3 "a folder that is not there" "$norma" render "$scratch/square.obj" -o "$scratch/nowhere/no.png"
 refused 3 "a full disk" "$norma" render "$scratch/square.obj" -o /dev/full

@@ -70,7 +70,6 @@ typedef struct check_work {
     check_settings settings;
     const check_format *format;
     const char *config, *baseline, *new_baseline;
-    cli_words lists;
     int no_config;
     cli_files files; /* the words, --input-format, and where the report or what is mended goes */
     cli_common common;
@@ -190,7 +189,7 @@ static const char *set_open_by_rays(void *settings, const char *value) {
 
 static const char *set_files_from(void *settings, const char *value) {
     check_work *work = settings;
-    work->lists.words[work->lists.count++] = value;
+    work->files.lists.words[work->files.lists.count++] = value;
     return value[0] ? NULL : "the name of a file, or -";
 }
 
@@ -224,7 +223,7 @@ static int read_options(
         {cli_common_options, cli_common_option_count, &work->common},
     };
     int status = cli_parse(
-        verb, tables, CLI_COUNT(tables), count, arguments, &work->files.inputs, wants_help);
+        verb, tables, CLI_COUNT(tables), count, arguments, &work->files.words, wants_help);
     if (status || *wants_help) return status;
     if (work->common.json && work->format != &check_format_text &&
         work->format != &check_format_json)
@@ -254,31 +253,6 @@ static int read_options(
     return CLI_OK;
 }
 
-/* A folder that cannot be read does not stop the others. */
-static int gather_inputs(const cli_subcommand *verb, const check_work *work, check_inputs *inputs) {
-    int status = CLI_OK;
-    size_t standard = 0;
-    for (size_t i = 0; i < work->lists.count && status != CLI_USAGE; ++i) {
-        standard += strcmp(work->lists.words[i], "-") == 0;
-        status = cli_worse(status, check_inputs_add_list(verb, inputs, work->lists.words[i]));
-    }
-    for (size_t i = 0; i < work->files.inputs.count && status != CLI_USAGE; ++i) {
-        const char *word = work->files.inputs.words[i];
-        if (strcmp(word, "-") == 0 && ++standard && !work->files.format)
-            return cli_usage(verb, "standard input has no name that tells its format; expected "
-                                   "--input-format obj, ply, stl, gltf or glb");
-        status = cli_worse(status, check_inputs_add(verb, inputs, word));
-    }
-    if (standard > 1) return cli_usage(verb, "standard input can be read only once");
-    for (size_t i = 0; i < work->lists.count; ++i)
-        cli_guard_read(work->files.guard, work->lists.words[i]);
-    for (size_t i = 0; i < inputs->count; ++i) cli_guard_read(work->files.guard, inputs->paths[i]);
-    if (work->baseline) cli_guard_read(work->files.guard, work->baseline);
-    if (work->files.inputs.count + work->lists.count == 0)
-        return cli_usage(verb, "no input file was given");
-    return status;
-}
-
 /* Asked again when all is read, so that neither the report nor the baseline is written if one of
  * the two would overwrite a source. */
 static int guard_baseline(const check_work *work) {
@@ -286,7 +260,7 @@ static int guard_baseline(const check_work *work) {
                               : CLI_OK;
 }
 
-static int check_files(const check_work *work, const check_inputs *inputs, check_configs *configs) {
+static int check_files(const check_work *work, check_configs *configs) {
     cli_output output;
     check_totals totals = {0};
     const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
@@ -300,7 +274,7 @@ static int check_files(const check_work *work, const check_inputs *inputs, check
     if (streams) /* the mended file has standard output */
         output.out = stderr;
     work->format->begin(output.out);
-    status = check_all_files(&work->settings, configs, work->format, inputs, output.out, &totals);
+    status = check_all_files(&work->settings, configs, work->format, output.out, &totals);
     if (status != CLI_USAGE && guard_baseline(work)) status = CLI_USAGE;
     if (status == CLI_USAGE || cli_interrupted()) {
         if (!streams) cli_output_drop(&output);
@@ -319,32 +293,36 @@ static int open_baseline(check_work *work) {
 }
 
 /* Where mended files are to go: of all inputs that words, folders and lists named. */
-static int check_places(const cli_subcommand *verb, check_work *work, const check_inputs *inputs) {
+static int check_places(const cli_subcommand *verb, check_work *work) {
     const cli_common common = {.json = 0};
-    cli_files files = work->files;
-    files.inputs = (cli_words){(const char **)inputs->paths, inputs->count};
-    if (files.output && strcmp(files.output, "-") == 0 && strcmp(work->format->name, "text") != 0)
+    const char *output = work->files.output;
+    if (output && strcmp(output, "-") == 0 && strcmp(work->format->name, "text") != 0)
         return cli_usage(
             verb, "-o - and --format %s both want standard output", work->format->name);
-    return cli_check_outputs(verb, &common, &files);
+    return cli_check_outputs(verb, &common, &work->files);
+}
+
+static int find_inputs(const cli_subcommand *verb, check_work *work) {
+    const int status = cli_find_listed(verb, &work->files);
+    return status == CLI_USAGE ? status : cli_worse(status, cli_find_inputs(verb, &work->files));
 }
 
 static int check_all(const cli_subcommand *verb, check_work *work) {
-    check_inputs inputs = {0};
     check_configs *configs = check_configs_new(work->config, work->no_config, work->files.guard);
+    if (work->baseline) cli_guard_read(work->files.guard, work->baseline);
     int status = !configs              ? cli_out_of_memory()
-                 : open_baseline(work) ? gather_inputs(verb, work, &inputs)
+                 : open_baseline(work) ? find_inputs(verb, work)
                                        : CLI_FILE;
-    if (status != CLI_USAGE && inputs.count && work->settings.fix && !work->settings.dry_run)
-        status = cli_worse(status, check_places(verb, work, &inputs));
-    if (configs && status != CLI_USAGE && (!status || inputs.count))
-        status = cli_worse(status, check_files(work, &inputs, configs));
+    const size_t inputs = work->files.inputs.count;
+    if (status != CLI_USAGE && inputs && work->settings.fix && !work->settings.dry_run)
+        status = cli_worse(status, check_places(verb, work));
+    if (configs && status != CLI_USAGE && (!status || inputs))
+        status = cli_worse(status, check_files(work, configs));
     if (work->new_baseline && work->settings.baseline && status != CLI_USAGE && !cli_interrupted())
         status = cli_worse(status == CLI_FINDINGS ? CLI_OK : status,
             check_baseline_write(work->settings.baseline, work->files.guard));
     check_baseline_free(work->settings.baseline);
     check_configs_free(configs);
-    check_inputs_free(&inputs);
     return status;
 }
 
@@ -353,12 +331,7 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
         .format = &check_format_text,
         .common.threads = NORMA_ALL_THREADS};
     int wants_help = 0, status;
-    work.lists.words = calloc((size_t)count + 1, sizeof(char *));
-    if (!cli_files_begin(verb, &work.files, count) || !work.lists.words) {
-        cli_files_end(&work.files);
-        free((void *)work.lists.words);
-        return cli_out_of_memory();
-    }
+    if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
     status = read_options(verb, &work, count, arguments, &wants_help);
     if (wants_help) {
         fputs(verb->help, stdout);
@@ -366,7 +339,6 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     } else if (!status)
         status = check_all(verb, &work);
     cli_files_end(&work.files);
-    free((void *)work.lists.words);
     return status;
 }
 

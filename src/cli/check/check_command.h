@@ -7,22 +7,6 @@
 
 enum { CHECK_RULES = 128 }; /* room for a byte of each rule */
 
-/* ---- which files (find_inputs.c) */
-
-typedef struct check_inputs {
-    char **paths;
-    size_t count, capacity;
-} check_inputs;
-/* Adds what a word names: a file, the files of a folder and of those below it, what a pattern with
- * *, ? and ** matches, or "-". A status. */
-int check_inputs_add(const cli_subcommand *verb, check_inputs *inputs, const char *word);
-/* A path of each line of a file, or of standard input ("-"). */
-int check_inputs_add_list(const cli_subcommand *verb, check_inputs *inputs, const char *list);
-void check_inputs_free(check_inputs *inputs);
-/* Whether a path, component by component, is what a pattern says; ** stands for any number of
- * components. A pattern without a slash is compared with the last one. */
-int check_path_matches(const char *pattern, const char *path);
-
 /* ---- .norma.json (config.c) */
 
 enum { CHECK_SEVERITY_AS_IS = 0, CHECK_SEVERITY_OFF = 255 }; /* else a norma_severity */
@@ -112,14 +96,14 @@ typedef struct check_format {
 extern const check_format check_format_text, check_format_quiet, check_format_json,
     check_format_sarif, check_format_html;
 
-/* Checks one file and writes its part of the report; adds to totals. */
+/* Checks one of settings->files->inputs and writes its part of the report; adds to totals. */
 void check_one_file(const check_settings *settings, const check_config *config,
-    const check_format *format, const char *path, FILE *out, check_totals *totals);
+    const check_format *format, size_t index, FILE *out, check_totals *totals);
 
 /* ---- all of them (thread_pool.c): so many at once as threads says; their parts go to out in the
  * order of inputs. */
 int check_all_files(const check_settings *settings, check_configs *configs,
-    const check_format *format, const check_inputs *inputs, FILE *out, check_totals *totals);
+    const check_format *format, FILE *out, check_totals *totals);
 
 /* ---- old findings (baseline.c) */
 

@@ -9,6 +9,7 @@ typedef struct file_check {
     const check_settings *settings;
     const check_config *config;
     const char *path;
+    size_t index;   /* of the input */
     char *absolute; /* for patterns of files; NULL: none were asked for, or it is not there */
     norma_document *document;
     void *memory;
@@ -68,7 +69,7 @@ static norma_document *document_of(const file_check *check) {
 
 static int any_matches(char *const *patterns, const char *name) {
     for (; *patterns; ++patterns)
-        if (check_path_matches(*patterns, name)) return 1;
+        if (cli_path_matches(*patterns, name)) return 1;
     return 0;
 }
 
@@ -140,7 +141,7 @@ static int severity_of(const file_check *check, const norma_finding *finding) {
 static void fix_file(file_check *check, const norma_check_options *options) {
     norma_document_error error = {0};
     norma_document_result result = check_fix(check->settings, check->document, check->findings,
-        options, check->path, &check->mended, &error);
+        options, check->index, &check->mended, &error);
     if (result && result != NORMA_DOCUMENT_CANCELLED) {
         cli_name_error(&error, check->path);
         cli_print_error(&error);
@@ -271,8 +272,9 @@ static void report_findings(
 }
 
 void check_one_file(const check_settings *settings, const check_config *config,
-    const check_format *format, const char *path, FILE *out, check_totals *totals) {
-    file_check check = {.settings = settings, .config = config, .path = path};
+    const check_format *format, size_t index, FILE *out, check_totals *totals) {
+    const char *path = settings->files->inputs.paths[index];
+    file_check check = {.settings = settings, .config = config, .path = path, .index = index};
     if (config->override_count) check.absolute = realpath(path, NULL);
     norma_document_result result = open_and_judge(&check);
     if (result == NORMA_DOCUMENT_CANCELLED || cli_interrupted())

@@ -132,6 +132,8 @@ static norma_document_result save(const check_settings *settings, const char *ou
     const norma_save_options options = {.struct_size = sizeof options,
         .in_place = settings->files->in_place,
         .progress = cli_stop_when_interrupted};
+    if (!is_standard(output) && cli_make_folders(settings->files, output))
+        return cli_reported(error);
     norma_document_result result =
         is_standard(output) ? cli_write_standard(mended->document, error)
                             : norma_document_save(mended->document, output, &options, error);
@@ -140,11 +142,12 @@ static norma_document_result save(const check_settings *settings, const char *ou
 }
 
 norma_document_result check_fix(const check_settings *settings, norma_document *document,
-    const norma_findings *before, const norma_check_options *options, const char *path,
+    const norma_findings *before, const norma_check_options *options, size_t index,
     check_fixed *mended, norma_document_error *error) {
+    const char *path = settings->files->inputs.paths[index];
     verdict was = {0}, is = {0};
     *mended = (check_fixed){0};
-    char *output = cli_output_of(settings->files, path);
+    char *output = cli_output_of(settings->files, index, NULL);
     if (!output) {
         *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         return error->result;

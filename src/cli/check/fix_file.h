@@ -17,7 +17,7 @@ typedef struct check_fixed {
 
 /* before: findings of document with options, which rules the report has. 0: error says why. */
 norma_document_result check_fix(const check_settings *settings, norma_document *document,
-    const norma_findings *before, const norma_check_options *options, const char *path,
+    const norma_findings *before, const norma_check_options *options, size_t index,
     check_fixed *mended, norma_document_error *error);
 void check_fixed_free(check_fixed *mended);
 #endif

@@ -22,7 +22,7 @@ typedef struct check_pool {
     const check_settings *settings;
     check_configs *configs;
     const check_format *format;
-    const check_inputs *inputs;
+    const cli_inputs *inputs;
     FILE *out;
     pthread_mutex_t lock;
     pthread_cond_t moved;    /* the output went on */
@@ -82,8 +82,7 @@ static void check_file(check_pool *pool, size_t file, const check_config *config
     check_totals totals = {0};
     cli_memory_stream gathered;
     if (cli_memory_open(&gathered))
-        check_one_file(
-            pool->settings, config, pool->format, pool->inputs->paths[file], gathered.out, &totals);
+        check_one_file(pool->settings, config, pool->format, file, gathered.out, &totals);
     if (cli_memory_close(&gathered)) {
         part.bytes = gathered.text;
         part.size = gathered.size;
@@ -117,7 +116,8 @@ static size_t worker_count(uint32_t threads, size_t files) {
 }
 
 int check_all_files(const check_settings *asked, check_configs *configs, const check_format *format,
-    const check_inputs *inputs, FILE *out, check_totals *totals) {
+    FILE *out, check_totals *totals) {
+    const cli_inputs *inputs = &asked->files->inputs;
     check_settings settings = *asked;
     check_pool *pool = calloc(1, sizeof *pool);
     pthread_t threads[MOST_WORKERS];

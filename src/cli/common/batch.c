@@ -82,37 +82,10 @@ static int check_output(const cli_subcommand *verb, const cli_files *files, cons
         output, name, name);
 }
 
-static int compare_base_names(const void *a, const void *b) {
-    return strcmp(base_name(*(const char *const *)a), base_name(*(const char *const *)b));
-}
-
-/* Two inputs of one name would go to one file. */
-static int check_folder(const cli_subcommand *verb, const cli_files *files) {
-    size_t count = files->inputs.count;
-    const char **sorted = calloc(count + 1, sizeof *sorted);
-    if (!sorted) return cli_out_of_memory();
-    memcpy(sorted, files->inputs.words, count * sizeof *sorted);
-    qsort(sorted, count, sizeof *sorted, compare_base_names);
-    int status = CLI_OK;
-    for (size_t i = 1; i < count && !status; ++i)
-        if (compare_base_names(&sorted[i - 1], &sorted[i]) == 0)
-            status = cli_usage(verb, "%s and %s would both be written to %s/%s", sorted[i - 1],
-                sorted[i], files->folder, base_name(sorted[i]));
-    free(sorted);
-    if (!status && mkdir(files->folder, 0777) && errno != EEXIST) {
-        cli_error("%s: cannot be made: %s", files->folder, strerror(errno));
-        return CLI_FILE;
-    }
-    if (!status && !is_folder(files->folder))
-        return cli_usage(verb, "--out-dir %s is not a folder", files->folder);
-    return status;
-}
-
-int cli_check_outputs(
-    const cli_subcommand *verb, const cli_common *common, const cli_files *files) {
+int cli_check_outputs(const cli_subcommand *verb, const cli_common *common, cli_files *files) {
     int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
-        standard |= is_standard(files->inputs.words[i]);
+        standard |= is_standard(files->inputs.paths[i]);
     if (ways == 0)
         return cli_usage(
             verb, "nowhere to write to; expected -o OUT, --out-dir FOLDER or --in-place");
@@ -124,23 +97,10 @@ int cli_check_outputs(
         return cli_usage(verb, "-o - and --json both want standard output");
     if (!files->output && standard)
         return cli_usage(verb, "standard input has no name to write to; expected -o OUT");
-    int status = files->output   ? check_output(verb, files, files->inputs.words[0])
-                 : files->folder ? check_folder(verb, files)
-                                 : CLI_OK;
-    return status ? status : cli_guard_outputs(files);
-}
-
-char *cli_output_of(const cli_files *files, const char *input) {
-    const char *folder = files->folder ? files->folder : "", *name = files->output ? files->output
-                                                                     : files->folder
-                                                                         ? base_name(input)
-                                                                         : input;
-    size_t length = strlen(folder), size = length + strlen(name) + 2;
-    char *path = malloc(size);
-    if (path)
-        snprintf(
-            path, size, "%s%s%s", folder, length && folder[length - 1] != '/' ? "/" : "", name);
-    return path;
+    int status = files->output ? check_output(verb, files, files->inputs.paths[0])
+                               : cli_place_outputs(verb, files, NULL);
+    if (!status) status = cli_guard_outputs(files);
+    return status ? status : cli_make_out_dir(verb, files);
 }
 
 /* ---- one file */
@@ -188,6 +148,7 @@ static norma_document_result write_output(const file_job *job, norma_document *d
     cli_progress *progress, norma_document_error *error) {
     if (cli_interrupted()) return fail_cancelled(error);
     if (!is_standard(job->output)) {
+        if (cli_make_folders(job->files, job->output)) return cli_reported(error);
         const norma_save_options options = {.struct_size = sizeof options,
             .in_place = job->files->in_place,
             .progress = cli_progress_report,
@@ -270,8 +231,8 @@ static int guard_output(const cli_files *files, const char *input, const char *o
 static int guard_each(const cli_files *files) {
     int status = CLI_OK;
     for (size_t i = 0; i < files->inputs.count && !status; ++i) {
-        char *output = cli_output_of(files, files->inputs.words[i]);
-        status = output ? guard_output(files, files->inputs.words[i], output) : cli_out_of_memory();
+        char *output = cli_output_of(files, i, NULL);
+        status = output ? guard_output(files, files->inputs.paths[i], output) : cli_out_of_memory();
         free(output);
     }
     return status;
@@ -280,7 +241,7 @@ static int guard_each(const cli_files *files) {
 int cli_guard_outputs(const cli_files *files) {
     const int status = guard_each(files);
     if (status) return status;
-    cli_guard_look_ahead(files->guard, files->inputs.words, files->inputs.count, files->format);
+    cli_guard_look_ahead(files->guard, &files->inputs, files->format);
     return guard_each(files);
 }
 
@@ -299,15 +260,16 @@ static int run_job(const file_job *job) {
     return refused ? refused : cli_status_of(result);
 }
 
-static int change_files(const cli_subcommand *verb, const cli_common *common,
-    const cli_files *files, const cli_changer *changer) {
-    int status = cli_check_inputs(verb, files);
-    if (!status) status = cli_check_outputs(verb, common, files);
-    if (status) return status;
+static int change_files(const cli_subcommand *verb, const cli_common *common, cli_files *files,
+    const cli_changer *changer) {
+    int status = cli_find_inputs(verb, files);
+    if (status == CLI_USAGE || files->inputs.count == 0) return status;
+    const int placed = cli_check_outputs(verb, common, files);
+    if (placed) return placed;
     for (size_t i = 0; i < files->inputs.count; ++i) {
         if (cli_interrupted()) return cli_finish(cli_interrupted());
-        const char *input = files->inputs.words[i];
-        char *output = cli_output_of(files, input);
+        const char *input = files->inputs.paths[i];
+        char *output = cli_output_of(files, i, NULL);
         if (!output) return cli_out_of_memory();
         const file_job one = {
             .common = common, .files = files, .changer = changer, .input = input, .output = output};
@@ -333,7 +295,7 @@ int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, cons
     memcpy(tables, own, own_count * sizeof *own);
     memcpy(tables + own_count, shared, sizeof shared);
     int status = cli_parse(
-        verb, tables, own_count + CLI_COUNT(shared), count, arguments, &files.inputs, &wants_help);
+        verb, tables, own_count + CLI_COUNT(shared), count, arguments, &files.words, &wants_help);
     if (wants_help)
         fputs(verb->help, stdout), status = cli_finish(status);
     else if (!status)

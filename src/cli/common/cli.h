@@ -109,8 +109,15 @@ extern const cli_matrix cli_matrix_identity;
 
 struct cli_json;
 
+typedef struct cli_inputs {
+    char **paths;
+    size_t *tails; /* of each path: from which byte on it is kept below --out-dir */
+    size_t count, capacity;
+} cli_inputs;
+
 typedef struct cli_files {
-    cli_words inputs;
+    cli_words words, lists; /* as given: files, folders, patterns; --files-from */
+    cli_inputs inputs;      /* the files that these stand for */
     const char *output, *folder;
     int in_place;
     norma_file_format format; /* unknown: by each name */
@@ -148,13 +155,36 @@ typedef struct cli_changer {
 /* Makes room for count words and the guard. 0: out of memory, reported. */
 int cli_files_begin(const cli_subcommand *verb, cli_files *files, int count);
 void cli_files_end(cli_files *files);
-int cli_check_inputs(const cli_subcommand *verb, const cli_files *files);
-int cli_check_outputs(const cli_subcommand *verb, const cli_common *common,
-    const cli_files *files); /* whether all have somewhere to go; makes the folder */
+
+/* ---- which files (find_inputs.c) */
+
+/* Adds the files that the words stand for: a file, the files of a folder and below, what a pattern
+ * with *, ? and ** matches, or "-". A folder that cannot be read does not stop the others: the
+ * status is then CLI_FILE and inputs hold the rest. */
+int cli_find_inputs(const cli_subcommand *verb, cli_files *files);
+/* The same for the lines of each list; what does not exist or has no reader is left out. */
+int cli_find_listed(const cli_subcommand *verb, cli_files *files);
+void cli_inputs_free(cli_inputs *inputs);
+/* Whether a path, component by component, is what a pattern says; ** stands for any number of
+ * components. A pattern without a slash is compared with the last one. */
+int cli_path_matches(const char *pattern, const char *path);
+char *cli_join(const char *folder, const char *name); /* the caller's to free */
+
+/* ---- where outputs go (place_outputs.c) */
+
+/* Gives each input a place of its own below --out-dir. ending: as of cli_output_of. A status. */
+int cli_place_outputs(const cli_subcommand *verb, cli_files *files, const char *ending);
+/* The output of an input, the caller's to free; ending (NULL: the input's own) replaces the input's
+ * below --out-dir. NULL: out of memory. */
+char *cli_output_of(const cli_files *files, size_t index, const char *ending);
+int cli_make_out_dir(const cli_subcommand *verb, const cli_files *files);
+/* The folders below --out-dir that an output lies in. A status. */
+int cli_make_folders(const cli_files *files, const char *output);
+
+/* Whether all have somewhere to go, each its own place; makes --out-dir. A status. */
+int cli_check_outputs(const cli_subcommand *verb, const cli_common *common, cli_files *files);
 /* Whether no output is a source, as far as the inputs' names say. A status. */
 int cli_guard_outputs(const cli_files *files);
-char *cli_output_of(const cli_files *files,
-    const char *input); /* of an input; the caller's to free. NULL: out of memory */
 /* Such a verb as a whole, from its arguments to its status; tables: its own options beside those
  * that all of them take. */
 enum { CLI_OWN_TABLES = 2 };
@@ -174,6 +204,9 @@ int cli_worse(int status, int other); /* of a batch: interrupted, then 3, then 2
 void cli_name_error(
     norma_document_error *error, const char *input); /* "standard input" for the library's word for
                                                         bytes without a name, "interrupted" */
+/* An error that was printed already: a file error whose message is "reported". */
+norma_document_result cli_reported(norma_document_error *error);
+/* What was printed already is not printed again; an error without words gets those of its kind. */
 void cli_print_error(const norma_document_error *error);
 void cli_print_notes(const char *input, const norma_document *document);
 void cli_json_notes(struct cli_json *json, const norma_document *document);

@@ -105,10 +105,11 @@ void cli_guard_document(cli_guard *guard, norma_document *document, const char *
 }
 
 void cli_guard_look_ahead(
-    cli_guard *guard, const char *const *inputs, size_t count, norma_file_format format) {
-    if (!guard || !guard->watches || count < 2) return;
-    for (size_t i = 0; i < count && !cli_interrupted(); ++i) {
-        const norma_file_format kind = format ? format : norma_file_format_of_path(inputs[i]);
+    cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format) {
+    if (!guard || !guard->watches || inputs->count < 2) return;
+    for (size_t i = 0; i < inputs->count && !cli_interrupted(); ++i) {
+        const char *path = inputs->paths[i];
+        const norma_file_format kind = format ? format : norma_file_format_of_path(path);
         const norma_document_options options = {.struct_size = sizeof options,
             .format = format,
             .depth = NORMA_DOCUMENT_SUMMARY,
@@ -116,10 +117,10 @@ void cli_guard_look_ahead(
             .lenient = 1};
         norma_document *document;
         norma_document_error error; /* reported when the file is read for the work */
-        if (kind < NORMA_FILE_GLTF || strcmp(inputs[i], "-") == 0 ||
-            norma_document_open(inputs[i], &options, &document, &error))
+        if (kind < NORMA_FILE_GLTF || strcmp(path, "-") == 0 ||
+            norma_document_open(path, &options, &document, &error))
             continue;
-        cli_guard_document(guard, document, inputs[i]);
+        cli_guard_document(guard, document, path);
         norma_document_close(document);
     }
 }

@@ -17,8 +17,9 @@ void cli_guard_read(cli_guard *guard, const char *path);
 void cli_guard_document(cli_guard *guard, norma_document *document, const char *input);
 /* The same for inputs that are opened later: glTF files are looked into, if an output exists and
  * there are several inputs, so that no output of the first can replace a picture of the second. */
+struct cli_inputs;
 void cli_guard_look_ahead(
-    cli_guard *guard, const char *const *inputs, size_t count, norma_file_format format);
+    cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format);
 
 /* Called for every output before the work, when the inputs are known, and again just before it is
  * written. own: the input that it replaces in place, else NULL. CLI_OK, or the status of the error

@@ -21,31 +21,21 @@ const cli_option cli_input_options[] = {{"input-format", 0, 1, set_input_format}
 const size_t cli_input_option_count = CLI_COUNT(cli_input_options);
 
 int cli_files_begin(const cli_subcommand *verb, cli_files *files, int count) {
-    files->inputs = (cli_words){.words = calloc((size_t)count + 1, sizeof(char *))};
-    files->guard = files->inputs.words ? cli_guard_new(verb) : NULL;
-    if (!files->inputs.words) cli_out_of_memory();
-    return files->guard != NULL;
+    files->words.words = calloc((size_t)count + 1, sizeof(char *));
+    files->lists.words = calloc((size_t)count + 1, sizeof(char *));
+    files->guard = cli_guard_new(verb);
+    if (files->words.words && files->lists.words && files->guard) return 1;
+    if (files->guard) cli_out_of_memory();
+    cli_files_end(files);
+    return 0;
 }
 
 void cli_files_end(cli_files *files) {
-    free((void *)files->inputs.words);
+    free((void *)files->words.words);
+    free((void *)files->lists.words);
+    cli_inputs_free(&files->inputs);
     cli_guard_free(files->guard);
-}
-
-int cli_check_inputs(const cli_subcommand *verb, const cli_files *files) {
-    size_t standard = 0;
-    if (files->inputs.count == 0) return cli_usage(verb, "no input file was given");
-    for (size_t i = 0; i < files->inputs.count; ++i) {
-        if (files->inputs.words[i][0] == '\0')
-            return cli_usage(verb, "the name of an input is empty");
-        standard += strcmp(files->inputs.words[i], "-") == 0;
-        cli_guard_read(files->guard, files->inputs.words[i]);
-    }
-    if (standard > 1) return cli_usage(verb, "standard input can be read only once");
-    if (standard && !files->format)
-        return cli_usage(verb, "standard input has no name that tells its format; expected "
-                               "--input-format obj, ply, stl, gltf or glb");
-    return CLI_OK;
+    *files = (cli_files){0};
 }
 
 const char *cli_input_name(const char *input) {
@@ -150,9 +140,38 @@ int cli_status_of(norma_document_result result) {
 
 int cli_worse(int status, int other) { return other > status ? other : status; }
 
+/* For an error that came without a message: nothing ends in silence. */
+static const char *plain_reason(norma_document_result result) {
+    switch (result) {
+    case NORMA_DOCUMENT_ERROR_MALFORMED:
+        return "is malformed";
+    case NORMA_DOCUMENT_ERROR_UNSUPPORTED:
+        return "holds something that is not read yet";
+    case NORMA_DOCUMENT_ERROR_REFUSED:
+        return "was refused";
+    case NORMA_DOCUMENT_ERROR_MEMORY:
+        return "out of memory";
+    case NORMA_DOCUMENT_ERROR_ARGUMENT:
+        return "does not have what was asked for";
+    default:
+        return "cannot be read or written";
+    }
+}
+
+static const char reported[] = "reported already";
+
+norma_document_result cli_reported(norma_document_error *error) {
+    error->result = NORMA_DOCUMENT_ERROR_FILE;
+    snprintf(error->message, sizeof error->message, "%s", reported);
+    return error->result;
+}
+
 void cli_name_error(norma_document_error *error, const char *input) {
     static const char nameless[] = "<memory>";
     char rest[sizeof error->message];
+    if (error->result && !error->message[0])
+        snprintf(error->message, sizeof error->message, "%.900s: %s", cli_input_name(input),
+            plain_reason(error->result));
     if (error->result == NORMA_DOCUMENT_CANCELLED)
         snprintf(
             error->message, sizeof error->message, "%.900s: interrupted", cli_input_name(input));
@@ -162,7 +181,7 @@ void cli_name_error(norma_document_error *error, const char *input) {
 }
 
 void cli_print_error(const norma_document_error *error) {
-    if (error->message[0]) cli_error("%s", error->message);
+    if (strcmp(error->message, reported) != 0) cli_error("%s", error->message);
 }
 
 void cli_print_notes(const char *input, const norma_document *document) {

@@ -393,14 +393,14 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     int wants_help, status;
     if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
     status = cli_parse(
-        verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
+        verb, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
     if (wants_help)
         fputs(help, stdout);
     else if (!status)
-        status = cli_check_inputs(verb, &work.files);
+        status = cli_find_inputs(verb, &work.files);
     for (size_t i = 0; i < work.files.inputs.count && !wants_help && status != CLI_USAGE; ++i)
         status = cli_interrupted() ? cli_interrupted()
-                                   : cli_worse(status, run_file(&work, work.files.inputs.words[i]));
+                                   : cli_worse(status, run_file(&work, work.files.inputs.paths[i]));
     cli_files_end(&work.files);
     return cli_finish(status);
 }

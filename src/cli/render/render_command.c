@@ -83,7 +83,8 @@ typedef struct picture_job {
     const cli_subcommand *verb;
     const render_settings *settings;
     render_device *device;
-    const char *input; /* as it is told of */
+    const char *input; /* of a sheet: the first */
+    size_t index;      /* of the input */
     char *output;
     render_plan plan;
     render_sheet sheet;
@@ -100,7 +101,8 @@ static int write_picture(picture_job *job, const render_picture *picture) {
     render_png png;
     render_error error;
     if (render_png_encode(picture, &png, &error)) return fail_drawing(job, &error);
-    int status = cli_output_begin(&output, job->output, job->settings->files.guard);
+    int status = cli_make_folders(&job->settings->files, job->output);
+    if (!status) status = cli_output_begin(&output, job->output, job->settings->files.guard);
     if (!status) {
         const size_t written = fwrite(png.bytes, 1, png.size, output.out);
         if (cli_interrupted()) {
@@ -108,7 +110,7 @@ static int write_picture(picture_job *job, const render_picture *picture) {
             status = cli_interrupted();
         } else {
             status = cli_output_end(&output);
-            if (!status && written != png.size) status = CLI_FILE;
+            if (!status && written != png.size) status = cli_out_of_memory();
         }
     }
     free(png.bytes);
@@ -152,6 +154,16 @@ static double worst_error(const picture_job *job) {
     return cli_to_degrees(worst);
 }
 
+/* In the picture: of a sheet those of all files, each counted once. */
+static size_t count_triangles(const picture_job *job) {
+    const render_plan *plan = &job->plan;
+    size_t triangles = plan->panels[0].triangles;
+    for (size_t i = 1; i < plan->count && job->settings->sheet; ++i)
+        if (plan->panels[i].scene != plan->panels[i - 1].scene)
+            triangles += plan->panels[i].triangles;
+    return triangles;
+}
+
 static size_t lines_left_out(const picture_job *job) {
     size_t left_out = 0;
     for (size_t i = 0; i < job->plan.count; ++i) left_out += job->plan.panels[i].lines_left_out;
@@ -162,12 +174,18 @@ static void report_json(const picture_job *job, const render_scene_file *file, i
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "input", job->input);
+    if (job->settings->sheet) {
+        const cli_inputs *inputs = &job->settings->files.inputs;
+        cli_json_open(&json, "inputs", '[');
+        for (size_t i = 0; i < inputs->count; ++i) cli_json_string(&json, NULL, inputs->paths[i]);
+        cli_json_close(&json, ']');
+    }
     cli_json_string(&json, "output", job->output);
     cli_json_size(&json, "pictures", (size_t)pictures);
     cli_json_size(&json, "width", job->width);
     cli_json_size(&json, "height", job->height);
     cli_json_size(&json, "panels", job->plan.count);
-    cli_json_size(&json, "triangles", job->plan.panels[0].triangles);
+    cli_json_size(&json, "triangles", count_triangles(job));
     cli_json_string(&json, "renderer", render_device_name(job->device));
     cli_json_number(&json, "worst_error_deg", worst_error(job));
     if (job->plan.difference >= 0)
@@ -180,13 +198,20 @@ static void report_json(const picture_job *job, const render_scene_file *file, i
     fputc('\n', stdout);
 }
 
+static const char *last_input(const picture_job *job) {
+    const cli_inputs *inputs = &job->settings->files.inputs;
+    return cli_input_name(job->settings->sheet ? inputs->paths[inputs->count - 1] : job->input);
+}
+
 static void report_text(const picture_job *job, const render_scene_file *file, int pictures) {
     FILE *out = render_is_standard(job->output) ? stderr : stdout;
     const double worst = worst_error(job);
     char number[32];
-    cli_say(out, "%s -> %s: ", cli_input_name(job->input),
+    for (size_t i = 1; job->settings->sheet && i < job->settings->files.inputs.count; ++i)
+        cli_say(out, "%s, ", cli_input_name(job->settings->files.inputs.paths[i - 1]));
+    cli_say(out, "%s -> %s: ", last_input(job),
         render_is_standard(job->output) ? "standard output" : job->output);
-    cli_counted(out, job->plan.panels[0].triangles, "triangle", "triangles");
+    cli_counted(out, count_triangles(job), "triangle", "triangles");
     if (pictures > 1)
         fprintf(out, ", %d pictures of %zux%zu", pictures, job->width, job->height);
     else
@@ -243,7 +268,7 @@ static int draw_pictures(picture_job *job, const render_scene_file *file) {
     for (int turn = 0; turn < pictures && !status; ++turn) {
         if (cli_interrupted()) return cli_interrupted();
         free(job->output);
-        job->output = render_output_of(settings, job->input, settings->turns ? turn : -1);
+        job->output = render_output_of(settings, job->index, settings->turns ? turn : -1);
         for (size_t i = 0; i < job->plan.count; ++i)
             job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
         status = job->output ? draw_picture(job) : cli_out_of_memory();
@@ -281,20 +306,20 @@ static void title_of(const char *input, char *title, size_t room) {
 
 static int draw_sheet(picture_job *job) {
     const render_settings *settings = job->settings;
-    const cli_words *inputs = &settings->files.inputs;
+    const cli_inputs *inputs = &settings->files.inputs;
     render_scene_file *files = calloc(inputs->count + 1, sizeof *files);
     int status = files ? CLI_OK : cli_out_of_memory();
     job->plan = (render_plan){.settings = settings, .difference = -1};
     for (size_t i = 0; i < inputs->count && !status; ++i) {
         norma_document_error error = {0};
         char title[128];
-        title_of(inputs->words[i], title, sizeof title);
-        status = render_file_open(settings, inputs->words[i], &files[i], &error)
+        title_of(inputs->paths[i], title, sizeof title);
+        status = render_file_open(settings, inputs->paths[i], &files[i], &error)
                      ? CLI_FILE
                      : render_plan_add(job->verb, &job->plan, &files[i], title, &error);
-        if (status && error.result) status = fail_input(settings, inputs->words[i], &error);
+        if (status && error.result) status = fail_input(settings, inputs->paths[i], &error);
     }
-    job->input = inputs->words[0];
+    job->input = inputs->paths[0];
     if (!status) status = render_guard_outputs(settings);
     if (!status) status = draw_pictures(job, &files[0]);
     render_device_forget(job->device);
@@ -319,12 +344,20 @@ static int draw_all(const cli_subcommand *verb, const render_settings *settings)
     if (settings->sheet) status = draw_sheet(job);
     for (size_t i = 0; i < settings->files.inputs.count && !settings->sheet && !cli_interrupted();
          ++i) {
-        job->input = settings->files.inputs.words[i];
+        job->input = settings->files.inputs.paths[i];
+        job->index = i;
         status = cli_worse(status, draw_file(job));
     }
     render_device_close(job->device);
     free(job);
     return cli_interrupted() ? cli_interrupted() : status;
+}
+
+static int draw_inputs(const cli_subcommand *verb, render_settings *settings) {
+    const int found = cli_find_inputs(verb, &settings->files);
+    if (found == CLI_USAGE || settings->files.inputs.count == 0) return found;
+    const int refused = render_settings_check(verb, settings);
+    return refused ? refused : cli_finish(cli_worse(found, draw_all(verb, settings)));
 }
 
 static int run(const cli_subcommand *verb, int count, char **arguments) {
@@ -339,13 +372,11 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     };
     int wants_help;
     int status = cli_parse(
-        verb, tables, CLI_COUNT(tables), count, arguments, &settings.files.inputs, &wants_help);
+        verb, tables, CLI_COUNT(tables), count, arguments, &settings.files.words, &wants_help);
     if (wants_help)
         fputs(verb->help, stdout), status = cli_finish(status);
     else if (!status)
-        status = cli_check_inputs(verb, &settings.files);
-    if (!status && !wants_help) status = render_settings_check(verb, &settings);
-    if (!status && !wants_help) status = cli_finish(draw_all(verb, &settings));
+        status = draw_inputs(verb, &settings);
     cli_files_end(&settings.files);
     return status;
 }

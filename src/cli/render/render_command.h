@@ -45,7 +45,7 @@ int render_is_standard(const char *name); /* "-" */
  * caller; NULL: out of memory. */
 /* Whether no picture that is to be written is a source, as far as it is known. A status. */
 int render_guard_outputs(const render_settings *settings);
-char *render_output_of(const render_settings *settings, const char *input, int turn);
+char *render_output_of(const render_settings *settings, size_t index, int turn);
 
 /* ---- a document as a scene */
 

@@ -2,7 +2,6 @@
  * said before anything is drawn. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/render/render_command.h"
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -26,64 +25,24 @@ static int is_stream(const char *path) {
     return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
 }
 
-char *render_output_of(const render_settings *settings, const char *input, int turn) {
+char *render_output_of(const render_settings *settings, size_t index, int turn) {
     const cli_files *files = &settings->files;
-    const char *folder = files->folder ? files->folder : "",
-               *name = files->output ? files->output : render_base_name(input);
-    const char *dot = strrchr(render_base_name(name), '.');
-    const size_t length = strlen(folder), size = length + strlen(name) + 24;
+    char ending[16] = ".png";
+    if (turn >= 0) snprintf(ending, sizeof ending, "-%03d.png", turn);
+    if (turn < 0 || !files->output) return cli_output_of(files, index, ending);
+    const char *name = files->output, *dot = strrchr(render_base_name(name), '.');
     const int stem = dot && dot > render_base_name(name) ? (int)(dot - name) : (int)strlen(name);
-    char *path = malloc(size), number[16] = "";
-    if (turn >= 0) snprintf(number, sizeof number, "-%03d", turn);
-    if (path && files->output && turn < 0)
-        snprintf(path, size, "%s", name);
-    else if (path)
-        snprintf(path, size, "%s%s%.*s%s.png", folder,
-            length && folder[length - 1] != '/' ? "/" : "", stem, name, number);
+    const size_t size = strlen(name) + sizeof ending;
+    char *path = malloc(size);
+    if (path) snprintf(path, size, "%.*s%s", stem, name, ending);
     return path;
 }
 
-static int compare_paths(const void *a, const void *b) {
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-/* Two inputs whose names differ in their extension alone would become one picture. */
-static int check_names(const cli_subcommand *verb, const render_settings *settings) {
-    const cli_words *inputs = &settings->files.inputs;
-    char **outputs = calloc(inputs->count + 1, sizeof *outputs);
-    int status = outputs ? CLI_OK : CLI_FILE;
-    size_t count = 0;
-    while (!status && count < inputs->count) {
-        outputs[count] = render_output_of(settings, inputs->words[count], -1);
-        status = outputs[count] ? CLI_OK : CLI_FILE;
-        count += !status;
-    }
-    if (!status) qsort(outputs, count, sizeof *outputs, compare_paths);
-    for (size_t i = 1; i < count && !status; ++i)
-        if (strcmp(outputs[i - 1], outputs[i]) == 0)
-            status = cli_usage(verb,
-                "several inputs would be drawn to %s; expected names that differ in more than "
-                "their extension",
-                outputs[i]);
-    for (size_t i = 0; i < count; ++i) free(outputs[i]);
-    free(outputs);
-    return status;
-}
-
-static int check_folder(const cli_subcommand *verb, const render_settings *settings) {
-    int status = check_names(verb, settings);
-    if (!status && mkdir(settings->files.folder, 0777) && errno != EEXIST) {
-        cli_error("%s: cannot be made: %s", settings->files.folder, strerror(errno));
-        return CLI_FILE;
-    }
-    return status;
-}
-
-static int check_outputs(const cli_subcommand *verb, const render_settings *settings) {
-    const cli_files *files = &settings->files;
+static int check_outputs(const cli_subcommand *verb, render_settings *settings) {
+    cli_files *files = &settings->files;
     int standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
-        standard |= render_is_standard(files->inputs.words[i]);
+        standard |= render_is_standard(files->inputs.paths[i]);
     if (!files->output && !files->folder)
         return cli_usage(verb, "nowhere to write to; expected -o OUT.png or --out-dir FOLDER");
     if (files->output && files->folder)
@@ -96,7 +55,7 @@ static int check_outputs(const cli_subcommand *verb, const render_settings *sett
         return cli_usage(verb, "--sheet makes one picture; expected -o OUT.png");
     if (files->folder && standard)
         return cli_usage(verb, "standard input has no name to write to; expected -o OUT.png");
-    if (files->folder) return check_folder(verb, settings);
+    if (files->folder) return cli_place_outputs(verb, files, ".png");
     if (render_is_standard(files->output) && settings->common.json)
         return cli_usage(verb, "-o - and --json both want standard output");
     if (render_is_standard(files->output) && settings->turns)
@@ -113,12 +72,12 @@ static int check_outputs(const cli_subcommand *verb, const render_settings *sett
 
 /* Every picture that will be drawn, those of a turntable included. */
 int render_guard_outputs(const render_settings *settings) {
-    const cli_words *inputs = &settings->files.inputs;
+    const cli_inputs *inputs = &settings->files.inputs;
     const int first = settings->turns ? 0 : -1, end = settings->turns ? settings->turns : 0;
     int status = CLI_OK;
     for (size_t i = 0; i < (settings->sheet ? 1 : inputs->count); ++i)
         for (int turn = first; turn < end && !status; ++turn) {
-            char *output = render_output_of(settings, inputs->words[i], turn);
+            char *output = render_output_of(settings, i, turn);
             status = output ? cli_guard_output(settings->files.guard, output, NULL)
                             : cli_out_of_memory();
             free(output);
@@ -145,7 +104,8 @@ int render_settings_check(const cli_subcommand *verb, render_settings *settings)
     if (!status) status = check_outputs(verb, settings);
     if (!status) status = render_guard_outputs(settings);
     if (!status)
-        cli_guard_look_ahead(settings->files.guard, settings->files.inputs.words,
-            settings->files.inputs.count, settings->files.format);
-    return status ? status : render_guard_outputs(settings);
+        cli_guard_look_ahead(
+            settings->files.guard, &settings->files.inputs, settings->files.format);
+    if (!status) status = render_guard_outputs(settings);
+    return status ? status : cli_make_out_dir(verb, &settings->files);
 }

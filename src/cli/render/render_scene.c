@@ -257,6 +257,27 @@ static void draw_each_once(scene_maker *m) {
     m->draw_count = m->surface_count;
 }
 
+/* Why nothing can be drawn: the first mesh that could not be read, or what the file holds instead
+ * of faces. */
+static norma_document_result fail_empty(render_scene_file *file, norma_document_error *error) {
+    char reason[400] = "it holds no mesh";
+    for (size_t i = norma_document_mesh_count(file->document); i-- > 0;) {
+        norma_mesh_info info;
+        if (norma_document_mesh_info(file->document, i, &info)) continue;
+        if (info.not_read)
+            snprintf(reason, sizeof reason, "%.100s%s%.250s", info.where, info.where[0] ? ": " : "",
+                info.not_read);
+        else
+            snprintf(reason, sizeof reason, "%s",
+                info.triangles  ? "no node draws its meshes"
+                : info.vertices ? "it holds points without faces"
+                                : "it holds no faces");
+    }
+    char text[440];
+    snprintf(text, sizeof text, "there is no surface to draw: %s", reason);
+    return fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, text);
+}
+
 static norma_document_result make_scene(const render_settings *settings, render_scene_file *file,
     const render_variant *variant, render_scene *scene, norma_document_error *error) {
     const size_t meshes = norma_document_mesh_count(file->document);
@@ -281,9 +302,7 @@ static norma_document_result make_scene(const render_settings *settings, render_
         draw_each_once(&m);
     free(m.mesh_of);
     *scene = (render_scene){m.surfaces, m.surface_count, m.draws, m.draw_count};
-    if (!result && m.draw_count == 0)
-        result =
-            fail(error, NORMA_DOCUMENT_ERROR_ARGUMENT, file->input, "there is no surface to draw");
+    if (!result && m.draw_count == 0) result = fail_empty(file, error);
     if (result) free_scene(scene);
     error->result = result;
     return result;
@@ -298,9 +317,11 @@ const render_scene *render_file_scene(const render_settings *settings, render_sc
     const render_variant *variant, norma_document_error *error) {
     for (size_t i = 0; i < file->variant_count; ++i)
         if (same_variant(&file->variants[i], variant)) return &file->scenes[i];
-    if (file->variant_count == RENDER_MOST_PANELS ||
-        make_scene(settings, file, variant, &file->scenes[file->variant_count], error))
+    if (file->variant_count == RENDER_MOST_PANELS) {
+        fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, "is asked for in too many ways");
         return NULL;
+    }
+    if (make_scene(settings, file, variant, &file->scenes[file->variant_count], error)) return NULL;
     file->variants[file->variant_count] = *variant;
     return &file->scenes[file->variant_count++];
 }

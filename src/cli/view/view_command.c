@@ -13,6 +13,7 @@ static const char help[] =
     "Examples\n"
     "  norma view chair.glb -o chair.html\n"
     "  norma view scan.ply -o - > scan.html\n"
+    "  norma view models/ --out-dir pages              a page for each file of the folder\n"
     "\n"
     "The page turns the model, shades it flat, by Gouraud and by Phong, draws normals, winding and "
     "the error of stored\n"
@@ -24,6 +25,7 @@ static const char help[] =
     "\n"
     "Options\n"
     "  -o, --output OUT.html the page; - is standard output\n"
+    "  --out-dir FOLDER      for several inputs: FOLDER/NAME.html each\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
     "  --threads N           how many may read (all)\n"
@@ -35,18 +37,8 @@ static const char help[] =
 
 typedef struct view_work {
     cli_common common;
-    cli_files files; /* its inputs, and the format */
-    const char *output;
+    cli_files files; /* its inputs, their format, and where pages go */
 } view_work;
-
-static const char *set_output(void *settings, const char *value) {
-    view_work *work = settings;
-    if (work->output) return "to be given once";
-    work->output = value;
-    return value[0] ? NULL : "a name, or - for standard output";
-}
-
-static const cli_option options[] = {{"output", 'o', 1, set_output}};
 
 /* ---- writing */
 
@@ -127,14 +119,15 @@ static size_t count_triangles(const norma_document *document) {
     return triangles;
 }
 
-static void report(const view_work *work, const char *input, const norma_document *document) {
+static void report(
+    const view_work *work, const char *input, const char *to, const norma_document *document) {
     const size_t triangles = count_triangles(document),
                  meshes = norma_document_mesh_count(document);
     if (work->common.json) {
         cli_json json = {.out = stdout};
         cli_json_open(&json, NULL, '{');
         cli_json_string(&json, "input", input);
-        cli_json_string(&json, "output", work->output);
+        cli_json_string(&json, "output", to);
         cli_json_size(&json, "triangles", triangles);
         cli_json_size(&json, "meshes", meshes);
         cli_json_notes(&json, document);
@@ -143,33 +136,57 @@ static void report(const view_work *work, const char *input, const norma_documen
         return;
     }
     if (work->common.quiet) return;
-    FILE *out = strcmp(work->output, "-") == 0 ? stderr : stdout;
-    cli_say(out, "%s -> %s: ", cli_input_name(input), work->output);
+    FILE *out = strcmp(to, "-") == 0 ? stderr : stdout;
+    cli_say(out, "%s -> %s: ", cli_input_name(input), to);
     cli_counted(out, triangles, "triangle", "triangles");
     fputs("; open it in a browser\n", out);
     cli_print_notes(input, document);
 }
 
-static int run_file(const view_work *work, const char *input) {
+/* Why a page of it would be empty: the first mesh that could not be read, or what it holds. */
+static norma_document_result fail_empty(
+    const char *input, const norma_document *document, norma_document_error *error) {
+    norma_mesh_info info;
+    size_t vertices = 0;
+    const char *reason = NULL;
+    for (size_t i = 0; i < norma_document_mesh_count(document) && !reason; ++i) {
+        if (norma_document_mesh_info(document, i, &info)) continue;
+        reason = info.not_read;
+        vertices += info.vertices;
+    }
+    snprintf(error->message, sizeof error->message, "%.500s: there is no surface to show: %.300s",
+        cli_input_name(input),
+        reason     ? reason
+        : vertices ? "it holds points without faces"
+                   : "it holds no faces");
+    return error->result = NORMA_DOCUMENT_ERROR_UNSUPPORTED;
+}
+
+static int write_to(
+    const view_work *work, const char *input, const char *to, const view_pack *pack) {
+    cli_output output;
+    int status = cli_make_folders(&work->files, to);
+    if (!status) status = cli_output_begin(&output, to, work->files.guard);
+    if (status) return status;
+    write_page(output.out, strcmp(input, "-") == 0 ? "standard input" : base_name(input), pack);
+    return cli_output_end(&output);
+}
+
+static int run_file(const view_work *work, const char *input, const char *to) {
     norma_document *document = NULL;
     norma_document_error error = {0};
     void *memory = NULL;
     view_pack pack = {0};
-    const norma_document_result result = read_pack(work, input, &document, &memory, &pack, &error);
+    norma_document_result result = read_pack(work, input, &document, &memory, &pack, &error);
+    if (!result && count_triangles(document) == 0) result = fail_empty(input, document, &error);
     int status = cli_status_of(result);
     if (result) {
         error.result = result;
         cli_name_error(&error, input);
         cli_print_error(&error);
     } else {
-        cli_output output;
-        status = cli_output_begin(&output, work->output, work->files.guard);
-        if (!status) {
-            write_page(
-                output.out, strcmp(input, "-") == 0 ? "standard input" : base_name(input), &pack);
-            status = cli_output_end(&output);
-        }
-        if (!status) report(work, input, document);
+        status = write_to(work, input, to, &pack);
+        if (!status) report(work, input, to, document);
     }
     free(pack.bytes);
     norma_document_close(document);
@@ -184,19 +201,23 @@ static int ends_in(const char *name, const char *ending) {
     return length > size && strcmp(name + length - size, ending) == 0;
 }
 
-static int check_words(const cli_subcommand *verb, const view_work *work) {
-    int status = cli_check_inputs(verb, &work->files);
-    if (status) return status;
-    if (work->files.inputs.count > 1)
-        return cli_usage(verb, "%zu inputs; expected one", work->files.inputs.count);
-    if (!work->output) return cli_usage(verb, "nowhere to write to; expected -o OUT.html");
-    if (strcmp(work->output, "-") == 0)
+static int check_words(const cli_subcommand *verb, view_work *work) {
+    const char *output = work->files.output;
+    if (work->files.in_place)
+        return cli_usage(verb, "a page cannot replace its input; expected -o or --out-dir");
+    if (!output && !work->files.folder)
+        return cli_usage(verb, "nowhere to write to; expected -o OUT.html or --out-dir FOLDER");
+    if (output && work->files.folder) return cli_usage(verb, "-o and --out-dir exclude each other");
+    if (output && work->files.inputs.count > 1)
+        return cli_usage(
+            verb, "one -o for %zu inputs; expected --out-dir FOLDER", work->files.inputs.count);
+    if (output && strcmp(output, "-") == 0)
         return work->common.json ? cli_usage(verb, "-o - and --json both want standard output")
                                  : CLI_OK;
-    if (!ends_in(work->output, ".html") && !ends_in(work->output, ".htm"))
+    if (output && !ends_in(output, ".html") && !ends_in(output, ".htm"))
         return cli_usage(
-            verb, "-o %s: the output is a page; expected a name that ends in .html", work->output);
-    return cli_guard_output(work->files.guard, work->output, NULL);
+            verb, "-o %s: the output is a page; expected a name that ends in .html", output);
+    return cli_place_outputs(verb, &work->files, ".html");
 }
 
 static int has_page(void) {
@@ -208,23 +229,54 @@ static int has_page(void) {
     return 0;
 }
 
+typedef int each_page(const view_work *work, const char *input, const char *to);
+
+static int guard_page(const view_work *work, const char *input, const char *to) {
+    (void)input;
+    return cli_guard_output(work->files.guard, to, NULL);
+}
+
+/* The worst status; a usage error ends it. */
+static int for_each(const view_work *work, each_page *call) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < work->files.inputs.count && status != CLI_USAGE; ++i) {
+        if (cli_interrupted()) return cli_interrupted();
+        char *to = cli_output_of(&work->files, i, ".html");
+        status = cli_worse(
+            status, to ? call(work, work->files.inputs.paths[i], to) : cli_out_of_memory());
+        free(to);
+    }
+    return status;
+}
+
+static int make_pages(const cli_subcommand *verb, view_work *work) {
+    const int found = cli_find_inputs(verb, &work->files);
+    if (found == CLI_USAGE || work->files.inputs.count == 0) return found;
+    int status = check_words(verb, work);
+    if (!status) status = for_each(work, guard_page);
+    if (!status) {
+        cli_guard_look_ahead(work->files.guard, &work->files.inputs, work->files.format);
+        status = for_each(work, guard_page);
+    }
+    if (!status) status = has_page() ? cli_make_out_dir(verb, &work->files) : CLI_FILE;
+    return status ? status : cli_worse(found, for_each(work, run_file));
+}
+
 static int run(const cli_subcommand *verb, int count, char **arguments) {
     view_work work = {.common = {.threads = NORMA_ALL_THREADS}};
     const cli_table tables[] = {
-        {options, CLI_COUNT(options), &work},
+        {cli_output_options, cli_output_option_count, &work.files},
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
     int wants_help;
     if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
     int status = cli_parse(
-        verb, tables, CLI_COUNT(tables), count, arguments, &work.files.inputs, &wants_help);
+        verb, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
     if (wants_help)
         fputs(help, stdout);
     else if (!status)
-        status = check_words(verb, &work);
-    if (!status && !wants_help)
-        status = has_page() ? run_file(&work, work.files.inputs.words[0]) : CLI_FILE;
+        status = make_pages(verb, &work);
     cli_files_end(&work.files);
     return cli_finish(status);
 }

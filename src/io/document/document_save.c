@@ -74,53 +74,6 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
     return sink->error;
 }
 
-int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path) {
-    file_writer **list =
-        norma_io_grow(writers->list, &writers->list_capacity, writers->count + 1, sizeof *list);
-    writers->list = list ? list : writers->list;
-    char **paths = list ? norma_io_grow(writers->paths, &writers->path_capacity, writers->count + 1,
-                              sizeof *paths)
-                        : NULL,
-         *copy = paths ? norma_io_copy_text(path, strlen(path)) : NULL;
-    writers->paths = paths ? paths : writers->paths;
-    if (!copy) {
-        norma_file_writer_abandon(writer);
-        return 0;
-    }
-    list[writers->count] = writer;
-    paths[writers->count++] = copy;
-    return 1;
-}
-
-int norma_document_add_folder(companion_writers *writers, const char *path) {
-    int made;
-    char *copy = norma_io_copy_text(path, strlen(path)),
-         **folders = copy ? norma_io_grow(writers->folders, &writers->folder_capacity,
-                                writers->folder_count + 1, sizeof *folders)
-                          : NULL;
-    writers->folders = folders ? folders : writers->folders;
-    const int error = folders ? norma_folder_make(path, &made) : ENOMEM;
-    if (error || !made)
-        free(copy);
-    else
-        folders[writers->folder_count++] = copy;
-    return error;
-}
-
-static void free_writers(companion_writers *writers, int abandon) {
-    for (size_t i = 0; i < writers->count; ++i) {
-        if (abandon) norma_file_writer_abandon(writers->list[i]);
-        free(writers->paths[i]);
-    }
-    while (writers->folder_count > 0) { /* what lies in another was made after it */
-        if (abandon) norma_folder_remove(writers->folders[writers->folder_count - 1]);
-        free(writers->folders[--writers->folder_count]);
-    }
-    free(writers->list);
-    free(writers->paths);
-    free(writers->folders);
-}
-
 /* Everything that can fail for want of room or by the format happens before the first rename. */
 static norma_document_result write_target(norma_document *document, const char *path, int in_place,
     file_writer *writer, companion_writers *companions, norma_document_error *error) {
@@ -178,7 +131,7 @@ norma_document_result norma_document_save(norma_document *document, const char *
     if (result) return result;
     companion_writers writers = {0};
     result = save(document, path, &options, &writers, error);
-    free_writers(&writers, result != NORMA_DOCUMENT_OK);
+    norma_document_free_writers(&writers, result != NORMA_DOCUMENT_OK);
     return result;
 }
 

@@ -129,6 +129,22 @@ int norma_file_is_stream(const char *path) {
     return is_stream;
 }
 
+static DWORD attributes_of(const char *path) {
+    wchar_t *name = wide(path);
+    const DWORD attributes = name ? GetFileAttributesW(name) : INVALID_FILE_ATTRIBUTES;
+    free(name);
+    return attributes;
+}
+
+int norma_file_is_regular(const char *path) {
+    return !(attributes_of(path) & FILE_ATTRIBUTE_DIRECTORY) && !norma_file_is_stream(path);
+}
+
+int norma_file_is_link(const char *path) {
+    const DWORD attributes = attributes_of(path);
+    return attributes != INVALID_FILE_ATTRIBUTES && attributes & FILE_ATTRIBUTE_REPARSE_POINT;
+}
+
 /* ---- reading */
 
 static int read_to_end(HANDLE handle, uint64_t expected, file_bytes *bytes) {
@@ -373,6 +389,25 @@ int norma_folder_make(const char *path, int *made) {
     const DWORD error = *made || !name ? 0 : GetLastError();
     free(name);
     return !name ? EINVAL : error && error != ERROR_ALREADY_EXISTS ? error_of(error) : 0;
+}
+
+int norma_folder_visit(const char *path, int (*visit)(void *user, const char *name), void *user) {
+    WIN32_FIND_DATAW entry;
+    char name[4 * MAX_PATH];
+    char *pattern = join(path, strlen(path), "\\*");
+    wchar_t *wide_pattern = pattern ? wide(pattern) : NULL;
+    HANDLE found = wide_pattern ? FindFirstFileW(wide_pattern, &entry) : INVALID_HANDLE_VALUE;
+    DWORD error = found == INVALID_HANDLE_VALUE ? GetLastError() : 0;
+    free(wide_pattern);
+    free(pattern);
+    if (error) return error_of(error);
+    do {
+        const int size =
+            WideCharToMultiByte(CP_UTF8, 0, entry.cFileName, -1, name, sizeof name, NULL, NULL);
+        if (size > 0 && visit(user, name)) break;
+    } while (FindNextFileW(found, &entry) || (error = GetLastError(), 0));
+    FindClose(found);
+    return error && error != ERROR_NO_MORE_FILES ? error_of(error) : 0;
 }
 
 void norma_folder_remove(const char *path) {

@@ -4,6 +4,7 @@
 #define NORMA_DOCUMENT_INTERNAL_H
 #include <norma/document.h>
 #include "io/file/file.h"
+#include "io/file/memory.h"
 
 typedef struct format_functions format_functions;
 typedef struct scene_functions scene_functions;
@@ -17,6 +18,7 @@ typedef struct companion_writers { /* freed by who made it; paths: what messages
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
 /* Makes a folder for them, where there is none. 0, or errno. */
 int norma_document_add_folder(companion_writers *writers, const char *path);
+void norma_document_free_writers(companion_writers *writers, int abandon);
 
 typedef struct given_buffer { /* a buffer file of a .gltf that is not on the disk yet */
     unsigned char *bytes;     /* NULL: the file's */
@@ -158,13 +160,6 @@ int norma_document_changed(const norma_document *document, norma_document_error 
 __attribute__((format(printf, 2, 3)))
 #endif
 int norma_document_add_note(norma_document *document, const char *format, ...);
-
-/* Checked sizes: 0 where count * size overflows or memory is out. *block may be NULL before. */
-void *norma_io_allocate(size_t count, size_t size); /* zeroed; never of zero bytes */
-char *norma_io_copy_text(const char *text, size_t length);
-char *norma_io_join(const char *folder, const char *name); /* folder: with its slash, or "" */
-void *norma_io_grow(void *block, size_t *capacity, size_t needed,
-    size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
 
 /* The core options that compute options ask for, with the nearest fallback in force; threads and
  * progress carried over. */

@@ -35,7 +35,8 @@ static norma_document_result read_chunks(gltf *g, size_t end, norma_document_err
         size_t length = read_u32(bytes + at);
         uint32_t type = read_u32(bytes + at + 4);
         if (length > end - at - GLB_CHUNK_HEADER)
-            return fail_glb(g, error, at, "a chunk no longer than the file");
+            return fail_glb(
+                g, error, at, "a chunk that ends within the length that the header declares");
         if ((i == 0) != (type == GLB_JSON))
             return fail_glb(g, error, at, i == 0 ? "a JSON chunk first" : "one JSON chunk");
         if (i == 0) {
@@ -60,10 +61,15 @@ static norma_document_result read_glb(gltf *g, norma_document_error *error) {
     if (version != 2)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "byte 4",
             "GLB version %u; expected 2", (unsigned)version);
-    if (length != source->size)
+    if (length > source->size)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 8",
             "the header says %u bytes, the file has %zu; expected as many", (unsigned)length,
             source->size);
+    if (length < source->size)
+        norma_document_add_note(g->document,
+            "%zu bytes follow the %u that the header declares; they are kept, not read",
+            source->size - length, (unsigned)length);
+    g->container_size = length;
     return read_chunks(g, length, error);
 }
 
@@ -88,12 +94,6 @@ static int is_version_2(const gltf *g, uint32_t token) {
            g->text[t->start + 2] == '.';
 }
 
-int norma_gltf_needs_later(const gltf *g) {
-    uint32_t least =
-        norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "minVersion");
-    return least != JSON_NONE && !norma_json_equals(&g->json, least, "2.0");
-}
-
 static norma_document_result check_version(const gltf *g, norma_document_error *error) {
     uint32_t version =
         norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "version");
@@ -107,21 +107,6 @@ static norma_document_result check_version(const gltf *g, norma_document_error *
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
             "/asset/minVersion", "needs a later version of glTF than is read here; expected 2.0");
     return NORMA_DOCUMENT_OK;
-}
-
-/* What a file may require without a word in it changing what its meshes' numbers mean. */
-int norma_gltf_is_known(const char *name) {
-    static const char *const prefixes[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_",
-        "EXT_lights_", "EXT_texture_", "MSFT_texture_", "KHR_animation_", "KHR_audio_"};
-    static const char *const names[] = {"KHR_mesh_quantization", "EXT_meshopt_compression",
-        "KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_xmp",
-        "KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability", "MSFT_lod", "VRM",
-        "VRMC_vrm"};
-    for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; ++i)
-        if (strncmp(name, prefixes[i], strlen(prefixes[i])) == 0) return 1;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
-        if (strcmp(name, names[i]) == 0) return 1;
-    return 0;
 }
 
 /* A compression that a file requires and that cannot be read here; NULL for other extensions. */
@@ -208,62 +193,6 @@ void norma_gltf_close(norma_document *document) {
     norma_json_free(&g->json);
     free(g);
     document->state = NULL;
-}
-
-/* ---- members of the JSON, checked */
-
-char *norma_gltf_pointer(const gltf *g, uint32_t token, char *out, size_t capacity) {
-    uint32_t chain[JSON_DEPTH + 1];
-    size_t depth = 0, used = 0;
-    for (uint32_t t = token;
-         t != JSON_NONE && g->json.tokens[t].parent != JSON_NONE && depth < JSON_DEPTH;
-         t = g->json.tokens[t].parent)
-        chain[depth++] = t;
-    out[0] = '\0';
-    while (depth-- > 0 && used + 1 < capacity) {
-        uint32_t t = chain[depth], parent = g->json.tokens[t].parent, number = 0;
-        int written;
-        if (g->json.tokens[parent].type == JSON_OBJECT) {
-            const json_token *key = &g->json.tokens[t - 1];
-            written = snprintf(out + used, capacity - used, "/%.*s",
-                (int)(key->end - key->start > 66 ? 64 : key->end - key->start - 2),
-                g->text + key->start + 1);
-        } else {
-            for (uint32_t i = norma_json_first(&g->json, parent); i != t;
-                 i = norma_json_next(&g->json, parent, i))
-                ++number;
-            written = snprintf(out + used, capacity - used, "/%u", (unsigned)number);
-        }
-        used += written > 0 ? (size_t)written : 0;
-    }
-    return out;
-}
-
-norma_document_result norma_gltf_malformed(
-    const gltf *g, norma_document_error *error, uint32_t token, const char *expected) {
-    char place[200];
-    norma_gltf_pointer(g, token, place, sizeof place);
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
-        place[0] ? place : "/", "expected %s", expected);
-}
-
-int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value) {
-    uint32_t token = norma_json_member(&g->json, object, key);
-    uint64_t read;
-    if (token == JSON_NONE) return 1;
-    if (!norma_json_uint(&g->json, token, &read) || read > SIZE_MAX / 4) return 0;
-    *value = (size_t)read;
-    return 1;
-}
-
-int norma_gltf_index_member(
-    const gltf *g, uint32_t object, const char *key, uint32_t limit, uint32_t *value) {
-    uint32_t token = norma_json_member(&g->json, object, key);
-    uint64_t read;
-    if (token == JSON_NONE) return 1;
-    if (!norma_json_uint(&g->json, token, &read) || read >= limit) return 0;
-    *value = (uint32_t)read;
-    return 1;
 }
 
 /* ---- what is in it */

@@ -176,7 +176,7 @@ static norma_document_result check_range(norma_document *document, norma_documen
     const stl_state *state = document->state;
     for (size_t i = 0; i < 9 * state->facets && (state->binary || !state->many_digits); ++i)
         if (isfinite(state->vertices[i]) && fabs(state->vertices[i]) > (double)FLT_MAX)
-            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
                 "the matrix takes facet %zu beyond what the file's numbers hold", i / 9);
     return NORMA_DOCUMENT_OK;
 }

@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
-#include "io/format/format.h"
+#include "io/file/memory.h"
 #include "io/stream/tasks.h"
 
 enum { MOST_HELPERS = 255 };

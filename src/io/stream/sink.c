@@ -1,6 +1,6 @@
 /* sink.c: bytes on their way out, gathered into blocks before they are handed on, or kept. */
 #include "io/stream/sink.h"
-#include "io/format/format.h"
+#include "io/file/memory.h"
 #include <stdlib.h>
 
 norma_sink *norma_sink_create(norma_write *write, void *user) {

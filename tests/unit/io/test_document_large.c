@@ -18,12 +18,15 @@ enum { PADDING = 18 << 20, SIDE = 90 };
 
 typedef struct text {
     char *data;
-    size_t size;
+    size_t size, capacity;
 } text;
 
 static void add_bytes(text *t, const void *bytes, size_t size) {
-    t->data = realloc(t->data, t->size + size);
-    assert_non_null(t->data);
+    if (t->size + size > t->capacity) { /* a sanitizer's realloc copies every time */
+        t->capacity = 2 * (t->size + size);
+        t->data = realloc(t->data, t->capacity);
+        assert_non_null(t->data);
+    }
     memcpy(t->data + t->size, bytes, size);
     t->size += size;
 }

@@ -21,6 +21,11 @@ int norma_file_has_changed(const char *path, const file_stamp *stamp) {
 }
 int norma_file_same(const char *a, const char *b) { return strcmp(a, b) == 0; }
 int norma_file_is_stream(const char *path) { return (void)path, 0; }
+int norma_file_is_regular(const char *path) { return (void)path, 0; }
+int norma_file_is_link(const char *path) { return (void)path, 0; }
+int norma_file_is_unchanged(const char *path, const file_stamp *stamp) {
+    return (void)path, (void)stamp, 1;
+}
 int norma_file_writer_open(const char *path, file_writer **writer) {
     return (void)path, *writer = NULL, ENOSYS;
 }
@@ -34,6 +39,9 @@ int norma_file_writers_commit(file_writer **writers, size_t count, size_t *faile
 }
 void norma_file_writer_abandon(file_writer *writer) { (void)writer; }
 int norma_folder_make(const char *path, int *made) { return (void)path, *made = 0, ENOSYS; }
+int norma_folder_visit(const char *path, int (*visit)(void *user, const char *name), void *user) {
+    return (void)path, (void)visit, (void)user, ENOSYS;
+}
 void norma_folder_remove(const char *path) { (void)path; }
 
 int norma_gltf_reads_meshopt(void) { return 1; } /* the reason is given below, when one is met */

@@ -5,15 +5,7 @@
 #define NORMA_IO_GLTF_BAKE_H
 #include "io/gltf/read/asset.h"
 #include "io/gltf/bake/new_tree.h"
-
-typedef struct bake_map { /* what carries one mesh */
-    uint32_t id;          /* equal for equal matrices */
-    double matrix[16];
-    double normal[9];   /* sign(det) cof, times a power of two */
-    double fallback[3]; /* unit: what becomes of normals that a singular matrix makes zero */
-    int mirrored, rank;
-    int turns; /* 0: directions stay as they are (translation, uniform scale) */
-} bake_map;
+#include "io/gltf/write/encode_vectors.h"
 
 /* Contents that several slots ask for, made once. */
 typedef struct bake_entry {

@@ -1,5 +1,6 @@
 /* bake_mesh.c: every slot of a mesh that a matrix changes: positions, normals, tangents, the morph
  * targets' deltas of each, the order of the corners. */
+#include "io/gltf/bake/bake.h"
 #include "io/gltf/write/encode_vectors.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +22,7 @@ static norma_document_result too_large(
     const mesh_baker *b, uint32_t accessor, norma_document_error *error) {
     char place[60];
     (void)snprintf(place, sizeof place, "accessor %u", (unsigned)accessor);
-    return norma_document_fail(b->g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, place,
+    return norma_document_fail(b->g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
         "under node %u its numbers become larger than floats are; expected a smaller scale",
         (unsigned)b->node);
 }

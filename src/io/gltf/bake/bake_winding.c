@@ -1,6 +1,7 @@
 /* bake_winding.c: the triangles of a primitive turned round. In a list each keeps its first corner.
  * Strips of an odd number of corners are read backwards, fans too but for their first corner; a
  * strip of an even number would keep its winding, read backwards: it becomes a list. */
+#include "io/gltf/bake/bake.h"
 #include "io/gltf/write/encode_vectors.h"
 #include <stdlib.h>
 #include <string.h>

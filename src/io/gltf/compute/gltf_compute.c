@@ -95,6 +95,20 @@ static void begin_summary(const gltf_job *job) {
                                         : DEFAULT_CREASE_RAD;
 }
 
+/* Where none of the surfaces can be read, there is nothing that could have been asked for. */
+static norma_document_result check_any_surface(const gltf *g, norma_document_error *error) {
+    const gltf_primitive *unread = NULL;
+    for (uint32_t i = 0; i < g->primitive_count; ++i) {
+        const gltf_primitive *p = &g->primitives[i];
+        if (p->mode < GLTF_TRIANGLES || p->base.position == GLTF_NONE) continue;
+        if (!p->not_read) return NORMA_DOCUMENT_OK;
+        unread = unread ? unread : p;
+    }
+    return unread ? norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+                        unread->where, "no surface of the file can be read: %s", unread->not_read)
+                  : NORMA_DOCUMENT_OK;
+}
+
 norma_document_result norma_gltf_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error) {
@@ -104,6 +118,7 @@ norma_document_result norma_gltf_compute(norma_document *document,
     job.core.progress = NULL;
     begin_summary(&job);
     norma_document_result result = norma_gltf_begin_change(g, error);
+    if (!result) result = check_any_surface(g, error);
     if (!result) result = norma_gltf_find_vertex_sharing(&job);
     if (!result) result = compute_meshes(&job);
     if (!result) result = put_all(&job);

@@ -160,6 +160,7 @@ typedef struct gltf {
     size_t text_size;
     const unsigned char *bin;   /* GLB: the BIN chunk; NULL: none */
     size_t bin_size, bin_chunk; /* bin_chunk: offset of its header in the file */
+    size_t container_size;      /* GLB: as its header says; the file may be longer */
     json json;
     gltf_buffer *buffers;
     gltf_view *views;

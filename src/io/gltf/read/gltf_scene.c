@@ -8,126 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- texts */
-
-const char *norma_gltf_name(gltf *g, uint32_t token) {
-    uint32_t name = norma_json_member(&g->json, token, "name");
-    if (!norma_json_is(&g->json, name, JSON_STRING)) return "";
-    char *decoded = norma_json_string(&g->json, name);
-    char *kept = decoded ? norma_scene_text(g->document->scene, decoded) : NULL;
-    free(decoded);
-    return kept;
-}
-
-const char *norma_gltf_where(gltf *g, const char *list, size_t number) {
-    char text[64];
-    snprintf(text, sizeof text, "/%s/%zu", list, number);
-    return norma_scene_text(g->document->scene, text);
-}
-
-gltf_scene *norma_gltf_scene_of(gltf *g) {
-    norma_scene *scene = g->document->scene;
-    if (scene->gltf) return scene->gltf;
-    gltf_scene *made = norma_scene_allocate(scene, 1, sizeof *made);
-    if (!made) return NULL;
-    made->decoded = norma_scene_allocate(scene, g->accessor_count, sizeof *made->decoded);
-    made->colors = norma_scene_allocate(scene, g->accessor_count, sizeof *made->colors);
-    made->mesh_ignore = norma_scene_allocate(scene, g->mesh_count, sizeof *made->mesh_ignore);
-    made->node_ignore = norma_scene_allocate(scene, g->node_count, sizeof *made->node_ignore);
-    if (made->decoded && made->colors && made->mesh_ignore && made->node_ignore) scene->gltf = made;
-    return scene->gltf;
-}
-
-enum {
-    MOST_IGNORED = 600
-}; /* bytes of a list: some hundred ids; a file that wants more means all */
-
-/* 0: the list is full, or memory is out. */
-static int add_rule(const gltf *g, uint32_t token, json_text *list) {
-    char *rule = norma_json_string(&g->json, token);
-    size_t length = rule ? strlen(rule) : 0;
-    int fits = rule && length < MOST_IGNORED && list->size + length + 1 < MOST_IGNORED;
-    if (fits && list->size) norma_json_add(list, ",", 1);
-    if (fits) norma_json_add(list, rule, length);
-    list->failed |= !rule;
-    free(rule);
-    return fits;
-}
-
-const char *norma_gltf_ignore(gltf *g, uint32_t token) {
-    const json *j = &g->json;
-    uint32_t ignore = norma_json_member(
-        j, norma_json_member(j, norma_json_member(j, token, "extras"), "norma"), "ignore");
-    json_text list = {0};
-    if (norma_json_is(j, ignore, JSON_STRING))
-        add_rule(g, ignore, &list);
-    else if (norma_json_is(j, ignore, JSON_ARRAY))
-        for (uint32_t item = norma_json_first(j, ignore); item != JSON_NONE;
-             item = norma_json_next(j, ignore, item))
-            if (norma_json_is(j, item, JSON_STRING) && !add_rule(g, item, &list)) break;
-    if (!list.size && !list.failed) return "";
-    norma_json_add(&list, "", 1);
-    const char *kept = list.failed ? NULL : norma_scene_text(g->document->scene, list.data);
-    free(list.data);
-    return kept;
-}
-
-/* above, and behind it what an object's own extras say. */
-static const char *ignored_with(gltf *g, const char *above, uint32_t token) {
-    const char *own = above ? norma_gltf_ignore(g, token) : NULL;
-    if (!own || !own[0]) return own ? above : NULL;
-    return !above[0] || strlen(above) + strlen(own) >= MOST_IGNORED
-               ? own
-               : norma_scene_join(g->document->scene, above, own);
-}
-
-/* Of the whole file: the root's extras, and the asset's. */
-const char *norma_gltf_root_ignore(gltf *g) {
-    gltf_scene *scene = norma_gltf_scene_of(g);
-    if (scene && !scene->root_ignore)
-        scene->root_ignore =
-            ignored_with(g, norma_gltf_ignore(g, 0), norma_json_member(&g->json, 0, "asset"));
-    return scene ? scene->root_ignore : NULL;
-}
-
-/* ---- arrays */
-
-static int is_plain(const gltf_array *array, uint32_t width) {
-    return array->component == GLTF_FLOAT && array->stride == width * sizeof(float) &&
-           (uintptr_t)array->data % sizeof(float) == 0;
-}
-
-norma_document_result norma_gltf_decode(
-    gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error) {
-    gltf_array array;
-    gltf_scene *scene = norma_gltf_scene_of(g);
-    *floats = NULL;
-    if (!scene) return norma_document_fail_memory(g->document, error);
-    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
-    if (result) return result;
-    if (array.width != width)
-        return norma_gltf_malformed(g, error, g->accessors[accessor].token,
-            width == 2   ? "pairs of numbers"
-            : width == 3 ? "vectors of three numbers"
-                         : "vectors of four numbers");
-    if (is_plain(&array, width)) {
-        *floats = (const float *)(const void *)array.data;
-        return NORMA_DOCUMENT_OK;
-    }
-    if (!scene->decoded[accessor]) {
-        result = norma_gltf_spend(
-            g, g->accessors[accessor].token, array.count, width * sizeof(float), error);
-        float *copy =
-            result ? NULL
-                   : norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
-        if (!copy) return result ? result : norma_document_fail_memory(g->document, error);
-        for (size_t i = 0; i < array.count; ++i) norma_gltf_floats(&array, i, copy + width * i);
-        scene->decoded[accessor] = copy;
-    }
-    *floats = scene->decoded[accessor];
-    return NORMA_DOCUMENT_OK;
-}
-
 /* ---- attributes */
 
 static const char *encoding_name(const gltf *g, uint32_t accessor) {
@@ -216,8 +96,8 @@ static const char *ignored_by_primitive(gltf *g, const gltf_primitive *p) {
     if (!scene) return NULL;
     if (!scene->mesh_ignore[p->mesh])
         scene->mesh_ignore[p->mesh] =
-            ignored_with(g, norma_gltf_root_ignore(g), g->meshes[p->mesh].token);
-    return ignored_with(g, scene->mesh_ignore[p->mesh], p->token);
+            norma_gltf_ignored_with(g, norma_gltf_root_ignore(g), g->meshes[p->mesh].token);
+    return norma_gltf_ignored_with(g, scene->mesh_ignore[p->mesh], p->token);
 }
 
 static norma_document_result read_attributes(norma_document *document, size_t index,
@@ -344,7 +224,7 @@ static const char *ignored_by_node(gltf *g, uint32_t node) {
         path[depth++] = at;
     if (list && at != GLTF_NONE) list = scene->node_ignore[at];
     while (list && depth-- > 0) {
-        list = ignored_with(g, list, g->nodes[path[depth]].token);
+        list = norma_gltf_ignored_with(g, list, g->nodes[path[depth]].token);
         scene->node_ignore[path[depth]] = list;
     }
     free(path);
@@ -429,10 +309,6 @@ static const char *unknown_extension(gltf *g, uint32_t token) {
     return why;
 }
 
-int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor) {
-    return g->accessors[accessor].view == GLTF_NONE && g->accessors[accessor].sparse.count == 0;
-}
-
 static const char *why_in_part(const gltf *g, const gltf_primitive *p) {
     if (p->not_read) return p->mode >= GLTF_TRIANGLES ? p->not_read : NULL;
     if (p->base.normal != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.normal))
@@ -442,14 +318,28 @@ static const char *why_in_part(const gltf *g, const gltf_primitive *p) {
     return NULL;
 }
 
+/* Bytes behind the end that a GLB's header declares. 0: out of memory. */
+static int add_tail(gltf *g, norma_unread *unread, size_t *count) {
+    const size_t size = g->document->source.size - g->container_size;
+    char *texts = g->container_size && size
+                      ? norma_scene_allocate(g->document->scene, 2, sizeof(char[120]))
+                      : NULL;
+    if (!g->container_size || size == 0) return 1;
+    if (!texts) return 0;
+    snprintf(texts, 120, "byte %zu", g->container_size);
+    snprintf(texts + 120, 120, "%zu bytes follow the end that the header declares", size);
+    unread[(*count)++] = (norma_unread){texts, texts + 120};
+    return 1;
+}
+
 static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;
     norma_unread *unread = norma_scene_allocate(
-        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 1, sizeof *unread);
+        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 2, sizeof *unread);
     size_t count = 0;
-    if (!unread) return norma_document_fail_memory(document, error);
+    if (!unread || !add_tail(g, unread, &count)) return norma_document_fail_memory(document, error);
     if (norma_gltf_needs_later(g))
         unread[count++] =
             (norma_unread){"/asset/minVersion", "needs a later version of glTF than 2.0"};

@@ -25,6 +25,8 @@ gltf_scene *norma_gltf_scene_of(gltf *g);
  * list beyond all measure the rest is not taken. */
 const char *norma_gltf_ignore(gltf *g, uint32_t token);
 const char *norma_gltf_root_ignore(gltf *g);
+/* above, and behind it what an object's own extras say. */
+const char *norma_gltf_ignored_with(gltf *g, const char *above, uint32_t token);
 /* The "name" of an object, "" for none; NULL: out of memory. */
 const char *norma_gltf_name(gltf *g, uint32_t token);
 /* "/LIST/NUMBER"; NULL: out of memory. */
@@ -53,13 +55,13 @@ norma_document_result norma_gltf_read_instances(
 void norma_gltf_instance_matrix(
     const gltf_instances *instances, size_t index, double matrix[16]); /* within the node */
 
-/* gltf.c: whether a file may require the extension without a word in it changing what its meshes'
- * numbers mean. */
+/* requirements.c: whether a file may require the extension without a word in it changing what its
+ * meshes' numbers mean. */
 int norma_gltf_is_known(const char *name);
 /* Its elements have no bytes at all: zeros by the specification, that an extension or the program
  * that loads the file is to fill. What norma check judges they are not. */
 int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor);
-/* gltf.c: it asks for a version later than the one that is read here. */
+/* requirements.c: it asks for a version later than the one that is read here. */
 int norma_gltf_needs_later(const gltf *g);
 
 /* The fields of a drawing node's info that are not about what it draws. */

@@ -3,6 +3,7 @@
  * belongs to the very asset that is to be replaced: then the new buffer takes another name, so that
  * the old asset is whole until it is replaced. */
 #define _POSIX_C_SOURCE 200809L
+#include "io/gltf/write/other_asset.h"
 #include "io/gltf/write/patch.h"
 #include <errno.h>
 #include <stdio.h>
@@ -75,15 +76,22 @@ static int is_named_after(const char *path, uint32_t number, int several, const 
 
 /* Whether the asset that stands at path now has a buffer that was named so for it. */
 static int replaces_own(const char *path, uint32_t number, int several) {
-    const norma_document_options options = {
-        .struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY};
-    norma_document *old = NULL;
+    file_bytes file;
+    json j;
     int belongs = 0;
-    if (norma_document_open(path, &options, &old, NULL)) return 0;
-    const gltf *g = norma_gltf_of(old);
-    for (uint32_t b = 0; norma_document_format(old) >= NORMA_FILE_GLTF && b < g->buffer_count; ++b)
-        belongs |= g->buffers[b].name && is_named_after(path, number, several, g->buffers[b].name);
-    norma_document_close(old);
+    if (!norma_file_is_regular(path) || norma_file_open(path, 0, &file)) return 0;
+    const gltf_other kind = norma_gltf_read_other(&file, &j);
+    const uint32_t list = kind == GLTF_OTHER_READ ? norma_json_member(&j, 0, "buffers") : JSON_NONE;
+    for (uint32_t item = list == JSON_NONE ? JSON_NONE : norma_json_first(&j, list);
+         item != JSON_NONE && !belongs; item = norma_json_next(&j, list, item)) {
+        char *uri = norma_json_string(&j, norma_json_member(&j, item, "uri")),
+             *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
+        belongs = name && is_named_after(path, number, several, name);
+        free(name);
+        free(uri);
+    }
+    if (kind == GLTF_OTHER_READ) norma_json_free(&j);
+    norma_file_close(&file);
     return belongs;
 }
 

@@ -1,7 +1,16 @@
 /* encode_vectors.h: the elements of one accessor through a matrix, and back into an encoding. */
 #ifndef NORMA_IO_GLTF_BAKE_VECTORS_H
 #define NORMA_IO_GLTF_BAKE_VECTORS_H
-#include "io/gltf/bake/bake.h"
+#include "io/gltf/read/asset.h"
+
+typedef struct bake_map { /* what carries one mesh */
+    uint32_t id;          /* equal for equal matrices */
+    double matrix[16];
+    double normal[9];   /* sign(det) cof, times a power of two */
+    double fallback[3]; /* unit: what becomes of normals that a singular matrix makes zero */
+    int mirrored, rank;
+    int turns; /* 0: directions stay as they are (translation, uniform scale) */
+} bake_map;
 
 typedef enum bake_role {
     BAKE_POSITIONS = 0,

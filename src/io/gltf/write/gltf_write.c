@@ -97,7 +97,7 @@ static norma_document_result write_glb(
     const patch_buffer *bin = new_bin(g);
     size_t first = GLB_HEADER + chunk_size(g, GLB_HEADER),
            json_size = text->size + padding(text->size);
-    size_t total = GLB_HEADER + GLB_CHUNK_HEADER + json_size + (source->size - first);
+    size_t total = GLB_HEADER + GLB_CHUNK_HEADER + json_size + (g->container_size - first);
     if (bin)
         total += GLB_CHUNK_HEADER + bin->length + padding(bin->length) -
                  (g->bin ? GLB_CHUNK_HEADER + g->bin_size : 0);
@@ -113,12 +113,13 @@ static norma_document_result write_glb(
     put(out, text->data, text->size);
     put_fill(out, ' ', padding(text->size));
     if (bin && !g->bin) put_bin(out, bin);
-    for (size_t at = first; at < source->size; at += chunk_size(g, at)) {
+    for (size_t at = first; at < g->container_size; at += chunk_size(g, at)) {
         if (bin && g->bin && at == g->bin_chunk)
             put_bin(out, bin);
         else
             put(out, source->data + at, chunk_size(g, at));
     }
+    put(out, source->data + g->container_size, source->size - g->container_size);
     return NORMA_DOCUMENT_OK;
 }
 

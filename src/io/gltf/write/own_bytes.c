@@ -4,10 +4,11 @@
  * used again; all others stay as they are. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/gltf/write/own_bytes.h"
+#include "io/gltf/write/other_asset.h"
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_ENTRIES = 4096, LARGEST_ASSET = 1 << 28, GLB_TEXT = 20 };
+enum { MOST_ENTRIES = 4096, LARGEST_ASSETS = 1 << 28 };
 
 typedef struct search {
     const gltf *g;
@@ -70,35 +71,13 @@ static void add_named(search *s, const json *j) {
     free(same);
 }
 
-static int begins_like_json(const unsigned char *bytes, size_t size) {
-    size_t at = size >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
-    while (at < size && (bytes[at] == ' ' || (bytes[at] >= '\t' && bytes[at] <= '\r'))) ++at;
-    return at < size && bytes[at] == '{';
-}
-
 static void ask(search *s, const file_bytes *bytes) {
-    const char *text = (const char *)bytes->data;
-    size_t size = bytes->size;
-    if (size > GLB_TEXT && memcmp(text, "glTF", 4) == 0) {
-        const unsigned char *at = bytes->data + 12;
-        const size_t length =
-            (size_t)at[0] | (size_t)at[1] << 8 | (size_t)at[2] << 16 | (size_t)at[3] << 24;
-        text += GLB_TEXT;
-        size = length < size - GLB_TEXT ? length : size - GLB_TEXT;
-    } else if (!begins_like_json(bytes->data, size)) {
-        return;
-    }
     json j;
-    json_error wrong;
-    s->read += size;
-    if (s->read > LARGEST_ASSET) {
-        s->unknown = 1;
-    } else if (norma_json_parse(text, size, &j, &wrong)) {
-        add_named(s, &j);
-        norma_json_free(&j);
-    } else {
-        s->unknown = 1;
-    }
+    const gltf_other kind = norma_gltf_read_other(bytes, &j);
+    s->read += kind ? bytes->size : 0;
+    s->unknown |= kind == GLTF_OTHER_UNKNOWN || s->read > LARGEST_ASSETS;
+    if (kind == GLTF_OTHER_READ && !s->unknown) add_named(s, &j);
+    if (kind == GLTF_OTHER_READ) norma_json_free(&j);
 }
 
 static int visit(void *user, const char *name) {
@@ -181,10 +160,8 @@ static int is_text(const unsigned char *bytes, size_t size) {
 }
 
 static int begins_like_another_kind(const unsigned char *bytes, size_t size) {
-    static const char *const kinds[] = {"glTF", "\x89PNG", "\xFF\xD8\xFF\xE0",
-        "\x7F"
-        "ELF",
-        "PK\3\4", "%PDF", "RIFF", "\xABKTX"};
+    static const char *const kinds[] = {
+        "glTF", "\x89PNG", "\xFF\xD8\xFF\xE0", "\x7F\x45LF", "PK\3\4", "%PDF", "RIFF", "\xABKTX"};
     for (size_t i = 0; size >= 4 && i < sizeof kinds / sizeof *kinds; ++i)
         if (memcmp(bytes, kinds[i], 4) == 0) return 1;
     return is_text(bytes, size);

@@ -1,0 +1,19 @@
+/* view_bytes.c: the bytes of a view, as they are or decoded. */
+#include "io/gltf/read/asset.h"
+
+norma_document_result norma_gltf_view_bytes(
+    gltf *g, uint32_t number, const unsigned char **bytes, norma_document_error *error) {
+    gltf_view *view = &g->views[number];
+    if (view->meshopt.token != GLTF_NONE) {
+        norma_document_result result =
+            view->decoded ? NORMA_DOCUMENT_OK : norma_gltf_decode_meshopt(g, number, error);
+        *bytes = view->decoded;
+        return result;
+    }
+    norma_document_result result = norma_gltf_load_buffer(g, view->buffer, error);
+    if (result) return result;
+    if (norma_gltf_view_overruns(g, number))
+        return norma_gltf_malformed(g, error, view->token, "a view that ends inside its buffer");
+    *bytes = g->buffers[view->buffer].bytes + view->offset;
+    return NORMA_DOCUMENT_OK;
+}

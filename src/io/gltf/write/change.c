@@ -1,0 +1,44 @@
+/* change.c: beginning and end of a change: what was put becomes edits and views. */
+#include "io/gltf/write/patch.h"
+#include <stdlib.h>
+
+norma_document_result norma_gltf_begin_change(gltf *g, norma_document_error *error) {
+    if (g->changed)
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "was changed already; expected it to be saved and opened again");
+    norma_gltf_patch_free(g); /* of a change that changed nothing */
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result append_copies(gltf *g, norma_document_error *error) {
+    gltf_patch *patch = g->patch;
+    uint32_t meshes = norma_json_member(&g->json, 0, "meshes");
+    for (size_t i = 0; i < patch->copy_count; ++i) {
+        json_text text = {0};
+        int ok =
+            norma_json_write(patch->copies[i].edits, g->meshes[patch->copies[i].mesh].token, &text);
+        norma_json_add(&text, "", 1);
+        if (ok && !text.failed) norma_json_append(g->edits, meshes, text.data);
+        free(text.data);
+        if (!ok || text.failed) return norma_document_fail_memory(g->document, error);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
+    gltf_patch *patch = norma_gltf_patch_of(g);
+    norma_document_result result = patch ? norma_gltf_assign_accessors(g, error)
+                                         : norma_document_fail_memory(g->document, error);
+    if (!result) result = norma_gltf_assign_views(g, error);
+    if (!result && patch->accessor_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_ACCESSORS, error);
+    if (!result && patch->view_count > g->view_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_VIEWS, error);
+    if (!result && patch->copy_count)
+        result = norma_gltf_check_dangling(g, GLTF_LIST_MESHES, error);
+    if (!result) result = append_copies(g, error);
+    if (result) return result;
+    g->changed = norma_json_edits_any(g->edits);
+    for (size_t i = 0; i < patch->view_count; ++i) g->changed |= patch->views[i].bytes != NULL;
+    return NORMA_DOCUMENT_OK;
+}

@@ -1,0 +1,97 @@
+#!/bin/bash
+# Every verb takes files, folders and quoted patterns: the same files are found, a folder's tree is kept below --out-dir, equal names in two folders do not meet, links out of a
+# folder are not followed; lists leave out what is gone and what no reader knows; a file without a surface says why nothing is drawn.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+NORMA=${NORMA_BIN:-$tree/bin/norma}
+cd "$scratch" || exit 1
+mkdir -p models/a/deep models/b models/.hidden outside other
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >models/top.obj
+cp models/top.obj models/a/part.obj
+cp models/top.obj models/a/deep/part.obj
+cp models/top.obj models/b/part.obj
+cp models/top.obj models/.hidden/part.obj
+cp models/top.obj outside/secret.obj
+cp models/top.obj other/top.obj
+ln -s ../outside/secret.obj models/leads-out.obj
+ln -s ../outside models/leads-out
+ln -s part.obj models/a/stays.obj
+echo text >models/readme.txt
+
+# is STATUS EXPECTED COMMAND...: its status, and what is found below out afterwards (or, without --out-dir, its standard output), in one line.
+is() {
+    local wanted=$1 expected=$2 status=0 said
+    shift 2
+    rm -rf out
+    said=$("$NORMA" "$@" 2>errors </dev/null) || status=$?
+    [[ " $* " != *" out "* ]] || said=$(cd out 2>/dev/null && find . -type f | sed 's,^\./,,' | LC_ALL=C sort)
+    said=$(printf '%s' "$said" | tr '\n' ' ')
+    if [ "$status" -eq "$wanted" ] && [[ "$said" == $expected ]]; then pass "$*"; else fail "$*" "status $status (expected $wanted): $said"$'\n'"expected $expected"$'\n'"$(cat errors)"; fi
+}
+# says WORDS: on standard error, the last time.
+says() { if grep -qF -- "$1" errors; then pass "says: $1"; else fail "says: $1" "$(cat errors)"; fi; }
+
+tree_files='a/deep/part.obj a/part.obj a/stays.obj b/part.obj top.obj'
+is 0 "$tree_files" compute models --out-dir out
+says 'models/leads-out.obj: left out, since it is a link that leads out of the folder'
+is 0 "$tree_files" compute models/ --out-dir out
+is 0 "$tree_files" transform models --scale 2 --out-dir out
+is 0 "$tree_files" check models --fix-unsafe --out-dir out
+is 0 'a/deep/part.obj a/part.obj b/part.obj' compute 'models/**/part.obj' --out-dir out
+is 0 'a/part.obj b/part.obj' compute 'models/*/part.obj' --out-dir out
+is 0 'a/part.obj b/part.obj' compute models/a/part.obj models/b/part.obj --out-dir out
+is 0 'part.obj top.obj' compute models/a/part.obj models/top.obj --out-dir out
+is 0 'models/top.obj other/top.obj' transform models/top.obj other/top.obj --scale 2 --out-dir out
+is 2 '' compute models/top.obj ./models/top.obj models/../models/top.obj --out-dir out
+is 0 'models/top.obj: obj*models/a/part.obj: obj*models/a/stays.obj: obj*models/a/deep/part.obj: obj*models/b/part.obj: obj*' info models
+is 0 '*in 0 of 5 files' check models --quiet
+for verb in info check 'compute --out-dir out' 'transform --scale 2 --out-dir out' 'render --out-dir out' 'view --out-dir out'; do
+    # shellcheck disable=SC2086  # words
+    is 2 '' $verb 'models/*.nothing'
+    says "the pattern 'models/*.nothing' matches no file"
+    # shellcheck disable=SC2086  # words
+    is 2 '' $verb ''
+    says 'the name of an input is empty'
+done
+is 3 "$tree_files" compute models/.hidden/.. outside/nothing --out-dir out
+mkdir hollow
+is 3 '' compute hollow --out-dir out
+says 'hollow: holds no OBJ, PLY, STL, glTF or GLB file'
+is 2 '' compute models -o one.obj
+says 'one -o for 5 inputs'
+
+# Lists, as git gives them.
+printf 'models/top.obj\nmodels/readme.txt\nMakefile\nmodels/deleted.obj\nmodels/deleted.txt\n' >list.txt
+is 0 '*in 0 of 1 file' check --files-from list.txt --quiet
+says 'list.txt: 4 left out: 3 of a kind that is not read, 1 that do not exist'
+printf 'readme.md\n' >list.txt
+is 0 '*in 0 of 0 files' check --files-from list.txt --quiet
+is 3 '*1 not checked' check models/deleted.obj --quiet
+
+# Files without a surface.
+printf 'v 0 0 0\nv 1 0 0\np 1 2\n' >points.obj
+printf 'solid a\nendsolid a\n' >nothing.stl
+printf '{"asset":{"version":"2.0"},"extensionsRequired":["NOT_known"],"extensionsUsed":["NOT_known"],"accessors":[{"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[0,0,0]}],"meshes":[{"primitives":[{"mode":0,"attributes":{"POSITION":0}}]}]}' >points.gltf
+for verb in render view; do
+    "$NORMA" $verb models/top.obj -o drawn.png >/dev/null 2>&1 || "$NORMA" $verb models/top.obj -o drawn.html >/dev/null 2>&1 || { skip "$verb: nothing can be drawn here"; continue; }
+    ending=$([ $verb = render ] && echo png || echo html)
+    is 0 "${tree_files//.obj/.$ending}" $verb models --out-dir out
+    is 3 '' $verb points.obj -o no.$ending
+    says 'it holds points without faces'
+    is 3 '' $verb nothing.stl -o no.$ending
+    says 'it holds no faces'
+    is 3 '' $verb points.gltf -o no.$ending
+    says 'points have no normals'
+    check "$verb: nothing was written" test ! -e no.$ending
+done
+if "$NORMA" render models/top.obj -o drawn.png >/dev/null 2>&1; then
+    is 0 'models/top.obj, other/top.obj -> sheet.png: 2 triangles, *' render models/top.obj other/top.obj --sheet -o sheet.png
+    is 0 '*"inputs": \["models/top.obj", "other/top.obj"\]*' render models/top.obj other/top.obj --sheet -o sheet.png --json
+fi
+
+# Content that cannot be done is 3, whatever the format; the command line alone is 2.
+printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n' >one.stl
+is 3 '' transform one.stl --scale 1e300 --out-dir out
+says 'one.stl: the matrix takes facet 0 beyond'
+is 2 '' compute one.stl --smooth --out-dir out
+finish
