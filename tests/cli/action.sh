@@ -1,0 +1,49 @@
+#!/bin/bash
+# action.yml as GitHub's runner would run it: the step "Check", taken out of the file, under `bash --noprofile --norc -eo pipefail` with the inputs in its environment.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+NORMA=${NORMA_BIN:-$tree/bin/norma}
+cd "$scratch" || exit 1
+mkdir -p action/build/bin
+ln -s "$(realpath "$NORMA")" action/build/bin/norma
+
+# The lines below the last "run: |", without their indent.
+awk '/^      run: \|$/ { text = ""; inside = 1; next } inside { sub(/^        /, ""); text = text $0 "\n" } END { printf "%s", text }' "$root/action.yml" >step.sh
+check "the step is found" grep -q 'sarif' step.sh
+
+# run_step STATUS PATHS OPTIONS FAIL_ON [HTML]: in a folder of meshes, one of which cannot be read.
+run_step() {
+    local wanted=$1 status=0
+    rm -rf work && mkdir -p work/models && cd work || return
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >models/good.obj
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nf 1//1 2//1 3//1\n' >models/zero.obj
+    printf 'f 1 2 7\n' >models/broken.obj
+    cp models/zero.obj 'models/with blank.obj'
+    GITHUB_ACTION_PATH=$scratch/action PATHS=$2 OPTIONS=$3 FAIL_ON=$4 SARIF=norma.sarif HTML=${5:-} bash --noprofile --norc -eo pipefail ../step.sh >../said 2>&1 </dev/null || status=$?
+    cd ..
+    if [ "$status" -eq "$wanted" ]; then pass "status $wanted: paths '$2', options '$3', fail-on $4"; else fail "status $wanted: paths '$2', options '$3', fail-on $4" "status $status: $(cat said)"; fi
+}
+holds() { if grep -q -- "$2" "work/$1"; then pass "$1 has $2"; else fail "$1 has $2" "$(head -c 1000 "work/$1")"; fi; }
+
+run_step 3 models '' error page.html
+holds norma.sarif broken.obj
+holds norma.sarif zero.obj
+holds norma.sarif N102
+holds page.html broken.obj
+check "the last run tells what is wrong" grep -q 'zero.obj: error N102' said
+run_step 1 models/zero.obj '' error
+check "no page where none is asked for" test ! -e work/page.html
+run_step 0 models/good.obj '' error
+run_step 0 models/zero.obj '' never
+run_step 1 models/good.obj '' info
+# Several lines: of paths, with blanks and patterns; of options.
+run_step 1 $'models/good.obj\nmodels/with blank.obj\n' '' error
+holds norma.sarif 'with%20blank\|with blank'
+run_step 1 "models/ze*.obj" '' error
+run_step 0 models/zero.obj $'--ignore N1\n--no-config\n\n--max-samples 2' error
+run_step 0 models/zero.obj $'--no-config\n--select N3\n' error
+# What is misspelt is no success.
+run_step 2 models/good.obj '--no-such-option' error
+run_step 3 models/misspelt.obj '' error
+run_step 3 $'models/good.obj\nmisspelt' '' error
+finish
