@@ -1,10 +1,11 @@
 /* baseline.c: findings of old, kept in a file, so that a repository with many can begin to check
- * today: what is in it, no graver and no more often, is not told again. Paths are as they were
- * named, so the check is run from the same folder. Read by jansson.
+ * today: known findings are hidden unless they get worse. Paths are relative to the baseline's own
+ * folder, so it does not matter from where the check is run or how a file is spelt. Read by
+ * jansson.
  *
  *   {"schema": "norma-baseline/1", "findings": [{"path", "rule", "where", "severity", "count"},
  * ...]} */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include "cli/check/check_command.h"
 #include <errno.h>
 #include <jansson.h>
@@ -21,6 +22,7 @@ typedef struct known_finding {
 
 struct check_baseline {
     const char *path;
+    char *folder;           /* absolute, of the baseline itself; NULL: it does not exist */
     int is_new, incomplete; /* incomplete: memory was out, findings are missing */
     pthread_mutex_t lock;   /* of a new one, which all threads fill */
     known_finding *known;
@@ -88,6 +90,46 @@ static int add_known(check_baseline *baseline, const char *path, const char *rul
     return 1;
 }
 
+/* ---- paths */
+
+static char *real_folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup("."),
+         *real = folder ? realpath(folder, NULL) : NULL;
+    free(folder);
+    return real;
+}
+
+/* How many bytes two absolute folders share, whole components only. */
+static size_t shared_length(const char *a, const char *b) {
+    size_t same = 0, length = 0;
+    for (; a[same] && a[same] == b[same]; ++same)
+        if (a[same] == '/') length = same;
+    const int ends = (!a[same] || a[same] == '/') && (!b[same] || b[same] == '/');
+    return ends ? same : length;
+}
+
+/* A file as the baseline names it: from its own folder, with ../ where it lies elsewhere. The file
+ * may be a link, or missing: only its folder is looked up. The caller's to free. */
+static char *place_of(const check_baseline *baseline, const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    char *folder = strcmp(path, "-") == 0 || !baseline->folder ? NULL : real_folder_of(path);
+    if (!folder) return strdup(path);
+    const size_t shared = shared_length(folder, baseline->folder);
+    size_t ups = 0;
+    for (const char *at = baseline->folder + shared; *at; ++at) ups += *at == '/' && at[1];
+    const char *below = folder + shared;
+    below += *below == '/';
+    const size_t size = 3 * ups + strlen(below) + strlen(name) + 2;
+    char *place = malloc(size);
+    if (place) {
+        for (size_t i = 0; i < ups; ++i) memcpy(place + 3 * i, "../", 3);
+        snprintf(place + 3 * ups, size - 3 * ups, "%s%s%s", below, *below ? "/" : "", name);
+    }
+    free(folder);
+    return place;
+}
+
 check_baseline *check_baseline_new(const char *path) {
     check_baseline *baseline = calloc(1, sizeof *baseline);
     if (!baseline) {
@@ -95,6 +137,7 @@ check_baseline *check_baseline_new(const char *path) {
         return NULL;
     }
     baseline->path = path;
+    baseline->folder = real_folder_of(path);
     baseline->is_new = 1;
     pthread_mutex_init(&baseline->lock, NULL);
     return baseline;
@@ -104,6 +147,7 @@ void check_baseline_free(check_baseline *baseline) {
     if (!baseline) return;
     for (size_t i = 0; i < baseline->count; ++i) free_known(&baseline->known[i]);
     free(baseline->known);
+    free(baseline->folder);
     pthread_mutex_destroy(&baseline->lock);
     free(baseline);
 }
@@ -159,7 +203,10 @@ check_baseline *check_baseline_read(const char *path) {
 int check_baseline_knows(const check_baseline *baseline, const char *path,
     const norma_finding *finding, norma_severity severity) {
     known_finding key;
-    check_fingerprint(path, finding->rule->id, finding->where, severity, key.fingerprint);
+    char *place = place_of(baseline, path);
+    if (!place) return 0;
+    check_fingerprint(place, finding->rule->id, finding->where, severity, key.fingerprint);
+    free(place);
     const known_finding *known = baseline->count ? bsearch(&key, baseline->known, baseline->count,
                                                        sizeof *baseline->known, compare_known)
                                                  : NULL;
@@ -168,11 +215,13 @@ int check_baseline_knows(const check_baseline *baseline, const char *path,
 
 int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
     norma_severity severity) {
+    char *place = place_of(baseline, path);
     pthread_mutex_lock(&baseline->lock);
-    int fine =
-        add_known(baseline, path, finding->rule->id, finding->where, severity, finding->count);
+    const int fine = place && add_known(baseline, place, finding->rule->id, finding->where,
+                                  severity, finding->count);
     baseline->incomplete |= !fine;
     pthread_mutex_unlock(&baseline->lock);
+    free(place);
     return fine;
 }
 

@@ -73,25 +73,32 @@ typedef struct check_work {
     int no_config;
     cli_files files; /* the words, --input-format, and where the report or what is mended goes */
     cli_common common;
+    char expected[160]; /* what a wrong list of rules may mean */
 } check_work;
 
 /* ---- options */
 
-static const char *set_rules(const char *value, uint8_t *mask) {
+/* Messages are of this length at most, and stay in the work for as long as the command line is
+ * read. */
+static const char *set_rules(check_work *work, const char *value, uint8_t *mask) {
     static const char expected[] =
         "ids of rules (N301), their beginnings (N3) or names, with commas";
     char unknown[64] = "";
-    return norma_rules_select(value, mask, unknown) == NORMA_OK ? NULL : expected;
+    if (norma_rules_select(value, mask, unknown) == NORMA_OK) return NULL;
+    const char *meant = check_suggest_rule(unknown);
+    if (!meant) return expected;
+    snprintf(work->expected, sizeof work->expected, "%s; did you mean %s?", expected, meant);
+    return work->expected;
 }
 
 static const char *set_select(void *settings, const char *value) {
     check_work *work = settings;
     work->settings.has_select = 1;
-    return set_rules(value, work->settings.select);
+    return set_rules(work, value, work->settings.select);
 }
 
 static const char *set_ignore(void *settings, const char *value) {
-    return set_rules(value, ((check_work *)settings)->settings.ignore);
+    return set_rules(settings, value, ((check_work *)settings)->settings.ignore);
 }
 
 static const char *set_profile(void *settings, const char *value) {

@@ -36,6 +36,30 @@ static int fail(const check_config *config, const char *where, const char *expec
     return 0;
 }
 
+const char *check_suggest_rule(const char *word) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    const char *name = cli_suggest(word, &rules->name, count, sizeof *rules);
+    return name ? name : cli_suggest(word, &rules->id, count, sizeof *rules);
+}
+
+/* Of a word where one of a list is expected. */
+static int fail_word(
+    const check_config *config, const char *where, const char *word, const char *expected) {
+    char meant[CLI_LONGEST_WORD + 1];
+    if (!word || !cli_suggest_listed(word, expected, meant)) return fail(config, where, expected);
+    cli_error("%s: %s: expected %s; did you mean %s?", config->path, where, expected, meant);
+    return 0;
+}
+
+static int fail_rule(const check_config *config, const char *where, const char *unknown) {
+    const char *meant = check_suggest_rule(unknown);
+    if (!meant) return fail(config, where, "ids of rules, their beginnings or names");
+    cli_error(
+        "%s: %s: no rule is called '%s'; did you mean %s?", config->path, where, unknown, meant);
+    return 0;
+}
+
 static int read_rules(
     const check_config *config, const char *where, const json_t *list, uint8_t *mask) {
     size_t i;
@@ -47,7 +71,7 @@ static int read_rules(
         uint8_t some[CHECK_RULES] = {0};
         if (!json_is_string(word) ||
             norma_rules_select(json_string_value(word), some, unknown) != NORMA_OK)
-            return fail(config, where, "ids of rules, their beginnings or names");
+            return fail_rule(config, where, unknown);
         for (size_t rule = 0; rule < CHECK_RULES; ++rule) mask[rule] |= some[rule];
     }
     return 1;
@@ -76,9 +100,9 @@ static int read_severities(
         int number =
             word && strcmp(word, "off") == 0 ? CHECK_SEVERITY_OFF : read_severity_name(word);
         if (number < 0)
-            return fail(config, where, "\"off\", \"info\", \"warning\" or \"error\" for each rule");
+            return fail_word(config, where, word, "\"off\", \"info\", \"warning\" or \"error\"");
         if (norma_rules_select(key, mask, unknown) != NORMA_OK)
-            return fail(config, where, "ids of rules, their beginnings or names as keys");
+            return fail_rule(config, where, unknown);
         for (size_t rule = 0; rule < CHECK_RULES; ++rule)
             if (mask[rule]) severity[rule] = (uint8_t)number;
     }
@@ -131,7 +155,7 @@ static int read_override(const check_config *config, json_t *table, check_overri
             fine = read_rules(config, "overrides: ignore", value, ignore);
             turn_off(ignore, override->severity);
         } else
-            fine = fail(config, key, "files, meshes, materials, ignore or severity in an override");
+            fine = fail_word(config, key, key, "files, meshes, materials, ignore or severity");
         if (!fine) return 0;
     }
     return 1;
@@ -158,7 +182,7 @@ static int read_profile(check_config *config, const json_t *value) {
     else if (word && strcmp(word, "print") == 0)
         config->profile = NORMA_CHECK_PROFILE_PRINT;
     else
-        return fail(config, "profile", "\"render\" or \"print\"");
+        return fail_word(config, "profile", word, "\"render\" or \"print\"");
     return 1;
 }
 
@@ -167,7 +191,7 @@ static int read_fail_on(check_config *config, const json_t *value) {
     config->fail_on =
         word && strcmp(word, "never") == 0 ? CHECK_FAIL_NEVER : read_severity_name(word);
     return config->fail_on > 0 ||
-           fail(config, "fail-on", "\"error\", \"warning\", \"info\" or \"never\"");
+           fail_word(config, "fail-on", word, "\"error\", \"warning\", \"info\" or \"never\"");
 }
 
 static int read_key(check_config *config, const char *key, json_t *value) {
@@ -184,7 +208,8 @@ static int read_key(check_config *config, const char *key, json_t *value) {
     if (strcmp(key, "ignore") == 0) return read_rules(config, key, value, config->ignore);
     if (strcmp(key, "severity") == 0) return read_severities(config, key, value, config->severity);
     if (strcmp(key, "overrides") == 0) return read_overrides(config, value);
-    return fail(config, key, "profile, strict, fail-on, select, ignore, severity or overrides");
+    return fail_word(
+        config, key, key, "profile, strict, fail-on, select, ignore, severity or overrides");
 }
 
 static void free_config(check_config *config) {

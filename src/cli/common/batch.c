@@ -110,6 +110,7 @@ typedef struct file_job {
     const cli_files *files;
     const cli_changer *changer;
     const char *input, *output;
+    double before; /* bytes of the input and its buffers; 0: not known */
 } file_job;
 
 /* Past stdio's buffer: what stood there after an interruption would be waited for once more at the
@@ -189,6 +190,59 @@ static norma_document_result open_input(
     return result;
 }
 
+/* ---- sizes */
+
+static int add_size(void *user, const char *path) {
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode))
+        *(double *)user += (double)status.st_size;
+    return 0;
+}
+
+/* Of a file and, for a .gltf, of the files that it names. */
+static double size_of(const char *path, norma_document *document) {
+    double size = 0;
+    if (is_standard(path)) return 0;
+    add_size(&size, path);
+    if (norma_document_format(document) == NORMA_FILE_GLTF)
+        norma_document_visit_files(document, add_size, &size, NULL);
+    return size;
+}
+
+static double size_of_output(const file_job *job) {
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = job->files->format,
+        .depth = NORMA_DOCUMENT_SUMMARY,
+        .lenient = 1};
+    norma_document *document = NULL;
+    double size = 0;
+    if (norma_file_format_of_path(job->output) != NORMA_FILE_GLTF) {
+        if (!is_standard(job->output)) add_size(&size, job->output);
+    } else if (!norma_document_open(job->output, &options, &document, NULL)) {
+        size = size_of(job->output, document);
+        norma_document_close(document);
+    }
+    return size;
+}
+
+static void write_size(FILE *out, double bytes) {
+    char number[32];
+    const int unit = bytes >= 1e6 ? 2 : bytes >= 1e3 ? 1 : 0;
+    static const char *const names[] = {"bytes", "kB", "MB"};
+    static const double sizes[] = {1, 1e3, 1e6};
+    fprintf(out, "%s %s", cli_decimals(number, bytes / sizes[unit], unit ? 1 : 0), names[unit]);
+}
+
+/* Only if it grew by more than a tenth. */
+static void write_growth(const file_job *job, FILE *out) {
+    const double after = job->before > 0 ? size_of_output(job) : 0;
+    if (after <= 1.1 * job->before) return;
+    fputs("; size ", out);
+    write_size(out, job->before);
+    fputs(" -> ", out);
+    write_size(out, after);
+}
+
 static void report_json(
     const file_job *job, const norma_document *document, const norma_document_error *error) {
     cli_json json = {.out = stdout};
@@ -216,6 +270,7 @@ static void report(
         cli_say(out, "%s -> %s: ", cli_input_name(job->input),
             to_stdout ? "standard output" : job->output);
         job->changer->write_text(job->changer->work, document, out);
+        write_growth(job, out);
         fputc('\n', out);
         fflush(out);
         cli_print_notes(job->input, document);
@@ -245,12 +300,13 @@ int cli_guard_outputs(const cli_files *files) {
     return guard_each(files);
 }
 
-static int run_job(const file_job *job) {
+static int run_job(file_job *job) {
     norma_document *document;
     void *memory;
     norma_document_error error = {0};
     norma_document_result result = open_input(job, &document, &memory, &error);
     const int refused = result ? CLI_OK : guard_output(job->files, job->input, job->output);
+    if (!result) job->before = size_of(job->input, document);
     if (!result && !refused) result = change_document(job, document, &error);
     error.result = result;
     cli_name_error(&error, job->input);
@@ -271,7 +327,7 @@ static int change_files(const cli_subcommand *verb, const cli_common *common, cl
         const char *input = files->inputs.paths[i];
         char *output = cli_output_of(files, i, NULL);
         if (!output) return cli_out_of_memory();
-        const file_job one = {
+        file_job one = {
             .common = common, .files = files, .changer = changer, .input = input, .output = output};
         status = cli_worse(status, run_job(&one));
         free(output);

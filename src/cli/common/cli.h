@@ -41,6 +41,11 @@ int cli_usage(const cli_subcommand *verb, const char *format, ...);
  * most likely means; NULL: none is near. */
 const char *cli_suggest(const char *word, const void *names, size_t count, size_t stride);
 
+/* The word of expected, a list such as "error, warning or info", that given most likely means; 0:
+ * none is near, or expected is no such list. */
+enum { CLI_LONGEST_WORD = 32 };
+int cli_suggest_listed(const char *given, const char *expected, char meant[CLI_LONGEST_WORD + 1]);
+
 /* ---- options: one table for each verb */
 
 enum {
@@ -89,6 +94,9 @@ extern const cli_option cli_common_options[]; /* --json --max-memory --quiet --t
 extern const size_t cli_common_option_count;
 const char *cli_limit_memory(
     const char *value); /* of --max-memory, for the whole process: NULL, or what was expected */
+/* "; memory is limited to 512M (--max-memory)", or "" without a limit: the end of a message. */
+enum { CLI_LIMIT_ROOM = 96 };
+void cli_memory_limit_words(char text[CLI_LIMIT_ROOM]);
 extern const cli_option cli_matrix_options[]; /* --scale --rotate --translate --matrix */
 #define CLI_MATRIX_HELP                                                                            \
     "The matrix: the first given acts first on the points\n"                                       \

@@ -166,12 +166,21 @@ norma_document_result cli_reported(norma_document_error *error) {
     return error->result;
 }
 
+/* The same words whoever ran out of it, and the limit if there is one. */
+static void name_limit(norma_document_error *error, const char *input) {
+    char limit[CLI_LIMIT_ROOM];
+    cli_memory_limit_words(limit);
+    snprintf(error->message, sizeof error->message, "%.800s: out of memory%s",
+        cli_input_name(input), limit);
+}
+
 void cli_name_error(norma_document_error *error, const char *input) {
     static const char nameless[] = "<memory>";
     char rest[sizeof error->message];
     if (error->result && !error->message[0])
         snprintf(error->message, sizeof error->message, "%.900s: %s", cli_input_name(input),
             plain_reason(error->result));
+    if (error->result == NORMA_DOCUMENT_ERROR_MEMORY) name_limit(error, input);
     if (error->result == NORMA_DOCUMENT_CANCELLED)
         snprintf(
             error->message, sizeof error->message, "%.900s: interrupted", cli_input_name(input));

@@ -85,6 +85,10 @@ static const char *set_matrix(void *settings, const char *value) {
     double rows[16], next[16];
     if (cli_numbers(value, rows, 16) != 16)
         return "16 numbers, row by row, such as \"1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1\"";
+    /* A translation in the last row and none in the last column. */
+    if ((rows[12] != 0 || rows[13] != 0 || rows[14] != 0) && rows[15] == 1 && rows[3] == 0 &&
+        rows[7] == 0 && rows[11] == 0)
+        return "16 numbers row by row, the last row 0 0 0 1; column-major? transpose it";
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column) next[4 * column + row] = rows[4 * row + column];
     return compose_checked(settings, next);

@@ -38,3 +38,24 @@ const char *cli_limit_memory(const char *value) {
     return "a system that limits the memory of a process, which this one does not";
 #endif
 }
+
+/* As --max-memory takes it: 512M. */
+static void write_bytes(char *text, size_t room, unsigned long long bytes) {
+    static const char units[] = "\0KMGT";
+    size_t unit = 0;
+    for (; unit < 4 && bytes && bytes % 1024 == 0; ++unit) bytes /= 1024;
+    snprintf(text, room, "%llu%s%c", bytes, unit ? "" : " bytes", units[unit]);
+}
+
+void cli_memory_limit_words(char text[CLI_LIMIT_ROOM]) {
+    text[0] = '\0';
+#if defined(RLIMIT_DATA)
+    struct rlimit limit;
+    char bytes[40];
+    if (getrlimit(RLIMIT_DATA, &limit) || limit.rlim_cur == RLIM_INFINITY) return;
+    write_bytes(bytes, sizeof bytes, (unsigned long long)limit.rlim_cur);
+    snprintf(text, CLI_LIMIT_ROOM, "; memory is limited to %s (--max-memory)", bytes);
+#else
+    (void)write_bytes;
+#endif
+}

@@ -18,7 +18,7 @@ int cli_usage(const cli_subcommand *verb, const char *format, ...) {
 /* ---- what a misspelt word may mean: the least number of letters to put in, take out, change or
  * swap with the next */
 
-enum { LONGEST_WORD = 32 };
+enum { LONGEST_WORD = CLI_LONGEST_WORD };
 
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
@@ -54,6 +54,38 @@ const char *cli_suggest(const char *word, const void *names, size_t count, size_
         }
     }
     return best;
+}
+
+/* The words of a list such as "error, warning, info or never" are what is compared. What does not
+ * read as such a list names nothing. */
+static int next_word(const char **text, char word[LONGEST_WORD + 1]) {
+    const size_t length = strcspn(*text, ", "), quoted = **text == '"';
+    if (length == 0 || length - 2 * quoted > LONGEST_WORD) return 0;
+    memcpy(word, *text + quoted, length - 2 * quoted);
+    word[length - 2 * quoted] = '\0';
+    *text += length;
+    const char *const between[] = {", ", " or "};
+    for (size_t i = 0; i < CLI_COUNT(between); ++i)
+        if (strncmp(*text, between[i], strlen(between[i])) == 0) {
+            *text += strlen(between[i]);
+            return 1;
+        }
+    return **text == '\0';
+}
+
+int cli_suggest_listed(const char *given, const char *expected, char meant[CLI_LONGEST_WORD + 1]) {
+    char word[LONGEST_WORD + 1];
+    size_t nearest = SIZE_MAX;
+    while (*expected) {
+        if (!next_word(&expected, word)) return 0;
+        const char *name = word;
+        const size_t distance = edit_distance(given, word);
+        if (cli_suggest(given, &name, 1, sizeof name) && distance < nearest) {
+            nearest = distance;
+            strcpy(meant, word);
+        }
+    }
+    return nearest != SIZE_MAX;
 }
 
 /* ---- parsing */
@@ -120,7 +152,11 @@ static int read_option(const cli_subcommand *verb, const cli_table *tables, size
         value = arguments[++*at];
     }
     const char *expected = option->set(table->settings, value);
+    char meant[LONGEST_WORD + 1];
     if (!expected) return CLI_OK;
+    if (value && cli_suggest_listed(value, expected, meant))
+        return cli_usage(
+            verb, "--%s '%s': expected %s; did you mean %s?", option->name, value, expected, meant);
     return value ? cli_usage(verb, "--%s '%s': expected %s", option->name, value, expected)
                  : cli_usage(verb, "--%s: %s", option->name, expected);
 }

@@ -9,7 +9,9 @@
 #include <unistd.h>
 
 int cli_out_of_memory(void) {
-    cli_error("out of memory");
+    char limit[CLI_LIMIT_ROOM];
+    cli_memory_limit_words(limit);
+    cli_error("out of memory%s", limit);
     return CLI_FILE;
 }
 

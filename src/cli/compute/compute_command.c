@@ -273,12 +273,26 @@ static void write_cause(FILE *out, int *written, size_t count, const char *one, 
     *written = 1;
 }
 
-static void write_filled(const norma_compute_summary *summary, FILE *out) {
+/* What has a normal of its own in each format: a vertex, a corner of a face, a face, a facet. */
+static void write_elements(
+    const norma_compute_summary *summary, norma_file_format format, size_t count, FILE *out) {
+    if (format == NORMA_FILE_STL)
+        cli_counted(out, count, "facet", "facets");
+    else if (format == NORMA_FILE_OBJ && summary->shading == NORMA_SHADING_FLAT)
+        cli_counted(out, count, "face", "faces");
+    else if (format == NORMA_FILE_OBJ && summary->shading == NORMA_SHADING_CREASE)
+        cli_counted(out, count, "corner", "corners");
+    else
+        cli_counted(out, count, "vertex", "vertices");
+}
+
+static void write_filled(
+    const norma_compute_summary *summary, norma_file_format format, FILE *out) {
     const norma_report *counts = &summary->report;
     int written = 0;
     if (!summary->filled && !counts->degenerate_faces.count) return;
     fputs("; ", out);
-    cli_count(out, summary->filled);
+    write_elements(summary, format, summary->filled, out);
     fputs(" had no normal", out);
     write_cause(
         out, &written, counts->degenerate_faces.count, "degenerate face", "degenerate faces");
@@ -310,7 +324,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         fputs(" -> ", out);
         cli_count(out, summary->vertices_after);
     }
-    write_filled(summary, out);
+    write_filled(summary, norma_document_format(document), out);
 }
 
 /* ---- the verb */
