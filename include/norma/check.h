@@ -214,7 +214,7 @@ typedef struct norma_fix_summary {
     /* With open_by_rays: open parts that rays turned or confirmed, and parts that were left as they
      * are because the rays do not agree. */
     size_t by_rays, undecided;
-    double least_confidence; /* of by_rays: (rays for it - rays against it) / 256 */
+    double least_confidence; /* of by_rays: (rays for it - rays against it) / rays */
 } norma_fix_summary;
 
 /* Fixes what the selected rules find and a program can fix. Nothing else in the document changes.

@@ -778,7 +778,7 @@ typedef struct norma_orient_report {
     /* Open parts: turned or confirmed by rays; undecided ones are left as most of their faces
      * were. */
     size_t by_rays, undecided;
-    /* The least of these: (rays for the decision - rays against it) / 256; 1 if by_rays is 0. */
+    /* The least of these: (rays for the decision - rays against it) / rays; 1 if by_rays is 0. */
     double least_confidence;
 
     size_t reversed_faces;
@@ -800,12 +800,13 @@ typedef struct norma_orient_report {
  * Each part is first wound as most of its faces are. A closed part is then turned outward by the
  * sign of its volume. Cavities stay cavities: parts are judged from outside in, and a part with
  * negative volume directly inside a solid (the smallest part that contains it, by winding numbers)
- * is kept. Open parts keep the winding of most of their faces, or are turned by 256 rays each
- * towards the side from which rays travel farther: a guess, with a confidence. A part counts as
- * closed if its own faces cancel at each edge, even if other parts touch it there.
- * The result is the same for any number of threads. Errors: those of norma_face_normals.
- * Cost: O(corners * log valence), plus O(parts log parts + rays log faces) for nesting and rays.
- * Source: Takayama, Jacobson, Kavan, Sorkine-Hornung 2014 (rays). */
+ * is kept. Open parts keep the winding of most of their faces, or are turned by up to 256 rays each
+ * (64 where there are many parts) towards the side from which rays travel farther: a guess, with a
+ * confidence. A part counts as closed if its own faces cancel at each edge, even if other parts
+ * touch it there. The result is the same for any number of threads. Errors: those of
+ * norma_face_normals. Cost: O(corners * log valence), plus O(parts log parts + parts log faces) for
+ * nesting and rays: where surfaces lie so densely that rays cost more, fewer are cast. Source:
+ * Takayama, Jacobson, Kavan, Sorkine-Hornung 2014 (rays). */
 NORMA_API norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     const norma_options *options, uint8_t *reverse, size_t capacity, norma_orient_report *report);
 

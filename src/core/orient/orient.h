@@ -8,6 +8,7 @@
 typedef struct core_ray_votes {
     size_t decided, undecided, reversed;
     double least_confidence;
+    uint64_t steps; /* nodes and corners that rays looked at: O(parts log faces) */
 } core_ray_votes;
 norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components,
     uint8_t open_flags, core_ray_votes *votes);

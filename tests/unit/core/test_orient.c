@@ -2,6 +2,7 @@
  * solids, touching ones, one-sided ones and open ones. What is right is known from how they were
  * built. */
 #include "check.h"
+#include "core/orient/orient.h"
 #include "mesh_files.h"
 
 /* A box wound outward, or inward. */
@@ -180,6 +181,74 @@ static void rays_turn_what_is_open(void **state) {
     }
 }
 
+static double random_unit(uint32_t *state) { return random_next(state) / 16777216.0; }
+
+/* Triangles in a unit cube, of random corners up to size apart. At 1 every box overlaps most
+ * others.
+ */
+static void add_random_triangles(mesh_file *mesh, size_t count, double size) {
+    uint32_t state = 7;
+    for (uint32_t f = 0; f < count; f++) {
+        double from[3];
+        for (int k = 0; k < 3; k++) from[k] = (1 - size) * random_unit(&state);
+        for (int k = 0; k < 3; k++)
+            mesh_file_add_position(mesh, from[0] + size * random_unit(&state),
+                from[1] + size * random_unit(&state), from[2] + size * random_unit(&state));
+        mesh_file_add_face(mesh, (uint32_t[]){3 * f, 3 * f + 1, 3 * f + 2}, 3);
+    }
+}
+
+static uint64_t count_ray_steps(const mesh_file *mesh) {
+    core_call call;
+    core_mesh checked;
+    core_topology topology;
+    core_components components;
+    core_ray_votes votes;
+    const norma_mesh view = mesh_file_view_polygons(mesh);
+    assert_ok(norma_core_begin(&call, NULL));
+    assert_ok(norma_core_mesh_shape(&view, &checked));
+    assert_ok(norma_core_mesh_content(&call, &checked));
+    assert_ok(norma_core_topology_open(&call, &checked, &topology));
+    assert_ok(norma_core_pair_edges(&topology, NULL));
+    assert_ok(norma_core_find_components(&topology, CORE_JOIN_CUT, &components));
+    assert_ok(norma_core_orient_by_rays(&topology, &components, COMPONENT_OPEN, &votes));
+    norma_core_release_components(&call, &components);
+    norma_core_topology_close(&topology);
+    return votes.steps;
+}
+
+/* The work of rays grows as n log n even where they can leave out nothing: in four times as many
+ * triangles, each may look at a quarter more at most. */
+static void rays_take_n_log_n_steps(void **state) {
+    (void)state;
+    uint64_t before = 0;
+    for (size_t count = 250; count <= 4000; count *= 4) {
+        mesh_file mesh = {0};
+        add_random_triangles(&mesh, count, 1);
+        const uint64_t steps = count_ray_steps(&mesh);
+        assert_true(steps > 64 * count);
+        if (before) assert_true(steps < 5 * before);
+        before = steps;
+        mesh_file_free(&mesh);
+    }
+}
+
+/* What rays turned once they leave as it is: they start and go the same way on either winding. */
+static void rays_turn_nothing_twice(void **state) {
+    (void)state;
+    enum { COUNT = 300 };
+    mesh_file mesh = {0};
+    uint8_t reverse[COUNT];
+    add_random_triangles(&mesh, COUNT, .05);
+    norma_orient_report report = orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, reverse);
+    assert_true(report.reversed_faces > COUNT / 4);
+    for (size_t f = 0; f < COUNT; f++)
+        if (reverse[f]) turn(&mesh, f);
+    report = orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, reverse);
+    assert_int_equal(report.reversed_faces, 0);
+    mesh_file_free(&mesh);
+}
+
 /* Of every mesh of the data set: turning faces as told leaves no conflict but at one-sided parts,
  * and a second look turns nothing more. */
 static void once_is_enough(void *user, const char *path, const char *name) {
@@ -259,6 +328,8 @@ int main(void) {
         cmocka_unit_test(parts_are_cut_at_edges_of_many_faces),
         cmocka_unit_test(a_moebius_band_is_left),
         cmocka_unit_test(rays_turn_what_is_open),
+        cmocka_unit_test(rays_take_n_log_n_steps),
+        cmocka_unit_test(rays_turn_nothing_twice),
         cmocka_unit_test(a_ray_without_a_direction_along_x),
         cmocka_unit_test(turned_meshes_stay),
         cmocka_unit_test(threads_change_nothing),
