@@ -63,7 +63,7 @@ web_module(norma.wasm ${web_core_objects})
 
 # The page's module: the readers as well, without what a page has not.
 set(web_page_sources ${io_sources})
-list(FILTER web_page_sources EXCLUDE REGEX "/(file/mapped_file|file/atomic_write|file/folder|meshopt_views|meshopt_left_out)\\.c$")
+list(FILTER web_page_sources EXCLUDE REGEX "/(file/read_file|file/atomic_write|file/folder|meshopt_views|meshopt_left_out)\\.c$")
 list(APPEND web_page_sources ${check_sources})
 list(FILTER web_page_sources EXCLUDE REGEX "/check/fix/")
 list(TRANSFORM web_page_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")

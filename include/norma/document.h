@@ -3,8 +3,8 @@
  *
  * Open a document from a path or from memory, change it with norma_document_compute, _transform or
  * _edit, and save it. Saving writes a temporary file, flushes it and renames it, so at any time
- * either the old file or the new one is complete. Large source files are mapped, not copied; they
- * must not change while their document is open.
+ * either the old file or the new one is complete. A document uses its own copy of the files that it
+ * was read from, so other programs may write to them meanwhile; saving in place is then refused.
  *
  * A glTF document takes one change. A second change is an argument error: save the document and
  * open it again, or use norma_document_settle. Mesh data and infos of a changed glTF remain those
@@ -86,9 +86,9 @@ typedef struct norma_document_options {
      * file requires (norma_document_unread reports them). */
     int lenient;
 
-    /* Nonzero: read files into memory instead of mapping large ones. If another program shortens a
-     * mapped file, reading the lost part raises SIGBUS (POSIX), which this library does not catch.
-     */
+    /* Nonzero: for a summary, too, read files into memory instead of mapping large ones. If another
+     * program shortens a mapped file, reading the lost part raises SIGBUS (POSIX), which this
+     * library does not catch. */
     int copied;
 } norma_document_options;
 

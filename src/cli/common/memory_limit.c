@@ -1,6 +1,7 @@
 /* memory_limit.c: --max-memory: a limit on what this process may take, set with the system, which
  * refuses every block beyond it, whoever asks: so an input that needs more ends as "out of memory"
- * and status 3, like a machine that has no more. Files that are mapped for reading do not count. */
+ * and status 3, like a machine that has no more. Files that are read count too; large ones that
+ * info maps do not. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/common/cli.h"
 #include <math.h>

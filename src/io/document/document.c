@@ -96,7 +96,11 @@ static norma_document_result open_with(const char *name, int has_folder, const f
     if (memory) {
         made->source = *memory;
     } else {
-        int failed = norma_file_open(name, made->copied, &made->source);
+        const file_reading how = {
+            .map_large = !made->copied && options.depth != NORMA_DOCUMENT_WHOLE,
+            .progress = options.progress,
+            .progress_user = options.progress_user};
+        int failed = norma_file_open(name, &how, &made->source);
         if (failed) result = norma_document_fail_file(name, error, "cannot be read", failed);
         made->stamp = made->source.stamp;
     }

@@ -44,8 +44,7 @@ static norma_document_result check_target(
 typedef struct file_sink {
     const norma_document *document;
     file_writer *writer;
-    uint64_t written,
-        forgotten; /* up to where in the output what is copied from the source has left memory */
+    uint64_t written;
     int error, cancelled;
 } file_sink;
 
@@ -64,10 +63,6 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
         if (sink->cancelled) return 1;
         sink->error = norma_file_writer_write(sink->writer, at, part);
         sink->written += part;
-        if (document->lean && sink->written - sink->forgotten >= slice) {
-            norma_file_forget(&document->source);
-            sink->forgotten = sink->written;
-        }
         at += part;
         size -= part;
     }

@@ -1,4 +1,4 @@
-/* file.h: bytes of a file, mapped for reading; files written whole or not at all. */
+/* file.h: the bytes of a file; files written whole or not at all. */
 #ifndef NORMA_IO_FILE_H
 #define NORMA_IO_FILE_H
 #include <stddef.h>
@@ -20,16 +20,20 @@ typedef struct file_bytes {
 } file_bytes;
 
 /* What these functions return beside 0 and errno. */
-enum { FILE_CHANGED = -1, FILE_IN_USE = -2 };
+enum { FILE_CHANGED = -1, FILE_IN_USE = -2, FILE_CANCELLED = -3, FILE_NOT_REGULAR = -4 };
 
-/* Large regular files are mapped, unless they are to be copied; small ones, pipes and devices are
- * read to their end. Returns 0, errno, or FILE_CHANGED. A mapped file that another program shortens
- * raises SIGBUS where its lost bytes are read. */
-int norma_file_open(const char *path, int copied, file_bytes *bytes);
+typedef struct file_reading {
+    int map_large; /* nonzero: a large file is mapped, for readers that check each byte where they
+                      use it and read it once. Cut short by another program, it raises SIGBUS */
+    norma_progress *progress; /* asked now and then whether to go on; may be NULL */
+    void *progress_user;
+} file_reading;
+
+/* Reads a regular file into memory. how may be NULL: no mapping, no progress. Returns 0, errno,
+ * FILE_CHANGED, FILE_CANCELLED or, for a device or a pipe, which may have no end,
+ * FILE_NOT_REGULAR. */
+int norma_file_open(const char *path, const file_reading *how, file_bytes *bytes);
 void norma_file_close(file_bytes *bytes);
-/* What has been read of a large mapped file need not stay in this process's memory; it is mapped
- * again where it is needed. */
-void norma_file_forget(const file_bytes *bytes);
 
 /* Whether the file has been written to since the stamp was taken. Another file that has taken its
  * name meanwhile is no change: what was read is whole. */

@@ -1,4 +1,4 @@
-/* file_windows.c: mapped_file.c, atomic_write.c and folder.c for Windows. Paths are UTF-8.
+/* file_windows.c: read_file.c, atomic_write.c and folder.c for Windows. Paths are UTF-8.
  *
  * Files are read whole, never mapped: a mapped file could not be replaced. Writing goes to a
  * temporary file beside the target, which is flushed (FlushFileBuffers) and moved over it
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BUFFER_SIZE = 1 << 18, FIRST_READ = 1 << 16, MOST_NAMES = 10000, AT_ONCE = 1 << 28 };
+enum { BUFFER_SIZE = 1 << 18, FIRST_READ = 1 << 16, MOST_NAMES = 10000, AT_ONCE = 1 << 24 };
 
 static int error_of(DWORD error) {
     static const struct {
@@ -147,7 +147,8 @@ int norma_file_is_link(const char *path) {
 
 /* ---- reading */
 
-static int read_to_end(HANDLE handle, uint64_t expected, file_bytes *bytes) {
+static int read_to_end(
+    HANDLE handle, uint64_t expected, const file_reading *how, file_bytes *bytes) {
     if (expected >= SIZE_MAX / 2) return EFBIG;
     size_t capacity = expected ? (size_t)expected + 1 : FIRST_READ, size = 0;
     unsigned char *data = malloc(capacity);
@@ -165,6 +166,10 @@ static int read_to_end(HANDLE handle, uint64_t expected, file_bytes *bytes) {
             free(data);
             return error;
         }
+        if (how && how->progress && how->progress(how->progress_user, 0)) {
+            free(data);
+            return FILE_CANCELLED;
+        }
         if (got == 0) {
             *bytes = (file_bytes){.data = data, .size = size, .owned = 1};
             return 0;
@@ -175,18 +180,19 @@ static int read_to_end(HANDLE handle, uint64_t expected, file_bytes *bytes) {
     return ENOMEM;
 }
 
-int norma_file_open(const char *path, int copied, file_bytes *bytes) {
+int norma_file_open(const char *path, const file_reading *how, file_bytes *bytes) {
     HANDLE handle;
     BY_HANDLE_FILE_INFORMATION info, after;
-    (void)copied;
     *bytes = (file_bytes){0};
     int error = open_handle(path, GENERIC_READ,
         FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING, &handle);
     if (error) return error;
     const int is_file = information(handle, &info);
     const file_stamp before = is_file ? stamp_of(&info) : (file_stamp){0};
-    error = is_file && !before.known ? EISDIR : read_to_end(handle, before.size, bytes);
-    if (!error && is_file && information(handle, &after)) {
+    error = !is_file        ? FILE_NOT_REGULAR
+            : !before.known ? EISDIR
+                            : read_to_end(handle, before.size, how, bytes);
+    if (!error && information(handle, &after)) {
         const file_stamp now = stamp_of(&after);
         bytes->stamp = before;
         error = are_equal(&before, &now) ? 0 : FILE_CHANGED;
@@ -200,8 +206,6 @@ void norma_file_close(file_bytes *bytes) {
     if (bytes->owned) free((void *)(uintptr_t)bytes->data);
     *bytes = (file_bytes){0};
 }
-
-void norma_file_forget(const file_bytes *bytes) { (void)bytes; }
 
 /* ---- writing */
 

@@ -57,6 +57,10 @@ void norma_document_system_text(int system_error, char *text, size_t room) {
         snprintf(text, room, "another program has changed it since it was read");
     else if (system_error == FILE_IN_USE)
         snprintf(text, room, "another program is replacing it at this moment");
+    else if (system_error == FILE_NOT_REGULAR)
+        snprintf(text, room, "it is a device or a pipe; expected a regular file");
+    else if (system_error == FILE_CANCELLED)
+        snprintf(text, room, "cancelled");
     else if (norma_system_text(system_error))
         snprintf(text, room, "%s", norma_system_text(system_error));
     else
@@ -65,8 +69,9 @@ void norma_document_system_text(int system_error, char *text, size_t room) {
 
 norma_document_result norma_document_fail_file(
     const char *path, norma_document_error *error, const char *what, int system_error) {
-    norma_document_result result =
-        system_error == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_FILE;
+    norma_document_result result = system_error == ENOMEM           ? NORMA_DOCUMENT_ERROR_MEMORY
+                                   : system_error == FILE_CANCELLED ? NORMA_DOCUMENT_CANCELLED
+                                                                    : NORMA_DOCUMENT_ERROR_FILE;
     char text[160];
     norma_document_system_text(system_error, text, sizeof text);
     const norma_document named = {.path = (char *)(uintptr_t)path};

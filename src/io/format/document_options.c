@@ -4,6 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+int norma_document_load_file(const norma_document *document, const char *path, file_bytes *bytes) {
+    const file_reading how = {
+        .progress = document->progress, .progress_user = document->progress_user};
+    return norma_file_open(path, &how, bytes);
+}
+
 void norma_options_of_compute(const norma_compute_options *options, norma_options *core) {
     *core = (norma_options){
         .struct_size = sizeof *core,

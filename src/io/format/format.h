@@ -44,10 +44,8 @@ struct norma_document {
     size_t given_count;
     char **notes;
     size_t note_count, note_capacity;
-    int failed; /* a change went wrong half-way: it can only be closed */
-    int lean; /* what is read of the source while it is saved leaves memory again: what was computed
-                 takes enough */
-    int copied;                /* files are read into memory, not mapped */
+    int failed;                /* a change went wrong half-way: it can only be closed */
+    int copied;                /* files are read into memory, for a summary too */
     int lenient;               /* what norma check judges is read instead of refused */
     struct norma_scene *scene; /* what else is told of it (scene.h) */
 };
@@ -154,6 +152,10 @@ norma_document_result norma_document_read(
 /* Whether a file that it is read from has been written to, with the error. Mapped bytes are those
  * of the file as it is now: half of them may be old, half of them new. */
 int norma_document_changed(const norma_document *document, norma_document_error *error);
+
+/* A file beside the document's own, read into memory; cancelled by the document's progress. Returns
+ * what norma_file_open does. */
+int norma_document_load_file(const norma_document *document, const char *path, file_bytes *bytes);
 
 /* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
 #if defined(__GNUC__)

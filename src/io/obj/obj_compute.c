@@ -352,7 +352,6 @@ static norma_document_result run(computation *c, const norma_compute_options *op
     norma_result result = choose_shading(c, options);
     if (!result && wanted) result = compute_elements(c);
     if (result) return norma_document_fail_core(c->document, c->error, result);
-    c->document->lean = 1;
     return wanted ? store(c) : NORMA_DOCUMENT_OK;
 }
 

@@ -435,7 +435,6 @@ static norma_document_result gather(
     if (result == NORMA_DOCUMENT_ERROR_MALFORMED || result == NORMA_DOCUMENT_ERROR_UNSUPPORTED)
         return tell(g, start, error);
     if (!result) result = check_whole(g, start, document, error);
-    norma_file_forget(&document->source);
     return result;
 }
 

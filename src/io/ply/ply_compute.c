@@ -259,18 +259,13 @@ static void report_reasons(const ply_job *job) {
 
 static norma_document_result compute_split(ply_job *job, double crease) {
     split_mesh split = {0};
-    norma_file_forget(
-        &job->document
-             ->source); /* its faces are copied; what is needed of its vertices comes back */
     norma_document_result result = gather_split_mesh(job, &split);
     if (!result && job->state->vertices + split.mesh.corner_count > UINT32_MAX)
         result = norma_document_fail(job->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
             NULL, "splitting could need more than 4294967295 vertices");
     if (!result) result = run_split(job, &split, crease);
-    norma_file_forget(&job->document->source); /* and again: all that follows needs no positions */
     if (!result) result = place_vertices(job, &split);
     if (!result) report_reasons(job);
-    job->document->lean = 1;
     free_split(&split);
     return result;
 }

@@ -100,7 +100,7 @@ static void put(const char *path, const char *text) {
 
 static void assert_holds(const char *path, const char *text) {
     file_bytes bytes;
-    assert_int_equal(norma_file_open(path, 0, &bytes), 0);
+    assert_int_equal(norma_file_open(path, NULL, &bytes), 0);
     assert_int_equal(bytes.size, strlen(text));
     assert_memory_equal(bytes.data, text, bytes.size);
     norma_file_close(&bytes);

@@ -20,14 +20,11 @@ static int pass_on(void *user, double fraction) {
         job->options->progress_user, job->progress_base + fraction * job->progress_scale);
 }
 
-enum { LARGE_MESH = 1 << 20 }; /* corners; it is worth while to let go of what it was read from */
-
 static norma_document_result compute_mesh(gltf_job *job, uint32_t mesh) {
     gltf_surface surface;
     norma_document_result result = norma_gltf_gather(job, mesh, &surface);
     if (!result) result = norma_gltf_find_points(job, &surface);
     job->core.progress = NULL;
-    if (surface.core.corner_count >= LARGE_MESH) norma_file_forget(&job->g->document->source);
     if (!result) result = norma_gltf_take_points(job, &surface);
     if (!result) result = norma_gltf_morph(job, &surface);
     norma_gltf_surface_free(&surface);

@@ -177,7 +177,7 @@ static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_docum
     int failed = stat(path, &status) ? errno
                  : !S_ISREG(status.st_mode)
                      ? EINVAL
-                     : norma_file_open(path, g->document->copied, &buffer->file);
+                     : norma_document_load_file(g->document, path, &buffer->file);
     free(path);
     if (failed) {
         char text[160] = "no regular file";

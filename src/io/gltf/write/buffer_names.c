@@ -51,7 +51,7 @@ typedef enum found { FOUND_NOTHING, FOUND_SAME, FOUND_OTHER, FOUND_UNKNOWN } fou
 static found look(const gltf *g, uint32_t buffer, const char *file) {
     const patch_buffer *b = &g->patch->buffers[buffer];
     file_bytes bytes;
-    int failed = norma_file_open(file, g->document->copied, &bytes);
+    int failed = norma_file_open(file, NULL, &bytes);
     if (failed)
         return failed == ENOENT                                          ? FOUND_NOTHING
                : failed == EACCES || failed == EISDIR || failed == ELOOP ? FOUND_OTHER

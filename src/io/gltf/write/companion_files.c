@@ -73,7 +73,7 @@ static int stays_in_folder(const companions *c, const companion *one) {
 /* Adds a file to be written, unless it is there already. Takes over one->path and one->file. */
 static norma_document_result add(companions *c, companion one) {
     file_bytes there;
-    int failed = norma_file_open(one.path, c->document->copied, &there), same = 0;
+    int failed = norma_file_open(one.path, NULL, &there), same = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!failed) {
         same = has_content(&one, &there);
@@ -157,7 +157,7 @@ static norma_document_result add_file(companions *c, const char *name, uint32_t 
                                      "%s lies outside the asset's folder and was not copied", name),
                NORMA_DOCUMENT_OK;
     int failed = stat(source, &status)     ? errno
-                 : S_ISREG(status.st_mode) ? norma_file_open(source, c->document->copied, &one.file)
+                 : S_ISREG(status.st_mode) ? norma_file_open(source, NULL, &one.file)
                                            : ENOENT;
     const int absent =
         failed == ENOENT || failed == ENOTDIR || failed == ENAMETOOLONG || failed == ELOOP;

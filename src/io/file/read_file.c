@@ -1,5 +1,5 @@
-/* mapped_file.c: the bytes of a file, mapped for reading, and whether they still are what the file
- * holds. */
+/* read_file.c: the bytes of a file in memory of our own, which no other program can change while
+ * they are used; and whether the file still is what was read. */
 #define _DEFAULT_SOURCE /* madvise */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
@@ -12,55 +12,77 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Up to here reading costs no more than mapping, and what is read cannot vanish. */
-enum { FIRST_READ = 1 << 16, SMALL_FILE = 1 << 18 };
+enum { FIRST_READ = 1 << 16, SMALL_FILE = 1 << 18, LARGE_PAGE = 1 << 21, AT_ONCE = 1 << 24 };
 
 /* ---- reading */
 
-static int read_to_end(int descriptor, size_t expected, file_bytes *bytes) {
-    size_t capacity = expected ? expected + 1 : FIRST_READ, size = 0; /* one more, to see the end */
-    unsigned char *data = malloc(capacity);
-    while (data) {
-        if (size == capacity) {
-            unsigned char *larger = capacity > SIZE_MAX / 2 ? NULL : realloc(data, capacity * 2);
-            if (!larger) {
-                free(data);
-                return ENOMEM;
-            }
-            data = larger;
-            capacity *= 2;
-        }
-        ssize_t got = read(descriptor, data + size, capacity - size);
-        if (got == 0) {
-            *bytes = (file_bytes){.data = data, .size = size, .owned = 1};
-            return 0;
-        }
-        if (got > 0) {
-            size += (size_t)got;
-        } else if (errno != EINTR) {
-            int error = errno;
-            free(data);
-            return error;
-        }
-    }
-    return ENOMEM;
+/* In large pages where the system has them: what reading into fresh memory costs is mostly pages.
+ */
+static unsigned char *allocate(size_t capacity) {
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+    const size_t page = LARGE_PAGE, rounded = (capacity + page - 1) / page * page;
+    unsigned char *data = capacity < 2 * page ? NULL : aligned_alloc(page, rounded);
+    if (data) (void)madvise(data, rounded, MADV_HUGEPAGE);
+    return data ? data : malloc(capacity);
+#else
+    return malloc(capacity);
+#endif
 }
 
-static int map_whole(int descriptor, size_t size, file_bytes *bytes) {
+static int is_cancelled(const file_reading *how) {
+    return how && how->progress && how->progress(how->progress_user, 0);
+}
+
+/* Appends what there is, up to capacity, in slices so small that a cancel is noticed soon. */
+static int read_into(
+    int descriptor, const file_reading *how, unsigned char *data, size_t capacity, size_t *size) {
+    while (*size < capacity) {
+        const size_t left = capacity - *size;
+        const ssize_t got = read(descriptor, data + *size, left < AT_ONCE ? left : AT_ONCE);
+        if (got < 0 && errno != EINTR) return errno;
+        if (is_cancelled(how)) return FILE_CANCELLED;
+        if (got == 0) return 0;
+        *size += got > 0 ? (size_t)got : 0;
+    }
+    return 0;
+}
+
+/* One byte more than is expected shows the end. */
+static int read_to_end(
+    int descriptor, size_t expected, const file_reading *how, file_bytes *bytes) {
+    size_t capacity = expected ? expected + 1 : FIRST_READ, size = 0;
+    unsigned char *data = allocate(capacity);
+    int error = data ? read_into(descriptor, how, data, capacity, &size) : ENOMEM;
+    while (!error && size == capacity) {
+        unsigned char *larger = capacity > SIZE_MAX / 2 ? NULL : realloc(data, capacity *= 2);
+        data = larger ? larger : data;
+        error = larger ? read_into(descriptor, how, data, capacity, &size) : ENOMEM;
+    }
+    if (error)
+        free(data);
+    else
+        *bytes = (file_bytes){.data = data, .size = size, .owned = 1};
+    return error;
+}
+
+static int map_whole(int descriptor, size_t size, const file_reading *how, file_bytes *bytes) {
     void *data = mmap(NULL, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
     if (data == MAP_FAILED)
-        return errno == ENODEV || errno == EACCES ? read_to_end(descriptor, size, bytes) : errno;
+        return errno == ENODEV || errno == EACCES ? read_to_end(descriptor, size, how, bytes)
+                                                  : errno;
     *bytes = (file_bytes){.data = data, .size = size, .mapped = 1, .owned = 1};
     return 0;
 }
 
 /* A regular file of no size may be one of /proc, whose size is not known before it is read. */
-static int read_regular(int descriptor, int copied, const struct stat *status, file_bytes *bytes) {
+static int read_regular(
+    int descriptor, const file_reading *how, const struct stat *status, file_bytes *bytes) {
     struct stat after;
-    if ((uintmax_t)status->st_size > SIZE_MAX / 2) return EFBIG;
+    if ((uintmax_t)status->st_size > SIZE_MAX / 4) return EFBIG;
     const size_t size = (size_t)status->st_size;
-    int error = size > SMALL_FILE && !copied ? map_whole(descriptor, size, bytes)
-                                             : read_to_end(descriptor, size, bytes);
+    int error = size > SMALL_FILE && how && how->map_large
+                    ? map_whole(descriptor, size, how, bytes)
+                    : read_to_end(descriptor, size, how, bytes);
     if (error) return error;
     if (size > 0) bytes->stamp = norma_file_stamp_of(status);
     if (bytes->mapped || size == 0) return 0;
@@ -71,18 +93,18 @@ static int read_regular(int descriptor, int copied, const struct stat *status, f
     return error;
 }
 
-int norma_file_open(const char *path, int copied, file_bytes *bytes) {
+int norma_file_open(const char *path, const file_reading *how, file_bytes *bytes) {
     *bytes = (file_bytes){0};
     int descriptor;
-    do descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    do descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe would block here */
     while (descriptor < 0 && errno == EINTR);
     if (descriptor < 0) return errno;
     struct stat status;
     int error = fstat(descriptor, &status) ? errno : 0;
     if (!error && S_ISDIR(status.st_mode)) error = EISDIR;
     if (!error)
-        error = S_ISREG(status.st_mode) ? read_regular(descriptor, copied, &status, bytes)
-                                        : read_to_end(descriptor, 0, bytes);
+        error = S_ISREG(status.st_mode) ? read_regular(descriptor, how, &status, bytes)
+                                        : FILE_NOT_REGULAR;
     close(descriptor);
     return error;
 }
@@ -93,16 +115,6 @@ void norma_file_close(file_bytes *bytes) {
     else if (bytes->owned)
         free((void *)(uintptr_t)bytes->data);
     *bytes = (file_bytes){0};
-}
-
-void norma_file_forget(const file_bytes *bytes) {
-#if defined(MADV_DONTNEED)
-    const size_t large = (size_t)1 << 24;
-    if (bytes->mapped && bytes->size >= large)
-        (void)madvise((void *)(uintptr_t)bytes->data, bytes->size, MADV_DONTNEED);
-#else
-    (void)bytes;
-#endif
 }
 
 /* ---- stamps and names */
