@@ -43,6 +43,15 @@ names() {
 all_names=$(names)
 clashes=$(printf '%s\n' "$all_names" | awk '{ print $2 }' | sort | uniq -d)
 
+# The switch that leaves a file out; nothing for most.
+switch_of() { # FILE
+    case $1 in
+        core/orient/*) echo NORMA_WITHOUT_ORIENT ;;
+        core/plan/morph_*) echo NORMA_WITHOUT_MORPHS ;;
+        core/plan/*) echo NORMA_WITHOUT_PLANS ;;
+    esac
+}
+
 body() { # FILE: without includes of ours
     sed -E '/^#[[:space:]]*include[[:space:]]*("|<norma\/)/d; /^#[[:space:]]*define[[:space:]]+_[A-Z0-9_]+_SOURCE/d' "$1"
 }
@@ -53,6 +62,12 @@ body() { # FILE: without includes of ours
  *
  *     cc -std=c11 -O2 -ffp-contract=off -c norma.c        link with -lm -pthread
  *
+ * Define any of these to leave out what is not needed, and its functions with it:
+ *     NORMA_WITHOUT_ORIENT     norma_orient, norma_reverse_winding
+ *     NORMA_WITHOUT_PLANS      norma_plan_*, and morph targets, which use them
+ *     NORMA_WITHOUT_MORPHS     norma_morph_normals
+ *     NORMA_WITHOUT_AVX512     code for AVX-512; AVX2 does the same work
+ *
 HEAD
     sed -e 's/^/ * /' -e 's/ *$//' "$root/LICENSE"
     cat <<'HEAD'
@@ -61,6 +76,12 @@ HEAD
     # Feature-test macros must come before any header.
     sed -nE 's/^#[[:space:]]*define[[:space:]]+(_[A-Z0-9_]+_SOURCE)(.*)/#ifndef \1\n#define \1\2\n#endif/p' "${files[@]}" | awk '!(/^#ifndef/ && seen[$0]++) { if (!skip) print } /^#ifndef/ { skip = seen[$0] > 1 } /^#endif/ { skip = 0 }'
     cat <<'HEAD'
+#ifdef __cplusplus
+#error "norma.c is C: compile it as C11 and link it; norma.h is for C and C++"
+#endif
+#if defined(NORMA_WITHOUT_PLANS) && !defined(NORMA_WITHOUT_MORPHS)
+#define NORMA_WITHOUT_MORPHS
+#endif
 #ifdef __FAST_MATH__
 #error "norma.c needs IEEE arithmetic: compile it without -ffast-math"
 #endif
@@ -70,20 +91,28 @@ HEAD
 #elif defined(__GNUC__)
 #pragma GCC optimize("fp-contract=off")
 #endif
-#if defined(__GNUC__)
+#if defined(__GNUC__) || defined(__clang__)
 #pragma GCC diagnostic ignored "-Wshadow" /* what were files may use each other's names for locals */
+#if defined(__MINGW32__)
+#pragma GCC diagnostic ignored "-Wfloat-conversion" /* in its macros of math.h */
+#endif
 #endif
 #include "norma.h"
 HEAD
     for header in $headers; do
+        switch=$(switch_of "$header")
         printf '\n/* ---- %s */\n\n' "$header"
+        [ -z "$switch" ] || echo "#if !defined($switch)"
         body "$header"
+        [ -z "$switch" ] || echo "#endif"
     done
     for file in "${files[@]}"; do
         place=${file#core/} place=${place%.c} place=${place//\//_}
         mine=$(comm -12 <(printf '%s\n' "$all_names" | awk -v f="$file" '$1 == f { print $2 }' | sort) <(printf '%s\n' "$clashes"))
         macros=$(sed -nE 's/^#[[:space:]]*define[[:space:]]+([A-Za-z_][A-Za-z0-9_]*).*/\1/p' "$file" | grep -vE '_SOURCE$' | sort -u || true)
+        switch=$(switch_of "$file")
         printf '\n/* ---- %s */\n\n' "$file"
+        [ -z "$switch" ] || echo "#if !defined($switch)"
         for name in $mine; do
             printf '%s\n' "$macros" | grep -qx "$name" || echo "#define $name norma_single_${place}_$name"
         done
@@ -91,6 +120,7 @@ HEAD
         for name in $(printf '%s\n' "$mine" "$macros" | sort -u); do
             printf '#undef %s\n' "$name"
         done
+        [ -z "$switch" ] || echo "#endif"
     done
 } >"$out/norma.c.new"
 mv "$out/norma.c.new" "$out/norma.c"

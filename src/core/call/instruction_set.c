@@ -1,22 +1,26 @@
 /* instruction_set.c: what the machine can run, asked of the processor, not of the compiler. */
 #include "core/call/instruction_set.h"
 
-#if defined(__x86_64__) || defined(__i386__)
+#if defined(CORE_HAS_X86)
 static int has_x86(norma_isa isa) {
     __builtin_cpu_init();
     if (isa == NORMA_ISA_SSE2) return __builtin_cpu_supports("sse2") != 0;
     if (isa == NORMA_ISA_AVX2) return __builtin_cpu_supports("avx2") != 0;
+#if defined(CORE_HAS_AVX512)
     if (isa == NORMA_ISA_AVX512)
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                __builtin_cpu_supports("avx512vl");
+#endif
     return 0;
 }
 #endif
 
 int norma_core_has_isa(norma_isa isa) {
     if (isa == NORMA_ISA_BEST || isa == NORMA_ISA_PORTABLE) return 1;
-#if defined(__x86_64__) || defined(__i386__)
+#if defined(CORE_HAS_X86)
     return has_x86(isa);
+#elif defined(__x86_64__)
+    return isa == NORMA_ISA_SSE2;
 #elif defined(__aarch64__)
     return isa == NORMA_ISA_NEON;
 #elif defined(__wasm_simd128__)

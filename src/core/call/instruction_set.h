@@ -23,6 +23,9 @@ core_level norma_core_level(norma_isa isa); /* the highest that the machine has 
 
 #if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
 #define CORE_HAS_X86
+#if !defined(NORMA_WITHOUT_AVX512) /* a choice of the single file's users: less code */
+#define CORE_HAS_AVX512
+#endif
 #define CORE_FOR_AVX2 __attribute__((target("avx2")))
 #if defined(__clang__)
 #define CORE_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl")))
@@ -31,5 +34,17 @@ core_level norma_core_level(norma_isa isa); /* the highest that the machine has 
 #endif
 #define CORE_IN_REGISTERS                                                                          \
     CORE_FOR_AVX512 CORE_INLINE /* a step of a loop that is written for AVX-512 */
+#endif
+
+/* The kernels of one name, by level. */
+#if defined(CORE_HAS_AVX512)
+#define CORE_KERNELS(name)                                                                         \
+    { name##_portable, name##_avx2, name##_avx512 }
+#elif defined(CORE_HAS_X86)
+#define CORE_KERNELS(name)                                                                         \
+    { name##_portable, name##_avx2 }
+#else
+#define CORE_KERNELS(name)                                                                         \
+    { name##_portable }
 #endif
 #endif

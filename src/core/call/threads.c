@@ -24,7 +24,7 @@ static norma_result run_in_callers_jobs(const pool *c) {
     return norma_core_progress(c->call, 1) ? NORMA_CANCELLED : NORMA_OK;
 }
 
-#if defined(__wasm__)
+#if defined(__wasm__) || defined(_MSC_VER) /* neither has pthreads: a parallel_for serves there */
 static norma_result run_in_threads(const pool *c, size_t workers) {
     (void)workers;
     return run_here(c);

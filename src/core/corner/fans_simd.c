@@ -429,18 +429,15 @@ CORE_FOR_AVX2 static int settle_avx2(
     const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     return settle(s, list, t, edges);
 }
+#if defined(CORE_HAS_AVX512)
 CORE_FOR_AVX512 static int settle_avx512(
     const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     return settle(s, list, t, edges);
 }
 #endif
+#endif
 
 fans_simd *norma_core_choose_fans(norma_isa isa) {
-#if defined(CORE_HAS_X86)
-    static fans_simd *const settles[] = {settle_portable, settle_avx2, settle_avx512};
+    static fans_simd *const settles[] = CORE_KERNELS(settle);
     return settles[norma_core_level(isa)];
-#else
-    (void)isa;
-    return settle_portable;
-#endif
 }

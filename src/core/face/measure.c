@@ -34,20 +34,17 @@ static void measure_portable(core_batch *t, norma_weight weight, core_corners wa
 CORE_FOR_AVX2 static void measure_avx2(core_batch *t, norma_weight weight, core_corners wanted) {
     measure(t, weight, wanted);
 }
+#if defined(CORE_HAS_AVX512)
 CORE_FOR_AVX512 static void measure_avx512(
     core_batch *t, norma_weight weight, core_corners wanted) {
     measure(t, weight, wanted);
 }
 #endif
+#endif
 
 void norma_core_measure(
     core_level level, core_batch *batch, norma_weight weight, core_corners wanted) {
-#if defined(CORE_HAS_X86)
     typedef void measure_for(core_batch * t, norma_weight weight, core_corners wanted);
-    static measure_for *const measures[] = {measure_portable, measure_avx2, measure_avx512};
+    static measure_for *const measures[] = CORE_KERNELS(measure);
     measures[level](batch, weight, wanted);
-#else
-    (void)level;
-    measure_portable(batch, weight, wanted);
-#endif
 }

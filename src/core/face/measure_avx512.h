@@ -5,7 +5,7 @@
 #ifndef NORMA_CORE_EIGHT_AVX512_H
 #define NORMA_CORE_EIGHT_AVX512_H
 #include "core/call/instruction_set.h"
-#if defined(CORE_HAS_X86)
+#if defined(CORE_HAS_AVX512)
 #include "core/face/triangle.h"
 #include <immintrin.h>
 

@@ -181,18 +181,16 @@ static norma_result many_portable(const matrix_stream *s, size_t count) { return
 CORE_FOR_AVX2 static norma_result many_avx2(const matrix_stream *s, size_t count) {
     return many(s, count);
 }
+#if defined(CORE_HAS_AVX512)
 CORE_FOR_AVX512 static norma_result many_avx512(const matrix_stream *s, size_t count) {
     return many(s, count);
 }
 #endif
+#endif
 
 static matrix_kernel *choose_kernel(void) {
-#if defined(CORE_HAS_X86)
-    static matrix_kernel *const kernels[] = {many_portable, many_avx2, many_avx512};
+    static matrix_kernel *const kernels[] = CORE_KERNELS(many);
     return kernels[norma_core_level(NORMA_ISA_BEST)];
-#else
-    return many_portable;
-#endif
 }
 
 norma_result norma_normal_matrices(const float *models, size_t count, norma_winding winding,

@@ -147,15 +147,16 @@ CORE_FOR_AVX2 static size_t units_avx2(
     const double m[9], const float *in, size_t count, float *out) {
     return units_of_blocks(m, in, count, out);
 }
+#if defined(CORE_HAS_AVX512)
+static size_t units_avx512(const double m[9], const float *in, size_t count, float *out) {
+    return norma_core_units_avx512(m, in, count, out);
+}
+#endif
 #endif
 
 static block_kernel *choose_kernel(void) {
-#if defined(CORE_HAS_X86)
-    static block_kernel *const kernels[] = {units_portable, units_avx2, norma_core_units_avx512};
+    static block_kernel *const kernels[] = CORE_KERNELS(units);
     return kernels[norma_core_level(NORMA_ISA_BEST)];
-#else
-    return units_portable;
-#endif
 }
 
 /* ---- one vector */

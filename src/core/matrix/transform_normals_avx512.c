@@ -4,7 +4,7 @@
  * instructions of loops over a block writes what each step leaves and reads it again: 50 cycles for
  * eight normals against 38. */
 #include "core/matrix/transform_normals_avx512.h"
-#if defined(CORE_HAS_X86)
+#if defined(CORE_HAS_AVX512)
 #include <immintrin.h>
 
 /* Of 48 numbers in three registers, x y z x y z ..., those of one axis lie at places that are each

@@ -1,7 +1,7 @@
 /* face_block_avx512.c: triangles weighed by their angles, eight in the registers of AVX-512, from
  * corners to rows. Loops over lanes take 16.8 cycles a triangle, these 14.4. */
 #include "core/plan/face_block_avx512.h"
-#if defined(CORE_HAS_X86)
+#if defined(CORE_HAS_AVX512)
 #include "core/face/measure_avx512.h"
 
 CORE_IN_REGISTERS __m512d two_rows(const double *low, const double *high) {

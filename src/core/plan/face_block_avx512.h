@@ -4,7 +4,7 @@
 #include "core/plan/face_block.h"
 #include "core/call/instruction_set.h"
 
-#if defined(CORE_HAS_X86)
+#if defined(CORE_HAS_AVX512)
 /* Normals and angles of some eights of triangles; the doubted ones are listed. */
 void norma_core_block_angles_avx512(const block_view *t, block_some eights, block_room *room);
 #endif

@@ -364,6 +364,7 @@ CORE_FOR_AVX2 static void measure_avx2(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     measure_triangles(t, eights, weight, room);
 }
+#if defined(CORE_HAS_AVX512)
 CORE_FOR_AVX512 static void measure_avx512(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     if (weight == NORMA_WEIGHT_ANGLE)
@@ -371,6 +372,7 @@ CORE_FOR_AVX512 static void measure_avx512(
     else
         measure_triangles(t, eights, weight, room);
 }
+#endif
 CORE_FOR_AVX2 static void lengths_avx2(const vertex_sum *sums, core_lengths *out, double *fine) {
     core_lanes_lengths(sums, out, fine);
 }
@@ -384,8 +386,10 @@ CORE_FOR_AVX2 static int sum_avx2(const block_view *t, block_some groups, block_
 /* Rows are of four: wider registers do not help to sum them, nor to finish sums. */
 block_kernels norma_core_block_kernels(norma_isa isa) {
     switch (norma_core_level(isa)) {
+#if defined(CORE_HAS_AVX512)
     case CORE_AVX512:
         return (block_kernels){load_avx2, measure_avx512, sum_avx2};
+#endif
     case CORE_AVX2:
         return (block_kernels){load_avx2, measure_avx2, sum_avx2};
     default:

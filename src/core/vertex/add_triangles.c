@@ -313,37 +313,40 @@ static int finish_portable(const vertex_sum *sums, float (*normals)[3]) {
 CORE_FOR_AVX2 static void add_avx2(const core_adder *adder, size_t begin, size_t end) {
     add_triangles(adder, begin, end);
 }
+#if defined(CORE_HAS_AVX512)
 CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, size_t end) {
     add_triangles(adder, norma_core_add_eights_avx512(adder, begin, end), end);
 }
+#endif
 CORE_FOR_AVX2 static void queue_avx2(
     const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
     queue_triangles(adder, begin, end, scale, queue);
 }
+#if defined(CORE_HAS_AVX512)
 CORE_FOR_AVX512 static void queue_avx512(
     const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
     queue_triangles(adder, begin, end, scale, queue);
 }
+#endif
 CORE_FOR_AVX2 static void drain_avx2(const core_queue *queue, size_t part, vertex_sum *sums) {
     drain_queue(queue, part, sums);
 }
+#if defined(CORE_HAS_AVX512)
 CORE_FOR_AVX512 static void drain_avx512(const core_queue *queue, size_t part, vertex_sum *sums) {
     drain_queue(queue, part, sums);
 }
+#endif
 CORE_FOR_AVX2 static int finish_avx2(const vertex_sum *sums, float (*normals)[3]) {
     return finish_sums(sums, normals);
 }
-static core_add_triangles *const ADD[] = {add_portable, add_avx2, add_avx512};
-static core_queue_triangles *const QUEUE[] = {queue_portable, queue_avx2, queue_avx512};
-static core_drain_queue *const DRAIN[] = {drain_portable, drain_avx2, drain_avx512};
 static core_finish_sums *const FINISH[] = {
     finish_portable, finish_avx2, finish_avx2}; /* rows are of four */
 #else
-static core_add_triangles *const ADD[] = {add_portable};
-static core_queue_triangles *const QUEUE[] = {queue_portable};
-static core_drain_queue *const DRAIN[] = {drain_portable};
 static core_finish_sums *const FINISH[] = {finish_portable};
 #endif
+static core_add_triangles *const ADD[] = CORE_KERNELS(add);
+static core_queue_triangles *const QUEUE[] = CORE_KERNELS(queue);
+static core_drain_queue *const DRAIN[] = CORE_KERNELS(drain);
 
 core_add_triangles *norma_core_choose_add(norma_isa isa) { return ADD[norma_core_level(isa)]; }
 core_queue_triangles *norma_core_choose_queue(norma_isa isa) {

@@ -5,7 +5,7 @@
 #pragma GCC optimize("no-tree-slp-vectorize") /* as in add_triangles.c */
 #endif
 #include "core/vertex/add_triangles_avx512.h"
-#if defined(CORE_HAS_X86)
+#if defined(CORE_HAS_AVX512)
 #include "core/face/measure_avx512.h"
 #include "core/vertex/add_eight_triangles.h"
 
