@@ -254,6 +254,7 @@ static int read_options(
         return cli_usage(verb, "--open-by-rays needs --fix-unsafe");
     work->settings.files = &work->files;
     work->settings.threads = work->common.threads;
+    work->settings.quiet = work->common.quiet;
     if (work->common.quiet && work->format == &check_format_text)
         work->format = &check_format_quiet;
     work->settings.input_format = work->files.format;

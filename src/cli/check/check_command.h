@@ -54,6 +54,9 @@ typedef struct check_settings {
     int dry_run;
     int open_by_rays;       /* of --fix-unsafe */
     const cli_files *files; /* where mended files go */
+    int quiet;
+    norma_progress *progress; /* of whatever takes long */
+    void *progress_user;
 } check_settings;
 enum { CHECK_FAIL_NEVER = 100 };
 enum { CHECK_FIX_NOTHING = 0, CHECK_FIX_SAFE, CHECK_FIX_UNSAFE };

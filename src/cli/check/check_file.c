@@ -45,7 +45,8 @@ static norma_check_options choose_options(const file_check *check, const uint8_t
         .max_samples = settings->max_samples,
         .rules = rules,
         .threads = settings->threads,
-        .progress = cli_stop_when_interrupted,
+        .progress = settings->progress,
+        .progress_user = settings->progress_user,
         .open_by_rays = settings->open_by_rays};
 }
 
@@ -161,7 +162,8 @@ static norma_document_result open_and_judge(file_check *check) {
         .format = settings->input_format,
         .threads = settings->threads,
         .lenient = 1,
-        .progress = cli_stop_when_interrupted};
+        .progress = settings->progress,
+        .progress_user = settings->progress_user};
     norma_document_result result = cli_open(
         settings->files, check->path, &opening, &check->document, &check->memory, &check->error);
     if (result) return result;

@@ -14,7 +14,8 @@ static norma_document_result settle(const check_settings *settings, norma_docume
     const norma_document_options options = {.struct_size = sizeof options,
         .threads = settings->threads,
         .lenient = 1,
-        .progress = cli_stop_when_interrupted};
+        .progress = settings->progress,
+        .progress_user = settings->progress_user};
     norma_document_result result = norma_document_settle(
         document, is_standard(output) ? NULL : output, &options, settled, error);
     if (!result) mended->steps[mended->step_count++] = *settled;
@@ -70,7 +71,8 @@ static norma_document_result judge_all(const check_settings *settings, norma_doc
     const norma_check_options options = {.struct_size = sizeof options,
         .max_samples = 1,
         .threads = settings->threads,
-        .progress = cli_stop_when_interrupted};
+        .progress = settings->progress,
+        .progress_user = settings->progress_user};
     norma_findings *findings = NULL;
     norma_document_result result = norma_check_document(document, &options, &findings, error);
     if (!result) *sum = weigh(findings);
@@ -131,7 +133,8 @@ static norma_document_result save(const check_settings *settings, const char *ou
         return NORMA_DOCUMENT_OK;
     const norma_save_options options = {.struct_size = sizeof options,
         .in_place = settings->files->in_place,
-        .progress = cli_stop_when_interrupted};
+        .progress = settings->progress,
+        .progress_user = settings->progress_user};
     if (!is_standard(output) && cli_make_folders(settings->files, output))
         return cli_reported(error);
     norma_document_result result =

@@ -30,6 +30,7 @@ typedef struct check_pool {
     int told_any;            /* something stands in the report */
     file_part parts[WINDOW]; /* file i at i % WINDOW */
     check_totals totals;
+    cli_progress progress;
 } check_pool;
 
 static void add_totals(check_totals *sum, const check_totals *more) {
@@ -45,6 +46,7 @@ static void add_totals(check_totals *sum, const check_totals *more) {
 
 /* Called with the lock. */
 static void tell_what_is_next(check_pool *pool) {
+    cli_progress_hide(&pool->progress); /* a report may go to the same terminal */
     while (pool->told < pool->inputs->count && pool->parts[pool->told % WINDOW].done) {
         file_part *part = &pool->parts[pool->told % WINDOW];
         if (part->size && pool->told_any) fputs(pool->format->between, pool->out);
@@ -55,6 +57,17 @@ static void tell_what_is_next(check_pool *pool) {
         ++pool->told;
     }
     pthread_cond_broadcast(&pool->moved);
+}
+
+/* A norma_progress of any worker: of one file the seconds, of several how many are done. */
+static int report_progress(void *user, double fraction) {
+    check_pool *pool = user;
+    if (pool->inputs->count == 1) return cli_progress_elapsed(&pool->progress, fraction);
+    if (!pool->progress.enabled || pthread_mutex_trylock(&pool->lock)) return cli_interrupted();
+    const int stop =
+        cli_progress_report(&pool->progress, (double)pool->told / (double)pool->inputs->count);
+    pthread_mutex_unlock(&pool->lock);
+    return stop;
 }
 
 static const check_config *take(check_pool *pool, size_t *file) {
@@ -129,6 +142,10 @@ int check_all_files(const check_settings *asked, check_configs *configs, const c
     if (workers > 1) settings.threads = 1; /* the files share the cores */
     *pool = (check_pool){
         .settings = &settings, .configs = configs, .format = format, .inputs = inputs, .out = out};
+    settings.progress = report_progress;
+    settings.progress_user = pool;
+    cli_progress_start(&pool->progress, "checking",
+        inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings.quiet, 0);
     pthread_mutex_init(&pool->lock, NULL);
     pthread_cond_init(&pool->moved, NULL);
     for (size_t i = 1; i < workers; ++i)
@@ -138,6 +155,7 @@ int check_all_files(const check_settings *asked, check_configs *configs, const c
     /* After an interruption or a bad configuration, parts may be left behind one that was never
      * begun. */
     for (size_t i = 0; i < WINDOW; ++i) free(pool->parts[i].bytes);
+    cli_progress_stop(&pool->progress);
     *totals = pool->totals;
     pthread_cond_destroy(&pool->moved);
     pthread_mutex_destroy(&pool->lock);

@@ -258,6 +258,9 @@ int cli_interrupted(void); /* 0, or 128 plus the signal */
 void cli_progress_start(
     cli_progress *progress, const char *what, const char *name, int quiet, double megabytes);
 int cli_progress_report(void *progress, double fraction); /* a norma_progress */
+/* The same for work of several steps, each of which begins at 0: shows the seconds that it took. */
+int cli_progress_elapsed(void *progress, double fraction);
+void cli_progress_hide(cli_progress *progress); /* until it is reported again */
 void cli_progress_stop(cli_progress *progress);
 int cli_stop_when_interrupted(
     void *nothing, double fraction); /* a norma_progress that shows nothing */

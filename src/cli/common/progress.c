@@ -54,6 +54,12 @@ static void show(cli_progress *progress, double fraction, double elapsed) {
     const char *slash = strrchr(progress->name, '/');
     fprintf(stderr, "\r%s ", progress->what);
     cli_write_outside_cut(stderr, slash ? slash + 1 : progress->name, 40);
+    if (fraction < 0) { /* how much there is to do is not known */
+        fprintf(stderr, ": %.0f s\033[K", elapsed);
+        fflush(stderr);
+        progress->shown = 1;
+        return;
+    }
     fprintf(stderr, ": %3.0f %%", 100 * fraction);
     if (progress->megabytes > 0)
         fprintf(stderr, ", %.1f MB/s", progress->megabytes * fraction / elapsed);
@@ -63,25 +69,37 @@ static void show(cli_progress *progress, double fraction, double elapsed) {
     progress->shown = 1;
 }
 
-int cli_progress_report(void *user, double fraction) {
+static void show_in_time(cli_progress *progress, double fraction) {
     const double first_wait = 0.7, between = 0.1; /* seconds: short work shows nothing */
-    cli_progress *progress = user;
-    if (progress->enabled && fraction >= 0 && fraction <= 1) {
-        double time = now(), elapsed = time - progress->began;
-        if (elapsed >= first_wait && time - progress->said >= between) {
-            show(progress, fraction, elapsed);
-            progress->said = time;
-        }
-    }
+    if (!progress->enabled) return;
+    const double time = now(), elapsed = time - progress->began;
+    if (elapsed < first_wait || time - progress->said < between) return;
+    show(progress, fraction, elapsed);
+    progress->said = time;
+}
+
+int cli_progress_report(void *user, double fraction) {
+    if (fraction >= 0 && fraction <= 1) show_in_time(user, fraction);
     return cli_interrupted() != 0;
 }
 
-void cli_progress_stop(cli_progress *progress) {
+int cli_progress_elapsed(void *user, double fraction) {
+    (void)fraction;
+    show_in_time(user, -1);
+    return cli_interrupted() != 0;
+}
+
+void cli_progress_hide(cli_progress *progress) {
     if (progress->shown) {
         fputs("\r\033[K", stderr);
         fflush(stderr);
     }
-    progress->shown = progress->enabled = 0;
+    progress->shown = 0;
+}
+
+void cli_progress_stop(cli_progress *progress) {
+    cli_progress_hide(progress);
+    progress->enabled = 0;
 }
 
 int cli_stop_when_interrupted(void *nothing, double fraction) {

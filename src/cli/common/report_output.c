@@ -8,13 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-int cli_out_of_memory(void) {
-    char limit[CLI_LIMIT_ROOM];
-    cli_memory_limit_words(limit);
-    cli_error("out of memory%s", limit);
-    return CLI_FILE;
-}
-
 static int fail(const cli_output *output, int error) {
     cli_error("%s: cannot be written: %s", output->path, strerror(error));
     return 0;

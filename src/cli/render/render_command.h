@@ -82,6 +82,9 @@ norma_document_result render_file_mark(const render_settings *settings, render_s
 int render_file_keep(render_scene_file *file,
     void *block); /* freed with the file; 0: out of memory, and the block is freed */
 void render_file_close(render_scene_file *file);
+void render_scene_free(render_scene *scene);
+norma_document_result render_file_fail(
+    norma_document_error *error, norma_document_result result, const char *input, const char *what);
 
 /* ---- panels */
 

@@ -166,11 +166,16 @@ static void count_words(const norma_findings *findings, char *words, size_t room
 
 norma_document_result render_file_mark(const render_settings *settings, render_scene_file *file,
     render_surface *surfaces, size_t surface_count, norma_document_error *error) {
+    cli_progress progress;
     const norma_check_options options = {.struct_size = sizeof options,
         .max_samples = MOST_SAMPLES,
-        .threads = settings->common.threads};
+        .threads = settings->common.threads,
+        .progress = cli_progress_elapsed,
+        .progress_user = &progress};
     norma_findings *findings = NULL;
+    cli_progress_start(&progress, "checking", file->input, settings->common.quiet, 0);
     norma_document_result result = norma_check_document(file->document, &options, &findings, error);
+    cli_progress_stop(&progress);
     for (size_t i = 0; i < surface_count && !result; ++i) {
         norma_mesh_info info;
         result = norma_document_mesh_info(file->document, file->document_meshes[i], &info);

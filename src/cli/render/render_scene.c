@@ -6,47 +6,6 @@
 
 static const float clay[3] = {0.58F, 0.55F, 0.49F}; /* linear: what has no material of its own */
 
-static norma_document_result fail(norma_document_error *error, norma_document_result result,
-    const char *input, const char *what) {
-    error->result = result;
-    snprintf(error->message, sizeof error->message, "%.500s: %.400s", cli_input_name(input), what);
-    return result;
-}
-
-norma_document_result render_file_open(const render_settings *settings, const char *input,
-    render_scene_file *file, norma_document_error *error) {
-    cli_progress progress;
-    *file = (render_scene_file){.input = input};
-    cli_progress_start(&progress, "reading", input, settings->common.quiet, cli_megabytes(input));
-    const norma_document_options options = {.struct_size = sizeof options,
-        .format = settings->files.format,
-        .threads = settings->common.threads,
-        .progress = cli_progress_report,
-        .progress_user = &progress,
-        .lenient = 1};
-    norma_document_result result =
-        cli_open(&settings->files, input, &options, &file->document, &file->memory, error);
-    cli_progress_stop(&progress);
-    error->result = result;
-    return result;
-}
-
-static void free_scene(render_scene *scene) {
-    free((void *)scene->surfaces);
-    free((void *)scene->draws);
-    *scene = (render_scene){0};
-}
-
-void render_file_close(render_scene_file *file) {
-    for (size_t i = 0; i < file->variant_count; ++i) free_scene(&file->scenes[i]);
-    for (size_t i = 0; i < file->owned_count; ++i) free(file->owned[i]);
-    free(file->owned);
-    free(file->document_meshes);
-    norma_document_close(file->document);
-    free(file->memory);
-    *file = (render_scene_file){0};
-}
-
 /* ---- surfaces */
 
 static enum render_normals stored_as(const norma_mesh_info *info, const norma_mesh_data *data) {
@@ -126,28 +85,13 @@ static norma_document_result fill_surface(const render_settings *settings, rende
 
 /* ---- glTF: the primitives of a mesh are one body */
 
-int render_file_keep(render_scene_file *file, void *block) {
-    if (file->owned_count == file->owned_room) {
-        const size_t room = file->owned_room ? 2 * file->owned_room : 16;
-        void **larger = realloc(file->owned, room * sizeof *larger);
-        if (!larger) {
-            free(block);
-            return 0;
-        }
-        file->owned = larger;
-        file->owned_room = room;
-    }
-    file->owned[file->owned_count++] = block;
-    return 1;
-}
-
 static int join_primitives(
     render_scene_file *file, render_surface *first, size_t count, norma_document_error *error) {
     float *expected[64];
     render_error trouble;
     if (count < 2 || count > CLI_COUNT(expected)) return 1;
     if (render_expect(first, count, expected, &trouble)) {
-        fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, trouble.message);
+        render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, trouble.message);
         return 0;
     }
     int good = 1;
@@ -158,7 +102,7 @@ static int join_primitives(
             good = 0;
         }
     }
-    if (!good) fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (!good) render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
     return good;
 }
 
@@ -275,7 +219,7 @@ static norma_document_result fail_empty(render_scene_file *file, norma_document_
     }
     char text[440];
     snprintf(text, sizeof text, "there is no surface to draw: %s", reason);
-    return fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, text);
+    return render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, text);
 }
 
 static norma_document_result make_scene(const render_settings *settings, render_scene_file *file,
@@ -289,13 +233,13 @@ static norma_document_result make_scene(const render_settings *settings, render_
     norma_document_result result =
         m.surfaces && m.mesh_of && file->document_meshes
             ? NORMA_DOCUMENT_OK
-            : fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+            : render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
     if (!result) result = fill_surfaces(settings, file, variant, &m, error);
     if (!result && settings->show == RENDER_SHOW_MARKS)
         result = render_file_mark(settings, file, m.surfaces, m.surface_count, error);
     if (!result) result = count_draws(file->document, &m, &draws);
     if (!result && !(m.draws = calloc((draws > meshes ? draws : meshes) + 1, sizeof *m.draws)))
-        result = fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+        result = render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
     if (!result && draws > 0)
         result = fill_draws(file->document, &m, error);
     else if (!result)
@@ -303,7 +247,7 @@ static norma_document_result make_scene(const render_settings *settings, render_
     free(m.mesh_of);
     *scene = (render_scene){m.surfaces, m.surface_count, m.draws, m.draw_count};
     if (!result && m.draw_count == 0) result = fail_empty(file, error);
-    if (result) free_scene(scene);
+    if (result) render_scene_free(scene);
     error->result = result;
     return result;
 }
@@ -318,7 +262,8 @@ const render_scene *render_file_scene(const render_settings *settings, render_sc
     for (size_t i = 0; i < file->variant_count; ++i)
         if (same_variant(&file->variants[i], variant)) return &file->scenes[i];
     if (file->variant_count == RENDER_MOST_PANELS) {
-        fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, "is asked for in too many ways");
+        render_file_fail(
+            error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, "is asked for in too many ways");
         return NULL;
     }
     if (make_scene(settings, file, variant, &file->scenes[file->variant_count], error)) return NULL;

@@ -1,0 +1,60 @@
+/* render_file.c: a file that is drawn: opened, closed, and the blocks that live as long as it. */
+#include "cli/render/render_command.h"
+#include <stdlib.h>
+#include <string.h>
+
+norma_document_result render_file_fail(norma_document_error *error, norma_document_result result,
+    const char *input, const char *what) {
+    error->result = result;
+    snprintf(error->message, sizeof error->message, "%.500s: %.400s", cli_input_name(input), what);
+    return result;
+}
+
+norma_document_result render_file_open(const render_settings *settings, const char *input,
+    render_scene_file *file, norma_document_error *error) {
+    cli_progress progress;
+    *file = (render_scene_file){.input = input};
+    cli_progress_start(&progress, "reading", input, settings->common.quiet, cli_megabytes(input));
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = settings->files.format,
+        .threads = settings->common.threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress,
+        .lenient = 1};
+    norma_document_result result =
+        cli_open(&settings->files, input, &options, &file->document, &file->memory, error);
+    cli_progress_stop(&progress);
+    error->result = result;
+    return result;
+}
+
+void render_scene_free(render_scene *scene) {
+    free((void *)scene->surfaces);
+    free((void *)scene->draws);
+    *scene = (render_scene){0};
+}
+
+void render_file_close(render_scene_file *file) {
+    for (size_t i = 0; i < file->variant_count; ++i) render_scene_free(&file->scenes[i]);
+    for (size_t i = 0; i < file->owned_count; ++i) free(file->owned[i]);
+    free(file->owned);
+    free(file->document_meshes);
+    norma_document_close(file->document);
+    free(file->memory);
+    *file = (render_scene_file){0};
+}
+
+int render_file_keep(render_scene_file *file, void *block) {
+    if (file->owned_count == file->owned_room) {
+        const size_t room = file->owned_room ? 2 * file->owned_room : 16;
+        void **larger = realloc(file->owned, room * sizeof *larger);
+        if (!larger) {
+            free(block);
+            return 0;
+        }
+        file->owned = larger;
+        file->owned_room = room;
+    }
+    file->owned[file->owned_count++] = block;
+    return 1;
+}

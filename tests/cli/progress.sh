@@ -1,0 +1,35 @@
+#!/bin/bash
+# Where a person watches (a terminal) and the work takes longer than a second, a line on standard error says how far it is; in a pipe, with --quiet and for short work there is none.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+NORMA=${NORMA_BIN:-$tree/bin/norma}
+cd "$scratch" || exit 1
+command -v script >/dev/null || { skip "script(1) is not there"; finish; exit; }
+awk 'BEGIN { n = 700; for (i = 0; i < n; ++i) for (j = 0; j < n; ++j) print "v", i, j, sin(i * .1) * cos(j * .1);
+    for (i = 0; i < n - 1; ++i) for (j = 0; j < n - 1; ++j) { a = i * n + j + 1; print "f", a, a + n, a + 1; print "f", a + 1, a + n, a + n + 1 } }' >large.obj
+for i in 1 2 3 4; do ln large.obj large$i.obj; done
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >small.obj
+
+# watched COMMAND...: what a terminal of a person shows.
+watched() { TERM=xterm script -qec "$NORMA $*" /dev/null </dev/null 2>&1 | tr '\r' '\n' >shown; }
+shows() { if grep -qE -- "$2" shown; then pass "$1"; else fail "$1" "$(cat -v shown)"; fi; }
+shows_not() { if grep -qE -- "$2" shown; then fail "$1" "$(cat -v shown)"; else pass "$1"; fi; }
+
+watched check large.obj --no-config --threads 1 --max-samples 1
+shows "check of one file shows the time" '^checking large.obj: [0-9]+ s'
+watched check large.obj large1.obj large2.obj large3.obj large4.obj --no-config --threads 2
+shows "check of several files shows how many are done" '^checking files: +[0-9]+ %'
+shows "what is left of the line is cleared before a report" $'\e\\[Klarge'
+watched check large.obj --no-config --threads 1 --fix-unsafe --select N1 -o fixed.obj
+shows "--fix shows the time" '^checking large.obj: [0-9]+ s'
+watched check large.obj --no-config --threads 1 --quiet
+shows_not "--quiet shows none" '^checking'
+watched check small.obj --no-config
+shows_not "short work shows none" '^checking'
+"$NORMA" check large.obj --no-config --threads 1 2>shown >/dev/null
+shows_not "a pipe shows none" 'checking'
+if "$NORMA" render small.obj -o drawn.png >/dev/null 2>&1; then
+    watched render large.obj --show findings --threads 1 --size 32x32 -o drawn.png
+    shows "render --show findings shows the time" '^checking large.obj: [0-9]+ s'
+fi
+finish
