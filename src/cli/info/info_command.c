@@ -1,7 +1,9 @@
 /* info_command.c: norma info: what is in a file: meshes, counts, normals, the kinds of the
  * transforms. */
+#include "cli/info/bounds.h"
 #include "cli/common/cli.h"
 #include <math.h>
+#include <norma/check.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,8 +18,8 @@ static const char help[] =
     "  cat a.stl | norma info - --input-format stl\n"
     "\n"
     "Options\n"
-    "  --deep                reads everything and tries weights and creases against the stored "
-    "normals\n"
+    "  --deep                reads everything: open or closed, and which weight and crease explain "
+    "the stored normals\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
     "  --threads N           how many may work (all)\n"
@@ -32,6 +34,7 @@ static const char help[] =
 /* One primitive, or a whole OBJ, PLY or STL. */
 typedef struct mesh_part {
     norma_mesh_info info;
+    int closed; /* with --deep: 1 closed, 0 open; -1: not known */
     int is_explained;
     cli_explained explained;
 } mesh_part;
@@ -42,7 +45,8 @@ typedef struct contents {
     mesh_part *parts;
     size_t part_count, vertices, faces, triangles;
     norma_node_info *nodes;
-    size_t node_count;
+    size_t node_count, skin_count;
+    info_bounds bounds;
 } contents;
 
 typedef struct info_work {
@@ -136,6 +140,7 @@ static void write_part(cli_json *json, const mesh_part *part) {
     cli_json_bool(json, "smoothing_groups", info->has_smoothing_groups);
     cli_json_size(json, "morph_targets", info->morph_targets);
     cli_json_string(json, "not_read", info->not_read);
+    if (part->closed >= 0) cli_json_bool(json, "closed", part->closed);
     if (part->is_explained) write_explained(json, &part->explained);
     cli_json_close(json, '}');
 }
@@ -179,15 +184,32 @@ static void write_nodes(cli_json *json, const contents *found) {
     cli_json_close(json, ']');
 }
 
+static void write_bounds(cli_json *json, const info_bounds *bounds) {
+    if (!bounds->known) {
+        cli_json_null(json, "bounds");
+        return;
+    }
+    cli_json_open(json, "bounds", '[');
+    for (int end = 0; end < 2; ++end) {
+        cli_json_open(json, NULL, '[');
+        for (int axis = 0; axis < 3; ++axis)
+            cli_json_number(json, NULL, end ? bounds->most[axis] : bounds->least[axis]);
+        cli_json_close(json, ']');
+    }
+    cli_json_close(json, ']');
+}
+
 static void write_json(const contents *found) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", found->path);
     cli_json_string(
         &json, "format", norma_file_format_name(norma_document_format(found->document)));
+    write_bounds(&json, &found->bounds);
     cli_json_size(&json, "vertices", found->vertices);
     cli_json_size(&json, "faces", found->faces);
     cli_json_size(&json, "triangles", found->triangles);
+    cli_json_size(&json, "skins", found->skin_count);
     cli_json_open(&json, "meshes", '[');
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
         write_mesh(&json, found, first, mesh_end(found, first));
@@ -252,6 +274,7 @@ static void print_part(const mesh_part *part) {
         fputs(", ", stdout);
         cli_counted(stdout, info->morph_targets, "morph target", "morph targets");
     }
+    if (part->closed >= 0) fputs(part->closed ? ", closed" : ", open", stdout);
     fputs("\n", stdout);
     if (info->not_read) {
         cli_say(stdout, "      cannot be computed or transformed: %s", info->not_read);
@@ -293,6 +316,16 @@ static void print_nodes(const contents *found) {
     }
 }
 
+static void print_bounds(const info_bounds *bounds) {
+    char from[3][32], to[3][32];
+    if (!bounds->known) return;
+    for (int axis = 0; axis < 3; ++axis) {
+        snprintf(from[axis], sizeof from[axis], "%.6g", bounds->least[axis] + 0.0);
+        snprintf(to[axis], sizeof to[axis], "%.6g", bounds->most[axis] + 0.0);
+    }
+    printf("  from (%s, %s, %s) to (%s, %s, %s)\n", from[0], from[1], from[2], to[0], to[1], to[2]);
+}
+
 static void print_text(const contents *found) {
     size_t meshes = 0;
     cli_say(stdout, "%s: %s", cli_input_name(found->path),
@@ -301,6 +334,7 @@ static void print_text(const contents *found) {
         print_name(found->parts[0].info.name);
         fputs(", ", stdout);
         print_part(&found->parts[0]);
+        print_bounds(&found->bounds);
         return;
     }
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) ++meshes;
@@ -310,7 +344,12 @@ static void print_text(const contents *found) {
     cli_counted(stdout, found->vertices, "vertex", "vertices");
     fputs(", ", stdout);
     cli_counted(stdout, found->faces, "face", "faces");
+    if (found->skin_count) {
+        fputs(", ", stdout);
+        cli_counted(stdout, found->skin_count, "skin", "skins");
+    }
     fputs("\n", stdout);
+    print_bounds(&found->bounds);
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
         print_mesh(found, first, mesh_end(found, first));
     print_nodes(found);
@@ -318,14 +357,41 @@ static void print_text(const contents *found) {
 
 /* ---- one file */
 
-static norma_document_result collect(
+/* N304 names the components that are open, or that cannot be turned to one side. */
+static norma_document_result find_open_parts(
     const info_work *work, norma_document *document, contents *found, norma_document_error *error) {
+    uint8_t rules[128] = {0};
+    char unknown[64];
+    norma_findings *findings = NULL;
+    const norma_check_options checking = {.struct_size = sizeof checking,
+        .profile = NORMA_CHECK_PROFILE_PRINT,
+        .max_samples = 1,
+        .rules = rules,
+        .threads = work->common.threads,
+        .progress = cli_stop_when_interrupted};
+    norma_rules_select("N304", rules, unknown);
+    const norma_document_result result =
+        norma_check_document(document, &checking, &findings, error);
+    for (size_t i = 0; i < found->part_count && !result; ++i) {
+        const norma_mesh_info *info = &found->parts[i].info;
+        found->parts[i].closed = info->faces && !info->not_read ? 1 : -1;
+        for (size_t k = 0; k < norma_findings_count(findings); ++k)
+            if (strcmp(norma_findings_get(findings, k)->where, info->where) == 0)
+                found->parts[i].closed = 0;
+    }
+    norma_findings_free(findings);
+    return result;
+}
+
+static norma_document_result collect(const info_work *work, int whole, norma_document *document,
+    contents *found, norma_document_error *error) {
     found->document = document;
     found->part_count = norma_document_mesh_count(document);
     found->parts = calloc(found->part_count + 1, sizeof *found->parts);
     norma_document_result result = found->parts ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
     for (size_t i = 0; i < found->part_count && !result; ++i) {
         mesh_part *part = &found->parts[i];
+        part->closed = -1;
         if (work->deep)
             part->is_explained = cli_explain_normals(
                 document, i, work->common.threads, &part->explained, &result, error);
@@ -339,10 +405,27 @@ static norma_document_result collect(
     result = result || found->nodes ? result : NORMA_DOCUMENT_ERROR_MEMORY;
     for (size_t i = 0; i < found->node_count && !result; ++i)
         result = norma_document_node_info(document, i, &found->nodes[i]);
-    if (result && !error->message[0])
-        snprintf(error->message, sizeof error->message, "%s: %s", found->path,
-            result == NORMA_DOCUMENT_ERROR_MEMORY ? "out of memory" : "cannot be described");
+    found->skin_count = norma_document_skin_count(document);
+    if (!result && whole) result = info_find_bounds(document, &found->bounds, error);
+    if (!result && work->deep) result = find_open_parts(work, document, found, error);
     return result;
+}
+
+/* The body of a larger file is read with --deep only. */
+static norma_document_depth depth_of(const info_work *work, const char *path) {
+    const double most_megabytes = 256;
+    return work->deep || cli_megabytes(path) <= most_megabytes ? NORMA_DOCUMENT_WHOLE
+                                                               : NORMA_DOCUMENT_SUMMARY;
+}
+
+static void forget(contents *found, norma_document **document, void **memory) {
+    free(found->parts);
+    free(found->nodes);
+    *found = (contents){.path = found->path};
+    norma_document_close(*document);
+    free(*memory);
+    *document = NULL;
+    *memory = NULL;
 }
 
 static int run_file(const info_work *work, const char *path) {
@@ -352,15 +435,24 @@ static int run_file(const info_work *work, const char *path) {
     void *memory;
     contents found = {.path = path};
     cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
-    const norma_document_options opening = {.struct_size = sizeof opening,
+    norma_document_options opening = {.struct_size = sizeof opening,
         .format = work->files.format,
-        .depth = work->deep ? NORMA_DOCUMENT_WHOLE : NORMA_DOCUMENT_SUMMARY,
+        .depth = depth_of(work, path),
         .threads = work->common.threads,
         .progress = cli_progress_report,
         .progress_user = &progress};
     norma_document_result result =
         cli_open(&work->files, path, &opening, &document, &memory, &error);
-    if (!result) result = collect(work, document, &found, &error);
+    if (!result)
+        result = collect(work, opening.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
+    const int again = result && result != NORMA_DOCUMENT_CANCELLED && !work->deep &&
+                      opening.depth == NORMA_DOCUMENT_WHOLE && strcmp(path, "-") != 0;
+    if (again) { /* of a file whose body is at fault, the head may still be read */
+        forget(&found, &document, &memory);
+        opening.depth = NORMA_DOCUMENT_SUMMARY;
+        result = cli_open(&work->files, path, &opening, &document, &memory, &error);
+        if (!result) result = collect(work, 0, document, &found, &error);
+    }
     cli_progress_stop(&progress);
     error.result = result;
     cli_name_error(&error, path);
@@ -374,10 +466,7 @@ static int run_file(const info_work *work, const char *path) {
         fflush(stdout);
         if (!work->common.quiet) cli_print_notes(path, document);
     }
-    free(found.parts);
-    free(found.nodes);
-    norma_document_close(document);
-    free(memory);
+    forget(&found, &document, &memory);
     return cli_status_of(result);
 }
 
