@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what building and testing need and this machine lacks: Debian packages by apt-get (as root or through sudo), and from npm the
-# Khronos glTF validator in the versions of tests/cli/validator/package-lock.json, into build/npm, and what tests/web/package-lock.json names, into build/npm-web.
+# Khronos glTF validator in the versions of tests/cli/validator/package-lock.json, into build/npm, and what tests/web/package-lock.json and tests/tangent/package-lock.json name, into build/npm-web and build/npm-tangent.
 # Where nothing is missing it only looks.
 #   scripts/install-deps.sh build   what `make` needs
 #   scripts/install-deps.sh web     what the page, the npm package and so `norma view` need to be built
@@ -79,5 +79,6 @@ from_npm() {
 if [ "$what" = all ]; then
     from_npm tests/cli/validator "$root/build/npm"
     from_npm tests/web "$root/build/npm-web"
+    from_npm tests/tangent "$root/build/npm-tangent"
 fi
 exit $failed

@@ -901,7 +901,7 @@ typedef enum norma_tangent_mode {
  * NORMA_ERROR_ARGUMENT also for a mode or format that does not exist and for fewer values than
  * positions or corners, NORMA_ERROR_INDEX for a corner that names no value. Cost: linear in corners
  * and positions, whatever the valence; the same bits for any number of threads. */
-norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
+NORMA_API norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report);
 

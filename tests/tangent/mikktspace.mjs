@@ -1,0 +1,109 @@
+// mikktspace.mjs PROGRAM MODULES [FILE...]: the library's tangents against those of three.js's addon,
+// bit for bit: on made meshes, of the kinds on which generators differ, and on those of files. Then
+// against the WebAssembly of the npm package mikktspace, on fans alone: on other made meshes it stops
+// with an access out of bounds.
+import { spawn } from "node:child_process";
+import { pathToFileURL } from "node:url";
+import { createRequire } from "node:module";
+import { fan, madeMesh } from "./meshes.mjs";
+import { Native } from "./native.mjs";
+import { check, finish, skip } from "../web/tap.mjs";
+
+const [program, modules, ...files] = process.argv.slice(2);
+const { generateTangents } = await import(pathToFileURL(`${modules}/three/examples/jsm/libs/mikktspace.module.js`));
+const wasm = createRequire(import.meta.url)(`${modules}/mikktspace`);
+const made = Number(process.env.NORMA_MADE_MESHES ?? 20000);
+const bits = (floats) => new Uint32Array(floats.buffer, floats.byteOffset, floats.length);
+const REASON_NONE = 0, REASON_NON_FINITE = 2;
+
+// Where the library gives a reason, the reference must have nothing of use: its fallback, a vector
+// that is not unit, or something that is not a number.
+const isOfUse = (t) => Math.abs(Math.hypot(t[0], t[1], t[2]) - 1) < 1e-3 && !(t[0] === 1 && t[1] === 0 && t[2] === 0 && t[3] === -1);
+
+export class Tally {
+  constructor() { Object.assign(this, { meshes: 0, corners: 0, differing: 0, differingMeshes: 0, reasons: 0, unreasonable: 0, first: "" }); }
+
+  add(name, expected, { tangents, reasons }) {
+    const a = bits(expected), b = bits(tangents);
+    let differs = 0;
+    for (let c = 0; c < reasons.length; c++) {
+      const same = a[4 * c] === b[4 * c] && a[4 * c + 1] === b[4 * c + 1] && a[4 * c + 2] === b[4 * c + 2] && a[4 * c + 3] === b[4 * c + 3];
+      if (reasons[c] !== REASON_NONE) {
+        this.reasons++;
+        if (reasons[c] !== REASON_NON_FINITE && isOfUse(expected.subarray(4 * c, 4 * c + 4))) this.unreasonable++;
+      } else if (!same) {
+        differs++;
+        this.first ||= `${name}, corner ${c}: ${expected.subarray(4 * c, 4 * c + 4)} and ${tangents.subarray(4 * c, 4 * c + 4)}`;
+      }
+    }
+    this.meshes++;
+    this.corners += reasons.length;
+    this.differing += differs;
+    this.differingMeshes += differs > 0;
+  }
+
+  toString() { return `${this.meshes} meshes, ${this.corners} corners, ${this.reasons} of them without a tangent`; }
+  details() { return `${this.differing} corners of ${this.differingMeshes} meshes differ, ${this.unreasonable} have a reason but a tangent; ${this.first}`; }
+}
+
+const fresh = (m) => [m.positions.slice(), m.normals.slice(), m.texcoords.slice()];
+const exact = (t) => t.meshes > 0 && t.differing === 0 && t.unreasonable === 0;
+
+async function madeMeshes() {
+  const one = new Native(program, "mikk", 1), two = new Native(program, "mikk", 2);
+  const addon = new Tally(), package_ = new Tally(), threads = new Tally();
+  for (let seed = 1; seed <= made; seed++) {
+    const m = seed % 500 === 0 ? fan(50 + (seed % 700)) : madeMesh(seed);
+    const ours = await one.tangents(m.positions, m.normals, m.texcoords);
+    addon.add(`seed ${seed}`, generateTangents(...fresh(m)), ours);
+    if (seed % 10 === 0) threads.add(`seed ${seed}`, (await two.tangents(m.positions, m.normals, m.texcoords)).tangents, ours);
+  }
+  for (let count = 50; count < 500; count += 50) {
+    const m = fan(count);
+    package_.add(`fan of ${count}`, wasm.generateTangents(...fresh(m)), await one.tangents(m.positions, m.normals, m.texcoords));
+  }
+  one.close();
+  two.close();
+  check(`made meshes: every bit of three.js's addon (${addon})`, exact(addon), addon.details());
+  check(`made meshes: the same bits with two threads (${threads})`, threads.differing === 0, threads.details());
+  check(`fans: every bit of the npm package mikktspace (${package_})`, exact(package_), package_.details());
+}
+
+// The meshes of files, as the program writes them: each with its corners and the library's answer.
+async function* meshesOf(path) {
+  const child = spawn(program, ["mikk", "1", path], { stdio: ["ignore", "pipe", "inherit"] });
+  const chunks = [];
+  for await (const chunk of child.stdout) chunks.push(chunk);
+  const status = await new Promise((resolve) => (child.exitCode === null ? child.on("exit", resolve) : resolve(child.exitCode)));
+  if (status !== 0) throw new Error(`${path}: status ${status}`);
+  const bytes = Uint8Array.from(Buffer.concat(chunks));
+  let at = 0;
+  const floats = (count) => {
+    const part = new Float32Array(bytes.slice(at, at + 4 * count).buffer);
+    at += 4 * count;
+    return part;
+  };
+  while (at < bytes.length) {
+    const count = new DataView(bytes.buffer).getUint32(at, true);
+    at += 4;
+    const m = { positions: floats(3 * count), normals: floats(3 * count), texcoords: floats(2 * count), tangents: floats(4 * count) };
+    m.reasons = bytes.slice(at, (at += count));
+    yield m;
+  }
+}
+
+async function fileMeshes() {
+  const addon = new Tally(), all = files.length;
+  let withMeshes = 0;
+  for (const path of files) {
+    const before = addon.meshes;
+    for await (const m of meshesOf(path)) addon.add(path, generateTangents(...fresh(m)), m);
+    withMeshes += addon.meshes > before;
+  }
+  check(`${withMeshes} of ${all} files have normals and texture coordinates: every bit of three.js's addon (${addon})`, exact(addon), addon.details());
+}
+
+await madeMeshes();
+if (files.length) await fileMeshes();
+else skip("meshes of files: no data");
+finish();
