@@ -3,6 +3,7 @@
 #include "check/fix/fix.h"
 #include "check/fix/edge_parts.h"
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- parts of a surface: faces that edges join, by exactly equal positions */
 
@@ -81,18 +82,82 @@ static norma_result reorient(fix_mesh *m) {
     return result;
 }
 
-/* ---- left out */
+/* ---- left out: faces that are there twice, faces without area. A face without area may still be
+ * what joins its neighbours: where an edge that was closed would be open without it, it stays, and
+ * so do those that share edges with it. */
+
+/* Whether as many faces run along the edge one way as the other, all of them or those that stay. */
+static int is_balanced(const fix_edge *edges, size_t count, const uint8_t *drop) {
+    size_t forth = 0, back = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (drop && drop[edges[i].face]) continue;
+        forth += edges[i].way != 0;
+        back += edges[i].way == 0;
+    }
+    return forth == back;
+}
+
+static size_t same_edges(const fix_edge *edges, size_t begin, size_t count) {
+    size_t end = begin + 1;
+    while (end < count && norma_fix_compare_edges(&edges[begin], &edges[end]) == 0) end++;
+    return end - begin;
+}
+
+/* Takes the marks from groups of marked faces, joined by edges, without which the surface would be
+ * less closed than it is. */
+static void keep_joints(const fix_edge *edges, size_t count, uint32_t *groups, uint8_t *drop,
+    uint8_t *needed, size_t face_count) {
+    for (size_t begin = 0, of; begin < count; begin += of) {
+        of = same_edges(edges, begin, count);
+        size_t first = SIZE_MAX;
+        for (size_t i = begin; i < begin + of; i++) {
+            if (!drop[edges[i].face]) continue;
+            if (first != SIZE_MAX) norma_fix_unite(groups, edges[first].face, edges[i].face);
+            first = i;
+        }
+        if (first != SIZE_MAX && is_balanced(&edges[begin], of, NULL) &&
+            !is_balanced(&edges[begin], of, drop))
+            needed[edges[first].face] = 1;
+    }
+    for (size_t f = 0; f < face_count; f++)
+        if (needed[f]) needed[norma_fix_root(groups, (uint32_t)f)] = 1;
+    for (size_t f = 0; f < face_count; f++)
+        if (needed[norma_fix_root(groups, (uint32_t)f)]) drop[f] = 0;
+}
+
+static norma_result keep_closed(const core_mesh *mesh, uint8_t *drop) {
+    uint32_t *groups = malloc((mesh->face_count + 1) * sizeof *groups);
+    fix_edge *edges = malloc((mesh->corner_count + 1) * sizeof *edges);
+    uint8_t *needed = calloc(mesh->face_count + 1, 1);
+    size_t count = 0;
+    const int fine = groups && edges && needed;
+    for (size_t f = 0; fine && f < mesh->face_count; f++) {
+        const size_t of = norma_fix_face_edges(mesh, f, (uint32_t)f, 0, edges + count);
+        count += of < 3 ? 0 : of; /* fewer: it has no edges */
+        groups[f] = (uint32_t)f;
+    }
+    if (fine) {
+        qsort(edges, count, sizeof *edges, norma_fix_compare_edges);
+        keep_joints(edges, count, groups, drop, needed, mesh->face_count);
+    }
+    free(groups);
+    free(edges);
+    free(needed);
+    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
 
 static norma_result drop_named(fix_mesh *m) {
     uint8_t *marks = NULL;
-    int twice = norma_fix_mark(m, RULE_N305, MEND_FACE, m->mesh.face_count, &marks);
-    int flat =
-        twice < 0 ? twice : norma_fix_mark(m, RULE_N401, MEND_FACE, m->mesh.face_count, &marks);
-    if (twice > 0 || flat > 0)
+    const size_t faces = m->mesh.face_count;
+    const int twice = norma_fix_mark(m, RULE_N305, MEND_FACE, faces, &marks),
+              flat = twice < 0 ? twice : norma_fix_mark(m, RULE_N401, MEND_FACE, faces, &marks);
+    norma_result result = twice < 0 || flat < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
+    if (!result && marks) result = keep_closed(&m->mesh, marks);
+    if (!result && marks && memchr(marks, 1, faces))
         m->edit->drop_faces = marks;
     else
         free(marks);
-    return twice < 0 || flat < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
+    return result;
 }
 
 norma_result norma_fix_faces(fix_mesh *m) {

@@ -1,6 +1,7 @@
 /* fix_mesh.c: one mesh while it is being fixed: the elements that its findings name, its corners
  * and normals as they will be once the edit is made. */
 #include "check/fix/fix.h"
+#include "core/face/triangle.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -97,7 +98,7 @@ norma_result norma_fix_surface(fix_mesh *m) {
     const norma_deviation *d = &m->deviation;
     const int smooth = d->shading == NORMA_SHADING_SMOOTH;
     const float crease = d->shading == NORMA_SHADING_FLAT ? -1.0f
-                         : smooth                         ? 3.5f
+                         : smooth                         ? (float)NORMA_PI
                                                           : (float)d->crease_angle_rad;
     const norma_options options = {.struct_size = sizeof options,
         .weight = d->weight,

@@ -149,7 +149,7 @@ static void fix_file(file_check *check, const norma_check_options *options) {
     }
     check->fix_status = cli_status_of(result);
     if (check->mended.worse) {
-        cli_error("%s: mended it would be worse than it is (%s); it is not written",
+        cli_error("%s: not written: after the fix these rules would report more than before: %s",
             cli_input_name(check->path), check->mended.worse_by);
         check->fix_status = CLI_FINDINGS;
     }

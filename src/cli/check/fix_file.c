@@ -30,8 +30,9 @@ static void tell_notes(const char *path, norma_document *document, size_t before
 
 /* ---- worse or better */
 
-typedef struct verdict {
-    size_t errors, warnings, bad_elements, of_rule[CHECK_RULES];
+typedef struct verdict { /* of each rule: elements at warning or above, and the gravest severity */
+    size_t counts[CHECK_RULES];
+    norma_severity gravest[CHECK_RULES];
 } verdict;
 
 static verdict weigh(const norma_findings *findings) {
@@ -39,30 +40,25 @@ static verdict weigh(const norma_findings *findings) {
     size_t count;
     for (size_t i = 0; i < norma_findings_count(findings); ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
-        sum.errors += finding->severity == NORMA_SEVERITY_ERROR;
-        sum.warnings += finding->severity == NORMA_SEVERITY_WARNING;
-        const size_t bad = finding->severity >= NORMA_SEVERITY_WARNING ? finding->count : 0;
-        sum.bad_elements += bad;
-        sum.of_rule[finding->rule - norma_rules(&count)] += bad;
+        const size_t rule = (size_t)(finding->rule - norma_rules(&count));
+        if (finding->severity < NORMA_SEVERITY_WARNING) continue;
+        sum.counts[rule] += finding->count;
+        if (finding->severity > sum.gravest[rule]) sum.gravest[rule] = finding->severity;
     }
     return sum;
 }
 
-/* Rules that have more to say, with commas. */
-static void tell_what_is_worse(const verdict *now, const verdict *before, char text[200]) {
+/* Rules that report more than before, or graver, with commas. Returns whether there are any: what
+ * one rule gains is no excuse for what another loses. */
+static int find_worse_rules(const verdict *now, const verdict *before, char text[200]) {
     size_t count, length = 0;
     const norma_rule *rules = norma_rules(&count);
     text[0] = 0;
     for (size_t i = 0; i < count && length < 190; ++i)
-        if (now->of_rule[i] > before->of_rule[i])
+        if (now->counts[i] > before->counts[i] || now->gravest[i] > before->gravest[i])
             length += (size_t)snprintf(
                 text + length, 200 - length, "%s%s", length ? ", " : "", rules[i].id);
-}
-
-static int is_worse(const verdict *now, const verdict *before) {
-    if (now->errors != before->errors) return now->errors > before->errors;
-    if (now->warnings != before->warnings) return now->warnings > before->warnings;
-    return now->bad_elements > before->bad_elements;
+    return length > 0;
 }
 
 /* By all rules, whichever were to be mended. */
@@ -166,8 +162,7 @@ norma_document_result check_fix(const check_settings *settings, norma_document *
     if (!result && mended->changed)
         result = norma_check_document(mended->document, options, &mended->findings, error);
     if (!result && mended->changed) result = judge_all(settings, mended->document, &is, error);
-    mended->worse = !result && mended->changed && is_worse(&is, &was);
-    if (mended->worse) tell_what_is_worse(&is, &was, mended->worse_by);
+    mended->worse = !result && mended->changed && find_worse_rules(&is, &was, mended->worse_by);
     if (!result && mended->changed && !(mended->table = make_table(before, mended->findings))) {
         *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         result = error->result;

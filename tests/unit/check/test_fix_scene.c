@@ -443,7 +443,7 @@ static void test_too_large_to_bake(void **state) {
             document = settled;
         }
     }
-    assert_int_equal(result, NORMA_DOCUMENT_ERROR_MALFORMED);
+    assert_int_equal(result, NORMA_DOCUMENT_ERROR_UNSUPPORTED);
     assert_int_equal(error.result, result);
     assert_non_null(strstr(error.message, "its numbers become larger than floats are"));
     norma_document_close(document);

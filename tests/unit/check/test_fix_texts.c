@@ -208,7 +208,7 @@ static void test_ply_strips(void **state) {
         "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty "
         "float z\nelement face %d\nproperty list uchar int vertex_indices\n"
         "element tristrips 2\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 "
-        "0\n2 2 0\n3 3 0\n0 5 1\n%s";
+        "0\n3 3 0\n3 3 0\n0 5 1\n%s";
     char before[500], after[500];
     snprintf(before, sizeof before, head, 2, "3 0 2 1\n3 0 3 4\n6 0 1 2 -1 0 5\n7 5 0 4 3 0 2 1\n");
     snprintf(after, sizeof after, head, 1, "3 0 2 1\n6 0 1 2 -1 0 5\n8 5 0 4 -1 3 2 0 1\n");
