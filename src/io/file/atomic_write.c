@@ -304,7 +304,7 @@ static int put_in_place(file_writer *writer) {
         writer->temporary = NULL;
         writer->placed = 1;
         if (writer->expected && is_known) *writer->expected = norma_file_stamp_of(&status);
-        error = writer->folder >= 0 ? norma_folder_flush(writer->folder) : 0;
+        if (writer->folder >= 0 && norma_folder_flush(writer->folder)) error = FILE_NOT_FLUSHED;
     }
     return error;
 }

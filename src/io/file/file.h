@@ -20,7 +20,13 @@ typedef struct file_bytes {
 } file_bytes;
 
 /* What these functions return beside 0 and errno. */
-enum { FILE_CHANGED = -1, FILE_IN_USE = -2, FILE_CANCELLED = -3, FILE_NOT_REGULAR = -4 };
+enum {
+    FILE_CHANGED = -1,
+    FILE_IN_USE = -2,
+    FILE_CANCELLED = -3,
+    FILE_NOT_REGULAR = -4,
+    FILE_NOT_FLUSHED = -5
+};
 
 typedef struct file_reading {
     int map_large; /* nonzero: a large file is mapped, for readers that check each byte where they
@@ -51,7 +57,8 @@ int norma_file_is_link(const char *path);
 
 /* An atomic writer: bytes go through a buffer to a temporary file in the folder of path, which has
  * no name until all is written, where the system can do that; prepare flushes it to the disk;
- * commit prepares, renames it to path and flushes the folder; abandon removes it. Each returns 0,
+ * commit prepares, renames it to path and flushes the folder (FILE_NOT_FLUSHED: it
+ * is in its place, but the flush failed); abandon removes it. Each returns 0,
  * errno or what stands above. Permissions are those of the file that is replaced, else 0666 less
  * the umask. A symbolic link stays, what it points to is replaced; a file that may not be written
  * is not replaced either. A device or a pipe is written as it is. */

@@ -59,6 +59,10 @@ void norma_document_system_text(int system_error, char *text, size_t room) {
         snprintf(text, room, "another program is replacing it at this moment");
     else if (system_error == FILE_NOT_REGULAR)
         snprintf(text, room, "it is a device or a pipe; expected a regular file");
+    else if (system_error == FILE_NOT_FLUSHED)
+        snprintf(text, room,
+            "the new file is in its place and complete, but its folder could not be flushed: a "
+            "power cut may bring the old one back");
     else if (system_error == FILE_CANCELLED)
         snprintf(text, room, "cancelled");
     else if (norma_system_text(system_error))
@@ -75,6 +79,8 @@ norma_document_result norma_document_fail_file(
     char text[160];
     norma_document_system_text(system_error, text, sizeof text);
     const norma_document named = {.path = (char *)(uintptr_t)path};
+    if (system_error == FILE_NOT_FLUSHED)
+        return norma_document_fail(&named, error, result, NULL, "%s", text);
     return norma_document_fail(&named, error, result, NULL, "%s: %s", what, text);
 }
 

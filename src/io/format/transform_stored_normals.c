@@ -1,7 +1,9 @@
 /* transform_stored_normals.c: stored normals under the matrix of a whole document: cof(M) with the
  * sign of its determinant, since faces are reversed under a mirror. */
 #include "io/format/transform_stored_normals.h"
+#include "core/call/vec3_view.h"
 #include <math.h>
+#include <stdio.h>
 
 int norma_stored_normals_is_identity(const double model[16]) {
     for (int i = 0; i < 16; ++i)
@@ -46,6 +48,24 @@ norma_document_result norma_stored_normals_begin(const norma_document *document,
     if (result) return result;
     summary->mirrored = carrier->mirrored;
     return norma_stored_normals_progress(document, options, 0, error);
+}
+
+norma_document_result norma_check_transformed_range(const norma_document *document,
+    const norma_vec3_view *before, const double *after, double most, const char *what,
+    size_t positions_each, norma_document_error *error) {
+    for (size_t i = 0; i < before->count; ++i) {
+        double old[3];
+        norma_view_read(before, i, old);
+        if (!isfinite(old[0]) || !isfinite(old[1]) || !isfinite(old[2])) continue;
+        for (size_t axis = 0; axis < 3; ++axis) {
+            char place[40];
+            if (fabs(after[3 * i + axis]) <= most) continue;
+            snprintf(place, sizeof place, "%s %zu", what, i / positions_each);
+            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
+                "the matrix moves it beyond %.3g, the largest number that the file can hold", most);
+        }
+    }
+    return NORMA_DOCUMENT_OK;
 }
 
 static void settle_lost(const normal_carrier *carrier, const double *before, float *after,

@@ -20,5 +20,10 @@ norma_document_result norma_stored_normals_progress(const norma_document *docume
 norma_document_result norma_transform_stored_normals(norma_document *document,
     const normal_carrier *carrier, const double *normals, size_t count, float *out,
     norma_document_error *error);
+/* Refuses a matrix that takes a finite coordinate beyond most, the largest number that the file can
+ * hold. what: the element that the message names, which has positions_each of them. */
+norma_document_result norma_check_transformed_range(const norma_document *document,
+    const norma_vec3_view *before, const double *after, double most, const char *what,
+    size_t positions_each, norma_document_error *error);
 int norma_stored_normals_is_identity(const double model[16]);
 #endif

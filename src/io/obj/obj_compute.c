@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "io/stream/large_memory.h"
+#include "io/format/broken_normal.h"
 #include "io/obj/obj.h"
 #include "io/obj/deduplicate_normals.h"
 #include "io/stream/tasks.h"
@@ -33,11 +34,9 @@ typedef struct computation {
 
 /* ---- which corners */
 
-/* What N101 to N103 name: not finite, no length, no unit length. */
 static int is_broken(const float *n) {
-    double length = sqrt(
-        (double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2]);
-    return !(fabs(length - 1) <= 5e-4);
+    const double normal[3] = {(double)n[0], (double)n[1], (double)n[2]};
+    return norma_normal_is_broken(normal, norma_unit_tolerance(32));
 }
 
 /* A face without normals: none of its corners names one that is there. */

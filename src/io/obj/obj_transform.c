@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "io/format/transform_stored_normals.h"
+#include "io/stream/large_memory.h"
 #include "io/text/number.h"
 #include "io/obj/obj.h"
 #include "io/obj/statements.h"
@@ -61,12 +62,23 @@ static int extent_is_float(const double *positions, size_t count) {
     return farthest <= 16 * extent && extent > 1e-30 && farthest < 1e30;
 }
 
-static norma_result move_positions(
-    const norma_document *document, obj_state *state, const double matrix[16]) {
+static norma_document_result move_positions(norma_document *document, obj_state *state,
+    const double matrix[16], norma_document_error *error) {
     const norma_vec3_view view = {state->positions, state->position_count, 0, NORMA_FORMAT_DOUBLE};
-    norma_result result = state->position_count ? norma_transform_positions_double(matrix, view,
-                                                      state->positions, 0, state->position_count)
-                                                : NORMA_OK;
+    if (!state->position_count) return NORMA_DOCUMENT_OK;
+    double *moved = norma_io_block(state->position_count, 3 * sizeof *moved);
+    if (!moved) return norma_document_fail_memory(document, error);
+    norma_document_result result = norma_document_fail_core(document, error,
+        norma_transform_positions_double(matrix, view, moved, 0, state->position_count));
+    if (!result)
+        result = norma_check_transformed_range(document, &view, moved, DBL_MAX, "vertex", 1, error);
+    if (result) {
+        free(moved);
+        return result;
+    }
+    free(state->positions);
+    state->positions = moved;
+    state->position_room = state->position_count;
     state->floats_suffice =
         (state->positions_moved ? state->floats_suffice : text_is_float(document)) &&
         extent_is_float(state->positions, state->position_count);
@@ -149,11 +161,10 @@ norma_document_result norma_obj_transform(norma_document *document,
     if (is_identity(options->matrix, 4) || (!state->position_count && !state->normal_count))
         return NORMA_DOCUMENT_OK;
     norma_document_result told = norma_stored_normals_progress(document, options, 0, error);
+    if (!told) told = move_positions(document, state, options->matrix, error);
     if (told) return told;
     summary->changed = 1;
-    result = move_positions(document, state, options->matrix);
-    if (!result && !is_identity(options->matrix, 3))
-        result = turn_normals(document, state, normal_matrix);
+    if (!is_identity(options->matrix, 3)) result = turn_normals(document, state, normal_matrix);
     if (result) return norma_document_fail_core(document, error, result);
     if (info.mirrored) reverse_faces(state);
     if (info.mirrored && state->has_surfaces)

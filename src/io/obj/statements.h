@@ -21,8 +21,9 @@ typedef enum obj_kind {
 } obj_kind;
 
 static inline int norma_obj_is_end(char c) { return c == '\n' || c == '\r'; }
+/* A byte 0 too: ZBrush ends its files with one. */
 static inline int norma_obj_is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
 }
 
 /* statements.c. All text lies in [p, end). */

@@ -1,5 +1,6 @@
 /* ply_compute.c: normals of a PLY. One for each vertex; where a crease asks for several, the vertex
  * gets copies at the end, so that all old ones keep their numbers. */
+#include "io/format/broken_normal.h"
 #include "io/ply/ply.h"
 #include "io/stream/large_memory.h"
 #include "io/stream/tasks.h"
@@ -41,18 +42,14 @@ static void clear_report(norma_report *report) {
 
 /* ---- what is to be done */
 
-/* N101 to N103: not finite, shorter than 1e-6, or not of unit length within what the encoding can
- * do. */
+/* As whole codes decode: the lowest stands for -1 as well. */
 static int is_broken(const double stored[3], double scale) {
-    double square = 0;
+    double normal[3];
     for (int axis = 0; axis < 3; ++axis) {
-        double value = stored[axis] / scale;
-        if (!isfinite(value)) return 1;
-        value = scale > 1 && value < -1 ? -1 : value;
-        square += value * value;
+        normal[axis] = stored[axis] / scale;
+        if (scale > 1 && normal[axis] < -1) normal[axis] = -1;
     }
-    const double length = sqrt(square);
-    return length < 1e-6 || fabs(length - 1) > (scale == 127 ? .00682 : 5e-4);
+    return norma_normal_is_broken(normal, norma_unit_tolerance(scale == 127 ? 8 : 32));
 }
 
 static norma_document_result find_broken(ply_job *job, size_t *broken) {

@@ -2,6 +2,7 @@
  * normals through the normal matrix, faces turned round under a mirror. */
 #include "io/ply/ply.h"
 #include "io/format/transform_stored_normals.h"
+#include <float.h>
 #include <stdlib.h>
 
 /* ---- positions */
@@ -38,7 +39,8 @@ static norma_document_result transform_positions(
         matrix, state->mesh.positions, edit->positions, 0, state->vertices);
     if (result) return norma_document_fail_core(document, error, result);
     choose_types(state, edit);
-    return NORMA_DOCUMENT_OK;
+    return norma_check_transformed_range(
+        document, &state->mesh.positions, edit->positions, DBL_MAX, "vertex", 1, error);
 }
 
 /* ---- normals */

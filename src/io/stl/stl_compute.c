@@ -172,15 +172,6 @@ static void swap_vertices(double *vertices, size_t facets) {
     }
 }
 
-static norma_document_result check_range(norma_document *document, norma_document_error *error) {
-    const stl_state *state = document->state;
-    for (size_t i = 0; i < 9 * state->facets && (state->binary || !state->many_digits); ++i)
-        if (isfinite(state->vertices[i]) && fabs(state->vertices[i]) > (double)FLT_MAX)
-            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-                "the matrix takes facet %zu beyond what the file's numbers hold", i / 9);
-    return NORMA_DOCUMENT_OK;
-}
-
 static norma_document_result transform_vertices(
     norma_document *document, const double matrix[16], int mirrored, norma_document_error *error) {
     stl_state *state = document->state;
@@ -190,8 +181,11 @@ static norma_document_result transform_vertices(
     norma_result failed = norma_transform_positions_double(
         matrix, mesh.positions, state->vertices, 0, mesh.positions.count);
     if (failed) return norma_document_fail_core(document, error, failed);
-    if (mirrored) swap_vertices(state->vertices, state->facets);
-    return check_range(document, error);
+    norma_document_result result =
+        norma_check_transformed_range(document, &mesh.positions, state->vertices,
+            state->binary || !state->many_digits ? (double)FLT_MAX : DBL_MAX, "facet", 3, error);
+    if (!result && mirrored) swap_vertices(state->vertices, state->facets);
+    return result;
 }
 
 static norma_document_result transform_normals(

@@ -1,6 +1,7 @@
 /* vertex_sharing.c: which primitives draw the same vertices, and which vertices their points
  * become: the first point of an old vertex gets its number, so that old indices stay right; further
  * ones are added behind. */
+#include "io/format/broken_normal.h"
 #include "io/gltf/compute/gltf_compute.h"
 #include "io/stream/large_memory.h"
 #include "io/stream/tasks.h"
@@ -49,13 +50,9 @@ static int same_set(const gltf_job *job, const gltf_set *set, const gltf_primiti
     return 1;
 }
 
-/* N101 to N103: not finite, shorter than 1e-6, not of unit length within what the encoding can do.
- */
 static int is_broken(const float n[3], int component) {
-    double length = sqrt(
-        (double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2]);
-    return !isfinite(n[0]) || !isfinite(n[1]) || !isfinite(n[2]) || length < 1e-6 ||
-           fabs(length - 1) > (component == GLTF_BYTE ? .00682 : 5e-4);
+    const double normal[3] = {(double)n[0], (double)n[1], (double)n[2]};
+    return norma_normal_is_broken(normal, norma_unit_tolerance(component == GLTF_BYTE ? 8 : 32));
 }
 
 static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t normal) {
