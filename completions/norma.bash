@@ -46,7 +46,7 @@ _norma() {
     render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
     check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --fail-on --max-samples --fix --fix-unsafe --open-by-rays --dry-run --files-from $files" ;;
     explain) options="--json --help" ;;
-    view) options="-o --output --input-format --threads --max-memory --json --quiet --help" ;;
+    view) options="-o --output --out-dir --input-format --threads --max-memory --json --quiet --help" ;;
     info) options="--deep --input-format --threads --max-memory --json --quiet --help" ;;
     esac
     if [[ $word == -* ]]; then

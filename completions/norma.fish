@@ -21,6 +21,7 @@ complete -c norma -n "$files" -l in-place -d 'Replace each input'
 
 set -l reads '__fish_seen_subcommand_from compute transform check info render view'
 complete -c norma -n '__fish_seen_subcommand_from info view' -F
+complete -c norma -n '__fish_seen_subcommand_from view' -l out-dir -r -F -d 'A folder for the pages'
 complete -c norma -n '__fish_seen_subcommand_from view' -s o -l output -r -F -d 'The page'
 complete -c norma -n "$reads" -l input-format -x -a 'obj ply stl gltf glb' -d 'Format of the inputs'
 complete -c norma -n "$reads" -l threads -x -d 'How many may work'

@@ -8,25 +8,24 @@ static const cli_subcommand *const verbs[] = {&cli_subcommand_compute, &cli_subc
     &cli_subcommand_render, &cli_subcommand_view};
 
 static const char introduction[] =
-    "Norma keeps surface normals right: computes them, carries them through transforms and checks "
-    "them, in OBJ,\n"
-    "PLY, STL and glTF files, leaving everything else in the file as it was.\n"
+    "Norma computes, transforms and checks surface normals in OBJ, PLY, STL and glTF files.\n"
+    "Everything else in a file stays as it was.\n"
     "\n"
     "Examples\n"
     "  norma info chair.obj                             what is in it\n"
     "  norma compute chair.obj -o out.obj               normals, creases at 60 degrees\n"
     "  norma transform chair.glb -o out.glb --scale 2,1,1\n"
     "  norma matrix --scale 2,0.5,1                     how wrong plain M is, and what is right\n"
-    "  norma check models/                              what is wrong with normals, windings, "
-    "seams, transforms\n"
+    "  norma check models/                              every mesh file of a folder\n"
     "\n"
     "Verbs\n";
 
 static const char ending[] =
     "\n"
-    "'norma help VERB' or 'norma VERB --help' tells more. 'norma --version' tells the version.\n"
-    "Exit status: 0 fine, 1 findings (check), 2 usage, 3 a file could not be read or written, 130 "
-    "interrupted.\n";
+    "'norma help VERB' or 'norma VERB --help' explains a verb. 'norma --version' prints the "
+    "version.\n"
+    "Exit status: 0 fine, 1 findings (check), 2 usage, 3 a file could not be read or written,\n"
+    "130 interrupted, 143 terminated.\n";
 
 static void print_help(FILE *out) {
     fputs(introduction, out);

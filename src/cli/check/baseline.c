@@ -180,7 +180,8 @@ static int read_known(check_baseline *baseline, const json_t *root) {
             !add_known(baseline, path, rule, where, severity, (size_t)count))
             return 0;
     }
-    qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_known);
+    if (baseline->count)
+        qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_known);
     return 1;
 }
 

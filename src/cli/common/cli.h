@@ -138,15 +138,17 @@ extern const size_t cli_input_option_count, cli_output_option_count;
 /* What --help says of what cli_run_changer reads. */
 #define CLI_FILES_HELP                                                                             \
     "Files\n"                                                                                      \
+    "  IN                    a file, a folder, or a pattern in quotes\n"                           \
     "  -o, --output OUT      the output, in IN's format; - is standard output\n"                   \
-    "  --out-dir FOLDER      for several inputs; --in-place replaces each input, whole or not at " \
-    "all\n"                                                                                        \
+    "  --out-dir FOLDER      where outputs go, if there are several inputs; keeps the tree of a\n" \
+    "                        folder\n"                                                             \
+    "  --in-place            replaces each input, whole or not at all\n"                           \
     "  --input-format obj|ply|stl|gltf|glb\n"                                                      \
     "                        needed for standard input, which is called -\n"                       \
-    "  --threads N           how many may work (all); the result is the same to the bit\n"         \
-    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"              \
-    "  --json                a summary for programs on standard output, one object a line\n"       \
-    "  --quiet               says nothing but errors\n"
+    "  --threads N           how many threads may work (all); the result has the same bits\n"      \
+    "  --max-memory SIZE     512M, 2G: ends with 'out of memory' if a file needs more\n"           \
+    "  --json                prints a summary for programs, one object a line\n"                   \
+    "  --quiet               prints nothing but errors\n"
 
 /* What a verb does to each file of a batch: opened, changed, written, told about. */
 typedef struct cli_changer {

@@ -28,10 +28,10 @@ static const char help[] =
     "  --out-dir FOLDER      for several inputs: FOLDER/NAME.html each\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
-    "  --threads N           how many may read (all)\n"
-    "  --max-memory SIZE     512M, 2G: what needs more is refused as out of memory\n"
-    "  --json                a summary for programs on standard output\n"
-    "  --quiet               says nothing but errors\n"
+    "  --threads N           how many threads may read (all)\n"
+    "  --max-memory SIZE     512M, 2G: ends with 'out of memory' if a file needs more\n"
+    "  --json                prints a summary for programs\n"
+    "  --quiet               prints nothing but errors\n"
     "\n"
     "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
 
