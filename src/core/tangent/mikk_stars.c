@@ -44,8 +44,8 @@ typedef struct star_corners {
 } star_corners;
 
 /* Fills lanes [begin, begin + count), of which none has been computed before begin rounded up. */
-static void contribute(const star_work *w, uint32_t vertex, const uint32_t *corners, size_t begin,
-    size_t count, mikk_batch *batch, star_corners *out) {
+static void contribute_star(const star_work *w, uint32_t vertex, const uint32_t *corners,
+    size_t begin, size_t count, mikk_batch *batch, star_corners *out) {
     const mikk_mesh *m = w->mesh;
     for (size_t j = 0; j < count; j++) {
         const size_t lane = (begin + j) % MIKK_LANES;
@@ -216,8 +216,8 @@ static size_t run_batch(
     for (; vertex < end && filled < CORNERS_IN_BATCH; vertex++) {
         const size_t count = star_count(m, vertex);
         if (count > MIKK_SMALL_STAR) continue;
-        contribute(w, (uint32_t)vertex, m->around.corners + m->around.starts[vertex], filled, count,
-            &s->batch, &out);
+        contribute_star(w, (uint32_t)vertex, m->around.corners + m->around.starts[vertex], filled,
+            count, &s->batch, &out);
         filled += count;
     }
     if (filled % MIKK_LANES)
