@@ -271,7 +271,7 @@ static void finish_large(
         .sequence = s->numbers + 5 * most,
         .seeds = s->numbers + 6 * most,
         .spaces = s->spaces};
-    contribute(w, (uint32_t)vertex, corners, 0, count, &batch, &out);
+    contribute_star(w, (uint32_t)vertex, corners, 0, count, &batch, &out);
     if (count % MIKK_LANES) w->kernels->contribute(&batch, &s->contributions[count / MIKK_LANES]);
     finish_star(w, &star, tally);
 }
