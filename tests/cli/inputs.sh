@@ -92,6 +92,6 @@ fi
 # Content that cannot be done is 3, whatever the format; the command line alone is 2.
 printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n' >one.stl
 is 3 '' transform one.stl --scale 1e300 --out-dir out
-says 'one.stl: the matrix takes facet 0 beyond'
+says 'one.stl:facet 0: the matrix moves it beyond'
 is 2 '' compute one.stl --smooth --out-dir out
 finish
