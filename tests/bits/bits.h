@@ -66,7 +66,7 @@ void bits_unmake(bits_mesh *mesh);
 
 typedef void bits_of_mesh(const bits_mesh *mesh, const bits_way *way, bits_hash *hash);
 bits_of_mesh bits_faces, bits_vertices, bits_corners, bits_split, bits_plans, bits_morphs,
-    bits_orient, bits_check;
+    bits_orient, bits_check, bits_tangents;
 
 void bits_matrices(const bits_mesh *mesh,
     bits_hash *hash); /* calls that neither threads nor an instruction set are chosen for */

@@ -90,12 +90,13 @@ static void one_part(run *r, const bits_mesh *mesh, const part *p, size_t ways) 
 }
 
 static void made(run *r) {
-    static const part check = {"check", bits_check};
+    static const part check = {"check", bits_check}, tangents = {"tangents", bits_tangents};
     for (size_t i = 0; i < bits_made_count(); ++i) {
         bits_mesh mesh;
         bits_hash hash = bits_begin();
         bits_make(i, &mesh);
         for (size_t p = 0; p < PART_COUNT; ++p) one_part(r, &mesh, &PARTS[p], r->way_count);
+        one_part(r, &mesh, &tangents, r->way_count);
         one_part(r, &mesh, &check, r->thread_ways);
         bits_matrices(&mesh, &hash);
         put(r, mesh.name, "matrices", &hash.state, 1);
