@@ -7,6 +7,12 @@
 /* For messages: "1 tangent", "2 tangents". */
 static inline const char *norma_check_plural(size_t count) { return count == 1 ? "" : "s"; }
 
+/* Tangents serve normal maps only: without one, what is wrong with them is worth knowing, no more.
+ */
+static inline norma_severity norma_check_tangent_severity(const check_mesh *m) {
+    return m->given->material.normal_map ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
+}
+
 norma_result norma_check_missing_normals(check_mesh *m); /* missing_normals.c: N104 to N106 */
 norma_result norma_check_tangents(check_mesh *m);        /* tangents.c: N801 to N806 */
 norma_result norma_check_tangent_signs(

@@ -88,7 +88,7 @@ static norma_result add(check_mesh *m, const uint8_t *verdicts, size_t with, siz
             with, norma_check_plural(with), against);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N804,
-            .severity = mixed ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
+            .severity = mixed ? norma_check_tangent_severity(m) : NORMA_SEVERITY_INFO,
             .no_value = 1,
             .no_fix = !mixed,
             .hits = &hits,

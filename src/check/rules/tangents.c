@@ -90,12 +90,13 @@ static norma_result add_findings(check_mesh *m, tangent_part *sum) {
     }
     if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count) {
         norma_check_message(message,
-            "%z tangent%s up to %g degrees off perpendicular to the normal; a normal map bends "
-            "light the wrong way",
-            sum->leaning.count, norma_check_plural(sum->leaning.count), sum->leaning.worst);
+            "%z tangent%s up to %g degrees off perpendicular to the normal; %s", sum->leaning.count,
+            norma_check_plural(sum->leaning.count), sum->leaning.worst,
+            m->given->material.normal_map ? "a normal map bends light the wrong way"
+                                          : "no normal map uses them here");
         result = norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N803,
-                .severity = NORMA_SEVERITY_WARNING,
+                .severity = norma_check_tangent_severity(m),
                 .unit = "deg",
                 .hits = &sum->leaning,
                 .message = message});
@@ -140,9 +141,9 @@ norma_result norma_check_tangents(check_mesh *m) {
     int usable = tangents && normals; /* without normals readers must ignore them */
     if (!result && !usable && given->material.normal_map && !given->material.unlit &&
         m->mesh.face_count && norma_check_wants(m, RULE_N805))
-        result =
-            norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_INFO, CHECK_NOWHERE,
-                "a normal map and no tangents; renderers make their own, and not all alike");
+        result = norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_WARNING,
+            CHECK_NOWHERE,
+            "a normal map and no tangents; renderers make their own, and not all alike");
     if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
         result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING,
             CHECK_NOWHERE, "tangents and no normals; readers must ignore them");
