@@ -73,15 +73,13 @@ static void judge_shapes(void *context, size_t block, size_t begin, size_t end) 
 static norma_result add_findings(check_mesh *m, shape_part *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
-    norma_severity severity =
-        m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
     if (sum->degenerate.count) {
         norma_check_message(message,
-            "%z of %z faces have no height to speak of, and so no direction", sum->degenerate.count,
-            m->mesh.face_count);
+            "%z of %z faces are degenerate (almost no area) and have no normal",
+            sum->degenerate.count, m->mesh.face_count);
         result = norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N401,
-                .severity = severity,
+                .severity = NORMA_SEVERITY_INFO,
                 .unit = "ratio",
                 .hits = &sum->degenerate,
                 .message = message});
