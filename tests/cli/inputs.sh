@@ -26,6 +26,7 @@ is() {
     said=$("$NORMA" "$@" 2>errors </dev/null) || status=$?
     [[ " $* " != *" out "* ]] || said=$(cd out 2>/dev/null && find . -type f | sed 's,^\./,,' | LC_ALL=C sort)
     said=$(printf '%s' "$said" | tr '\n' ' ')
+    # shellcheck disable=SC2053  # expected is a pattern
     if [ "$status" -eq "$wanted" ] && [[ "$said" == $expected ]]; then pass "$*"; else fail "$*" "status $status (expected $wanted): $said"$'\n'"expected $expected"$'\n'"$(cat errors)"; fi
 }
 # says WORDS: on standard error, the last time.
