@@ -366,15 +366,18 @@ NORMA_API size_t norma_document_unread_count(norma_document *document);
 NORMA_API norma_document_result norma_document_unread(
     norma_document *document, size_t index, norma_unread *unread);
 
-/* Receives the path of a file; nonzero stops. */
+/* Receives the path of a file. Return nonzero to stop. */
 typedef int norma_visit_file(void *user, const char *path);
-/* Calls visit for each file beside its own that the document was read from or names: the buffers
- * and images of a glTF, the material libraries of an OBJ, the texture files of a PLY. Paths are
- * relative to the working folder, or absolute; a file may be named twice or be missing. Nothing is
- * opened. A document that was read from memory without a name names none.
+
+/* Visits each further file that the document was read from or refers to: buffers and images of a
+ * glTF, material libraries of an OBJ, texture files of a PLY. Nothing is opened.
  *
- * document: the document; visit: called once for each file; user: handed to visit; error: may be
- * NULL. Fails for want of memory only. */
+ *   visit   called once for each file. Paths are relative to the working folder, or absolute; a
+ *           file may occur twice, and may be missing
+ *   user    passed to visit
+ *   error   written on failure; or NULL
+ *
+ * A document that was read from memory without a name has none. Errors: out of memory only. */
 NORMA_API norma_document_result norma_document_visit_files(
     norma_document *document, norma_visit_file *visit, void *user, norma_document_error *error);
 

@@ -233,13 +233,12 @@ typedef struct norma_report {
 
 /* ---- which argument was wrong */
 
-/* What a call was refused for. */
+/* Why a call was refused. The strings are constant. */
 typedef struct norma_fault {
-    norma_result result; /* NORMA_OK: nothing is wrong; the rest is then NULL or SIZE_MAX */
-    const char
-        *argument; /* "mesh->corners", "options->weight", "crease_angle_rad", ...; constant */
-    size_t index;  /* of the wrong element of that array; SIZE_MAX: no single one */
-    const char *expected; /* what it should be, a constant phrase */
+    norma_result result;  /* NORMA_OK: nothing is wrong; the rest is then NULL or SIZE_MAX */
+    const char *argument; /* "mesh->corners", "options->weight", "crease_angle_rad", ... */
+    size_t index;         /* of the wrong element of that array; SIZE_MAX: no single one */
+    const char *expected; /* what it should be, a phrase */
 } norma_fault;
 
 /* Finds out why a call on a mesh returned an error: the argument, and the corner or offset in it.
@@ -853,54 +852,67 @@ NORMA_API norma_result norma_decode_snorm16(const int16_t *codes, size_t stride,
 
 /* ---- tangents of corners, from normals and texture coordinates */
 
-/* What a corner has besides its position. 8- and 16-bit numbers stand for v / 255 and v / 65535
- * (signed: v / 127 and v / 32767, at least -1), rounded to floats. */
+/* What corners have besides their positions: normals of three numbers or texture coordinates of
+ * two. 8- and 16-bit numbers stand for v / 255 and v / 65535, signed ones for v / 127 and v / 32767
+ * (at least -1), rounded to floats. */
 typedef struct norma_attribute {
     const void *data;
-    size_t count;  /* values of two (texture coordinates) or three (normals) numbers */
-    size_t stride; /* bytes from one value to the next; 0 = tight */
+    size_t count;  /* values */
+    size_t stride; /* bytes from one value to the next; 0: tightly packed */
     norma_format format;
-    norma_element of;        /* per vertex: one for each position, chosen by mesh->corners; per
-                                corner: one for each corner, in order */
-    const uint32_t *corners; /* or, where not NULL, the number of each corner's value */
+
+    /* Per vertex: one value for each position, chosen by mesh->corners. Per corner: one value for
+     * each corner, in order. Ignored if corners is given. */
+    norma_element of;
+    const uint32_t *corners; /* the value of each corner; or NULL */
 } norma_attribute;
 
 typedef enum norma_tangent_mode {
-    NORMA_TANGENTS_STEADY = 0, /* the same for any order of faces and corners; unit, perpendicular,
-                                  one sign for a face; weighted by options->weight */
-    NORMA_TANGENTS_MIKK        /* the bits of MikkTSpace (Mikkelsen 2008), for triangles and quads
-                                  in the order given */
+    /* The same for any order of faces and corners; unit and perpendicular, one sign for a face;
+     * weighted by options->weight. */
+    NORMA_TANGENTS_STEADY = 0,
+    /* The bits of MikkTSpace (Mikkelsen 2008), for triangles and quads in the given order. */
+    NORMA_TANGENTS_MIKK
 } norma_tangent_mode;
 
-/* The tangent of each corner: x, y, z and a sign, so that bitangent = sign * cross(normal, tangent)
- * with texture coordinates as they are given (glTF, whose v runs downwards, wants the sign
- * negated). Corners share where position, normal and texture coordinates are all equal (-0 = 0).
+/* Computes the tangent of each corner: x, y, z and a sign. The bitangent is
+ * sign * cross(normal, tangent) for the texture coordinates as they are given; glTF, whose v runs
+ * downwards, needs the sign negated.
+ *
+ *   mesh        the faces
+ *   normals     one value for each position or corner, of any length in steady mode
+ *   texcoords   one value for each position or corner
+ *   mode        steady or MikkTSpace
+ *   options     uses weight (steady), normal_stride, reasons, threads, isa, allocator, parallel_for
+ *               and progress; weld and fallback are ignored. May be NULL
+ *   tangents    written: four floats for each corner, options->normal_stride bytes apart (0: 16)
+ *   capacity    corners that fit
+ *   report      written, or NULL: degenerate_faces, non_finite and cancelled count corners by
+ *               reason
+ *
+ * Corners share a tangent only if position, normal and texture coordinates are equal (-0 = 0).
  *
  * NORMA_TANGENTS_MIKK gives the floats of MikkTSpace's reference with its default settings,
- * compiled without contraction of products and sums, every run of its edges sorted. Doubles are
- * rounded to floats first. Quads are cut along the diagonal that is shorter in texture space, then
- * in space; polygons of five corners and more are cut into triangles first, and a corner takes its
- * tangent from the first of them.
+ * compiled without contraction of products and sums, with every run of its edges sorted. Doubles
+ * are first rounded to floats. Quads are cut along the diagonal that is shorter in texture space,
+ * then in space. Larger polygons are first cut into triangles; a corner takes the tangent of the
+ * first one that contains it.
  *
- * NORMA_TANGENTS_STEADY sums, over the corners that share and whose faces have the same sign of
- * texture area, the direction in which u grows, made perpendicular to the normal, weighted by
- * options->weight (NORMA_WEIGHT_VISIBLE counts as NORMA_WEIGHT_UNIFORM). Normals of any length.
- * |tangent . normal| is at most 1e-6 for unit normals.
+ * NORMA_TANGENTS_STEADY takes the direction in which u grows in each face, made perpendicular to
+ * the normal, and sums it over the corners that share and whose faces have the same sign of
+ * texture area, weighted by options->weight (NORMA_WEIGHT_VISIBLE counts as
+ * NORMA_WEIGHT_UNIFORM). |tangent . normal| is at most 1e-6 for unit normals.
  *
- * A corner without a tangent gets a unit vector perpendicular to its normal, the sign of its face
- * if neighbours gave it one, else +1, and a reason: NORMA_REASON_NON_FINITE if its own position,
- * normal or texture coordinates are not finite, NORMA_REASON_DEGENERATE if no face with texture
- * area shares in it, NORMA_REASON_CANCELLED if what shares in it sums to nothing.
+ * A corner without a tangent gets a unit vector perpendicular to its normal, the sign that its face
+ * got from neighbours or else +1, and a reason. NORMA_REASON_NON_FINITE: its position, normal or
+ * texture coordinates are not finite. NORMA_REASON_DEGENERATE: no face with texture area shares in
+ * it. NORMA_REASON_CANCELLED: the directions around it cancel each other.
  *
- * normals and texcoords: one value for each position or corner, as their field "of" says, or
- * numbered by their own corners. tangents: the first four floats of each corner at
- * options->normal_stride bytes (0: 16) from one to the next; capacity counts corners. options (may
- * be NULL): weight (steady), normal_stride, reasons, threads, isa, allocator, parallel_for and
- * progress are used; weld and fallback are not. report (may be NULL): degenerate_faces, non_finite
- * and cancelled count corners by their reason. Errors as for norma_corner_normals;
- * NORMA_ERROR_ARGUMENT also for a mode or format that does not exist and for fewer values than
- * positions or corners, NORMA_ERROR_INDEX for a corner that names no value. Cost: linear in corners
- * and positions, whatever the valence; the same bits for any number of threads. */
+ * Errors: those of norma_corner_normals; NORMA_ERROR_ARGUMENT also for an unknown mode or format
+ * and for fewer values than positions or corners; NORMA_ERROR_INDEX for a corner whose value does
+ * not exist.
+ * Cost: O(corners + positions), whatever the valence. The bits are the same for any number of
+ * threads. */
 NORMA_API norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report);
