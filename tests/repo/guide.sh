@@ -1,5 +1,5 @@
 #!/bin/bash
-# What docs/guide.md shows is true: the lines below each of its commands are lines of the command's output, in that order; its angles and its table of errors are computed
+# What docs/guide.md shows is true: the lines below each of its commands (and those of docs/coming-from.md) are lines of the command's output, in that order; its angles and its table of errors are computed
 # again from the numbers beside them; its listings of examples are what the examples print; each line of its GLSL is a line of a shader that norma render uses.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
@@ -24,7 +24,7 @@ while IFS= read -r line; do
     '    '*) [ -z "$command" ] || printf '%s\n' "${line#    }" >>"$scratch/shown" ;;
     *) [ -z "$command" ] || shown "$command"; command="" ;;
     esac
-done <docs/guide.md
+done < <(cat docs/guide.md docs/coming-from.md)
 if [ "$commands" -ge 10 ]; then pass "guide: $commands commands found"; else fail "guide: commands found" "only $commands"; fi
 
 # angle WORDS "X Y Z" "X Y Z": the guide has the words with the angle between the two directions, in degrees, in place of @.
