@@ -49,6 +49,7 @@ switch_of() { # FILE
         core/orient/*) echo NORMA_WITHOUT_ORIENT ;;
         core/plan/morph_*) echo NORMA_WITHOUT_MORPHS ;;
         core/plan/*) echo NORMA_WITHOUT_PLANS ;;
+        core/tangent/*) echo NORMA_WITHOUT_TANGENTS ;;
     esac
 }
 
@@ -66,6 +67,7 @@ body() { # FILE: without includes of ours
  *     NORMA_WITHOUT_ORIENT     norma_orient, norma_reverse_winding
  *     NORMA_WITHOUT_PLANS      norma_plan_*, and morph targets, which use them
  *     NORMA_WITHOUT_MORPHS     norma_morph_normals
+ *     NORMA_WITHOUT_TANGENTS   norma_corner_tangents
  *     NORMA_WITHOUT_AVX512     code for AVX-512; AVX2 does the same work
  *
 HEAD
@@ -93,6 +95,9 @@ HEAD
 #endif
 #if defined(__GNUC__) || defined(__clang__)
 #pragma GCC diagnostic ignored "-Wshadow" /* what were files may use each other's names for locals */
+#if defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi" /* no vector crosses into another file */
+#endif
 #if defined(__MINGW32__)
 #pragma GCC diagnostic ignored "-Wfloat-conversion" /* in its macros of math.h */
 #endif

@@ -107,7 +107,7 @@ void bits_vertices(const bits_mesh *m, const bits_way *way, bits_hash *hash) {
         }
 }
 
-static const float CREASES[] = {1.0471976f, -1, 0, .35f, 4};
+static const float CREASES[] = {1.0471976f, -1, 0, .35f, 3.1415927f};
 
 void bits_corners(const bits_mesh *m, const bits_way *way, bits_hash *hash) {
     bits_mesh plain = *m;
@@ -245,7 +245,7 @@ static void plan(const bits_mesh *m, const bits_way *way, norma_element of, floa
 }
 
 void bits_plans(const bits_mesh *m, const bits_way *way, bits_hash *hash) {
-    plan(m, way, NORMA_PER_VERTEX, 4, NORMA_WEIGHT_ANGLE, hash);
+    plan(m, way, NORMA_PER_VERTEX, 3.1415927f, NORMA_WEIGHT_ANGLE, hash);
     plan(m, way, NORMA_PER_CORNER, CREASES[0], NORMA_WEIGHT_ANGLE, hash);
     if (m->large) return;
     plan(m, way, NORMA_PER_VERTEX, CREASES[0], NORMA_WEIGHT_AREA, hash);

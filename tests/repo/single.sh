@@ -32,6 +32,7 @@ left_out() { # SWITCH FUNCTION
 left_out NORMA_WITHOUT_ORIENT norma_orient
 left_out NORMA_WITHOUT_MORPHS norma_morph
 left_out NORMA_WITHOUT_PLANS norma_plan
+left_out NORMA_WITHOUT_TANGENTS norma_corner_tangents
 left_out NORMA_WITHOUT_AVX512 norma_core_units_avx512
 
 # C++ takes the header, not the file.

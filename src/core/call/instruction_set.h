@@ -15,7 +15,7 @@ core_level norma_core_level(norma_isa isa); /* the highest that the machine has 
 #if defined(NORMA_COVERAGE)
 #define CORE_INLINE                                                                                \
     static inline /* what is counted is the source, once, not each copy of a kernel */
-#elif defined(__GNUC__)
+#elif defined(__GNUC__) || defined(__clang__)
 #define CORE_INLINE static inline __attribute__((always_inline))
 #else
 #define CORE_INLINE static inline
