@@ -46,12 +46,15 @@ static void add_triangle(
     const size_t corners[3] = {first + i, first + j, first + k};
     const float *at[3];
     for (size_t n = 0; n < 3; n++) {
-        const uint32_t v = norma_core_tangent_vertex(m->input, corners[n]);
-        m->triangles[3 * triangle + n] = v;
+        const uint32_t vertex = norma_core_tangent_vertex(m->input, corners[n]);
+        m->triangles[3 * triangle + n] = vertex;
         if (m->corners) m->corners[3 * triangle + n] = (uint32_t)corners[n];
-        at[n] = m->vertices[v].position;
+        at[n] = m->vertices[vertex].position;
     }
-    const int degenerate = equal_3(at[0], at[1]) | equal_3(at[0], at[2]) | equal_3(at[1], at[2]);
+    /* A vertex that is not a number is not equal to itself, but is one vertex. */
+    const uint32_t *v = m->triangles + 3 * triangle;
+    const int degenerate = equal_3(at[0], at[1]) | equal_3(at[0], at[2]) | equal_3(at[1], at[2]) |
+                           (v[0] == v[1]) | (v[0] == v[2]) | (v[1] == v[2]);
     m->flags[triangle] = (uint8_t)(degenerate ? MIKK_DEGENERATE : 0);
     if (degenerate) atomic_store_explicit(&c->degenerate, 1, memory_order_relaxed);
 }
