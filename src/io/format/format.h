@@ -157,6 +157,15 @@ int norma_document_changed(const norma_document *document, norma_document_error 
  * what norma_file_open does. */
 int norma_document_load_file(const norma_document *document, const char *path, file_bytes *bytes);
 
+/* Whether a text begins like a file of zeros, such as one with a hole: a reader refuses it at once
+ * instead of looking for the end of its first word through gigabytes. */
+static inline int norma_begins_with_zeros(const unsigned char *bytes, size_t size) {
+    enum { FEW = 256 };
+    size_t zeros = 0;
+    while (zeros < FEW && zeros < size && bytes[zeros] == 0) ++zeros;
+    return zeros == FEW;
+}
+
 /* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))

@@ -450,6 +450,9 @@ norma_document_result norma_obj_read(norma_document *document, norma_document_er
     if (!size)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, NULL,
             "the file is empty; expected OBJ statements");
+    if (norma_begins_with_zeros(bytes, size))
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "1",
+            "the file begins with zeros; expected OBJ statements");
     if (is_utf16(bytes, size))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "UTF-16 text; expected ASCII or UTF-8 (convert it first)");

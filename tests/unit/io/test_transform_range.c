@@ -95,9 +95,21 @@ static void a_zero_byte_is_a_blank(void **state) {
     }
 }
 
+/* Not even the end of the first word is looked for: none of the many megabytes behind is read. */
+static void an_obj_of_zeros_is_refused(void **state) {
+    static const unsigned char zeros[100000];
+    norma_document *document;
+    norma_document_error error;
+    (void)state;
+    assert_int_equal(
+        norma_document_open_memory(zeros, sizeof zeros, "a.obj", NULL, &document, &error),
+        NORMA_DOCUMENT_ERROR_MALFORMED);
+    assert_non_null(strstr(error.message, "begins with zeros"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_no_number_holds_is_refused),
         cmocka_unit_test(floats_become_doubles), cmocka_unit_test(infinities_stay),
-        cmocka_unit_test(a_zero_byte_is_a_blank)};
+        cmocka_unit_test(a_zero_byte_is_a_blank), cmocka_unit_test(an_obj_of_zeros_is_refused)};
     return cmocka_run_group_tests_name("the range of files; zero bytes", tests, NULL, NULL);
 }
