@@ -209,7 +209,6 @@ NORMA_API norma_findings *norma_check_unreadable(const norma_document_error *err
 
 typedef struct norma_fix_summary {
     int changed; /* 0: the document would be written byte for byte as it was read */
-    int again;   /* nonzero: a glTF that takes one change; save, reopen and call again */
 
     /* With open_by_rays: open parts that rays turned or confirmed, and parts that were left as they
      * are because the rays do not agree. */
@@ -228,6 +227,7 @@ typedef struct norma_fix_summary {
  *
  * New normals come from the surface, with the weight and crease that the other normals of the file
  * show. If all faces at a normal are reversed, the normal is reversed with them.
+ * One fix may uncover what another one fixes: call it until changed is 0.
  * Errors: those of norma_check_document and norma_document_edit. After an error the document can
  * only be closed. */
 NORMA_API norma_document_result norma_fix_document(norma_document *document,

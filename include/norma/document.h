@@ -6,9 +6,9 @@
  * either the old file or the new one is complete. A document uses its own copy of the files that it
  * was read from, so other programs may write to them meanwhile; saving in place is then refused.
  *
- * A glTF document takes one change. A second change is an argument error: save the document and
- * open it again, or use norma_document_settle. Mesh data and infos of a changed glTF remain those
- * of the file as it was read; in the other formats they follow the changes.
+ * A document takes any number of changes, and may be changed further after it was saved. Mesh data
+ * and infos follow the changes; pointers and strings from before a change are no longer valid.
+ * After an argument error a document is as it was before the call.
  *
  * Different threads may use different documents at the same time; only one thread at a time may use
  * a document. A zero-initialised option struct means the documented defaults. Strings are UTF-8,
@@ -597,18 +597,6 @@ typedef int norma_write(void *user, const void *bytes, size_t size);
  *   error   written on failure; or NULL */
 NORMA_API norma_document_result norma_document_write(
     norma_document *document, norma_write *write, void *user, norma_document_error *error);
-
-/* Returns the document as it would be read after saving it; nothing is written. This allows several
- * changes of an open glTF: settle between the changes, and save the last one to the same path.
- *
- *   path      as if saved by norma_document_save to this path; NULL: as if by norma_document_write
- *   options   as for norma_document_open; the format stays
- *   settled   written: a document of its own; release it with norma_document_close
- *   error     written on failure; or NULL
- *
- * document stays as it is. Cost: O(file). */
-NORMA_API norma_document_result norma_document_settle(norma_document *document, const char *path,
-    const norma_document_options *options, norma_document **settled, norma_document_error *error);
 
 /* Writes any bytes to a path as norma_document_save does, completely or not at all: a report, a
  * picture. A device or a pipe is written directly.

@@ -79,7 +79,6 @@ static void part_steps(fix_mesh *m) {
     free((void *)(uintptr_t)m->edit->set_positions);
     m->edit->positions = NULL;
     m->edit->set_positions = NULL;
-    m->waits = 1;
 }
 
 static norma_document_result fix_mesh_of(mender *m, size_t index) {
@@ -100,7 +99,6 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
         if (!result) mended = fix_arrays(&mesh);
     }
     part_steps(&mesh);
-    m->summary->again |= mesh.waits;
     free(mesh.findings);
     free(mesh.corners);
     free(mesh.surface);
@@ -241,33 +239,17 @@ static norma_document_result recentre(mender *m) {
     return result;
 }
 
-/* Changes to a whole document. A glTF that was changed already takes none: they wait for a further
- * call on what it becomes. */
+/* Changes to a whole document, after those of its meshes. */
 static norma_document_result fix_rest(mender *m) {
-    const norma_file_format format = norma_document_format(m->document);
-    const int one_change = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB;
     const int wants_compute = is_asked(m, RULE_N104) || is_asked(m, RULE_N106) ||
                               is_asked(m, RULE_N806) || is_asked(m, RULE_N901);
     const int wants_bake =
         is_asked(m, RULE_N601) || is_asked(m, RULE_N602) || is_asked(m, RULE_N604);
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    if (is_asked(m, RULE_N701) && !(one_change && m->summary->changed))
-        result = recentre(m);
-    else
-        m->summary->again |= is_asked(m, RULE_N701);
-    if (!result && is_asked(m, RULE_N203) && format == NORMA_FILE_OBJ)
+    norma_document_result result = is_asked(m, RULE_N701) ? recentre(m) : NORMA_DOCUMENT_OK;
+    if (!result && is_asked(m, RULE_N203) && norma_document_format(m->document) == NORMA_FILE_OBJ)
         result = replace_placeholders(m);
-    if (result) return result;
-    if (wants_compute && !(one_change && m->summary->changed))
-        result = compute_missing(m, is_asked(m, RULE_N901));
-    else
-        m->summary->again |= wants_compute;
-    if (result || !wants_bake) return result;
-    if (one_change && m->summary->changed)
-        m->summary->again = 1;
-    else
-        result = bake(m);
-    return result;
+    if (!result && wants_compute) result = compute_missing(m, is_asked(m, RULE_N901));
+    return result || !wants_bake ? result : bake(m);
 }
 
 static norma_document_result mend(mender *m) {

@@ -19,7 +19,6 @@ typedef struct fix_mesh {
     const uint8_t *turned; /* faces of bodies that are reversed as a whole; NULL: none */
     const float
         *smooth; /* of each vertex, at seams of several primitives; NULL: of this one alone */
-    int waits;   /* there is more to do once this edit is made */
     /* Made when first needed. */
     uint32_t *corners; /* positions of the corners as they will be run along: reversed where the
                           edit says so */

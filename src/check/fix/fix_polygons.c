@@ -53,8 +53,6 @@ static norma_result cut_named(fix_mesh *m, const uint8_t *marks) {
 norma_result norma_fix_polygons(fix_mesh *m) {
     uint8_t *marks = NULL;
     const norma_file_format format = norma_document_format(m->document);
-    if (m->edit->reverse_faces)
-        m->waits |= norma_fix_has(m, RULE_N404) || norma_fix_has(m, RULE_N405);
     if (m->edit->reverse_faces || (format != NORMA_FILE_OBJ && format != NORMA_FILE_PLY))
         return NORMA_OK;
     int folded = norma_fix_mark(m, RULE_N404, MEND_FACE, m->mesh.face_count, &marks);

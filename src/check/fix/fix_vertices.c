@@ -289,13 +289,8 @@ norma_result norma_fix_vertices(fix_mesh *m) {
     if ((!soup && !cancelled) || !has_vertices(m) || m->attributes.normals_missing ||
         m->attributes.normals_surplus)
         return NORMA_OK;
-    if (norma_fix_has_edit(m->edit)) {
-        m->waits = 1;
-        return NORMA_OK;
-    }
+    if (norma_fix_has_edit(m->edit)) return NORMA_OK; /* the next time */
     norma_result result = soup ? weld(m) : NORMA_OK;
     if (result || !cancelled) return result;
-    if (!m->edit->source_vertices) return split(m);
-    m->waits = 1;
-    return NORMA_OK;
+    return m->edit->source_vertices ? NORMA_OK : split(m); /* or the next time */
 }

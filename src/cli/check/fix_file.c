@@ -5,22 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int is_standard(const char *output) { return strcmp(output, "-") == 0; }
+enum { MOST_STEPS = 8 };
 
-/* The document as it would be read after it is written to output. */
-static norma_document_result settle(const check_settings *settings, norma_document *document,
-    const char *output, check_fixed *mended, norma_document **settled,
-    norma_document_error *error) {
-    const norma_document_options options = {.struct_size = sizeof options,
-        .threads = settings->threads,
-        .lenient = 1,
-        .progress = settings->progress,
-        .progress_user = settings->progress_user};
-    norma_document_result result = norma_document_settle(
-        document, is_standard(output) ? NULL : output, &options, settled, error);
-    if (!result) mended->steps[mended->step_count++] = *settled;
-    return result;
-}
+static int is_standard(const char *output) { return strcmp(output, "-") == 0; }
 
 /* What could not be mended, and why, is a note of the last step. */
 static void tell_notes(const char *path, norma_document *document, size_t before) {
@@ -103,22 +90,19 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
 
 /* ---- mending and writing */
 
-/* Mends, and what it becomes again until nothing more changes: one fix may uncover what another one
- * mends, and a glTF takes one change at a time. mended->document is what it is in the end, as it
- * would be read. */
+/* One fix may uncover what another one mends: until nothing more changes. */
 static norma_document_result fix_steps(const check_settings *settings, norma_document *document,
-    const norma_check_options *options, const char *path, const char *output, check_fixed *mended,
+    const norma_check_options *options, const char *path, check_fixed *mended,
     norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     mended->document = document;
-    while (!result && mended->step_count < CLI_COUNT(mended->steps)) {
-        const size_t notes = norma_document_note_count(mended->document);
+    mended->last.changed = 1;
+    for (int step = 0; step < MOST_STEPS && !result && mended->last.changed; ++step) {
+        const size_t notes = norma_document_note_count(document);
         result = norma_fix_document(
-            mended->document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->last, error);
-        if (!result && !mended->last.changed) tell_notes(path, mended->document, notes);
-        if (result || !mended->last.changed) return result;
-        mended->changed = 1;
-        result = settle(settings, mended->document, output, mended, &mended->document, error);
+            document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->last, error);
+        if (!result && !mended->last.changed) tell_notes(path, document, notes);
+        mended->changed |= mended->last.changed;
     }
     return result;
 }
@@ -158,7 +142,7 @@ norma_document_result check_fix(const check_settings *settings, norma_document *
         result = error->result;
     }
     if (!result) result = judge_all(settings, document, &was, error);
-    if (!result) result = fix_steps(settings, document, options, path, output, mended, error);
+    if (!result) result = fix_steps(settings, document, options, path, mended, error);
     if (!result && mended->changed)
         result = norma_check_document(mended->document, options, &mended->findings, error);
     if (!result && mended->changed) result = judge_all(settings, mended->document, &is, error);
@@ -174,7 +158,6 @@ norma_document_result check_fix(const check_settings *settings, norma_document *
 
 void check_fixed_free(check_fixed *mended) {
     norma_findings_free(mended->findings);
-    while (mended->step_count) norma_document_close(mended->steps[--mended->step_count]);
     free(mended->table);
     *mended = (check_fixed){0};
 }

@@ -8,8 +8,6 @@ typedef struct check_fixed {
     norma_document *document; /* as it is now; judged by findings */
     norma_findings *findings;
     int changed, worse, written;
-    norma_document *steps[8]; /* what it was on the way */
-    size_t step_count;
     char *table;            /* counts before and after, lines of text; NULL: nothing changed */
     char worse_by[200];     /* where it is worse: the rules */
     norma_fix_summary last; /* of the last step, which found nothing more to do */

@@ -1,7 +1,6 @@
 /* document_save.c: documents on their way out: where one may be written, its files whole or not at
- * all, and as it would be read again. */
+ * all. */
 #include "io/format/format.h"
-#include "io/stream/sink.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,6 +111,7 @@ static norma_document_result save(norma_document *document, const char *path,
     failed = norma_file_writers_commit(writers->list, writers->count, &at);
     if (failed) norma_document_fail_file(writers->paths[at], error, "cannot be written", failed);
     for (size_t i = 0; i < writers->count; ++i) writers->list[i] = NULL;
+    document->replaced |= !failed && options->in_place && norma_file_same(path, document->path);
     return !failed            ? NORMA_DOCUMENT_OK
            : failed == ENOMEM ? NORMA_DOCUMENT_ERROR_MEMORY
                               : NORMA_DOCUMENT_ERROR_FILE;
@@ -139,41 +139,4 @@ norma_document_result norma_document_write(
             "no function to write with was given");
     result = document->functions->write(document, NULL, write, user, error);
     return norma_document_changed(document, error) ? NORMA_DOCUMENT_ERROR_FILE : result;
-}
-
-/* ---- a document as it would be read from what was saved */
-
-norma_document_result norma_document_settle(norma_document *document, const char *path,
-    const norma_document_options *given, norma_document **settled, norma_document_error *error) {
-    norma_document_result result = norma_document_usable(document, error);
-    if (!settled)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "no place for the document was given");
-    *settled = NULL;
-    if (result) return result;
-    norma_document_options options;
-    norma_document_copy_options(
-        &options, sizeof options, offsetof(norma_document_options, lenient), given);
-    options.format = document->format;
-    norma_document *made = norma_document_make(document->path, document->folder != NULL, &options);
-    if (!made) return norma_document_fail_memory(document, error);
-    norma_memory_sink bytes = {0};
-    result = document->functions->write(document, path && !norma_file_is_stream(path) ? path : NULL,
-        norma_memory_sink_write, &bytes, error);
-    if (result == NORMA_DOCUMENT_ERROR_FILE)
-        result = norma_document_fail_memory(
-            document, error); /* only that can fail of a sink in memory */
-    made->source = (file_bytes){.data = bytes.bytes ? bytes.bytes : (const void *)"",
-        .size = bytes.size,
-        .owned = bytes.bytes != NULL};
-    made->stamp = document->stamp;
-    if (norma_document_changed(document, error)) result = NORMA_DOCUMENT_ERROR_FILE;
-    if (!result && document->functions->settle)
-        result = document->functions->settle(document, made, error);
-    if (!result) result = norma_document_read(made, error);
-    if (result)
-        norma_document_close(made);
-    else
-        *settled = made;
-    return result;
 }

@@ -27,7 +27,9 @@ static norma_document_result need_materials(norma_document *document) {
 }
 
 size_t norma_document_material_count(norma_document *document) {
-    return document && !need_materials(document) ? document->scene->material_count : 0;
+    return norma_document_up_to_date(document) && !need_materials(document)
+               ? document->scene->material_count
+               : 0;
 }
 
 norma_document_result norma_document_material_info(
@@ -73,7 +75,7 @@ static norma_document_result make_attributes(
 
 norma_document_result norma_document_mesh_attributes(norma_document *document, size_t index,
     norma_mesh_attributes *attributes, norma_document_error *error) {
-    norma_document_result result = norma_document_usable(document, error);
+    norma_document_result result = norma_document_ready(document, error);
     if (result) return result;
     if (!attributes)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
@@ -88,7 +90,7 @@ norma_document_result norma_document_mesh_attributes(norma_document *document, s
 norma_document_result norma_document_morph_data(norma_document *document, size_t mesh,
     size_t target, norma_morph_data *data, norma_document_error *error) {
     norma_mesh_info info;
-    norma_document_result result = norma_document_usable(document, error);
+    norma_document_result result = norma_document_ready(document, error);
     if (result) return result;
     if (!data)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
@@ -111,7 +113,7 @@ size_t norma_document_skin_count(norma_document *document) {
 
 norma_document_result norma_document_skin_info(
     norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
-    norma_document_result result = norma_document_usable(document, error);
+    norma_document_result result = norma_document_ready(document, error);
     if (result) return result;
     size_t count = norma_document_skin_count(document);
     if (!info || index >= count)

@@ -40,7 +40,8 @@ struct norma_document {
     file_bytes source;   /* the whole file, mapped or the caller's */
     file_stamp stamp;    /* of the file at path when it was read */
     void *state;         /* the format's own */
-    given_buffer *given; /* NULL, or of a settled .gltf: by the number of the buffer */
+    given_buffer *given; /* NULL, or of a changed glTF: by the number of the buffer */
+    int replaced;        /* it was saved over its own file */
     size_t given_count;
     char **notes;
     size_t note_count, note_capacity;
@@ -87,10 +88,14 @@ struct format_functions {
     /* NULL, or the first of the files beside its own that has changed since this document was read
      * from it, the caller's to free. */
     char *(*changed_companion)(const norma_document *document);
-    /* NULL, or hands settled, which is about to be read from what write gave, what stands in no
-     * file yet. */
-    norma_document_result (*settle)(
-        const norma_document *document, norma_document *settled, norma_document_error *error);
+    /* All NULL where changes show at once. Else: whether one waits; gives made the bytes and
+     * buffers that it is to be read from; makes the document's state its own; takes back a change
+     * that failed (0: memory is out). */
+    int (*has_change)(const norma_document *document);
+    norma_document_result (*reopen)(
+        norma_document *document, norma_document *made, norma_document_error *error);
+    void (*adopt)(norma_document *document);
+    int (*drop_change)(norma_document *document);
     /* NULL, or hands visit each file beside its own that this document was read from or names,
      * until visit returns nonzero. Returns 1 if it was stopped, -1 if memory is out, else 0. Called
      * only if the document has a folder. */
@@ -152,6 +157,13 @@ norma_document_result norma_document_read(
 /* Whether a file that it is read from has been written to, with the error. Mapped bytes are those
  * of the file as it is now: half of them may be old, half of them new. */
 int norma_document_changed(const norma_document *document, norma_document_error *error);
+/* Before it is asked: what a change has made of it shows, unless it cannot be read anew; then it
+ * answers as it was. Whether there is a document. */
+int norma_document_up_to_date(const norma_document *document);
+/* Reads a changed document anew from what it has become, where its format has changes wait. */
+norma_document_result norma_document_flush(norma_document *document, norma_document_error *error);
+norma_document_result norma_document_ready(
+    norma_document *document, norma_document_error *error); /* usable, and flushed */
 
 /* A file beside the document's own, read into memory; cancelled by the document's progress. Returns
  * what norma_file_open does. */

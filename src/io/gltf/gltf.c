@@ -270,7 +270,10 @@ const format_functions norma_gltf_functions = {
     .write = norma_gltf_write,
     .write_companions = norma_gltf_write_companions,
     .changed_companion = norma_gltf_changed_companion,
-    .settle = norma_gltf_reopen,
+    .has_change = norma_gltf_has_change,
+    .reopen = norma_gltf_reopen,
+    .adopt = norma_gltf_adopt,
+    .drop_change = norma_gltf_drop_change,
     .visit_files = norma_gltf_visit_files,
     .scene = &norma_gltf_scene,
 };

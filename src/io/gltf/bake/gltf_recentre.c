@@ -135,7 +135,8 @@ static norma_document_result move_meshes(recentring *r, int *changed, norma_docu
 norma_document_result norma_gltf_recentre(
     norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
     recentring r = {.g = norma_gltf_of(document)};
-    norma_document_result result = norma_gltf_begin_change(r.g, error);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_gltf_begin_change(r.g);
     if (result) return result;
     norma_gltf_tree_read(r.g, &r.tree);
     uint32_t *order = norma_gltf_bake_order(r.g, &r.tree);

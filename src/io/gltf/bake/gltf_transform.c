@@ -55,7 +55,8 @@ norma_document_result norma_gltf_transform(norma_document *document,
     norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_matrix_info info;
-    norma_document_result result = norma_gltf_begin_change(g, error);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_gltf_begin_change(g);
     double normal[9];
     if (result) return result;
     norma_normal_matrix_double(options->matrix, NORMA_WINDING_KEPT, normal, &info);

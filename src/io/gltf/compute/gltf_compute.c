@@ -114,7 +114,8 @@ norma_document_result norma_gltf_compute(norma_document *document,
     norma_options_of_compute(options, &job.core);
     job.core.progress = NULL;
     begin_summary(&job);
-    norma_document_result result = norma_gltf_begin_change(g, error);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_gltf_begin_change(g);
     if (!result) result = check_any_surface(g, error);
     if (!result) result = norma_gltf_find_vertex_sharing(&job);
     if (!result) result = compute_meshes(&job);

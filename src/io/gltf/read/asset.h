@@ -177,7 +177,7 @@ typedef struct gltf {
                     them are measured by */
     size_t decoded, copied, corners_drawn, vertices_drawn, vertices_moved,
         instances_placed; /* so far, measured by held (limits.c) */
-    int changed;          /* something was put or edited */
+    int changed;          /* something was put or edited since it was read */
     json_edits *edits;    /* of the asset's JSON */
     gltf_patch *patch;
 } gltf;
@@ -275,9 +275,16 @@ typedef struct gltf_slot {
                               g->attributes); NULL with GLTF_SLOT_INDICES */
 } gltf_slot;
 
-/* Before anything is put: refuses a second change, since what is in the arrays stays as it was
- * read. */
-norma_document_result norma_gltf_begin_change(gltf *g, norma_document_error *error);
+int norma_gltf_has_change(const norma_document *document); /* since it was read */
+void norma_gltf_adopt(norma_document *document);           /* its state is its own from now on */
+/* Before anything is put. */
+void norma_gltf_begin_change(gltf *g);
+int norma_gltf_drop_change(
+    norma_document *document); /* as if it had not been begun; 0: no memory */
+/* Whether it is no longer what the file is: by a change that waits, or by those before. */
+static inline int norma_gltf_differs(const gltf *g) {
+    return g->changed || g->document->given_count > 0;
+}
 size_t norma_gltf_data_size(const gltf_data *data); /* bytes of one element */
 /* Registers contents (bytes become the patch's, also on failure) and gives their number, to be put
  * into one slot or several. GLTF_NONE: out of memory. */
@@ -305,7 +312,7 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
     int in_place, companion_writers *writers, norma_document_error *error);
 char *norma_gltf_changed_companion(const norma_document *document);
 norma_document_result norma_gltf_reopen(
-    const norma_document *document, norma_document *settled, norma_document_error *error);
+    norma_document *document, norma_document *made, norma_document_error *error);
 int norma_gltf_visit_files(const norma_document *document, norma_visit_file *visit, void *user);
 
 /* ---- verbs */

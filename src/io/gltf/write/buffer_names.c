@@ -159,7 +159,8 @@ norma_document_result norma_gltf_name_buffers(
         if (norma_gltf_storage_of(g, b) != GLTF_STORED_FILE || (!old && !patch->buffers[b].changed))
             continue;
         if (old) result = reach(g, b, &reached, error);
-        if (result || !reached || destination == GLTF_TO_STREAM) continue;
+        if (result || !reached || destination == GLTF_TO_STREAM || destination == GLTF_TO_MEMORY)
+            continue;
         if (destination == GLTF_IN_PLACE && old &&
             !(patch->buffers[b].changed && norma_gltf_is_named_twice(g, b))) {
             patch->buffers[b].name = norma_io_join(g->buffers[b].name, "");

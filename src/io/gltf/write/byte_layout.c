@@ -53,8 +53,9 @@ int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer) {
 
 /* Whether the buffer's file is replaced by itself with more in it. */
 static int keeps_file(const gltf *g, uint32_t buffer, gltf_destination destination) {
-    return destination == GLTF_IN_PLACE && buffer < g->buffer_count &&
-           g->buffers[buffer].storage == GLTF_STORED_FILE && !norma_gltf_is_named_twice(g, buffer);
+    return buffer < g->buffer_count && g->buffers[buffer].storage == GLTF_STORED_FILE &&
+           (destination == GLTF_TO_MEMORY ||
+               (destination == GLTF_IN_PLACE && !norma_gltf_is_named_twice(g, buffer)));
 }
 
 /* The padding behind a view that goes is free with it. */
@@ -151,12 +152,14 @@ static size_t end_of_views(const gltf *g, uint32_t buffer, size_t end) {
 }
 
 static norma_document_result give_places(
-    gltf *g, uint32_t buffer, int whole_file, norma_document_error *error) {
+    gltf *g, uint32_t buffer, gltf_destination destination, norma_document_error *error) {
+    const int whole_file = keeps_file(g, buffer, destination);
     gltf_patch *patch = g->patch;
     size_t length;
     space s = {.end = 0};
     old_bytes(g, buffer, whole_file, &length);
-    int ok = find_free(g, buffer, whole_file, length, &s.left);
+    int ok = (whole_file && destination == GLTF_TO_MEMORY) ||
+             find_free(g, buffer, whole_file, length, &s.left);
     int reaches_end = !whole_file && s.left.count && s.left.list[s.left.count - 1].end == length;
     s.end = reaches_end ? s.left.list[s.left.count - 1].start : length;
     if (reaches_end)
@@ -229,6 +232,21 @@ static int build(const gltf *g, uint32_t number, int whole_file) {
     return ok && fill_gap(buffer, at, buffer->length, old, old_length);
 }
 
+/* Changed since it was read from its file, and in none yet. */
+static int was_changed(const gltf *g, uint32_t buffer) {
+    return buffer < g->document->given_count && g->document->given[buffer].changed;
+}
+
+/* What came to it since is our own, and not looked at. */
+static norma_document_result check_file(
+    const gltf *g, uint32_t buffer, norma_document_error *error) {
+    const gltf_buffer *b = &g->buffers[buffer];
+    const size_t on_disk = b->file.stamp.known ? (size_t)b->file.stamp.size : b->available;
+    const file_bytes file = {
+        .data = b->bytes, .size = on_disk < b->available ? on_disk : b->available};
+    return norma_gltf_check_own_data(g, buffer, &file, error);
+}
+
 norma_document_result norma_gltf_fill_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error) {
     gltf_patch *patch = g->patch;
@@ -236,14 +254,13 @@ norma_document_result norma_gltf_fill_buffers(
         patch->buffers[patch->views[v].buffer].changed |= patch->views[v].bytes != NULL;
     for (uint32_t b = 0; b <= g->buffer_count; ++b) {
         patch_buffer *buffer = &patch->buffers[b];
+        buffer->changed |= destination != GLTF_TO_MEMORY && was_changed(g, b);
         if (!buffer->changed) continue;
         norma_document_result result =
             b < g->buffer_count ? norma_gltf_load_buffer(g, b, error) : NORMA_DOCUMENT_OK;
         const int whole_file = keeps_file(g, b, destination);
-        if (!result && whole_file)
-            result = norma_gltf_check_own_data(g, b,
-                &(file_bytes){.data = g->buffers[b].bytes, .size = g->buffers[b].available}, error);
-        if (!result) result = give_places(g, b, whole_file, error);
+        if (!result && whole_file && destination == GLTF_IN_PLACE) result = check_file(g, b, error);
+        if (!result) result = give_places(g, b, destination, error);
         if (!result && !build(g, b, whole_file))
             result = norma_document_fail_memory(g->document, error);
         if (result) return result;

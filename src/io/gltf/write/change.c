@@ -2,12 +2,15 @@
 #include "io/gltf/write/patch.h"
 #include <stdlib.h>
 
-norma_document_result norma_gltf_begin_change(gltf *g, norma_document_error *error) {
-    if (g->changed)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "was changed already; expected it to be saved and opened again");
-    norma_gltf_patch_free(g); /* of a change that changed nothing */
-    return NORMA_DOCUMENT_OK;
+void norma_gltf_begin_change(gltf *g) { norma_gltf_patch_free(g); /* one that changed nothing */ }
+
+int norma_gltf_drop_change(norma_document *document) {
+    gltf *g = norma_gltf_of(document);
+    norma_gltf_patch_free(g);
+    norma_json_edits_destroy(g->edits);
+    g->edits = norma_json_edits_create(&g->json, 0);
+    g->changed = 0;
+    return g->edits != NULL;
 }
 
 static norma_document_result append_copies(gltf *g, norma_document_error *error) {

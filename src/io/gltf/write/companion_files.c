@@ -213,36 +213,16 @@ static norma_document_result add_images(companions *c) {
     return result;
 }
 
-/* A buffer of a settled document, which is in no file yet. */
-static int is_given(const companions *c, uint32_t number, int only_changed) {
-    const given_buffer *given =
-        number < c->document->given_count ? &c->document->given[number] : NULL;
-    return given && given->bytes && (given->changed || !only_changed);
-}
-
-static norma_document_result add_given(companions *c, uint32_t number) {
-    const given_buffer *given = &c->document->given[number];
-    companion one = {.path = norma_io_join(c->folder, c->g->buffers[number].name),
-        .bytes = given->bytes,
-        .size = given->size};
-    if (c->in_place) one.replaces = &c->g->buffers[number].file.stamp;
-    return one.path ? add(c, one) : out_of_memory(c);
-}
-
 static norma_document_result collect(companions *c, const char *path) {
     gltf *g = c->g;
     int elsewhere = !norma_gltf_same_folder(g, path);
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (uint32_t b = 0; g->changed && !result && b <= g->buffer_count; ++b)
-        if (g->patch->buffers[b].name &&
-            (!c->in_place || g->patch->buffers[b].changed || is_given(c, b, 1)))
+    const int differs = norma_gltf_differs(g);
+    for (uint32_t b = 0; differs && !result && b <= g->buffer_count; ++b)
+        if (g->patch->buffers[b].name && (!c->in_place || g->patch->buffers[b].changed))
             result = add_buffer(c, b);
-    for (uint32_t b = 0; !g->changed && !result && b < g->buffer_count; ++b) {
-        if (g->buffers[b].name && is_given(c, b, c->in_place))
-            result = add_given(c, b);
-        else if (g->buffers[b].name && elsewhere)
-            result = add_file(c, g->buffers[b].name, b);
-    }
+    for (uint32_t b = 0; !differs && elsewhere && !result && b < g->buffer_count; ++b)
+        if (g->buffers[b].name) result = add_file(c, g->buffers[b].name, b);
     return result || !elsewhere || !c->document->folder ? result : add_images(c);
 }
 
@@ -295,7 +275,7 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
         .document = document, .g = g, .folder = norma_gltf_folder_of(path), .error = error};
     c.in_place = in_place && norma_gltf_destination(g, path) == GLTF_IN_PLACE;
     norma_document_result result = c.folder ? NORMA_DOCUMENT_OK : out_of_memory(&c);
-    if (!result && g->changed) result = norma_gltf_lay_out(g, path, error);
+    if (!result && norma_gltf_differs(g)) result = norma_gltf_lay_out(g, path, error);
     if (!result) result = collect(&c, path);
     for (size_t i = 0; !result && i < c.count; ++i) result = write_one(&c, &c.list[i], writers);
     for (size_t i = 0; i < c.count; ++i) {

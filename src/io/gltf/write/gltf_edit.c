@@ -227,7 +227,8 @@ static int is_asked(const norma_mesh_edit *edit) {
 norma_document_result norma_gltf_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    norma_document_result result = norma_gltf_begin_change(g, error);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_gltf_begin_change(g);
     for (uint32_t i = 0; !result && i < g->primitive_count; ++i)
         if (is_asked(&edits[i])) result = edit_primitive(g, i, &edits[i], error);
     return result ? result : norma_gltf_finish(g, error);

@@ -7,29 +7,34 @@
 static const uint32_t GLB_BIN = 0x004E4942;
 enum { GLB_HEADER = 12, GLB_CHUNK_HEADER = 8 };
 
-norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error) {
+norma_document_result norma_gltf_lay_out_for(
+    gltf *g, gltf_destination destination, const char *path, norma_document_error *error) {
+    norma_document_result result = g->patch ? NORMA_DOCUMENT_OK : norma_gltf_finish(g, error);
+    if (result) return result;
     gltf_patch *patch = g->patch;
-    const char *key = path ? path : "";
-    gltf_destination destination = norma_gltf_destination(g, path);
-    if (patch->laid_out_for && strcmp(patch->laid_out_for, key) == 0) return NORMA_DOCUMENT_OK;
     norma_gltf_free_layout(g);
     for (size_t v = 0; v < patch->view_count; ++v) patch->views[v].allocated = 0;
     patch->buffers = norma_io_allocate((size_t)g->buffer_count + 1, sizeof *patch->buffers);
     patch->layout = norma_json_edits_copy(g->edits);
-    char *laid_out_for = norma_io_join(key, "");
-    norma_document_result result = patch->buffers && patch->layout && laid_out_for
-                                       ? NORMA_DOCUMENT_OK
-                                       : norma_document_fail_memory(g->document, error);
+    result = patch->buffers && patch->layout ? NORMA_DOCUMENT_OK
+                                             : norma_document_fail_memory(g->document, error);
     if (!result) result = norma_gltf_fill_buffers(g, destination, error);
     if (!result) result = norma_gltf_name_buffers(g, destination, path, error);
     if (!result) norma_gltf_edit_views(g);
     if (!result) result = norma_gltf_edit_buffers(g, destination, error);
-    if (result) {
-        free(laid_out_for);
-        return result;
-    }
-    patch->laid_out_for = laid_out_for;
-    return NORMA_DOCUMENT_OK;
+    return result;
+}
+
+norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error) {
+    const char *key = path ? path : "";
+    if (g->patch && g->patch->laid_out_for && strcmp(g->patch->laid_out_for, key) == 0)
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result =
+        norma_gltf_lay_out_for(g, norma_gltf_destination(g, path), path, error);
+    if (result) return result;
+    g->patch->laid_out_for = norma_io_join(key, "");
+    return g->patch->laid_out_for ? NORMA_DOCUMENT_OK
+                                  : norma_document_fail_memory(g->document, error);
 }
 
 /* ---- bytes in order */
@@ -123,26 +128,33 @@ static norma_document_result write_glb(
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_write(norma_document *document, const char *path,
-    norma_write *write, void *user, norma_document_error *error) {
-    gltf *g = norma_gltf_of(document);
+norma_document_result norma_gltf_write_laid_out(
+    gltf *g, norma_write *write, void *user, norma_document_error *error) {
     output out = {.write = write, .user = user};
     json_text text = {0};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (g->changed) {
-        result = norma_gltf_lay_out(g, path, error);
-        if (!result && !norma_json_write(g->patch->layout, 0, &text))
-            result = norma_document_fail_memory(document, error);
-        if (!result && document->format == NORMA_FILE_GLB)
-            result = write_glb(g, &text, &out, error);
-        else if (!result)
-            put(&out, text.data, text.size);
-    } else {
-        put(&out, document->source.data, document->source.size);
-    }
+    if (!norma_json_write(g->patch->layout, 0, &text))
+        result = norma_document_fail_memory(g->document, error);
+    else if (g->document->format == NORMA_FILE_GLB)
+        result = write_glb(g, &text, &out, error);
+    else
+        put(&out, text.data, text.size);
     free(text.data);
     if (!result && out.failed)
         result = norma_document_fail(
-            document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
+            g->document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
     return result;
+}
+
+norma_document_result norma_gltf_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error) {
+    gltf *g = norma_gltf_of(document);
+    if (norma_gltf_differs(g)) {
+        norma_document_result result = norma_gltf_lay_out(g, path, error);
+        return result ? result : norma_gltf_write_laid_out(g, write, user, error);
+    }
+    if (document->source.size == 0 || !write(user, document->source.data, document->source.size))
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail(
+        document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
 }

@@ -87,7 +87,7 @@ static int visit(void *user, const char *name) {
     s->unknown |= ++s->entries > MOST_ENTRIES;
     s->no_memory |= !path;
     if (path && norma_file_is_regular(path) && !norma_file_same(path, s->file)) {
-        if (norma_file_open(path, 0, &bytes) == 0) {
+        if (norma_file_open(path, &(file_reading){.map_large = 1}, &bytes) == 0) {
             ask(s, &bytes);
             norma_file_close(&bytes);
         } else {

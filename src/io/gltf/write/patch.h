@@ -94,11 +94,21 @@ void norma_gltf_point_data_run(gltf *g, const data_run *piece, uint32_t view, si
 norma_document_result norma_gltf_append_accessors(gltf *g, norma_document_error *error);
 norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
 
-typedef enum gltf_destination { GLTF_TO_PATH, GLTF_IN_PLACE, GLTF_TO_STREAM } gltf_destination;
+typedef enum gltf_destination {
+    GLTF_TO_PATH,
+    GLTF_IN_PLACE,
+    GLTF_TO_STREAM,
+    GLTF_TO_MEMORY /* to be read again, and changed further; files only grow at their end */
+} gltf_destination;
 gltf_destination norma_gltf_destination(const gltf *g, const char *path);
 /* Fills patch->buffers and patch->layout for what is to stand at path (NULL: a stream); what is
  * there for this path already stays. */
 norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error);
+norma_document_result norma_gltf_lay_out_for(
+    gltf *g, gltf_destination destination, const char *path, norma_document_error *error);
+/* The main file by the layout. */
+norma_document_result norma_gltf_write_laid_out(
+    gltf *g, norma_write *write, void *user, norma_document_error *error);
 void norma_gltf_free_layout(gltf *g);
 norma_document_result norma_gltf_fill_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error); /* byte_layout.c */

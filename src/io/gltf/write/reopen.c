@@ -1,6 +1,7 @@
 /* reopen.c: the buffers of a changed .gltf, in memory, for the document that is read from its new
  * JSON before either is on the disk. */
 #include "io/gltf/write/patch.h"
+#include "io/stream/sink.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,30 +17,51 @@ static int copy_changed(const patch_buffer *buffer, given_buffer *given) {
 }
 
 static int copy_unchanged(const gltf_buffer *buffer, given_buffer *given) {
-    given->bytes = norma_io_allocate(buffer->length, 1);
-    if (given->bytes) memcpy(given->bytes, buffer->bytes, buffer->length);
-    given->size = buffer->length;
+    given->bytes = norma_io_allocate(buffer->available, 1);
+    if (given->bytes) memcpy(given->bytes, buffer->bytes, buffer->available);
+    given->size = buffer->available;
     return given->bytes != NULL;
 }
 
-norma_document_result norma_gltf_reopen(
-    const norma_document *document, norma_document *settled, norma_document_error *error) {
-    const gltf *g = norma_gltf_of(document);
-    const patch_buffer *changed = g->changed ? g->patch->buffers : NULL;
-    settled->given = norma_io_allocate((size_t)g->buffer_count + 1, sizeof *settled->given);
-    if (!settled->given) return norma_document_fail_memory(document, error);
-    settled->given_count = (size_t)g->buffer_count + 1;
-    for (uint32_t b = 0; b <= g->buffer_count; ++b) {
-        given_buffer *given = &settled->given[b];
+static norma_document_result give_buffers(
+    const gltf *g, norma_document *made, norma_document_error *error) {
+    const norma_document *document = g->document;
+    made->given = norma_io_allocate((size_t)g->buffer_count + 1, sizeof *made->given);
+    if (!made->given) return norma_document_fail_memory(document, error);
+    made->given_count = (size_t)g->buffer_count + 1;
+    for (uint32_t b = 0; b < g->buffer_count; ++b) {
+        given_buffer *given = &made->given[b];
         int fine = 1;
-        if (norma_gltf_storage_of(g, b) != GLTF_STORED_FILE) continue;
-        given->changed = document->given && b < g->buffer_count && document->given[b].changed;
-        if (changed && changed[b].changed)
-            fine = copy_changed(&changed[b], given);
-        else if (b < g->buffer_count && g->buffers[b].bytes)
+        if (g->buffers[b].storage != GLTF_STORED_FILE) continue;
+        given->changed = b < document->given_count && document->given[b].changed;
+        if (g->patch->buffers[b].changed)
+            fine = copy_changed(&g->patch->buffers[b], given);
+        else if (g->buffers[b].bytes)
             fine = copy_unchanged(&g->buffers[b], given);
-        if (b < g->buffer_count) given->stamp = g->buffers[b].file.stamp;
+        given->stamp = g->buffers[b].file.stamp;
         if (!fine) return norma_document_fail_memory(document, error);
     }
     return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_reopen(
+    norma_document *document, norma_document *made, norma_document_error *error) {
+    gltf *g = norma_gltf_of(document);
+    norma_memory_sink bytes = {0};
+    norma_document_result result = norma_gltf_lay_out_for(g, GLTF_TO_MEMORY, NULL, error);
+    if (!result) result = norma_gltf_write_laid_out(g, norma_memory_sink_write, &bytes, error);
+    if (result == NORMA_DOCUMENT_ERROR_FILE) /* only memory can fail of a sink in memory */
+        result = norma_document_fail_memory(document, error);
+    made->source = (file_bytes){.data = bytes.bytes ? bytes.bytes : (const void *)"",
+        .size = bytes.size,
+        .owned = bytes.bytes != NULL};
+    return result ? result : give_buffers(g, made, error);
+}
+
+int norma_gltf_has_change(const norma_document *document) {
+    return norma_gltf_of(document)->changed || document->replaced;
+}
+
+void norma_gltf_adopt(norma_document *document) {
+    if (document->state) norma_gltf_of(document)->document = document;
 }

@@ -1,0 +1,179 @@
+/* open.c: documents opened, read by the functions of their format, and closed. */
+#include "io/format/format.h"
+#include "io/format/scene.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- options of any version */
+
+void norma_document_copy_options(void *copy, size_t size, size_t first_size, const void *given) {
+    memset(copy, 0, size);
+    if (!given) return;
+    size_t given_size;
+    memcpy(&given_size, given, sizeof given_size);
+    given_size = given_size ? given_size : first_size;
+    memcpy(copy, given, given_size < size ? given_size : size);
+}
+
+/* ---- opening and closing */
+
+static const format_functions *functions_of(norma_file_format format) {
+    switch (format) {
+    case NORMA_FILE_OBJ:
+        return &norma_obj_functions;
+    case NORMA_FILE_PLY:
+        return &norma_ply_functions;
+    case NORMA_FILE_STL:
+        return &norma_stl_functions;
+    case NORMA_FILE_GLTF:
+    case NORMA_FILE_GLB:
+        return &norma_gltf_functions;
+    default:
+        return NULL;
+    }
+}
+
+norma_document *norma_document_make(
+    const char *name, int has_folder, const norma_document_options *options) {
+    norma_document *document = norma_io_allocate(1, sizeof *document);
+    if (!document) return NULL;
+    const char *slash = strrchr(name, '/');
+    document->path = norma_io_copy_text(name, strlen(name));
+    document->folder =
+        has_folder ? norma_io_copy_text(name, slash ? (size_t)(slash - name) + 1 : 0) : NULL;
+    document->format = options->format ? options->format : norma_file_format_of_path(name);
+    document->depth = options->depth;
+    document->threads = options->threads;
+    document->progress = options->progress;
+    document->progress_user = options->progress_user;
+    document->lenient = options->lenient;
+    document->copied = options->copied;
+    document->scene = norma_scene_create();
+    if (document->scene && document->path && (document->folder || !has_folder)) return document;
+    norma_document_close(document);
+    return NULL;
+}
+
+norma_document_result norma_document_read(norma_document *document, norma_document_error *error) {
+    const format_functions *functions = functions_of(document->format);
+    if (!functions)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "unknown kind of file; expected a name that ends in .obj, .ply, .stl, .gltf or .glb, "
+            "or to be told the format");
+    if (document->progress && document->progress(document->progress_user, 0))
+        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+    document->functions = functions;
+    norma_document_result result = functions->open(document, error);
+    document->progress = NULL;
+    return result;
+}
+
+int norma_document_changed(const norma_document *document, norma_document_error *error) {
+    const format_functions *functions = document->functions;
+    char *beside = functions && functions->changed_companion && document->state
+                       ? functions->changed_companion(document)
+                       : NULL;
+    const int changed = beside || norma_file_has_changed(document->path, &document->stamp);
+    if (changed)
+        norma_document_fail_file(
+            beside ? beside : document->path, error, "cannot be read", FILE_CHANGED);
+    free(beside);
+    return changed;
+}
+
+static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory,
+    const norma_document_options *given, norma_document **document, norma_document_error *error) {
+    norma_document_options options;
+    norma_document_copy_options(
+        &options, sizeof options, offsetof(norma_document_options, lenient), given);
+    norma_document *made = norma_document_make(name, has_folder, &options);
+    if (!made) return norma_document_fail_memory(NULL, error);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (memory) {
+        made->source = *memory;
+    } else {
+        const file_reading how = {
+            .map_large = !made->copied && options.depth != NORMA_DOCUMENT_WHOLE,
+            .progress = options.progress,
+            .progress_user = options.progress_user};
+        int failed = norma_file_open(name, &how, &made->source);
+        if (failed) result = norma_document_fail_file(name, error, "cannot be read", failed);
+        made->stamp = made->source.stamp;
+    }
+    if (!result) {
+        result = norma_document_read(made, error);
+        /* What was found in it may come of that. */
+        if (result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY &&
+            norma_document_changed(made, error))
+            result = NORMA_DOCUMENT_ERROR_FILE;
+    }
+    if (result)
+        norma_document_close(made);
+    else
+        *document = made;
+    return result;
+}
+
+void norma_document_clear(norma_document_error *error) {
+    if (error) {
+        error->result = NORMA_DOCUMENT_OK;
+        error->message[0] = '\0';
+    }
+}
+
+norma_document_result norma_document_open(const char *path, const norma_document_options *options,
+    norma_document **document, norma_document_error *error) {
+    norma_document_clear(error);
+    if (!document)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no place for the document was given");
+    *document = NULL;
+    if (!path)
+        return norma_document_fail(
+            NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no path was given");
+    return open_with(path, 1, NULL, options, document, error);
+}
+
+norma_document_result norma_document_open_memory(const void *bytes, size_t size, const char *name,
+    const norma_document_options *options, norma_document **document, norma_document_error *error) {
+    norma_document_clear(error);
+    if (!document)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no place for the document was given");
+    *document = NULL;
+    if (!bytes && size)
+        return norma_document_fail(
+            NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no bytes were given");
+    const file_bytes source = {.data = bytes ? bytes : (const void *)"", .size = size};
+    return open_with(name ? name : "<memory>", name != NULL, &source, options, document, error);
+}
+
+void norma_document_close(norma_document *document) {
+    if (!document) return;
+    if (document->functions) document->functions->close(document);
+    norma_scene_destroy(document->scene);
+    for (size_t i = 0; i < document->note_count; ++i) free(document->notes[i]);
+    free(document->notes);
+    norma_file_close(&document->source);
+    for (size_t i = 0; document->given && i < document->given_count; ++i)
+        free(document->given[i].bytes);
+    free(document->given);
+    free(document->path);
+    free(document->folder);
+    free(document);
+}
+
+norma_document_result norma_document_usable(
+    const norma_document *document, norma_document_error *error) {
+    norma_document_clear(error);
+    if (!document)
+        return norma_document_fail(
+            NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no document was given");
+    if (document->depth != NORMA_DOCUMENT_WHOLE)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "opened as a summary only; expected to be opened whole");
+    if (document->failed)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "an earlier change of it failed; it can only be closed");
+    return NORMA_DOCUMENT_OK;
+}
