@@ -79,7 +79,7 @@ static int replaces_own(const char *path, uint32_t number, int several) {
     file_bytes file;
     json j;
     int belongs = 0;
-    if (!norma_file_is_regular(path) || norma_file_open(path, 0, &file)) return 0;
+    if (!norma_file_is_regular(path) || norma_file_open(path, NULL, &file)) return 0;
     const gltf_other kind = norma_gltf_read_other(&file, &j);
     const uint32_t list = kind == GLTF_OTHER_READ ? norma_json_member(&j, 0, "buffers") : JSON_NONE;
     for (uint32_t item = list == JSON_NONE ? JSON_NONE : norma_json_first(&j, list);
