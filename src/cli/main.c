@@ -15,7 +15,8 @@ static const char introduction[] =
     "  norma info chair.obj                             what is in it\n"
     "  norma compute chair.obj -o out.obj               normals, creases at 60 degrees\n"
     "  norma transform chair.glb -o out.glb --scale 2,1,1\n"
-    "  norma matrix --scale 2,0.5,1                     how wrong plain M is, and what is right\n"
+    "  norma matrix --scale 2,0.5,1                     how far off plain M is, and the correct "
+    "matrix\n"
     "  norma check models/                              every mesh file of a folder\n"
     "\n"
     "Verbs\n";

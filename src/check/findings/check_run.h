@@ -91,6 +91,8 @@ void norma_check_partly(
  * digits, %% a percent sign */
 enum { CHECK_MESSAGE = 1000 };
 void norma_check_message(char text[CHECK_MESSAGE], const char *format, ...);
+/* For messages: "1 tangent", "2 tangents". */
+static inline const char *norma_check_plural(size_t count) { return count == 1 ? "" : "s"; }
 
 /* ---- one mesh */
 

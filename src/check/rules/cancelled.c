@@ -120,8 +120,9 @@ static norma_result add_cancelled(check_mesh *m, check_hits *hits) {
     char message[CHECK_MESSAGE];
     int missing = m->given->info.normals == NORMA_NORMALS_NONE;
     norma_check_message(message,
-        "%z positions whose faces look so many ways that their average is no direction%s",
-        hits->count, missing ? ", and normals will be computed there" : "");
+        "%z position%s where the normals of the faces cancel, so their average has no direction%s",
+        hits->count, norma_check_plural(hits->count),
+        missing ? ", and normals will be computed there" : "");
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N403,
             .severity = missing ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,

@@ -135,13 +135,14 @@ static norma_result add_conflicts_of(check_mesh *m, norma_severity severity, che
     char message[CHECK_MESSAGE];
     if (severity == NORMA_SEVERITY_WARNING)
         norma_check_message(message,
-            "%z edges between faces wound against each other; they meet at equal positions only, "
-            "as pieces that touch do",
-            hits->count);
+            "%z edge%s between faces wound against each other; the faces share positions but no "
+            "vertices, as touching parts do",
+            hits->count, norma_check_plural(hits->count));
     else
         norma_check_message(message,
-            "%z edges between faces wound against each other; one side of each is seen from behind",
-            hits->count);
+            "%z edge%s between faces wound against each other; one of the two faces is seen from "
+            "behind",
+            hits->count, norma_check_plural(hits->count));
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N301,
             .severity = severity,
@@ -184,13 +185,15 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
     norma_check_hits_merge(m->run, &sum->many, &sum->bow_ties);
     if (edges && ties)
         norma_check_message(message,
-            "%z edges of more than two faces, and %z vertices where parts touch in a point alone",
-            edges, ties);
+            "%z edge%s of more than two faces, and %z %s where parts touch only in a point", edges,
+            norma_check_plural(edges), ties, ties == 1 ? "vertex" : "vertices");
     else if (edges)
         norma_check_message(message,
-            "%z edges of more than two faces; inside and outside are not defined there", edges);
+            "%z edge%s of more than two faces; inside and outside are not defined there", edges,
+            norma_check_plural(edges));
     else
-        norma_check_message(message, "%z vertices where parts touch in a point alone", ties);
+        norma_check_message(message, "%z %s where parts touch only in a point", ties,
+            ties == 1 ? "vertex" : "vertices");
     norma_severity severity =
         m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
     return norma_check_add(m->run, &m->place, m,
@@ -203,8 +206,8 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
 
 static norma_result add_duplicates(check_mesh *m, check_hits *hits) {
     char message[CHECK_MESSAGE];
-    norma_check_message(message,
-        "%z faces are there already, wound the same way; they are drawn twice", hits->count);
+    norma_check_message(message, "%z face%s repeated with the same winding; drawn more than once",
+        hits->count, norma_check_plural(hits->count));
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N305,
             .severity = NORMA_SEVERITY_WARNING,
@@ -217,9 +220,9 @@ static norma_result add_twins(check_mesh *m, check_hits *hits) {
     char message[CHECK_MESSAGE];
     int print = m->run->profile == NORMA_CHECK_PROFILE_PRINT;
     norma_check_message(message,
-        print ? "%z pairs of faces lie back to back: walls without thickness"
-              : "%z pairs of faces lie back to back: a sheet modelled with two sides",
-        hits->count);
+        print ? "%z pair%s of back-to-back faces: walls without thickness"
+              : "%z pair%s of back-to-back faces: a sheet modelled with two sides",
+        hits->count, norma_check_plural(hits->count));
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N306,
             .severity = print ? NORMA_SEVERITY_ERROR : NORMA_SEVERITY_INFO,

@@ -86,8 +86,8 @@ static norma_result add_findings(check_mesh *m, shape_part *sum) {
     }
     if (!result && sum->slivers.count) {
         norma_check_message(message,
-            "%z of %z faces have an angle below 0.1 degrees, the least %g; their direction hangs "
-            "on the last digits",
+            "%z of %z faces have an angle below 0.1 degrees (smallest %g); their direction depends "
+            "on the last digits of the positions",
             sum->slivers.count, m->mesh.face_count, sum->slivers.worst);
         result = norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N402,

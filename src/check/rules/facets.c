@@ -44,17 +44,17 @@ static norma_result add_facets(check_mesh *m, check_hits *hits, size_t zeros) {
     char message[CHECK_MESSAGE];
     if (zeros == hits->count)
         norma_check_message(message,
-            "%z of %z facets have a normal of no length; readers take the winding's", zeros,
+            "%z of %z facets have a zero normal; readers compute it from the winding", zeros,
             m->mesh.face_count);
     else if (zeros)
         norma_check_message(message,
-            "%z of %z facets disagree with their winding, by up to %g degrees; %z of them have a "
-            "normal of no length",
+            "%z of %z facet normals disagree with the winding, by up to %g degrees; %z of them are "
+            "zero",
             hits->count, m->mesh.face_count, hits->worst, zeros);
     else
         norma_check_message(message,
-            "%z of %z facets disagree with their winding, by up to %g degrees; some readers "
-            "believe the one, some the other",
+            "%z of %z facet normals disagree with the winding, by up to %g degrees; some readers "
+            "use the normal, others the winding",
             hits->count, m->mesh.face_count, hits->worst);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N205,

@@ -66,8 +66,8 @@ static norma_result add_opposed(check_mesh *m, check_hits *hits) {
                               : part > .01  ? NORMA_SEVERITY_ERROR
                                             : NORMA_SEVERITY_WARNING;
     norma_check_message(message,
-        "%z of %z faces (%g %%) have normals on their other side at every corner; they are lit "
-        "from behind",
+        "%z of %z faces (%g %%) have normals that point to their other side at every corner; they "
+        "are lit from behind",
         hits->count, m->mesh.face_count, 100 * part);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N201,
@@ -137,9 +137,9 @@ static norma_result check_far(check_mesh *m) {
     if (result) return result;
     if (hits.count)
         norma_check_message(message,
-            "%z normals more than 75 degrees from every face at their vertices, up to %g; but at a "
-            "knife's edge, no average of the faces gives such a normal",
-            hits.count, hits.worst);
+            "%z normal%s more than 75 degrees from every face at the vertex, up to %g; averaging "
+            "the faces cannot give this, except along knife-thin edges",
+            hits.count, norma_check_plural(hits.count), hits.worst);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N202,
             .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,

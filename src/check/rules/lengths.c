@@ -81,11 +81,11 @@ static norma_result add_zero(check_mesh *m, check_hits *hits) {
     if (result) return result;
     if (idle)
         norma_check_message(message,
-            "%z normals of no length; %z belong to degenerate faces only (N401)", hits->count,
-            idle);
+            "%z zero-length normal%s; %z used only by degenerate faces (N401)", hits->count,
+            norma_check_plural(hits->count), idle);
     else
-        norma_check_message(
-            message, "%z normals of no length; normalising them divides by zero", hits->count);
+        norma_check_message(message, "%z zero-length normal%s; normalising one divides by zero",
+            hits->count, norma_check_plural(hits->count));
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N102,
             .severity = NORMA_SEVERITY_ERROR,
@@ -98,8 +98,8 @@ static norma_result add_findings(check_mesh *m, length_part *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N101) && sum->non_finite.count) {
-        norma_check_message(message, "%z normals with a component that is not a finite number",
-            sum->non_finite.count);
+        norma_check_message(message, "%z normal%s with a component that is NaN or infinite",
+            sum->non_finite.count, norma_check_plural(sum->non_finite.count));
         result = norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N101,
                 .severity = NORMA_SEVERITY_ERROR,
@@ -112,9 +112,9 @@ static norma_result add_findings(check_mesh *m, length_part *sum) {
         result = add_zero(m, &sum->zero);
     if (!result && !facets && norma_check_wants(m, RULE_N103) && sum->non_unit.count) {
         norma_check_message(message,
-            "%z normals of a length other than 1, by up to %g; light is off by twice as much where "
-            "a shader does not renormalise",
-            sum->non_unit.count, sum->non_unit.worst);
+            "%z normal%s whose length differs from 1, by up to %g; if a shader does not "
+            "renormalise, light is off by twice as much",
+            sum->non_unit.count, norma_check_plural(sum->non_unit.count), sum->non_unit.worst);
         result = norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N103,
                 .severity = NORMA_SEVERITY_ERROR,

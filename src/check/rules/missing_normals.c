@@ -26,7 +26,7 @@ static norma_result add_missing(check_mesh *m) {
     int gltf = m->run->format != NORMA_FILE_OBJ && m->run->format != NORMA_FILE_PLY;
     norma_check_message(message, "%z face%s without normals; %s", hits.count,
         norma_check_plural(hits.count),
-        gltf ? "readers make them flat" : "readers make them flat or smooth, as they like");
+        gltf ? "readers make them flat" : "each reader chooses flat or smooth");
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N104,
             .severity = NORMA_SEVERITY_INFO,
@@ -77,13 +77,13 @@ static norma_result add_mismatch(check_mesh *m) {
     if (!hits.count) return NORMA_OK;
     if (a->face_faults)
         norma_check_message(message,
-            "%z face%s with a vn that is not there, %z with normals at some corners only; readers "
-            "differ on what to do with them",
+            "%z face%s with a vn index that does not exist, %z with normals at some corners only; "
+            "readers treat them differently",
             a->normals_out_of_range, norma_check_plural(a->normals_out_of_range),
             a->normals_missing);
     else if (a->normals_missing)
         norma_check_message(message,
-            "%z normal%s fewer than positions; readers refuse the file, or read what is not there",
+            "%z normal%s fewer than positions; readers refuse the file, or read beyond the normals",
             a->normals_missing, norma_check_plural(a->normals_missing));
     else
         norma_check_message(message,

@@ -123,7 +123,7 @@ static norma_result judge_bends(check_mesh *m) {
     }
     if (!hits.count) return NORMA_OK;
     norma_check_message(message,
-        "%z of %z morph targets turning faces by up to %g degrees without normals; the moved "
+        "%z of %z morph targets turn faces (by up to %g degrees) but have no normals; the moved "
         "surface is shaded as if it had not moved",
         targets, m->given->morph_count, hits.worst);
     return norma_check_add(m->run, &m->place, m,
@@ -155,7 +155,7 @@ static norma_result judge_sums(check_mesh *m) {
     }
     if (!hits.count) return NORMA_OK;
     norma_check_message(message,
-        "%z normal%s of which a morph target at weight 1 leaves less than a tenth (%g); the "
+        "%z normal%s reduced to less than a tenth by a morph target at weight 1 (to %g); the "
         "direction is noise",
         hits.count, norma_check_plural(hits.count), hits.worst);
     return norma_check_add(m->run, &m->place, m,
@@ -179,7 +179,7 @@ static norma_result judge_bases(check_mesh *m) {
     }
     if (!normals && !tangents) return NORMA_OK;
     norma_check_message(message,
-        "%z morph target%s with %s though the mesh has none; there is nothing to add them to",
+        "%z morph target%s with %s, but the mesh has none; there is nothing to add them to",
         normals ? normals : tangents, norma_check_plural(normals ? normals : tangents),
         normals ? "normals" : "tangents");
     return norma_check_add_one(

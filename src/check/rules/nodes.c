@@ -108,9 +108,9 @@ static norma_result add_mirrored(const node_judgement *j, const node_sums *sums)
     norma_check_message(message, "%sworld determinant %s%s%s%s", begin, determinant,
         mixed ? ", and the others do not mirror" : "",
         j->double_sided ? " and the material is double-sided" : "",
-        mixed             ? "; one draw call can turn its culling one way only"
+        mixed             ? "; one draw call can cull in only one direction"
         : j->double_sided ? "; renderers disagree on how to light it"
-                          : "; renderers must turn their culling round");
+                          : "; renderers must reverse their culling");
     return add(j, RULE_N602,
         mixed || j->double_sided ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, sums->mirrored,
         sums->determinant, "determinant", message);
@@ -128,15 +128,15 @@ static norma_result add_findings(const node_judgement *j, const node_sums *sums)
     if (!result) result = add_mirrored(j, sums);
     begin_message(j, sums->singular, begin);
     norma_check_message(message,
-        "%sworld matrix of rank %z: it flattens what it draws, and has no inverse", begin,
+        "%sworld matrix of rank %z: it flattens the mesh and has no inverse", begin,
         (size_t)sums->rank);
     if (!result)
         result = add(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular, (double)sums->rank,
             "rank", message);
     begin_message(j, sums->sheared, begin);
     norma_check_message(message,
-        "%scolumns of the world matrix are %g degrees off perpendicular; no translation, rotation "
-        "and scale can say that",
+        "%scolumns of the world matrix are %g degrees off perpendicular; this cannot be written as "
+        "translation, rotation and scale",
         begin, norma_check_arc_sine(fmin(sums->cosine, 1)) * DEGREES);
     return result ? result
                   : add(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared, sums->cosine, "cosine",
@@ -184,7 +184,7 @@ static norma_result judge_skin(check_run *run, const norma_skin_info *skin, size
     label_of("skin", number, skin->name, label);
     norma_check_message(message,
         "joint node %z stretches one direction by %g times another, at rest or in an animation; "
-        "most skinning shaders err while it does",
+        "most skinning shaders err there",
         skin->joint, skin->anisotropy);
     return add(&j, RULE_N605, NORMA_SEVERITY_INFO, skin->joint_count && skin->anisotropy > UNEVEN,
         skin->anisotropy, "ratio", message);

@@ -75,8 +75,8 @@ norma_result norma_check_placeholder(check_mesh *m) {
     result = norma_check_faces(m);
     if (result || !is_curved(m)) return result;
     norma_check_message(message,
-        "%z of %z normals are (%g, %g, %g), though the mesh is curved; it is lit as if it were a "
-        "flat plate",
+        "%z of %z normals are (%g, %g, %g), although the mesh is curved; it is lit like a flat "
+        "plate",
         alike, used, normal[0], normal[1], normal[2]);
     return norma_check_add_one(m->run, &m->place, m, RULE_N203,
         m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);

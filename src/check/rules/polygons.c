@@ -145,9 +145,10 @@ static norma_result add_findings(check_mesh *m, polygon_part *sum) {
     if (sum->folded.count && norma_check_wants(m, RULE_N404)) {
         norma_check_message(message,
             sum->crossing
-                ? "%z of %z polygons fold over where a reader fans them from their first corner; "
-                  "%z cross themselves"
-                : "%z of %z polygons fold over where a reader fans them from their first corner",
+                ? "%z of %z polygons fold over if a reader cuts them into a fan from their first "
+                  "corner; %z cross themselves"
+                : "%z of %z polygons fold over if a reader cuts them into a fan from their first "
+                  "corner",
             sum->folded.count, m->mesh.face_count, sum->crossing);
         result = norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N404,

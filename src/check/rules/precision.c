@@ -115,7 +115,7 @@ static norma_result check_distance(check_mesh *m) {
     norma_check_hit(m->run, &hits, spacing / median, norma_check_vertex(at));
     norma_check_message(message,
         "coordinates up to %g are rounded to %g, and half of the edges are shorter than %g; faces "
-        "turn by some %g degrees",
+        "turn by about %g degrees",
         largest, spacing, median, fmin(12 * spacing / median, 90));
     if (!result)
         return norma_check_add(m->run, &m->place, m,

@@ -4,9 +4,6 @@
 #define NORMA_CHECK_SCENE_RULES_H
 #include "check/findings/check_run.h"
 
-/* For messages: "1 tangent", "2 tangents". */
-static inline const char *norma_check_plural(size_t count) { return count == 1 ? "" : "s"; }
-
 /* Tangents serve normal maps only: without one, what is wrong with them is worth knowing, no more.
  */
 static inline norma_severity norma_check_tangent_severity(const check_mesh *m) {

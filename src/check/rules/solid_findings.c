@@ -27,8 +27,8 @@ static norma_result add_inward(check_mesh *m, check_hits *hits, size_t count) {
     norma_severity severity = m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_ERROR
                                                                            : NORMA_SEVERITY_WARNING;
     norma_check_message(message,
-        "%z of %z components are inside out: closed, and their faces look inward", hits->count,
-        count);
+        "%z of %z components are inside out: they are closed and their faces look inward",
+        hits->count, count);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N302,
             .severity = severity,
@@ -42,9 +42,9 @@ static norma_result add_nested(check_mesh *m, check_hits *hits) {
     norma_severity severity =
         m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
     norma_check_message(message,
-        "%z components are solids right inside a solid: cavities that were turned, or bodies of "
-        "their own",
-        hits->count);
+        "%z component%s directly inside a solid and facing outward; either cavities that were "
+        "turned, or separate bodies",
+        hits->count, norma_check_plural(hits->count));
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N302,
             .severity = severity,
@@ -109,7 +109,7 @@ static norma_result tell_undecidable(const check_solids *s) {
     }
     if (hits.count) {
         norma_check_message(message,
-            one_sided ? "%z of %z components are open or of one side (%z): which side is outward "
+            one_sided ? "%z of %z components are open or one-sided (%z): which side is outward "
                         "cannot be decided"
                       : "%z of %z components are open: which side is outward cannot be decided",
             hits.count, count_here(s), one_sided);

@@ -73,18 +73,18 @@ static norma_result add(check_mesh *m, const uint8_t *verdicts, size_t with, siz
         if (verdicts[v] == side) norma_check_hit(m->run, &hits, 0, norma_check_vertex(v));
     if (!mixed)
         norma_check_message(message,
-            "%z tangent%s, all whose UVs have an area, with the sign against the winding of the "
-            "UVs; right if the normal map is made for it",
+            "%z tangent%s (all whose UVs have an area) with the opposite of the sign that the UVs "
+            "give; correct if the normal map was made for it",
             against, norma_check_plural(against));
     else if (side == AGAINST)
         norma_check_message(message,
-            "%z tangent%s with the sign against the winding of the UVs, %z with the sign that they "
-            "give; bumps become dents on one side",
+            "%z tangent%s with the opposite of the sign that the UVs give, %z with that sign; "
+            "bumps become dents in one of the two groups",
             against, norma_check_plural(against), with);
     else
         norma_check_message(message,
-            "%z tangent%s with the sign that the UVs give, but %z with the sign against their "
-            "winding; bumps become dents on one side",
+            "%z tangent%s with the sign that the UVs give, %z with the opposite; bumps become "
+            "dents in one of the two groups",
             with, norma_check_plural(with), against);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N804,

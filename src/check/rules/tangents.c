@@ -67,7 +67,9 @@ static norma_result add_findings(check_mesh *m, tangent_part *sum) {
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N801) && sum->bad.count) {
         norma_check_message(message,
-            "%z tangent%s not finite or not of length 1; a normal map is read through them",
+            "%z tangent%s with a component that is not finite or a length other than 1; normal "
+            "maps "
+            "are read through them",
             sum->bad.count, norma_check_plural(sum->bad.count));
         result = norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N801,
@@ -143,9 +145,10 @@ norma_result norma_check_tangents(check_mesh *m) {
         m->mesh.face_count && norma_check_wants(m, RULE_N805))
         result = norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_WARNING,
             CHECK_NOWHERE,
-            "a normal map and no tangents; renderers make their own, and not all alike");
+            "a normal map but no tangents; renderers compute their own, and not all in the same "
+            "way");
     if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
         result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING,
-            CHECK_NOWHERE, "tangents and no normals; readers must ignore them");
+            CHECK_NOWHERE, "tangents but no normals; readers must ignore the tangents");
     return result;
 }

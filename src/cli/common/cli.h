@@ -99,7 +99,7 @@ enum { CLI_LIMIT_ROOM = 96 };
 void cli_memory_limit_words(char text[CLI_LIMIT_ROOM]);
 extern const cli_option cli_matrix_options[]; /* --scale --rotate --translate --matrix */
 #define CLI_MATRIX_HELP                                                                            \
-    "The matrix: the first given acts first on the points\n"                                       \
+    "The matrix: options combine into one; the first is applied first\n"                           \
     "  --scale X,Y,Z         or one number for all three\n"                                        \
     "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"          \
     "  --translate X,Y,Z\n"                                                                        \

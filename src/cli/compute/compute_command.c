@@ -48,9 +48,10 @@ static const char help[] =
     "                        that are not finite, zero or not of unit length (broken)\n"
     "  --morphs              normal deltas also for glTF morph targets that have none\n"
     "\n" CLI_FILES_HELP "\n"
-    "A face that has no direction has no vote; what then has no normal of its own gets the nearest "
-    "one, and the\n"
-    "summary counts it. Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 "
+    "Degenerate faces (almost no area) are ignored. Vertices that are then without a normal get "
+    "the nearest one,\n"
+    "and the summary counts them. Exit status: 0 fine, 2 usage, 3 a file could not be read or "
+    "written, 130 "
     "interrupted.\n";
 
 typedef struct compute_work {

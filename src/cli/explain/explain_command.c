@@ -4,16 +4,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "norma explain RULE...: what a rule of norma check measures, why it matters, what to do\n"
-    "\n"
-    "Examples\n"
-    "  norma explain N501\n"
-    "  norma explain inconsistent-winding\n"
-    "  norma explain                  all rules, one a line\n"
-    "\n"
-    "RULE is an id (N301), the beginning of some (N3) or a name. --json: for programs.\n"
-    "Exit status: 0 fine, 2 no such rule.\n";
+static const char help[] = "norma explain RULE...: explains what a rule of norma check measures, "
+                           "why it matters and what to do\n"
+                           "\n"
+                           "Examples\n"
+                           "  norma explain N501\n"
+                           "  norma explain inconsistent-winding\n"
+                           "  norma explain                  lists all rules, one a line\n"
+                           "\n"
+                           "RULE is an id (N301), the beginning of several (N3) or a name.\n"
+                           "--json prints one object a line, for programs.\n"
+                           "Exit status: 0 fine, 2 unknown rule.\n";
 
 static const char *severity_name(norma_severity severity) {
     static const char *const names[] = {"none", "info", "warning", "error"};
@@ -29,7 +30,7 @@ static void write_severities(const norma_rule *rule) {
 
 static void write_fix(const norma_rule *rule) {
     if (rule->fix == NORMA_FIX_NONE)
-        fputs("Fix: none that a program should make by itself.\n", stdout);
+        fputs("Fix: by hand only.\n", stdout);
     else
         printf("Fix: %s, by norma check %s --select %s.\n", rule->fix_verb,
             rule->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", rule->id);
@@ -97,8 +98,8 @@ static int explain(const cli_subcommand *verb, const cli_words *words, int json)
         char unknown[64] = "";
         if (norma_rules_select(words->words[i], mask, unknown) != NORMA_OK)
             status = cli_usage(verb,
-                "no rule is called '%s'; expected an id (N301), the beginning of some (N3) or a "
-                "name",
+                "no rule is called '%s'; expected an id (N301), the beginning of several (N3) or "
+                "a name",
                 unknown);
     }
     for (size_t i = 0; i < count && !status; ++i) {
@@ -130,5 +131,5 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_subcommand cli_subcommand_explain = {
-    "explain", "what a rule of norma check means, why it matters, what to do", help, run};
+const cli_subcommand cli_subcommand_explain = {"explain",
+    "explains a rule of norma check: what it means, why it matters, what to do", help, run};

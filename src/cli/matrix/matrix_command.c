@@ -5,18 +5,19 @@
 #include <string.h>
 
 static const char help[] =
-    "norma matrix MATRIX: what a matrix does to normals, and what carries them right\n"
+    "norma matrix MATRIX: shows what a matrix does to normals, and which matrix is correct for "
+    "them\n"
     "\n"
     "Examples\n"
-    "  norma matrix --scale 2,0.5,1                    where plain M is 61.93 degrees off, and for "
-    "which normal\n"
+    "  norma matrix --scale 2,0.5,1                    plain M is 61.93 degrees off, and for which "
+    "normal\n"
     "  norma matrix --rotate 0,0,1,30 --scale 2,1,1    first turned, then stretched: a shear\n"
     "  norma matrix --scale -1,1,1                     a mirror\n"
-    "  norma matrix --scale 1,1,0                      flattened: rank 2, and still one right "
-    "answer\n"
+    "  norma matrix --scale 1,1,0                      flattened: rank 2, and still one correct "
+    "normal\n"
     "  norma matrix --matrix \"1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1\" --json\n"
     "\n" CLI_MATRIX_HELP "\n"
-    "  --json                one object, matrices as nine numbers row by row\n"
+    "  --json                prints one object; matrices are nine numbers, row by row\n"
     "\n"
     "Exit status: 0 fine, 2 usage.\n";
 
@@ -127,14 +128,15 @@ static const char *meaning(const matrix_answer *found) {
     case NORMA_KIND_TRANSLATION:
         return "normals stay as they are: a translation never acts on them";
     case NORMA_KIND_ROTATION:
-        return info->mirrored ? "a mirror aside; M itself carries normals"
-                              : "M itself carries normals";
+        return info->mirrored
+                   ? "a mirror; if faces are reversed, M itself transforms normals correctly"
+                   : "M itself transforms normals correctly";
     case NORMA_KIND_UNIFORM_SCALE:
-        return "M itself carries normals, renormalised";
+        return "M itself transforms normals correctly; renormalise after it";
     case NORMA_KIND_NON_UNIFORM_SCALE:
-        return "columns perpendicular, of different length: plain M is wrong";
+        return "the columns are perpendicular, but differ in length: plain M is wrong";
     case NORMA_KIND_SHEAR:
-        return "columns not perpendicular: plain M is wrong";
+        return "the columns are not perpendicular: plain M is wrong";
     case NORMA_KIND_SINGULAR:
         break;
     }
@@ -166,8 +168,7 @@ static void print_worst(const matrix_answer *found) {
     double worst[3], plain[3], right[3];
     char degrees[32];
     if (is_zero(found->normal)) {
-        printf("plain M       leaves nothing that could be a normal, and neither does anything "
-               "else\n");
+        printf("plain M       leaves no normal, and neither does any other matrix\n");
         return;
     }
     if (info->worst_error_rad > 1e-7 && cli_to_degrees(info->worst_error_rad) < 0.005) {
@@ -217,7 +218,7 @@ static void print_text(matrix_answer *found) {
     print_rows(found->model, 4);
     printf("\nkind          %s: %s\n", cli_kind_name(info->kind), meaning(found));
     printf("mirrored      %s\n",
-        info->mirrored ? "yes: reverse the winding of faces, or they look inwards" : "no");
+        info->mirrored ? "yes: reverse the winding of faces, or they face inward" : "no");
     printf("rank          %d\n", info->rank);
     printf("determinant   %.7g\n", tidy(info->determinant));
     if (isfinite(info->anisotropy))
@@ -227,9 +228,10 @@ static void print_text(matrix_answer *found) {
             "anisotropy    %s\n", info->determinant != 0 ? "beyond 1e6" : "infinite (flattened)");
     print_worst(found);
     printf("\nNormal matrix: %s\n",
-        is_zero(found->normal) ? "of zeros, no normal exists"
-        : info->mirrored       ? "carries normals right, faces reversed; renormalise after it"
-                               : "carries normals right; renormalise after it");
+        is_zero(found->normal) ? "all zeros, because no normal exists"
+        : info->mirrored
+            ? "transforms normals correctly if faces are reversed; renormalise after it"
+            : "transforms normals correctly; renormalise after it");
     print_rows(found->normal, 3);
     printf("\nCofactor matrix: the area vectors of faces, cof(M)(a x b) = Ma x Mb\n");
     print_rows(found->cofactor, 3);
@@ -273,4 +275,4 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
 }
 
 const cli_subcommand cli_subcommand_matrix = {
-    "matrix", "what a matrix does to normals, and what carries them right", help, run};
+    "matrix", "shows what a matrix does to normals, and which matrix is correct", help, run};

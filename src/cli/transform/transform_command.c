@@ -3,28 +3,30 @@
 #include <string.h>
 
 static const char help[] =
-    "norma transform IN -o OUT MATRIX: positions, normals, tangents and winding under one matrix\n"
+    "norma transform IN -o OUT MATRIX: applies one matrix to positions, normals, tangents and "
+    "winding\n"
     "\n"
     "Examples\n"
     "  norma transform chair.obj -o out.obj --scale 2,0.5,1     stretched; the normals stay "
     "perpendicular\n"
     "  norma transform chair.ply -o out.ply --rotate 0,1,0,90   a quarter turn about the y axis\n"
-    "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: faces are wound the "
-    "other way\n"
+    "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: the winding is "
+    "reversed\n"
     "  norma transform a.glb -o b.glb --scale 2 --translate 0,0,1\n"
     "                                                           first doubled, then moved\n"
-    "  norma transform a.glb -o b.glb --bake                    node transforms carried into the "
+    "  norma transform a.glb -o b.glb --bake                    node transforms moved into the "
     "meshes\n"
     "\n" CLI_MATRIX_HELP "\n"
     "glTF\n"
-    "  (without --bake)      the matrix becomes a new node above the scene's roots, meshes stay as "
+    "  (without --bake)      the matrix becomes a new node above the scene's roots; meshes stay as "
     "they are\n"
-    "  --bake                the world matrix of every node that draws a mesh goes into the mesh: "
-    "any depth, shear\n"
-    "                        and mirrors included. Skinned and animated meshes stay, and are "
-    "named\n"
+    "  --bake                applies the world matrix of every node that draws a mesh to the mesh "
+    "itself, at any\n"
+    "                        depth, including shear and mirrors. Skinned and animated meshes stay "
+    "as they are and\n"
+    "                        are listed\n"
     "\n" CLI_FILES_HELP "\n"
-    "'norma matrix' with the same options tells what a matrix does to normals.\n"
+    "'norma matrix' with the same options shows what a matrix does to normals.\n"
     "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
 
 typedef struct transform_work {
@@ -97,15 +99,15 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         cli_counted(out, summary->nodes_baked, "node baked", "nodes baked");
     }
     if (summary->mirrored && on_a_node)
-        fputs("; mirrored by a new node above the meshes: their winding stays, and what draws the "
-              "file reverses it",
+        fputs("; mirrored by a new node above the meshes: their winding stays, and the renderer "
+              "reverses it",
             out);
     else if (summary->mirrored)
-        fputs("; mirrored: winding reversed, so that faces still look outwards", out);
+        fputs("; mirrored: winding reversed to keep faces pointing outward", out);
     if (work->info.rank < 3 && on_a_node)
         fprintf(out,
-            "; flattened (rank %d) by a new node: which normals are drawn is up to what draws the "
-            "file; --bake settles it",
+            "; flattened (rank %d) by a new node: the normals then depend on the renderer; --bake "
+            "writes them into the file",
             work->info.rank);
     else if (work->info.rank < 3)
         fputs(what_flattening_does(work), out);
