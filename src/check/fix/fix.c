@@ -27,7 +27,7 @@ static norma_document_result fail(const mender *m, norma_result result) {
                                          : NORMA_DOCUMENT_ERROR_MALFORMED;
     if (m->error) {
         m->error->result = as;
-        norma_check_message(m->error->message, "cannot be mended: %s", norma_result_text(result));
+        norma_check_message(m->error->message, "cannot be fixed: %s", norma_result_text(result));
     }
     return as;
 }

@@ -308,7 +308,7 @@ static int check_places(const cli_subcommand *verb, check_work *work) {
     const char *output = work->files.output;
     if (output && strcmp(output, "-") == 0 && strcmp(work->format->name, "text") != 0)
         return cli_usage(
-            verb, "-o - and --format %s both want standard output", work->format->name);
+            verb, "-o - and --format %s would both write to standard output", work->format->name);
     return cli_check_outputs(verb, &common, &work->files);
 }
 

@@ -82,7 +82,7 @@ static void begin(FILE *out) { (void)out; }
 
 static void write_file(FILE *out, const check_report *report) {
     if (report->mended) {
-        cli_say(out, "%s: mended", cli_input_name(report->path));
+        cli_say(out, "%s: fixed", cli_input_name(report->path));
         fprintf(out, "\n%s", report->mended);
     }
     if (report->by_rays) {

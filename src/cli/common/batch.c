@@ -88,13 +88,13 @@ int cli_check_outputs(const cli_subcommand *verb, const cli_common *common, cli_
         standard |= is_standard(files->inputs.paths[i]);
     if (ways == 0)
         return cli_usage(
-            verb, "nowhere to write to; expected -o OUT, --out-dir FOLDER or --in-place");
+            verb, "no output was given; expected -o OUT, --out-dir FOLDER or --in-place");
     if (ways > 1) return cli_usage(verb, "-o, --out-dir and --in-place exclude each other");
     if (files->output && files->inputs.count > 1)
         return cli_usage(verb, "one -o for %zu inputs; expected --out-dir FOLDER or --in-place",
             files->inputs.count);
     if (files->output && is_standard(files->output) && common->json)
-        return cli_usage(verb, "-o - and --json both want standard output");
+        return cli_usage(verb, "-o - and --json would both write to standard output");
     if (!files->output && standard)
         return cli_usage(verb, "standard input has no name to write to; expected -o OUT");
     int status = files->output ? check_output(verb, files, files->inputs.paths[0])

@@ -222,7 +222,7 @@ int cli_find_inputs(const cli_subcommand *verb, cli_files *files) {
         const int is_standard = strcmp(word, "-") == 0;
         standard += (size_t)is_standard;
         if (is_standard && !files->format)
-            return cli_usage(verb, "standard input has no name that tells its format; expected "
+            return cli_usage(verb, "standard input has no name that shows its format; expected "
                                    "--input-format obj, ply, stl, gltf or glb");
         if (standard > 1) return cli_usage(verb, "standard input can be read only once");
         status = cli_worse(status, add_word(verb, &files->inputs, word));

@@ -176,7 +176,7 @@ int cli_parse(const cli_subcommand *verb, const cli_table *tables, size_t table_
         const char *argument = arguments[i];
         if (only_words || argument[0] != '-' || argument[1] == '\0') {
             if (!words->words)
-                return cli_usage(verb, "takes no file, and '%s' is no option", argument);
+                return cli_usage(verb, "takes no file, and '%s' is not an option", argument);
             words->words[words->count++] = argument;
         } else if (strcmp(argument, "--") == 0) {
             only_words = 1;

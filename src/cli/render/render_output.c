@@ -44,7 +44,7 @@ static int check_outputs(const cli_subcommand *verb, render_settings *settings) 
     for (size_t i = 0; i < files->inputs.count; ++i)
         standard |= render_is_standard(files->inputs.paths[i]);
     if (!files->output && !files->folder)
-        return cli_usage(verb, "nowhere to write to; expected -o OUT.png or --out-dir FOLDER");
+        return cli_usage(verb, "no output was given; expected -o OUT.png or --out-dir FOLDER");
     if (files->output && files->folder)
         return cli_usage(verb, "-o and --out-dir exclude each other");
     if (files->output && files->inputs.count > 1 && !settings->sheet)
@@ -57,7 +57,7 @@ static int check_outputs(const cli_subcommand *verb, render_settings *settings) 
         return cli_usage(verb, "standard input has no name to write to; expected -o OUT.png");
     if (files->folder) return cli_place_outputs(verb, files, ".png");
     if (render_is_standard(files->output) && settings->common.json)
-        return cli_usage(verb, "-o - and --json both want standard output");
+        return cli_usage(verb, "-o - and --json would both write to standard output");
     if (render_is_standard(files->output) && settings->turns)
         return cli_usage(verb, "--turntable makes several files; expected -o OUT.png");
     if (render_is_standard(files->output) && isatty(STDOUT_FILENO))
@@ -91,7 +91,7 @@ int render_settings_check(const cli_subcommand *verb, render_settings *settings)
         settings->lines = (settings->lines & RENDER_WIREFRAME) | settings->hedgehog;
     else if (settings->hedgehog)
         return cli_usage(
-            verb, "--lines says which lines a hedgehog has; expected --show hedgehog with it");
+            verb, "--lines applies only to a hedgehog; expected --show hedgehog with it");
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
         return cli_usage(
             verb, "the last row of the matrix must be 0 0 0 1; the camera makes the perspective");

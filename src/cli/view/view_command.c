@@ -206,14 +206,15 @@ static int check_words(const cli_subcommand *verb, view_work *work) {
     if (work->files.in_place)
         return cli_usage(verb, "a page cannot replace its input; expected -o or --out-dir");
     if (!output && !work->files.folder)
-        return cli_usage(verb, "nowhere to write to; expected -o OUT.html or --out-dir FOLDER");
+        return cli_usage(verb, "no output was given; expected -o OUT.html or --out-dir FOLDER");
     if (output && work->files.folder) return cli_usage(verb, "-o and --out-dir exclude each other");
     if (output && work->files.inputs.count > 1)
         return cli_usage(
             verb, "one -o for %zu inputs; expected --out-dir FOLDER", work->files.inputs.count);
     if (output && strcmp(output, "-") == 0)
-        return work->common.json ? cli_usage(verb, "-o - and --json both want standard output")
-                                 : CLI_OK;
+        return work->common.json
+                   ? cli_usage(verb, "-o - and --json would both write to standard output")
+                   : CLI_OK;
     if (output && !ends_in(output, ".html") && !ends_in(output, ".htm"))
         return cli_usage(
             verb, "-o %s: the output is a page; expected a name that ends in .html", output);

@@ -92,7 +92,7 @@ static const char *bad_compute_option(const norma_compute_options *options) {
     if ((unsigned)options->weld > NORMA_WELD_DISTANCE) return "unknown way to weld";
     if (options->weld == NORMA_WELD_DISTANCE &&
         !(options->weld_distance >= 0 && isfinite(options->weld_distance)))
-        return "the weld distance is no finite number from 0 up";
+        return "the weld distance must be a finite number from 0 up";
     if ((unsigned)options->non_manifold > NORMA_NON_MANIFOLD_SMOOTH)
         return "unknown treatment of non-manifold edges";
     if ((unsigned)options->groups > NORMA_GROUPS_IGNORE)

@@ -27,7 +27,7 @@ static norma_document_result check_target(
     const norma_document target = {.path = (char *)(uintptr_t)path};
     if (!in_place && norma_file_same(path, document->path) && !norma_file_is_stream(path))
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "is the input itself; expected another name, or to be told to work in place");
+            "is the input itself; expected another name, or to work in place");
     if (!in_place && norma_document_names_file(document, path))
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "belongs to %s, which reads it or names it; expected another name", document->path);

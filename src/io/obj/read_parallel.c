@@ -409,7 +409,8 @@ static norma_document_result check_whole(
     add_note(g, document, &g->unknown,
         "statements of kinds that OBJ does not have are kept as they are");
     add_note(g, document, &g->empty_face, "faces without a corner are kept as they are");
-    add_note(g, document, &g->odd_number, "numbers end in something else, which is passed over");
+    add_note(
+        g, document, &g->odd_number, "numbers are followed by other characters, which are ignored");
     return NORMA_DOCUMENT_OK;
 }
 

@@ -163,7 +163,7 @@ static norma_document_result fill(norma_document *document, const norma_mesh_edi
     if (walk.has_curves) {
         free(walk.positions);
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-            "vertices cannot get other numbers, which its free-form curves or surfaces may name");
+            "cannot renumber vertices: free-form curves or surfaces may refer to them");
     }
     number_vertices(state, edit, kept, walk.before_face, v);
     const char *ending = line_ending(document, &ending_size);

@@ -217,7 +217,7 @@ static norma_document_result read_unknown(header_reader *reader, int has_format)
     ply_span text = whole_line(reader->state, line);
     int length = text.length > 60 ? 60 : (int)text.length;
     norma_document_add_note(reader->document,
-        "header line %zu is no PLY statement and was passed over: \"%.*s\"", line->number, length,
+        "header line %zu is not a PLY statement and was ignored: \"%.*s\"", line->number, length,
         (const char *)reader->state->bytes + text.offset);
     return NORMA_DOCUMENT_OK;
 }
@@ -287,7 +287,7 @@ static norma_document_result check_triple(
                 memcmp(state->bytes + other->name.offset, state->bytes + property->name.offset,
                     other->name.length) == 0)
                 return fail_name(document, error, state, other->name,
-                    "the property stands twice in this element");
+                    "the property appears twice in this element");
         }
     }
     return NORMA_DOCUMENT_OK;
@@ -317,7 +317,7 @@ static norma_document_result check_elements(
             if (other.length == name.length &&
                 memcmp(state->bytes + other.offset, state->bytes + name.offset, name.length) == 0)
                 return fail_name(
-                    document, error, state, name, "the element stands twice in this header");
+                    document, error, state, name, "the element appears twice in this header");
         }
     }
     return NORMA_DOCUMENT_OK;

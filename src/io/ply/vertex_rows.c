@@ -66,7 +66,7 @@ norma_document_result norma_ply_edit_vertices(
     const size_t kept = norma_ply_kept(edit), added = edit->vertex_count - kept;
     if (kept < state->vertices && names_vertices(state))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-            "vertices cannot get other numbers, which an element that is not read may name");
+            "cannot renumber vertices: an element that is not read may refer to them");
     change->corners = norma_io_allocate(state->mesh.corner_count, sizeof *change->corners);
     change->added = norma_io_allocate(added, sizeof *change->added);
     if (!change->corners || !change->added) return norma_document_fail_memory(document, error);

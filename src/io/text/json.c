@@ -84,12 +84,12 @@ static int skip_escape(parser *p) {
         for (int i = 1; i <= 4; ++i)
             if (p->at + (size_t)i >= p->size ||
                 hex_value((unsigned char)p->text[p->at + (size_t)i]) < 0)
-                return fail(p, "four hexadecimal digits behind \\u");
+                return fail(p, "four hexadecimal digits after \\u");
         p->at += 5;
         return 1;
     }
     if (c < 0 || !strchr("\"\\/bfnrt", c) || c == 0)
-        return fail(p, "one of \"\\/bfnrtu behind a backslash");
+        return fail(p, "one of \"\\/bfnrtu after a backslash");
     ++p->at;
     return 1;
 }
@@ -236,7 +236,7 @@ int norma_json_parse(const char *text, size_t size, json *parsed, json_error *er
         if (!parse_value(&p, &ended) || (ended && !parse_between(&p, &done))) return 0;
     }
     skip_space(&p);
-    return p.at == size ? 1 : fail(&p, "nothing behind the end");
+    return p.at == size ? 1 : fail(&p, "nothing after the end");
 }
 
 void norma_json_free(json *parsed) {

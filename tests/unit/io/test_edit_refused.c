@@ -192,8 +192,7 @@ static void test_obj(void **state) {
     refuse_text("v 0 0 0\nv 2 0 0\nv 0 1 0\ncstype bezier\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 "
                 "1\nend\nf 1 2 3\n",
         "a.obj", &backwards, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
-        "a.obj: vertices cannot get other numbers, which its free-form curves or surfaces may "
-        "name");
+        "a.obj: cannot renumber vertices: free-form curves or surfaces may refer to them");
     static const float normal[3] = {0, 0, 1};
     const norma_mesh_edit numbers = {
         .normals = normal, .set_normals = ALL}; /* of the two normals here no face names one, so
@@ -254,7 +253,7 @@ static void test_ply(void **state) {
         "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n" PLY_ROWS
         "4 1 2 3 1\n0 1\n",
         "a.ply", &dropped, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
-        "a.ply: vertices cannot get other numbers, which an element that is not read may name");
+        "a.ply: cannot renumber vertices: an element that is not read may refer to them");
 }
 
 /* The first rows go with their line breaks: none is left before the row that then is first. */

@@ -420,7 +420,7 @@ static void test_json_and_glb(void **state) {
             "a.gltf:byte 0: no JSON; expected a value"},
         {"a.gltf", "[]", 2, NORMA_DOCUMENT_ERROR_MALFORMED, "a.gltf:/: expected an object"},
         {"a.gltf", "{\"asset\":{}} x", 14, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.gltf:byte 13: no JSON; expected nothing behind the end"},
+            "a.gltf:byte 13: no JSON; expected nothing after the end"},
         {"a.glb", "glTF", 4, NORMA_DOCUMENT_ERROR_MALFORMED,
             "a.glb:byte 0: expected the 12 bytes of a GLB header, \"glTF\" first"},
         {"a.glb", "glTG\2\0\0\0\14\0\0\0", 12, NORMA_DOCUMENT_ERROR_MALFORMED,
@@ -444,7 +444,7 @@ static void test_json_and_glb(void **state) {
         {"a.glb", "glTF\2\0\0\0\50\0\0\0\4\0\0\0JSON{}  \0\0\0\0BIN\0\0\0\0\0BIN\0", 40,
             NORMA_DOCUMENT_ERROR_MALFORMED, "a.glb:byte 32: expected one BIN chunk"},
         {"a.glb", "glTF\2\0\0\0\30\0\0\0\4\0\0\0JSON{}x ", 24, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 22: no JSON; expected nothing behind the end"},
+            "a.glb:byte 22: no JSON; expected nothing after the end"},
     };
     size_t wrong = 0;
     (void)state;

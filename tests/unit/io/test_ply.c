@@ -621,7 +621,7 @@ static void test_refusals_name_the_place(void **state) {
             "nx, ny and nz"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS
          "property float x\nend_header\n0 0 0 0\n",
-            "stands twice"},
+            "appears twice"},
         {"ply\nformat binary_little_endian 1.0\nelement vertex 0\n" VERTEX_FLOATS
          "element face 1\nproperty list char uchar vertex_indices\nend_header\n\xff",
             "negative length"},

@@ -121,11 +121,11 @@ static void test_ply_headers(void **state) {
         {TEXT "element vertex 1\n" XYZ "property float nx\nend_header\n", 0, MALFORMED,
             "3: \"vertex\": the element has a part of nx, ny and nz; expected all or none"},
         {TEXT "element vertex 1\n" XYZ "element vertex 2\nend_header\n", 0, MALFORMED,
-            "7: \"vertex\": the element stands twice in this header"},
+            "7: \"vertex\": the element appears twice in this header"},
         {TEXT "element vertex 1\n" XYZ FACES FACES "end_header\n", 0, MALFORMED,
-            "9: \"face\": the element stands twice in this header"},
+            "9: \"face\": the element appears twice in this header"},
         {TEXT "element vertex 1\n" XYZ "property float y\nend_header\n", 0, MALFORMED,
-            "7: \"y\": the property stands twice in this element"},
+            "7: \"y\": the property appears twice in this element"},
         {TEXT "element vertex 1\nproperty float x\nproperty list uchar float y\nproperty float "
               "z\nend_header\n",
             0, MALFORMED, "5: \"y\": a list; expected a single number"},
@@ -283,7 +283,7 @@ static void test_oddities_are_noted(void **state) {
         {"a.ply",
             BYTES("ply\nformat ascii 1.0\nCreated by hand\nelement vertex 1\n" XYZ
                   "end_header\n0 0 0\n"),
-            "header line 3 is no PLY statement and was passed over: \"Created by hand\""},
+            "header line 3 is not a PLY statement and was ignored: \"Created by hand\""},
         {"a.ply", BYTES(TEXT "element vertex 1\n" XYZ "end_header\n0 0 0\nmore of it\n"),
             "11 bytes after the last element are kept as they are"},
         {"a.ply", BYTES(TEXT "element vertex 1\n" XYZ "end_header\n0 0 0\n \n"), ""},
@@ -299,7 +299,8 @@ static void test_oddities_are_noted(void **state) {
         {"a.obj", BYTES("v 0 0 0\nv 1 0 0\nv 0 1 0\nf\nf 1 2 3\n"),
             "1 faces without a corner are kept as they are, the first \"f\" in line 4"},
         {"a.obj", BYTES("v 0 0 0\nv 1 0 0\nv 0 1.5+e2 0\nf 1 2 3\n"),
-            "1 numbers end in something else, which is passed over, the first \"1.5+e2\" in line "
+            "1 numbers are followed by other characters, which are ignored, the first \"1.5+e2\" "
+            "in line "
             "3"},
     };
     (void)state;

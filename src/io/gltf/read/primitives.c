@@ -275,7 +275,7 @@ static norma_document_result read_mesh(gltf *g, uint32_t number, norma_document_
             result = check_whole(g, g->primitive_count - 1, error);
         if (result) return result;
         if (p->not_read && g->document->depth == NORMA_DOCUMENT_WHOLE && p->mode >= GLTF_TRIANGLES)
-            norma_document_add_note(g->document, "%s of mesh \"%s\" was passed over: %s", p->where,
+            norma_document_add_note(g->document, "%s of mesh \"%s\" was skipped: %s", p->where,
                 mesh->name, p->not_read);
     }
     return NORMA_DOCUMENT_OK;

@@ -110,7 +110,7 @@ norma_document_result norma_gltf_put_vertices(
     const gltf_attributes *base = &p->base;
     if (!keeps_numbers(p, edit) && !names_no_vertices(g, p))
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
-            "vertices cannot get other numbers, which one of its extensions may name");
+            "cannot renumber vertices: an extension may refer to them");
     if (base->normal != GLTF_NONE && g->accessors[base->normal].count != p->vertices)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, p->where,
             "vertices without a normal, or normals without a vertex, cannot be copied");
