@@ -2,7 +2,7 @@
  * they belong to, in documents or in arrays in memory, and report findings as plain data.
  *
  * A rule has an id that never changes (N301), a name (inconsistent-winding), and a severity that
- * depends on what the surface is for. A finding is one rule's verdict on one place, with a count,
+ * depends on what the surface is for. A finding is what one rule found at one place, with a count,
  * the worst value and a few samples.
  *
  * All calls are pure functions: any number may run at once on data that nobody changes. The
@@ -133,7 +133,7 @@ NORMA_API void norma_findings_free(norma_findings *findings);
 typedef struct norma_check_options {
     size_t struct_size; /* sizeof(norma_check_options) of the caller; 0: the first version */
     norma_check_profile profile;
-    int strict;           /* nonzero: report lengths that no encoding rounds within 1e-4 of 1 */
+    int strict;           /* nonzero: lengths within 1e-4 of 1, not 5e-4, except 8- and 10-bit */
     size_t max_samples;   /* for each finding; 0: ten */
     const uint8_t *rules; /* a byte for each rule of norma_rules, 0 to skip it; NULL: all rules */
     uint32_t threads;     /* as in norma_options */
@@ -145,10 +145,10 @@ typedef struct norma_check_options {
     int open_by_rays;
 } norma_check_options;
 
-/* A surface in memory, described as a document describes one primitive. Everything missing is zero,
- * except attributes.material, which is SIZE_MAX. info needs vertices, faces, normals (per vertex,
- * corner or facet) and encoding. Findings take their where and label from info.where, info.name,
- * info.mesh and info.primitive. */
+/* A surface in memory, described as a document describes one primitive. Set members without data to
+ * zero, except attributes.material, which is then SIZE_MAX. info needs vertices, faces, normals
+ * (per vertex, corner or facet) and encoding. Findings take their where and label from info.where,
+ * info.name, info.mesh and info.primitive. */
 typedef struct norma_check_mesh {
     norma_mesh_info info;
     norma_mesh_data data;
@@ -186,7 +186,7 @@ NORMA_API norma_result norma_check_scene_run(
 
 /* Applies the rules to a document.
  *
- *   document   opened whole; open it leniently too, or N106 has nothing to find
+ *   document   opened whole. Open it leniently too; otherwise N106 finds nothing
  *   options    NULL for the defaults
  *   findings   written on success; release them with norma_findings_free
  *   error      written on failure; or NULL
@@ -216,7 +216,8 @@ typedef struct norma_fix_summary {
     double least_confidence; /* of by_rays: (rays for it - rays against it) / rays */
 } norma_fix_summary;
 
-/* Fixes what the selected rules find and a program can fix. Nothing else in the document changes.
+/* Fixes the findings of the selected rules that a program can fix. Nothing else in the document
+ * changes.
  *
  *   document   opened leniently
  *   options    as for norma_check_document; max_samples and profile are ignored
@@ -225,9 +226,10 @@ typedef struct norma_fix_summary {
  *   summary    written; or NULL
  *   error      written on failure; or NULL
  *
- * New normals come from the surface, with the weight and crease that the other normals of the file
- * show. If all faces at a normal are reversed, the normal is reversed with them.
- * One fix may uncover what another one fixes: call it until changed is 0.
+ * New normals are computed from the surface, with the weight and crease that explain the other
+ * normals of the file best. If all faces at a normal are reversed, the normal is reversed with
+ * them.
+ * A fix may uncover faults that another fix repairs, so call it until changed is 0.
  * Errors: those of norma_check_document and norma_document_edit. After an error the document can
  * only be closed. */
 NORMA_API norma_document_result norma_fix_document(norma_document *document,

@@ -31,7 +31,7 @@ typedef enum norma_document_result {
     NORMA_DOCUMENT_ERROR_FILE = -2,
     /* The contents violate the file format. */
     NORMA_DOCUMENT_ERROR_MALFORMED = -3,
-    /* Valid, but this version cannot read it; the message says what. */
+    /* Valid, but this version cannot read it; the message names the reason. */
     NORMA_DOCUMENT_ERROR_UNSUPPORTED = -4,
     /* A path leads outside the asset's folder, or a file with other contents is in the way. */
     NORMA_DOCUMENT_ERROR_REFUSED = -5,
@@ -81,9 +81,9 @@ typedef struct norma_document_options {
     norma_progress *progress;
     void *progress_user;
 
-    /* Nonzero: read, instead of refusing, what norma check judges: glTF with fewer or more normals
-     * than positions (norma_document_mesh_attributes reports it), and unknown extensions that the
-     * file requires (norma_document_unread reports them). */
+    /* Nonzero: also read files with faults that norma check reports, instead of refusing them: glTF
+     * with fewer or more normals than positions (norma_document_mesh_attributes reports them), and
+     * glTF that requires unknown extensions (norma_document_unread reports them). */
     int lenient;
 
     /* Nonzero: for a summary, too, read files into memory instead of mapping large ones. If another
@@ -241,8 +241,8 @@ NORMA_API norma_document_result norma_document_instance_world(norma_document *do
 /* ---- materials, attributes, morph targets, skins: for checking and drawing
  *
  * Infos and arrays are made on first use, belong to the document, and are valid until it is changed
- * or closed. What a format does not have is empty. An index that is out of range is an argument
- * error.
+ * or closed. Data that a format does not have is empty. An index that is out of range is an
+ * argument error.
  *
  * A glTF can silence rules of norma check in the extras of its root, a mesh, a primitive, a
  * material or a node: {"norma": {"ignore": ["N201", "N3", "placeholder-normals"]}}. */
@@ -272,7 +272,7 @@ NORMA_API size_t norma_document_material_count(norma_document *document);
 NORMA_API norma_document_result norma_document_material_info(
     norma_document *document, size_t index, norma_material_info *info);
 
-/* What a mesh has beside norma_mesh_data. */
+/* The attributes of a mesh that norma_mesh_data does not contain. */
 typedef struct norma_mesh_attributes {
     /* SIZE_MAX: none (glTF: the default material). OBJ with several: that of the first face. */
     size_t material;
@@ -303,7 +303,7 @@ typedef struct norma_mesh_attributes {
     const char *ignore; /* rules silenced by extras of the root, the mesh or the primitive */
 } norma_mesh_attributes;
 
-/* Returns what a mesh has beside norma_mesh_data.
+/* Returns the attributes of a mesh that norma_mesh_data does not contain.
  *
  *   index        below norma_document_mesh_count
  *   attributes   written
@@ -377,7 +377,8 @@ typedef int norma_visit_file(void *user, const char *path);
  *   user    passed to visit
  *   error   written on failure; or NULL
  *
- * A document that was read from memory without a name has none. Errors: out of memory only. */
+ * A document that was read from memory without a name has no such files. Errors: out of memory
+ * only. */
 NORMA_API norma_document_result norma_document_visit_files(
     norma_document *document, norma_visit_file *visit, void *user, norma_document_error *error);
 
@@ -431,8 +432,8 @@ typedef struct norma_compute_summary {
  *   summary   written; or NULL
  *   error     written on failure; or NULL
  *
- * Errors: an argument error for what the format cannot hold (smooth shading in STL). After an error
- * the document can only be closed. */
+ * Errors: an argument error for normals that the format cannot hold (smooth shading in STL). After
+ * an error the document can only be closed. */
 NORMA_API norma_document_result norma_document_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
@@ -478,7 +479,7 @@ NORMA_API norma_document_result norma_document_transform(norma_document *documen
  *   changed   written: whether any mesh moved; or NULL
  *   error     written on failure; or NULL
  *
- * glTF: a new node below each node that drew the mesh draws it now, moved back, so that nothing
+ * glTF: each node that drew the mesh gets a child that draws it instead, moved back, so nothing
  * moves in the scene. Meshes with a skin, with instancing, with animated weights, without a node,
  * or with positions that are not floats stay as they are, and a note says so. OBJ, PLY and STL
  * cannot compensate: the mesh really moves.
@@ -490,8 +491,9 @@ NORMA_API norma_document_result norma_document_recentre(
 
 enum { NORMA_STRIP_NOTHING = 0, NORMA_STRIP_ALL, NORMA_STRIP_MORPHS };
 
-/* Changes to one mesh. Each pointer may be NULL: that stays as it is. Everything not named keeps
- * its bytes as long as its encoding stays. Marks are bytes, nonzero to select an element. */
+/* Changes to one mesh. Each pointer may be NULL; the data that it would change then stays as it is.
+ * All other data keeps its bytes as long as its encoding stays. Marks are bytes, nonzero to select
+ * an element. */
 typedef struct norma_mesh_edit {
     /* A mark for each face: its winding is reversed; the first corner stays the first. */
     const uint8_t *reverse_faces;
@@ -502,8 +504,8 @@ typedef struct norma_mesh_edit {
 
     /* OBJ, PLY: a mark for each face: it is cut into triangles, which keep the UVs and normals of
      * its corners. cut_corners has three corner numbers (from 0, within the face) for each
-     * triangle: those of a face whose corners begin at corner c begin at 3 c, and there are two
-     * triangles fewer than the face has corners. Cannot be combined with reverse_faces. */
+     * triangle. A face whose first corner is corner c of the mesh has its numbers from 3 c on, for
+     * two triangles fewer than it has corners. Cannot be combined with reverse_faces. */
     const uint8_t *cut_faces;
     const uint32_t *cut_corners;
 
@@ -522,12 +524,12 @@ typedef struct norma_mesh_edit {
     const uint8_t *set_tangents;
 
     /* glTF: NORMA_STRIP_ALL removes the normals, and the tangents with them, of the mesh and its
-     * morph targets; NORMA_STRIP_MORPHS only those of the targets, if the mesh has none. The
-     * accessors stay, so that their numbers do not change. */
+     * morph targets; NORMA_STRIP_MORPHS removes only those of the targets, if the mesh itself has
+     * none. The accessors stay, so that their numbers do not change. */
     int strip_normals;
 
-    /* glTF, PLY, OBJ: the new vertices. Each is a copy of everything the old vertex of this number
-     * has: attributes and morph targets; in OBJ the v line. The marks and numbers above then count
+    /* glTF, PLY, OBJ: for each new vertex the number of the old vertex that it copies, with all
+     * attributes and morph targets; in OBJ the v line. The marks and numbers above then refer to
      * new vertices; in OBJ they cannot be combined with this. */
     const uint32_t *source_vertices;
     size_t vertex_count; /* of source_vertices, at least 1 */
@@ -543,8 +545,8 @@ typedef struct norma_mesh_edit {
  *   edits   one for each mesh of the document, in its order
  *   error   written on failure; or NULL
  *
- * Errors: an argument error for what the format does not have. After an error the document can only
- * be closed. Cost: O(file). */
+ * Errors: an argument error for edits of data that the format does not have. After an error the
+ * document can only be closed. Cost: O(file). */
 NORMA_API norma_document_result norma_document_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 
@@ -552,14 +554,14 @@ NORMA_API norma_document_result norma_document_edit(
  * equals it bit for bit in everything the file stores for it.
  *
  *   mesh    below norma_document_mesh_count
- *   first   written: room for norma_mesh_info.vertices; a vertex itself if something in the file
- *           may refer to vertices by their numbers
+ *   first   written: norma_mesh_info.vertices numbers; each vertex gets its own number if something
+ *           in the file may refer to vertices by their numbers
  *   error   written on failure; or NULL
  *
  * glTF compares attributes and morph targets, PLY the whole row (in a text file its words), OBJ the
  * words of the v line.
  * Errors: an argument error for other formats; unsupported if a glTF's vertices share their bytes
- * so much that they would need far more room than the file has.
+ * so much that they would need far more memory than the file.
  * Cost: O(vertices), expected. */
 NORMA_API norma_document_result norma_document_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);

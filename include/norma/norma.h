@@ -8,7 +8,7 @@
  * - A zero-initialised struct means the documented defaults.
  *
  * The comment above each function lists its parameters one per line, then its particular errors,
- * cost and source. What several functions have in common is said once, at the start of their
+ * cost and source. Rules that several functions share are listed once, at the start of their
  * section. */
 #ifndef NORMA_H
 #define NORMA_H
@@ -127,7 +127,7 @@ typedef enum norma_non_manifold {
     NORMA_NON_MANIFOLD_SMOOTH    /* smooth between all faces within the crease angle */
 } norma_non_manifold;
 
-/* What an element without a normal of its own gets. */
+/* The vector that is written for an element without a normal of its own. */
 typedef enum norma_fallback {
     NORMA_FALLBACK_ZERO = 0, /* (0, 0, 0) */
     NORMA_FALLBACK_NEAREST,  /* the normal of the nearest element that has one */
@@ -147,7 +147,7 @@ typedef enum norma_isa {
 
 /* Why an element has no normal of its own and holds the fallback. */
 enum norma_reason {
-    NORMA_REASON_NONE = 0,     /* it has one */
+    NORMA_REASON_NONE = 0,     /* it has a normal */
     NORMA_REASON_DEGENERATE,   /* the face has no direction (face normals only) */
     NORMA_REASON_NON_FINITE,   /* its position, or one of its face's, is NaN or infinite */
     NORMA_REASON_UNREFERENCED, /* no face with a direction uses it */
@@ -215,8 +215,8 @@ typedef struct norma_count {
     size_t count, first;
 } norma_count; /* first: the lowest index; SIZE_MAX if count is 0 */
 
-/* What had no normal, and what was odd about the edges. Each element is counted once, in the order
- * of the members. */
+/* Counts elements without a normal and unusual edges. Each element is counted once, in the order of
+ * the members. */
 typedef struct norma_report {
     norma_count degenerate_faces; /* faces */
 
@@ -248,8 +248,8 @@ typedef struct norma_fault {
  *   options            as given to the call; may be NULL
  *   fault              written; or NULL
  *
- * Returns what the call would return for these arguments. NORMA_OK means that they are fine: an
- * output was NULL, too small (NORMA_ERROR_CAPACITY) or the mesh's own.
+ * Returns what the call would return for these arguments. If it returns NORMA_OK and the call
+ * failed, an output was at fault: NULL, too small (NORMA_ERROR_CAPACITY) or the mesh's own array.
  * Cost: O(corners), on the calling thread. Allocates nothing. */
 NORMA_API norma_result norma_find_fault(const norma_mesh *mesh, const float *crease_angle_rad,
     const norma_options *options, norma_fault *fault);
@@ -280,16 +280,17 @@ NORMA_API norma_result norma_find_model_fault(
  * - Face directions. A face's direction is that of its vector area. It is within 1e-7 rad of the
  *   exact one for the given positions, however thin the face, for edges from 1e-38 to 1e38 and at
  *   any distance from the origin. Consecutive corners at one (welded) position count as one corner,
- *   the last of them. A face has no direction and no vote if fewer than three corners are left, if
- *   its area is exactly zero, or if one of its positions is not finite.
+ *   the last of them. A face has no direction, and counts in no sum, if fewer than three corners
+ *   are left, if its area is exactly zero, or if one of its positions is not finite.
  * - Errors. NORMA_ERROR_ARGUMENT: mesh is NULL; a buffer is NULL but something has to be read or
  *   written there; triangles whose corner_count is not a multiple of three; face_starts that
- *   decrease or do not run from 0 to corner_count; no corners but a corner_count above the number
- *   of positions; a crease that is NaN, infinite or above pi + 1e-3; an option out of range; an
- *   instruction set that the machine lacks. norma_find_fault names the argument and the element.
- *   NORMA_ERROR_CAPACITY, NORMA_ERROR_INDEX. NORMA_ERROR_OVERFLOW: also from 2^32 - 1 positions,
- *   corners or faces on. These are found before anything is written. After NORMA_ERROR_MEMORY and
- *   NORMA_CANCELLED, outputs and report are undefined. An empty mesh is NORMA_OK.
+ *   decrease or do not run from 0 to corner_count; corners is NULL but corner_count exceeds the
+ *   number of positions; a crease that is NaN, infinite or above pi + 1e-3; an option out of range;
+ *   an instruction set that the machine lacks. norma_find_fault names the argument and the element.
+ *   NORMA_ERROR_CAPACITY, NORMA_ERROR_INDEX. NORMA_ERROR_OVERFLOW: also for 2^32 - 1 or more
+ *   positions, corners or faces. These are found before anything is written. After
+ *   NORMA_ERROR_MEMORY and NORMA_CANCELLED, outputs and report are undefined. An empty mesh is
+ *   NORMA_OK.
  * - Reproducibility. The bits are the same for any number of threads, any parallel_for and any
  *   instruction set: each sum runs over its corners in ascending order.
  * - Thread safety. Any number of calls may run at once as long as nobody changes their meshes. */
@@ -338,10 +339,10 @@ NORMA_API norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_
  *   report             written; or NULL
  *
  * An edge is smooth if two faces share it, their dihedral angle is at most crease_angle_rad + 1e-6,
- * neither marks it hard, and their smoothing groups, if given, have a bit in common. Two faces
- * share an edge if each is the other's only partner; partners run along the edge in opposite
- * directions, and a face's own reversed twin does not count. For the dihedral angle only, a face
- * without a direction borrows that of the face it shares its longest edge with.
+ * neither marks it hard, and their smoothing groups, if given, have a bit in common. Partners are
+ * faces that run along an edge in opposite directions; a face's own reversed twin does not count.
+ * Two faces share an edge if each is the other's only partner. For the dihedral angle only, a face
+ * without a direction uses that of the face with which it shares its longest edge.
  * Cost: O(positions + corners * log valence). */
 NORMA_API norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, float *normals, size_t capacity, norma_report *report);
@@ -361,10 +362,10 @@ NORMA_API norma_result norma_corner_normals(const norma_mesh *mesh, float crease
  *   vertex_count       written on success: the number of new vertices; or NULL
  *   report             written, counting corners; or NULL
  *
- * New vertices are numbered in the order in which corners first use them. Two are different if the
- * old vertex or a bit of the normal differs. Positions without corners are dropped. With
- * NORMA_FALLBACK_NEAREST, a corner without a normal joins the first corner of its vertex that has
- * one, so degenerate faces add no vertices.
+ * New vertices are numbered in the order in which corners first use them. Two corners get different
+ * new vertices if their old vertex or a bit of their normal differs. Positions without corners are
+ * dropped. With NORMA_FALLBACK_NEAREST, a corner without a normal joins the first corner of its
+ * vertex that has one, so degenerate faces add no vertices.
  * Cost: that of norma_corner_normals, twice if a position is split. Additional scratch memory: at
  * most 3 bytes per corner and 17 per position; 5 and 17 with normals but no corners; 2 more per
  * corner with NORMA_FALLBACK_NEAREST. Triangle corners at positions of more than 64 corners take
@@ -381,8 +382,8 @@ NORMA_API norma_result norma_split(const norma_mesh *mesh, float crease_angle_ra
  *   barycentric   the weights; they need not sum to 1
  *   normal        written; may be one of the inputs
  *
- * If the sum cancels (it is at most 2^-20 of the lengths of its terms together) or is not finite,
- * normal becomes zero and the result is NORMA_OK.
+ * If the sum cancels (its length is at most 2^-20 times the sum of the lengths of its terms) or is
+ * not finite, normal becomes zero and the result is NORMA_OK.
  * Errors: NORMA_ERROR_ARGUMENT if a pointer is NULL; then nothing is written.
  * Source: Phong 1975, p. 314. */
 NORMA_API norma_result norma_interpolate_normal(const float a[3], const float b[3],
@@ -451,8 +452,8 @@ NORMA_API norma_result norma_plan_create(const norma_mesh *mesh, norma_element o
  * partial update costs at least as much as a full one.
  * Errors: NORMA_ERROR_ARGUMENT if the number of positions differs; NORMA_ERROR_INDEX if moved names
  * a vertex that does not exist. Both are found before anything is written.
- * Cost: O(corners), or O(what is written and the vertices around it). Double positions are always
- * all read, to find their range. */
+ * Cost: O(corners); with moved, O(normals written and the vertices around them). Double positions
+ * are always all read, to find their range. */
 NORMA_API norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions,
     const uint32_t *moved, size_t moved_count, const norma_options *options, float *normals,
     size_t capacity, norma_report *report);
@@ -488,13 +489,13 @@ NORMA_API void norma_plan_destroy(norma_plan *plan);
  *
  * A delta is the normal of the target minus that of the base, both computed by the weighted sum
  * over the shared vertices, with the target's position of the first vertex of each shared group.
- * So equal positions get equal deltas, no seam opens, and where nothing moves there is no delta.
- * Deltas are left out too where base or target has no normal.
+ * So equal positions get equal deltas, no seam opens, and a vertex gets no delta if neither it nor
+ * its faces move. Vertices without a normal in the base or in the target get no delta either.
  * Errors: those of norma_vertex_normals; NORMA_ERROR_ARGUMENT also if smallest is NaN or negative,
  * if counts differ or if target_starts is NULL. NORMA_ERROR_CAPACITY is found before anything is
  * written.
- * Cost: half if capacity is target_count times the number of positions, because the deltas need not
- * be counted first. */
+ * Cost: half as much if capacity is target_count times the number of positions, because the deltas
+ * then need not be counted first. */
 NORMA_API norma_result norma_morph_normals(const norma_mesh *base,
     const norma_vec3_view *base_normals, const norma_vec3_view *targets, size_t target_count,
     float smallest, const norma_options *options, size_t *target_starts, uint32_t *vertices,
@@ -517,8 +518,8 @@ NORMA_API norma_result norma_morph_normals(const norma_mesh *base,
  * - Models. Only the upper 3x3 of a model ([0..2], [4..6], [8..10]) affects normals. Translation
  *   and last row are ignored and need not be finite.
  * - Thread safety. The calls are pure functions: any number may run at once.
- * - Reproducibility. The bits are the same with every compiler, one at a time or many. -0 is never
- *   written into a matrix. */
+ * - Reproducibility. The bits are the same with every compiler, and for batches and single calls.
+ *   -0 is never written into a matrix. */
 
 /* What happens to the faces when a matrix mirrors. */
 typedef enum norma_winding {
@@ -526,9 +527,10 @@ typedef enum norma_winding {
     NORMA_WINDING_REVERSED  /* the caller reverses them */
 } norma_winding;
 
-/* The kind of an upper 3x3 or of its mirror image, judged from bottom to top of this list with a
- * relative tolerance of 1e-5. Translation is a kind of identity: its [12..14] are not all zero. A
- * mirror is never an identity or a translation: reflections are mirrored rotations. */
+/* The kind of an upper 3x3 or of its mirror image, with a relative tolerance of 1e-5. The first
+ * kind in this list that fits is chosen, but rank below 3 is always singular. A translation is an
+ * identity whose [12..14] are not all zero. A mirror is never an identity or a translation:
+ * reflections are mirrored rotations. */
 typedef enum norma_kind {
     NORMA_KIND_IDENTITY = 0, /* entries within 1e-5 */
     NORMA_KIND_TRANSLATION,
@@ -568,9 +570,9 @@ typedef struct norma_matrix_info {
  * cof(M)(a x b) = M a x M b for every M, so there is no division and rank 2 is exact. Each entry is
  * rounded to double and then to float; its sign, whether it is zero, and the sign of the
  * determinant are exact. Entries that would overflow or underflow are scaled by a common power of
- * two: if an entry exceeds a float, or a nonzero column would lose its last normal float, the
- * largest entry is brought into [1, 2), or higher if the smallest needs the room. Only the
- * direction matters. If all cofactors are exactly zero (rank 0 or 1: every face loses its
+ * two: if an entry exceeds a float, or no entry of a nonzero column would remain a normal float,
+ * the largest entry is brought into [1, 2), or higher if the smallest would otherwise underflow.
+ * Only the direction matters. If all cofactors are exactly zero (rank 0 or 1: every face loses its
  * direction), the result is a matrix of zeros and NORMA_OK; info->rank is then 0 or 1.
  * Errors: NORMA_ERROR_ARGUMENT if the upper 3x3 is not finite; then normal_matrix is zero and info
  * that of a zero matrix.
@@ -604,8 +606,8 @@ NORMA_API norma_result norma_normal_matrices(const float *models, size_t count,
  *   column_stride     bytes from one column to the next; 0: 12
  *   capacity          matrices that fit
  *
- * Any layout in which no two columns overlap is allowed, also all first columns, then all second,
- * then all third.
+ * Any layout in which no two columns overlap is allowed, for example all first columns, then all
+ * second ones, then all third ones.
  * Errors: those of norma_normal_matrices; NORMA_ERROR_ARGUMENT also if columns overlap. */
 NORMA_API norma_result norma_normal_matrices_strided(const float *models, size_t model_stride,
     size_t count, norma_winding winding, float *normal_matrices, size_t matrix_stride,
@@ -621,8 +623,8 @@ NORMA_API norma_result norma_normal_matrices_strided(const float *models, size_t
  *   capacity        normals that fit
  *
  * Directions are right to about the last bit of a float, over the whole range of floats and
- * doubles. Zero stays zero; a normal that is not finite, or meets an entry of the matrix that is
- * not, becomes zero; both are NORMA_OK.
+ * doubles. Zero stays zero; a normal becomes zero if it or an entry of the matrix is not finite;
+ * both are NORMA_OK.
  * Cost: O(count). */
 NORMA_API norma_result norma_transform_normals(const float normal_matrix[9], norma_vec3_view in,
     float *out, size_t out_stride, size_t capacity);
@@ -648,9 +650,9 @@ typedef enum norma_shortcut {
 NORMA_API norma_result norma_normal_matrix_double(const double model[16], norma_winding winding,
     double normal_matrix[9], norma_matrix_info *info);
 
-/* Computes the normal matrix of view * model, for normals in view space, without forming a product
- * that rounding could make singular or regular: cof(V M) = cof(V) cof(M), with exact signs and
- * zeros.
+/* Computes the normal matrix of view * model, for normals in view space. It does not form the
+ * product, which rounding could make singular, or invertible although it is singular: cof(V M) =
+ * cof(V) cof(M), with exact signs and zeros.
  *
  *   model, view     sixteen floats each
  *   winding         as for norma_normal_matrix
@@ -729,9 +731,9 @@ NORMA_API norma_result norma_transform_positions_double(
  *   out_stride       bytes from one result to the next; 0: 16
  *   capacity         tangents that fit
  *
- * If at most 2^-20 of a tangent remains beside its normal, or M t is zero or not finite, some
- * perpendicular vector is taken, always the same one. If a normal is zero or not finite, its
- * tangent need not be perpendicular to it.
+ * If at most 2^-20 of a tangent remains once its part along the normal is removed, or if M t is
+ * zero or not finite, an arbitrary perpendicular vector is used, the same one every time. If a
+ * normal is zero or not finite, its tangent need not be perpendicular to it.
  * Cost: O(count). Source: the convention of glTF and of Mikkelsen 2008. */
 NORMA_API norma_result norma_transform_tangents(const float model[16], const float *tangents,
     size_t tangent_stride, norma_vec3_view normals, size_t count, float *out, size_t out_stride,
@@ -770,7 +772,7 @@ typedef struct norma_orient_report {
     size_t parts;
     /* One-sided: no winding is consistent (a Moebius band); the faces are left as they are. */
     size_t closed, open, one_sided;
-    size_t inward; /* closed parts that faced inward once their faces agreed */
+    size_t inward; /* closed parts that faced inward after their faces were made to agree */
     size_t nested; /* solids directly inside a solid, left as they are: cavities with the wrong
                     * winding, or bodies of their own */
 
@@ -800,11 +802,11 @@ typedef struct norma_orient_report {
  * sign of its volume. Cavities stay cavities: parts are judged from outside in, and a part with
  * negative volume directly inside a solid (the smallest part that contains it, by winding numbers)
  * is kept. Open parts keep the winding of most of their faces, or are turned by up to 256 rays each
- * (64 where there are many parts) towards the side from which rays travel farther: a guess, with a
+ * (64 if there are many parts) towards the side from which rays travel farther: a guess, with a
  * confidence. A part counts as closed if its own faces cancel at each edge, even if other parts
  * touch it there. The result is the same for any number of threads. Errors: those of
  * norma_face_normals. Cost: O(corners * log valence), plus O(parts log parts + parts log faces) for
- * nesting and rays: where surfaces lie so densely that rays cost more, fewer are cast. Source:
+ * nesting and rays: if surfaces lie so densely that rays would cost more, fewer are cast. Source:
  * Takayama, Jacobson, Kavan, Sorkine-Hornung 2014 (rays). */
 NORMA_API norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     const norma_options *options, uint8_t *reverse, size_t capacity, norma_orient_report *report);
@@ -852,9 +854,9 @@ NORMA_API norma_result norma_decode_snorm16(const int16_t *codes, size_t stride,
 
 /* ---- tangents of corners, from normals and texture coordinates */
 
-/* What corners have besides their positions: normals of three numbers or texture coordinates of
- * two. 8- and 16-bit numbers stand for v / 255 and v / 65535, signed ones for v / 127 and v / 32767
- * (at least -1), rounded to floats. */
+/* An attribute of corners besides their positions: normals of three numbers or texture coordinates
+ * of two. 8- and 16-bit numbers stand for v / 255 and v / 65535, signed ones for v / 127 and v /
+ * 32767 (at least -1), rounded to floats. */
 typedef struct norma_attribute {
     const void *data;
     size_t count;  /* values */
@@ -868,8 +870,8 @@ typedef struct norma_attribute {
 } norma_attribute;
 
 typedef enum norma_tangent_mode {
-    /* The same for any order of faces and corners; unit and perpendicular, one sign for a face;
-     * weighted by options->weight. */
+    /* Independent of the order of faces and corners. Tangents are unit and perpendicular to the
+     * normal, have one sign for each face, and are weighted by options->weight. */
     NORMA_TANGENTS_STEADY = 0,
     /* The bits of MikkTSpace (Mikkelsen 2008), for triangles and quads in the given order. */
     NORMA_TANGENTS_MIKK
@@ -899,14 +901,14 @@ typedef enum norma_tangent_mode {
  * first one that contains it.
  *
  * NORMA_TANGENTS_STEADY takes the direction in which u grows in each face, made perpendicular to
- * the normal, and sums it over the corners that share and whose faces have the same sign of
- * texture area, weighted by options->weight (NORMA_WEIGHT_VISIBLE counts as
+ * the normal, and sums it over the corners that share a tangent and whose faces have the same sign
+ * of texture area, weighted by options->weight (NORMA_WEIGHT_VISIBLE counts as
  * NORMA_WEIGHT_UNIFORM). |tangent . normal| is at most 1e-6 for unit normals.
  *
  * A corner without a tangent gets a unit vector perpendicular to its normal, the sign that its face
- * got from neighbours or else +1, and a reason. NORMA_REASON_NON_FINITE: its position, normal or
- * texture coordinates are not finite. NORMA_REASON_DEGENERATE: no face with texture area shares in
- * it. NORMA_REASON_CANCELLED: the directions around it cancel each other.
+ * got from its neighbours (+1 if it got none), and a reason. NORMA_REASON_NON_FINITE: its position,
+ * normal or texture coordinates are not finite. NORMA_REASON_DEGENERATE: no face with texture area
+ * contributes to it. NORMA_REASON_CANCELLED: the directions around it cancel each other.
  *
  * Errors: those of norma_corner_normals; NORMA_ERROR_ARGUMENT also for an unknown mode or format
  * and for fewer values than positions or corners; NORMA_ERROR_INDEX for a corner whose value does
