@@ -92,7 +92,9 @@ none "nothing outside the tool reaches into src/cli" "$(grep -rlE '#[[:space:]]*
 
 # ---- calls
 
-objects=$(find "$tree" -path '*.dir/src/*.o' 2>/dev/null)
+# Only what the tree builds now: an old tree may hold objects of files that are gone.
+compiled() { sed -nE 's/^ *"output": "([^"]*)",?$/\1/p; s/^ *"command": .* -o ([^ ]*\.o) .*/\1/p' "$tree/compile_commands.json" 2>/dev/null | sort -u | sed "s|^|$tree/|"; }
+objects=$(compiled | grep -E '\.dir/src/.*\.o$')
 if [ -z "$objects" ]; then
     skip "calls between files (no build tree at $tree)"
 else
@@ -116,7 +118,7 @@ if [ "$(upward "$scratch/made.calls")" = "core/face/a.c core/plan/b.c b" ]; then
 
 # ---- what objects ask for
 
-core_objects=$(find "$tree" -path '*.dir/src/core/*.o' 2>/dev/null)
+core_objects=$(compiled | grep -E '\.dir/src/core/.*\.o$')
 if [ -z "$core_objects" ]; then
     skip "the core's objects (no build tree at $tree)"
 else
@@ -130,7 +132,7 @@ else
         "$(objdump -t $core_objects | awk 'NF > 4 && $(NF-2) ~ /^\.(data|bss|tdata|tbss)/ && $(NF-2) !~ /^\.data\.rel\.ro/ && $2 !~ /d/ && $3 !~ /d/ { print $NF }' | sort -u)"
 fi
 
-tool_objects=$(find "$tree" \( -path '*norma-cli.dir/src/cli/*.o' -o -path '*norma-cli.dir/web/*.o' \) 2>/dev/null)
+tool_objects=$(compiled | grep -E 'norma-cli\.dir/(src/cli|web)/.*\.o$')
 if [ -n "$tool_objects" ]; then
     # shellcheck disable=SC2086
     asked=$(comm -23 <(nm -u $tool_objects | awk '$1 == "U" && $2 ~ /^norma_/ { print $2 }' | sort -u) <({ nm --defined-only $tool_objects | awk 'NF == 3 && $2 ~ /[A-Z]/ { print $3 }'; scripts/public-symbols.sh; } | sort -u))
