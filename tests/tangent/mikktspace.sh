@@ -6,6 +6,7 @@ modules=${NORMA_NPM_TANGENT:-$root/build/npm-tangent/node_modules}
 if ! [ -d "$modules/three" ] || ! command -v node >/dev/null; then
     skip "tangents of other programs: scripts/install-deps.sh has not been run"
     finish
+    exit
 fi
 files=()
 data=${NORMA_DATA:-$root/../shared/data}
