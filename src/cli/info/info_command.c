@@ -445,7 +445,8 @@ static int run_file(const info_work *work, const char *path) {
         cli_open(&work->files, path, &opening, &document, &memory, &error);
     if (!result)
         result = collect(work, opening.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
-    const int again = result && result != NORMA_DOCUMENT_CANCELLED && !work->deep &&
+    const int again = result && result != NORMA_DOCUMENT_CANCELLED &&
+                      result != NORMA_DOCUMENT_ERROR_MEMORY && !work->deep &&
                       opening.depth == NORMA_DOCUMENT_WHOLE && strcmp(path, "-") != 0;
     if (again) { /* of a file whose body is at fault, the head may still be read */
         forget(&found, &document, &memory);

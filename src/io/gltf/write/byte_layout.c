@@ -5,6 +5,7 @@
  * New bytes go where nobody names any, else behind the file's real end. */
 #include "io/gltf/write/own_bytes.h"
 #include "io/gltf/write/patch.h"
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -65,7 +66,7 @@ static void add_view(
 }
 
 /* What of the buffer nobody needs once the new views are in use; of a file that is kept, what
- * nobody needs now either. */
+ * nobody needs now either. Returns 0 or errno. */
 static int find_free(const gltf *g, uint32_t buffer, int whole_file, size_t length, ranges *left) {
     ranges alive = {0}, dead = {0};
     for (uint32_t v = 0; v < g->view_count; ++v) {
@@ -77,14 +78,14 @@ static int find_free(const gltf *g, uint32_t buffer, int whole_file, size_t leng
         if (view->meshopt.token != GLTF_NONE && view->meshopt.buffer == buffer)
             add_view(&dead, &alive, goes, view->meshopt.offset, view->meshopt.length, length);
     }
-    int ok = !whole_file || norma_gltf_unnamed_bytes(g, buffer, &dead);
+    const int failed = whole_file ? norma_gltf_unnamed_bytes(g, buffer, &dead) : 0;
     norma_ranges_merge(&alive);
     norma_ranges_merge(&dead);
     norma_ranges_subtract(&dead, &alive, left);
-    ok = ok && !alive.failed && !dead.failed && !left->failed;
+    const int no_memory = alive.failed || dead.failed || left->failed;
     free(alive.list);
     free(dead.list);
-    return ok;
+    return failed ? failed : no_memory ? ENOMEM : 0;
 }
 
 /* ---- giving places */
@@ -158,8 +159,10 @@ static norma_document_result give_places(
     size_t length;
     space s = {.end = 0};
     old_bytes(g, buffer, whole_file, &length);
-    int ok = (whole_file && destination == GLTF_TO_MEMORY) ||
-             find_free(g, buffer, whole_file, length, &s.left);
+    int failed = whole_file && destination == GLTF_TO_MEMORY
+                     ? 0
+                     : find_free(g, buffer, whole_file, length, &s.left);
+    const int ok = !failed;
     int reaches_end = !whole_file && s.left.count && s.left.list[s.left.count - 1].end == length;
     s.end = reaches_end ? s.left.list[s.left.count - 1].start : length;
     if (reaches_end)
@@ -178,9 +181,13 @@ static norma_document_result give_places(
     patch->buffers[buffer].length = s.end;
     patch->buffers[buffer].byte_length =
         whole_file ? end_of_views(g, buffer, g->buffers[buffer].length) : s.end;
-    ok = ok && !s.left.failed;
+    if (ok && s.left.failed) failed = ENOMEM;
     free(s.left.list);
-    return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
+    if (!failed) return NORMA_DOCUMENT_OK;
+    return failed == ENOMEM
+               ? norma_document_fail_memory(g->document, error)
+               : norma_document_fail_file(g->document->path, error,
+                     "the folder cannot be searched for assets that share its buffer", failed);
 }
 
 /* ---- the buffer as it will be */

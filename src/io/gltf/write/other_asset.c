@@ -26,5 +26,5 @@ gltf_other norma_gltf_read_other(const file_bytes *file, json *j) {
     if (size > LARGEST_TEXT) return GLTF_OTHER_UNKNOWN;
     if (norma_json_parse(text, size, j, &wrong)) return GLTF_OTHER_READ;
     norma_json_free(j);
-    return GLTF_OTHER_UNKNOWN;
+    return wrong.expected ? GLTF_OTHER_UNKNOWN : GLTF_OTHER_MEMORY;
 }

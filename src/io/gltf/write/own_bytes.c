@@ -5,6 +5,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "io/gltf/write/own_bytes.h"
 #include "io/gltf/write/other_asset.h"
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,8 +18,20 @@ typedef struct search {
     ranges named;
     size_t entries, read;
     int unknown; /* something may name bytes and cannot be asked */
-    int no_memory;
+    int failed;  /* errno: the system could not answer, or out of memory */
 } search;
+
+static void fail_if(search *s, int condition, int error) {
+    if (condition && !s->failed) s->failed = error;
+}
+
+/* Whether the system could answer: a file that is not there, or nobody may look at, is an answer.
+ */
+static void check_answer(search *s, int yes) {
+    const int error = yes ? 0 : errno;
+    fail_if(s, error && error != ENOENT && error != ENOTDIR && error != ELOOP && error != EACCES,
+        error);
+}
 
 /* ---- one asset */
 
@@ -29,17 +42,25 @@ static uint8_t *find_buffers(search *s, const json *j, uint32_t list, uint32_t c
     int any = 0;
     for (uint32_t item = norma_json_first(j, list); same && item != JSON_NONE;
          item = norma_json_next(j, list, item), ++number) {
-        char *uri = norma_json_string(j, norma_json_member(j, item, "uri")),
+        const uint32_t token = norma_json_member(j, item, "uri");
+        char *uri = norma_json_string(j, token),
              *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL,
              *path = name ? norma_io_join(s->folder, name) : NULL;
-        s->no_memory |= name && !path;
+        const int undecoded = uri && !name && !norma_gltf_uri_is_data(uri);
+        s->unknown |= undecoded && strchr(uri, '%') != NULL; /* a bad escape */
+        const int is_text = token != JSON_NONE && j->tokens[token].type == JSON_STRING;
+        fail_if(
+            s, (name && !path) || (is_text && !uri) || (undecoded && !strchr(uri, '%')), ENOMEM);
+        errno = 0;
         same[number] = path && norma_file_same(path, s->file);
+        check_answer(s, same[number]);
         any |= same[number];
         free(path);
         free(name);
         free(uri);
     }
-    s->no_memory |= !same;
+    fail_if(s, !same, ENOMEM);
+    fail_if(s, !same, ENOMEM);
     if (any) return same;
     free(same);
     return NULL;
@@ -75,6 +96,7 @@ static void ask(search *s, const file_bytes *bytes) {
     json j;
     const gltf_other kind = norma_gltf_read_other(bytes, &j);
     s->read += kind ? bytes->size : 0;
+    fail_if(s, kind == GLTF_OTHER_MEMORY, ENOMEM);
     s->unknown |= kind == GLTF_OTHER_UNKNOWN || s->read > LARGEST_ASSETS;
     if (kind == GLTF_OTHER_READ && !s->unknown) add_named(s, &j);
     if (kind == GLTF_OTHER_READ) norma_json_free(&j);
@@ -85,24 +107,33 @@ static int visit(void *user, const char *name) {
     file_bytes bytes;
     char *path = norma_io_join(s->folder, name);
     s->unknown |= ++s->entries > MOST_ENTRIES;
-    s->no_memory |= !path;
-    if (path && norma_file_is_regular(path) && !norma_file_same(path, s->file)) {
-        if (norma_file_open(path, &(file_reading){.map_large = 1}, &bytes) == 0) {
+    fail_if(s, !path, ENOMEM);
+    errno = 0;
+    const int regular = path && norma_file_is_regular(path);
+    check_answer(s, regular);
+    const int same = regular && norma_file_same(path, s->file);
+    check_answer(s, same);
+    if (regular && !same && !s->failed) {
+        const int error = norma_file_open(path, &(file_reading){.map_large = 1}, &bytes);
+        if (!error) {
             ask(s, &bytes);
             norma_file_close(&bytes);
         } else {
+            fail_if(s, error != EACCES, error);
             s->unknown = 1;
         }
     }
     free(path);
-    return s->unknown || s->no_memory;
+    return s->unknown || s->failed;
 }
 
 /* ---- all of them */
 
 static void look_through(search *s, const char *folder) {
     s->folder = folder;
-    if (norma_folder_visit(folder[0] ? folder : ".", visit, s)) s->unknown = 1;
+    const int error = norma_folder_visit(folder[0] ? folder : ".", visit, s);
+    fail_if(s, error && error != EACCES, error);
+    s->unknown |= error != 0;
 }
 
 int norma_gltf_unnamed_bytes(const gltf *g, uint32_t buffer, ranges *left) {
@@ -111,21 +142,21 @@ int norma_gltf_unnamed_bytes(const gltf *g, uint32_t buffer, ranges *left) {
     search s = {.g = g, .file = norma_io_join(folder, name)};
     char *beside =
         slash ? norma_io_copy_text(s.file, strlen(folder) + (size_t)(slash - name) + 1) : NULL;
-    s.no_memory = !s.file || (slash && !beside);
-    if (!s.no_memory) look_through(&s, folder);
-    if (beside && !s.no_memory && !s.unknown) look_through(&s, beside);
-    if (!s.no_memory && !s.unknown) {
+    fail_if(&s, !s.file || (slash && !beside), ENOMEM);
+    if (!s.failed) look_through(&s, folder);
+    if (beside && !s.failed && !s.unknown) look_through(&s, beside);
+    if (!s.failed && !s.unknown) {
         ranges whole = {0};
         norma_range_add(&whole, 0, g->buffers[buffer].length);
         norma_ranges_merge(&s.named);
         norma_ranges_subtract(&whole, &s.named, left);
-        s.no_memory = whole.failed || s.named.failed || left->failed;
+        fail_if(&s, whole.failed || s.named.failed || left->failed, ENOMEM);
         free(whole.list);
     }
     free(s.named.list);
     free(beside);
     free((char *)(uintptr_t)s.file);
-    return !s.no_memory;
+    return s.failed;
 }
 
 /* ---- what a file looks like */

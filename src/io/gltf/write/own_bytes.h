@@ -5,8 +5,8 @@
 #include "io/gltf/write/ranges.h"
 
 /* The bytes of a buffer's file, below its byteLength, that no asset in its folder names: neither
- * this one as it stands on the disk nor another. Nothing where that cannot be known. 0: out of
- * memory. */
+ * this one as it stands on the disk nor another. Nothing where that cannot be known. Returns 0
+ * or errno. */
 int norma_gltf_unnamed_bytes(const gltf *g, uint32_t buffer, ranges *left);
 
 /* Refuses a buffer's file that does not look like data of an asset: a Makefile, a picture. */
