@@ -5,7 +5,7 @@ source "$(dirname "$0")/../support/tap.sh"
 NORMA=${NORMA_BIN:-$tree/bin/norma}
 cd "$scratch" || exit 1
 command -v script >/dev/null || { skip "script(1) is not there"; finish; exit; }
-awk 'BEGIN { n = 700; for (i = 0; i < n; ++i) for (j = 0; j < n; ++j) print "v", i, j, sin(i * .1) * cos(j * .1);
+awk 'BEGIN { n = 1200; for (i = 0; i < n; ++i) for (j = 0; j < n; ++j) print "v", i, j, sin(i * .1) * cos(j * .1);
     for (i = 0; i < n - 1; ++i) for (j = 0; j < n - 1; ++j) { a = i * n + j + 1; print "f", a, a + n, a + 1; print "f", a + 1, a + n, a + n + 1 } }' >large.obj
 for i in 1 2 3 4; do ln large.obj large$i.obj; done
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >small.obj
