@@ -86,8 +86,12 @@ enum render_result render_lines_of(render_device *device, const render_surface *
 
 enum render_result render_target_begin(
     render_device *device, size_t width, size_t height, const float clear[4], render_error *error);
-/* What was drawn as pixels: the mean of each pixel's samples, in linear light. */
+typedef struct render_area {
+    size_t x, y, width, height; /* pixels of a picture, from its upper left corner */
+} render_area;
+/* Writes what was drawn into an area of the picture: the mean of each pixel's samples, in linear
+ * light. */
 enum render_result render_target_read(render_device *device, int samples, render_picture *picture,
-    size_t x, size_t y, size_t width, size_t height, render_error *error);
+    const render_area *area, render_error *error);
 void render_target_free(render_device *device);
 #endif

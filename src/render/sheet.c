@@ -94,6 +94,7 @@ static enum render_result draw_legend(render_device *device, const render_look *
     const size_t height = (size_t)lround(text_size(look)), width = picture->width * 3 / 4,
                  x = (picture->width - width) / 2,
                  y = picture->height - l->footer - l->legend + height / 2;
+    const render_area area = {x, y, width, height};
     const render_compiled *program;
     enum render_result result = render_target_begin(device, width, height, clear, error);
     if (!result)
@@ -104,7 +105,7 @@ static enum render_result draw_legend(render_device *device, const render_look *
     device->gl.BindVertexArray(device->empty_array);
     device->gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     device->gl.BindVertexArray(0);
-    result = render_target_read(device, 1, picture, x, y, width, height, error);
+    result = render_target_read(device, 1, picture, &area, error);
     for (int i = 0; i <= LEGEND_STEPS; ++i) {
         char degrees[32];
         const double value = top_deg * i / LEGEND_STEPS;
@@ -204,8 +205,9 @@ static enum render_result draw_panels(render_device *device, const render_look *
         stages[i].error_top_deg = sheet->error_top_deg;
         result = render_stage_draw(device, &stages[i], error);
         if (!result)
-            result = render_target_read(device, look->samples, picture, sheet->panel_x[i],
-                sheet->panel_y[i], look->width, look->height, error);
+            result = render_target_read(device, look->samples, picture,
+                &(render_area){sheet->panel_x[i], sheet->panel_y[i], look->width, look->height},
+                error);
     }
     return result;
 }

@@ -80,8 +80,9 @@ static void resolve(const render_srgb *srgb, const uint8_t *samples, size_t stri
 }
 
 enum render_result render_target_read(render_device *device, int samples, render_picture *picture,
-    size_t x, size_t y, size_t width, size_t height, render_error *error) {
+    const render_area *area, render_error *error) {
     const render_gl *gl = &device->gl;
+    const size_t x = area->x, y = area->y, width = area->width, height = area->height;
     const size_t each_way = (size_t)samples, stride = 4 * width * each_way;
     uint8_t *all = malloc(stride * height * each_way);
     if (!all) return render_fail_memory(error);

@@ -13,18 +13,23 @@ static int find(const ply_state *state, const ply_element *element, const char *
     return PLY_NONE;
 }
 
-/* width properties of each row (at most three are read at once), over scale, into every stride-th
- * float. */
+/* Properties of each row that become floats: the first width of them (at most three are read at
+ * once), divided by scale, at every stride-th float. */
+typedef struct columns {
+    int properties[3];
+    size_t width, stride;
+    double scale;
+} columns;
+
 static norma_document_result read_floats(norma_document *document, const ply_element *element,
-    const int properties[3], size_t width, double scale, size_t stride, float *out,
-    norma_document_error *error) {
+    const columns *columns, float *out, norma_document_error *error) {
     double *values;
     norma_document_result result =
-        norma_ply_read_columns(document, element, properties, &values, error);
+        norma_ply_read_columns(document, element, columns->properties, &values, error);
     if (result) return result;
     for (size_t row = 0; row < element->count; ++row)
-        for (size_t k = 0; k < width; ++k)
-            out[stride * row + k] = (float)(values[3 * row + k] / scale);
+        for (size_t k = 0; k < columns->width; ++k)
+            out[columns->stride * row + k] = (float)(values[3 * row + k] / columns->scale);
     free(values);
     return NORMA_DOCUMENT_OK;
 }
@@ -36,14 +41,14 @@ static norma_document_result read_texcoords(norma_document *document, const ply_
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         int u = find(document->state, vertex, names[i][0]),
             v = find(document->state, vertex, names[i][1]);
-        const int properties[3] = {u, v, v};
+        const columns uv = {{u, v, v}, 2, 2, 1};
         if (u == PLY_NONE || v == PLY_NONE) continue;
         float *texcoords =
             norma_scene_allocate(document->scene, (size_t)vertex->count, 2 * sizeof *texcoords);
         if (!texcoords) return norma_document_fail_memory(document, error);
         attributes->texcoords = texcoords;
         attributes->texcoord_count = (size_t)vertex->count;
-        return read_floats(document, vertex, properties, 2, 1, 2, texcoords, error);
+        return read_floats(document, vertex, &uv, texcoords, error);
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -63,8 +68,9 @@ static norma_document_result read_colors(norma_document *document, const ply_ele
     if (!colors) return norma_document_fail_memory(document, error);
     for (size_t i = 0; i < vertex->count; ++i) colors[4 * i + 3] = 1;
     attributes->colors = colors;
-    return read_floats(document, vertex, rgb, 3,
-        color_scale(norma_ply_property(&state->header, vertex, rgb[0])->type), 4, colors, error);
+    const columns color = {{rgb[0], rgb[1], rgb[2]}, 3, 4,
+        color_scale(norma_ply_property(&state->header, vertex, rgb[0])->type)};
+    return read_floats(document, vertex, &color, colors, error);
 }
 
 static norma_document_result read_attributes(norma_document *document, size_t mesh,

@@ -232,8 +232,9 @@ static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
             "node %u: its matrix leaves nothing but %s, on which no normal exists; normals became "
             "+Z",
             (unsigned)node, map.rank ? "a line" : "a point");
+    const mesh_use use = {mesh, copy, node};
     const norma_document_result result =
-        norma_gltf_bake_mesh(g, &b->cache, mesh, copy, &map, node, &b->summary->vertices, error);
+        norma_gltf_bake_mesh(g, &b->cache, &use, &map, &b->summary->vertices, error);
     b->done++;
     if (!result && b->options->progress &&
         b->options->progress(b->options->progress_user, (double)b->done / (double)b->uses))

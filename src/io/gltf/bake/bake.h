@@ -29,8 +29,12 @@ int norma_gltf_bake_map(
 
 /* A mesh (copy 0: itself) as the node, for messages, draws it under the map; vertices are added to
  * *vertices. */
-norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, uint32_t mesh, uint32_t copy,
-    const bake_map *map, uint32_t node, size_t *vertices, norma_document_error *error);
+/* One use of a mesh: copy is the number that its slots have, node the one that draws it. */
+typedef struct mesh_use {
+    uint32_t mesh, copy, node;
+} mesh_use;
+norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mesh_use *use,
+    const bake_map *map, size_t *vertices, norma_document_error *error);
 norma_document_result norma_gltf_bake_winding(
     gltf *g, bake_cache *cache, uint32_t primitive, uint32_t copy, norma_document_error *error);
 

@@ -111,14 +111,14 @@ static norma_document_result bake_attributes(const mesh_baker *b, const gltf_pri
     return result;
 }
 
-norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, uint32_t mesh, uint32_t copy,
-    const bake_map *map, uint32_t node, size_t *vertices, norma_document_error *error) {
-    const mesh_baker b = {g, cache, map, node};
+norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mesh_use *use,
+    const bake_map *map, size_t *vertices, norma_document_error *error) {
+    const mesh_baker b = {g, cache, map, use->node};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (uint32_t i = 0; !result && i < g->meshes[mesh].primitive_count; i++) {
-        const uint32_t number = g->meshes[mesh].first_primitive + i;
+    for (uint32_t i = 0; !result && i < g->meshes[use->mesh].primitive_count; i++) {
+        const uint32_t number = g->meshes[use->mesh].first_primitive + i;
         const gltf_primitive *primitive = &g->primitives[number];
-        gltf_slot slot = {copy, number, GLTF_SLOT_BASE, NULL};
+        gltf_slot slot = {use->copy, number, GLTF_SLOT_BASE, NULL};
         if (primitive->base.position == GLTF_NONE) continue; /* nothing is drawn */
         result = bake_attributes(&b, primitive, &primitive->base, slot, error);
         for (uint32_t k = 0; !result && k < primitive->target_count; k++) {
@@ -127,7 +127,7 @@ norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, uint32_t 
                 &b, primitive, &g->targets[primitive->first_target + k], slot, error);
         }
         if (!result && map->mirrored)
-            result = norma_gltf_bake_winding(g, cache, number, copy, error);
+            result = norma_gltf_bake_winding(g, cache, number, use->copy, error);
         *vertices += primitive->vertices;
     }
     return result;

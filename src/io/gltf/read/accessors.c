@@ -105,20 +105,26 @@ norma_document_result norma_gltf_read_accessors(gltf *g, norma_document_error *e
 
 /* ---- elements */
 
-/* Where the elements of a view lie: count of them, each size bytes, from offset on. */
-static norma_document_result locate(gltf *g, uint32_t token, uint32_t view_number, size_t offset,
-    size_t count, size_t size, size_t *stride, const unsigned char **data,
-    norma_document_error *error) {
-    const gltf_view *view = &g->views[view_number];
-    norma_document_result result = norma_gltf_view_bytes(g, view_number, data, error);
+/* Elements of a view: count of them, each size bytes, from offset on. token: for messages. */
+typedef struct view_elements {
+    uint32_t token, view;
+    size_t offset, count, size;
+} view_elements;
+
+static norma_document_result locate(gltf *g, const view_elements *elements, size_t *stride,
+    const unsigned char **data, norma_document_error *error) {
+    const gltf_view *view = &g->views[elements->view];
+    const size_t offset = elements->offset, size = elements->size;
+    norma_document_result result = norma_gltf_view_bytes(g, elements->view, data, error);
     if (result) return result;
     *stride = view->stride ? view->stride : size;
     if (*stride < size) /* such elements share bytes, and none could be changed alone */
         return norma_gltf_malformed(
-            g, error, token, "elements no longer than their view's byteStride");
+            g, error, elements->token, "elements no longer than their view's byteStride");
     if (offset > view->length || size > view->length - offset ||
-        count - 1 > (view->length - offset - size) / *stride)
-        return norma_gltf_malformed(g, error, token, "elements that end inside their view");
+        elements->count - 1 > (view->length - offset - size) / *stride)
+        return norma_gltf_malformed(
+            g, error, elements->token, "elements that end inside their view");
     *data += offset;
     return NORMA_DOCUMENT_OK;
 }
@@ -135,8 +141,10 @@ norma_document_result norma_gltf_sparse_indices(
     const gltf_accessor *a = &g->accessors[accessor];
     const unsigned char *indices;
     size_t stride, size = norma_gltf_component_size(a->sparse.indices_component);
-    norma_document_result result = locate(g, a->token, a->sparse.indices_view,
-        a->sparse.indices_offset, a->sparse.count, size, &stride, &indices, error);
+    norma_document_result result = locate(g,
+        &(view_elements){
+            a->token, a->sparse.indices_view, a->sparse.indices_offset, a->sparse.count, size},
+        &stride, &indices, error);
     for (size_t i = 0; !result && i < a->sparse.count; ++i) {
         out[i] = read_uint(indices + i * stride, a->sparse.indices_component);
         if (out[i] >= a->count)
@@ -148,8 +156,10 @@ norma_document_result norma_gltf_sparse_indices(
 static norma_document_result apply_sparse(gltf *g, gltf_accessor *a, norma_document_error *error) {
     const unsigned char *values;
     size_t stride;
-    norma_document_result result = locate(g, a->token, a->sparse.values_view,
-        a->sparse.values_offset, a->sparse.count, a->element_size, &stride, &values, error);
+    norma_document_result result = locate(g,
+        &(view_elements){a->token, a->sparse.values_view, a->sparse.values_offset, a->sparse.count,
+            a->element_size},
+        &stride, &values, error);
     uint32_t *indices = result ? NULL : norma_io_allocate(a->sparse.count, sizeof *indices);
     if (!result)
         result = indices
@@ -191,8 +201,9 @@ norma_document_result norma_gltf_array(
             .width = a->width,
             .normalized = a->normalized};
         if (a->view != GLTF_NONE)
-            result = locate(g, a->token, a->view, a->offset, a->count, a->element_size,
-                &a->array.stride, &a->array.data, error);
+            result =
+                locate(g, &(view_elements){a->token, a->view, a->offset, a->count, a->element_size},
+                    &a->array.stride, &a->array.data, error);
         if (!result && (a->view == GLTF_NONE || a->sparse.count)) result = make_dense(g, a, error);
         a->resolved = !result;
     }

@@ -3,9 +3,15 @@
 #include "io/gltf/read/node_matrix.h"
 #include <math.h>
 
-static norma_document_result read_instance_array(gltf *g, uint32_t attributes, const char *key,
-    uint32_t width, size_t count, gltf_array *array, int *has, norma_document_error *error) {
-    const uint32_t token = norma_json_member(&g->json, attributes, key);
+typedef struct instance_attribute {
+    uint32_t attributes; /* the object that may name it */
+    const char *key;
+    uint32_t width;
+} instance_attribute;
+
+static norma_document_result read_instance_array(gltf *g, const instance_attribute *attribute,
+    size_t count, gltf_array *array, int *has, norma_document_error *error) {
+    const uint32_t token = norma_json_member(&g->json, attribute->attributes, attribute->key);
     uint64_t accessor;
     *has = token != JSON_NONE;
     if (!*has) return NORMA_DOCUMENT_OK;
@@ -13,7 +19,8 @@ static norma_document_result read_instance_array(gltf *g, uint32_t attributes, c
         return norma_gltf_malformed(g, error, token, "the number of an accessor");
     const norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
     if (result) return result;
-    return array->width == width && array->count >= count && array->component != GLTF_UINT
+    return array->width == attribute->width && array->count >= count &&
+                   array->component != GLTF_UINT
                ? NORMA_DOCUMENT_OK
                : norma_gltf_malformed(g, error, token, "one vector for each instance");
 }
@@ -39,14 +46,17 @@ norma_document_result norma_gltf_read_instances(
         &g->json, norma_json_member(&g->json, extensions, "EXT_mesh_gpu_instancing"), "attributes");
     const size_t count = g->nodes[node].instances;
     *instances = (gltf_instances){.attributes = attributes};
-    norma_document_result result = read_instance_array(g, attributes, "TRANSLATION", 3, count,
-        &instances->translation, &instances->has_translation, error);
-    if (!result)
-        result = read_instance_array(g, attributes, "ROTATION", 4, count, &instances->rotation,
-            &instances->has_rotation, error);
+    const instance_attribute translation = {attributes, "TRANSLATION", 3},
+                             rotation = {attributes, "ROTATION", 4},
+                             scale = {attributes, "SCALE", 3};
+    norma_document_result result = read_instance_array(
+        g, &translation, count, &instances->translation, &instances->has_translation, error);
     if (!result)
         result = read_instance_array(
-            g, attributes, "SCALE", 3, count, &instances->scale, &instances->has_scale, error);
+            g, &rotation, count, &instances->rotation, &instances->has_rotation, error);
+    if (!result)
+        result =
+            read_instance_array(g, &scale, count, &instances->scale, &instances->has_scale, error);
     if (!result && !instances->has_translation && !instances->has_rotation && !instances->has_scale)
         result = read_first(g, attributes, error);
     return result;
