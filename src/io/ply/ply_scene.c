@@ -15,14 +15,14 @@ static int find(const ply_state *state, const ply_element *element, const char *
 
 /* Properties of each row that become floats: the first width of them (at most three are read at
  * once), divided by scale, at every stride-th float. */
-typedef struct columns {
+typedef struct float_columns {
     int properties[3];
     size_t width, stride;
     double scale;
-} columns;
+} float_columns;
 
 static norma_document_result read_floats(norma_document *document, const ply_element *element,
-    const columns *columns, float *out, norma_document_error *error) {
+    const float_columns *columns, float *out, norma_document_error *error) {
     double *values;
     norma_document_result result =
         norma_ply_read_columns(document, element, columns->properties, &values, error);
@@ -41,7 +41,7 @@ static norma_document_result read_texcoords(norma_document *document, const ply_
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         int u = find(document->state, vertex, names[i][0]),
             v = find(document->state, vertex, names[i][1]);
-        const columns uv = {{u, v, v}, 2, 2, 1};
+        const float_columns uv = {{u, v, v}, 2, 2, 1};
         if (u == PLY_NONE || v == PLY_NONE) continue;
         float *texcoords =
             norma_scene_allocate(document->scene, (size_t)vertex->count, 2 * sizeof *texcoords);
@@ -68,7 +68,7 @@ static norma_document_result read_colors(norma_document *document, const ply_ele
     if (!colors) return norma_document_fail_memory(document, error);
     for (size_t i = 0; i < vertex->count; ++i) colors[4 * i + 3] = 1;
     attributes->colors = colors;
-    const columns color = {{rgb[0], rgb[1], rgb[2]}, 3, 4,
+    const float_columns color = {{rgb[0], rgb[1], rgb[2]}, 3, 4,
         color_scale(norma_ply_property(&state->header, vertex, rgb[0])->type)};
     return read_floats(document, vertex, &color, colors, error);
 }
