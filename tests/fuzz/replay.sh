@@ -28,7 +28,7 @@ quietly() {
 }
 
 mapfile -t seeds < <(find "corpus/$target" -type f 2>/dev/null | LC_ALL=C sort)
-[ ${#seeds[@]} -gt 0 ] || fail "there are seeds"
+[ ${#seeds[@]} -gt 0 ] || { fail "there are seeds"; finish; exit 1; } # without one the program would run for ever
 quietly "${#seeds[@]} seeds" "${seeds[@]}"
 while IFS= read -r file; do
     quietly "$file" "$file"
