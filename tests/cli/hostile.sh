@@ -59,7 +59,7 @@ for file in polygon-of-300000-corners.obj nodes-50000-deep.gltf nested-objects-1
 done
 # --max-memory: what needs more is refused, whatever the verb, and nothing is written; what does not is done as ever.
 cp "$root/assets/goathead.obj" goat.obj
-for verb in "compute goat.obj -o out/goat.obj" "transform goat.obj --scale 2 -o out/goat.obj" "compute goat.obj -o -" "check goat.obj --fix-unsafe -o out/goat.obj"; do
+for verb in "compute goat.obj -o out/goat.obj" "transform goat.obj --scale 2 -o out/goat.obj" "compute goat.obj -o -" "check goat.obj --fix-unsafe -o out/goat.obj" "info goat.obj"; do
     status=0
     rm -rf out/*
     # shellcheck disable=SC2086  # words
