@@ -37,8 +37,8 @@ static int solve(double m[3][4], int size) {
     return 1;
 }
 
-/* The smallest ball with all chosen points on it: its centre lies in their plane. 0: there is none.
- */
+/* The smallest ball with all chosen points on it: its centre lies in their plane. Returns 0 if no
+ * such ball exists. */
 static int ball_through(const support *s, unsigned chosen, render_ball *ball) {
     double edges[3][3], system[3][4] = {{0}}, scale = 0;
     const double *origin = NULL;

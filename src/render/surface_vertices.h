@@ -76,7 +76,7 @@ enum render_result render_fail(
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
-/* Here, so that whoever reads the callers, an analyser too, sees that it fails. */
+/* Inline, so that an analyser of the callers sees that it never returns OK. */
 static inline enum render_result render_fail_memory(render_error *error) {
     (void)render_fail(error, RENDER_ERROR_MEMORY, "out of memory");
     return RENDER_ERROR_MEMORY;

@@ -204,7 +204,7 @@ static norma_document_result replace_placeholders(mender *m) {
     return result;
 }
 
-/* The matrix is none that the caller gave: what does not fit is the file's own. */
+/* The caller gave no matrix, so numbers that do not fit are the file's own fault. */
 static norma_document_result bake(mender *m) {
     norma_transform_summary summary;
     const norma_transform_options options = {

@@ -24,7 +24,7 @@ typedef struct facing_pass {
     int wants_opposed;
 } facing_pass;
 
-/* Cosine between a face and a stored normal; NaN: there is none that has a direction. */
+/* Cosine between a face and a stored normal; NaN: no normal there has a direction. */
 static double cosine_to(const check_mesh *m, size_t face, size_t number) {
     double n[3];
     if (number == SIZE_MAX) return NAN;

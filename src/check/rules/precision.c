@@ -43,7 +43,7 @@ static double spacing_at(const check_mesh *m, double largest) {
                : 0;
 }
 
-/* The squared length of the edge from a kept corner to the next; negative: there is none. */
+/* The squared length of the edge from a kept corner to the next; negative: no such edge exists. */
 static double edge_square(const core_topology *t, size_t face, size_t corner) {
     double p[3], q[3], edge[3];
     if (!norma_core_is_kept(&t->mesh, face, corner)) return -1;

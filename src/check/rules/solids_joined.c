@@ -1,7 +1,7 @@
 /* solids_joined.c: N302 and N304 over the primitives of one glTF mesh together: a body of several
  * materials is closed although each of its parts is open, and a cavity of one material lies in a
- * shell of another. What is closed in its own primitive is a body by itself, whoever touches it;
- * the open parts are joined where their positions are equal. A component is told of at the
+ * shell of another. A component that is closed within its own primitive is a body by itself, even
+ * if others touch it; open parts are joined at equal positions. A component is reported at the
  * primitive of its first face. */
 #include "check/rules/solids.h"
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 /* tangent_signs.c: N804: the sign of tangents against the winding of the UVs as they are stored, v
- * downwards: +1 where a triangle's signed area in UV is negative, -1 where it is positive (so in
- * public sample files, but for some that err wholly or in their mirrored islands). A vertex is
- * against its UVs where every face there whose UVs have an area says so. Some against and some
- * with, in one primitive: one side is wrong, most likely the smaller. All against: the normal map
- * may be made for it. */
+ * downwards: +1 if a triangle's signed area in UV is negative, -1 if it is positive. Public sample
+ * files follow this, except some that are wrong throughout or in their mirrored islands. A vertex
+ * is against its UVs if every face there whose UVs have an area disagrees with its sign. If some
+ * vertices of a primitive are against and some with their UVs, one side is wrong, most likely the
+ * smaller. If all are against, the normal map may have been made for that. */
 #include "check/rules/scene_rules.h"
 #include <math.h>
 #include <string.h>

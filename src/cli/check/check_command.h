@@ -18,7 +18,7 @@ typedef struct check_override { /* for some files, meshes, materials: lists of p
 } check_override;
 
 typedef struct check_config {
-    char *path;   /* NULL: there is none */
+    char *path;   /* NULL: no baseline */
     char *folder; /* absolute: what patterns of files are relative to */
     norma_check_profile profile;
     int strict;  /* -1: not said */

@@ -278,8 +278,8 @@ static check_config *add_config(check_configs *configs, const char *path) {
     return config;
 }
 
-/* In folder (absolute, without its last slash) or above. *found stays NULL where there is none. 0:
- * it is there and cannot be read. */
+/* Looks in folder (absolute, without its last slash) and above. *found stays NULL if no file
+ * exists. Returns 0 if one exists and cannot be read. */
 static int find_upward(check_configs *configs, char *folder, check_config **found) {
     for (;;) {
         char *slash, path[4200];

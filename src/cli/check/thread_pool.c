@@ -1,7 +1,7 @@
-/* thread_pool.c: many files, several at once, told in their order. A worker takes the next file and
- * writes its part of the report into memory; whoever finishes the part that is next hands it and
- * those that wait behind it to the output. Nobody starts a file more than a window ahead of the
- * output, so memory does not grow with the number of files. */
+/* thread_pool.c: checks several files at once and reports them in their order. A worker takes the
+ * next file and writes its part of the report into memory. The worker that finishes the part due
+ * next writes it, and all finished parts behind it, to the output. No file is started more than a
+ * window ahead of the output, so memory does not grow with the number of files. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include <errno.h>
@@ -99,7 +99,7 @@ static void check_file(check_pool *pool, size_t file, const check_config *config
     if (cli_memory_close(&gathered)) {
         part.bytes = gathered.text;
         part.size = gathered.size;
-    } else { /* half a report is none */
+    } else { /* half a report is worse than none */
         totals.status = cli_worse(totals.status, CLI_FILE);
         cli_error("%s: not reported: out of memory", cli_input_name(pool->inputs->paths[file]));
     }

@@ -78,7 +78,7 @@ typedef struct cli_words {
 int cli_parse(const cli_subcommand *verb, const cli_table *tables, size_t table_count, int count,
     char **arguments, cli_words *words, int *help);
 
-/* Whole text, as C spells numbers; 0: it is none, or not finite. */
+/* Reads the whole text as C spells numbers. Returns 0 if it is not a finite number. */
 int cli_number(const char *text, double *number);
 /* As many numbers as there is room for, with commas or blanks between; returns how many there are
  * (more than room: room + 1; 0 where one is no number). */

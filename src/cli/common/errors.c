@@ -55,7 +55,7 @@ norma_document_result cli_reported(norma_document_error *error) {
     return error->result;
 }
 
-/* The same words whoever ran out of it, and the limit if there is one. */
+/* One wording for every place that can run out of memory; names the limit if one was set. */
 static void name_limit(norma_document_error *error, const char *input) {
     char limit[CLI_LIMIT_ROOM];
     cli_memory_limit_words(limit);

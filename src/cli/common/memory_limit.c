@@ -1,7 +1,6 @@
-/* memory_limit.c: --max-memory: a limit on what this process may take, set with the system, which
- * refuses every block beyond it, whoever asks: so an input that needs more ends as "out of memory"
- * and status 3, like a machine that has no more. Files that are read count too; large ones that
- * info maps do not. */
+/* memory_limit.c: --max-memory limits the memory of this process. The system refuses every block
+ * beyond the limit, so an input that needs more ends with "out of memory" and status 3, as on a
+ * machine without more memory. Files that are read count too; large files that info maps do not. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/common/cli.h"
 #include <math.h>
@@ -11,7 +10,7 @@
 #include <sys/resource.h>
 #endif
 
-/* 512M, 1.5G, 1000000 (bytes); 0: it is none. */
+/* Reads 512M, 1.5G or 1000000 (bytes). Returns 0 if the text is not a size. */
 static double read_bytes(const char *text) {
     static const char units[] = "KMGT";
     char *rest;

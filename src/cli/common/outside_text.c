@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* The bytes of one UTF-8 character (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF)
- * and its code point; 0: there is none. */
+ * and its code point. Returns 0 if the bytes are not a character. */
 static size_t decode(const unsigned char *text, uint32_t *code) {
     const unsigned char lead = text[0];
     const size_t length = lead < 0x80                   ? 1

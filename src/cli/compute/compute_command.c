@@ -170,7 +170,7 @@ static norma_document_result change(void *user, norma_document *document, norma_
     return norma_document_compute(document, &work->options, &work->summary, error);
 }
 
-/* Where edges were not looked at, zero would claim that there is none. */
+/* If edges were not looked at, zero would claim that none are hard. */
 static void write_edges(
     cli_json *json, const char *key, const norma_compute_summary *summary, size_t count) {
     if (summary->edges_counted)

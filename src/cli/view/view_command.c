@@ -63,8 +63,8 @@ static void write_base64(FILE *out, const unsigned char *bytes, size_t size) {
     fwrite(text, 1, length, out);
 }
 
-/* Where a mark stands in the page; its end where there is none, which only a broken build could
- * bring about. */
+/* Finds a mark in the page. Returns the end of the page if the mark is missing, which only a broken
+ * build could cause. */
 static const char *find_mark(const char *from, const char *end, const char *mark) {
     const size_t length = strlen(mark);
     for (const char *at = from; (at = memchr(at, mark[0], (size_t)(end - at))) != NULL; ++at)

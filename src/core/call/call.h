@@ -18,7 +18,7 @@ typedef struct core_call {
 norma_result norma_core_check_options(const norma_options *options, norma_fault *fault);
 norma_result norma_core_begin(core_call *call, const norma_options *options);
 
-/* Scratch memory from the caller's allocator, aligned for any type; NULL when there is none left or
+/* Scratch memory from the caller's allocator, aligned for any type; NULL when memory runs out or
  * count * size overflows. */
 void *norma_core_allocate(const core_call *call, size_t count, size_t size);
 void norma_core_release(const core_call *call, void *block, size_t count,

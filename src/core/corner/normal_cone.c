@@ -201,8 +201,8 @@ static int narrow(const cone *few, cone *c) {
 typedef struct outmost {
     size_t found;
     double least, next;
-} outmost; /* the one whose dot product is least, count where there is none, and the least of the
-              others */
+} outmost; /* the normal with the least dot product (count: there are no normals), and the least
+              of the others */
 
 CORE_INLINE outmost farthest(
     norma_core_cone_at *at, const void *context, size_t count, const double along[3]) {

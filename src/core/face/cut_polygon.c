@@ -128,7 +128,7 @@ static double cut_length(const core_cutter *c, size_t place) {
     return norma_core_dot(cut, cut);
 }
 
-/* The place of the best ear; left_count where there is none. */
+/* The place of the best ear; left_count: the polygon has no ear. */
 static size_t find_ear(core_cutter *c) {
     size_t best = c->left_count;
     double best_agreement = 0, best_length = 0;

@@ -6,8 +6,8 @@
 #include "core/face/exact_area.h"
 #include "core/face/triangle.h"
 
-/* Walks a face's kept corners in ascending order, for whoever asks for point 0, 1, 2, ... (and 0
- * again). */
+/* Walks a face's kept corners in ascending order. Callers ask for points 0, 1, 2, ... and then 0
+ * again. */
 typedef struct kept_walk {
     const core_mesh *mesh;
     size_t face, corner;

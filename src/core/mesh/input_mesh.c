@@ -96,7 +96,7 @@ norma_result norma_core_check_face_starts(const core_mesh *mesh, norma_fault *fa
     return NORMA_OK;
 }
 
-/* Faces of three corners each are triangles, whoever counts them. */
+/* A mesh with face_starts may still consist of triangles only. */
 static int all_are_triangles(const core_mesh *mesh) {
     if (mesh->corner_count != 3 * mesh->face_count) return 0;
     for (size_t f = 0; f < mesh->face_count; f++)

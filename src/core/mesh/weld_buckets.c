@@ -26,8 +26,8 @@ typedef struct welding {
     const weld_keys *keys;
     uint32_t *weld;
     int bits;              /* there are 2^bits buckets */
-    size_t slices, groups; /* of the keys, each dealt by whoever takes it behind the slices
-                              before it; of the buckets */
+    size_t slices, groups; /* slices of the keys, whose entries stand behind those of the slices
+                              before; groups of the buckets */
     uint32_t *cursors;     /* of each slice and bucket: how many, then where the next goes */
     uint32_t *starts;      /* of the buckets in the entries, and the end */
     weld_entry *entries;

@@ -121,8 +121,8 @@ static size_t push_children(
     return count;
 }
 
-/* The nearest hit not beyond limit, or some hit nearer than r->enough; infinite: there is none. Of
- * no meaning where r->steps has become r->most. */
+/* The nearest hit not beyond limit, or some hit nearer than r->enough; infinite: nothing is
+ * hit. Has no meaning once r->steps has reached r->most. */
 static double meet_anything(const rays *all, ray *r, double limit) {
     waiting stack[128];
     size_t depth = 0;

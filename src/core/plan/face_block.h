@@ -1,7 +1,7 @@
 /* face_block.h: some hundred neighbouring groups, and all faces that vote in them, numbered anew in
- * 16 bits, so that a block is measured and summed within the nearest cache, on the stack of whoever
- * does it. Faces on the rim lie in more than one block and are measured in each; nothing else is
- * shared, and nothing is written but normals. */
+ * 16 bits, so that a block is measured and summed within the nearest cache, on the stack of the
+ * thread that does it. Faces on the rim lie in more than one block and are measured in each;
+ * nothing else is shared, and only normals are written. */
 #ifndef NORMA_CORE_PLAN_BLOCK_H
 #define NORMA_CORE_PLAN_BLOCK_H
 #include "core/plan/plan.h"

@@ -1,5 +1,5 @@
-/* face_block_update.c: one block after the other, by whoever is free: positions in, faces measured,
- * groups summed, normals out. */
+/* face_block_update.c: free threads take one block after the other, read its positions, measure its
+ * faces, sum its groups and write its normals. */
 #include "core/plan/face_block.h"
 #include "core/plan/face_block_moved.h"
 #include <math.h>

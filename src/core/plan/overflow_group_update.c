@@ -10,7 +10,7 @@ enum { CACHED_FACES = 16, SLOTS_IN_BLOCK = 1 << 16, FACES_IN_BLOCK = 1 << 16 };
 typedef struct cached_face {
     uint32_t number;
     core_face face;
-} cached_face; /* number: UINT32_MAX where there is none */
+} cached_face; /* number: UINT32_MAX: empty */
 
 typedef struct overflow_work {
     const plan_work *work;

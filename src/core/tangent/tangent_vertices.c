@@ -89,7 +89,7 @@ typedef struct reading {
     atomic_int wrong; /* a corner names no value */
 } reading;
 
-/* SIZE_MAX where there is none. */
+/* Returns SIZE_MAX if no such vertex exists. */
 static size_t value_of(const norma_attribute *a, size_t position, size_t corner) {
     const size_t value = a->corners                  ? a->corners[corner]
                          : a->of == NORMA_PER_VERTEX ? position

@@ -149,7 +149,7 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_ra
     const size_t bin_size = choose_bin_size(call, positions, average_span(ranges, chunks)),
                  bins = positions / bin_size + (positions % bin_size != 0);
     if (!is_coherent(ranges, chunks, bin_size) || bin_size > MOST_IN_BIN)
-        return NORMA_OK; /* a bin beyond the cache is none */
+        return NORMA_OK; /* bins larger than the cache gain nothing */
     const size_t workers = call->options.parallel_for ? BUFFERS_FOR_JOBS : norma_core_workers(call);
     const size_t buffers = smaller(smaller(workers, MOST_BUFFERS),
         1 + (bins - 1) / BINS_FOR_EACH); /* a quarter of all sums, however many work */

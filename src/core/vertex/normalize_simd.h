@@ -1,6 +1,6 @@
 /* normalize_simd.h: eight sums made normals, lane by lane, to be compiled into the kernels of each
- * instruction set. In two steps, since a root and a division one after the other take so long that
- * whoever has something else to do does that between them. */
+ * instruction set. There are two steps, because a root followed by a division takes so long
+ * that callers do other work in between. */
 #ifndef NORMA_CORE_FINISH_LANES_H
 #define NORMA_CORE_FINISH_LANES_H
 #include "core/face/eight_vectors.h"

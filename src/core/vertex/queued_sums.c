@@ -1,9 +1,9 @@
 /* queued_sums.c: sums of a mesh whose faces name positions far apart, by several at once. Each
  * measures chunks of faces of its own and leaves what they add in queues; then each takes what
  * waits for a part of the positions, from the first face to the last. So no face is measured twice,
- * and every sum is taken in ascending order of faces, whoever takes it. A segment of the faces is
- * queued and drained at a time, so that the queues stay in the cache; the next segment is queued
- * into others, so that nobody waits for the last to be drained.
+ * and every sum is taken in ascending order of faces by whichever thread takes it. A segment of the
+ * faces is queued and drained at a time, so that the queues stay in the cache; the next segment is
+ * queued into others, so that no thread waits for the last to be drained.
  *
  * All jobs are tasks of one call: of each segment those that queue a chunk, then those that drain a
  * part. Tasks are begun in order, so that one that waits for others waits for some that are at

@@ -24,7 +24,7 @@ typedef struct core_face_adder {
 } core_face_adder;
 void norma_core_add_face(void *face_adder, size_t face);
 
-/* NORMA_REASON_NONE and its normal, or why there is none. */
+/* Returns NORMA_REASON_NONE and the normal, or the reason why it has no normal. */
 int norma_core_resolve_record(
     const core_mesh *mesh, const vertex_sum *sum, size_t vertex, float normal[3]);
 #endif

@@ -1,7 +1,7 @@
 /* vertex_sums.c: the weighted sum at each position. Faces are gone through in ascending order, and
  * each adds to the sums of its corners; when several work, each owns a range of positions and
- * passes over the chunks of faces that do not touch it. So every sum is taken in the same order
- * whoever takes it. */
+ * passes over the chunks of faces that do not touch it. So every sum is taken in the same order by
+ * any number of threads. */
 #include "core/mesh/scattered_positions.h"
 #include "core/vertex/queued_sums.h"
 

@@ -16,7 +16,7 @@ typedef struct companion_writers { /* freed by who made it; paths: what messages
 } companion_writers;
 /* 0: memory is out, and the writer is abandoned. */
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
-/* Makes a folder for them, where there is none. 0, or errno. */
+/* Makes a folder for them if it does not exist. Returns 0 or errno. */
 int norma_document_add_folder(companion_writers *writers, const char *path);
 void norma_document_free_writers(companion_writers *writers, int abandon);
 
@@ -132,7 +132,7 @@ void norma_document_system_text(int system_error, char *text, size_t room);
  */
 norma_document_result norma_document_fail_file(
     const char *path, norma_document_error *error, const char *what, int system_error);
-/* Here, so that whoever reads the callers, an analyser too, sees that it fails. */
+/* Inline, so that an analyser of the callers sees that it never returns OK. */
 static inline norma_document_result norma_document_fail_memory(
     const norma_document *document, norma_document_error *error) {
     (void)norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MEMORY, NULL, "out of memory");

@@ -1,7 +1,7 @@
 /* deduplicate_normals.c: equal normals are one, numbered in the order of their first use. Elements
  * are dealt out by a hash of their normals, in order, so that each share is small enough for a
- * table in the cache and needs nothing of the others; the first of each share's equal ones stands
- * for them, whoever found it. */
+ * table in the cache and needs nothing of the others; the first of each share's equal
+ * normals stands for them, whichever thread found it. */
 #include "io/obj/deduplicate_normals.h"
 #include <stdlib.h>
 #include <string.h>

@@ -138,7 +138,7 @@ static inline const char *read_plain(const char *p, const char *end, uint32_t *v
     return p > first && p - first < 10 ? p : NULL;
 }
 
-/* v, v/vt, v//vn or v/vt/vn; texture: 0 where there is none. */
+/* v, v/vt, v//vn or v/vt/vn; texture: 0 if it is missing. */
 static inline const char *read_plain_corner(const char *p, const char *end, uint32_t *texture) {
     uint32_t skipped;
     *texture = 0;

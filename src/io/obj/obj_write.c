@@ -318,7 +318,7 @@ static const char *statement_end(const writer *w, const char *p) {
 static const char *write_face(writer *w, const char *begin, const char *p) {
     const obj_state *state = w->state;
     const char *first = p;
-    if (!at_token(w, &first)) return statement_end(w, first); /* a face without a corner is none */
+    if (!at_token(w, &first)) return statement_end(w, first); /* not a face: it has no corners */
     const size_t face = w->face;
     const int drops = state->drop_faces && state->drop_faces[face];
     if (state->vertices && state->vertices->face == face) {

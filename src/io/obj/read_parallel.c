@@ -1,10 +1,10 @@
-/* read_parallel.c: an OBJ read by threads. The text is cut into stretches of whole statements.
- * Whoever reads one waits for its turn, in the order of the text, to be told where its elements go,
- * and copies them there while others go on; so the arrays are those that one reader would make,
- * whoever read what.
+/* read_parallel.c: reads an OBJ with several threads. The text is cut into stretches of whole
+ * statements. The thread that has read a stretch waits for its turn, in the order of the text, to
+ * learn where its elements go, and copies them there while others go on. So the arrays are the same
+ * as those of a single reader.
  *
- * What goes wrong is not told from here: the text is then read once more, as one part from its
- * beginning, which knows what stands before each statement. */
+ * Errors are not reported from here: the text is then read once more, as one part from its
+ * beginning, so that the message knows what stands before each statement. */
 #include "io/obj/text_stretch.h"
 #include "io/obj/vertex_lines.h"
 #include <pthread.h>
@@ -44,10 +44,10 @@ typedef struct place {
     int with_normals, with_faces;
 } place;
 
-/* ---- room */
+/* ---- growing arrays */
 
-/* Room for count more elements behind used ones; where there is none, for as many as the rest of
- * the text would hold if it were like this part. Nobody copies meanwhile. */
+/* Makes space for count more elements behind the used ones. If the array must grow, it grows to
+ * what the rest of the text would hold if it were like this part. No thread copies meanwhile. */
 static int reserve(gathering *g, const obj_part *part, void *array, size_t *room, size_t used,
     size_t count, size_t size) {
     void *block;

@@ -229,8 +229,8 @@ static norma_document_result write_added(
     return result;
 }
 
-/* With the break before it, which the row before has no need of; before the first row that stays
- * there is none, and the one behind goes. */
+/* Drops a row with the line break before it. Before the first row that stays there is no break, so
+ * the break behind the dropped row goes instead. */
 static void drop_row(text_writer *writer, const ply_span *span) {
     if (writer->next_index) writer->next_index += norma_ply_row_corners(writer->plan, writer->row);
     writer->at = writer->state->bytes + span->offset + span->length;

@@ -101,7 +101,7 @@ static size_t start_helpers(line *l, size_t threads, pthread_t helpers[MOST_HELP
 #if !defined(_WIN32) /* which sends signals to threads of their own */
     sigset_t all, before;
     sigfillset(&all);
-    /* What a thread's own instruction raises must reach whoever watches for it: blocked, it would
+    /* Signals raised by a thread's own instruction must reach their handler: blocked, they would
      * end the process. */
     static const int own[] = {SIGBUS, SIGSEGV, SIGILL, SIGFPE};
     for (size_t i = 0; i < sizeof own / sizeof *own; ++i) sigdelset(&all, own[i]);

@@ -44,8 +44,8 @@ typedef struct json_error {
 int norma_json_parse(const char *text, size_t size, json *parsed, json_error *error);
 void norma_json_free(json *parsed);
 
-/* Value of a member; JSON_NONE: not there, or object is none (JSON_NONE included). The key of value
- * v of an object is token v - 1. */
+/* Value of a member. JSON_NONE: it is missing, or object is not an object (or JSON_NONE). The key
+ * of value v of an object is token v - 1. */
 uint32_t norma_json_member(const json *j, uint32_t object, const char *key);
 uint32_t norma_json_element(
     const json *j, uint32_t array, uint32_t index); /* walks; to visit all use first and next */

@@ -8,7 +8,7 @@
  * optional point (".5" and "5." too), an optional exponent; or nan, inf, infinity in any case,
  * or 1.#INF, 1.#IND, 1.#QNAN as old Windows programs write them. *value is the double nearest to
  * the decimal (ties to even), an infinity where it is too large. Returns the first byte after the
- * number; NULL where there is none, *value then untouched. Skips no white space. */
+ * number, or NULL if no number stands there; *value is then unchanged. Skips no white space. */
 const char *norma_number_parse(const char *text, const char *end, double *value);
 
 /* The same for a decimal integer with an optional sign; NULL also where no int64_t holds it. */

@@ -148,7 +148,7 @@ double norma_number_of_decimal(uint64_t digits, int exponent) {
     return to_double(&number);
 }
 
-/* nan, inf, infinity; NULL where it is none of them. */
+/* nan, inf, infinity; NULL if it is another word. */
 static const char *parse_word(const char *text, const char *end, double *value) {
     static const struct {
         const char *word;

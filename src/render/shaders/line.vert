@@ -5,7 +5,7 @@
 // Attributes (bind by location)
 //   0  vec3  from       local
 //   1  vec3  to         local; HEDGEHOG: the normal, of any length
-//   2  vec4  colour     linear, with alpha; the constant where there is none
+//   2  vec4  colour     linear, with alpha; a constant if the mesh has no colours
 //   3  float reach      HEDGEHOG: length in the local unit
 // Uniforms
 //   mat4 local_to_world, world_to_view, view_to_clip

@@ -11,7 +11,7 @@
 // Attributes (bind by location)
 //   0  vec3  position   local
 //   1  vec3  normal     local, any length; with SHADING_FLAT the face's
-//   2  vec4  colour     linear; the constant (1, 1, 1, 1) where there is none (vertexAttrib4f)
+//   2  vec4  colour     linear; the constant (1, 1, 1, 1) if the mesh has no colours (vertexAttrib4f)
 //   3  float value      SHOW_ERROR: degrees
 // Uniforms
 //   mat4 local_to_world, world_to_view, view_to_clip

@@ -73,10 +73,11 @@ static void test_obj_weld(void **state) {
         "7 8 9\n",
         "# soup\no one\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0  0 0 # blanks tell them apart\nv 0 1 0\nvt "
         "0 0\nf 1/1 2 3\nf -2/1 -3//  -1\no two\nv 2 0 0\nv 3 0 0 \nl 2 3 5 -3\nf 6 7 5\n");
+    /* Vertices that differ in colour stay apart. */
     text_becomes("a.obj", "N502",
         "v 0 0 0 1 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 0 0 0 1 0\r\nv 1 1 0\r\nv 0 1 0\r\nf 1 2 "
         "3\r\nf 4 5 6",
-        "v 0 0 0 1 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 0 0 0 1 0\r\nv 0 1 0\r\nf 1 2 3\r\nf 4 3 5"); /* colours tell them apart */
+        "v 0 0 0 1 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 0 0 0 1 0\r\nv 0 1 0\r\nf 1 2 3\r\nf 4 3 5");
 }
 
 static void test_obj_curves(void **state) {

@@ -5,8 +5,7 @@
 #include "io/gltf/read/asset.h"
 
 typedef struct tree_node {
-    uint32_t parent, first, last, before,
-        after; /* siblings in order; GLTF_NONE where there is none */
+    uint32_t parent, first, last, before, after; /* siblings in order; GLTF_NONE: the last one */
     int children_changed, local_changed, matrix_form;
     double local[16]; /* where local_changed; as TRS unless matrix_form */
     uint32_t mesh;    /* where mesh_changed, or new; GLTF_NONE: none */

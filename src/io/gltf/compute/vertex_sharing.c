@@ -131,8 +131,8 @@ static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p) {
     return hash;
 }
 
-/* Puts a primitive into its set, which is made where there is none yet. sets_at: for each slot of a
- * table the last set made in it. */
+/* Puts a primitive into its set, and makes the set if it does not exist yet. sets_at: for each slot
+ * of a table the last set made in it. */
 static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_t *sets_at) {
     const gltf_primitive *p = &job->g->primitives[primitive];
     const uint32_t slot = (uint32_t)(hash_primitive(job, p) % job->g->primitive_count);

@@ -134,7 +134,7 @@ static void cubic(const float *keys, size_t width, double step, double t, double
                  (3 * t2 - 2 * t3) * (double)next[k] + step * (t3 - t2) * (double)arriving[k];
 }
 
-/* The last key at or before time; the first where there is none. */
+/* The last key at or before time; the first if time is before all keys. */
 static size_t key_before(const gltf_channel *c, double time) {
     size_t low = 0, high = c->count;
     while (high - low > 1) {

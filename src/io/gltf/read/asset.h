@@ -108,7 +108,7 @@ typedef struct gltf_attribute {
 typedef struct gltf_attributes { /* a primitive's own, or one of its targets': attributes[first] ...
                                   */
     uint32_t token, first, count;
-    uint32_t position, normal, tangent; /* accessors; GLTF_NONE where there is none */
+    uint32_t position, normal, tangent; /* accessors; GLTF_NONE: not there */
 } gltf_attributes;
 
 typedef struct gltf_primitive {
@@ -133,7 +133,7 @@ typedef struct gltf_mesh {
 } gltf_mesh;
 
 typedef struct gltf_node {
-    uint32_t token, parent, mesh, skin; /* GLTF_NONE where there is none */
+    uint32_t token, parent, mesh, skin; /* GLTF_NONE: not there */
     char *name;
     double local[16], world[16];
     int has_matrix;   /* else TRS, or nothing */

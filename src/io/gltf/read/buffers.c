@@ -239,7 +239,7 @@ norma_document_result norma_gltf_load_buffer(
         g->held += buffer->length;
         return result;
     }
-    free(buffer->owned); /* it is asked for again by whoever needs it next */
+    free(buffer->owned); /* the next use loads it again */
     norma_file_close(&buffer->file);
     buffer->owned = NULL;
     buffer->bytes = NULL;

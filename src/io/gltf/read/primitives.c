@@ -218,8 +218,8 @@ static norma_document_result check_counts(
     return NORMA_DOCUMENT_OK;
 }
 
-/* Where there are fewer normals than positions, zeros follow them, so that whoever reads one for
- * each vertex reads memory that is there: of all primitives that share them. */
+/* If there are fewer normals than positions, zeros follow them, so that reading one normal for each
+ * vertex stays inside the memory. This holds for all primitives that share them. */
 static norma_document_result pad_normals(
     gltf *g, const gltf_primitive *p, norma_document_error *error) {
     gltf_accessor *a = &g->accessors[p->base.normal];

@@ -99,7 +99,7 @@ static void any_perpendicular(const double normal[3], double out[3]) {
     for (int k = 0; k < 3; k++) out[k] /= size;
 }
 
-/* x, y, z, sign. normal: the carried unit normal, zeros where there is none. */
+/* x, y, z, sign. normal: the carried unit normal, zeros: no normal. */
 static void transform_tangent(
     const bake_map *map, const double tangent[4], const double normal[3], double out[4]) {
     out[3] = map->mirrored ? -tangent[3] : tangent[3];

@@ -82,7 +82,7 @@ struct gltf_patch {
                          */
 };
 
-gltf_patch *norma_gltf_patch_of(gltf *g); /* made where there is none yet; NULL: out of memory */
+gltf_patch *norma_gltf_patch_of(gltf *g); /* made on first use; NULL: out of memory */
 void norma_gltf_patch_free(gltf *g);
 uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
 
