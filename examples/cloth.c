@@ -3,21 +3,14 @@
  *
  *     cloth [FOLDER]       with a folder, writes pictures there: cloth-000.pgm, cloth-020.pgm, ...
  *
- * The cloth is a grid of points that keep their distances (Jakobsen 2001); pixels are shaded by the
- * angle between their interpolated normal and the light. */
+ * The cloth is a grid of points that keep their distances (Jakobsen 2001). */
 #include <math.h>
 #include <norma/norma.h>
 #include <stdio.h>
 #include <string.h>
 
-enum {
-    SIDE = 41,
-    POINTS = SIDE * SIDE,
-    QUADS = (SIDE - 1) * (SIDE - 1),
-    CORNERS = 6 * QUADS,
-    FRAMES = 61,
-    PIXELS = 320
-};
+enum { SIDE = 41, POINTS = SIDE * SIDE, CORNERS = 6 * (SIDE - 1) * (SIDE - 1) };
+enum { FRAMES = 61, PIXELS = 320 };
 
 typedef struct cloth {
     float now[POINTS][3], before[POINTS][3], normals[POINTS][3];
@@ -41,11 +34,9 @@ static int is_pinned(uint32_t i) { return i == 0 || i == SIDE - 1; }
 static void keep_distance(cloth *c, uint32_t i, uint32_t j) {
     const float rest = 1.0F / (SIDE - 1);
     const float *a = c->now[i], *b = c->now[j], d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    const float length = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]),
-                pull = length > rest
-                           ? (length - rest) / length / (float)(2 - is_pinned(i) - is_pinned(j))
-                           : 0;
-    for (int k = 0; k < 3; k++) {
+    const float length = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const float pull = (length - rest) / length / (float)(2 - is_pinned(i) - is_pinned(j));
+    for (int k = 0; k < 3 && length > rest; k++) {
         if (!is_pinned(i)) c->now[i][k] += pull * d[k];
         if (!is_pinned(j)) c->now[j][k] -= pull * d[k];
     }
@@ -56,9 +47,8 @@ static size_t step(cloth *c) {
     size_t count = 0;
     for (uint32_t i = 0; i < POINTS; i++)
         for (int k = 0; k < 3; k++) {
-            const float here = c->now[i][k];
-            c->now[i][k] +=
-                is_pinned(i) ? 0 : 0.985F * (here - c->before[i][k]) - (k == 1 ? 0.0012F : 0);
+            const float here = c->now[i][k], inertia = 0.985F * (here - c->before[i][k]);
+            if (!is_pinned(i)) c->now[i][k] += inertia - (k == 1 ? 0.0012F : 0);
             c->before[i][k] = here;
         }
     for (int pass = 0; pass < 40; pass++)
@@ -71,41 +61,33 @@ static size_t step(cloth *c) {
     return count;
 }
 
-static int column_of(float x) { return (int)((x + 0.7F) / 1.4F * PIXELS); }
-static int row_of(float y) { return (int)((0.6F - y) / 1.4F * PIXELS); }
-/* One triangle, seen along z: nearer pixels hide those behind them. */
+/* One triangle, seen along z, as points so close that no pixel is left out. */
 static void draw(const cloth *c, const uint32_t *at, unsigned char *image, float *depth) {
-    const float *a = c->now[at[0]], *b = c->now[at[1]], *d = c->now[at[2]],
-                area = (b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0]);
-    const int top = row_of(fmaxf(a[1], fmaxf(b[1], d[1]))),
-              bottom = row_of(fminf(a[1], fminf(b[1], d[1])));
-    const int left = column_of(fminf(a[0], fminf(b[0], d[0]))),
-              right = column_of(fmaxf(a[0], fmaxf(b[0], d[0])));
-    for (int y = top > 0 ? top : 0; y <= bottom && y < PIXELS && area != 0; y++)
-        for (int x = left > 0 ? left : 0; x <= right && x < PIXELS; x++) {
-            const float px = 1.4F * ((float)x + 0.5F) / PIXELS - 0.7F,
-                        py = 0.6F - 1.4F * ((float)y + 0.5F) / PIXELS;
-            const float v = ((px - a[0]) * (d[1] - a[1]) - (py - a[1]) * (d[0] - a[0])) / area,
-                        w = ((b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0])) / area;
-            const float weights[3] = {1 - v - w, v, w}, z = weights[0] * a[2] + v * b[2] + w * d[2];
-            float normal[3];
-            if (weights[0] < 0 || v < 0 || w < 0 || z < depth[PIXELS * y + x]) continue;
-            norma_interpolate_normal(
-                c->normals[at[0]], c->normals[at[1]], c->normals[at[2]], weights, normal);
-            depth[PIXELS * y + x] = z;
-            image[PIXELS * y + x] =
-                (unsigned char)(30 + 220 * fabsf(0.4F * normal[0] + 0.5F * normal[1] +
-                                                 0.768F * normal[2]));
-        }
+    enum { STEPS = 16 };
+    for (int step = 0; step < (STEPS + 1) * (STEPS + 1); step++) {
+        const int i = step % (STEPS + 1), j = step / (STEPS + 1);
+        const float v = (float)i / STEPS, w = (float)j / STEPS, weights[3] = {1 - v - w, v, w};
+        float p[3] = {0, 0, 0}, n[3];
+        for (int k = 0; k < 9; k++) p[k % 3] += weights[k / 3] * c->now[at[k / 3]][k % 3];
+        const int x = (int)((p[0] + 0.7F) / 1.4F * PIXELS);
+        const int y = (int)((0.6F - p[1]) / 1.4F * PIXELS), at_pixel = PIXELS * y + x;
+        if (weights[0] < 0 || x < 0 || y < 0 || x >= PIXELS || y >= PIXELS) continue;
+        if (p[2] < depth[at_pixel]) continue;
+        const float(*normals)[3] = c->normals;
+        norma_interpolate_normal(normals[at[0]], normals[at[1]], normals[at[2]], weights, n);
+        const float light = fabsf(0.4F * n[0] + 0.5F * n[1] + 0.768F * n[2]);
+        depth[at_pixel] = p[2];
+        image[at_pixel] = (unsigned char)(30 + 220 * light);
+    }
 }
 
 static int write_picture(const cloth *c, const char *folder, int frame) {
     static unsigned char image[PIXELS * PIXELS];
     static float depth[PIXELS * PIXELS];
-    char path[512];
     memset(image, 0, sizeof image);
     for (int i = 0; i < PIXELS * PIXELS; i++) depth[i] = -10;
     for (uint32_t i = 0; i < CORNERS; i += 3) draw(c, c->corners + i, image, depth);
+    char path[512];
     snprintf(path, sizeof path, "%s/cloth-%03d.pgm", folder, frame);
     FILE *file = fopen(path, "wb");
     if (!file) return 0;
@@ -116,14 +98,13 @@ static int write_picture(const cloth *c, const char *folder, int frame) {
 
 int main(int argc, char **argv) {
     static cloth c;
-    norma_plan *plan;
     hang(&c);
-    const norma_mesh mesh = {.positions = {.data = c.now, .count = POINTS},
-        .corners = c.corners,
-        .corner_count = CORNERS};
+    norma_plan *plan = NULL;
+    const norma_vec3_view at = {c.now, POINTS, 0};
+    const norma_mesh mesh = {.positions = at, .corners = c.corners, .corner_count = CORNERS};
     norma_result result = norma_plan_create(&mesh, NORMA_PER_VERTEX, 3.1415927F, NULL, &plan);
     if (result == NORMA_OK)
-        result = norma_plan_update(plan, mesh.positions, NULL, 0, NULL, c.normals[0], POINTS, NULL);
+        result = norma_plan_update(plan, at, NULL, 0, NULL, c.normals[0], POINTS, NULL);
     for (int frame = 0; frame < FRAMES && result == NORMA_OK; frame++) {
         const uint32_t hem = POINTS - 1 - SIDE / 2;
         if (frame % 20 == 0)
@@ -131,12 +112,9 @@ int main(int argc, char **argv) {
                 (double)c.now[hem][1], (double)c.normals[hem][1]);
         if (frame % 20 == 0 && argc > 1 && !write_picture(&c, argv[1], frame)) return 3;
         const size_t moved = step(&c);
-        result = norma_plan_update(
-            plan, mesh.positions, c.moved, moved, NULL, c.normals[0], POINTS, NULL);
+        result = norma_plan_update(plan, at, c.moved, moved, NULL, c.normals[0], POINTS, NULL);
     }
-    if (result == NORMA_OK)
-        norma_plan_destroy(plan);
-    else
-        fprintf(stderr, "cloth: %s\n", norma_result_text(result));
+    norma_plan_destroy(plan);
+    if (result != NORMA_OK) fprintf(stderr, "cloth: %s\n", norma_result_text(result));
     return result == NORMA_OK ? 0 : 1;
 }

@@ -21,6 +21,6 @@ for source_file in examples/*.c; do
     fi
     [ "$refresh" != --refresh ] || cp "$scratch/$name.out" "$expected"
     if difference=$(diff "$expected" "$scratch/$name.out" 2>&1); then pass "$name prints what $expected holds"; else fail "$name prints what $expected holds" "$difference"; fi
-    check "$name is of a page (at most 150 lines, the figure 180)" test "$(wc -l <"$source_file")" -le "$([ "$name" = figure_svg ] && echo 180 || echo 150)"
+    check "$name is of a page (at most 120 lines, the figure 180)" test "$(wc -l <"$source_file")" -le "$([ "$name" = figure_svg ] && echo 180 || echo 120)"
 done
 finish
