@@ -27,8 +27,7 @@ CORE_INLINE double angle_at(double own, double next, double previous, double len
  * and b the edges to the next and the previous corner, and c the edge between those, u x v is a x b
  * at the first corner, c x b at the second, c x a at the third. */
 CORE_INLINE void measure_corner(fan_batch *t, size_t i, norma_weight weight) {
-    const int by_angle = weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA ||
-                         weight == NORMA_WEIGHT_ANGLE_LENGTHS;
+    const int by_angle = core_weighed(weight) == CORE_BY_ANGLE;
     const int is_first = t->turn[i] == 0, is_third = t->turn[i] == 2;
     double a[3], b[3], c[3], u[3], v[3];
     for (int k = 0; k < 3; k++) {
@@ -61,28 +60,8 @@ CORE_INLINE void measure(fan_batch *t, size_t count, norma_weight weight) {
         for (size_t i = from; i < from + CORE_LANES; i++) measure_corner(t, i, weight);
 }
 
-/* One loop for each weight, so that none asks inside. */
 CORE_INLINE void measure_all(fan_batch *t, size_t count, norma_weight weight) {
-    switch (weight) {
-    case NORMA_WEIGHT_ANGLE:
-        measure(t, count, NORMA_WEIGHT_ANGLE);
-        break;
-    case NORMA_WEIGHT_AREA:
-        measure(t, count, NORMA_WEIGHT_AREA);
-        break;
-    case NORMA_WEIGHT_MAX:
-        measure(t, count, NORMA_WEIGHT_MAX);
-        break;
-    case NORMA_WEIGHT_ANGLE_AREA:
-        measure(t, count, NORMA_WEIGHT_ANGLE_AREA);
-        break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS:
-        measure(t, count, NORMA_WEIGHT_ANGLE_LENGTHS);
-        break;
-    default:
-        measure(t, count, NORMA_WEIGHT_UNIFORM);
-        break;
-    }
+    CORE_LOOP_FOR_WEIGHT(weight, measure, t, count)
 }
 
 /* ---- lanes round a star: from each face to the one whose edge to next is its own edge from

@@ -215,8 +215,7 @@ static double polygon_weight(norma_weight weight, const core_face *face, const d
     norma_core_subtract(previous, p, b);
     const double aa = norma_core_dot(a, a), bb = norma_core_dot(b, b);
     norma_core_cross(a, b, cross);
-    if (weight != NORMA_WEIGHT_UNIFORM && weight != NORMA_WEIGHT_AREA &&
-        weight != NORMA_WEIGHT_VISIBLE)
+    if (core_weighed(weight) != CORE_BY_FACE)
         length = settle_corner_cross(p, next, previous, aa * bb, cross);
     return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area,
         norma_core_dot(cross, face->normal) < -0x1p-46 * length);

@@ -2,28 +2,8 @@
  * at run time. */
 #include "core/face/measure_simd.h"
 
-/* One loop for each weight, so that none asks inside. */
 CORE_INLINE void measure(core_batch *t, norma_weight weight, core_corners wanted) {
-    switch (weight) {
-    case NORMA_WEIGHT_ANGLE:
-        core_lanes_measure(t, NORMA_WEIGHT_ANGLE, wanted);
-        break;
-    case NORMA_WEIGHT_AREA:
-        core_lanes_measure(t, NORMA_WEIGHT_AREA, wanted);
-        break;
-    case NORMA_WEIGHT_MAX:
-        core_lanes_measure(t, NORMA_WEIGHT_MAX, wanted);
-        break;
-    case NORMA_WEIGHT_ANGLE_AREA:
-        core_lanes_measure(t, NORMA_WEIGHT_ANGLE_AREA, wanted);
-        break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS:
-        core_lanes_measure(t, NORMA_WEIGHT_ANGLE_LENGTHS, wanted);
-        break;
-    default:
-        core_lanes_measure(t, NORMA_WEIGHT_UNIFORM, wanted);
-        break;
-    }
+    CORE_LOOP_FOR_WEIGHT(weight, core_lanes_measure, t, wanted)
 }
 
 static void measure_portable(core_batch *t, norma_weight weight, core_corners wanted) {

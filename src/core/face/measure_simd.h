@@ -113,10 +113,8 @@ CORE_INLINE void core_lanes_weigh_all(core_batch *t, norma_weight weight) {
     }
 }
 
-CORE_INLINE void core_lanes_measure(core_batch *t, norma_weight weight, core_corners wanted) {
-    const int by_angle = weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA ||
-                         weight == NORMA_WEIGHT_ANGLE_LENGTHS;
-    if (wanted == CORE_ALL_CORNERS && by_angle)
+CORE_INLINE void core_lanes_measure(core_batch *t, core_corners wanted, norma_weight weight) {
+    if (wanted == CORE_ALL_CORNERS && core_weighed(weight) == CORE_BY_ANGLE)
         core_lanes_angles(t);
     else
         core_lanes_normals(t);

@@ -4,6 +4,7 @@
 #ifndef NORMA_CORE_TRIANGLE_H
 #define NORMA_CORE_TRIANGLE_H
 #include "core/call/vector.h"
+#include "core/call/weight.h"
 #include <math.h>
 #include <norma/norma.h>
 
@@ -101,27 +102,12 @@ static inline int norma_core_triangle(double ux, double uy, double uz, double vx
     return norma_core_triangle_is_sure(square, dot);
 }
 
-/* What a corner with edges a and b and the angle between them weighs, from the squares of their
- * lengths; cross: the length of their cross product; the face's twice_area. NORMA_WEIGHT_VISIBLE
- * weighs no corner: 1. */
-static inline double norma_core_weight_of(
-    norma_weight weight, double aa, double bb, double angle, double cross, double twice_area) {
-    if (weight == NORMA_WEIGHT_AREA) return twice_area;
-    if (weight == NORMA_WEIGHT_MAX) return aa * bb > 0 ? cross / (aa * bb) : 0;
-    if (weight == NORMA_WEIGHT_ANGLE) return angle;
-    if (weight == NORMA_WEIGHT_ANGLE_AREA) return angle * twice_area;
-    if (weight == NORMA_WEIGHT_ANGLE_LENGTHS) return angle * (sqrt(aa) * sqrt(bb));
-    return 1;
-}
-
-/* The same from the dot product of the edges instead of the angle; interior angles are above pi
- * where reflex. */
+/* norma_core_weight_of, from the dot product of the edges instead of the angle; interior angles are
+ * above pi where reflex. */
 static inline double norma_core_weigh(norma_weight weight, double aa, double bb, double ab,
     double cross, double twice_area, int reflex) {
-    double angle = 0;
-    if (weight == NORMA_WEIGHT_ANGLE || weight == NORMA_WEIGHT_ANGLE_AREA ||
-        weight == NORMA_WEIGHT_ANGLE_LENGTHS)
-        angle = norma_core_weight_angle(cross, ab);
+    const double angle =
+        core_weighed(weight) == CORE_BY_ANGLE ? norma_core_weight_angle(cross, ab) : 0;
     return norma_core_weight_of(
         weight, aa, bb, reflex ? 2 * NORMA_PI - angle : angle, cross, twice_area);
 }

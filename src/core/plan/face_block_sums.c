@@ -133,7 +133,7 @@ CORE_INLINE void measure_batches(
         if (in_steps)
             core_lanes_products(&batches[i].measured);
         else
-            core_lanes_measure(&batches[i].measured, weight, CORE_ALL_CORNERS);
+            core_lanes_measure(&batches[i].measured, CORE_ALL_CORNERS, weight);
     }
     for (uint32_t i = 0; i < count && in_steps; i++)
         core_lanes_slopes(&batches[i].measured, &batches[i].arcs);
@@ -148,7 +148,7 @@ CORE_INLINE void measure_batches(
  * before, too long for the processor to see the next one's beginning. So each step is taken for
  * some batches at a time: they wait for nothing of each other. */
 CORE_INLINE void measure_weighted(
-    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
+    const block_view *t, block_some eights, block_room *room, norma_weight weight) {
     block_batch batches[BATCHES_AT_ONCE];
     for (uint32_t begin = 0; begin < eights.count; begin += BATCHES_AT_ONCE) {
         const uint32_t count =
@@ -164,29 +164,9 @@ CORE_INLINE void measure_weighted(
     }
 }
 
-/* One loop for each weight, so that none asks inside. */
 CORE_INLINE void measure_triangles(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
-    switch (weight) {
-    case NORMA_WEIGHT_ANGLE:
-        measure_weighted(t, eights, NORMA_WEIGHT_ANGLE, room);
-        break;
-    case NORMA_WEIGHT_AREA:
-        measure_weighted(t, eights, NORMA_WEIGHT_AREA, room);
-        break;
-    case NORMA_WEIGHT_MAX:
-        measure_weighted(t, eights, NORMA_WEIGHT_MAX, room);
-        break;
-    case NORMA_WEIGHT_ANGLE_AREA:
-        measure_weighted(t, eights, NORMA_WEIGHT_ANGLE_AREA, room);
-        break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS:
-        measure_weighted(t, eights, NORMA_WEIGHT_ANGLE_LENGTHS, room);
-        break;
-    default:
-        measure_weighted(t, eights, NORMA_WEIGHT_UNIFORM, room);
-        break;
-    }
+    CORE_LOOP_FOR_WEIGHT(weight, measure_weighted, t, eights, room)
 }
 
 /* ---- groups */

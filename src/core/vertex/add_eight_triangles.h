@@ -2,7 +2,7 @@
  * compiled into the kernels of each instruction set. */
 #ifndef NORMA_CORE_VERTEX_ADD_EIGHT_H
 #define NORMA_CORE_VERTEX_ADD_EIGHT_H
-#include "core/call/instruction_set.h"
+#include "core/call/weight.h"
 #include "core/face/eight_vectors.h"
 #include "core/vertex/add_triangles.h"
 
@@ -19,7 +19,7 @@ typedef struct core_eight {
 enum { CORE_ALL_SURE = (1 << CORE_LANES) - 1 };
 
 CORE_INLINE int core_weighs_evenly(norma_weight weight) {
-    return weight == NORMA_WEIGHT_AREA || weight == NORMA_WEIGHT_UNIFORM;
+    return core_weighed(weight) == CORE_BY_FACE;
 }
 
 CORE_INLINE uint32_t core_eight_at(const core_eight *e, int lane, int corner) {

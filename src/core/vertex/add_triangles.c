@@ -87,10 +87,17 @@ CORE_INLINE void look_ahead(const core_adder *adder, size_t f) {
 
 /* ---- adding */
 
+/* Where all corners weigh the same, weight[0] is that, and the normals are times that. */
 CORE_INLINE void measure_batch(core_batch *m, norma_weight weight) {
-    core_lanes_measure(m, weight, core_weighs_evenly(weight) ? CORE_NO_CORNER : CORE_ALL_CORNERS);
-    for (int i = 0; i < CORE_LANES && weight == NORMA_WEIGHT_AREA; i++)
-        for (int x = 0; x < 3; x++) m->normal[x][i] *= m->twice_area[i];
+    if (!core_weighs_evenly(weight)) {
+        core_lanes_measure(m, CORE_ALL_CORNERS, weight);
+        return;
+    }
+    core_lanes_measure(m, CORE_NO_CORNER, weight);
+    for (int i = 0; i < CORE_LANES; i++) {
+        m->weight[0][i] = norma_core_weight_of(weight, 0, 0, 0, 0, m->twice_area[i]);
+        for (int x = 0; x < 3; x++) m->normal[x][i] *= m->weight[0][i];
+    }
 }
 
 CORE_INLINE int all_sure(const core_batch *m) {
@@ -111,7 +118,7 @@ CORE_INLINE core_eight batch_to_rows(
     static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
     const core_batch *m = &t->measured;
     core_lanes_to_rows(m->normal[0], m->normal[1], m->normal[2],
-        weight == NORMA_WEIGHT_AREA ? m->twice_area : ones, rows);
+        core_weighs_evenly(weight) ? m->weight[0] : ones, rows);
     return (core_eight){
         (const double(*)[4])rows->row, m->weight, (const unsigned char *)t->at, which_are_sure(m)};
 }
@@ -160,34 +167,18 @@ CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) 
 }
 #endif
 
+/* In WebAssembly, what is seldom asked for goes through one loop, for the module's size. */
 CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end) {
-    switch (adder->weight) {
-    case NORMA_WEIGHT_ANGLE:
+#if defined(__wasm__)
+    if (adder->weight == NORMA_WEIGHT_ANGLE)
         add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE);
-        break;
-    case NORMA_WEIGHT_AREA:
+    else if (adder->weight == NORMA_WEIGHT_AREA)
         add_by_area(adder, begin, end);
-        break;
-#if defined(__wasm__) /* what is seldom asked for goes through one loop there, for the module's    \
-                         size */
-    default:
+    else
         add_weighted(adder, begin, end, adder->weight);
-        break;
 #else
-    case NORMA_WEIGHT_MAX:
-        add_weighted(adder, begin, end, NORMA_WEIGHT_MAX);
-        break;
-    case NORMA_WEIGHT_ANGLE_AREA:
-        add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE_AREA);
-        break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS:
-        add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE_LENGTHS);
-        break;
-    default:
-        add_weighted(adder, begin, end, NORMA_WEIGHT_UNIFORM);
-        break;
+    CORE_LOOP_FOR_WEIGHT(adder->weight, add_weighted, adder, begin, end)
 #endif
-    }
 }
 
 /* ---- queueing */
@@ -237,30 +228,10 @@ CORE_INLINE void queue_weighted(
 
 CORE_INLINE void queue_triangles(
     const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
-#if defined(__wasm__) /* queues are for threads, which are not there: one small loop instead of    \
-                         six */
+#if defined(__wasm__) /* queues are for threads, which are not there: one small loop */
     queue_weighted(adder, begin, end, queue, adder->weight);
 #else
-    switch (adder->weight) {
-    case NORMA_WEIGHT_ANGLE:
-        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE);
-        break;
-    case NORMA_WEIGHT_AREA:
-        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_AREA);
-        break;
-    case NORMA_WEIGHT_MAX:
-        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_MAX);
-        break;
-    case NORMA_WEIGHT_ANGLE_AREA:
-        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_AREA);
-        break;
-    case NORMA_WEIGHT_ANGLE_LENGTHS:
-        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_ANGLE_LENGTHS);
-        break;
-    default:
-        queue_weighted(adder, begin, end, queue, NORMA_WEIGHT_UNIFORM);
-        break;
-    }
+    CORE_LOOP_FOR_WEIGHT(adder->weight, queue_weighted, adder, begin, end, queue)
 #endif
     list_corners(queue, end - begin, scale);
 }
