@@ -100,7 +100,7 @@ int main(int argc, char **argv) {
     static cloth c;
     hang(&c);
     norma_plan *plan = NULL;
-    const norma_vec3_view at = {c.now, POINTS, 0};
+    const norma_vec3_view at = {.data = c.now, .count = POINTS};
     const norma_mesh mesh = {.positions = at, .corners = c.corners, .corner_count = CORNERS};
     norma_result result = norma_plan_create(&mesh, NORMA_PER_VERTEX, 3.1415927F, NULL, &plan);
     if (result == NORMA_OK)

@@ -114,6 +114,14 @@ typedef enum norma_weight {
     NORMA_WEIGHT_ANGLE_LENGTHS /* alpha |a| |b| */
 } norma_weight;
 
+/* Returns the name of a weight, such as "angle-area". The command line uses the same names.
+ *
+ *   weight   any number; the weights are those from 0 up to the first without a name
+ *
+ * Returns a constant string that must not be freed, or NULL if there is no such weight. Any thread,
+ * any time. */
+NORMA_API const char *norma_weight_name(norma_weight weight);
+
 /* Which corners lie at the same point of the surface. */
 typedef enum norma_weld {
     NORMA_WELD_EXACT = 0, /* corners at exactly equal positions (-0 equals 0) */

@@ -186,7 +186,7 @@ static norma_result find_best(explain_search *search) {
     search->best = (explain_trial){.crease_rad = NAN};
     search->best_mean = INFINITY;
     norma_result result = try_creases(search);
-    for (int weight = NORMA_WEIGHT_AREA; weight <= NORMA_WEIGHT_ANGLE_LENGTHS && !result &&
+    for (int weight = NORMA_WEIGHT_AREA; norma_weight_name((norma_weight)weight) && !result &&
                                          !search->best.flat && !is_perfect(search);
          ++weight)
         result = try_one(search,

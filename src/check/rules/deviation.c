@@ -5,12 +5,6 @@
 #include "check/rules/mesh_rules.h"
 #include <math.h>
 
-static const char *weight_name(norma_weight weight) {
-    static const char *const names[] = {
-        "angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"};
-    return names[weight];
-}
-
 static void describe_deviation(
     const norma_deviation *d, size_t count, char message[CHECK_MESSAGE]) {
     char how[CHECK_MESSAGE];
@@ -18,10 +12,10 @@ static void describe_deviation(
     if (d->shading == NORMA_SHADING_FLAT)
         norma_check_message(how, "flat shading");
     else if (d->shading == NORMA_SHADING_SMOOTH)
-        norma_check_message(how, "%s weights, smooth", weight_name(d->weight));
+        norma_check_message(how, "%s weights, smooth", norma_weight_name(d->weight));
     else
-        norma_check_message(
-            how, "%s weights, crease %g", weight_name(d->weight), d->crease_angle_rad * degrees);
+        norma_check_message(how, "%s weights, crease %g", norma_weight_name(d->weight),
+            d->crease_angle_rad * degrees);
     norma_check_message(message,
         "%z stored normals are best explained by %s: median %g, 99 %% within %g, at most %g "
         "degrees off",

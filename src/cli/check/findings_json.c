@@ -49,7 +49,7 @@ static void write_deviation(cli_json *json, const norma_deviation *deviation) {
     cli_json_open(json, "deviation", '{');
     cli_json_string(json, "shading", shadings[deviation->shading]);
     cli_json_string(json, "weight",
-        deviation->shading == NORMA_SHADING_FLAT ? NULL : cli_weight_name(deviation->weight));
+        deviation->shading == NORMA_SHADING_FLAT ? NULL : norma_weight_name(deviation->weight));
     cli_json_number(json, "crease_deg", cli_given_degrees(deviation->crease_angle_rad));
     cli_json_number(json, "mean_deg", cli_to_degrees(deviation->mean_rad));
     cli_json_number(json, "p50_deg", cli_to_degrees(deviation->p50_rad));

@@ -273,7 +273,8 @@ void cli_count(FILE *out, size_t count); /* 1,234 */
 void cli_counted(FILE *out, size_t count, const char *one, const char *many);
 char *cli_decimals(char text[32], double number,
     int digits); /* rounded to so many decimals, without trailing zeros */
-const char *cli_weight_name(norma_weight weight);
+const char *cli_find_weight(
+    const char *word, norma_weight *out); /* NULL, or what was expected instead */
 const char *cli_kind_name(norma_kind kind);
 double cli_radians(double degrees);
 double cli_to_degrees(double radians);

@@ -37,24 +37,14 @@ double cli_to_degrees(double radians) { return radians * (180 / PI); }
 
 double cli_given_degrees(double radians) { return round(cli_to_degrees(radians) * 1e9) / 1e9; }
 
-const char *cli_weight_name(norma_weight weight) {
-    switch (weight) {
-    case NORMA_WEIGHT_ANGLE:
-        return "angle";
-    case NORMA_WEIGHT_AREA:
-        return "area";
-    case NORMA_WEIGHT_UNIFORM:
-        return "uniform";
-    case NORMA_WEIGHT_MAX:
-        return "max";
-    case NORMA_WEIGHT_ANGLE_AREA:
-        return "angle-area";
-    case NORMA_WEIGHT_VISIBLE:
-        return "visible";
-    case NORMA_WEIGHT_ANGLE_LENGTHS:
-        return "angle-lengths";
-    }
-    return "unknown";
+const char *cli_find_weight(const char *word, norma_weight *out) {
+    const char *name;
+    for (int weight = 0; (name = norma_weight_name((norma_weight)weight)) != NULL; ++weight)
+        if (strcmp(word, name) == 0) {
+            *out = (norma_weight)weight;
+            return NULL;
+        }
+    return "angle, area, uniform, max, angle-area, visible or angle-lengths";
 }
 
 const char *cli_kind_name(norma_kind kind) {

@@ -63,12 +63,7 @@ typedef struct compute_work {
 /* ---- options */
 
 static const char *set_weight(void *settings, const char *value) {
-    for (int weight = NORMA_WEIGHT_ANGLE; weight <= NORMA_WEIGHT_ANGLE_LENGTHS; ++weight)
-        if (strcmp(value, cli_weight_name((norma_weight)weight)) == 0) {
-            ((compute_work *)settings)->options.weight = (norma_weight)weight;
-            return NULL;
-        }
-    return "angle, area, uniform, max, angle-area, visible or angle-lengths";
+    return cli_find_weight(value, &((compute_work *)settings)->options.weight);
 }
 
 static const char *set_crease(void *settings, const char *value) {
@@ -202,7 +197,7 @@ static void write_json(const void *user, cli_json *json) {
     cli_json_size(json, "before", summary->vertices_before);
     cli_json_size(json, "after", summary->vertices_after);
     cli_json_close(json, '}');
-    cli_json_string(json, "weight", cli_weight_name(work->options.weight));
+    cli_json_string(json, "weight", norma_weight_name(work->options.weight));
     if (summary->shading == NORMA_SHADING_CREASE)
         cli_json_number(json, "crease_deg", cli_given_degrees(summary->crease_angle_rad));
     else
@@ -233,7 +228,7 @@ static void write_choices(const compute_work *work, norma_file_format format, FI
     if (summary->shading == NORMA_SHADING_FLAT)
         fputs(", flat normals", out);
     else
-        fprintf(out, ", normals by %s", cli_weight_name(work->options.weight));
+        fprintf(out, ", normals by %s", norma_weight_name(work->options.weight));
     if (summary->shading == NORMA_SHADING_SMOOTH) fputs(", smooth", out);
     if (summary->by_groups) fputs(", smoothing groups", out);
     if (summary->shading == NORMA_SHADING_CREASE && !(summary->by_groups && !work->crease_given))

@@ -119,7 +119,7 @@ static void write_explained(cli_json *json, const cli_explained *explained) {
         explained->flat                ? "flat"
         : isnan(explained->crease_deg) ? "smooth"
                                        : "crease");
-    cli_json_string(json, "weight", explained->flat ? NULL : cli_weight_name(explained->weight));
+    cli_json_string(json, "weight", explained->flat ? NULL : norma_weight_name(explained->weight));
     cli_json_number(json, "crease_deg", explained->flat ? NAN : explained->crease_deg);
     cli_json_number(json, "p50_deg", explained->p50_deg);
     cli_json_number(json, "p99_deg", explained->p99_deg);
@@ -247,9 +247,9 @@ static void print_explained(const cli_explained *explained) {
     if (explained->flat)
         fputs("flat shading", stdout);
     else if (isnan(explained->crease_deg))
-        printf("%s weights, smooth", cli_weight_name(explained->weight));
+        printf("%s weights, smooth", norma_weight_name(explained->weight));
     else
-        printf("%s weights, crease %s\302\260", cli_weight_name(explained->weight),
+        printf("%s weights, crease %s\302\260", norma_weight_name(explained->weight),
             cli_decimals(crease, explained->crease_deg, 3));
     printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most\n", p50, p99, most);
 }

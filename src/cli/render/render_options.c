@@ -173,12 +173,7 @@ static const char *set_normals(void *settings, const char *value) {
 }
 
 static const char *set_weight(void *settings, const char *value) {
-    for (int weight = NORMA_WEIGHT_ANGLE; weight <= NORMA_WEIGHT_ANGLE_LENGTHS; ++weight)
-        if (strcmp(value, cli_weight_name((norma_weight)weight)) == 0) {
-            ((render_settings *)settings)->weight = (norma_weight)weight;
-            return NULL;
-        }
-    return "angle, area, uniform, max, angle-area, visible or angle-lengths";
+    return cli_find_weight(value, &((render_settings *)settings)->weight);
 }
 
 static const char *set_crease(void *user, const char *value) {

@@ -45,13 +45,11 @@ static int read_side(const char *word, side *out) {
             strcpy(out->title, ways[i].title);
             return 1;
         }
-    for (int weight = NORMA_WEIGHT_ANGLE; weight <= NORMA_WEIGHT_ANGLE_LENGTHS; ++weight)
-        if (strcmp(word, cli_weight_name((norma_weight)weight)) == 0) {
-            out->has_weight = 1;
-            out->weight = (norma_weight)weight;
-            snprintf(out->title, sizeof out->title, "weight: %s", word);
-            return 1;
-        }
+    if (!cli_find_weight(word, &out->weight)) {
+        out->has_weight = 1;
+        snprintf(out->title, sizeof out->title, "weight: %s", word);
+        return 1;
+    }
     if (!cli_number(word, &degrees) || degrees < 0 || degrees > 180) return 0;
     out->has_crease = 1;
     out->crease_deg = degrees;

@@ -22,7 +22,7 @@ static norma_result refuse_option(norma_fault *fault, const char *argument, cons
 }
 
 static norma_result check_choices(const norma_options *o, norma_fault *fault) {
-    if (o->weight < NORMA_WEIGHT_ANGLE || o->weight > NORMA_WEIGHT_ANGLE_LENGTHS)
+    if (!norma_weight_name(o->weight))
         return refuse_option(fault, "options->weight", "a norma_weight");
     if (o->weld < NORMA_WELD_EXACT || o->weld > NORMA_WELD_DISTANCE)
         return refuse_option(fault, "options->weld", "a norma_weld");

@@ -1,5 +1,5 @@
-/* result.c: the text of every result, in one place, and the version. */
-#include <norma/norma.h>
+/* result.c: the text of every result, in one place, the names of weights, and the version. */
+#include "core/call/weight.h"
 
 #define TEXT_OF(number)              #number
 #define VERSION(major, minor, patch) TEXT_OF(major) "." TEXT_OF(minor) "." TEXT_OF(patch)
@@ -22,6 +22,15 @@ const char *norma_result_text(norma_result result) {
         return "Counts and strides multiply to more bytes than a size can tell.";
     }
     return "This number is no result of this library.";
+}
+
+#define NAME_OF(constant, name, by, formula, unused)                                               \
+    case NORMA_WEIGHT_##constant:                                                                  \
+        return name;
+
+const char *norma_weight_name(norma_weight weight) {
+    switch (weight) { CORE_WEIGHTS(NAME_OF, ) }
+    return NULL;
 }
 
 const char *norma_version(void) {

@@ -88,7 +88,7 @@ static const char *bad_compute_option(const norma_compute_options *options) {
     if (options->shading == NORMA_SHADING_CREASE &&
         !(options->crease_angle_rad >= 0 && options->crease_angle_rad <= 3.1425926))
         return "the crease angle must be in radians, from 0 to pi";
-    if ((unsigned)options->weight > NORMA_WEIGHT_ANGLE_LENGTHS) return "unknown weight";
+    if (!norma_weight_name(options->weight)) return "unknown weight";
     if ((unsigned)options->weld > NORMA_WELD_DISTANCE) return "unknown way to weld";
     if (options->weld == NORMA_WELD_DISTANCE &&
         !(options->weld_distance >= 0 && isfinite(options->weld_distance)))

@@ -8,12 +8,6 @@
 
 #define MESSAGES_PER_CALL 3
 
-const char *weight_name(norma_weight weight) {
-    static const char *const names[] = {
-        "angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"};
-    return names[weight];
-}
-
 typedef struct call {
     comparison *total;
     const char *name;
@@ -163,7 +157,7 @@ void compare_vertices(comparison *total, const char *name, const oracle *o, cons
     tally t = {0};
     outputs out;
     const norma_weight weight = options ? options->weight : NORMA_WEIGHT_ANGLE;
-    snprintf(c.what, sizeof c.what, "vertices, %s", weight_name(weight));
+    snprintf(c.what, sizeof c.what, "vertices, %s", norma_weight_name(weight));
     outputs_create(&out, options, o->position_count);
     const norma_result result =
         norma_vertex_normals(mesh, &out.options, out.normals, o->position_count, &out.report);
@@ -230,7 +224,7 @@ void compare_corners(comparison *total, const char *name, const oracle *o, const
     norma_edges edges = {0};
     int doubtful = 0;
     const norma_weight weight = options ? options->weight : NORMA_WEIGHT_ANGLE;
-    snprintf(c.what, sizeof c.what, "corners, %s, crease %g%s", weight_name(weight),
+    snprintf(c.what, sizeof c.what, "corners, %s, crease %g%s", norma_weight_name(weight),
         (double)crease_rad, options && options->non_manifold ? ", non-manifold smooth" : "");
     outputs_create(&out, options, o->corner_count);
     out.options.struct_size = sizeof out.options;
@@ -273,7 +267,7 @@ size_t compare_everything(
     oracle o;
     oracle_create(&o, mesh, weld, distance);
     compare_faces(&total, name, &o, mesh, &options);
-    for (int w = NORMA_WEIGHT_ANGLE; w <= NORMA_WEIGHT_ANGLE_LENGTHS; ++w) {
+    for (int w = NORMA_WEIGHT_ANGLE; norma_weight_name((norma_weight)w); ++w) {
         options.weight = (norma_weight)w;
         compare_vertices(&total, name, &o, mesh, &options, 1);
         for (int i = 0; i < 8; ++i) {

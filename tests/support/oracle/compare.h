@@ -31,5 +31,4 @@ void compare_corners(comparison *total, const char *name, const oracle *o, const
 size_t compare_everything(
     const char *name, const norma_mesh *mesh, norma_weld weld, double distance);
 
-const char *weight_name(norma_weight weight);
 #endif

@@ -109,7 +109,7 @@ static void report(const table *t) {
     print_row("faces", &t->face);
     for (int w = 0; w < WEIGHTS; ++w) {
         char what[40];
-        snprintf(what, sizeof what, "vertices, %s", weight_name((norma_weight)w));
+        snprintf(what, sizeof what, "vertices, %s", norma_weight_name((norma_weight)w));
         print_row(what, &t->vertex[w]);
         wrong += t->vertex[w].wrong;
     }

@@ -568,6 +568,26 @@ static void every_result_has_its_own_text(void **state) {
     assert_non_null(norma_result_text((norma_result)1000));
 }
 
+/* Numbers without a name are refused where a weight is asked for. */
+static void every_weight_has_its_own_name(void **state) {
+    (void)state;
+    static const char *const names[] = {
+        "angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"};
+    const float triangle[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const norma_mesh mesh = {.positions = {.data = triangle, .count = 3}, .corner_count = 3};
+    float normals[9];
+    for (int w = -3; w < 12; ++w) {
+        const int is_one = w >= 0 && w < (int)(sizeof names / sizeof *names);
+        const norma_options options = {.struct_size = sizeof options, .weight = (norma_weight)w};
+        if (is_one)
+            assert_string_equal(norma_weight_name((norma_weight)w), names[w]);
+        else
+            assert_null(norma_weight_name((norma_weight)w));
+        assert_int_equal(norma_vertex_normals(&mesh, &options, normals, 3, NULL),
+            is_one ? NORMA_OK : NORMA_ERROR_ARGUMENT);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(good_mesh_is_fine),
@@ -597,6 +617,7 @@ int main(void) {
         cmocka_unit_test(struct_sizes),
         cmocka_unit_test(progress_never_falls_and_cancels),
         cmocka_unit_test(every_result_has_its_own_text),
+        cmocka_unit_test(every_weight_has_its_own_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
