@@ -573,6 +573,8 @@ typedef struct norma_save_options {
     int in_place; /* nonzero: path may be the source; a .gltf keeps the names of its buffers */
     norma_progress *progress; /* if it cancels, nothing of the new file remains */
     void *progress_user;
+    uint64_t *size; /* written: bytes of the saved file and the files beside it that it names; or
+                       NULL */
 } norma_save_options;
 
 /* Writes the document to a path, completely or not at all; a .gltf with its buffers beside it.

@@ -110,7 +110,8 @@ typedef struct file_job {
     const cli_files *files;
     const cli_changer *changer;
     const char *input, *output;
-    double before; /* bytes of the input and its buffers; 0: not known */
+    double before;  /* bytes of the input and the files that it names; 0: not known */
+    uint64_t after; /* the same of the output */
 } file_job;
 
 /* Past stdio's buffer: what stood there after an interruption would be waited for once more at the
@@ -145,22 +146,23 @@ norma_document_result cli_write_standard(norma_document *document, norma_documen
     return result;
 }
 
-static norma_document_result write_output(const file_job *job, norma_document *document,
-    cli_progress *progress, norma_document_error *error) {
+static norma_document_result write_output(
+    file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error) {
     if (cli_interrupted()) return fail_cancelled(error);
     if (!is_standard(job->output)) {
         if (cli_make_folders(job->files, job->output)) return cli_reported(error);
         const norma_save_options options = {.struct_size = sizeof options,
             .in_place = job->files->in_place,
             .progress = cli_progress_report,
-            .progress_user = progress};
+            .progress_user = progress,
+            .size = &job->after};
         return norma_document_save(document, job->output, &options, error);
     }
     return cli_write_standard(document, error);
 }
 
 static norma_document_result change_document(
-    const file_job *job, norma_document *document, norma_document_error *error) {
+    file_job *job, norma_document *document, norma_document_error *error) {
     cli_progress progress;
     double megabytes = cli_megabytes(job->input);
     cli_progress_start(&progress, "computing", job->input, job->common->quiet, megabytes);
@@ -199,30 +201,14 @@ static int add_size(void *user, const char *path) {
     return 0;
 }
 
-/* Of a file and, for a .gltf, of the files that it names. */
-static double size_of(const char *path, norma_document *document) {
-    double size = 0;
-    if (is_standard(path)) return 0;
-    add_size(&size, path);
-    if (norma_document_format(document) == NORMA_FILE_GLTF)
-        norma_document_visit_files(document, add_size, &size, NULL);
-    return size;
-}
-
-static double size_of_output(const file_job *job) {
-    const norma_document_options options = {.struct_size = sizeof options,
-        .format = job->files->format,
-        .depth = NORMA_DOCUMENT_SUMMARY,
-        .lenient = 1};
-    norma_document *document = NULL;
-    double size = 0;
-    if (norma_file_format_of_path(job->output) != NORMA_FILE_GLTF) {
-        if (!is_standard(job->output)) add_size(&size, job->output);
-    } else if (!norma_document_open(job->output, &options, &document, NULL)) {
-        size = size_of(job->output, document);
-        norma_document_close(document);
-    }
-    return size;
+/* Of the input and, for a .gltf, of the files that it names. */
+static norma_document_result measure_input(
+    file_job *job, norma_document *document, norma_document_error *error) {
+    if (is_standard(job->input)) return NORMA_DOCUMENT_OK;
+    add_size(&job->before, job->input);
+    return norma_document_format(document) == NORMA_FILE_GLTF
+               ? norma_document_visit_files(document, add_size, &job->before, error)
+               : NORMA_DOCUMENT_OK;
 }
 
 static void write_size(FILE *out, double bytes) {
@@ -235,8 +221,8 @@ static void write_size(FILE *out, double bytes) {
 
 /* Only if it grew by more than a tenth. */
 static void write_growth(const file_job *job, FILE *out) {
-    const double after = job->before > 0 ? size_of_output(job) : 0;
-    if (after <= 1.1 * job->before) return;
+    const double after = (double)job->after;
+    if (job->before <= 0 || after <= 1.1 * job->before) return;
     fputs("; size ", out);
     write_size(out, job->before);
     fputs(" -> ", out);
@@ -306,7 +292,7 @@ static int run_job(file_job *job) {
     norma_document_error error = {0};
     norma_document_result result = open_input(job, &document, &memory, &error);
     const int refused = result ? CLI_OK : guard_output(job->files, job->input, job->output);
-    if (!result) job->before = size_of(job->input, document);
+    if (!result && !refused) result = measure_input(job, document, &error);
     if (!result && !refused) result = change_document(job, document, &error);
     error.result = result;
     cli_name_error(&error, job->input);

@@ -82,6 +82,7 @@ static norma_document_result write_target(norma_document *document, const char *
         return norma_document_fail_file(path, error, "cannot be written", sink.error);
     if (!result && !stream && document->functions->write_companions)
         result = document->functions->write_companions(document, path, in_place, companions, error);
+    companions->size += sink.written;
     /* After all of it is read for the last time; what went wrong before may come of it. */
     if (norma_document_changed(document, error)) return NORMA_DOCUMENT_ERROR_FILE;
     return sink.error
@@ -121,11 +122,13 @@ norma_document_result norma_document_save(norma_document *document, const char *
     const norma_save_options *given, norma_document_error *error) {
     norma_document_result result = norma_document_usable(document, error);
     norma_save_options options;
-    norma_document_copy_options(&options, sizeof options, sizeof options, given);
+    norma_document_copy_options(
+        &options, sizeof options, offsetof(norma_save_options, size), given);
     if (!result) result = check_target(document, path, options.in_place, error);
     if (result) return result;
     companion_writers writers = {0};
     result = save(document, path, &options, &writers, error);
+    if (!result && options.size) *options.size = writers.size;
     norma_document_free_writers(&writers, result != NORMA_DOCUMENT_OK);
     return result;
 }

@@ -13,6 +13,8 @@ typedef struct companion_writers { /* freed by who made it; paths: what messages
     file_writer **list;
     char **paths, **folders; /* folders: made for them, to go where the save fails */
     size_t count, folder_count, list_capacity, path_capacity, folder_capacity;
+    uint64_t
+        size; /* bytes of all files beside the document, also of those that are there already */
 } companion_writers;
 /* 0: memory is out, and the writer is abandoned. */
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);

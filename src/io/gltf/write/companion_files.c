@@ -226,6 +226,51 @@ static norma_document_result collect(companions *c, const char *path) {
     return result || !elsewhere || !c->document->folder ? result : add_images(c);
 }
 
+/* ---- sizes */
+
+static int add_size(void *user, const char *path) {
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode))
+        *(uint64_t *)user += (uint64_t)status.st_size;
+    return 0;
+}
+
+/* Returns 1 if visit stopped, -1 if memory is out, else 0. */
+static int visit_buffer(
+    const norma_document *document, uint32_t buffer, norma_visit_file *visit, void *user) {
+    const char *name = norma_gltf_of(document)->buffers[buffer].name;
+    return name ? norma_document_visit_name(document, name, strlen(name), visit, user) : 0;
+}
+
+static int visit_images(const norma_document *document, norma_visit_file *visit, void *user) {
+    const json *j = &norma_gltf_of(document)->json;
+    const uint32_t images = norma_json_member(j, 0, "images");
+    int stop = 0;
+    for (uint32_t image = norma_json_first(j, images); !stop && image != JSON_NONE;
+         image = norma_json_next(j, images, image)) {
+        char *name = image_name(j, image, &stop);
+        if (stop) return -1;
+        if (name) stop = norma_document_visit_name(document, name, strlen(name), visit, user);
+        free(name);
+    }
+    return stop;
+}
+
+/* Of all buffers and images beside the output; those that do not change are as long as they were
+ * beside the input. 0: memory is out. */
+static int measure(const companions *c, uint64_t *size) {
+    const gltf *g = c->g;
+    const patch_buffer *made = norma_gltf_differs(g) ? g->patch->buffers : NULL;
+    int failed = 0;
+    for (uint32_t b = 0; made && b <= g->buffer_count; ++b)
+        if (made[b].changed && made[b].name) *size += made[b].length;
+    if (!c->document->folder) return 1;
+    for (uint32_t b = 0; b < g->buffer_count && !failed; ++b)
+        if (!made || !(made[b].changed || made[b].removed))
+            failed = visit_buffer(c->document, b, add_size, size);
+    return !failed && !visit_images(c->document, add_size, size);
+}
+
 /* ---- writing */
 
 /* Folders below the output's for names like "textures/wood.png". */
@@ -277,6 +322,7 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
     norma_document_result result = c.folder ? NORMA_DOCUMENT_OK : out_of_memory(&c);
     if (!result && norma_gltf_differs(g)) result = norma_gltf_lay_out(g, path, error);
     if (!result) result = collect(&c, path);
+    if (!result && !measure(&c, &writers->size)) result = out_of_memory(&c);
     for (size_t i = 0; !result && i < c.count; ++i) result = write_one(&c, &c.list[i], writers);
     for (size_t i = 0; i < c.count; ++i) {
         norma_file_close(&c.list[i].file);
@@ -289,21 +335,10 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
 
 int norma_gltf_visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
     const gltf *g = norma_gltf_of(document);
-    const json *j = &g->json;
     int stop = 0;
     for (uint32_t b = 0; g->buffers && b < g->buffer_count && !stop; ++b)
-        if (g->buffers[b].name)
-            stop = norma_document_visit_name(
-                document, g->buffers[b].name, strlen(g->buffers[b].name), visit, user);
-    const uint32_t images = norma_json_member(j, 0, "images");
-    for (uint32_t image = norma_json_first(j, images); !stop && image != JSON_NONE;
-         image = norma_json_next(j, images, image)) {
-        char *name = image_name(j, image, &stop);
-        if (stop) return -1;
-        if (name) stop = norma_document_visit_name(document, name, strlen(name), visit, user);
-        free(name);
-    }
-    return stop;
+        stop = visit_buffer(document, b, visit, user);
+    return stop ? stop : visit_images(document, visit, user);
 }
 
 char *norma_gltf_changed_companion(const norma_document *document) {
