@@ -12,7 +12,7 @@ foreach(shader ${shaders})
 endforeach()
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/shaders.h CONTENT "${shader_text}" @ONLY)
 
-file(GLOB render_sources CONFIGURE_DEPENDS src/render/*.c)
+file(GLOB_RECURSE render_sources CONFIGURE_DEPENDS src/render/*.c)
 add_library(norma-render STATIC ${render_sources})
 target_include_directories(norma-render PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/generated)
 target_include_directories(norma-render SYSTEM PRIVATE ${NORMA_EGL_INCLUDE} ${NORMA_GLES_INCLUDE})

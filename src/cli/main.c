@@ -1,6 +1,10 @@
 /* main.c: finds the verb. Every verb has a file of its own, with its options, its help and its
  * report. */
-#include "cli/common/cli.h"
+#include "cli/options/options.h"
+#include "cli/options/suggest.h"
+#include "cli/process/errors.h"
+#include "cli/process/progress.h"
+#include "cli/process/startup_checks.h"
 #include <string.h>
 
 static const cli_subcommand *const verbs[] = {&cli_subcommand_compute, &cli_subcommand_transform,

@@ -7,6 +7,8 @@
  * ...]} */
 #define _XOPEN_SOURCE 700
 #include "cli/check/check_command.h"
+#include "cli/files/report_output.h"
+#include "cli/process/errors.h"
 #include <errno.h>
 #include <jansson.h>
 #include <pthread.h>

@@ -1,6 +1,11 @@
 /* check_command.c: norma check: the rules over files, and the report. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
+#include "cli/files/batch.h"
+#include "cli/files/find_inputs.h"
+#include "cli/files/report_output.h"
+#include "cli/process/errors.h"
+#include "cli/process/progress.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

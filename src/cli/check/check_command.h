@@ -2,7 +2,7 @@
  * forms of reports. */
 #ifndef NORMA_CLI_CHECK_VERB_H
 #define NORMA_CLI_CHECK_VERB_H
-#include "cli/common/cli.h"
+#include "cli/files/input.h"
 #include <norma/check.h>
 
 enum { CHECK_RULES = 128 }; /* room for a byte of each rule */

@@ -2,6 +2,9 @@
  * weighed by the configuration and the baseline, told by the report's form. */
 #define _XOPEN_SOURCE 700
 #include "cli/check/fix_file.h"
+#include "cli/files/find_inputs.h"
+#include "cli/process/errors.h"
+#include "cli/process/progress.h"
 #include <stdlib.h>
 #include <string.h>
 

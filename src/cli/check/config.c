@@ -7,6 +7,8 @@
  * "meshes": ["leaf*"], "materials": ["*grass*"], "ignore": ["N2"], "severity": {...}}]} */
 #define _XOPEN_SOURCE 700
 #include "cli/check/check_command.h"
+#include "cli/options/suggest.h"
+#include "cli/process/errors.h"
 #include <errno.h>
 #include <jansson.h>
 #include <stdlib.h>

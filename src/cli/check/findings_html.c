@@ -1,6 +1,8 @@
 /* findings_html.c: findings as one HTML file that needs nothing else: a table that is sorted by its
  * heads, filtered by severity and words, with a drawing of each place. */
 #include "cli/check/finding_picture.h"
+#include "cli/process/errors.h"
+#include "cli/text/report_text.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* findings_json.c: findings for programs: the schema norma-check/1. Keys are fixed; more may be
  * added. */
 #include "cli/check/check_command.h"
+#include "cli/text/report_text.h"
 #include <math.h>
 
 static const char *fix_name(norma_fix fix) {

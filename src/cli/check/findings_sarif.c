@@ -2,6 +2,7 @@
  * file is a logical location (a JSON pointer), and a fingerprint that stays the same from run to
  * run tells old findings from new ones. */
 #include "cli/check/check_command.h"
+#include "cli/process/errors.h"
 #include <string.h>
 
 static const char *level_of(norma_severity severity) {

@@ -2,6 +2,8 @@
  * verdict last. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
+#include "cli/process/errors.h"
+#include "cli/text/memory_stream.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,6 +2,10 @@
  * worse than the file was is not written. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/fix_file.h"
+#include "cli/files/batch.h"
+#include "cli/files/place_outputs.h"
+#include "cli/process/errors.h"
+#include "cli/text/memory_stream.h"
 #include <stdlib.h>
 #include <string.h>
 

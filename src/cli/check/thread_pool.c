@@ -4,6 +4,9 @@
  * window ahead of the output, so memory does not grow with the number of files. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
+#include "cli/process/errors.h"
+#include "cli/process/progress.h"
+#include "cli/text/memory_stream.h"
 #include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>

@@ -1,5 +1,7 @@
 /* compute_command.c: norma compute: normals of the surface, written into a copy of each file. */
-#include "cli/common/cli.h"
+#include "cli/files/batch.h"
+#include "cli/process/errors.h"
+#include "cli/text/report_text.h"
 #include <string.h>
 
 static const char help[] =

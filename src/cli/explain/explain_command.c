@@ -1,5 +1,7 @@
 /* explain_command.c: norma explain N501: what a rule measures, why it matters, what to do. */
-#include "cli/common/cli.h"
+#include "cli/options/options.h"
+#include "cli/process/errors.h"
+#include "cli/text/report_json.h"
 #include <norma/check.h>
 #include <stdlib.h>
 #include <string.h>

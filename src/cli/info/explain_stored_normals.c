@@ -1,6 +1,8 @@
 /* explain_stored_normals.c: which weight and crease explain the normals of a document's mesh, in
  * degrees. */
-#include "cli/common/cli.h"
+#include "cli/info/explain_stored_normals.h"
+#include "cli/process/progress.h"
+#include "cli/text/report_text.h"
 #include <math.h>
 #include <norma/check.h>
 

@@ -1,7 +1,11 @@
 /* info_command.c: norma info: what is in a file: meshes, counts, normals, the kinds of the
  * transforms. */
 #include "cli/info/bounds.h"
-#include "cli/common/cli.h"
+#include "cli/files/find_inputs.h"
+#include "cli/info/explain_stored_normals.h"
+#include "cli/process/errors.h"
+#include "cli/process/progress.h"
+#include "cli/text/report_text.h"
 #include <math.h>
 #include <norma/check.h>
 #include <stdlib.h>

@@ -1,6 +1,9 @@
 /* matrix_command.c: norma matrix: what a matrix does to normals, in numbers that a reader can check
  * by hand. */
-#include "cli/common/cli.h"
+#include "cli/options/matrix_options.h"
+#include "cli/process/errors.h"
+#include "cli/text/report_json.h"
+#include "cli/text/report_text.h"
 #include <math.h>
 #include <string.h>
 

@@ -3,7 +3,8 @@
 #ifndef NORMA_CLI_RENDER_H
 #define NORMA_CLI_RENDER_H
 #include "render/render.h"
-#include "cli/common/cli.h"
+#include "cli/files/input.h"
+#include "cli/options/matrix_options.h"
 
 /* ---- settings */
 

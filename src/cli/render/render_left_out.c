@@ -1,6 +1,7 @@
 /* render_left_out.c: norma render where the tool is built without libpng or the headers of EGL and
  * OpenGL ES: says so and fails. */
-#include "cli/common/cli.h"
+#include "cli/options/subcommand.h"
+#include "cli/process/errors.h"
 #include <string.h>
 
 static const char help[] =

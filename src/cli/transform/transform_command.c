@@ -1,5 +1,8 @@
 /* transform_command.c: norma transform: a file under one matrix, its normals with it. */
-#include "cli/common/cli.h"
+#include "cli/files/batch.h"
+#include "cli/options/matrix_options.h"
+#include "cli/process/errors.h"
+#include "cli/text/report_text.h"
 #include <string.h>
 
 static const char help[] =

@@ -1,6 +1,12 @@
 /* view_command.c: norma view: one HTML file with the page and the model in it. The page is the
  * playground that `make web` leaves; the model is packed by model_pack.c. */
-#include "cli/common/cli.h"
+#include "cli/files/batch.h"
+#include "cli/files/find_inputs.h"
+#include "cli/files/place_outputs.h"
+#include "cli/files/report_output.h"
+#include "cli/process/errors.h"
+#include "cli/process/progress.h"
+#include "cli/text/report_text.h"
 #include "web/page/model/model_pack.h"
 #include "cli/view/embedded_page.h"
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* test_render_pipeline.c: the steps of the pipeline by hand, the smallest ball, the closest frame;
  * no picture is drawn. */
 #include "check.h"
-#include "render/bounding_ball.h"
-#include "render/pipeline.h"
+#include "render/camera/bounding_ball.h"
+#include "render/camera/pipeline.h"
 
 static void assert_near(const double *a, double x, double y, double z) {
     const double off = fabs(a[0] - x) + fabs(a[1] - y) + fabs(a[2] - z);

@@ -1,0 +1,353 @@
+/* batch.c: compute and transform over files: where each output goes, one bad input not stopping the
+ * rest, and a line about each. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/files/batch.h"
+#include "cli/files/find_inputs.h"
+#include "cli/files/place_outputs.h"
+#include "cli/process/errors.h"
+#include "cli/process/progress.h"
+#include "cli/text/report_text.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- where outputs go */
+
+static const char *set_output(void *settings, const char *value) {
+    cli_files *files = settings;
+    if (files->output) return "to be given once";
+    files->output = value;
+    return value[0] ? NULL : "a name, or - for standard output";
+}
+
+static const char *set_folder(void *settings, const char *value) {
+    cli_files *files = settings;
+    if (files->folder) return "to be given once";
+    files->folder = value;
+    return value[0] ? NULL : "the name of a folder";
+}
+
+static const char *set_in_place(void *settings, const char *value) {
+    (void)value;
+    ((cli_files *)settings)->in_place = 1;
+    return NULL;
+}
+
+const cli_option cli_output_options[] = {
+    {"output", 'o', 1, set_output},
+    {"out-dir", 0, 1, set_folder},
+    {"in-place", 0, 0, set_in_place},
+};
+const size_t cli_output_option_count = CLI_COUNT(cli_output_options);
+
+static int is_standard(const char *name) { return strcmp(name, "-") == 0; }
+
+static const char *base_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static int same_file(const char *a, const char *b) {
+    struct stat of_a, of_b;
+    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && S_ISREG(of_a.st_mode) &&
+           of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
+}
+
+static int is_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+static int is_stream(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
+/* What the library would say after the work, said before it. */
+static int check_output(const cli_subcommand *verb, const cli_files *files, const char *input) {
+    const char *output = files->output, *dot = strrchr(base_name(output), '.'),
+               *input_dot = strrchr(base_name(input), '.');
+    norma_file_format format = files->format ? files->format : norma_file_format_of_path(input),
+                      named = norma_file_format_of_path(output);
+    if (is_standard(output)) return CLI_OK;
+    if (is_folder(output))
+        return cli_usage(
+            verb, "-o %s is a folder; expected a file, or --out-dir %s", output, output);
+    if (!is_standard(input) && same_file(input, output))
+        return cli_usage(
+            verb, "-o names the input %s; expected another name, or --in-place", input);
+    if (!format || named == format || is_stream(output) ||
+        (!named && dot && input_dot && !strcmp(dot, input_dot)))
+        return CLI_OK;
+    const char *name = norma_file_format_name(format);
+    return cli_usage(verb,
+        "-o %s: the output has the format of its input, %s; expected a name that ends in .%s",
+        output, name, name);
+}
+
+int cli_check_outputs(const cli_subcommand *verb, const cli_common *common, cli_files *files) {
+    int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
+    for (size_t i = 0; i < files->inputs.count; ++i)
+        standard |= is_standard(files->inputs.paths[i]);
+    if (ways == 0)
+        return cli_usage(
+            verb, "no output was given; expected -o OUT, --out-dir FOLDER or --in-place");
+    if (ways > 1) return cli_usage(verb, "-o, --out-dir and --in-place exclude each other");
+    if (files->output && files->inputs.count > 1)
+        return cli_usage(verb, "one -o for %zu inputs; expected --out-dir FOLDER or --in-place",
+            files->inputs.count);
+    if (files->output && is_standard(files->output) && common->json)
+        return cli_usage(verb, "-o - and --json would both write to standard output");
+    if (!files->output && standard)
+        return cli_usage(verb, "standard input has no name to write to; expected -o OUT");
+    int status = files->output ? check_output(verb, files, files->inputs.paths[0])
+                               : cli_place_outputs(verb, files, NULL);
+    if (!status) status = cli_guard_outputs(files);
+    return status ? status : cli_make_out_dir(verb, files);
+}
+
+/* ---- one file */
+
+typedef struct file_job {
+    const cli_common *common;
+    const cli_files *files;
+    const cli_changer *changer;
+    const char *input, *output;
+    double before;  /* bytes of the input and the files that it names; 0: not known */
+    uint64_t after; /* the same of the output */
+} file_job;
+
+/* Past stdio's buffer: what stood there after an interruption would be waited for once more at the
+ * end. *failed: what the system said. */
+static int write_to_stdout(void *failed, const void *bytes, size_t size) {
+    const unsigned char *at = bytes;
+    while (size > 0 && !cli_interrupted()) {
+        ssize_t written = write(STDOUT_FILENO, at, size);
+        if (written < 0 && errno != EINTR) {
+            *(int *)failed = errno;
+            return 1;
+        }
+        at += written > 0 ? written : 0;
+        size -= written > 0 ? (size_t)written : 0;
+    }
+    return size > 0;
+}
+
+static norma_document_result fail_cancelled(norma_document_error *error) {
+    error->result = NORMA_DOCUMENT_CANCELLED;
+    snprintf(error->message, sizeof error->message, "interrupted");
+    return error->result;
+}
+
+norma_document_result cli_write_standard(norma_document *document, norma_document_error *error) {
+    int failed = 0;
+    norma_document_result result = norma_document_write(document, write_to_stdout, &failed, error);
+    if (cli_interrupted()) return fail_cancelled(error);
+    if (result && failed)
+        snprintf(error->message, sizeof error->message, "standard output: cannot be written: %s",
+            strerror(failed));
+    return result;
+}
+
+static norma_document_result write_output(
+    file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error) {
+    if (cli_interrupted()) return fail_cancelled(error);
+    if (!is_standard(job->output)) {
+        if (cli_make_folders(job->files, job->output)) return cli_reported(error);
+        const norma_save_options options = {.struct_size = sizeof options,
+            .in_place = job->files->in_place,
+            .progress = cli_progress_report,
+            .progress_user = progress,
+            .size = &job->after};
+        return norma_document_save(document, job->output, &options, error);
+    }
+    return cli_write_standard(document, error);
+}
+
+static norma_document_result change_document(
+    file_job *job, norma_document *document, norma_document_error *error) {
+    cli_progress progress;
+    double megabytes = cli_megabytes(job->input);
+    cli_progress_start(&progress, "computing", job->input, job->common->quiet, megabytes);
+    norma_document_result result =
+        job->changer->change(job->changer->work, document, cli_progress_report, &progress, error);
+    cli_progress_stop(&progress);
+    if (result) return result;
+    cli_progress_start(&progress, "writing", job->output, job->common->quiet, megabytes);
+    result = write_output(job, document, &progress, error);
+    cli_progress_stop(&progress);
+    return result;
+}
+
+static norma_document_result open_input(
+    const file_job *job, norma_document **document, void **memory, norma_document_error *error) {
+    cli_progress progress;
+    cli_progress_start(
+        &progress, "reading", job->input, job->common->quiet, cli_megabytes(job->input));
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = job->files->format,
+        .threads = job->common->threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress};
+    norma_document_result result =
+        cli_open(job->files, job->input, &options, document, memory, error);
+    cli_progress_stop(&progress);
+    return result;
+}
+
+/* ---- sizes */
+
+static int add_size(void *user, const char *path) {
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode))
+        *(double *)user += (double)status.st_size;
+    return 0;
+}
+
+/* Of the input and, for a .gltf, of the files that it names. */
+static norma_document_result measure_input(
+    file_job *job, norma_document *document, norma_document_error *error) {
+    if (is_standard(job->input)) return NORMA_DOCUMENT_OK;
+    add_size(&job->before, job->input);
+    return norma_document_format(document) == NORMA_FILE_GLTF
+               ? norma_document_visit_files(document, add_size, &job->before, error)
+               : NORMA_DOCUMENT_OK;
+}
+
+static void write_size(FILE *out, double bytes) {
+    char number[32];
+    const int unit = bytes >= 1e6 ? 2 : bytes >= 1e3 ? 1 : 0;
+    static const char *const names[] = {"bytes", "kB", "MB"};
+    static const double sizes[] = {1, 1e3, 1e6};
+    fprintf(out, "%s %s", cli_decimals(number, bytes / sizes[unit], unit ? 1 : 0), names[unit]);
+}
+
+/* Only if it grew by more than a tenth. */
+static void write_growth(const file_job *job, FILE *out) {
+    const double after = (double)job->after;
+    if (job->before <= 0 || after <= 1.1 * job->before) return;
+    fputs("; size ", out);
+    write_size(out, job->before);
+    fputs(" -> ", out);
+    write_size(out, after);
+}
+
+static void report_json(
+    const file_job *job, const norma_document *document, const norma_document_error *error) {
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "input", job->input);
+    cli_json_string(&json, "output", error->result ? NULL : job->output);
+    if (error->result)
+        cli_json_string(&json, "error", error->message);
+    else {
+        job->changer->write_json(job->changer->work, &json);
+        cli_json_notes(&json, document);
+    }
+    cli_json_close(&json, '}');
+    fputc('\n', stdout);
+}
+
+static void report(
+    const file_job *job, const norma_document *document, const norma_document_error *error) {
+    if (error->result) {
+        cli_print_error(error);
+    } else if (!job->common->quiet && !job->common->json) {
+        int to_stdout = is_standard(job->output);
+        FILE *out = to_stdout ? stderr : stdout;
+        fflush(stdout);
+        cli_say(out, "%s -> %s: ", cli_input_name(job->input),
+            to_stdout ? "standard output" : job->output);
+        job->changer->write_text(job->changer->work, document, out);
+        write_growth(job, out);
+        fputc('\n', out);
+        fflush(out);
+        cli_print_notes(job->input, document);
+    }
+    if (job->common->json && error->result != NORMA_DOCUMENT_CANCELLED)
+        report_json(job, document, error);
+}
+
+static int guard_output(const cli_files *files, const char *input, const char *output) {
+    return cli_guard_output(files->guard, output, files->in_place ? input : NULL);
+}
+
+static int guard_each(const cli_files *files) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < files->inputs.count && !status; ++i) {
+        char *output = cli_output_of(files, i, NULL);
+        status = output ? guard_output(files, files->inputs.paths[i], output) : cli_out_of_memory();
+        free(output);
+    }
+    return status;
+}
+
+int cli_guard_outputs(const cli_files *files) {
+    const int status = guard_each(files);
+    if (status) return status;
+    cli_guard_look_ahead(files->guard, &files->inputs, files->format);
+    return guard_each(files);
+}
+
+static int run_job(file_job *job) {
+    norma_document *document;
+    void *memory;
+    norma_document_error error = {0};
+    norma_document_result result = open_input(job, &document, &memory, &error);
+    const int refused = result ? CLI_OK : guard_output(job->files, job->input, job->output);
+    if (!result && !refused) result = measure_input(job, document, &error);
+    if (!result && !refused) result = change_document(job, document, &error);
+    error.result = result;
+    cli_name_error(&error, job->input);
+    if (!refused) report(job, document, &error);
+    norma_document_close(document);
+    free(memory);
+    return refused ? refused : cli_status_of(result);
+}
+
+static int change_files(const cli_subcommand *verb, const cli_common *common, cli_files *files,
+    const cli_changer *changer) {
+    int status = cli_find_inputs(verb, files);
+    if (status == CLI_USAGE || files->inputs.count == 0) return status;
+    const int placed = cli_check_outputs(verb, common, files);
+    if (placed) return placed;
+    for (size_t i = 0; i < files->inputs.count; ++i) {
+        if (cli_interrupted()) return cli_finish(cli_interrupted());
+        const char *input = files->inputs.paths[i];
+        char *output = cli_output_of(files, i, NULL);
+        if (!output) return cli_out_of_memory();
+        file_job one = {
+            .common = common, .files = files, .changer = changer, .input = input, .output = output};
+        status = cli_worse(status, run_job(&one));
+        free(output);
+    }
+    return cli_finish(status);
+}
+
+int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, const cli_table *own,
+    size_t own_count, int count, char **arguments) {
+    cli_common common = {.threads = NORMA_ALL_THREADS};
+    cli_files files = {0};
+    const cli_table shared[] = {
+        {cli_output_options, cli_output_option_count, &files},
+        {cli_input_options, cli_input_option_count, &files},
+        {cli_common_options, cli_common_option_count, &common},
+    };
+    cli_table tables[CLI_OWN_TABLES + CLI_COUNT(shared)];
+    int wants_help;
+    if (!cli_files_begin(verb, &files, count)) return CLI_FILE;
+    own_count = own_count < CLI_OWN_TABLES ? own_count : CLI_OWN_TABLES;
+    memcpy(tables, own, own_count * sizeof *own);
+    memcpy(tables + own_count, shared, sizeof shared);
+    int status = cli_parse(
+        verb, tables, own_count + CLI_COUNT(shared), count, arguments, &files.words, &wants_help);
+    if (wants_help)
+        fputs(verb->help, stdout), status = cli_finish(status);
+    else if (!status)
+        status = changer->prepare(verb, changer->work, common.threads);
+    if (!status && !wants_help) status = change_files(verb, &common, &files, changer);
+    cli_files_end(&files);
+    return status;
+}

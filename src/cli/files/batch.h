@@ -1,0 +1,47 @@
+/* batch.h: verbs that change files: each is opened, changed and written, and a line says so. */
+#ifndef NORMA_CLI_BATCH_H
+#define NORMA_CLI_BATCH_H
+#include "cli/files/input.h"
+#include <stdio.h>
+
+#define CLI_FILES_HELP                                                                             \
+    "Files\n"                                                                                      \
+    "  IN                    a file, a folder, or a pattern in quotes\n"                           \
+    "  -o, --output OUT      the output, in IN's format; - is standard output\n"                   \
+    "  --out-dir FOLDER      where outputs go, if there are several inputs; keeps the tree of a\n" \
+    "                        folder\n"                                                             \
+    "  --in-place            replaces each input, whole or not at all\n"                           \
+    "  --input-format obj|ply|stl|gltf|glb\n"                                                      \
+    "                        needed for standard input, which is called -\n"                       \
+    "  --threads N           how many threads may work (all); the result has the same bits\n"      \
+    "  --max-memory SIZE     512M, 2G: ends with 'out of memory' if a file needs more\n"           \
+    "  --json                prints a summary for programs, one object a line\n"                   \
+    "  --quiet               prints nothing but errors\n"
+extern const cli_option cli_output_options[]; /* -o --out-dir --in-place */
+extern const size_t cli_output_option_count;
+
+/* What a verb does to each file of a batch. */
+typedef struct cli_changer {
+    void *work; /* the verb's own: its options, and the summary of the file at hand */
+    norma_document_result (*change)(void *work, norma_document *document, norma_progress *progress,
+        void *progress_user, norma_document_error *error);
+    void (*write_json)(const void *work, cli_json *json); /* the keys after "input" and "output" */
+    /* What stands after "IN -> OUT: ", without the line's end. */
+    void (*write_text)(const void *work, const norma_document *document, FILE *out);
+    /* Once all options are read: a status. */
+    int (*prepare)(const cli_subcommand *verb, void *work, uint32_t threads);
+} cli_changer;
+
+/* Such a verb as a whole, from its arguments to its status; tables: its own options beside those
+ * that all of them take. */
+enum { CLI_OWN_TABLES = 2 };
+int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, const cli_table *tables,
+    size_t table_count, int count, char **arguments);
+
+/* Whether all have somewhere to go, each its own place; makes --out-dir. A status. */
+int cli_check_outputs(const cli_subcommand *verb, const cli_common *common, cli_files *files);
+/* Whether no output is a source, as far as the inputs' names say. A status. */
+int cli_guard_outputs(const cli_files *files);
+/* To standard output; interruptible. */
+norma_document_result cli_write_standard(norma_document *document, norma_document_error *error);
+#endif

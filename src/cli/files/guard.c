@@ -1,0 +1,155 @@
+/* guard.c: the list of sources, and the question whether an output is one of them. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/files/guard.h"
+#include "cli/files/input.h"
+#include "cli/process/errors.h"
+#include "cli/process/progress.h"
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct source {
+    dev_t device;
+    ino_t inode;
+    char *named_by; /* the input that names it; NULL: it is read itself */
+} source;
+
+struct cli_guard {
+    const cli_subcommand *verb;
+    pthread_mutex_t lock;
+    source *sources;
+    size_t count, capacity;
+    int watches;    /* an output exists already, so there is something to lose */
+    int incomplete; /* memory was out: nothing that exists may be written any more */
+};
+
+cli_guard *cli_guard_new(const cli_subcommand *verb) {
+    cli_guard *guard = calloc(1, sizeof *guard);
+    if (!guard) {
+        cli_out_of_memory();
+        return NULL;
+    }
+    guard->verb = verb;
+    pthread_mutex_init(&guard->lock, NULL);
+    return guard;
+}
+
+void cli_guard_free(cli_guard *guard) {
+    if (!guard) return;
+    for (size_t i = 0; i < guard->count; ++i) free(guard->sources[i].named_by);
+    free(guard->sources);
+    pthread_mutex_destroy(&guard->lock);
+    free(guard);
+}
+
+/* Only regular files can be lost: devices and pipes are written as they are. */
+static int regular_file(const char *path, int standard, struct stat *status) {
+    const int failed = strcmp(path, "-") == 0 ? fstat(standard, status) : stat(path, status);
+    return !failed && S_ISREG(status->st_mode);
+}
+
+static const source *find(const cli_guard *guard, const struct stat *status) {
+    for (size_t i = 0; i < guard->count; ++i)
+        if (guard->sources[i].inode == status->st_ino && guard->sources[i].device == status->st_dev)
+            return &guard->sources[i];
+    return NULL;
+}
+
+static void add(cli_guard *guard, const struct stat *status, const char *named_by) {
+    char *copy = named_by ? strdup(named_by) : NULL;
+    source *grown = guard->sources;
+    if (guard->count == guard->capacity) {
+        const size_t capacity = guard->capacity ? 2 * guard->capacity : 64;
+        grown = realloc(guard->sources, capacity * sizeof *grown);
+        if (grown) guard->capacity = capacity;
+    }
+    if (grown) guard->sources = grown;
+    if (!grown || (named_by && !copy)) {
+        guard->incomplete = 1;
+        free(copy);
+        return;
+    }
+    guard->sources[guard->count++] = (source){status->st_dev, status->st_ino, copy};
+}
+
+void cli_guard_read(cli_guard *guard, const char *path) {
+    struct stat status;
+    if (!guard || !regular_file(path, STDIN_FILENO, &status)) return;
+    pthread_mutex_lock(&guard->lock);
+    add(guard, &status, NULL);
+    pthread_mutex_unlock(&guard->lock);
+}
+
+typedef struct named {
+    cli_guard *guard;
+    const char *by;
+} named;
+
+static int add_named(void *user, const char *path) {
+    const named *names = user;
+    struct stat status;
+    if (!regular_file(path, STDIN_FILENO, &status)) return 0;
+    pthread_mutex_lock(&names->guard->lock);
+    add(names->guard, &status, names->by);
+    pthread_mutex_unlock(&names->guard->lock);
+    return 0;
+}
+
+void cli_guard_document(cli_guard *guard, norma_document *document, const char *input) {
+    named names = {guard, cli_input_name(input)};
+    norma_document_error error;
+    if (!guard || !guard->watches) return;
+    if (norma_document_visit_files(document, add_named, &names, &error) ==
+        NORMA_DOCUMENT_ERROR_MEMORY)
+        guard->incomplete = 1;
+}
+
+void cli_guard_look_ahead(
+    cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format) {
+    if (!guard || !guard->watches || inputs->count < 2) return;
+    for (size_t i = 0; i < inputs->count && !cli_interrupted(); ++i) {
+        const char *path = inputs->paths[i];
+        const norma_file_format kind = format ? format : norma_file_format_of_path(path);
+        const norma_document_options options = {.struct_size = sizeof options,
+            .format = format,
+            .depth = NORMA_DOCUMENT_SUMMARY,
+            .progress = cli_stop_when_interrupted,
+            .lenient = 1};
+        norma_document *document;
+        norma_document_error error; /* reported when the file is read for the work */
+        if (kind < NORMA_FILE_GLTF || strcmp(path, "-") == 0 ||
+            norma_document_open(path, &options, &document, &error))
+            continue;
+        cli_guard_document(guard, document, path);
+        norma_document_close(document);
+    }
+}
+
+static int refuse(const cli_guard *guard, const char *output, const source *found) {
+    const char *name = strcmp(output, "-") == 0 ? "standard output" : output;
+    if (found->named_by)
+        return cli_usage(guard->verb,
+            "%s belongs to %s, which names it, and would be overwritten; expected another name for "
+            "the output",
+            name, found->named_by);
+    return cli_usage(guard->verb,
+        "%s is read by this command and would be overwritten; expected another name for the output",
+        name);
+}
+
+int cli_guard_output(cli_guard *guard, const char *output, const char *own) {
+    struct stat status, of_own;
+    if (!guard || !regular_file(output, STDOUT_FILENO, &status)) return CLI_OK;
+    if (own && regular_file(own, STDIN_FILENO, &of_own) && of_own.st_dev == status.st_dev &&
+        of_own.st_ino == status.st_ino)
+        return CLI_OK;
+    pthread_mutex_lock(&guard->lock);
+    guard->watches = 1;
+    const source *found = find(guard, &status);
+    const int incomplete = guard->incomplete;
+    const int result = found ? refuse(guard, output, found) : CLI_OK;
+    pthread_mutex_unlock(&guard->lock);
+    return !result && incomplete ? cli_out_of_memory() : result;
+}

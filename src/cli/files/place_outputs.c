@@ -1,0 +1,158 @@
+/* place_outputs.c: where the output of each input goes: the one -o, below --out-dir, or in place.
+ * Below --out-dir a file that was named has its own name, a file of a folder or a pattern its place
+ * in that folder; if two files would meet, all keep their place below the folder that they share.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/files/place_outputs.h"
+#include "cli/files/find_inputs.h"
+#include "cli/process/errors.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static size_t stem_length(const char *name) {
+    const char *slash = strrchr(name, '/'), *base = slash ? slash + 1 : name,
+               *dot = strrchr(base, '.');
+    return dot && dot > base ? (size_t)(dot - name) : strlen(name);
+}
+
+/* Without "./" and doubled slashes, so that two spellings of a name are one. */
+static void simplify(char *path) {
+    char *to = path;
+    for (const char *at = path; *at;) {
+        const size_t length = strcspn(at, "/"), part = length + (at[length] == '/');
+        if (length > 1 || (length == 1 && *at != '.')) {
+            memmove(to, at, part);
+            to += part;
+        }
+        at += part;
+    }
+    *to = '\0';
+}
+
+char *cli_output_of(const cli_files *files, size_t index, const char *ending) {
+    const char *input = files->inputs.paths[index];
+    if (files->output) return strdup(files->output);
+    if (!files->folder) return strdup(input);
+    const char *name = input + files->inputs.tails[index];
+    const size_t kept = ending ? stem_length(name) : strlen(name),
+                 size = kept + (ending ? strlen(ending) : 0) + 1;
+    char *changed = malloc(size);
+    if (!changed) return NULL;
+    snprintf(changed, size, "%.*s%s", (int)kept, name, ending ? ending : "");
+    simplify(changed);
+    char *path = cli_join(files->folder, changed);
+    free(changed);
+    return path;
+}
+
+/* ---- two inputs for one output */
+
+typedef struct placed {
+    char *output;
+    const char *input;
+} placed;
+
+static int compare_placed(const void *a, const void *b) {
+    return strcmp(((const placed *)a)->output, ((const placed *)b)->output);
+}
+
+/* The first output, in the order of names, that two inputs have, in both; 0: none; -1: out of
+ * memory. */
+static int find_meeting(const cli_files *files, const char *ending, placed both[2]) {
+    const size_t count = files->inputs.count;
+    placed *all = calloc(count + 1, sizeof *all);
+    int found = all ? 0 : -1;
+    for (size_t i = 0; i < count && !found; ++i) {
+        all[i] = (placed){cli_output_of(files, i, ending), files->inputs.paths[i]};
+        if (!all[i].output) found = -1;
+    }
+    if (!found) qsort(all, count, sizeof *all, compare_placed);
+    for (size_t i = 1; i < count && !found; ++i)
+        if (strcmp(all[i - 1].output, all[i].output) == 0) {
+            both[0] = all[i - 1];
+            both[1] = all[i];
+            both[1].output = strdup(all[i].output);
+            found = both[1].output ? 1 : -1;
+        }
+    for (size_t i = 0; all && i < count; ++i) free(all[i].output);
+    free(all);
+    return found;
+}
+
+/* The length of the folders that all paths begin with. */
+static size_t shared_folder(const cli_inputs *inputs) {
+    const char *first = inputs->paths[0];
+    size_t shared = strlen(first);
+    for (size_t i = 0; i < inputs->count; ++i) {
+        size_t same = 0;
+        while (same < shared && inputs->paths[i][same] == first[same]) ++same;
+        shared = same;
+    }
+    while (shared && first[shared - 1] != '/') --shared;
+    return shared;
+}
+
+static int climbs(const char *path) {
+    for (const char *at = path; at; at = strchr(at, '/')) {
+        at += *at == '/';
+        if (at[0] == '.' && at[1] == '.' && (at[2] == '/' || !at[2])) return 1;
+    }
+    return 0;
+}
+
+static void keep_tree(cli_inputs *inputs) {
+    const size_t shared = shared_folder(inputs);
+    for (size_t i = 0; i < inputs->count; ++i)
+        if (climbs(inputs->paths[i] + shared)) return; /* it would leave the folder */
+    for (size_t i = 0; i < inputs->count; ++i) inputs->tails[i] = shared;
+}
+
+int cli_place_outputs(const cli_subcommand *verb, cli_files *files, const char *ending) {
+    placed both[2];
+    if (!files->folder || !files->inputs.count) return CLI_OK;
+    int meeting = find_meeting(files, ending, both);
+    if (meeting > 0) {
+        free(both[1].output);
+        keep_tree(&files->inputs);
+        meeting = find_meeting(files, ending, both);
+    }
+    if (meeting == 0) return CLI_OK;
+    if (meeting < 0) return cli_out_of_memory();
+    const int status = cli_usage(verb, "%s and %s would both be written to %s", both[0].input,
+        both[1].input, both[1].output);
+    free(both[1].output);
+    return status;
+}
+
+/* ---- folders */
+
+static int fail(const char *folder) {
+    cli_error("%s: cannot be made: %s", folder, strerror(errno));
+    return CLI_FILE;
+}
+
+int cli_make_folders(const cli_files *files, const char *output) {
+    struct stat status;
+    if (!files->folder) return CLI_OK;
+    char *path = strdup(output);
+    if (!path) return cli_out_of_memory();
+    int result = CLI_OK;
+    for (char *slash = strchr(path + 1, '/'); slash && !result; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        if (mkdir(path, 0777) && errno != EEXIST && stat(path, &status)) result = fail(path);
+        *slash = '/';
+    }
+    free(path);
+    return result;
+}
+
+int cli_make_out_dir(const cli_subcommand *verb, const cli_files *files) {
+    struct stat status;
+    if (!files->folder) return CLI_OK;
+    if (mkdir(files->folder, 0777) && errno != EEXIST) return fail(files->folder);
+    if (stat(files->folder, &status) || !S_ISDIR(status.st_mode))
+        return cli_usage(verb, "--out-dir %s is not a folder", files->folder);
+    return CLI_OK;
+}

@@ -1,0 +1,97 @@
+/* device.h: the renderer's state: programs that are compiled when they are first used, surfaces
+ * that are uploaded once, the framebuffer. */
+#ifndef NORMA_RENDER_DEVICE_H
+#define NORMA_RENDER_DEVICE_H
+#include "render/gl/gl.h"
+#include "render/surface/hedgehog.h"
+#include "render/picture/picture.h"
+#include "render/surface/surface_vertices.h"
+
+/* ---- programs */
+
+enum render_program {
+    RENDER_PROGRAM_FLAT = 0,
+    RENDER_PROGRAM_GOURAUD,
+    RENDER_PROGRAM_PHONG,
+    RENDER_PROGRAM_NORMALS,
+    RENDER_PROGRAM_WINDING,
+    RENDER_PROGRAM_ERROR,
+    RENDER_PROGRAM_LINE,
+    RENDER_PROGRAM_HEDGEHOG,
+    RENDER_PROGRAM_SCALE,
+    RENDER_PROGRAMS
+};
+
+#define RENDER_MATRICES(U) U(local_to_world) U(world_to_view) U(view_to_clip) U(normal_matrix)
+#define RENDER_COLOURS(U)  U(base_colour) U(two_sided) U(scale_top) U(eye)
+#define RENDER_LIGHTS(U)   U(light_count) U(light_direction) U(light_colour) U(phong)
+#define RENDER_LINES(U)    U(viewport) U(width) U(head) U(lift) U(reach_scale)
+
+typedef struct render_uniforms {
+#define RENDER_UNIFORM_MEMBER(name) GLint name;
+    RENDER_MATRICES(RENDER_UNIFORM_MEMBER)
+    RENDER_COLOURS(RENDER_UNIFORM_MEMBER)
+    RENDER_LIGHTS(RENDER_UNIFORM_MEMBER)
+    RENDER_LINES(RENDER_UNIFORM_MEMBER)
+#undef RENDER_UNIFORM_MEMBER
+} render_uniforms;
+
+typedef struct render_compiled {
+    GLuint program;
+    render_uniforms at;
+} render_compiled;
+
+/* ---- surfaces as they were uploaded */
+
+enum { RENDER_BUFFERS = 5, RENDER_LINE_KINDS = 5 };
+
+typedef struct render_upload {
+    const render_surface *surface;
+    enum render_kind kind;
+    render_vertices
+        vertices; /* kept: cameras are fitted to positions, errors are measured on normals */
+    GLuint array, buffers[RENDER_BUFFERS];
+} render_upload;
+
+typedef struct render_line_upload {
+    const render_surface *surface;
+    unsigned kind;
+    render_line_set set;
+    render_box box;
+    GLuint array, buffers[2];
+} render_line_upload;
+
+struct render_device {
+    render_egl egl;
+    render_gl gl;
+    char name[160];
+    render_compiled programs[RENDER_PROGRAMS][2]; /* lit in world space, in view space */
+    render_upload **uploads;
+    size_t upload_count, upload_room;
+    render_line_upload **lines;
+    size_t line_count, line_room;
+    GLuint framebuffer, colour, depth, empty_array;
+    size_t target_width, target_height;
+    render_srgb srgb;
+};
+
+enum render_result render_program_use(render_device *device, enum render_program program,
+    enum render_space space, const render_compiled **compiled, render_error *error);
+enum render_result render_upload_of(render_device *device, const render_surface *surface,
+    enum render_kind kind, const render_upload **upload, render_error *error);
+enum render_result render_lines_of(render_device *device, const render_surface *surface,
+    unsigned kind, const render_look *look, const render_line_upload **lines, render_error *error);
+
+/* ---- the target: a framebuffer of its own, several samples wide and high for each pixel */
+
+enum render_result render_target_begin(
+    render_device *device, size_t width, size_t height, const float clear[4], render_error *error);
+typedef struct render_area {
+    size_t x, y, width, height; /* pixels of a picture, from its upper left corner */
+} render_area;
+/* Writes what was drawn into an area of the picture: the mean of each pixel's samples, in linear
+ * light. */
+enum render_result render_target_read(render_device *device, int samples, render_picture *picture,
+    const render_area *area, render_error *error);
+void render_target_free(render_device *device);
+#endif

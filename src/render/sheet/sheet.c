@@ -1,0 +1,235 @@
+/* sheet.c: panels side by side, words above and below them, and the legend of the error's colours.
+ */
+#include "render/sheet/draw.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double text_size(const render_look *look) {
+    const double shorter = (double)(look->width < look->height ? look->width : look->height);
+    return fmin(fmax(shorter / 40, 9), 28);
+}
+
+/* ---- where things lie */
+
+typedef struct layout {
+    size_t columns, rows, above, below, legend,
+        footer; /* heights of strips: of each row, of the legend, of the words under all */
+} layout;
+
+static layout lay_out(const render_look *look, render_sheet *sheet) {
+    const size_t strip = (size_t)lround(2.4 * text_size(look));
+    layout l = {.columns = sheet->columns ? sheet->columns : sheet->panel_count};
+    l.columns = l.columns < sheet->panel_count ? l.columns : sheet->panel_count;
+    l.rows = (sheet->panel_count + l.columns - 1) / l.columns;
+    for (size_t i = 0; i < sheet->panel_count; ++i) {
+        l.above = sheet->panels[i].above ? strip : l.above;
+        l.below = sheet->panels[i].below ? strip : l.below;
+        l.legend = sheet->panels[i].show == RENDER_SHOW_ERROR ? 2 * strip : l.legend;
+    }
+    l.footer = sheet->below ? strip : 0;
+    for (size_t i = 0; i < sheet->panel_count; ++i) {
+        sheet->panel_x[i] = i % l.columns * look->width;
+        sheet->panel_y[i] = i / l.columns * (l.above + look->height + l.below) + l.above;
+    }
+    return l;
+}
+
+static enum render_result make_picture(
+    const render_look *look, const layout *l, render_picture *picture, render_error *error) {
+    const size_t most = (size_t)1 << 15; /* each way: what readers of PNG take without asking */
+    picture->width = l->columns * look->width;
+    picture->height = l->rows * (l->above + look->height + l->below) + l->legend + l->footer;
+    if (picture->width > most || picture->height > most)
+        return render_fail(error, RENDER_ERROR_ARGUMENT,
+            "a picture of %zux%zu pixels; expected at most %zu each way", picture->width,
+            picture->height, most);
+    picture->pixels = malloc(4 * picture->width * picture->height);
+    if (!picture->pixels) return render_fail_memory(error);
+    for (size_t i = 0; i < picture->width * picture->height; ++i)
+        memcpy(picture->pixels + 4 * i, look->background, 4);
+    return RENDER_OK;
+}
+
+/* ---- words */
+
+/* Centred, and smaller where they would not fit. */
+static void write_words(const render_look *look, render_picture *picture, const char *words,
+    size_t x, size_t width, size_t y, size_t height) {
+    double size = text_size(look), wide = render_text_width(words, size);
+    if (wide > 0.96 * (double)width) {
+        size *= 0.96 * (double)width / wide;
+        wide = 0.96 * (double)width;
+    }
+    render_text_draw(picture, words, (double)x + ((double)width - wide) / 2,
+        (double)y + ((double)height + size) / 2, size, look->ink);
+}
+
+static void write_all_words(
+    const render_look *look, const render_sheet *sheet, const layout *l, render_picture *picture) {
+    for (size_t i = 0; i < sheet->panel_count; ++i) {
+        const render_panel *panel = &sheet->panels[i];
+        if (panel->above && l->above)
+            write_words(look, picture, panel->above, sheet->panel_x[i], look->width,
+                sheet->panel_y[i] - l->above, l->above);
+        if (panel->below && l->below)
+            write_words(look, picture, panel->below, sheet->panel_x[i], look->width,
+                sheet->panel_y[i] + look->height, l->below);
+    }
+    if (sheet->below && l->footer)
+        write_words(
+            look, picture, sheet->below, 0, picture->width, picture->height - l->footer, l->footer);
+}
+
+/* ---- the legend: the bar by the same shader function as the surfaces, degrees under it */
+
+enum { LEGEND_STEPS = 4 };
+
+static enum render_result draw_legend(render_device *device, const render_look *look,
+    const layout *l, double top_deg, render_picture *picture, render_error *error) {
+    const float clear[4] = {0, 0, 0, 1};
+    const double wide = (double)picture->width,
+                 size = fmin(text_size(look), wide / 30); /* so that no two numbers touch */
+    const size_t height = (size_t)lround(text_size(look)), width = picture->width * 3 / 4,
+                 x = (picture->width - width) / 2,
+                 y = picture->height - l->footer - l->legend + height / 2;
+    const render_area area = {x, y, width, height};
+    const render_compiled *program;
+    enum render_result result = render_target_begin(device, width, height, clear, error);
+    if (!result)
+        result =
+            render_program_use(device, RENDER_PROGRAM_SCALE, RENDER_SPACE_WORLD, &program, error);
+    if (result) return result;
+    device->gl.Disable(GL_DEPTH_TEST);
+    device->gl.BindVertexArray(device->empty_array);
+    device->gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    device->gl.BindVertexArray(0);
+    result = render_target_read(device, 1, picture, &area, error);
+    for (int i = 0; i <= LEGEND_STEPS; ++i) {
+        char degrees[32];
+        const double value = top_deg * i / LEGEND_STEPS;
+        snprintf(degrees, sizeof degrees, "%.4g°", value);
+        render_text_draw(picture, degrees,
+            (double)x + (double)width * i / LEGEND_STEPS - render_text_width(degrees, size) / 2,
+            (double)(y + height) + 1.7 * size, size, look->ink);
+    }
+    return result;
+}
+
+/* The least of 1, 2, 5 times a power of ten, and of 45, 90, 180, that is not below the worst. */
+static double scale_top(double worst_deg) {
+    static const double tops[] = {
+        0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 45, 90};
+    for (size_t i = 0; i < sizeof tops / sizeof *tops; ++i)
+        if (worst_deg <= tops[i]) return tops[i];
+    return 180;
+}
+
+static double worst_error_deg(const render_sheet *sheet) {
+    double worst = 0;
+    for (size_t i = 0; i < sheet->panel_count; ++i)
+        worst = fmax(worst, sheet->panels[i].worst_error_rad * 57.29577951308232);
+    return worst;
+}
+
+/* ---- one scale for the panels of one file */
+
+static int are_of_one(const render_panel *a, const render_panel *b) {
+    return a->scene == b->scene || (a->file && a->file == b->file);
+}
+
+static int are_seen_alike(const render_panel *a, const render_panel *b) {
+    return are_of_one(a, b) && a->azimuth_deg == b->azimuth_deg &&
+           a->elevation_deg == b->elevation_deg &&
+           memcmp(a->matrix, b->matrix, sizeof a->matrix) == 0;
+}
+
+static enum render_result share_scale(
+    render_stage *stages, const render_sheet *sheet, render_error *error) {
+    for (size_t i = 0; i < sheet->panel_count; ++i) {
+        double radius = 0;
+        for (size_t k = 0; k < sheet->panel_count; ++k)
+            if (are_of_one(&sheet->panels[k], &sheet->panels[i]))
+                radius = fmax(radius, stages[k].ball.radius);
+        enum render_result result = render_stage_scale(&stages[i], radius, error);
+        if (result) return result;
+    }
+    return RENDER_OK;
+}
+
+/* Lines reach farther in one panel than in another; where all else is alike, the model does not
+ * move for that. */
+static render_frame frame_round(
+    const render_frame *frames, const render_sheet *sheet, size_t panel) {
+    render_frame all = frames[panel];
+    for (size_t k = 0; k < sheet->panel_count; ++k)
+        for (int axis = 0; axis < 2 && are_seen_alike(&sheet->panels[k], &sheet->panels[panel]);
+             ++axis) {
+            all.most[axis] = fmax(all.most[axis], frames[k].most[axis]);
+            all.least[axis] = fmax(all.least[axis], frames[k].least[axis]);
+        }
+    if (all.per[0] > 0) render_fit_frame(&all);
+    return all;
+}
+
+static enum render_result share_frames(
+    render_stage *stages, const render_sheet *sheet, render_error *error) {
+    render_frame own[RENDER_MOST_PANELS], frames[RENDER_MOST_PANELS];
+    for (size_t i = 0; i < sheet->panel_count; ++i) {
+        own[i] = render_stage_frame(&stages[i]);
+        if (own[i].distance < 0) return render_fail_memory(error);
+    }
+    for (size_t i = 0; i < sheet->panel_count; ++i) frames[i] = frame_round(own, sheet, i);
+    for (size_t i = 0; i < sheet->panel_count; ++i) {
+        double distance = 0;
+        for (size_t k = 0; k < sheet->panel_count; ++k)
+            if (are_of_one(&sheet->panels[k], &sheet->panels[i]))
+                distance = fmax(distance, frames[k].distance);
+        render_stage_aim(&stages[i], &frames[i], distance);
+    }
+    return RENDER_OK;
+}
+
+static enum render_result draw_panels(render_device *device, const render_look *look,
+    render_sheet *sheet, render_stage *stages, render_picture *picture, render_error *error) {
+    enum render_result result = RENDER_OK;
+    for (size_t i = 0; i < sheet->panel_count && !result; ++i)
+        result = render_stage_make(device, look, &sheet->panels[i], &stages[i], error);
+    if (!result) result = share_scale(stages, sheet, error);
+    if (!result) result = share_frames(stages, sheet, error);
+    if (result) return result;
+    sheet->error_top_deg =
+        look->error_top_deg > 0 ? look->error_top_deg : scale_top(worst_error_deg(sheet));
+    for (size_t i = 0; i < sheet->panel_count && !result; ++i) {
+        stages[i].error_top_deg = sheet->error_top_deg;
+        result = render_stage_draw(device, &stages[i], error);
+        if (!result)
+            result = render_target_read(device, look->samples, picture,
+                &(render_area){sheet->panel_x[i], sheet->panel_y[i], look->width, look->height},
+                error);
+    }
+    return result;
+}
+
+enum render_result render_sheet_draw(render_device *device, const render_look *look,
+    render_sheet *sheet, render_tell *tell, void *user, render_picture *picture,
+    render_error *error) {
+    *picture = (render_picture){0};
+    if (sheet->panel_count == 0 || sheet->panel_count > RENDER_MOST_PANELS)
+        return render_fail(error, RENDER_ERROR_ARGUMENT, "%zu panels; expected 1 to %d",
+            sheet->panel_count, RENDER_MOST_PANELS);
+    render_stage *stages = calloc(sheet->panel_count, sizeof *stages);
+    const layout l = lay_out(look, sheet);
+    enum render_result result =
+        stages ? make_picture(look, &l, picture, error) : render_fail_memory(error);
+    if (!result) result = draw_panels(device, look, sheet, stages, picture, error);
+    if (!result && l.legend)
+        result = draw_legend(device, look, &l, sheet->error_top_deg, picture, error);
+    if (!result && tell) tell(user, sheet, picture);
+    if (!result) write_all_words(look, sheet, &l, picture);
+    for (size_t i = 0; stages && i < sheet->panel_count; ++i) render_stage_free(&stages[i]);
+    free(stages);
+    if (result) render_picture_free(picture);
+    return result;
+}

@@ -1,0 +1,259 @@
+/* surface_vertices.c: a surface made ready for the graphics processor: indexed triangles where
+ * vertices can be shared, three vertices each where they cannot. */
+#include "render/surface/surface_vertices.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void render_vertices_free(render_vertices *vertices) {
+    free(vertices->positions);
+    free(vertices->normals);
+    free(vertices->colours);
+    free(vertices->values);
+    free(vertices->indices);
+    free(vertices->kept);
+    *vertices = (render_vertices){0};
+}
+
+/* What making vertices works with. */
+typedef struct maker {
+    const render_surface *surface;
+    const norma_mesh *mesh;
+    render_vertices *out;
+    uint32_t *triangles; /* corner numbers; NULL: 0, 1, 2, ... */
+    size_t triangle_count;
+    render_split split;
+} maker;
+
+static uint32_t triangle_corner(const maker *m, size_t k) {
+    return m->triangles ? m->triangles[k] : (uint32_t)k;
+}
+
+static int reserve(maker *m, size_t vertices, int with_indices) {
+    render_vertices *out = m->out;
+    out->positions = malloc((3 * vertices + 1) * sizeof *out->positions);
+    out->normals = malloc((3 * vertices + 1) * sizeof *out->normals);
+    if (with_indices) out->indices = malloc((3 * m->triangle_count + 1) * sizeof *out->indices);
+    if (m->surface->colours || m->surface->face_marks || m->surface->corner_marks)
+        out->colours = malloc((4 * vertices + 1) * sizeof *out->colours);
+    return out->positions && out->normals && (out->indices || !with_indices) &&
+           (out->colours ||
+               !(m->surface->colours || m->surface->face_marks || m->surface->corner_marks));
+}
+
+/* The part of a vertex that its position decides. A position that is not finite is left at the
+ * origin; no triangle uses it. */
+static void place(const maker *m, uint32_t position, size_t vertex) {
+    double p[3];
+    float *out = m->out->positions + 3 * vertex;
+    out[0] = out[1] = out[2] = 0;
+    if (render_position(m->mesh, position, p)) render_into_box(&m->out->box, p, out);
+    if (m->out->colours && m->surface->colours)
+        memcpy(m->out->colours + 4 * vertex, m->surface->colours + (size_t)4 * position,
+            4 * sizeof(float));
+    else if (m->out->colours)
+        for (int k = 0; k < 4; ++k) m->out->colours[4 * vertex + (size_t)k] = 1;
+}
+
+static int triangle_is_finite(const maker *m, size_t triangle) {
+    double p[3];
+    for (size_t k = 0; k < 3; ++k)
+        if (!render_position(
+                m->mesh, render_corner(m->mesh, triangle_corner(m, 3 * triangle + k)), p))
+            return 0;
+    return 1;
+}
+
+/* ---- shared vertices */
+
+static int all_finite(const norma_mesh *mesh) {
+    double p[3];
+    for (size_t i = 0; i < mesh->positions.count; ++i)
+        if (!render_position(mesh, (uint32_t)i, p)) return 0;
+    return 1;
+}
+
+static enum render_result make_smooth(maker *m, render_error *error) {
+    render_vertices *out = m->out;
+    if (!reserve(m, m->split.count, 1)) return render_fail_memory(error);
+    const int finite = all_finite(m->mesh);
+    out->count = m->split.count;
+    for (size_t i = 0; i < out->count; ++i)
+        place(m, m->split.sources ? m->split.sources[i] : (uint32_t)i, i);
+    memcpy(out->normals, m->split.normals, 3 * out->count * sizeof *out->normals);
+    for (size_t t = 0; t < m->triangle_count; ++t) {
+        if (!finite && !triangle_is_finite(m, t)) continue;
+        for (size_t k = 0; k < 3; ++k)
+            out->indices[out->index_count++] = m->split.corners[triangle_corner(m, 3 * t + k)];
+    }
+    return RENDER_OK;
+}
+
+/* ---- one normal for each face, in the last vertex of each of its triangles */
+
+enum { NO_FACE = -1 };
+
+/* Turns a triangle so that its last vertex is free, or its face's already; a fourth vertex is made
+ * where none is. owner: the face of each vertex, from 1 up; 0: free. */
+static void add_faceted(
+    maker *m, uint32_t *owner, uint32_t face, const uint32_t v[3], const float normal[3]) {
+    render_vertices *out = m->out;
+    int last = NO_FACE;
+    for (int k = 2; k >= 0 && last == NO_FACE; --k)
+        if (owner[v[k]] == 0 || owner[v[k]] == face + 1) last = k;
+    uint32_t bearer = last == NO_FACE ? (uint32_t)out->count : v[last];
+    if (last == NO_FACE) {
+        last = 2;
+        memcpy(out->positions + 3 * out->count, out->positions + (size_t)3 * v[2], 12);
+        if (out->colours)
+            memcpy(out->colours + 4 * out->count, out->colours + (size_t)4 * v[2], 16);
+        ++out->count;
+    }
+    owner[bearer] = face + 1;
+    memcpy(out->normals + (size_t)3 * bearer, normal, 12);
+    out->indices[out->index_count++] = v[(last + 1) % 3];
+    out->indices[out->index_count++] = v[(last + 2) % 3];
+    out->indices[out->index_count++] = bearer;
+}
+
+static void add_faces(maker *m, uint32_t *owner, const float *normals) {
+    const int finite = all_finite(m->mesh);
+    size_t t = 0;
+    for (size_t face = 0; face < render_face_count(m->mesh); ++face) {
+        size_t first, corners;
+        render_face(m->mesh, face, &first, &corners);
+        for (size_t i = 2; i < corners; ++i, ++t) {
+            uint32_t v[3];
+            if (!finite && !triangle_is_finite(m, t)) continue;
+            for (size_t k = 0; k < 3; ++k)
+                v[k] = render_corner(m->mesh, triangle_corner(m, 3 * t + k));
+            add_faceted(m, owner, (uint32_t)face, v, normals + 3 * face);
+        }
+    }
+}
+
+static enum render_result make_faceted(maker *m, render_error *error) {
+    const size_t positions = m->mesh->positions.count, most = positions + m->triangle_count,
+                 faces = render_face_count(m->mesh);
+    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
+    uint32_t *owner = calloc(most + 1, sizeof *owner);
+    float *normals = malloc((3 * faces + 1) * sizeof *normals);
+    const int ready = reserve(m, most, 1) && owner && normals;
+    norma_result result =
+        ready ? norma_face_normals(m->mesh, &options, normals, faces, NULL) : NORMA_ERROR_MEMORY;
+    if (!result) {
+        m->out->count = positions;
+        for (size_t i = 0; i < positions; ++i) place(m, (uint32_t)i, i);
+        memset(m->out->normals, 0, 3 * positions * sizeof *m->out->normals);
+        add_faces(m, owner, normals);
+    }
+    free(owner);
+    free(normals);
+    if (result == NORMA_ERROR_MEMORY) return render_fail_memory(error);
+    return result ? render_fail(error, RENDER_ERROR_ARGUMENT, "%s", norma_result_text(result))
+                  : RENDER_OK;
+}
+
+/* ---- three vertices for each triangle. Marks are colours as they are, what is not marked has the
+ * surface's: such vertices are drawn with a base colour of 1 */
+
+static void mark(const maker *m, size_t face, uint32_t corner, size_t vertex) {
+    uint32_t colour = m->surface->corner_marks ? m->surface->corner_marks[corner] : 0;
+    if (!colour && m->surface->face_marks) colour = m->surface->face_marks[face];
+    for (int k = 0; k < 3; ++k) {
+        float *level = &m->out->colours[4 * vertex + (size_t)k];
+        *level = colour ? render_linear(colour >> (16 - 8 * k) & 0xFF)
+                        : *level * m->surface->base_colour[k];
+    }
+}
+
+static void unroll(maker *m, const float *values) {
+    render_vertices *out = m->out;
+    size_t t = 0;
+    for (size_t face = 0; face < render_face_count(m->mesh); ++face) {
+        size_t first, corners;
+        render_face(m->mesh, face, &first, &corners);
+        for (size_t i = 2; i < corners; ++i, ++t) {
+            if (!triangle_is_finite(m, t)) continue;
+            for (size_t k = 0; k < 3; ++k) {
+                const uint32_t corner = triangle_corner(m, 3 * t + k);
+                const size_t vertex = out->count++;
+                place(m, render_corner(m->mesh, corner), vertex);
+                memcpy(out->normals + 3 * vertex,
+                    m->split.normals + (size_t)3 * m->split.corners[corner], 12);
+                if (values)
+                    out->values[vertex] = values[corner];
+                else if (out->colours)
+                    mark(m, face, corner, vertex);
+            }
+        }
+    }
+}
+
+static enum render_result make_unrolled(maker *m, enum render_kind kind, render_error *error) {
+    render_vertices *out = m->out;
+    float *values = NULL;
+    int ready = reserve(m, 3 * m->triangle_count, 0);
+    if (kind == RENDER_ERRORS) {
+        values = render_errors(m->surface, &out->worst_error_rad);
+        out->values = malloc((3 * m->triangle_count + 1) * sizeof *out->values);
+        ready = ready && values && out->values;
+    }
+    if (ready) unroll(m, values);
+    free(values);
+    return ready ? RENDER_OK : render_fail_memory(error);
+}
+
+/* ---- what a camera has to show: positions that nothing uses may lie anywhere */
+
+static int find_points(render_vertices *v) {
+    uint8_t *used = v->indices ? calloc(v->count + 1, 1) : NULL;
+    size_t count = 0;
+    v->points = v->positions;
+    v->point_count = v->count;
+    if (!v->indices) return 1;
+    for (size_t i = 0; used && i < v->index_count; ++i) {
+        count += !used[v->indices[i]];
+        used[v->indices[i]] = 1;
+    }
+    if (used && count < v->count && (v->kept = malloc((3 * count + 1) * sizeof *v->kept))) {
+        v->points = v->kept;
+        v->point_count = 0;
+        for (size_t i = 0; i < v->count; ++i)
+            if (used[i]) memcpy(v->kept + 3 * v->point_count++, v->positions + 3 * i, 12);
+    }
+    const int good = used && (count == v->count || v->kept);
+    free(used);
+    return good;
+}
+
+static const size_t most_numbers =
+    UINT32_MAX / 4; /* so that every vertex that is made has a number */
+
+static int corners_are_in_range(const norma_mesh *mesh) {
+    for (size_t i = 0; i < mesh->corner_count; ++i)
+        if (render_corner(mesh, i) >= mesh->positions.count) return 0;
+    return 1;
+}
+
+enum render_result render_vertices_make(const render_surface *surface, enum render_kind kind,
+    render_vertices *vertices, render_error *error) {
+    maker m = {.surface = surface, .mesh = &surface->mesh, .out = vertices};
+    *vertices = (render_vertices){.worst_error_rad = NAN};
+    if (!corners_are_in_range(m.mesh))
+        return render_fail(error, RENDER_ERROR_ARGUMENT, "a corner names no position");
+    if (m.mesh->positions.count > most_numbers || m.mesh->corner_count > most_numbers)
+        return render_fail(error, RENDER_ERROR_ARGUMENT, "more vertices than can be drawn at once");
+    vertices->box = render_box_of(m.mesh);
+    enum render_result result = render_triangulate(m.mesh, &m.triangles, &m.triangle_count, error);
+    if (!result && kind != RENDER_FACETED) result = render_split_make(surface, &m.split, error);
+    if (!result)
+        result = kind == RENDER_SMOOTH    ? make_smooth(&m, error)
+                 : kind == RENDER_FACETED ? make_faceted(&m, error)
+                                          : make_unrolled(&m, kind, error);
+    if (!result && !find_points(vertices)) result = render_fail_memory(error);
+    render_split_free(&m.split);
+    free(m.triangles);
+    if (result) render_vertices_free(vertices);
+    return result;
+}
