@@ -3,11 +3,11 @@
 #include "core/call/fault.h"
 #include "core/face/triangle.h"
 
-/* Flat quads and hexagonal prisms, rounded to floats, bend by 1e-7 rad; the contract allows this
- * much over the crease. */
+/* An angle, whatever the size of the mesh: flat quads and hexagonal prisms, rounded to floats, bend
+ * by 1e-7 rad; the contract allows this much over the crease. */
 static const double CREASE_TOLERANCE_RAD = 0x1.0c6f7a0b5ed8dp-20; /* 1e-6 */
 
-/* Who computes pi in floats, or from degrees, may be this much above it. */
+/* Also an angle: programs that compute pi in floats, or from degrees, may be this much above it. */
 static const double ABOVE_PI_RAD = 1e-3;
 
 norma_result norma_core_check_crease(float crease_angle_rad, norma_fault *fault) {

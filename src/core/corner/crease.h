@@ -25,7 +25,7 @@ typedef enum core_crease_verdict {
 /* By the cosine of the dihedral angle: the dot product of the two unit normals. */
 static inline core_crease_verdict norma_core_crease_by_cosine(
     const core_crease *crease, double cosine) {
-    const double doubt = 0x1p-30; /* beyond the rounding of both cosines */
+    const double doubt = 0x1p-30; /* of cosines of unit vectors; beyond the rounding of both */
     if (cosine > crease->cosine + doubt) return CORE_CREASE_SMOOTH;
     return cosine < crease->cosine - doubt ? CORE_CREASE_HARD : CORE_CREASE_UNDECIDED;
 }

@@ -81,6 +81,7 @@ static void hold(cone *c, size_t number, const double normal[3]) {
 
 enum { ALL_OF_THREE = 7, ALL_OF_FOUR = 15 };
 
+/* Of cosines of unit vectors too. */
 static const double CLEARLY_APART = 1 - 0x1p-40, NOT_WIDE = -0.5;
 static const double OUTSIDE = -0x1p-45, FAR_INSIDE = 0x1p-41;
 
@@ -236,7 +237,7 @@ enum { CANCELLED, GOES_ON, SETTLED };
  * it is known that it grows. SETTLED: axis is the result. */
 CORE_INLINE int begin(norma_core_cone_at *at, const void *context, size_t count, cone **c,
     cone **few, double axis[3]) {
-    static const double CLEARLY = 0x1p-44;
+    static const double CLEARLY = 0x1p-44; /* of products of unit vectors */
     double normal[3], *one = (*c)->rim[0], *other = (*c)->rim[1];
     outmost far = farthest(at, context, count, one);
     if (!are_apart(far.least) || !(far.next - far.least > CLEARLY))

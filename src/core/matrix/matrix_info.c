@@ -8,7 +8,10 @@
 #include "core/face/triangle.h"
 #include <math.h>
 
+/* Of cosines between columns, of ratios of their lengths, and of a matrix beside the identity,
+ * whose entries are 1: none hangs on the size of what the matrix is used on. */
 #define KIND_TOLERANCE 1e-5
+/* Of the largest singular value. */
 #define RANK_TOLERANCE 1e-6
 #define HALF_PI        1.57079632679489661923
 

@@ -138,7 +138,7 @@ static void multiply_cofactors(const double view[9], const double model[9], cons
 }
 
 /* Whether view * model moves the origin, beyond what rounding makes of a view that undoes the
- * model's translation. */
+ * model's translation: relative to the terms of the sum. */
 static int is_translated(const float view[16], const float model[16]) {
     for (int row = 0; row < 3; row++) {
         double sum = (double)view[12 + row], magnitude = fabs(sum);

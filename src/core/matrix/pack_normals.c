@@ -6,7 +6,7 @@
  * one. */
 #include "core/matrix/stream.h"
 
-#define LENGTH_TOLERANCE 0.00674
+#define LENGTH_TOLERANCE 0.00674 /* of the unit length */
 
 static int passes(const int code[3], int scale) {
     const double square =

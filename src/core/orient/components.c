@@ -257,7 +257,8 @@ static void measure_block(const measuring *m, size_t part, size_t block, extent_
     }
 }
 
-static const double ROUNDING = 1e-12; /* of the terms: as little is no volume */
+/* Relative to the sum of the terms' sizes: as little is no volume. */
+static const double ROUNDING = 1e-12;
 
 static void finish_part(core_component *component, const extent_sum *sum, uint8_t not_closed) {
     for (int k = 0; k < 3; k++) {

@@ -43,8 +43,8 @@ static void solid_angle(const double a[3], const double b[3], const double c[3],
     const double below =
         lengths + norma_core_dot(a, b) * lc + norma_core_dot(b, c) * la + norma_core_dot(c, a) * lb;
     if (fabs(triple) <= 1e-13 * lengths)
-        return; /* the point lies in the plane of the face: seen from its edge, or from within it,
-                   where neither side counts */
+        return; /* relative to the box of these lengths: the point lies in the plane of the face,
+                   seen from its edge, or within it, where neither side counts */
     *sum +=
         triple > 0 ? 2 * norma_core_angle(triple, below) : -2 * norma_core_angle(-triple, below);
 }
@@ -144,7 +144,7 @@ static void try_parent(void *context, uint32_t outer) {
         (size > a->extent || (size == a->extent && outer < inner->parent)))
         return; /* a smaller one is known */
     const double winding = winding_of(a->n, outer, a->point);
-    if (!(fabs(winding) > .5 + 1e-9)) return;
+    if (!(fabs(winding) > .5 + 1e-9)) return; /* a number of turns, whatever the size */
     inner->parent = outer;
     a->n->winding[a->inner] = (float)winding;
     a->extent = size;

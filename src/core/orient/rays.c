@@ -83,7 +83,8 @@ static double meet_face(const rays *all, const ray *r, size_t face) {
     return nearest;
 }
 
-/* Where the ray enters the box; infinite: it misses the box, or enters it behind nearest. */
+/* Where the ray enters the box; infinite: it misses the box, or enters it behind nearest. Relative
+ * to the distance, this much is the rounding of both. */
 static double enter_box(const core_box_node *node, const ray *r, double nearest) {
     double from = 0, to = nearest;
     for (int k = 0; k < 3; k++) {

@@ -280,6 +280,41 @@ static void turned_meshes_stay(void **state) {
     assert_true(data_for_each(folder, once_is_enough, NULL) > 0);
 }
 
+/* Boxes in boxes and loose triangles, in doubles or floats of any size. Powers of two change no bit
+ * that is computed, the others round. */
+static void no_size_changes_the_answer(void **state) {
+    (void)state;
+    enum { LOOSE = 300 };
+    static const double sizes[] = {0x1p-126, 1e-30, 1e-12, 0x1p-40, 0x1p40, 1e12, 1e30, 0x1p122};
+    mesh_file mesh = {0};
+    add_random_triangles(&mesh, LOOSE, .05);
+    add_box(&mesh, 8, 0, 0, 4, 1);
+    add_box(&mesh, 8.1, 0, 0, 3, 1);
+    add_box(&mesh, 8.1, 0.1, 0, 2, 1);
+    add_box(&mesh, 8.1, 0.1, 0.1, 1e-3, 0);
+    uint8_t right[LOOSE + 24], reverse[LOOSE + 24];
+    const norma_orient_report expected = orient(&mesh, NORMA_ORIENT_OPEN_BY_RAYS, right);
+    double *doubles = malloc(3 * mesh.position_count * sizeof *doubles);
+    float *floats = malloc(3 * mesh.position_count * sizeof *floats);
+    norma_mesh view = mesh_file_view_polygons(&mesh);
+    for (size_t i = 0; i < 2 * sizeof sizes / sizeof *sizes; i++) {
+        norma_orient_report report;
+        for (size_t k = 0; k < 3 * mesh.position_count; k++) {
+            doubles[k] = sizes[i / 2] * ((double *)mesh.positions)[k];
+            floats[k] = (float)doubles[k];
+        }
+        view.positions = (norma_vec3_view){i % 2 ? (void *)floats : (void *)doubles,
+            mesh.position_count, 0, i % 2 ? NORMA_FORMAT_FLOAT : NORMA_FORMAT_DOUBLE};
+        assert_ok(norma_orient(
+            &view, NORMA_ORIENT_OPEN_BY_RAYS, NULL, reverse, mesh.face_count, &report));
+        assert_memory_equal(reverse, right, mesh.face_count);
+        assert_memory_equal(&report, &expected, sizeof report);
+    }
+    free(doubles);
+    free(floats);
+    mesh_file_free(&mesh);
+}
+
 static void threads_change_nothing(void **state) {
     (void)state;
     mesh_file mesh = {0};
@@ -332,6 +367,7 @@ int main(void) {
         cmocka_unit_test(rays_turn_nothing_twice),
         cmocka_unit_test(a_ray_without_a_direction_along_x),
         cmocka_unit_test(turned_meshes_stay),
+        cmocka_unit_test(no_size_changes_the_answer),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(arguments_are_checked),
     };
