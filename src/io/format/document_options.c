@@ -1,5 +1,5 @@
-/* document_options.c: small things that every format needs: checked allocation, compute options as
- * the core's, sums of reports, formats and their names. */
+/* document_options.c: small things that every format needs: files beside its own, formats and
+ * their names. */
 #include "io/format/format.h"
 #include <stdlib.h>
 #include <string.h>
@@ -8,38 +8,6 @@ int norma_document_load_file(const norma_document *document, const char *path, f
     const file_reading how = {
         .progress = document->progress, .progress_user = document->progress_user};
     return norma_file_open(path, &how, bytes);
-}
-
-void norma_options_of_compute(const norma_compute_options *options, norma_options *core) {
-    *core = (norma_options){
-        .struct_size = sizeof *core,
-        .weight = options->weight,
-        .weld = options->weld,
-        .weld_distance = options->weld_distance,
-        .non_manifold = options->non_manifold,
-        .fallback = NORMA_FALLBACK_NEAREST,
-        .threads = options->threads,
-        .progress = options->progress,
-        .progress_user = options->progress_user,
-    };
-}
-
-static void add_count(norma_count *sum, const norma_count *count, size_t meshes_before) {
-    if (meshes_before == 0) {
-        *sum = *count;
-        return;
-    }
-    sum->count += count->count;
-    sum->first = SIZE_MAX;
-}
-
-void norma_add_report(norma_report *sum, const norma_report *report, size_t meshes_before) {
-    add_count(&sum->degenerate_faces, &report->degenerate_faces, meshes_before);
-    add_count(&sum->non_finite, &report->non_finite, meshes_before);
-    add_count(&sum->unreferenced, &report->unreferenced, meshes_before);
-    add_count(&sum->cancelled, &report->cancelled, meshes_before);
-    add_count(&sum->non_manifold_edges, &report->non_manifold_edges, meshes_before);
-    add_count(&sum->winding_conflicts, &report->winding_conflicts, meshes_before);
 }
 
 static const struct {

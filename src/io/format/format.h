@@ -185,11 +185,4 @@ static inline int norma_begins_with_zeros(const unsigned char *bytes, size_t siz
 __attribute__((format(printf, 2, 3)))
 #endif
 int norma_document_add_note(norma_document *document, const char *format, ...);
-
-/* The core options that compute options ask for, with the nearest fallback in force; threads and
- * progress carried over. */
-void norma_options_of_compute(const norma_compute_options *options, norma_options *core);
-/* Adds the report of one mesh to the sum; the firsts become SIZE_MAX from the second mesh on
- * (meshes_before > 0). */
-void norma_add_report(norma_report *sum, const norma_report *report, size_t meshes_before);
 #endif

@@ -1,6 +1,6 @@
 /* ply_compute.c: normals of a PLY. One for each vertex; where a crease asks for several, the vertex
  * gets copies at the end, so that all old ones keep their numbers. */
-#include "io/format/broken_normal.h"
+#include "io/format/compute_policy.h"
 #include "io/ply/ply.h"
 #include "io/stream/large_memory.h"
 #include "io/stream/tasks.h"
@@ -11,9 +11,7 @@ typedef struct ply_job {
     norma_document *document;
     norma_document_error *error;
     ply_state *state;
-    const norma_compute_options *options;
-    norma_compute_summary *summary;
-    norma_options core;
+    compute_policy policy;
     double *stored;   /* with NORMA_ONLY_BROKEN: the normals as they are, else NULL */
     uint8_t *wanted;  /* with it, nonzero: this vertex's normal is broken */
     float *normals;   /* of the vertices as they will be */
@@ -35,11 +33,6 @@ static norma_document_result fail_memory(const ply_job *job) {
     return norma_document_fail_memory(job->document, job->error);
 }
 
-static void clear_report(norma_report *report) {
-    const norma_count none = {0, SIZE_MAX};
-    *report = (norma_report){none, none, none, none, none, none};
-}
-
 /* ---- what is to be done */
 
 /* As whole codes decode: the lowest stands for -1 as well. */
@@ -49,7 +42,7 @@ static int is_broken(const double stored[3], double scale) {
         normal[axis] = stored[axis] / scale;
         if (scale > 1 && normal[axis] < -1) normal[axis] = -1;
     }
-    return norma_normal_is_broken(normal, norma_unit_tolerance(scale == 127 ? 8 : 32));
+    return norma_normal_is_broken(normal, scale == 127 ? 8 : 32);
 }
 
 static norma_document_result find_broken(ply_job *job, size_t *broken) {
@@ -70,14 +63,11 @@ static norma_document_result find_broken(ply_job *job, size_t *broken) {
 /* ---- one normal for each vertex */
 
 static norma_document_result compute_smooth(ply_job *job) {
-    const size_t count = job->state->vertices;
-    job->normals = norma_io_block(count, 3 * sizeof *job->normals);
-    job->reasons = norma_io_allocate(count, 1);
-    if (!job->normals || !job->reasons) return fail_memory(job);
     const norma_mesh mesh = norma_ply_core_mesh(job->state);
-    job->core.reasons = job->reasons;
-    norma_result result =
-        norma_vertex_normals(&mesh, &job->core, job->normals, count, &job->summary->report);
+    computed_normals made = {.elements = NORMALS_OF_POSITIONS, .with_reasons = 1};
+    const norma_result result = norma_policy_compute(&job->policy, &mesh, &made);
+    job->normals = made.normals;
+    job->reasons = made.reasons;
     return result ? norma_document_fail_core(job->document, job->error, result) : NORMA_DOCUMENT_OK;
 }
 
@@ -88,19 +78,13 @@ typedef struct split_mesh {
                         and gets the nearest normal */
     uint32_t *own_corners, *own_starts; /* NULL where there is no such vertex */
     size_t idle;                        /* how many there are */
-    uint32_t *corners, *sources;
-    float *normals;
-    uint8_t *reasons;
-    size_t count;
+    computed_normals made;
 } split_mesh;
 
 static void free_split(split_mesh *split) {
     free(split->own_corners);
     free(split->own_starts);
-    free(split->corners);
-    free(split->sources);
-    free(split->normals);
-    free(split->reasons);
+    norma_computed_normals_free(&split->made);
 }
 
 static int append_idle(split_mesh *split, const uint8_t *used, size_t vertices) {
@@ -146,29 +130,19 @@ static size_t degenerate_idle(const split_mesh *split) {
     size_t count = 0;
     for (size_t c = split->mesh.corner_count - 3 * split->idle; c < split->mesh.corner_count;
          c += 3)
-        count += split->reasons[split->corners[c]] != NORMA_REASON_NON_FINITE;
+        count += split->made.reasons[split->made.points[c]] != NORMA_REASON_NON_FINITE;
     return count;
 }
 
-static norma_document_result run_split(ply_job *job, split_mesh *split, double crease) {
-    const size_t most = split->mesh.corner_count;
-    norma_edges edges = {0};
-    split->corners = norma_io_block(most, sizeof *split->corners);
-    split->sources = norma_io_room(most, sizeof *split->sources);
-    split->normals = norma_io_room(most, 3 * sizeof *split->normals);
-    split->reasons = norma_io_allocate(most, 1);
-    if (!split->corners || !split->sources || !split->normals || !split->reasons)
-        return fail_memory(job);
-    job->core.reasons = split->reasons;
-    job->core.edges = &edges;
-    norma_result result = norma_split(&split->mesh, (float)crease, &job->core, split->corners, most,
-        split->sources, split->normals, most, &split->count, &job->summary->report);
+static norma_document_result run_split(ply_job *job, split_mesh *split) {
+    split->made = (computed_normals){.elements = NORMALS_OF_POINTS,
+        .with_reasons = 1,
+        .crease_angle_rad = job->policy.summary->crease_angle_rad};
+    const norma_result result = norma_policy_compute(&job->policy, &split->mesh, &split->made);
     if (result) return norma_document_fail_core(job->document, job->error, result);
-    norma_count *degenerate = &job->summary->report.degenerate_faces;
+    norma_count *degenerate = &job->policy.summary->report.degenerate_faces;
     degenerate->count -= degenerate_idle(split);
     degenerate->first = degenerate->count ? degenerate->first : SIZE_MAX;
-    job->summary->edges_counted = 1;
-    job->summary->hard_edges = edges.hard;
     return NORMA_DOCUMENT_OK;
 }
 
@@ -177,8 +151,8 @@ static norma_document_result run_split(ply_job *job, split_mesh *split, double c
 static int number_places(ply_job *job, const split_mesh *split, uint32_t *place) {
     const size_t vertices = job->state->vertices;
     uint8_t *taken = norma_io_allocate(vertices, 1);
-    for (size_t i = 0; taken && i < split->count; ++i) {
-        const uint32_t source = split->sources[i];
+    for (size_t i = 0; taken && i < split->made.count; ++i) {
+        const uint32_t source = split->made.sources[i];
         if (taken[source] && (!job->wanted || job->wanted[source])) {
             place[i] = (uint32_t)(vertices + job->added_count);
             job->added[job->added_count++] = source;
@@ -196,9 +170,9 @@ static int place_normals(ply_job *job, const split_mesh *split, const uint32_t *
     job->normals = norma_io_allocate(count, 3 * sizeof *job->normals);
     job->reasons = norma_io_allocate(count, 1);
     if (!job->normals || !job->reasons) return 0;
-    for (size_t i = 0; i < split->count; ++i) {
-        memcpy(job->normals + 3 * (size_t)place[i], split->normals + 3 * i, 3 * sizeof(float));
-        job->reasons[place[i]] = split->reasons[i];
+    for (size_t i = 0; i < split->made.count; ++i) {
+        memcpy(job->normals + 3 * (size_t)place[i], split->made.normals + 3 * i, 3 * sizeof(float));
+        job->reasons[place[i]] = split->made.reasons[i];
     }
     return 1;
 }
@@ -219,68 +193,41 @@ static void place_slice(void *context, size_t slice) {
 }
 
 static norma_document_result place_vertices(ply_job *job, split_mesh *split) {
-    uint32_t *place = norma_io_allocate(split->count, sizeof *place);
-    job->added = norma_io_allocate(split->count, sizeof *job->added);
+    uint32_t *place = norma_io_allocate(split->made.count, sizeof *place);
+    job->added = norma_io_allocate(split->made.count, sizeof *job->added);
     const int ok =
         place && job->added && number_places(job, split, place) && place_normals(job, split, place);
     if (ok) {
         placing p = {
-            .place = place, .corners = split->corners, .count = job->state->mesh.corner_count};
+            .place = place, .corners = split->made.points, .count = job->state->mesh.corner_count};
         p.slices = norma_io_slices(p.count, LEAST_SLICE);
-        norma_io_tasks(job->core.threads, p.slices, place_slice, &p);
-        job->corners = split->corners;
-        split->corners = NULL;
+        norma_io_tasks(job->policy.core.threads, p.slices, place_slice, &p);
+        job->corners = split->made.points;
+        split->made.points = NULL;
     }
     free(place);
     return ok ? NORMA_DOCUMENT_OK : fail_memory(job);
 }
 
-static void count_reason(norma_count *count, size_t index) {
-    if (count->count++ == 0) count->first = index;
-}
-
-/* The report counts vertices as they are numbered in the file. */
-static void report_reasons(const ply_job *job) {
-    norma_report *report = &job->summary->report;
-    const norma_count none = {0, SIZE_MAX};
-    report->non_finite = report->unreferenced = report->cancelled = none;
-    for (size_t i = 0; i < job->state->vertices + job->added_count; ++i) {
-        if (job->reasons[i] == NORMA_REASON_NON_FINITE)
-            count_reason(&report->non_finite, i);
-        else if (job->reasons[i] == NORMA_REASON_UNREFERENCED)
-            count_reason(&report->unreferenced, i);
-        else if (job->reasons[i] == NORMA_REASON_CANCELLED)
-            count_reason(&report->cancelled, i);
-    }
-}
-
-static norma_document_result compute_split(ply_job *job, double crease) {
+static norma_document_result compute_split(ply_job *job) {
     split_mesh split = {0};
     norma_document_result result = gather_split_mesh(job, &split);
     if (!result && job->state->vertices + split.mesh.corner_count > UINT32_MAX)
         result = norma_document_fail(job->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
             NULL, "splitting could need more than 4294967295 vertices");
-    if (!result) result = run_split(job, &split, crease);
+    if (!result) result = run_split(job, &split);
     if (!result) result = place_vertices(job, &split);
-    if (!result) report_reasons(job);
+    if (!result) {
+        norma_report *report = &job->policy.summary->report;
+        norma_policy_forget(report);
+        norma_policy_report(
+            report, job->reasons, job->state->vertices + job->added_count, NULL, 0, 0);
+    }
     free_split(&split);
     return result;
 }
 
 /* ---- into the document */
-
-/* Where the whole mesh has no direction, there is no nearest normal: files then get the z axis.
- * Counts what was filled, of the normals that are wanted. */
-static void fill(ply_job *job) {
-    const size_t vertices = job->state->vertices, count = vertices + job->added_count;
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t source = i < vertices ? (uint32_t)i : job->added[i - vertices];
-        float *normal = job->normals + 3 * i;
-        if (!job->reasons[i]) continue;
-        job->summary->filled += !job->wanted || job->wanted[source];
-        if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0) normal[2] = 1;
-    }
-}
 
 /* The old normals with the broken ones replaced. */
 static norma_document_result keep_stored(ply_job *job) {
@@ -306,7 +253,7 @@ static norma_document_result keep_zero_signs(const ply_job *job) {
         norma_ply_element(&state->header, state->header.vertex), state->header.normal, &stored,
         job->error);
     for (size_t i = 0; i < 3 * state->vertices && !result; ++i)
-        if (job->normals[i] == 0 && stored[i] == 0) job->normals[i] = (float)stored[i];
+        job->normals[i] = norma_policy_keep_zero(job->normals[i], stored[i]);
     free(stored);
     return result;
 }
@@ -341,21 +288,19 @@ static norma_document_result take_result(ply_job *job) {
 static norma_document_result compute_all(ply_job *job) {
     norma_document_result result;
     size_t broken = 0;
-    if (job->options->only == NORMA_ONLY_BROKEN && job->state->header.normal[0] != PLY_NONE) {
+    norma_compute_summary *summary = job->policy.summary;
+    if (job->policy.options->only == NORMA_ONLY_BROKEN &&
+        job->state->header.normal[0] != PLY_NONE) {
         result = find_broken(job, &broken);
         if (result || broken == 0) return result;
     }
-    if (job->summary->shading == NORMA_SHADING_SMOOTH)
-        result = compute_smooth(job);
-    else
-        result = compute_split(
-            job, job->summary->shading == NORMA_SHADING_FLAT ? 0 : job->summary->crease_angle_rad);
+    result = summary->shading == NORMA_SHADING_SMOOTH ? compute_smooth(job) : compute_split(job);
     if (result) return result;
-    fill(job);
+    norma_policy_fill(&job->policy, job->normals, job->reasons,
+        job->state->vertices + job->added_count, job->wanted, job->state->vertices);
     result = take_result(job);
-    if (!result)
-        result = norma_ply_drop_idle_edit(job->document, &job->summary->changed, job->error);
-    job->summary->vertices_after = job->state->vertices + job->state->edit.added_count;
+    if (!result) result = norma_ply_drop_idle_edit(job->document, &summary->changed, job->error);
+    summary->vertices_after = job->state->vertices + job->state->edit.added_count;
     return result;
 }
 
@@ -368,16 +313,9 @@ norma_document_result norma_ply_compute(norma_document *document,
     ply_job job = {.document = document,
         .error = error,
         .state = state,
-        .options = options,
-        .summary = summary};
-    norma_options_of_compute(options, &job.core);
-    clear_report(&summary->report);
+        .policy = norma_policy_begin(options, summary, NORMA_SHADING_SMOOTH, 0)};
     summary->faces = state->faces;
     summary->vertices_before = summary->vertices_after = state->vertices;
-    summary->shading =
-        options->shading == NORMA_SHADING_DEFAULT ? NORMA_SHADING_SMOOTH : options->shading;
-    summary->crease_angle_rad =
-        summary->shading == NORMA_SHADING_CREASE ? options->crease_angle_rad : 0;
     if (state->mesh.corner_count == 0) {
         norma_document_add_note(document, "points without faces: there is nothing to take normals "
                                           "from, so the file stays as it is");

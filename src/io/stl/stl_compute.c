@@ -1,9 +1,6 @@
-/* stl_compute.c: facet normals from the winding, and an STL under a matrix.
- *
- * A facet normal of zero is a custom that means "take the winding": it counts as missing, so `only
- * missing` and `only broken` fill it; broken beyond that is what is not finite (of N101 to N103,
- * N101 alone is for facets). */
+/* stl_compute.c: facet normals from the winding, and an STL under a matrix. */
 #include "io/stl/stl.h"
+#include "io/format/compute_policy.h"
 #include "io/format/transform_stored_normals.h"
 #include "io/stream/large_memory.h"
 #include "io/stream/tasks.h"
@@ -12,15 +9,6 @@
 #include <stdlib.h>
 
 /* ---- computing */
-
-static int is_wanted(const float stored[3], norma_only only) {
-    double square = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!isfinite(stored[axis])) return only == NORMA_ONLY_BROKEN;
-        square += (double)stored[axis] * (double)stored[axis];
-    }
-    return square < 1e-12;
-}
 
 /* A binary file is computed without being decoded as a whole; its stored normals are then in the
  * bytes alone. */
@@ -37,43 +25,36 @@ static void keep_stored(stl_state *state, norma_only only, size_t first, size_t 
     for (size_t i = first; i < end; ++i) {
         float stored[3];
         stored_normal(state, i, stored);
-        const int stays = only != NORMA_ONLY_ALL && !is_wanted(stored, only);
-        for (size_t axis = 0; axis < 3; ++axis)
-            if (stays || state->normals[3 * i + axis] == stored[axis])
-                state->normals[3 * i + axis] = stored[axis];
+        const int stays = !norma_policy_wants_facet(only, stored);
+        for (size_t axis = 0; axis < 3; ++axis) {
+            float *number = &state->normals[3 * i + axis];
+            *number = stays ? stored[axis] : norma_policy_keep_zero(*number, (double)stored[axis]);
+        }
     }
-}
-
-/* Counts the facets that got another's normal. Where no facet has a direction at all, files get the
- * z axis. */
-static size_t fill(stl_state *state, const uint8_t *reasons, norma_only only) {
-    size_t filled = 0;
-    for (size_t i = 0; i < state->facets; ++i) {
-        float *normal = state->normals + 3 * i;
-        if (!reasons[i]) continue;
-        filled += only == NORMA_ONLY_ALL || is_wanted(state->stored + 3 * i, only);
-        if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0) normal[2] = 1;
-    }
-    return filled;
 }
 
 /* All at once: a facet without a direction looks for the nearest among all. */
-static norma_document_result compute_whole(norma_document *document, const norma_options *options,
-    norma_only only, norma_compute_summary *summary, norma_document_error *error) {
+static norma_document_result compute_whole(
+    norma_document *document, compute_policy *policy, norma_document_error *error) {
     stl_state *state = document->state;
+    const norma_only only = policy->options->only;
     norma_document_result result = norma_stl_decode(document, error);
-    if (result) return result;
+    uint8_t *wanted = norma_io_allocate(state->facets, 1);
+    if (!result && !wanted) result = norma_document_fail_memory(document, error);
+    for (size_t i = 0; !result && i < state->facets; ++i)
+        wanted[i] = (uint8_t)norma_policy_wants_facet(only, state->stored + 3 * i);
     const norma_mesh mesh = norma_stl_core_mesh(state);
-    norma_options core = *options;
-    core.reasons = norma_io_allocate(state->facets, 1);
-    if (!core.reasons) return norma_document_fail_memory(document, error);
-    norma_result failed =
-        norma_face_normals(&mesh, &core, state->normals, state->facets, &summary->report);
-    if (failed)
-        result = norma_document_fail_core(document, error, failed);
-    else
-        summary->filled = fill(state, core.reasons, only);
-    free(core.reasons);
+    computed_normals made = {.elements = NORMALS_OF_FACES, .with_reasons = 1};
+    if (!result)
+        result =
+            norma_document_fail_core(document, error, norma_policy_compute(policy, &mesh, &made));
+    if (!result) {
+        norma_policy_fill(policy, made.normals, made.reasons, made.count, wanted, made.count);
+        state->normals = made.normals;
+        made.normals = NULL;
+    }
+    norma_computed_normals_free(&made);
+    free(wanted);
     return result;
 }
 
@@ -118,24 +99,22 @@ static norma_document_result compute_by_blocks(norma_document *document,
     return norma_document_fail_core(document, error, failed);
 }
 
-static norma_document_result compute_normals(norma_document *document,
-    const norma_compute_options *options, norma_compute_summary *summary,
-    norma_document_error *error) {
+static norma_document_result compute_normals(
+    norma_document *document, compute_policy *policy, norma_document_error *error) {
     stl_state *state = document->state;
-    norma_options core;
-    norma_options_of_compute(options, &core);
-    state->normals = norma_io_block(state->facets, 3 * sizeof *state->normals);
-    if (!state->normals) return norma_document_fail_memory(document, error);
-    int complete = 0;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    if (state->binary && options->only == NORMA_ONLY_ALL) {
-        result = compute_by_blocks(document, &core, &complete, error);
-        core.progress = NULL; /* a fraction never falls */
+    const norma_only only = policy->options->only;
+    if (state->binary && only == NORMA_ONLY_ALL) {
+        int complete = 0;
+        state->normals = norma_io_block(state->facets, 3 * sizeof *state->normals);
+        if (!state->normals) return norma_document_fail_memory(document, error);
+        norma_document_result result = compute_by_blocks(document, &policy->core, &complete, error);
+        if (result || complete) return result;
+        free(state->normals);
+        state->normals = NULL;
+        policy->core.progress = NULL; /* a fraction never falls */
     }
-    if (!result && !complete)
-        result = compute_whole(document, &core, options->only, summary, error);
-    if (!result && !(complete && state->binary))
-        keep_stored(state, options->only, 0, state->facets);
+    norma_document_result result = compute_whole(document, policy, error);
+    if (!result) keep_stored(state, only, 0, state->facets);
     return result;
 }
 
@@ -149,13 +128,11 @@ norma_document_result norma_stl_compute(norma_document *document,
     norma_document_result result = norma_stl_flush_edits(document, error);
     if (result) return result;
     const stl_state *state = document->state;
-    const norma_count none = {0, SIZE_MAX};
-    summary->report = (norma_report){none, none, none, none, none, none};
+    compute_policy policy = norma_policy_begin(options, summary, NORMA_SHADING_FLAT, 0);
     summary->faces = state->facets;
     summary->vertices_before = summary->vertices_after = 3 * state->facets;
-    summary->shading = NORMA_SHADING_FLAT;
     if (state->facets == 0) return NORMA_DOCUMENT_OK;
-    result = compute_normals(document, options, summary, error);
+    result = compute_normals(document, &policy, error);
     return result ? result : norma_stl_drop_idle_edit(document, &summary->changed, error);
 }
 

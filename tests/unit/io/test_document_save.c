@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include "io/format/format.h"
+#include "io/format/compute_policy.h"
 
 typedef struct place {
     char folder[128], source[160], target[160], beside[160];
@@ -454,9 +454,9 @@ static void reports_add_up(void **state) {
     norma_report sum = {0}, part = {.cancelled = {2, 5},
                                 .winding_conflicts = {1, 9},
                                 .degenerate_faces = {0, SIZE_MAX}};
-    norma_add_report(&sum, &part, 0);
+    norma_policy_add_report(&sum, &part, 0);
     assert_int_equal(sum.cancelled.first, 5);
-    norma_add_report(&sum, &part, 1);
+    norma_policy_add_report(&sum, &part, 1);
     assert_int_equal(sum.cancelled.count, 4);
     assert_int_equal(sum.cancelled.first, SIZE_MAX);
     assert_int_equal(sum.winding_conflicts.count, 2);

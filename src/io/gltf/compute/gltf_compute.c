@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double DEFAULT_CREASE_RAD = 1.0471975511965977; /* 60 degrees */
-
 static int is_wanted(const gltf_job *job, uint32_t mesh) {
     const gltf_mesh *m = &job->g->meshes[mesh];
     for (uint32_t i = m->first_primitive; i < m->first_primitive + m->primitive_count; ++i)
@@ -24,7 +22,7 @@ static norma_document_result compute_mesh(gltf_job *job, uint32_t mesh) {
     gltf_surface surface;
     norma_document_result result = norma_gltf_gather(job, mesh, &surface);
     if (!result) result = norma_gltf_find_points(job, &surface);
-    job->core.progress = NULL;
+    job->policy.core.progress = NULL;
     if (!result) result = norma_gltf_take_points(job, &surface);
     if (!result) result = norma_gltf_morph(job, &surface);
     norma_gltf_surface_free(&surface);
@@ -39,8 +37,8 @@ static norma_document_result compute_meshes(gltf_job *job) {
     job->progress_scale = wanted ? 1 / (double)wanted : 0;
     for (uint32_t m = 0; !result && m < g->mesh_count; ++m) {
         if (!is_wanted(job, m)) continue;
-        job->core.progress = job->options->progress ? pass_on : NULL;
-        job->core.progress_user = job;
+        job->policy.core.progress = job->options->progress ? pass_on : NULL;
+        job->policy.core.progress_user = job;
         result = compute_mesh(job, m);
         job->progress_base += job->progress_scale;
     }
@@ -57,6 +55,7 @@ static norma_document_result look_up(const gltf_job *job) {
 
 static norma_document_result put_all(gltf_job *job) {
     norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_policy_forget(&job->policy.summary->report);
     for (uint32_t s = 0; !result && s < job->set_count; ++s) {
         if (!job->sets[s].wanted) continue;
         result = look_up(job);
@@ -70,7 +69,7 @@ static norma_document_result put_all(gltf_job *job) {
 }
 
 static void count_vertices(const gltf_job *job) {
-    norma_compute_summary *summary = job->summary;
+    norma_compute_summary *summary = job->policy.summary;
     for (uint32_t i = 0; i < job->g->primitive_count; ++i) {
         const gltf_primitive *p = &job->g->primitives[i];
         const gltf_set *set = job->set_of[i] == GLTF_NONE ? NULL : &job->sets[job->set_of[i]];
@@ -78,18 +77,6 @@ static void count_vertices(const gltf_job *job) {
         summary->vertices_before += p->vertices;
         summary->vertices_after += p->vertices + (set && set->wanted ? set->added_count : 0);
     }
-}
-
-static void begin_summary(const gltf_job *job) {
-    norma_compute_summary *summary = job->summary;
-    const norma_count none = {0, SIZE_MAX};
-    summary->report = (norma_report){none, none, none, none, none, none};
-    summary->shading = job->options->shading == NORMA_SHADING_DEFAULT ? NORMA_SHADING_CREASE
-                                                                      : job->options->shading;
-    if (summary->shading == NORMA_SHADING_CREASE)
-        summary->crease_angle_rad = job->options->shading == NORMA_SHADING_CREASE
-                                        ? job->options->crease_angle_rad
-                                        : DEFAULT_CREASE_RAD;
 }
 
 /* Where none of the surfaces can be read, there is nothing that could have been asked for. */
@@ -110,10 +97,11 @@ norma_document_result norma_gltf_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    gltf_job job = {.g = g, .options = options, .summary = summary, .error = error};
-    norma_options_of_compute(options, &job.core);
-    job.core.progress = NULL;
-    begin_summary(&job);
+    gltf_job job = {.g = g,
+        .options = options,
+        .error = error,
+        .policy = norma_policy_begin(options, summary, NORMA_SHADING_CREASE, 0)};
+    job.policy.core.progress = NULL;
     norma_document_result result = NORMA_DOCUMENT_OK;
     norma_gltf_begin_change(g);
     if (!result) result = check_any_surface(g, error);
@@ -122,7 +110,6 @@ norma_document_result norma_gltf_compute(norma_document *document,
     if (!result) result = put_all(&job);
     if (!result) {
         count_vertices(&job);
-        summary->edges_counted = summary->shading == NORMA_SHADING_CREASE && job.meshes_done > 0;
         result = norma_gltf_finish(g, error);
         summary->changed = g->changed;
     }

@@ -7,6 +7,7 @@
  * others. */
 #ifndef NORMA_IO_GLTF_COMPUTE_H
 #define NORMA_IO_GLTF_COMPUTE_H
+#include "io/format/compute_policy.h"
 #include "io/gltf/read/asset.h"
 
 typedef struct gltf_surface {
@@ -48,15 +49,13 @@ typedef struct gltf_set {
 typedef struct gltf_job {
     gltf *g;
     const norma_compute_options *options;
-    norma_compute_summary *summary;
     norma_document_error *error;
-    norma_options core;
+    compute_policy policy;
     gltf_set *sets;
     uint32_t set_count;
     uint32_t *set_of;      /* for each primitive; GLTF_NONE: not read */
     uint32_t *next_in_set; /* for each primitive the next one of its set, or GLTF_NONE */
     uint32_t **corners;    /* for each primitive its new corners, or NULL */
-    size_t meshes_done;
     double progress_base, progress_scale;
 } gltf_job;
 

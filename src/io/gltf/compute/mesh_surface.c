@@ -201,42 +201,6 @@ norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surfa
 
 /* ---- points */
 
-/* Room for most points, of which many may not come to be; what is not used is never touched. */
-static int make_room(gltf_surface *s, size_t most, int with_points, int many_unused) {
-    void *(*const allocate)(size_t, size_t) = many_unused ? norma_io_room : norma_io_block;
-    s->sources = allocate(most, sizeof *s->sources);
-    s->normals = allocate(most, 3 * sizeof *s->normals);
-    s->reasons = norma_io_allocate(most, 1);
-    s->points = with_points ? norma_io_block(s->core.corner_count, sizeof *s->points) : NULL;
-    return s->sources && s->normals && s->reasons && (s->points || !with_points);
-}
-
-static norma_document_result find_creased(gltf_job *job, gltf_surface *s, norma_report *report) {
-    norma_edges edges = {0};
-    size_t most = s->core.corner_count;
-    if (!make_room(s, most, 1, 1)) return out_of_memory(job);
-    job->core.edges = &edges;
-    job->core.reasons = s->reasons;
-    norma_result result = norma_split(&s->core, (float)job->summary->crease_angle_rad, &job->core,
-        s->points, most, s->sources, s->normals, most, &s->point_count, report);
-    job->core.edges = NULL;
-    s->in_order = 1;
-    job->summary->hard_edges += edges.hard;
-    return result ? norma_document_fail_core(job->g->document, job->error, result)
-                  : NORMA_DOCUMENT_OK;
-}
-
-static norma_document_result find_smooth(gltf_job *job, gltf_surface *s, norma_report *report) {
-    size_t count = s->core.positions.count;
-    if (!make_room(s, count, 0, 0)) return out_of_memory(job);
-    job->core.reasons = s->reasons;
-    norma_result result = norma_vertex_normals(&s->core, &job->core, s->normals, count, report);
-    for (size_t i = 0; i < count; ++i) s->sources[i] = (uint32_t)i;
-    s->point_count = count;
-    return result ? norma_document_fail_core(job->g->document, job->error, result)
-                  : NORMA_DOCUMENT_OK;
-}
-
 static uint64_t hash_point(uint32_t source, const float normal[3]) {
     uint32_t bits[3];
     memcpy(bits, normal, sizeof bits);
@@ -247,6 +211,12 @@ static uint64_t hash_point(uint32_t source, const float normal[3]) {
 
 /* A point for each position and face normal that meet. */
 static int join_faces(gltf_surface *s, const float *faces, const uint8_t *reasons) {
+    const size_t most = s->core.corner_count;
+    s->points = norma_io_block(most, sizeof *s->points);
+    s->sources = norma_io_block(most, sizeof *s->sources);
+    s->normals = norma_io_block(most, 3 * sizeof *s->normals);
+    s->reasons = norma_io_allocate(most, 1);
+    if (!s->points || !s->sources || !s->normals || !s->reasons) return 0;
     size_t size = 16;
     while (size / 2 < s->core.corner_count) size *= 2;
     uint32_t *table = norma_io_allocate(size, sizeof *table);
@@ -271,46 +241,38 @@ static int join_faces(gltf_surface *s, const float *faces, const uint8_t *reason
     return table != NULL;
 }
 
-static norma_document_result find_flat(gltf_job *job, gltf_surface *s, norma_report *report) {
-    size_t faces = s->core.corner_count / 3;
-    float *normals = norma_io_allocate(faces, 3 * sizeof *normals);
-    uint8_t *reasons = norma_io_allocate(faces, 1);
-    norma_document_result result = normals && reasons && make_room(s, s->core.corner_count, 1, 0)
-                                       ? NORMA_DOCUMENT_OK
-                                       : out_of_memory(job);
-    if (!result) {
-        job->core.reasons = reasons;
-        norma_result core = norma_face_normals(&s->core, &job->core, normals, faces, report);
-        result =
-            core ? norma_document_fail_core(job->g->document, job->error, core) : NORMA_DOCUMENT_OK;
-    }
-    if (!result && !join_faces(s, normals, reasons)) result = out_of_memory(job);
-    free(normals);
-    free(reasons);
-    return result;
+/* Each position is one point. */
+static int take_positions(gltf_surface *s) {
+    s->sources = norma_io_block(s->point_count, sizeof *s->sources);
+    for (size_t i = 0; s->sources && i < s->point_count; ++i) s->sources[i] = (uint32_t)i;
+    return s->sources != NULL;
+}
+
+static void take_points(gltf_surface *s, computed_normals *made) {
+    s->points = made->points;
+    s->sources = made->sources;
+    s->normals = made->normals;
+    s->reasons = made->reasons;
+    s->point_count = made->count;
+    s->in_order = made->elements == NORMALS_OF_POINTS;
+    *made = (computed_normals){.elements = made->elements};
 }
 
 norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *s) {
-    norma_report report = {
-        {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}, {0, SIZE_MAX}};
-    norma_document_result result;
-    switch (job->summary->shading) {
-    case NORMA_SHADING_SMOOTH:
-        result = find_smooth(job, s, &report);
-        break;
-    case NORMA_SHADING_FLAT:
-        result = find_flat(job, s, &report);
-        break;
-    default:
-        result = find_creased(job, s, &report);
-        break;
-    }
-    job->core.reasons = NULL;
-    report.non_finite = report.unreferenced = report.cancelled = (norma_count){0, SIZE_MAX};
-    if (!result) norma_add_report(&job->summary->report, &report, job->meshes_done++);
-    for (size_t i = 0; !result && i < s->point_count; ++i) {
-        float *normal = s->normals + 3 * i;
-        if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0) normal[2] = 1;
-    }
-    return result;
+    const norma_compute_summary *summary = job->policy.summary;
+    computed_normals made = {.elements = norma_policy_elements(summary->shading),
+        .with_reasons = 1,
+        .crease_angle_rad = summary->crease_angle_rad};
+    norma_document_result result = norma_document_fail_core(
+        job->g->document, job->error, norma_policy_compute(&job->policy, &s->core, &made));
+    int ok = 1;
+    if (!result && made.elements == NORMALS_OF_FACES)
+        ok = join_faces(s, made.normals, made.reasons);
+    else if (!result)
+        take_points(s, &made);
+    if (!result && made.elements == NORMALS_OF_POSITIONS) ok = take_positions(s);
+    for (size_t i = 0; !result && ok && i < s->point_count; ++i)
+        norma_policy_point_up(s->normals + 3 * i);
+    norma_computed_normals_free(&made);
+    return ok ? result : out_of_memory(job);
 }

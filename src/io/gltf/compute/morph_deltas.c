@@ -145,7 +145,7 @@ static norma_document_result finish_targets(morph *m) {
         .data = s->normals, .count = points, .format = NORMA_FORMAT_FLOAT};
     norma_vec3_view targets[TARGETS_AT_A_TIME];
     size_t starts[TARGETS_AT_A_TIME + 1];
-    norma_options options = m->job->core;
+    norma_options options = m->job->policy.core;
     options.weld = m->job->options->weld == NORMA_WELD_NONE ? NORMA_WELD_NONE : NORMA_WELD_EXACT;
     for (size_t t = 0; t < m->target_count; ++t)
         targets[t] = (norma_vec3_view){

@@ -82,13 +82,13 @@ static int encode_units(
     return 1;
 }
 
-/* -0 and 0 say the same: what is there stays, so that right normals stay to the bit. */
 static void keep_zero_signs(const unsigned char *old, unsigned char *new_bytes) {
     for (int k = 0; k < 3; ++k) {
         float a, b;
         memcpy(&a, old + 4 * k, sizeof a);
         memcpy(&b, new_bytes + 4 * k, sizeof b);
-        if (a == 0 && b == 0) memcpy(new_bytes + 4 * k, &a, sizeof a);
+        b = norma_policy_keep_zero(b, (double)a);
+        memcpy(new_bytes + 4 * k, &b, sizeof b);
     }
 }
 
@@ -294,27 +294,7 @@ static norma_document_result put_targets(const contents *c) {
     return result;
 }
 
-/* ---- counting what was filled */
-
-static void count_reason(norma_count *count, size_t index, int alone) {
-    if (count->count++ == 0) count->first = index;
-    if (!alone) count->first = SIZE_MAX;
-}
-
-static void report_reasons(const contents *c) {
-    norma_compute_summary *summary = c->job->summary;
-    int alone = c->job->set_count == 1;
-    for (size_t v = 0; v < c->count; ++v) {
-        if (!is_new(c->set, v) || c->set->reasons[v] == NORMA_REASON_NONE) continue;
-        ++summary->filled;
-        if (c->set->reasons[v] == NORMA_REASON_NON_FINITE)
-            count_reason(&summary->report.non_finite, v, alone);
-        else if (c->set->reasons[v] == NORMA_REASON_UNREFERENCED)
-            count_reason(&summary->report.unreferenced, v, alone);
-        else if (c->set->reasons[v] == NORMA_REASON_CANCELLED)
-            count_reason(&summary->report.cancelled, v, alone);
-    }
-}
+/* ---- a set */
 
 norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
     gltf_set *set = &job->sets[number];
@@ -331,7 +311,10 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
     c.changed = norma_io_allocate(c.count, 1);
     if ((!c.stored && tangents) || !c.changed) result = out_of_memory(&c);
     if (!result) {
-        report_reasons(&c);
+        norma_policy_fill(
+            &job->policy, set->normals, set->reasons, c.count, set->broken, set->vertices);
+        norma_policy_report(&job->policy.summary->report, set->reasons, c.count, set->broken,
+            set->vertices, job->set_count > 1);
         result = put_normals(&c);
     }
     for (uint32_t i = base->first; !result && i < base->first + base->count; ++i)

@@ -1,7 +1,6 @@
 /* vertex_sharing.c: which primitives draw the same vertices, and which vertices their points
  * become: the first point of an old vertex gets its number, so that old indices stay right; further
  * ones are added behind. */
-#include "io/format/broken_normal.h"
 #include "io/gltf/compute/gltf_compute.h"
 #include "io/stream/large_memory.h"
 #include "io/stream/tasks.h"
@@ -50,11 +49,6 @@ static int same_set(const gltf_job *job, const gltf_set *set, const gltf_primiti
     return 1;
 }
 
-static int is_broken(const float n[3], int component) {
-    const double normal[3] = {(double)n[0], (double)n[1], (double)n[2]};
-    return norma_normal_is_broken(normal, norma_unit_tolerance(component == GLTF_BYTE ? 8 : 32));
-}
-
 static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t normal) {
     gltf_array array;
     norma_document_result result = norma_gltf_array(job->g, normal, &array, job->error);
@@ -65,7 +59,9 @@ static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t 
     for (size_t i = 0; i < set->vertices; ++i) {
         float n[16];
         norma_gltf_floats(&array, i, n);
-        set->broken[i] = array.width != 3 || is_broken(n, array.component);
+        const double vector[3] = {(double)n[0], (double)n[1], (double)n[2]};
+        set->broken[i] = array.width != 3 ||
+                         norma_normal_is_broken(vector, array.component == GLTF_BYTE ? 8 : 32);
         set->wanted |= set->broken[i];
     }
     return NORMA_DOCUMENT_OK;
@@ -354,7 +350,7 @@ static int take_primitive(
     placed.corners = alone ? s->points : norma_io_block(placed.count, sizeof *placed.corners);
     if (!placed.corners) return 0;
     placed.slices = norma_io_slices(placed.count, LEAST_SLICE);
-    norma_io_tasks(job->core.threads, placed.slices, place_slice, &placed);
+    norma_io_tasks(job->policy.core.threads, placed.slices, place_slice, &placed);
     if (alone) s->points = NULL;
     job->corners[number] = placed.corners;
     return 1;
@@ -409,7 +405,6 @@ static void take_nearest(gltf_set *set, const float *normals, const uint8_t *rea
         float *to = set->normals + 3 * v;
         if (set->taken[v] || (set->broken && !set->broken[v])) continue;
         memcpy(to, from, 3 * sizeof *to);
-        if (to[0] == 0 && to[1] == 0 && to[2] == 0) to[2] = 1;
         set->reasons[v] = reasons[v] == NORMA_REASON_NON_FINITE ? NORMA_REASON_NON_FINITE
                                                                 : NORMA_REASON_UNREFERENCED;
     }
@@ -435,10 +430,10 @@ norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set)
     const norma_mesh mesh = {
         .positions = norma_gltf_vec3_view(&positions), .corners = corners, .corner_count = count};
     norma_result core = NORMA_ERROR_MEMORY;
-    job->core.reasons = reasons;
+    job->policy.core.reasons = reasons;
     if (normals && reasons)
-        core = norma_vertex_normals(&mesh, &job->core, normals, set->vertices, NULL);
-    job->core.reasons = NULL;
+        core = norma_vertex_normals(&mesh, &job->policy.core, normals, set->vertices, NULL);
+    job->policy.core.reasons = NULL;
     if (!core) take_nearest(set, normals, reasons);
     free(corners);
     free(normals);

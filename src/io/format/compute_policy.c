@@ -1,0 +1,179 @@
+/* compute_policy.c: what is decided when the normals of a file are computed, alike for every
+ * format. */
+#include "io/format/compute_policy.h"
+#include "io/stream/large_memory.h"
+#include <math.h>
+#include <stdlib.h>
+
+#define PI 3.14159265358979323846
+
+static const norma_count NONE = {0, SIZE_MAX};
+
+/* ---- how the mesh is shaded */
+
+compute_policy norma_policy_begin(const norma_compute_options *options,
+    norma_compute_summary *summary, norma_shading usual, int has_groups) {
+    const compute_policy policy = {.options = options,
+        .summary = summary,
+        .core = {.struct_size = sizeof policy.core,
+            .weight = options->weight,
+            .weld = options->weld,
+            .weld_distance = options->weld_distance,
+            .non_manifold = options->non_manifold,
+            .fallback = NORMA_FALLBACK_NEAREST,
+            .threads = options->threads,
+            .progress = options->progress,
+            .progress_user = options->progress_user}};
+    summary->report = (norma_report){NONE, NONE, NONE, NONE, NONE, NONE};
+    summary->shading = options->shading == NORMA_SHADING_DEFAULT ? usual : options->shading;
+    if (summary->shading != NORMA_SHADING_CREASE) return policy;
+    summary->by_groups = has_groups && options->groups == NORMA_GROUPS_AUTO;
+    summary->crease_angle_rad = options->shading == NORMA_SHADING_CREASE ? options->crease_angle_rad
+                                : summary->by_groups                     ? PI
+                                                                         : PI / 3;
+    return policy;
+}
+
+/* ---- which stored normals are replaced */
+
+/* Eight bits hold no better. A comparison with NaN is false. */
+int norma_normal_is_broken(const double normal[3], int bits) {
+    const double tolerance = bits == 8 ? .00682 : 5e-4,
+                 length =
+                     sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    return !(fabs(length - 1) <= tolerance);
+}
+
+int norma_policy_wants(norma_only only, const double normal[3], int bits) {
+    return only == NORMA_ONLY_ALL ||
+           (only == NORMA_ONLY_BROKEN && norma_normal_is_broken(normal, bits));
+}
+
+int norma_policy_wants_facet(norma_only only, const float stored[3]) {
+    double square = 0;
+    if (only == NORMA_ONLY_ALL) return 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!isfinite(stored[axis])) return only == NORMA_ONLY_BROKEN;
+        square += (double)stored[axis] * (double)stored[axis];
+    }
+    return square < 1e-12;
+}
+
+/* ---- computing */
+
+normal_elements norma_policy_elements(norma_shading shading) {
+    return shading == NORMA_SHADING_SMOOTH ? NORMALS_OF_POSITIONS
+           : shading == NORMA_SHADING_FLAT ? NORMALS_OF_FACES
+                                           : NORMALS_OF_POINTS;
+}
+
+void norma_computed_normals_free(computed_normals *made) {
+    free(made->normals);
+    free(made->reasons);
+    free(made->points);
+    free(made->sources);
+    *made = (computed_normals){.elements = made->elements};
+}
+
+/* Of points many may not come to be; their room is never touched. */
+static int make_room(const norma_mesh *mesh, computed_normals *made) {
+    const int points = made->elements == NORMALS_OF_POINTS;
+    const size_t faces = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
+    made->count = made->elements == NORMALS_OF_POSITIONS ? mesh->positions.count
+                  : made->elements == NORMALS_OF_FACES   ? faces
+                                                         : mesh->corner_count;
+    made->normals = points ? norma_io_room(made->count, 3 * sizeof *made->normals)
+                           : norma_io_block(made->count, 3 * sizeof *made->normals);
+    made->points = points ? norma_io_block(made->count, sizeof *made->points) : NULL;
+    made->reasons = made->with_reasons ? norma_io_allocate(made->count, 1) : NULL;
+    made->sources =
+        made->with_reasons && points ? norma_io_room(made->count, sizeof *made->sources) : NULL;
+    return made->normals && (made->points || !points) && (made->reasons || !made->with_reasons) &&
+           (made->sources || !made->with_reasons || !points);
+}
+
+static norma_result run(const norma_options *core, const norma_mesh *mesh, computed_normals *made,
+    norma_report *report) {
+    const size_t most = made->count;
+    const float crease = (float)made->crease_angle_rad;
+    switch (made->elements) {
+    case NORMALS_OF_POSITIONS:
+        return norma_vertex_normals(mesh, core, made->normals, most, report);
+    case NORMALS_OF_FACES:
+        return norma_face_normals(mesh, core, made->normals, most, report);
+    case NORMALS_OF_CORNERS:
+        return norma_corner_normals(mesh, crease, core, made->normals, most, report);
+    default:
+        return norma_split(mesh, crease, core, made->points, most, made->sources, made->normals,
+            most, &made->count, report);
+    }
+}
+
+static void add_count(norma_count *sum, const norma_count *count, size_t meshes_before) {
+    sum->count = meshes_before ? sum->count + count->count : count->count;
+    sum->first = meshes_before ? SIZE_MAX : count->first;
+}
+
+void norma_policy_add_report(norma_report *sum, const norma_report *report, size_t meshes_before) {
+    add_count(&sum->degenerate_faces, &report->degenerate_faces, meshes_before);
+    add_count(&sum->non_finite, &report->non_finite, meshes_before);
+    add_count(&sum->unreferenced, &report->unreferenced, meshes_before);
+    add_count(&sum->cancelled, &report->cancelled, meshes_before);
+    add_count(&sum->non_manifold_edges, &report->non_manifold_edges, meshes_before);
+    add_count(&sum->winding_conflicts, &report->winding_conflicts, meshes_before);
+}
+
+norma_result norma_policy_compute(
+    compute_policy *policy, const norma_mesh *mesh, computed_normals *made) {
+    norma_compute_summary *summary = policy->summary;
+    norma_options core = policy->core;
+    norma_edges edges = {0};
+    norma_report report = {NONE, NONE, NONE, NONE, NONE, NONE};
+    const int creased = made->elements == NORMALS_OF_CORNERS || made->elements == NORMALS_OF_POINTS;
+    if (!make_room(mesh, made)) return NORMA_ERROR_MEMORY;
+    core.reasons = made->reasons;
+    if (creased) core.edges = &edges;
+    const norma_result result = run(&core, mesh, made, &report);
+    if (result) return result;
+    norma_policy_add_report(&summary->report, &report, policy->meshes++);
+    summary->edges_counted |= creased;
+    summary->hard_edges += edges.hard;
+    return NORMA_OK;
+}
+
+/* ---- what is written, what is counted */
+
+void norma_policy_fill(compute_policy *policy, float *normals, const uint8_t *reasons, size_t count,
+    const uint8_t *wanted, size_t wanted_count) {
+    for (size_t i = 0; i < count; ++i) {
+        if (!reasons[i]) continue;
+        policy->summary->filled += !wanted || i >= wanted_count || wanted[i];
+        norma_policy_point_up(normals + 3 * i);
+    }
+}
+
+void norma_policy_forget(norma_report *report) {
+    report->non_finite = report->unreferenced = report->cancelled = NONE;
+}
+
+static void count_reason(norma_count *count, size_t index, int several) {
+    if (count->count++ == 0) count->first = index;
+    if (several) count->first = SIZE_MAX;
+}
+
+void norma_policy_report(norma_report *report, const uint8_t *reasons, size_t count,
+    const uint8_t *wanted, size_t wanted_count, int several) {
+    for (size_t i = 0; i < count; ++i) {
+        if (wanted && i < wanted_count && !wanted[i]) continue;
+        if (reasons[i] == NORMA_REASON_NON_FINITE)
+            count_reason(&report->non_finite, i, several);
+        else if (reasons[i] == NORMA_REASON_UNREFERENCED)
+            count_reason(&report->unreferenced, i, several);
+        else if (reasons[i] == NORMA_REASON_CANCELLED)
+            count_reason(&report->cancelled, i, several);
+    }
+}
+
+size_t norma_policy_without_normal(const norma_report *report) {
+    return report->non_finite.count + report->unreferenced.count + report->cancelled.count;
+}
