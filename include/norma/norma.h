@@ -771,7 +771,7 @@ NORMA_API norma_result norma_reverse_winding(void *corners, size_t corner_size, 
 /* How open parts of a surface are oriented. */
 typedef enum norma_orient_open {
     NORMA_ORIENT_OPEN_KEPT = 0, /* as most of their faces are */
-    NORMA_ORIENT_OPEN_BY_RAYS   /* by a majority of rays */
+    NORMA_ORIENT_OPEN_BY_RAYS   /* by rays: the side from which more of them leave the scene */
 } norma_orient_open;
 
 typedef struct norma_orient_report {
@@ -809,13 +809,14 @@ typedef struct norma_orient_report {
  * Each part is first wound as most of its faces are. A closed part is then turned outward by the
  * sign of its volume. Cavities stay cavities: parts are judged from outside in, and a part with
  * negative volume directly inside a solid (the smallest part that contains it, by winding numbers)
- * is kept. Open parts keep the winding of most of their faces, or are turned by up to 256 rays each
- * (64 if there are many parts) towards the side from which rays travel farther: a guess, with a
- * confidence. A part counts as closed if its own faces cancel at each edge, even if other parts
- * touch it there. The result is the same for any number of threads. Errors: those of
- * norma_face_normals. Cost: O(corners * log valence), plus O(parts log parts + parts log faces) for
- * nesting and rays: if surfaces lie so densely that rays would cost more, fewer are cast. Source:
- * Takayama, Jacobson, Kavan, Sorkine-Hornung 2014 (rays). */
+ * is kept. Open parts keep the winding of most of their faces, or are turned by rays, 64 to each
+ * side of a part: outward is the side from which more of them leave the scene. A part for which the
+ * difference is less than a quarter of the rays is undecided, and kept. A part counts as closed if
+ * its own faces cancel at each edge, even if other parts touch it there. The result is the same for
+ * any number of threads. Errors: those of norma_face_normals. Cost: O(corners * log valence), plus
+ * O(parts log parts + parts log faces) for nesting and rays: if surfaces lie so densely that rays
+ * would cost more, fewer are cast. Source: Takayama, Jacobson, Kavan, Sorkine-Hornung 2014 (rays).
+ */
 NORMA_API norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     const norma_options *options, uint8_t *reverse, size_t capacity, norma_orient_report *report);
 

@@ -1,46 +1,53 @@
-/* rays.c: which side of an open part is outward, by rays from points all over it: the side from
- * which they run farther before they meet something (Takayama, Jacobson, Kavan, Sorkine-Hornung
- * 2014). Points and directions are numbers of a fixed sequence, and the same whichever way round a
- * face is wound, so that a part that was turned is not turned again. Each part has a budget of
- * steps that grows with the logarithm of all faces, so that parts whose boxes all overlap cost no
- * more than others; a part that uses it up is judged by the rays that were cast until then. */
+/* rays.c: which side of an open part is outward, by rays from points all over it, one to each side:
+ * the side from which more of them leave the scene (Takayama, Jacobson, Kavan, Sorkine-Hornung 2014
+ * count such rays as well). Fewer than a quarter more decide nothing. Points and directions are
+ * numbers of a fixed sequence, and the same whichever way round a face is wound, so that a part
+ * that was turned is not turned again. The steps of all rays are at most of the order of n log n,
+ * however densely the n triangles lie, and each part has the same share of them; a part that uses
+ * it up is judged by the rays that were cast until then. */
 #include "core/orient/orient.h"
 #include "core/orient/box_tree.h"
 #include "core/face/triangle.h"
 #include <float.h>
+#include <stdlib.h>
 
 enum {
-    MOST_RAYS = 256,   /* of a part: a power of two, as are fewer, see scramble */
-    RAYS_OF_MANY = 64, /* of each part where there are more than MANY_PARTS */
-    MANY_PARTS = 256,
+    RAYS = 64,        /* to each side of a part: a power of two, see scramble */
     FEWEST_RAYS = 16, /* of a part whose budget is used up; with fewer it stays undecided */
-    STEPS_OF_RAY = 16 /* times the logarithm of all faces: nodes and corners looked at */
+    STEPS_OF_RAY = 6  /* times the logarithm of all triangles: nodes and triangles looked at */
 };
+static const double JUST_OFF = 0x1p-20; /* of the size of the face: where a ray begins */
 
 typedef struct poll { /* of one part */
     int votes;        /* for the part as it is, less those against */
-    uint32_t cast;
+    int cast;
     uint64_t steps;
 } poll;
+
+typedef struct ray_triangle { /* a corner, and the edges from there */
+    double corner[3], u[3], v[3];
+    uint32_t face;
+} ray_triangle;
 
 typedef struct rays {
     const core_topology *topology;
     core_components *components;
     core_box_tree tree;
+    ray_triangle *triangles; /* the fans of all faces; in the order of the tree's numbers once that
+                                is built */
+    size_t count, room;      /* of triangles */
     uint8_t open_flags;
-    uint32_t rays;       /* of each part */
-    uint64_t budget;     /* of each ray, in steps; those of a part share theirs */
-    double (*points)[3]; /* positions of the corners' numbers, as doubles */
-    poll *polls;         /* of each part */
+    uint64_t budget; /* of each part, in steps */
+    poll *polls;     /* of each part */
 } rays;
 
 /* ---- a ray */
 
 typedef struct ray {
     double origin[3], direction[3], inverse[3]; /* inverse: 1 / direction */
-    size_t face;                                /* it starts there, and does not meet it */
-    double enough;        /* a hit nearer than this is near enough: no nearer one is looked for */
-    uint64_t steps, most; /* nodes and corners looked at; no more are once they are most */
+    double least;         /* what is nearer is the face where it starts, or lies on it */
+    uint32_t face;        /* where it starts */
+    uint64_t steps, most; /* nodes and triangles looked at; no more are once they are most */
 } ray;
 
 static void point_ray(ray *r, const double direction[3], double sign) {
@@ -50,48 +57,26 @@ static void point_ray(ray *r, const double direction[3], double sign) {
     }
 }
 
-/* Distance along the ray to a triangle (Moller, Trumbore 1997); infinite: it passes by. */
-static double meet_triangle(
-    const ray *r, const double p0[3], const double p1[3], const double p2[3]) {
-    double u[3], v[3], across[3], from[3], other[3];
-    norma_core_subtract(p1, p0, u);
-    norma_core_subtract(p2, p0, v);
-    norma_core_cross(r->direction, v, across);
-    const double determinant = norma_core_dot(u, across);
-    if (determinant == 0) return INFINITY;
-    norma_core_subtract(r->origin, p0, from);
-    const double a = norma_core_dot(from, across) / determinant;
-    norma_core_cross(from, u, other);
-    const double b = norma_core_dot(r->direction, other) / determinant,
-                 distance = norma_core_dot(v, other) / determinant;
-    return a >= 0 && b >= 0 && a + b <= 1 && distance > 0 ? distance : INFINITY;
+/* Whether the ray meets a triangle (Moller, Trumbore 1997). */
+static int meets_triangle(const ray *r, const ray_triangle *t) {
+    double across[3], from[3], other[3];
+    norma_core_cross(r->direction, t->v, across);
+    const double determinant = norma_core_dot(t->u, across), size = fabs(determinant),
+                 sign = determinant < 0 ? -1 : 1;
+    norma_core_subtract(r->origin, t->corner, from);
+    const double a = sign * norma_core_dot(from, across);
+    if (!(a >= 0 && a <= size && size > 0)) return 0;
+    norma_core_cross(from, t->u, other);
+    const double b = sign * norma_core_dot(r->direction, other);
+    return b >= 0 && a + b <= size && sign * norma_core_dot(t->v, other) > r->least * size &&
+           t->face != r->face;
 }
 
-static double meet_face(const rays *all, const ray *r, size_t face) {
-    const core_topology *t = all->topology;
-    const size_t begin = norma_core_face_begin(&t->mesh, face),
-                 end = norma_core_face_end(&t->mesh, face);
-    double nearest = INFINITY;
-    if (face == r->face || end - begin < 3) return INFINITY;
-    const double *p0 = all->points[t->corners[begin]], *p1 = all->points[t->corners[begin + 1]];
-    for (size_t c = begin + 2; c < end; c++) {
-        const double *p2 = all->points[t->corners[c]];
-        const double distance = meet_triangle(r, p0, p1, p2);
-        nearest = distance < nearest ? distance : nearest;
-        p1 = p2;
-    }
-    return nearest;
-}
-
-/* Where the ray enters the box; infinite: it misses the box, or enters it behind nearest. Relative
- * to the distance, this much is the rounding of both. */
-static double enter_box(const core_box_node *node, const ray *r, double nearest) {
-    double from = 0, to = nearest;
+/* Where the ray enters the box; infinite: it misses it. No component of its direction is zero.
+ * Relative to the distance, this much is the rounding of both. */
+static double enter_box(const core_box_node *node, const ray *r) {
+    double from = 0, to = INFINITY;
     for (int k = 0; k < 3; k++) {
-        if (r->direction[k] == 0) {
-            if (r->origin[k] < node->low[k] || r->origin[k] > node->high[k]) return INFINITY;
-            continue;
-        }
         const double a = (node->low[k] - r->origin[k]) * r->inverse[k],
                      b = (node->high[k] - r->origin[k]) * r->inverse[k];
         const double in = a < b ? a : b, out = a < b ? b : a;
@@ -101,55 +86,37 @@ static double enter_box(const core_box_node *node, const ray *r, double nearest)
     return from > to * (1 + 8 * DBL_EPSILON) ? INFINITY : from;
 }
 
-typedef struct waiting {
-    uint32_t node;
-    double from; /* where the ray enters it */
-} waiting;
-
 /* Both children that the ray enters, the nearer one on top. */
 static size_t push_children(
-    const rays *all, const core_box_node *node, const ray *r, double nearest, waiting *to) {
-    waiting near = {node->left, enter_box(&all->tree.nodes[node->left], r, nearest)},
-            far = {node->right, enter_box(&all->tree.nodes[node->right], r, nearest)};
+    const rays *all, const core_box_node *node, const ray *r, uint32_t *stack) {
+    const double left = enter_box(&all->tree.nodes[node->left], r),
+                 right = enter_box(&all->tree.nodes[node->right], r);
+    const int left_first = left <= right;
     size_t count = 0;
-    if (far.from < near.from) {
-        const waiting swap = near;
-        near = far;
-        far = swap;
-    }
-    if (far.from < INFINITY) to[count++] = far;
-    if (near.from < INFINITY) to[count++] = near;
+    if ((left_first ? right : left) < INFINITY)
+        stack[count++] = left_first ? node->right : node->left;
+    if ((left_first ? left : right) < INFINITY)
+        stack[count++] = left_first ? node->left : node->right;
     return count;
 }
 
-/* The nearest hit not beyond limit, or some hit nearer than r->enough; infinite: nothing is
- * hit. Has no meaning once r->steps has reached r->most. */
-static double meet_anything(const rays *all, ray *r, double limit) {
-    waiting stack[128];
+/* Has no meaning once r->steps has reached r->most. */
+static int leaves_scene(const rays *all, ray *r) {
+    uint32_t stack[128];
     size_t depth = 0;
-    double nearest = limit;
-    int met = 0;
-    stack[depth++] = (waiting){0, enter_box(&all->tree.nodes[0], r, limit)};
-    while (depth && r->steps < r->most && !(met && nearest < r->enough)) {
-        const waiting top = stack[--depth];
-        const core_box_node *node = &all->tree.nodes[top.node];
+    stack[depth++] = 0;
+    while (depth && r->steps < r->most) {
+        const core_box_node *node = &all->tree.nodes[stack[--depth]];
         r->steps++;
-        if (!(top.from < INFINITY) || top.from > nearest * (1 + 8 * DBL_EPSILON)) continue;
         if (node->right) {
-            depth += push_children(all, node, r, nearest, stack + depth);
+            depth += push_children(all, node, r, stack + depth);
             continue;
         }
-        for (uint32_t i = 0; i < node->count; i++) {
-            const size_t face = all->tree.numbers[node->begin + i];
-            const double hit = meet_face(all, r, face);
-            r->steps += norma_core_face_end(&all->topology->mesh, face) -
-                        norma_core_face_begin(&all->topology->mesh, face);
-            if (!(hit <= nearest) || hit == INFINITY) continue;
-            nearest = hit;
-            met = 1;
-        }
+        r->steps += node->count;
+        for (uint32_t i = node->begin; i < node->begin + node->count; i++)
+            if (meets_triangle(r, &all->triangles[i])) return 0;
     }
-    return met ? nearest : INFINITY;
+    return 1;
 }
 
 /* ---- where rays start and where they go */
@@ -164,15 +131,19 @@ static void three_numbers(uint64_t number, double out[3]) {
     }
 }
 
-/* A direction to the normal's side: the normal and a point of the unit ball, together. */
+/* A direction to the normal's side, each as likely as any other: that of a point of the unit ball.
+ */
 static void aim(const double normal[3], uint64_t number, double direction[3]) {
-    double p[3];
+    double square;
     do {
-        three_numbers(number, p);
-        for (int k = 0; k < 3; k++) p[k] = 2 * p[k] - 1;
+        three_numbers(number, direction);
+        for (int k = 0; k < 3; k++) direction[k] = 2 * direction[k] - 1;
+        square = norma_core_dot(direction, direction);
         number += UINT64_C(1) << 40;
-    } while (norma_core_dot(p, p) > 1);
-    for (int k = 0; k < 3; k++) direction[k] = normal[k] + 0.999 * p[k];
+    } while (square > 1 || square < 0x1p-8 || direction[0] == 0 || direction[1] == 0 ||
+             direction[2] == 0);
+    const double sign = norma_core_dot(direction, normal) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++) direction[k] *= sign / sqrt(square);
 }
 
 /* A point of the face, in the triangle of the fan from its first corner that the numbers choose.
@@ -184,10 +155,10 @@ static void start(
                  triangles = norma_core_face_end(&t->mesh, face) - begin - 2,
                  chosen = (size_t)(numbers[2] * (double)triangles) % triangles,
                  at = begin + 1 + (reversed ? triangles - 1 - chosen : chosen);
-    const double *p0 = all->points[t->corners[begin]],
-                 *p1 = all->points[t->corners[reversed ? at + 1 : at]],
-                 *p2 = all->points[t->corners[reversed ? at : at + 1]];
-    double a = numbers[0], b = numbers[1];
+    double p0[3], p1[3], p2[3], a = numbers[0], b = numbers[1];
+    norma_core_position(&t->mesh, t->corners[begin], p0);
+    norma_core_position(&t->mesh, t->corners[reversed ? at + 1 : at], p1);
+    norma_core_position(&t->mesh, t->corners[reversed ? at : at + 1], p2);
     if (a + b > 1) {
         a = 1 - a;
         b = 1 - b;
@@ -209,25 +180,23 @@ static int looks_down(const double normal[3]) {
     return normal[axis] < 0;
 }
 
-/* 1: the front runs farther, -1: the back, 0: no opinion. */
+/* 1: the front sees more of what is outside, -1: the back does, 0: both do, or neither. */
 static int vote(const rays *all, size_t face, uint64_t number, ray *r) {
     double place[3], direction[3];
     core_face geometry;
-    r->face = face;
-    r->enough = 0;
     norma_core_face_geometry(&all->topology->mesh, face, &geometry);
     if (!(geometry.flags & CORE_FACE_DIRECTED)) return 0;
     const int reversed = looks_down(geometry.normal);
     for (int k = 0; k < 3 && reversed; k++) geometry.normal[k] = -geometry.normal[k];
+    r->face = (uint32_t)face;
+    r->least = JUST_OFF * sqrt(geometry.twice_area);
     three_numbers(2 * number + 1, place);
     start(all, face, reversed, place, r->origin);
     aim(geometry.normal, 2 * number, direction);
     point_ray(r, direction, 1);
-    const double front = meet_anything(all, r, INFINITY);
+    const int front = leaves_scene(all, r);
     point_ray(r, direction, -1);
-    r->enough = front; /* how much nearer the back is does not matter */
-    const double back = meet_anything(all, r, front);
-    const int outward = (front > back) - (front < back);
+    const int outward = front - leaves_scene(all, r);
     return reversed != (all->components->reverse[face] != 0) ? -outward : outward;
 }
 
@@ -255,48 +224,90 @@ static uint32_t scramble(uint32_t number, uint32_t count) {
     return out;
 }
 
+/* Whether the rays that are left cannot change what those cast say. */
+static int is_settled(const poll *p) {
+    const int left = RAYS - p->cast, clear = abs(p->votes);
+    return clear - left >= RAYS / 4 || clear + left < RAYS / 4;
+}
+
 static void poll_part(void *context, size_t part) {
     const rays *all = context;
     const core_components *c = all->components;
-    const uint32_t count = all->rays;
     poll *p = &all->polls[part];
-    uint32_t faces[MOST_RAYS];
+    uint32_t faces[RAYS];
     if (!(c->each[part].flags & all->open_flags) || (c->each[part].flags & COMPONENT_ONE_SIDED) ||
-        !choose_faces(all, part, count, faces))
+        !choose_faces(all, part, RAYS, faces))
         return;
-    ray r = {.most = 2 * count * all->budget};
-    for (; p->cast < count; p->cast++) {
-        const uint32_t number = scramble(p->cast, count);
+    ray r = {.most = all->budget};
+    while (p->cast < RAYS && !is_settled(p)) {
+        const uint32_t number = scramble((uint32_t)p->cast, RAYS);
         const int says = vote(all, faces[number], number, &r);
         if (r.steps >= r.most) break;
         p->votes += says;
+        p->cast++;
     }
     p->steps = r.steps;
-    if (p->cast < FEWEST_RAYS) p->votes = 0;
+    if (p->cast < FEWEST_RAYS || 4 * abs(p->votes) < p->cast) p->votes = 0;
 }
 
 /* ---- all parts */
 
+static void widen(core_box *box, const double p[3]) {
+    for (int k = 0; k < 3; k++) {
+        box->low[k] = p[k] < box->low[k] ? p[k] : box->low[k];
+        box->high[k] = p[k] > box->high[k] ? p[k] : box->high[k];
+    }
+}
+
+/* The fan of a face, but for triangles that are not finite. */
+static void add_fan(rays *all, size_t face, core_box *boxes) {
+    const core_topology *t = all->topology;
+    const size_t begin = norma_core_face_begin(&t->mesh, face),
+                 end = norma_core_face_end(&t->mesh, face);
+    double p[3][3];
+    for (size_t c = begin + 2; c < end; c++) {
+        norma_core_position(&t->mesh, t->corners[begin], p[0]);
+        norma_core_position(&t->mesh, t->corners[c - 1], p[1]);
+        norma_core_position(&t->mesh, t->corners[c], p[2]);
+        if (!norma_core_finite(p[0]) || !norma_core_finite(p[1]) || !norma_core_finite(p[2]))
+            continue;
+        ray_triangle *to = &all->triangles[all->count];
+        core_box *box = &boxes[all->count++];
+        *box = (core_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+        for (int i = 0; i < 3; i++) widen(box, p[i]);
+        to->face = (uint32_t)face;
+        memcpy(to->corner, p[0], sizeof p[0]);
+        norma_core_subtract(p[1], p[0], to->u);
+        norma_core_subtract(p[2], p[0], to->v);
+    }
+}
+
+/* In the order of the leaves, so that those of one lie side by side. */
+static norma_result order_triangles(rays *all) {
+    const core_call *call = all->topology->call;
+    ray_triangle *ordered = norma_core_allocate(call, all->room, sizeof *ordered);
+    if (!ordered) return NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < all->count; i++) ordered[i] = all->triangles[all->tree.numbers[i]];
+    norma_core_release(call, all->triangles, all->room, sizeof *all->triangles);
+    all->triangles = ordered;
+    return NORMA_OK;
+}
+
 static norma_result build_tree(rays *all) {
     const core_topology *t = all->topology;
-    core_box *boxes = norma_core_allocate(t->call, t->mesh.face_count, sizeof *boxes);
-    if (!boxes) return NORMA_ERROR_MEMORY;
     for (size_t f = 0; f < t->mesh.face_count; f++) {
-        boxes[f] = (core_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-        for (size_t c = norma_core_face_begin(&t->mesh, f); c < norma_core_face_end(&t->mesh, f);
-             c++) {
-            double p[3];
-            norma_core_position(&t->mesh, t->corners[c], p);
-            for (int k = 0; k < 3; k++) {
-                boxes[f].low[k] = fmin(boxes[f].low[k], p[k]);
-                boxes[f].high[k] = fmax(boxes[f].high[k], p[k]);
-            }
-        }
+        const size_t corners =
+            norma_core_face_end(&t->mesh, f) - norma_core_face_begin(&t->mesh, f);
+        all->room += corners > 2 ? corners - 2 : 0;
     }
-    const norma_result result =
-        norma_core_box_tree_build(t->call, boxes, t->mesh.face_count, &all->tree);
-    norma_core_release(t->call, boxes, t->mesh.face_count, sizeof *boxes);
-    return result;
+    core_box *boxes = norma_core_allocate(t->call, all->room, sizeof *boxes);
+    all->triangles = norma_core_allocate(t->call, all->room, sizeof *all->triangles);
+    norma_result result = boxes && all->triangles ? NORMA_OK : NORMA_ERROR_MEMORY;
+    for (size_t f = 0; result == NORMA_OK && f < t->mesh.face_count; f++) add_fan(all, f, boxes);
+    if (result == NORMA_OK)
+        result = norma_core_box_tree_build(t->call, boxes, all->count, &all->tree);
+    norma_core_release(t->call, boxes, all->room, sizeof *boxes);
+    return result == NORMA_OK ? order_triangles(all) : result;
 }
 
 static void follow_votes(rays *all, core_ray_votes *votes) {
@@ -323,26 +334,20 @@ static void follow_votes(rays *all, core_ray_votes *votes) {
 norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components,
     uint8_t open_flags, core_ray_votes *votes) {
     const core_call *call = topology->call;
-    const size_t parts = components->count, positions = topology->mesh.positions.count;
-    rays all = {.topology = topology,
-        .components = components,
-        .open_flags = open_flags,
-        .rays = parts > MANY_PARTS ? RAYS_OF_MANY : MOST_RAYS};
+    const size_t parts = components->count;
+    rays all = {.topology = topology, .components = components, .open_flags = open_flags};
     *votes = (core_ray_votes){.least_confidence = 1};
     all.polls = norma_core_allocate(call, parts, sizeof *all.polls);
-    all.points = norma_core_allocate(call, positions, sizeof *all.points);
-    for (size_t faces = topology->mesh.face_count; faces > 0; faces /= 2)
-        all.budget += STEPS_OF_RAY;
-    norma_result result = all.polls && all.points ? build_tree(&all) : NORMA_ERROR_MEMORY;
+    norma_result result = all.polls ? build_tree(&all) : NORMA_ERROR_MEMORY;
+    for (size_t count = all.count; count > 0; count /= 2)
+        all.budget += 2 * RAYS * STEPS_OF_RAY * ((all.count + parts - 1) / parts);
     if (result == NORMA_OK) {
         memset(all.polls, 0, parts * sizeof *all.polls);
-        for (size_t i = 0; i < positions; i++)
-            norma_core_position(&topology->mesh, (uint32_t)i, all.points[i]);
         result = norma_core_parallel(topology->call, parts, poll_part, &all);
-        if (result == NORMA_OK) follow_votes(&all, votes);
-        norma_core_box_tree_release(call, &all.tree);
     }
-    norma_core_release(call, all.points, positions, sizeof *all.points);
+    if (result == NORMA_OK) follow_votes(&all, votes);
+    norma_core_box_tree_release(call, &all.tree);
+    norma_core_release(call, all.triangles, all.room, sizeof *all.triangles);
     norma_core_release(call, all.polls, parts, sizeof *all.polls);
     return result;
 }
