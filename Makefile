@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint analyse portable deb install single clean
+.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint analyse portable deb install single python clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -19,6 +19,7 @@ help:
 	@echo "make demo      builds, computes the normals of a mesh, explains a matrix and draws a picture"
 	@echo "make install   builds and installs into PREFIX ($(PREFIX)), below DESTDIR if that is set"
 	@echo "make web       builds the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
+	@echo "make python    builds the Python wheel, $(BUILD)/python/*.whl, installs it into a bare environment and tests it there"
 	@echo "make single    writes the core as two files to copy: $(BUILD)/single/norma.c and norma.h"
 	@echo "make deb       builds Debian packages into $(BUILD)/deb and checks them with lintian"
 	@echo
@@ -75,6 +76,11 @@ fuzz: deps
 
 figures: all
 	@NORMA_BIN=$(BUILD)/bin/norma scripts/figures.sh
+
+python:
+	@scripts/install-deps.sh python
+	@tests/python/wheel.sh
+	@ls build/python/*.whl
 
 single:
 	@scripts/single.sh $(BUILD)/single

@@ -4,6 +4,7 @@
 # Where nothing is missing it only looks.
 #   scripts/install-deps.sh build   what `make` needs
 #   scripts/install-deps.sh web     what the page, the npm package and so `norma view` need to be built
+#   scripts/install-deps.sh python  what `make python` needs
 #   scripts/install-deps.sh bench   that, and the libraries that `make bench` compares with (more than a gigabyte)
 #   scripts/install-deps.sh portable    and cross compilers for 64-bit ARM and Windows with what runs their programs
 #   scripts/install-deps.sh analyse     and clang-tidy
@@ -14,8 +15,10 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
 packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libjansson-dev libpng-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
+python_packages="python3-dev python3-numpy python3-setuptools python3-wheel python3-venv"
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 esbuild"
 [ "$what" != web ] || packages=$web_packages
+[ "$what" != python ] || packages="$packages $python_packages mypy python3-pytest"
 if [ "$what" = bench ]; then
     packages="$packages $web_packages g++ libvtk9-dev libopen3d-dev libopenmesh-dev libcgal-dev libassimp-dev libglm-dev libcglm-dev libeigen3-dev"
 fi
@@ -27,8 +30,8 @@ fi
 if [ "$what" = all ]; then
     # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint.
     packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format"
-    # chromium: the page's tests.
-    packages="$packages $web_packages chromium"
+    # chromium: the page's tests; mypy and pytest: those of the Python package.
+    packages="$packages $web_packages chromium $python_packages mypy python3-pytest"
 fi
 
 missing=""

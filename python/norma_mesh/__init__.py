@@ -1,0 +1,60 @@
+"""Surface normals of meshes: computed, carried through transforms, and checked in files.
+
+    import norma_mesh as norma
+
+    normals = norma.vertex_normals(positions, faces)
+    report = norma.check("chair.glb")
+
+Angles are in degrees. Arrays go in and out as numpy arrays; inputs are never written, and the
+interpreter's lock is given up during a call, so they must not change meanwhile. Wrong shapes, types
+and indices raise a ValueError, TypeError or IndexError that names the argument.
+"""
+from ._calls import (
+    Plan,
+    corner_normals,
+    face_normals,
+    matrix_info,
+    normal_matrices,
+    normal_matrix,
+    orient,
+    split,
+    tangents,
+    transform_normals,
+    vertex_normals,
+)
+from ._check import Deviation, Finding, Report, Rule, Sample, check, rules
+from ._files import ComputeSummary, Document, FileError, FileMesh, open
+from ._norma import version as _version
+from ._results import MatrixInfo, NormalReport, OrientReport, Split, TangentReport
+
+__version__: str = _version()
+__all__ = [
+    "ComputeSummary",
+    "Deviation",
+    "Document",
+    "FileError",
+    "FileMesh",
+    "Finding",
+    "MatrixInfo",
+    "NormalReport",
+    "OrientReport",
+    "Plan",
+    "Report",
+    "Rule",
+    "Sample",
+    "Split",
+    "TangentReport",
+    "check",
+    "corner_normals",
+    "face_normals",
+    "matrix_info",
+    "normal_matrices",
+    "normal_matrix",
+    "open",
+    "orient",
+    "rules",
+    "split",
+    "tangents",
+    "transform_normals",
+    "vertex_normals",
+]

@@ -1,0 +1,360 @@
+"""Looks at arguments and turns them into the addresses, counts and strides that the extension takes.
+
+Arrays that the library can read as they lie are not copied: float32 and float64 positions whose
+three numbers lie side by side, whatever lies between the rows, and indices of 32, 16 or 8 bits
+without a sign (or with one, where none is negative) that are packed. Anything else is converted
+once. Whatever is wrong is named in the text of a ValueError, TypeError or IndexError.
+"""
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _norma
+
+Array = NDArray[Any]
+Floats = NDArray[np.float32]
+Indices = NDArray[np.uint32]
+#: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or None: each three
+#: positions are a triangle.
+Faces = Union[ArrayLike, Sequence[ArrayLike], Tuple[ArrayLike, ArrayLike], None]
+Weld = Union[str, float]
+Fallback = Union[str, Sequence[float]]
+
+WEIGHTS = {
+    "angle": 0,
+    "area": 1,
+    "uniform": 2,
+    "max": 3,
+    "angle-area": 4,
+    "visible": 5,
+    "angle-lengths": 6,
+}
+NON_MANIFOLD = {"hard": 0, "smooth": 1}
+ALL_THREADS = 0xFFFFFFFF
+
+_FLOATS = {np.dtype(np.float32): 0, np.dtype(np.float64): 1}
+_FLOAT32 = np.dtype(np.float32)
+_UINT32 = np.dtype(np.uint32)
+_PACKED_INDICES = {np.dtype(t): np.dtype(t).itemsize for t in (np.uint32, np.int32, np.uint16, np.uint8)}
+_NAMES = {
+    "mesh->positions": "positions",
+    "mesh->corners": "faces",
+    "mesh->corner_count": "faces",
+    "mesh->face_starts": "faces",
+    "mesh->face_count": "faces",
+    "crease_angle_rad": "crease",
+    "options->weld_distance": "weld",
+    "options->fallback_normal": "fallback",
+}
+
+
+def choice(name: str, value: object, choices: dict[str, int]) -> int:
+    """The number of a word, or a ValueError that lists the words."""
+    try:
+        return choices[value]  # type: ignore[index]
+    except (KeyError, TypeError):
+        words = ", ".join(repr(word) for word in choices)
+        raise ValueError(f"{name}: one of {words} is needed, not {value!r}") from None
+
+
+def number(name: str, value: object) -> float:
+    """A float, or a TypeError or ValueError that names the argument."""
+    try:
+        result = float(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise TypeError(f"{name}: a number is needed, not {type(value).__name__}") from None
+    except ValueError:
+        raise ValueError(f"{name}: a number is needed, not {value!r}") from None
+    return result
+
+
+def crease_radians(crease: object) -> float:
+    """A crease in degrees, in radians."""
+    degrees = number("crease", crease)
+    if not degrees <= 180:
+        raise ValueError(f"crease: degrees up to 180 are needed, not {degrees!r}")
+    return math.radians(max(degrees, -360.0))
+
+
+def given_degrees(radians: float) -> float:
+    """Degrees as they were given: without what their way through radians added."""
+    return round(math.degrees(radians) * 1e9) / 1e9
+
+
+def thread_count(threads: object) -> int:
+    """None: as many threads as the machine runs at once."""
+    if threads is None:
+        return ALL_THREADS
+    try:
+        count = operator.index(threads)  # type: ignore[arg-type]
+    except TypeError:
+        raise TypeError(f"threads: an integer or None is needed, not {type(threads).__name__}") from None
+    if not 0 < count < ALL_THREADS:
+        raise ValueError(f"threads: 1 or more are needed, not {count}")
+    return count
+
+
+def weld_of(weld: Weld) -> Tuple[int, float]:
+    """The number of a weld, and its distance."""
+    if weld == "exact":
+        return 0, 0.0
+    if weld == "none":
+        return 1, 0.0
+    if isinstance(weld, str):
+        raise ValueError(f"weld: 'exact', 'none' or a distance is needed, not {weld!r}")
+    distance = number("weld", weld)
+    if not 0 <= distance < math.inf:
+        raise ValueError(f"weld: a finite distance of at least 0 is needed, not {distance!r}")
+    return 2, distance
+
+
+def options(
+    weight: str = "angle",
+    weld: Weld = "exact",
+    fallback: Fallback = "zero",
+    non_manifold: str = "hard",
+    threads: Optional[int] = None,
+    normal_stride: int = 0,
+) -> Tuple[Any, ...]:
+    """The second argument of the extension's calls on meshes."""
+    mode, distance = weld_of(weld)
+    kind, given = 0, (0.0, 0.0, 0.0)
+    if fallback == "nearest":
+        kind = 1
+    elif isinstance(fallback, str):
+        if fallback != "zero":
+            raise ValueError(f"fallback: 'zero', 'nearest' or three numbers are needed, not {fallback!r}")
+    else:
+        kind = 2
+        three = tuple(number("fallback", part) for part in np.ravel(np.asarray(fallback)))
+        if len(three) != 3 or not all(abs(part) <= 3.4028234e38 for part in three):
+            raise ValueError(f"fallback: three finite numbers are needed, not {fallback!r}")
+        given = (three[0], three[1], three[2])
+    return (
+        WEIGHTS[weight] if weight in WEIGHTS else choice("weight", weight, WEIGHTS),
+        mode,
+        distance,
+        NON_MANIFOLD[non_manifold] if non_manifold in NON_MANIFOLD else choice("non_manifold", non_manifold, NON_MANIFOLD),
+        kind,
+        *given,
+        normal_stride,
+        0,
+        thread_count(threads),
+    )
+
+
+def vectors(name: str, values: ArrayLike, width: int = 3) -> Tuple[Array, int]:
+    """An array of `width` floats a row that the library can read, and the number of its format."""
+    array = values if type(values) is np.ndarray else np.asarray(values)
+    if array.ndim != 2 or array.shape[1] != width:
+        if array.size == 0 and array.ndim == 1:
+            array = array.reshape(0, width)
+        else:
+            raise ValueError(f"{name}: shape (n, {width}) is needed, not {array.shape}")
+    kind = _FLOATS.get(array.dtype)
+    if kind is None:
+        if array.dtype.kind not in "fiu":
+            raise TypeError(f"{name}: numbers are needed, not {array.dtype}")
+        small = array.dtype.kind == "f" and array.dtype.itemsize <= 4
+        array = array.astype(np.float32 if small else np.float64)
+        kind = 0 if small else 1
+    row, column = array.strides
+    if column != array.itemsize or (row < width * array.itemsize and array.shape[0] > 1):
+        array = np.ascontiguousarray(array)
+    return array, kind
+
+
+def stride(array: Array) -> int:
+    """Bytes from row to row, for the library."""
+    return int(array.strides[0]) if array.shape[0] > 1 else 0
+
+
+def output(name: str, out: object, rows: int, width: int, *inputs: Array) -> Floats:
+    """The caller's array to write to, or a new one."""
+    if out is None:
+        return np.empty((rows, width), np.float32)
+    if type(out) is not np.ndarray or out.dtype != _FLOAT32:
+        found = out.dtype if isinstance(out, np.ndarray) else type(out).__name__
+        raise TypeError(f"{name}: an array of float32 is needed, not {found}")
+    if out.shape != (rows, width):
+        raise ValueError(f"{name}: shape ({rows}, {width}) is needed, not {out.shape}")
+    if not out.flags.writeable:
+        raise ValueError(f"{name}: the array cannot be written")
+    if out.strides[1] != 4 or (out.strides[0] < 4 * width and rows > 1):
+        raise ValueError(f"{name}: the {width} numbers of a row must lie side by side, row after row")
+    for array in inputs:
+        if np.may_share_memory(out, array) and _overlap(out, array):
+            raise ValueError(f"{name}: the array overlaps an input")
+    return out
+
+
+def _overlap(a: Array, b: Array) -> bool:
+    try:
+        return bool(np.shares_memory(a, b, max_work=100000))
+    except (RuntimeError, ValueError):  # too hard to tell
+        return True
+
+
+def integers(name: str, values: ArrayLike) -> Array:
+    """An array of integers, of any shape."""
+    array = values if type(values) is np.ndarray else np.asarray(values)
+    if array.dtype.kind not in "iu":
+        if array.size == 0:
+            return array.astype(np.uint32)
+        raise TypeError(f"{name}: integers are needed, not {array.dtype}")
+    return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
+
+
+def indices(name: str, array: Array) -> Array:
+    """Packed indices of 4, 2 or 1 bytes, in the order of the array's elements."""
+    if array.dtype in _PACKED_INDICES and array.flags.c_contiguous and array.flags.aligned:
+        return array
+    converted = np.empty(array.shape, np.uint32)
+    rows, row_stride = (1, 0) if array.ndim == 1 else (array.shape[0], array.strides[0])
+    bad = _norma.indices(
+        array.__array_interface__["data"][0],
+        rows,
+        array.shape[-1],
+        row_stride,
+        array.strides[-1],
+        array.itemsize,
+        array.dtype.kind == "i",
+        converted.__array_interface__["data"][0],
+    )
+    if bad >= 0:
+        raise_index(name, array, bad)
+    return converted
+
+
+def raise_index(name: str, array: Array, flat: int, count: Optional[int] = None) -> NoReturn:
+    place = np.unravel_index(flat, array.shape)
+    where = ", ".join(str(int(i)) for i in place)
+    limit = f"below {count}" if count is not None else "from 0 to 4294967294"
+    raise IndexError(f"{name}[{where}] is {array[place]}; an index {limit} is needed")
+
+
+class Mesh(NamedTuple):
+    """A mesh for the extension; the arrays must live as long as `call` is used."""
+
+    call: Tuple[Any, ...]
+    positions: Array
+    corners: Optional[Array]
+    starts: Optional[Indices]
+    faces: Optional[Array]  #: as given, for messages
+    corner_count: int
+    face_count: int
+    extras: Tuple[Array, ...] = ()
+
+
+def _polygons(faces: Sequence[ArrayLike]) -> Tuple[Array, Array]:
+    rows = [integers(f"faces[{i}]", row) for i, row in enumerate(faces)]
+    for i, row in enumerate(rows):
+        if row.ndim != 1:
+            raise ValueError(f"faces[{i}]: a list of indices is needed, not shape {row.shape}")
+    corners = np.concatenate(rows) if rows else np.empty(0, np.uint32)
+    if corners.dtype.kind not in "iu":  # uint64 beside int64 becomes float64
+        corners = np.concatenate([row.astype(np.int64) for row in rows])
+    starts = np.zeros(len(rows) + 1, np.int64)
+    np.cumsum([len(row) for row in rows], out=starts[1:])
+    return corners, starts
+
+
+def _face_starts(values: ArrayLike) -> Indices:
+    given = integers("face_starts", values)
+    if given.ndim != 1 or len(given) == 0:
+        raise ValueError(f"face_starts: a list of one offset more than faces is needed, not shape {given.shape}")
+    starts = indices("face_starts", given)
+    return starts if starts.dtype == _UINT32 else starts.astype(np.uint32)
+
+
+def _split_faces(faces: Faces) -> Tuple[Optional[Array], Optional[Indices]]:
+    """(corners of any shape, offsets or None for triangles) of faces in any of their forms."""
+    if faces is None:
+        return None, None
+    if isinstance(faces, tuple):
+        if len(faces) != 2:
+            raise ValueError(f"faces: a tuple is (corners, face_starts), not {len(faces)} parts")
+        corners = integers("faces[0]", faces[0])
+        if corners.ndim != 1:
+            raise ValueError(f"faces[0]: a list of indices is needed, not shape {corners.shape}")
+        return corners, _face_starts(faces[1])
+    if isinstance(faces, list):
+        lengths = {len(row) if hasattr(row, "__len__") else -1 for row in faces}
+        if -1 in lengths:
+            raise TypeError("faces: a list holds one list of indices for each polygon")
+        if len(lengths) != 1:
+            corners, starts = _polygons(faces)
+            return corners, _face_starts(starts)
+    array = integers("faces", faces)  # type: ignore[arg-type]
+    if array.size == 0 and array.ndim == 1:
+        array = array.reshape(0, 3)
+    if array.ndim != 2:
+        raise ValueError(f"faces: shape (n, 3) or (n, k) is needed, not {array.shape}")
+    if array.shape[1] == 3:
+        return array, None
+    return array, np.arange(array.shape[0] + 1, dtype=np.uint32) * np.uint32(array.shape[1])
+
+
+def mesh(
+    positions: Any,
+    faces: Faces,
+    smoothing_groups: Optional[ArrayLike] = None,
+    hard_edges: Optional[ArrayLike] = None,
+) -> Mesh:
+    """A mesh from positions and faces, or from an object that has vertices and faces (trimesh) or
+    vertices and triangles (Open3D)."""
+    if faces is None and hasattr(positions, "vertices"):
+        whole = positions
+        faces = np.asarray(whole.faces if hasattr(whole, "faces") else whole.triangles)
+        positions = np.asarray(whole.vertices)
+    points, kind = vectors("positions", positions)
+    given, starts = _split_faces(faces)
+    corners = None if given is None else indices("faces", given)
+    corner_count = points.shape[0] if corners is None else corners.size
+    face_count = corner_count // 3 if starts is None else len(starts) - 1
+    groups_at, hard_at = 0, 0
+    extras: Tuple[Array, ...] = ()
+    if smoothing_groups is not None:
+        groups = indices("smoothing_groups", integers("smoothing_groups", smoothing_groups).reshape(-1))
+        groups = groups if groups.dtype == _UINT32 else groups.astype(np.uint32)
+        if groups.size != face_count:
+            raise ValueError(f"smoothing_groups: one for each of {face_count} faces is needed, not {groups.size}")
+        groups_at, extras = groups.__array_interface__["data"][0], (*extras, groups)
+    if hard_edges is not None:
+        hard = np.ascontiguousarray(np.asarray(hard_edges) != 0).reshape(-1).view(np.uint8)
+        if hard.size != corner_count:
+            raise ValueError(f"hard_edges: one for each of {corner_count} corners is needed, not {hard.size}")
+        hard_at, extras = hard.__array_interface__["data"][0], (*extras, hard)
+    call = (
+        points.__array_interface__["data"][0],
+        points.shape[0],
+        stride(points),
+        kind,
+        0 if corners is None else corners.__array_interface__["data"][0],
+        corner_count,
+        4 if corners is None else corners.itemsize,
+        0 if starts is None else starts.__array_interface__["data"][0],
+        face_count,
+        groups_at,
+        hard_at,
+    )
+    return Mesh(call, points, corners, starts, given, corner_count, face_count, extras)
+
+
+def refuse(answer: Any, of: Optional[Mesh] = None) -> NoReturn:
+    """Raises what the library's refusal means."""
+    result, argument, index, expected = answer
+    name = _NAMES.get(argument, argument.replace("options->", "").replace("mesh->", "") or "arguments")
+    if result == -4:
+        raise MemoryError(expected)
+    if result == -3 and name == "faces" and of is not None and of.faces is not None:
+        raise_index("faces" if of.faces.ndim == 2 else "faces[0]", of.faces, index, of.positions.shape[0])
+    place = f"{name}[{index}]" if index >= 0 else name
+    if result == -3:
+        raise IndexError(f"{place}: {expected}")
+    raise ValueError(f"{place}: {expected}")

@@ -1,0 +1,556 @@
+"""Normals, tangents and matrices of arrays."""
+from __future__ import annotations
+
+import math
+from typing import Any, Literal, Optional, Tuple, Union, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _norma
+from ._arguments import (
+    Array,
+    Faces,
+    Fallback,
+    Floats,
+    Mesh,
+    Weld,
+    choice,
+    crease_radians,
+    indices,
+    integers,
+    mesh,
+    options,
+    output,
+    raise_index,
+    refuse,
+    stride,
+    vectors,
+)
+from ._results import MatrixInfo, NormalReport, OrientReport, Split, TangentReport, report_of
+
+_FACES, _VERTICES, _CORNERS = 0, 1, 2
+_MODES = {"steady": 0, "mikk": 1}
+_OPEN = {"kept": 0, "rays": 1}
+_PER = {"vertex": 0, "corner": 1}
+_KINDS = (
+    "identity",
+    "translation",
+    "rotation",
+    "uniform-scale",
+    "non-uniform-scale",
+    "shear",
+    "singular",
+)
+
+
+def _address(array: Optional[Array]) -> int:
+    return 0 if array is None else int(array.__array_interface__["data"][0])
+
+
+def _normals(
+    of: int, m: Mesh, crease: float, out: Optional[Floats], settings: dict[str, Any]
+) -> Tuple[Floats, NormalReport]:
+    rows = (m.face_count, m.positions.shape[0], m.corner_count)[of]
+    inputs = (m.positions,) if m.corners is None else (m.positions, m.corners)
+    result = output("out", out, rows, 3, *inputs)
+    counts = _norma.normals(
+        m.call, options(normal_stride=stride(result), **settings), of, crease, _address(result), rows
+    )
+    if len(counts) != 6:
+        refuse(counts, m)
+    return result, report_of(counts)
+
+
+@overload
+def face_normals(
+    positions: Any, faces: Faces = ..., *, weld: Weld = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., out: Optional[Floats] = ..., report: Literal[False] = ...,
+) -> Floats: ...
+@overload
+def face_normals(
+    positions: Any, faces: Faces = ..., *, weld: Weld = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., out: Optional[Floats] = ..., report: Literal[True],
+) -> Tuple[Floats, NormalReport]: ...
+def face_normals(
+    positions: Any,
+    faces: Faces = None,
+    *,
+    weld: Weld = "exact",
+    fallback: Fallback = "zero",
+    threads: Optional[int] = None,
+    out: Optional[Floats] = None,
+    report: bool = False,
+) -> Union[Floats, Tuple[Floats, NormalReport]]:
+    """The unit normal of each face, (faces, 3) float32; concave polygons too.
+
+    positions: (n, 3) numbers, or an object with `vertices` and `faces` or `triangles`.
+    faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or None: each
+        three positions are a triangle.
+    fallback: what a face without a direction gets: "zero", "nearest" or three numbers.
+    out: an array to write to, instead of a new one.  report: return (normals, NormalReport).
+
+    >>> import norma_mesh as norma
+    >>> norma.face_normals([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    array([[0., 0., 1.]], dtype=float32)
+    """
+    m = mesh(positions, faces)
+    result, counts = _normals(_FACES, m, 0.0, out, {"weld": weld, "fallback": fallback, "threads": threads})
+    return (result, counts) if report else result
+
+
+@overload
+def vertex_normals(
+    positions: Any, faces: Faces = ..., *, weight: str = ..., weld: Weld = ...,
+    fallback: Fallback = ..., threads: Optional[int] = ..., out: Optional[Floats] = ...,
+    report: Literal[False] = ...,
+) -> Floats: ...
+@overload
+def vertex_normals(
+    positions: Any, faces: Faces = ..., *, weight: str = ..., weld: Weld = ...,
+    fallback: Fallback = ..., threads: Optional[int] = ..., out: Optional[Floats] = ...,
+    report: Literal[True],
+) -> Tuple[Floats, NormalReport]: ...
+def vertex_normals(
+    positions: Any,
+    faces: Faces = None,
+    *,
+    weight: str = "angle",
+    weld: Weld = "exact",
+    fallback: Fallback = "zero",
+    threads: Optional[int] = None,
+    out: Optional[Floats] = None,
+    report: bool = False,
+) -> Union[Floats, Tuple[Floats, NormalReport]]:
+    """The unit normal of each position, (positions, 3) float32: the weighted sum of the normals of
+    the faces around it. Creases are ignored.
+
+    positions, faces, fallback, out, report: as for `face_normals`.
+    weight: "angle", "area", "uniform", "max", "angle-area", "visible" or "angle-lengths".
+    weld: which positions share a normal: "exact" (equal ones), "none" (by index) or a distance.
+    threads: None uses all cores; 1 only the calling thread. The bits are the same.
+
+    >>> import norma_mesh as norma
+    >>> roof = [[0, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 1], [2, 0, 0], [2, 1, 0]]
+    >>> norma.vertex_normals(roof, [[0, 2, 3, 1], [2, 4, 5, 3]])[2]
+    array([0., 0., 1.], dtype=float32)
+    """
+    m = mesh(positions, faces)
+    settings = {"weight": weight, "weld": weld, "fallback": fallback, "threads": threads}
+    result, counts = _normals(_VERTICES, m, 0.0, out, settings)
+    return (result, counts) if report else result
+
+
+@overload
+def corner_normals(
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: str = ...,
+    weld: Weld = ..., non_manifold: str = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., out: Optional[Floats] = ..., report: Literal[False] = ...,
+) -> Floats: ...
+@overload
+def corner_normals(
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: str = ...,
+    weld: Weld = ..., non_manifold: str = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., out: Optional[Floats] = ..., report: Literal[True],
+) -> Tuple[Floats, NormalReport]: ...
+def corner_normals(
+    positions: Any,
+    faces: Faces = None,
+    *,
+    crease: float = 60.0,
+    weight: str = "angle",
+    weld: Weld = "exact",
+    non_manifold: str = "hard",
+    smoothing_groups: Optional[ArrayLike] = None,
+    hard_edges: Optional[ArrayLike] = None,
+    fallback: Fallback = "zero",
+    threads: Optional[int] = None,
+    out: Optional[Floats] = None,
+    report: bool = False,
+) -> Union[Floats, Tuple[Floats, NormalReport]]:
+    """The unit normal of each corner, (corners, 3) float32, face after face: hard at edges that bend
+    by more than `crease` degrees, smooth elsewhere. For triangles, `.reshape(-1, 3, 3)` gives one
+    row of three normals for each face.
+
+    smoothing_groups: a bit mask for each face; faces are smooth across an edge only if they share a
+    bit.  hard_edges: for each corner whether the edge to the next corner is hard.
+    non_manifold: edges of three faces and more are "hard", or "smooth" within the crease.
+    The other arguments are those of `vertex_normals`.
+
+    >>> import norma_mesh as norma
+    >>> roof = [[0, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 1], [2, 0, 0], [2, 1, 0]]
+    >>> norma.corner_normals(roof, [[0, 2, 3, 1], [2, 4, 5, 3]], crease=60).round(2)[[1, 4]]
+    array([[-0.71,  0.  ,  0.71],
+           [ 0.71,  0.  ,  0.71]], dtype=float32)
+    """
+    m = mesh(positions, faces, smoothing_groups, hard_edges)
+    settings = {"weight": weight, "weld": weld, "fallback": fallback,
+                "non_manifold": non_manifold, "threads": threads}
+    result, counts = _normals(_CORNERS, m, crease_radians(crease), out, settings)
+    return (result, counts) if report else result
+
+
+@overload
+def split(
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: str = ...,
+    weld: Weld = ..., non_manifold: str = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., report: Literal[False] = ...,
+) -> Split: ...
+@overload
+def split(
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: str = ...,
+    weld: Weld = ..., non_manifold: str = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., report: Literal[True],
+) -> Tuple[Split, NormalReport]: ...
+def split(
+    positions: Any,
+    faces: Faces = None,
+    *,
+    crease: float = 60.0,
+    weight: str = "angle",
+    weld: Weld = "exact",
+    non_manifold: str = "hard",
+    smoothing_groups: Optional[ArrayLike] = None,
+    hard_edges: Optional[ArrayLike] = None,
+    fallback: Fallback = "zero",
+    threads: Optional[int] = None,
+    report: bool = False,
+) -> Union[Split, Tuple[Split, NormalReport]]:
+    """The normals of `corner_normals` as an indexed mesh: (faces, source_vertices, normals). A
+    vertex is split where its corners have different normals; `attribute[source_vertices]` carries
+    any attribute over.
+
+    >>> import norma_mesh as norma
+    >>> roof = [[0, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 1], [2, 0, 0], [2, 1, 0]]
+    >>> faces, source_vertices, normals = norma.split(roof, [[0, 2, 3, 1], [2, 4, 5, 3]])
+    >>> source_vertices
+    array([0, 2, 3, 1, 2, 4, 5, 3], dtype=uint32)
+    """
+    m = mesh(positions, faces, smoothing_groups, hard_edges)
+    corners = np.empty(m.corner_count, np.uint32)
+    sources = np.empty(m.corner_count, np.uint32)
+    normals = np.empty((m.corner_count, 3), np.float32)
+    settings = options(weight, weld, fallback, non_manifold, threads)
+    answer = _norma.split(m.call, settings, crease_radians(crease), _address(corners),
+                          _address(sources), _address(normals), m.corner_count)
+    if len(answer) != 2:
+        refuse(answer, m)
+    counts, vertices = answer
+    result = Split(_as_given(m, corners), sources[:vertices].copy(), normals[:vertices].copy())
+    return (result, report_of(counts)) if report else result
+
+
+def _as_given(m: Mesh, corners: Array) -> Any:
+    """Corners in the form in which the faces were given."""
+    if m.faces is None:
+        return corners.reshape(-1, 3)
+    if m.faces.ndim == 2:
+        return corners.reshape(m.faces.shape)
+    return corners, m.starts
+
+
+def _attribute(name: str, values: ArrayLike, width: int, m: Mesh, own: Optional[ArrayLike]) -> Tuple[Any, ...]:
+    array, kind = vectors(name, values, width)
+    rows = array.shape[0]
+    if own is not None:
+        given = integers(f"{name[:-1]}_faces", own)
+        chosen = indices(f"{name[:-1]}_faces", given).astype(np.uint32, copy=False).reshape(-1)
+        if chosen.size != m.corner_count:
+            raise ValueError(f"{name[:-1]}_faces: one index for each of {m.corner_count} corners is needed, not {chosen.size}")
+        high = np.flatnonzero(chosen >= rows)
+        if high.size:
+            raise_index(f"{name[:-1]}_faces", given, int(high[0]), rows)
+        return array, chosen, (_address(array), rows, stride(array), kind, 1, _address(chosen))
+    points = m.positions.shape[0]
+    if rows not in (points, m.corner_count):
+        raise ValueError(f"{name}: one for each of {points} positions or {m.corner_count} corners is needed, not {rows}")
+    per_corner = int(rows != points)
+    return array, None, (_address(array), rows, stride(array), kind, per_corner, 0)
+
+
+@overload
+def tangents(
+    positions: Any, normals: ArrayLike, texcoords: ArrayLike, faces: Faces = ..., *,
+    mode: str = ..., weight: str = ..., normal_faces: Optional[ArrayLike] = ...,
+    texcoord_faces: Optional[ArrayLike] = ..., threads: Optional[int] = ...,
+    out: Optional[Floats] = ..., report: Literal[False] = ...,
+) -> Floats: ...
+@overload
+def tangents(
+    positions: Any, normals: ArrayLike, texcoords: ArrayLike, faces: Faces = ..., *,
+    mode: str = ..., weight: str = ..., normal_faces: Optional[ArrayLike] = ...,
+    texcoord_faces: Optional[ArrayLike] = ..., threads: Optional[int] = ...,
+    out: Optional[Floats] = ..., report: Literal[True],
+) -> Tuple[Floats, TangentReport]: ...
+def tangents(
+    positions: Any,
+    normals: ArrayLike,
+    texcoords: ArrayLike,
+    faces: Faces = None,
+    *,
+    mode: str = "mikk",
+    weight: str = "angle",
+    normal_faces: Optional[ArrayLike] = None,
+    texcoord_faces: Optional[ArrayLike] = None,
+    threads: Optional[int] = None,
+    out: Optional[Floats] = None,
+    report: bool = False,
+) -> Union[Floats, Tuple[Floats, TangentReport]]:
+    """The tangent of each corner, (corners, 4) float32: x, y, z and a sign. The bitangent is
+    sign * cross(normal, tangent); glTF, whose v runs downwards, needs the sign negated.
+
+    normals: (n, 3), texcoords: (n, 2), one for each position or for each corner; normal_faces and
+        texcoord_faces choose one for each corner where they have numbers of their own (OBJ).
+    mode: "mikk" gives the bits of MikkTSpace, "steady" does not depend on the order of faces.
+
+    >>> import norma_mesh as norma
+    >>> square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> uv = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    >>> norma.tangents(square, [[0, 0, 1]] * 4, uv, [[0, 1, 2, 3]])[0]
+    array([1., 0., 0., 1.], dtype=float32)
+    """
+    m = mesh(positions, faces)
+    directions, normal_corners, n = _attribute("normals", normals, 3, m, normal_faces)
+    coordinates, texcoord_corners, t = _attribute("texcoords", texcoords, 2, m, texcoord_faces)
+    inputs = [a for a in (m.positions, m.corners, directions, coordinates) if a is not None]
+    result = output("out", out, m.corner_count, 4, *inputs)
+    settings = options(weight=weight, threads=threads, normal_stride=stride(result))
+    counts = _norma.tangents(m.call, settings, n, t, choice("mode", mode, _MODES), _address(result), m.corner_count)
+    del normal_corners, texcoord_corners  # had to live until here
+    if len(counts) != 6:
+        refuse(counts, m)
+    found = TangentReport(counts[0], counts[1], counts[3])
+    return (result, found) if report else result
+
+
+@overload
+def orient(
+    positions: Any, faces: Faces = ..., *, open: str = ..., weld: Weld = ...,
+    threads: Optional[int] = ..., report: Literal[False] = ...,
+) -> Any: ...
+@overload
+def orient(
+    positions: Any, faces: Faces = ..., *, open: str = ..., weld: Weld = ...,
+    threads: Optional[int] = ..., report: Literal[True],
+) -> Tuple[Any, OrientReport]: ...
+def orient(
+    positions: Any,
+    faces: Faces = None,
+    *,
+    open: str = "kept",
+    weld: Weld = "exact",
+    threads: Optional[int] = None,
+    report: bool = False,
+) -> Any:
+    """Faces wound so that neighbours agree and closed surfaces face outward: a new array in the form
+    of `faces`. Faces that are turned keep their first corner.
+
+    open: open parts are "kept" as most of their faces are, or turned by "rays", a guess.
+
+    >>> import norma_mesh as norma
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> norma.orient(corners, [[0, 1, 2], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    array([[0, 2, 1],
+           [0, 1, 3],
+           [1, 2, 3],
+           [0, 3, 2]])
+    """
+    m = mesh(positions, faces)
+    reverse = np.empty(m.face_count, np.uint8)
+    answer = _norma.orient(m.call, options(weld=weld, threads=threads), choice("open", open, _OPEN),
+                           _address(reverse), m.face_count)
+    if len(answer) != 12:
+        refuse(answer, m)
+    given = np.arange(m.corner_count, dtype=np.uint32).reshape(-1, 3) if m.faces is None else m.faces
+    turned = given.copy()
+    if given.ndim == 2:
+        which = reverse.astype(bool)
+        turned[which, 1:] = given[which, :0:-1]
+        result: Any = turned
+    else:
+        starts = m.starts
+        assert starts is not None
+        for face in np.flatnonzero(reverse):
+            first, end = int(starts[face]) + 1, int(starts[face + 1])
+            turned[first:end] = given[first:end][::-1]
+        result = (turned, starts)
+    return (result, OrientReport(*answer)) if report else result
+
+
+class Plan:
+    """Normals of a mesh that moves: what depends on topology alone is kept, and an update only
+    measures faces and sums. Fans and shared positions are those of the mesh at creation.
+
+    per: "vertex" or "corner".  crease: degrees; 180 lets every angle pass.
+
+    >>> import numpy as np, norma_mesh as norma
+    >>> positions = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> plan = norma.Plan(positions, [[0, 1, 2]])
+    >>> normals = plan.update(positions)
+    >>> positions[2] = 0, 0, 1
+    >>> plan.update(positions, moved=[2], out=normals)[0]
+    array([ 0., -1.,  0.], dtype=float32)
+    """
+
+    def __init__(
+        self,
+        positions: Any,
+        faces: Faces = None,
+        *,
+        per: str = "vertex",
+        crease: float = 180.0,
+        weld: Weld = "exact",
+        non_manifold: str = "hard",
+        smoothing_groups: Optional[ArrayLike] = None,
+        hard_edges: Optional[ArrayLike] = None,
+        threads: Optional[int] = None,
+    ) -> None:
+        m = mesh(positions, faces, smoothing_groups, hard_edges)
+        of = choice("per", per, _PER)
+        answer = _norma.plan(m.call, options(weld=weld, non_manifold=non_manifold, threads=threads),
+                             of, crease_radians(crease))
+        if isinstance(answer, tuple):
+            refuse(answer, m)
+        self._plan = answer
+        self._positions = m.positions.shape[0]
+        self._rows = m.corner_count if of else self._positions
+        self._last: Optional[Floats] = None
+
+    @property
+    def nbytes(self) -> int:
+        """The size of the plan in bytes."""
+        return int(_norma.plan_bytes(self._plan))
+
+    def update(
+        self,
+        positions: ArrayLike,
+        moved: Optional[ArrayLike] = None,
+        *,
+        weight: str = "angle",
+        fallback: Fallback = "zero",
+        threads: Optional[int] = None,
+        out: Optional[Floats] = None,
+        report: bool = False,
+    ) -> Any:
+        """The normals at new positions, (vertices or corners, 3) float32.
+
+        moved: the vertices that moved since `out` was right; only normals that they change are
+            written. Without `out`, the array of the last update is updated and returned.
+        """
+        points, kind = vectors("positions", positions)
+        if points.shape[0] != self._positions:
+            raise ValueError(f"positions: the plan has {self._positions}, not {points.shape[0]}")
+        if moved is not None and out is None:
+            if self._last is None:
+                raise ValueError("out: moved needs the normals of an earlier update")
+            out = self._last
+        result = output("out", out, self._rows, 3, points)
+        which = None
+        if moved is not None:
+            given = integers("moved", moved).reshape(-1)
+            which = indices("moved", given).astype(np.uint32, copy=False)
+            high = np.flatnonzero(which >= self._positions)
+            if high.size:
+                raise_index("moved", given, int(high[0]), self._positions)
+            if which.size == 0:
+                which = np.zeros(1, np.uint32)[:0]
+        call = (_address(points), points.shape[0], stride(points), kind, 0, 0, 0, 0, 0, 0, 0)
+        settings = options(weight=weight, fallback=fallback, threads=threads, normal_stride=stride(result))
+        counts = _norma.plan_update(self._plan, call, settings, _address(which),
+                                    0 if which is None else which.size, _address(result), self._rows)
+        if len(counts) != 6:
+            refuse(counts)
+        self._last = result
+        return (result, report_of(counts)) if report else result
+
+
+def _models(name: str, values: ArrayLike, many: bool) -> NDArray[Any]:
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name}: numbers are needed, not {array.dtype}")
+    kind = np.float32 if array.dtype == np.float32 else np.float64
+    tail, wanted = array.shape[int(many):], "(n, 4, 4)" if many else "(4, 4) or (3, 3)"
+    if array.ndim != 2 + int(many) or tail not in ((4, 4), (3, 3)):
+        raise ValueError(f"{name}: shape {wanted} is needed, not {array.shape}")
+    if tail == (3, 3):
+        whole = np.zeros((*array.shape[:-2], 4, 4), kind)
+        whole[..., :3, :3], whole[..., 3, 3] = array, 1
+        return whole
+    return np.ascontiguousarray(array, kind)
+
+
+def normal_matrix(model: ArrayLike) -> NDArray[Any]:
+    """The 3x3 matrix that takes normals of faces and vertices through a model, in the sense of the
+    inverse transpose (under a mirror, faces are reversed). Right for singular matrices too.
+    Renormalise after applying it; `transform_normals` does.
+
+    model: (4, 4) or (3, 3) as mathematics writes it: columns are images of axes, the translation is
+        the last column. The result has the type of the model, float32 or float64.
+
+    >>> import norma_mesh as norma
+    >>> norma.normal_matrix([[2, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    array([[1., 0., 0.],
+           [0., 2., 0.],
+           [0., 0., 2.]])
+    """
+    whole = _models("model", model, False)
+    return _matrices(whole.reshape(1, 4, 4), "model").reshape(3, 3)
+
+
+def normal_matrices(models: ArrayLike) -> NDArray[Any]:
+    """The normal matrix of each model: (n, 4, 4) to (n, 3, 3), as `normal_matrix`."""
+    return _matrices(_models("models", models, True), "models")
+
+
+def _matrices(models: NDArray[Any], name: str) -> NDArray[Any]:
+    result: NDArray[Any] = np.empty((len(models), 3, 3), models.dtype)
+    answer = _norma.normal_matrices(_address(models), len(models), models.dtype == np.float64, _address(result))
+    if answer is not None:
+        place = f"models[{answer[2]}]" if name == "models" else name
+        raise ValueError(f"{place}: the upper 3x3 has to be finite")
+    return result
+
+
+def matrix_info(model: ArrayLike) -> MatrixInfo:
+    """What kind of matrix a model is, and by how much plain M would err on normals.
+
+    >>> import norma_mesh as norma
+    >>> info = norma.matrix_info([[2, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> info.kind, round(info.worst_error_deg, 2)
+    ('non-uniform-scale', 36.87)
+    """
+    whole = np.ascontiguousarray(_models("model", model, False), np.float64)
+    answer = _norma.matrix_info(_address(whole))
+    if len(answer) != 9:
+        raise ValueError("model: the upper 3x3 has to be finite")
+    kind, rank, mirrored, determinant, anisotropy, worst, x, y, z = answer
+    return MatrixInfo(_KINDS[kind], rank, bool(mirrored), determinant, anisotropy, math.degrees(worst), (x, y, z))
+
+
+def transform_normals(matrix: ArrayLike, normals: ArrayLike, *, out: Optional[Floats] = None) -> Floats:
+    """Normals through a 3x3 normal matrix, made unit: (n, 3) float32. Zero stays zero.
+
+    out: an array to write to; may be `normals` itself if that is float32.
+
+    >>> import norma_mesh as norma
+    >>> norma.transform_normals(norma.normal_matrix([[2, 0, 0], [0, 1, 0], [0, 0, 1]]), [[1, 1, 0]]).round(3)
+    array([[0.447, 0.894, 0.   ]], dtype=float32)
+    """
+    columns = np.asarray(matrix)
+    if columns.shape != (3, 3):
+        raise ValueError(f"matrix: shape (3, 3) is needed, not {columns.shape}")
+    if columns.dtype.kind not in "fiu":
+        raise TypeError(f"matrix: numbers are needed, not {columns.dtype}")
+    columns = np.ascontiguousarray(columns.T, np.float32)
+    array, kind = vectors("normals", normals)
+    in_place = out is array
+    result = output("out", out, array.shape[0], 3, *(() if in_place else (array,)))
+    answer = _norma.transform_normals(_address(columns), _address(array), array.shape[0], stride(array),
+                                      kind, _address(result), stride(result))
+    if answer is not None:
+        refuse(answer)
+    return result

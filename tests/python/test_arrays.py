@@ -1,0 +1,316 @@
+"""Calls on arrays: closed forms, forms of arguments, and refusals that name the argument."""
+import math
+import os
+import signal
+import threading
+import time
+import unittest
+
+import numpy as np
+
+import norma_mesh as norma
+
+SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float64)
+
+
+def sphere(rows=40, columns=80):
+    """Points of the unit sphere (their own normals) and triangles that face outward."""
+    theta = np.linspace(0.2, math.pi - 0.2, rows)[:, None]
+    phi = np.linspace(0, 2 * math.pi, columns, endpoint=False)[None]
+    points = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta) + 0 * phi], -1)
+    i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
+    a, b = i * columns + j, i * columns + (j + 1) % columns
+    faces = np.concatenate([np.stack([a, a + columns, b], -1), np.stack([b, a + columns, b + columns], -1)], 0)
+    return points.reshape(-1, 3), faces.reshape(-1, 3)
+
+
+def grid(side):
+    y, x = np.mgrid[0:side, 0:side]
+    points = np.stack([x, y, np.sin(x * 0.1) * np.cos(y * 0.1)], -1).reshape(-1, 3).astype(np.float32)
+    a = (y[:-1, :-1] * side + x[:-1, :-1]).ravel()
+    faces = np.concatenate([np.stack([a, a + 1, a + side], -1), np.stack([a + 1, a + side + 1, a + side], -1)])
+    return points, faces.astype(np.uint32)
+
+
+class ClosedForms(unittest.TestCase):
+    def test_a_sphere(self):
+        points, faces = sphere()
+        normals = norma.vertex_normals(points, faces)
+        inner = slice(80, -80)  # the rims are open
+        cosine = (normals[inner] * points[inner]).sum(1)
+        self.assertGreater(cosine.min(), math.cos(math.radians(1)))
+
+    def test_area_weights_are_the_sum_of_cross_products(self):
+        points, faces = sphere(12, 17)
+        a, b, c = (points[faces[:, k]] for k in range(3))
+        sums = np.zeros_like(points)
+        for k in range(3):
+            np.add.at(sums, faces[:, k], np.cross(b - a, c - a))
+        sums /= np.linalg.norm(sums, axis=1, keepdims=True)
+        self.assertLess(np.abs(norma.vertex_normals(points, faces, weight="area") - sums).max(), 1e-6)
+
+    def test_a_cube_has_three_normals_at_each_corner(self):
+        corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
+        quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+        faces, sources, normals = norma.split(corners, quads, crease=60)
+        self.assertEqual((len(sources), faces.shape), (24, (6, 4)))
+        self.assertTrue(np.array_equal(np.sort(np.abs(normals), 1)[:, 2], np.ones(24, np.float32)))
+        smooth = norma.split(corners, quads, crease=180)
+        self.assertLess(np.abs(np.abs(smooth.normals) - 1 / math.sqrt(3)).max(), 1e-6)
+        self.assertEqual(len(smooth.normals), 8)
+
+    def test_normal_matrices(self):
+        model = np.array([[2, 0.5, 0, 7], [0, 3, 0, 8], [1, 0, -4, 9], [0, 0, 0, 1]])
+        expected = np.linalg.inv(model[:3, :3]).T
+        for kind, digits in ((np.float64, 1e-15), (np.float32, 1e-6)):
+            found = norma.normal_matrix(model.astype(kind))
+            self.assertEqual(found.dtype, kind)
+            scale = found[0, 0] / expected[0, 0]
+            self.assertGreater(scale, 0)
+            self.assertLess(np.abs(found / scale - expected).max(), digits * 10)
+        many = norma.normal_matrices(np.stack([model, np.eye(4)]))
+        self.assertTrue(np.array_equal(many[0], norma.normal_matrix(model)))
+        self.assertTrue(np.array_equal(many[1], np.eye(3)))
+        info = norma.matrix_info(np.diag([1, 1, -1]))
+        self.assertEqual((info.kind, info.mirrored, info.rank), ("rotation", True, 3))
+
+    def test_normals_stay_perpendicular(self):
+        model = np.array([[1.0, 2, 0], [0, 1, 0], [0, 0, 5]])
+        out = norma.transform_normals(norma.normal_matrix(model), [[0, 0.6, 0.8]])[0]
+        self.assertLess(abs(out @ (model @ [1, 0, 0])), 1e-6)
+        self.assertLess(abs(out @ (model @ [0, 0.8, -0.6])), 1e-6)
+
+    def test_tangents_follow_u(self):
+        uv = SQUARE[:, :2] @ np.array([[0, 1], [-1, 0]])  # u = -y, v = x
+        found, report = norma.tangents(SQUARE, np.tile([0, 0, 1.0], (4, 1)), uv, [[0, 1, 2, 3]], report=True)
+        self.assertLess(np.abs(found - [0, -1, 0, 1]).max(), 1e-6)
+        self.assertEqual(report.degenerate, 0)
+        indexed = norma.tangents(SQUARE, [[0, 0, 1]], uv, [[0, 1, 2, 3]], normal_faces=[[0, 0, 0, 0]])
+        self.assertTrue(np.array_equal(indexed, found))
+
+    def test_a_plan_gives_what_a_call_gives(self):
+        points, faces = sphere(15, 20)
+        plan = norma.Plan(points, faces)
+        normals = plan.update(points)
+        self.assertTrue(np.array_equal(normals, norma.vertex_normals(points, faces)))
+        points[33] *= 1.2
+        self.assertIs(plan.update(points, moved=[33]), normals)
+        self.assertTrue(np.array_equal(normals, norma.vertex_normals(points, faces)))
+        corners = norma.Plan(points, faces, per="corner", crease=30)
+        self.assertTrue(np.array_equal(corners.update(points), norma.corner_normals(points, faces, crease=30)))
+        self.assertGreater(plan.nbytes, 0)
+
+    def test_orientation(self):
+        points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        outward = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+        mixed = outward.copy()
+        mixed[[0, 2], 1:] = outward[[0, 2], :0:-1]
+        found, report = norma.orient(points, mixed, report=True)
+        self.assertTrue(np.array_equal(found, outward))
+        self.assertEqual((report.closed, report.reversed_faces), (1, 2))
+        corners, starts = norma.orient(points, (mixed.ravel(), [0, 3, 6, 9, 12]))
+        self.assertTrue(np.array_equal(corners.reshape(-1, 3), outward))
+
+
+class Forms(unittest.TestCase):
+    """The same mesh in any dress gives the same bits."""
+
+    def setUp(self):
+        self.points, self.faces = sphere(9, 11)
+        self.points = self.points.astype(np.float32)
+        self.expected = norma.vertex_normals(self.points, self.faces)
+
+    def same(self, points, faces, **options):
+        self.assertTrue(np.array_equal(norma.vertex_normals(points, faces, **options), self.expected))
+
+    def test_positions(self):
+        rows = np.zeros((len(self.points), 8), np.float32)
+        rows[:, 2:5] = self.points
+        record = np.zeros(len(self.points), [("id", "u1"), ("at", "<f4", 3)])
+        record["at"] = self.points
+        for points in (
+            self.points.astype(np.float64),
+            self.points.astype(">f4"),
+            np.asfortranarray(self.points),
+            rows[:, 2:5],
+            record["at"],
+            self.points[::-1][::-1],
+            self.points.tolist(),
+        ):
+            self.same(points, self.faces)
+        backwards = norma.vertex_normals(self.points[::-1], len(self.points) - 1 - self.faces)
+        self.assertTrue(np.array_equal(backwards[::-1], self.expected))
+
+    def test_faces(self):
+        for kind in (np.int64, np.uint64, np.int32, np.uint32, np.int16, np.uint16, np.uint8, np.int8, ">i4"):
+            self.same(self.points, self.faces.astype(kind))
+        self.same(self.points, np.asfortranarray(self.faces))
+        self.same(self.points, self.faces.tolist())
+        self.same(self.points, (self.faces.ravel(), np.arange(len(self.faces) + 1) * 3))
+        self.same(self.points, np.repeat(self.faces, 2, 0)[::2])
+        whole = type("Mesh", (), {"vertices": self.points, "faces": self.faces})()
+        self.same(whole, None)
+        o3d = type("Mesh", (), {"vertices": self.points, "triangles": self.faces})()
+        self.same(o3d, None)
+
+    def test_polygons(self):
+        a = norma.face_normals(SQUARE, [[0, 1, 2, 3], [0, 1, 2]])
+        self.assertTrue(np.array_equal(a, [[0, 0, 1]] * 2))
+        self.assertTrue(np.array_equal(norma.face_normals(SQUARE, [[0, 1, 2, 3]]), [[0, 0, 1]]))
+        self.assertTrue(np.array_equal(norma.face_normals(SQUARE[:3]), [[0, 0, 1]]))
+        faces = norma.split(SQUARE, [[0, 1, 2, 3], [0, 1, 2]]).faces
+        self.assertEqual(len(faces[0]), 7)
+
+    def test_nothing(self):
+        for faces in ([], np.empty((0, 3), int), None):
+            self.assertEqual(norma.vertex_normals([], faces).shape, (0, 3))
+        self.assertEqual(norma.corner_normals(SQUARE, []).shape, (0, 3))
+        normals, report = norma.vertex_normals(SQUARE, [], report=True, fallback=(0, 0, 1))
+        self.assertTrue(np.array_equal(normals, [[0, 0, 1]] * 4))
+        self.assertEqual(report.unreferenced, 4)
+
+    def test_out(self):
+        out = np.full((len(self.points), 3), 7, np.float32)
+        self.assertIs(norma.vertex_normals(self.points, self.faces, out=out), out)
+        self.assertTrue(np.array_equal(out, self.expected))
+        rows = np.full((len(self.points), 6), 7, np.float32)
+        rows[:, :3] = self.points
+        norma.vertex_normals(rows[:, :3], self.faces, out=rows[:, 3:])
+        self.assertTrue(np.array_equal(rows[:, 3:], self.expected))
+        self.assertTrue(np.array_equal(rows[:, :3], self.points))
+
+    def test_inputs_stay(self):
+        points, faces = self.points.copy(), self.faces.copy()
+        points.flags.writeable = faces.flags.writeable = False
+        norma.split(points, faces)
+        norma.orient(points, faces)
+        self.same(points, faces)
+
+    def test_threads_and_welds(self):
+        for threads in (1, 2, 7, None):
+            self.same(self.points, self.faces, threads=threads)
+        twice = np.concatenate([self.points, self.points])
+        faces = np.concatenate([self.faces[::2], self.faces[1::2] + len(self.points)])
+        both = norma.vertex_normals(twice, faces)
+        self.assertLess(np.abs(both[: len(self.points)] - self.expected).max(), 1e-6)
+        apart = norma.vertex_normals(twice, faces, weld="none")
+        self.assertGreater(np.abs(apart - both).max(), 1e-3)
+        near = norma.vertex_normals(twice * np.float32(1.0), faces, weld=1e-6)
+        self.assertTrue(np.array_equal(near, both))
+
+
+class Refusals(unittest.TestCase):
+    def refused(self, kind, words, call, *arguments, **options):
+        with self.assertRaises(kind) as caught:
+            call(*arguments, **options)
+        self.assertIn(words, str(caught.exception))
+
+    def test_positions_and_faces(self):
+        v = norma.vertex_normals
+        f = [[0, 1, 2]]
+        self.refused(ValueError, "positions: shape (n, 3)", v, SQUARE[:, :2], f)
+        self.refused(TypeError, "positions: numbers", v, [["a", "b", "c"]], f)
+        self.refused(TypeError, "positions: numbers", v, SQUARE + 1j, f)
+        self.refused(TypeError, "positions: numbers", v, SQUARE > 0, f)
+        self.refused(IndexError, "faces[0, 2] is 9; an index below 4", v, SQUARE, [[0, 1, 9]])
+        self.refused(IndexError, "faces[1, 0] is -1", v, SQUARE, np.array([[0, 1, 2], [-1, 1, 2]], np.int64))
+        self.refused(IndexError, "faces[1, 0] is -1", v, SQUARE, np.array([[0, 1, 2], [-1, 1, 2]], np.int32))
+        self.refused(IndexError, "faces[0, 1] is 4294967296", v, SQUARE, np.array([[0, 2**32, 2]]))
+        self.refused(IndexError, "faces[0][1] is 77", v, SQUARE, ([0, 77, 2], [0, 3]))
+        self.refused(TypeError, "faces: integers", v, SQUARE, [[0.0, 1, 2]])
+        self.refused(ValueError, "faces: shape", v, SQUARE, np.arange(3))
+        self.refused(ValueError, "faces: a tuple is (corners, face_starts)", v, SQUARE, (1, 2, 3))
+        self.refused(ValueError, "face", v, SQUARE, ([0, 1, 2], [0, 2]))
+        self.refused(ValueError, "face", v, SQUARE, ([0, 1, 2], [0, 2, 1, 3]))
+        self.refused(ValueError, "face", v, SQUARE, None)
+
+    def test_options(self):
+        v, c = norma.vertex_normals, norma.corner_normals
+        f = [[0, 1, 2]]
+        self.refused(ValueError, "weight: one of 'angle'", v, SQUARE, f, weight="angel")
+        self.refused(ValueError, "weight: one of", v, SQUARE, f, weight=None)
+        self.refused(ValueError, "weld: ", v, SQUARE, f, weld="most")
+        self.refused(ValueError, "weld: ", v, SQUARE, f, weld=-1.0)
+        self.refused(ValueError, "weld: ", v, SQUARE, f, weld=float("nan"))
+        self.refused(ValueError, "threads: ", v, SQUARE, f, threads=-1)
+        self.refused(TypeError, "threads: ", v, SQUARE, f, threads=1.5)
+        self.refused(ValueError, "fallback: ", v, SQUARE, f, fallback="none")
+        self.refused(ValueError, "fallback: ", v, SQUARE, f, fallback=[0, 1])
+        self.refused(ValueError, "fallback: ", v, SQUARE, f, fallback=[0, float("nan"), 1])
+        self.refused(ValueError, "crease: ", c, SQUARE, f, crease=float("nan"))
+        self.refused(ValueError, "crease: ", c, SQUARE, f, crease=181)
+        self.refused(TypeError, "crease: ", c, SQUARE, f, crease=None)
+        self.refused(ValueError, "non_manifold: ", c, SQUARE, f, non_manifold="soft")
+        self.refused(ValueError, "smoothing_groups: one for each of 1 faces", c, SQUARE, f, smoothing_groups=[1, 2])
+        self.refused(ValueError, "hard_edges: one for each of 3 corners", c, SQUARE, f, hard_edges=[1])
+        self.refused(ValueError, "mode: ", norma.tangents, SQUARE, SQUARE, SQUARE[:, :2], f, mode="mik")
+        self.refused(ValueError, "texcoords: one for each", norma.tangents, SQUARE, SQUARE, SQUARE[:1, :2], f)
+        self.refused(IndexError, "texcoord_faces[0, 2] is 7", norma.tangents, SQUARE, SQUARE, SQUARE[:, :2], f,
+                     texcoord_faces=[[0, 1, 7]])
+        self.refused(ValueError, "per: ", norma.Plan, SQUARE, f, per="face")
+
+    def test_outputs(self):
+        v = norma.vertex_normals
+        f = [[0, 1, 2]]
+        points = SQUARE.astype(np.float32)
+        self.refused(TypeError, "out: an array of float32", v, points, f, out=np.empty((4, 3)))
+        self.refused(TypeError, "out: an array of float32", v, points, f, out=[1])
+        self.refused(ValueError, "out: shape (4, 3)", v, points, f, out=np.empty((5, 3), np.float32))
+        readonly = np.empty((4, 3), np.float32)
+        readonly.flags.writeable = False
+        self.refused(ValueError, "out: the array cannot be written", v, points, f, out=readonly)
+        self.refused(ValueError, "out: the array overlaps", v, points, f, out=points)
+        self.refused(ValueError, "out: the 3 numbers", v, points, f, out=np.empty((3, 4), np.float32).T)
+
+    def test_plans_and_matrices(self):
+        plan = norma.Plan(SQUARE, [[0, 1, 2]])
+        self.refused(ValueError, "positions: the plan has 4, not 3", plan.update, SQUARE[:3])
+        self.refused(ValueError, "out: moved needs", plan.update, SQUARE, moved=[1])
+        plan.update(SQUARE)
+        self.refused(IndexError, "moved[1] is 4", plan.update, SQUARE, moved=[0, 4])
+        self.refused(IndexError, "moved[0] is -1", plan.update, SQUARE, moved=[-1])
+        self.refused(ValueError, "model: shape", norma.normal_matrix, np.eye(2))
+        self.refused(TypeError, "model: numbers", norma.normal_matrix, [["a"] * 3] * 3)
+        self.refused(ValueError, "model: the upper 3x3", norma.normal_matrix, np.full((3, 3), np.nan))
+        bad = np.stack([np.eye(4)] * 3)
+        bad[1, 0, 0] = np.inf
+        for kind in (np.float32, np.float64):
+            self.refused(ValueError, "models[1]: the upper 3x3", norma.normal_matrices, bad.astype(kind))
+        self.refused(ValueError, "matrix: shape", norma.transform_normals, np.eye(4), [[0, 0, 1]])
+
+
+class Threads(unittest.TestCase):
+    def test_the_lock_is_given_up(self):
+        points, faces = grid(1200)
+        turns, done = [0], threading.Event()
+
+        def count():
+            while not done.is_set():
+                turns[0] += 1
+                time.sleep(0.0005)
+
+        thread = threading.Thread(target=count)
+        thread.start()
+        before = turns[0]
+        start = time.perf_counter()
+        norma.corner_normals(points, faces, threads=1)
+        took, after = time.perf_counter() - start, turns[0]
+        done.set()
+        thread.join()
+        self.assertGreater(took, 0.01)  # else it shows nothing
+        self.assertGreater(after - before, 2)
+
+    @unittest.skipIf(os.name == "nt", "no SIGINT for one's own process here")
+    def test_an_interrupt_ends_a_long_call(self):
+        points, faces = grid(2000)
+        timer = threading.Timer(0.12, os.kill, (os.getpid(), signal.SIGINT))
+        timer.start()
+        with self.assertRaises(KeyboardInterrupt):
+            for _ in range(1000):
+                norma.corner_normals(points, faces, threads=1)
+        timer.join()
+        self.assertEqual(norma.vertex_normals(points, faces).shape, points.shape)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,58 @@
+"""The README's code and the examples, run as they stand."""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = os.getcwd()
+
+
+class Examples(unittest.TestCase):
+    def run_one(self, name, *arguments):
+        script = os.path.join(ROOT, "python", "examples", name)
+        done = subprocess.run([sys.executable, script, *arguments], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_the_readme(self):
+        with open("python/README.md") as file:
+            blocks = re.findall(r"```python\n(.*?)```", file.read(), re.S)
+        self.assertEqual(len(blocks), 3)
+        with tempfile.TemporaryDirectory() as folder:
+            os.symlink(os.path.join(ROOT, "assets"), os.path.join(folder, "assets"))
+            done = subprocess.run([sys.executable, "-c", "\n".join(blocks)], cwd=folder, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("1 info", done.stdout)
+            self.assertTrue(os.path.getsize(os.path.join(folder, "goathead-normals.obj")))
+
+    def test_a_scan(self):
+        with tempfile.TemporaryDirectory() as folder:
+            target = os.path.join(folder, "out.obj")
+            self.assertIn("faces", self.run_one("scan_normals.py", "assets/goathead.obj", target))
+            self.assertTrue(os.path.getsize(target))
+
+    def test_a_part(self):
+        self.assertRegex(self.run_one("cad_creases.py", "assets/dodecahedron.obj"), r"20 positions become 60 vertices")
+
+    def test_tangents(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "square.obj")
+            with open(path, "w") as file:
+                file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\n")
+            self.assertIn("3 corners", self.run_one("gltf_tangents.py", path))
+
+    def test_a_folder_in_pytest(self):
+        try:
+            import pytest  # noqa: F401
+        except ImportError:
+            self.skipTest("pytest is not installed")
+        script = os.path.join(ROOT, "python", "examples", "test_assets.py")
+        done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", script], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn("passed", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
