@@ -114,7 +114,7 @@ sets() {
     cp "$from"/{cube.obj,roof.ply,corner.stl,roof.gltf,roof.bin,roof.glb} "$set/mixed/"
     mkdir -p "$set/images/img/deep" "$set/images/out"
     cp "$set/gltf/roof.bin" "$set/images/"
-    echo picture >"$set/images/img/deep/a.png"
+    printf '\211PNG\r\n\032\n' >"$set/images/img/deep/a.png"
     sed '0,/{/s//{"images":[{"uri":"img\/deep\/a.png"}],/' "$set/gltf/in.gltf" >"$set/images/in.gltf"
     # An older output is there already.
     cp "$set"/{obj/in.obj,ply/in.ply,stl/in.stl,gltf/in.gltf,gltf/roof.bin,glb/in.glb} "$set/again/"

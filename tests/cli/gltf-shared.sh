@@ -127,6 +127,21 @@ triangle 36 s.bin 0 "$images" >c.gltf
 found=$(cd out && find . -type f | sort | tr '\n' ' ')
 if [ "$found" = "./c.bin ./c.gltf ./textures/wood.png " ]; then pass "only images go along"; else fail "only images go along" "$found"; fi
 
+# One large image under a hundred names, which are one, and more images than files may be open.
+mkdir many
+{ printf "$png"; head -c 8000000 /dev/zero; } >large.png
+for ((i = 0; i < 600; ++i)); do printf "$png" >many/$i.png; done
+list=
+dots=
+for ((i = 0; i < 100; ++i)); do list+="{\"uri\":\"${dots}large.png\"},{\"uri\":\"large.png\"}," dots+=./; done
+for ((i = 0; i < 600; ++i)); do list+="{\"uri\":\"many/$i.png\"},"; done
+triangle 36 s.bin 0 "\"images\":[${list%,}]," >many.gltf
+if (ulimit -n 256 && "$norma" compute many.gltf --out-dir crowd --quiet --max-memory 100M) 2>message && [ "$(find crowd -name '*.png' | wc -l)" = 601 ] && cmp -s large.png crowd/large.png; then
+    pass "an image that is named often goes once, and many need few open files"
+else
+    fail "an image that is named often goes once, and many need few open files" "$(cat message; find crowd -name '*.png' | wc -l)"
+fi
+
 mkdir linked named
 ln -s "$PWD/elsewhere" linked/textures
 "$norma" compute c.gltf --out-dir linked --quiet 2>message

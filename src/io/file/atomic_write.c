@@ -20,7 +20,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-enum { BUFFER_SIZE = 1 << 18, MOST_LINKS = 40, MOST_NAMES = 10000 };
+enum { BUFFER_SIZE = 1 << 18, MOST_LINKS = 40, MOST_NAMES = 10000, MANY_DESCRIPTORS = 100 };
 static const size_t WRITE_AT_ONCE = (size_t)1 << 30; /* Linux writes at most 2 GiB in one call */
 
 struct file_writer {
@@ -34,7 +34,7 @@ struct file_writer {
     int error; /* the first one; every later call returns it */
     file_stamp *expected;
     size_t used;
-    unsigned char buffer[BUFFER_SIZE];
+    unsigned char *buffer; /* of BUFFER_SIZE */
 };
 
 /* ---- names */
@@ -75,15 +75,23 @@ static int resolve(const char *path, char **resolved) {
     return ENOMEM;
 }
 
+/* A number of its own for most targets (FNV-1a), so that thousands of temporary files in one folder
+ * do not try each other's names. */
+static unsigned number_of(const char *target) {
+    uint32_t hash = 2166136261u;
+    for (; *target; ++target) hash = (hash ^ (unsigned char)*target) * 16777619u;
+    return hash;
+}
+
 /* Tries one name after the other until one is free; make returns 0 or errno, and EEXIST or EINTR
  * for another try. */
 static int name_temporary(file_writer *writer,
     int (*make)(file_writer *writer, const char *name, mode_t mode), mode_t mode) {
     int error = EEXIST;
-    for (unsigned number = 0; number < MOST_NAMES && (error == EEXIST || error == EINTR);
-         ++number) {
+    for (unsigned tries = 0; tries < MOST_NAMES && (error == EEXIST || error == EINTR); ++tries) {
         char name[64];
-        snprintf(name, sizeof name, ".norma-%ld-%u.tmp", (long)getpid(), number);
+        snprintf(name, sizeof name, ".norma-%ld-%u.tmp", (long)getpid(),
+            tries ? number_of(writer->target) + tries : 0);
         char *temporary = join(writer->target, folder_length(writer->target), name);
         error = temporary ? make(writer, temporary, mode) : ENOMEM;
         if (!error)
@@ -193,15 +201,14 @@ static int open_target(file_writer *writer) {
 
 int norma_file_writer_open(const char *path, file_writer **writer) {
     *writer = NULL;
-    file_writer *made = malloc(sizeof *made);
+    file_writer *made = calloc(1, sizeof *made);
     if (!made) return ENOMEM;
-    memset(made, 0, offsetof(file_writer, buffer));
     made->descriptor = made->held = made->folder = -1;
     /* The links of /proc/self/fd name no path that could be opened, so what is no regular file is
      * not resolved. */
     int error = norma_file_is_stream(path) ? ((made->target = join(path, 0, path)) ? 0 : ENOMEM)
                                            : resolve(path, &made->target);
-    if (!error) error = open_target(made);
+    if (!error) error = (made->buffer = malloc(BUFFER_SIZE)) ? open_target(made) : ENOMEM;
     if (error) {
         norma_file_writer_abandon(made);
         return error;
@@ -258,9 +265,22 @@ static int flush_descriptor(int descriptor) {
     return failed ? errno : 0;
 }
 
+/* An asset may name thousands of files, and a process may have a thousand open: from some number on
+ * each is closed under its temporary name, to be renamed later. */
+static int close_early(file_writer *writer) {
+    if (writer->descriptor < MANY_DESCRIPTORS || writer->expected) return 0;
+    const int error = give_name(writer), descriptor = writer->descriptor;
+    if (error || !writer->temporary) return error;
+    writer->descriptor = -1;
+    free(writer->buffer);
+    writer->buffer = NULL;
+    return close(descriptor) && errno != EINTR ? errno : 0;
+}
+
 int norma_file_writer_prepare(file_writer *writer) {
     if (writer->error || writer->prepared || flush_buffer(writer)) return writer->error;
     if (writer->nameless || writer->temporary) writer->error = flush_descriptor(writer->descriptor);
+    if (!writer->error) writer->error = close_early(writer);
     writer->prepared = !writer->error;
     return writer->error;
 }
@@ -289,24 +309,28 @@ static int open_folder(file_writer *writer) {
     return error;
 }
 
+static int open_folder_early(file_writer *writer) {
+    return writer->descriptor >= 0 ? open_folder(writer) : 0;
+}
+
 static int put_in_place(file_writer *writer) {
     struct stat status;
-    int error = writer->temporary ? 0 : EIO;
     const int descriptor = writer->descriptor;
-    const int is_known = !error && fstat(descriptor, &status) == 0;
-    if (!error) {
-        writer->descriptor = -1;
-        error = close(descriptor) && errno != EINTR ? errno : 0;
-    }
+    const int is_known = descriptor >= 0 && fstat(descriptor, &status) == 0;
+    int error = descriptor >= 0 ? 0 : open_folder(writer);
+    writer->descriptor = -1;
+    if (descriptor >= 0 && close(descriptor) && errno != EINTR) error = errno;
     if (!error && rename(writer->temporary, writer->target)) error = errno;
-    if (!error) {
-        free(writer->temporary);
-        writer->temporary = NULL;
-        writer->placed = 1;
-        if (writer->expected && is_known) *writer->expected = norma_file_stamp_of(&status);
-        if (writer->folder >= 0 && norma_folder_flush(writer->folder)) error = FILE_NOT_FLUSHED;
-    }
-    return error;
+    if (error) return error;
+    free(writer->temporary);
+    writer->temporary = NULL;
+    writer->placed = 1;
+    if (writer->expected && is_known) *writer->expected = norma_file_stamp_of(&status);
+    if (writer->folder < 0) return 0;
+    writer->error = norma_folder_flush(writer->folder);
+    close(writer->folder);
+    writer->folder = -1;
+    return writer->error ? FILE_NOT_FLUSHED : 0;
 }
 
 static int commit_one(file_writer *writer) {
@@ -320,7 +344,7 @@ int norma_file_writers_commit(file_writer **writers, size_t count, size_t *faile
     /* Whatever could fail for want of room, memory or descriptors comes before the first is
      * renamed. */
     static int (*const steps[])(file_writer *) = {
-        norma_file_writer_prepare, open_folder, hold_expected, give_name, commit_one};
+        norma_file_writer_prepare, open_folder_early, hold_expected, give_name, commit_one};
     size_t done = 0;
     int error = 0;
     for (size_t step = 0; step < sizeof steps / sizeof *steps && !error; ++step)
@@ -329,7 +353,10 @@ int norma_file_writers_commit(file_writer **writers, size_t count, size_t *faile
     /* What replaced an older file stays: the files before the last one only ever gain bytes. And
      * all stays where only the last folder could not be flushed. */
     for (size_t i = 0; error && !writers[count - 1]->placed && i < count; ++i)
-        if (writers[i]->placed && !writers[i]->replaces) unlink(writers[i]->target);
+        if (writers[i]->placed && !writers[i]->replaces) {
+            unlink(writers[i]->target);
+            if (error == FILE_NOT_FLUSHED) error = writers[done]->error; /* it is not there */
+        }
     for (size_t i = 0; i < count; ++i) norma_file_writer_abandon(writers[i]);
     return error;
 }
@@ -345,6 +372,7 @@ void norma_file_writer_abandon(file_writer *writer) {
     if (writer->held >= 0) close(writer->held);
     if (writer->folder >= 0) close(writer->folder);
     if (writer->temporary) unlink(writer->temporary);
+    free(writer->buffer);
     free(writer->temporary);
     free(writer->target);
     free(writer);

@@ -9,6 +9,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +19,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include "io/file/file.h"
+#include "io/format/format.h"
 
 typedef struct place {
     char folder[128], path[160];
@@ -340,6 +342,87 @@ static void knows_one_file_by_two_names(void **state) {
     assert_int_equal(norma_file_is_stream(here->folder), 0);
 }
 
+/* ---- a folder that cannot be flushed */
+
+static int folder_flushes_left = INT_MAX; /* then each of a folder fails */
+
+int __real_fsync(int descriptor);
+int __wrap_fsync(int descriptor);
+int __wrap_fsync(int descriptor) {
+    struct stat status;
+    if (fstat(descriptor, &status) == 0 && S_ISDIR(status.st_mode) && folder_flushes_left-- <= 0) {
+        errno = EIO;
+        return -1;
+    }
+    return __real_fsync(descriptor);
+}
+
+static file_writer *writer_of(const char *path, const char *text) {
+    file_writer *writer;
+    assert_int_equal(norma_file_writer_open(path, &writer), 0);
+    assert_int_equal(norma_file_writer_write(writer, text, strlen(text)), 0);
+    return writer;
+}
+
+static void a_folder_that_is_not_flushed_is_called_so(void **state) {
+    const place *here = *state;
+    char text[200];
+    put(here->path, "old");
+    folder_flushes_left = 0;
+    const int result = write_text(here->path, "new");
+    folder_flushes_left = INT_MAX;
+    assert_int_equal(result, FILE_NOT_FLUSHED);
+    assert_holds(here->path, "new");
+    assert_int_equal(count_entries(here->folder), 1);
+    norma_document_system_text(result, text, sizeof text);
+    assert_non_null(strstr(text, "the new file is in its place"));
+}
+
+/* Of several, the first is taken away again: nobody may be told that it is in its place. */
+static void the_first_of_two_is_not_called_in_its_place(void **state) {
+    const place *here = *state;
+    char first[200];
+    size_t failed = 9;
+    snprintf(first, sizeof first, "%s/mesh.bin", here->folder);
+    file_writer *writers[2] = {writer_of(first, "buffer"), writer_of(here->path, "asset")};
+    folder_flushes_left = 0;
+    const int result = norma_file_writers_commit(writers, 2, &failed);
+    folder_flushes_left = INT_MAX;
+    assert_int_equal(result, EIO);
+    assert_int_equal(failed, 0);
+    assert_int_equal(access(first, F_OK), -1);
+    assert_int_equal(access(here->path, F_OK), -1);
+    assert_int_equal(count_entries(here->folder), 0);
+}
+
+/* More files at once than the process may open. */
+static void a_thousand_files_need_few_descriptors(void **state) {
+    enum { FILES = 1000, DESCRIPTORS = 500 };
+    const place *here = *state;
+    file_writer *writers[FILES];
+    struct rlimit before, few;
+    char path[200], text[16];
+    size_t failed;
+    getrlimit(RLIMIT_NOFILE, &before);
+    few = (struct rlimit){DESCRIPTORS, before.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &few);
+    for (int i = 0; i < FILES; ++i) {
+        snprintf(path, sizeof path, "%s/%d.png", here->folder, i);
+        snprintf(text, sizeof text, "%d", i);
+        writers[i] = writer_of(path, text);
+        assert_int_equal(norma_file_writer_prepare(writers[i]), 0);
+    }
+    const int result = norma_file_writers_commit(writers, FILES, &failed);
+    setrlimit(RLIMIT_NOFILE, &before);
+    assert_int_equal(result, 0);
+    for (int i = 0; i < FILES; ++i) {
+        snprintf(path, sizeof path, "%s/%d.png", here->folder, i);
+        snprintf(text, sizeof text, "%d", i);
+        assert_holds(path, text);
+    }
+    assert_int_equal(count_entries(here->folder), FILES);
+}
+
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
 
 int main(void) {
@@ -362,6 +445,9 @@ int main(void) {
         TEST(folders_are_refused),
         TEST(a_temporary_in_the_way_is_left_alone),
         TEST(knows_one_file_by_two_names),
+        TEST(a_folder_that_is_not_flushed_is_called_so),
+        TEST(the_first_of_two_is_not_called_in_its_place),
+        TEST(a_thousand_files_need_few_descriptors),
     };
     return cmocka_run_group_tests_name("files", tests, NULL, NULL);
 }

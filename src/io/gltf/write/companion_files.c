@@ -1,8 +1,9 @@
 /* companion_files.c: the files that go with an asset: its buffers, and into another folder the
- * images that it names. All are looked at before any is written, all are written before any is
- * renamed (by norma_document_save); a file of the same content is left alone, one of other content
- * is refused. The names come from the asset, which may be anyone's: only what is an image by name
- * and content goes along, nothing hidden, and nothing is written through a link. */
+ * images that it names. All are written before any is renamed (by norma_document_save); a file of
+ * the same content is left alone, one of other content is refused. The names come from the asset,
+ * which may be anyone's: only what is an image by name and content goes along, nothing hidden, and
+ * nothing is written through a link. One is in memory at a time, and each goes once, however often
+ * it is named. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/gltf/write/own_bytes.h"
 #include "io/gltf/write/patch.h"
@@ -24,11 +25,15 @@ typedef struct companions {
     norma_document *document;
     gltf *g;
     char *folder; /* of the output */
-    companion *list;
-    size_t count, capacity;
+    companion_writers *writers;
     int in_place;
     norma_document_error *error;
 } companions;
+
+typedef struct file_name {
+    char *name, *plain; /* "./a//b.png": "a/b.png" */
+    uint32_t buffer;    /* GLTF_NONE: an image */
+} file_name;
 
 static norma_document_result out_of_memory(const companions *c) {
     return norma_document_fail_memory(c->document, c->error);
@@ -55,6 +60,50 @@ static norma_document_result refuse_link(const companions *c, const char *path) 
         c->document->path);
 }
 
+/* ---- writing */
+
+/* Folders below the output's for names like "textures/wood.png". */
+static int make_folders(companion_writers *writers, char *path, size_t known) {
+    for (char *slash = strchr(path + known, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        int failed = norma_document_add_folder(writers, path);
+        *slash = '/';
+        if (failed) return failed;
+    }
+    return 0;
+}
+
+static int write_content(const companion *one, file_writer *writer) {
+    static const unsigned char zeros[256];
+    int failed = 0;
+    if (!one->buffer) return norma_file_writer_write(writer, one->bytes, one->size);
+    for (size_t i = 0; !failed && i < one->buffer->segment_count; ++i) {
+        const patch_segment *s = &one->buffer->segments[i];
+        if (s->bytes) failed = norma_file_writer_write(writer, s->bytes, s->length);
+        for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0;
+             left -= left < sizeof zeros ? left : sizeof zeros)
+            failed =
+                norma_file_writer_write(writer, zeros, left < sizeof zeros ? left : sizeof zeros);
+    }
+    return failed;
+}
+
+static norma_document_result write_one(companions *c, const companion *one) {
+    file_writer *writer = NULL;
+    int failed = make_folders(c->writers, one->path, strlen(c->folder));
+    if (!failed) failed = norma_file_writer_open(one->path, &writer);
+    if (!failed && one->replaces) norma_file_writer_expect(writer, one->replaces);
+    if (!failed) failed = write_content(one, writer);
+    if (!failed) failed = norma_file_writer_prepare(writer);
+    if (!failed)
+        return norma_document_add_writer(c->writers, writer, one->path) ? NORMA_DOCUMENT_OK
+                                                                        : out_of_memory(c);
+    norma_file_writer_abandon(writer);
+    return norma_document_fail_file(one->path, c->error, "cannot be written", failed);
+}
+
+/* ---- what may be written */
+
 /* Whether a file would land where its path says: neither it nor a folder on the way from the
  * output's folder is a link to somewhere else. A buffer that is replaced may be a link, which was
  * followed when it was read. */
@@ -70,7 +119,7 @@ static int stays_in_folder(const companions *c, const companion *one) {
     return stays;
 }
 
-/* Adds a file to be written, unless it is there already. Takes over one->path and one->file. */
+/* Writes a file, unless it is there already. Takes over one->path and one->file. */
 static norma_document_result add(companions *c, companion one) {
     file_bytes there;
     int failed = norma_file_open(one.path, NULL, &there), same = 0;
@@ -85,15 +134,7 @@ static norma_document_result add(companions *c, companion one) {
         result = refuse_link(c, one.path);
     else if (!same && failed != ENOENT && failed != ENOTDIR && !(c->in_place && !failed))
         result = refuse(c, one.path);
-    if (!same && !result) {
-        companion *grown = norma_io_grow(c->list, &c->capacity, c->count + 1, sizeof *grown);
-        if (grown) {
-            c->list = grown;
-            c->list[c->count++] = one;
-            return NORMA_DOCUMENT_OK;
-        }
-        result = out_of_memory(c);
-    }
+    if (!same && !result) result = write_one(c, &one);
     free(one.path);
     norma_file_close(&one.file);
     return result;
@@ -134,28 +175,33 @@ static int is_image(const unsigned char *bytes, size_t size) {
 static int is_image_name(const char *name) {
     static const char *const suffixes[] = {
         "png", "jpg", "jpeg", "webp", "ktx2", "ktx", "dds", "basis", "gif", "bmp", "avif"};
-    return !norma_gltf_is_hidden(name) &&
-           norma_gltf_has_suffix(name, suffixes, sizeof suffixes / sizeof *suffixes);
+    return norma_gltf_has_suffix(name, suffixes, sizeof suffixes / sizeof *suffixes);
 }
 
-static norma_document_result not_copied(const companions *c, const char *name) {
-    norma_document_add_note(
-        c->document, "%s was not copied: it is no image by its name and its first bytes", name);
+static norma_document_result not_copied(const companions *c, const char *name, const char *why) {
+    norma_document_add_note(c->document, "%s was not copied: %s", name, why);
     return NORMA_DOCUMENT_OK;
 }
 
 /* A file of the asset's folder under its own name, an image or (not GLTF_NONE) a buffer: one that
  * does not exist, or lies outside, stays where it is; one that cannot be read is an error. */
-static norma_document_result add_file(companions *c, const char *name, uint32_t buffer) {
+static norma_document_result add_file(companions *c, const file_name *file) {
+    const char *name = file->name;
+    const uint32_t buffer = file->buffer;
     companion one = {.path = NULL};
     char *source;
     struct stat status;
-    if (buffer == GLTF_NONE && !is_image_name(name)) return not_copied(c, name);
     if (!norma_gltf_path_inside(c->document->folder, name, &source))
         return errno == ENOMEM ? out_of_memory(c)
-                               : norma_document_add_note(c->document,
-                                     "%s lies outside the asset's folder and was not copied", name),
-               NORMA_DOCUMENT_OK;
+                               : not_copied(c, name, "it lies outside the asset's folder");
+    const char *why = buffer != GLTF_NONE          ? NULL
+                      : norma_gltf_is_hidden(name) ? "it is hidden"
+                      : !is_image_name(name)       ? "its name is not that of an image"
+                                                   : NULL;
+    if (why) {
+        free(source);
+        return not_copied(c, name, why);
+    }
     int failed = stat(source, &status)     ? errno
                  : S_ISREG(status.st_mode) ? norma_file_open(source, NULL, &one.file)
                                            : ENOENT;
@@ -171,11 +217,11 @@ static norma_document_result add_file(companions *c, const char *name, uint32_t 
     if (!image) result = norma_gltf_check_own_data(c->g, buffer, &one.file, c->error);
     if (result || no_image) {
         norma_file_close(&one.file);
-        return result ? result : not_copied(c, name);
+        return result ? result : not_copied(c, name, "it does not begin like an image");
     }
     one.bytes = one.file.data;
     one.size = one.file.size;
-    one.path = norma_io_join(c->folder, name);
+    one.path = norma_io_join(c->folder, file->plain);
     if (!one.path) {
         norma_file_close(&one.file);
         return out_of_memory(c);
@@ -196,7 +242,51 @@ static char *image_name(const json *j, uint32_t image, int *failed) {
     return name;
 }
 
-static norma_document_result add_images(companions *c) {
+/* ---- the names of an asset, each once */
+
+typedef struct file_names {
+    file_name *list;
+    size_t count, capacity;
+} file_names;
+
+/* A name without what names nothing; an absolute path stays one. */
+static char *plain_name(const char *name) {
+    char *plain = norma_io_join(name, ""), *to = plain;
+    for (const char *from = name; plain && name[0] != '/' && *from;) {
+        const size_t length = strcspn(from, "/"), next = length + (from[length] == '/');
+        if (length > 0 && !(length == 1 && *from == '.')) {
+            memcpy(to, from, next);
+            to += next;
+        }
+        from += next;
+    }
+    if (plain && name[0] != '/') *to = '\0';
+    return plain;
+}
+
+static int compare_names(const void *a, const void *b) {
+    const file_name *x = a, *y = b;
+    const int order = strcmp(x->plain, y->plain);
+    return order ? order : (x->buffer > y->buffer) - (x->buffer < y->buffer);
+}
+
+static norma_document_result add_name(
+    companions *c, file_names *names, char *name, uint32_t buffer) {
+    char *plain = name ? plain_name(name) : NULL;
+    file_name *grown =
+        plain ? norma_io_grow(names->list, &names->capacity, names->count + 1, sizeof *grown)
+              : NULL;
+    if (!grown) {
+        free(plain);
+        free(name);
+        return out_of_memory(c);
+    }
+    names->list = grown;
+    names->list[names->count++] = (file_name){name, plain, buffer};
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result add_image_names(companions *c, file_names *names) {
     const json *j = &c->g->json;
     uint32_t images = norma_json_member(j, 0, "images");
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -205,11 +295,30 @@ static norma_document_result add_images(companions *c) {
         int failed;
         char *name = image_name(j, image, &failed);
         if (name)
-            result = add_file(c, name, GLTF_NONE);
+            result = add_name(c, names, name, GLTF_NONE);
         else if (failed)
             result = out_of_memory(c);
-        free(name);
     }
+    return result;
+}
+
+static norma_document_result add_files(companions *c, int buffers, int images) {
+    const gltf *g = c->g;
+    file_names names = {0};
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (uint32_t b = 0; buffers && !result && b < g->buffer_count; ++b)
+        if (g->buffers[b].name)
+            result = add_name(c, &names, norma_io_join(g->buffers[b].name, ""), b);
+    if (!result && images) result = add_image_names(c, &names);
+    if (names.count) qsort(names.list, names.count, sizeof *names.list, compare_names);
+    for (size_t i = 0; !result && i < names.count; ++i)
+        if (i == 0 || strcmp(names.list[i - 1].plain, names.list[i].plain) != 0)
+            result = add_file(c, &names.list[i]);
+    for (size_t i = 0; i < names.count; ++i) {
+        free(names.list[i].name);
+        free(names.list[i].plain);
+    }
+    free(names.list);
     return result;
 }
 
@@ -221,9 +330,7 @@ static norma_document_result collect(companions *c, const char *path) {
     for (uint32_t b = 0; differs && !result && b <= g->buffer_count; ++b)
         if (g->patch->buffers[b].name && (!c->in_place || g->patch->buffers[b].changed))
             result = add_buffer(c, b);
-    for (uint32_t b = 0; !differs && elsewhere && !result && b < g->buffer_count; ++b)
-        if (g->buffers[b].name) result = add_file(c, g->buffers[b].name, b);
-    return result || !elsewhere || !c->document->folder ? result : add_images(c);
+    return result || !elsewhere ? result : add_files(c, !differs, c->document->folder != NULL);
 }
 
 /* ---- sizes */
@@ -271,64 +378,19 @@ static int measure(const companions *c, uint64_t *size) {
     return !failed && !visit_images(c->document, add_size, size);
 }
 
-/* ---- writing */
-
-/* Folders below the output's for names like "textures/wood.png". */
-static int make_folders(companion_writers *writers, char *path, size_t known) {
-    for (char *slash = strchr(path + known, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        int failed = norma_document_add_folder(writers, path);
-        *slash = '/';
-        if (failed) return failed;
-    }
-    return 0;
-}
-
-static int write_content(const companion *one, file_writer *writer) {
-    static const unsigned char zeros[256];
-    int failed = 0;
-    if (!one->buffer) return norma_file_writer_write(writer, one->bytes, one->size);
-    for (size_t i = 0; !failed && i < one->buffer->segment_count; ++i) {
-        const patch_segment *s = &one->buffer->segments[i];
-        if (s->bytes) failed = norma_file_writer_write(writer, s->bytes, s->length);
-        for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0;
-             left -= left < sizeof zeros ? left : sizeof zeros)
-            failed =
-                norma_file_writer_write(writer, zeros, left < sizeof zeros ? left : sizeof zeros);
-    }
-    return failed;
-}
-
-static norma_document_result write_one(companions *c, companion *one, companion_writers *writers) {
-    file_writer *writer = NULL;
-    int failed = make_folders(writers, one->path, strlen(c->folder));
-    if (!failed) failed = norma_file_writer_open(one->path, &writer);
-    if (!failed && one->replaces) norma_file_writer_expect(writer, one->replaces);
-    if (!failed) failed = write_content(one, writer);
-    if (!failed) failed = norma_file_writer_prepare(writer);
-    if (!failed)
-        return norma_document_add_writer(writers, writer, one->path) ? NORMA_DOCUMENT_OK
-                                                                     : out_of_memory(c);
-    norma_file_writer_abandon(writer);
-    return norma_document_fail_file(one->path, c->error, "cannot be written", failed);
-}
-
 norma_document_result norma_gltf_write_companions(norma_document *document, const char *path,
     int in_place, companion_writers *writers, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    companions c = {
-        .document = document, .g = g, .folder = norma_gltf_folder_of(path), .error = error};
+    companions c = {.document = document,
+        .g = g,
+        .folder = norma_gltf_folder_of(path),
+        .writers = writers,
+        .error = error};
     c.in_place = in_place && norma_gltf_destination(g, path) == GLTF_IN_PLACE;
     norma_document_result result = c.folder ? NORMA_DOCUMENT_OK : out_of_memory(&c);
     if (!result && norma_gltf_differs(g)) result = norma_gltf_lay_out(g, path, error);
     if (!result) result = collect(&c, path);
     if (!result && !measure(&c, &writers->size)) result = out_of_memory(&c);
-    for (size_t i = 0; !result && i < c.count; ++i) result = write_one(&c, &c.list[i], writers);
-    for (size_t i = 0; i < c.count; ++i) {
-        norma_file_close(&c.list[i].file);
-        free(c.list[i].path);
-    }
-    free(c.list);
     free(c.folder);
     return result;
 }
