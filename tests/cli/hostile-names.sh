@@ -23,7 +23,17 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n%s 1 2 3\nf 1 2 %s\n' "$hostile" "$hostile" >
 mkdir keys values empty
 cp named.gltf keys && printf '{"%s": 1}' "$escaped" >keys/.norma.json
 cp named.gltf values && printf '{%s' "$hostile" >values/.norma.json
-printf '%s\n' "missing $hostile.obj" >list.txt
+printf '%s\n' "missing $hostile.obj" "$hostile/*.ply" "$odd.gltf" >list.txt
+# What else holds names: groups and materials, comments and properties, the name of a solid. All with marks of HTML.
+marked="$hostile<img src=x onerror=alert(1)>\"'&</script><!--"
+word=${marked// /_}
+gltf "$(printf '%s' "$escaped" | sed 's/\\n.*//')<img src=x>\\\"'&</script><!--" >marked.gltf
+printf 'mtllib %s\no %s\ng %s\nusemtl %s\ns %s\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 0\nvn 0 0 2\nf 1//1 2//2 3//1\nf 1 2 4\nf 1 1 2\n' "$marked" "$marked" "$marked" "$marked" "$marked" >marked.obj
+printf 'ply\nformat ascii 1.0\ncomment %s\ncomment TextureFile %s\nobj_info %s\nelement %s 1\nproperty float %s\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' "$marked" "$marked" "$marked" "$word" "$word" >marked.ply
+printf 'solid %s\nfacet normal 0 0 2\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid %s\n' "$marked" "$marked" >marked.stl
+sed "s/facet normal 0/facet normal $word/" marked.stl >broken.stl
+sed "s/^element face 1/element face $word/" marked.ply >broken-count.ply
+sed "s/^1\$/$(printf '%s' "$word" | sed 's/[\/&]/\\&/g')/" marked.ply >broken-row.ply
 
 # Bytes that may not be there: controls but for the line end, C1, marks of direction, separators; and all must be UTF-8.
 is_plain() { ! LC_ALL=C grep -aqP '[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80[\x8e\x8f\xa8-\xae]|\xe2\x81[\xa6-\xa9]|\xd8\x9c' "$1" && iconv -f UTF-8 -t UTF-8 "$1" >/dev/null 2>&1; }
@@ -50,7 +60,7 @@ report() {
     if [ -s "$file" ] && is_plain "$file"; then pass "plain report: $(printf '%q ' "$@")"; else fail "plain report: $(printf '%q ' "$@")" "$(grep -aP '\x1b|\xc2[\x80-\x9f]|\xe2\x80\xae' "$file" | cat -A | cut -c1-400 | head -5)"; fi
 }
 
-for file in named.gltf "$odd.gltf" broken.gltf broken.ply broken.obj "no $odd.obj" keys/named.gltf values/named.gltf; do
+for file in named.gltf "$odd.gltf" broken.gltf broken.ply broken.obj marked.gltf marked.obj marked.ply marked.stl broken.stl broken-count.ply broken-row.ply "no $odd.obj" keys/named.gltf values/named.gltf; do
     plain info "$file"
     plain info --json "$file"
     plain check --no-config "$file" --fail-on info
@@ -65,7 +75,33 @@ for file in named.gltf "$odd.gltf" broken.gltf broken.ply broken.obj "no $odd.ob
     plain render "$file" -o picture.png --size 32x32
 done
 for form in html sarif json text; do
-    report "report.$form" check named.gltf "$odd.gltf" broken.obj --format $form --fail-on never
+    report "report.$form" check named.gltf "$odd.gltf" broken.obj broken.stl broken-count.ply marked.* --format $form --fail-on never
+done
+if grep -aoE '.{30}(<img src=x|</script><!--)' report.html >said; then fail "names are text in HTML" "$(cat said)"; else pass "names are text in HTML"; fi
+
+# parses COMMAND...: standard output is JSON, one value for all of it or one a line, also where the command fails.
+parses() {
+    "$NORMA" "$@" >said 2>/dev/null </dev/null
+    if node -e 'const text = require("fs").readFileSync("said", "utf8"); try { JSON.parse(text) } catch { text.trimEnd().split("\n").map(line => JSON.parse(line)) }' 2>error; then
+        pass "parses: $(printf '%q ' "$@")"
+    else
+        fail "parses: $(printf '%q ' "$@")" "$(head -5 error; cut -c1-300 said)"
+    fi
+}
+if command -v node >/dev/null; then
+    for form in json sarif; do
+        parses check . --no-config --format $form --fail-on never
+        parses check named.gltf keys/named.gltf --format $form # the second one's configuration ends the command
+    done
+    parses info --json named.gltf "$odd.gltf" broken.obj marked.*
+    parses info --json --deep marked.*
+    parses compute --json named.gltf "$odd.gltf" broken.obj marked.* --out-dir out
+else
+    skip "JSON that programs read: node is not here"
+fi
+for old in "{\"$escaped\": 1}" "{\"schema\": \"$escaped\"}" "{\"schema\": \"norma-baseline/1\", \"findings\": [{\"path\": \"$escaped\", \"$escaped\": 1}]}" "{\"$hostile"; do
+    printf '%s' "$old" >old.json
+    plain check --no-config named.gltf --fail-on info --baseline old.json
 done
 "$NORMA" check named.gltf --format text -o said.txt --fail-on never >/dev/null 2>&1
 check "a name is shown, escaped" grep -qF '\x1B]0;owned\x07\x1B[2J\x9B31m\u202Egnp' said.txt

@@ -292,6 +292,9 @@ static int check_files(const check_work *work, check_configs *configs) {
     status = check_all_files(&work->settings, configs, work->format, output.out, &totals);
     if (status != CLI_USAGE && guard_baseline(work)) status = CLI_USAGE;
     if (status == CLI_USAGE || cli_interrupted()) {
+        /* What stands on standard output already must be whole for a program that reads it. */
+        if (output.out == stdout && work->format != &check_format_text)
+            work->format->end(output.out, &totals);
         if (!streams) cli_output_drop(&output);
         return status;
     }
