@@ -1,4 +1,4 @@
-/* memory.c: checked allocation, lists that grow, copies of texts. */
+/* memory.c: checked allocation, lists and texts that grow, copies of texts. */
 #include "io/file/memory.h"
 #include <stdint.h>
 #include <stdlib.h>
@@ -33,4 +33,18 @@ void *norma_io_grow(void *block, size_t *capacity, size_t needed, size_t size) {
     void *grown = realloc(block, larger * (size ? size : 1));
     if (grown) *capacity = larger;
     return grown;
+}
+
+void norma_io_append(growing_bytes *to, const void *bytes, size_t size) {
+    if (to->failed || size == 0) return;
+    if (size > to->capacity - to->size) {
+        char *grown = size > SIZE_MAX - to->size
+                          ? NULL
+                          : norma_io_grow(to->data, &to->capacity, to->size + size, 1);
+        to->failed = !grown;
+        if (!grown) return;
+        to->data = grown;
+    }
+    memcpy(to->data + to->size, bytes, size);
+    to->size += size;
 }

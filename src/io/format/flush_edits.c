@@ -29,50 +29,43 @@ norma_document_result norma_rewrite_compare(norma_document *document, const unsi
 
 /* ---- opening, closing, and changes that become bytes */
 
-norma_document_result norma_edited_open(
-    norma_document *document, const edited_format *format, norma_document_error *error) {
+norma_document_result norma_edited_open(norma_document *document, norma_document_error *error) {
+    const edited_format *format = document->functions->edited;
     document->state = norma_io_allocate(1, format->state_size);
     return document->state ? format->read(document, error)
                            : norma_document_fail_memory(document, error);
 }
 
-void norma_edited_close(norma_document *document, const edited_format *format) {
+void norma_edited_close(norma_document *document) {
     if (!document->state) return;
-    format->free_content(document->state);
+    document->functions->edited->free_content(document->state);
     free(document->state);
     document->state = NULL;
 }
 
-/* The file as it would be written, in memory, the caller's to free. */
-static norma_document_result write_to_memory(
-    norma_document *document, norma_memory_sink *memory, norma_document_error *error) {
-    norma_document_result result =
-        document->functions->write(document, NULL, norma_memory_sink_write, memory, error);
-    if (!result) return result;
-    free(memory->bytes);
-    return result == NORMA_DOCUMENT_ERROR_FILE ? norma_document_fail_memory(document, error)
-                                               : result;
-}
-
 /* Reading our own bytes finds nothing new, so notes about them are removed. */
-norma_document_result norma_edited_replace(norma_document *document, const edited_format *format,
-    unsigned char *bytes, size_t size, norma_document_error *error) {
+norma_document_result norma_edited_replace(
+    norma_document *document, const growing_bytes *bytes, norma_document_error *error) {
+    const edited_format *format = document->functions->edited;
     const size_t notes = document->note_count;
     format->free_content(document->state);
     memset(document->state, 0, format->state_size);
     norma_file_close(&document->source);
-    document->source = (file_bytes){.data = bytes, .size = size, .owned = 1};
+    document->source =
+        (file_bytes){.data = (const void *)bytes->data, .size = bytes->size, .owned = 1};
     norma_document_result result = format->read(document, error);
     norma_scene_forget(document->scene);
     while (document->note_count > notes) free(document->notes[--document->note_count]);
     return result;
 }
 
-norma_document_result norma_edited_flush(
-    norma_document *document, const edited_format *format, norma_document_error *error) {
-    norma_memory_sink memory = {0};
-    if (!format->has_edit(document->state)) return NORMA_DOCUMENT_OK;
-    norma_document_result result = write_to_memory(document, &memory, error);
-    return result ? result
-                  : norma_edited_replace(document, format, memory.bytes, memory.size, error);
+norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error) {
+    growing_bytes memory = {0};
+    if (!document->functions->edited->has_edit(document->state)) return NORMA_DOCUMENT_OK;
+    norma_document_result result =
+        document->functions->write(document, NULL, norma_memory_sink_write, &memory, error);
+    if (!result) return norma_edited_replace(document, &memory, error);
+    free(memory.data);
+    return result == NORMA_DOCUMENT_ERROR_FILE ? norma_document_fail_memory(document, error)
+                                               : result;
 }

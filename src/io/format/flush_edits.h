@@ -13,22 +13,21 @@ norma_document_result norma_rewrite(norma_document *document, norma_rewrite_body
 /* Whether the file would be another than the size bytes it was. */
 norma_document_result norma_rewrite_compare(norma_document *document, const unsigned char *bytes,
     size_t size, int *changed, norma_document_error *error);
+
 /* A format whose changes wait beside the bytes of the document: how its state is made, read and let
  * go. */
-typedef struct edited_format {
+struct edited_format {
     size_t state_size;
     int (*has_edit)(const void *state);
     void (*free_content)(void *state);
     /* From document->source, into a state of zeros. */
     norma_document_result (*read)(norma_document *document, norma_document_error *error);
-} edited_format;
-norma_document_result norma_edited_open(
-    norma_document *document, const edited_format *format, norma_document_error *error);
-void norma_edited_close(norma_document *document, const edited_format *format);
+};
+norma_document_result norma_edited_open(norma_document *document, norma_document_error *error);
+void norma_edited_close(norma_document *document);
 /* The changes become the document's bytes, which are read again. Does nothing without changes. */
-norma_document_result norma_edited_flush(
-    norma_document *document, const edited_format *format, norma_document_error *error);
+norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error);
 /* These bytes become the document's, which owns them from now on. */
-norma_document_result norma_edited_replace(norma_document *document, const edited_format *format,
-    unsigned char *bytes, size_t size, norma_document_error *error);
+norma_document_result norma_edited_replace(
+    norma_document *document, const growing_bytes *bytes, norma_document_error *error);
 #endif

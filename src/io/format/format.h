@@ -8,6 +8,7 @@
 
 typedef struct format_functions format_functions;
 typedef struct scene_functions scene_functions;
+typedef struct edited_format edited_format;
 
 typedef struct companion_writers { /* freed by who made it; paths: what messages name */
     file_writer **list;
@@ -103,6 +104,7 @@ struct format_functions {
      * only if the document has a folder. */
     int (*visit_files)(const norma_document *document, norma_visit_file *visit, void *user);
     const scene_functions *scene; /* NULL: nothing else is told */
+    const edited_format *edited;  /* for norma_edited_open and the like (flush_edits.h) */
 };
 
 extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions,

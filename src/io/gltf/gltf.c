@@ -201,22 +201,6 @@ static size_t mesh_count(const norma_document *document) {
     return norma_gltf_of(document)->primitive_count;
 }
 
-static const char *encoding_of(const gltf *g, uint32_t normal) {
-    if (normal == GLTF_NONE) return "";
-    switch (g->accessors[normal].component) {
-    case GLTF_BYTE:
-        return "snorm8";
-    case GLTF_SHORT:
-        return "snorm16";
-    case GLTF_UBYTE:
-        return "unorm8";
-    case GLTF_USHORT:
-        return "unorm16";
-    default:
-        return "float";
-    }
-}
-
 static norma_document_result mesh_info(
     const norma_document *document, size_t index, norma_mesh_info *info) {
     const gltf *g = norma_gltf_of(document);
@@ -230,7 +214,7 @@ static norma_document_result mesh_info(
         .faces = p->faces,
         .triangles = p->faces,
         .normals = p->base.normal == GLTF_NONE ? NORMA_NORMALS_NONE : NORMA_NORMALS_PER_VERTEX,
-        .encoding = encoding_of(g, p->base.normal),
+        .encoding = norma_gltf_encoding_name(g, p->base.normal),
         .has_tangents = p->base.tangent != GLTF_NONE,
         .morph_targets = p->target_count,
         .not_read = p->not_read,

@@ -78,8 +78,9 @@ static int visit_files(const norma_document *document, norma_visit_file *visit, 
     return stop;
 }
 
-const format_functions norma_obj_functions = {.open = norma_obj_open,
-    .close = norma_obj_close,
+const format_functions norma_obj_functions = {.open = norma_edited_open,
+    .close = norma_edited_close,
+    .edited = &norma_obj_edited,
     .mesh_count = mesh_count,
     .mesh_info = mesh_info,
     .mesh_data = mesh_data,

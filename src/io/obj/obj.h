@@ -5,6 +5,7 @@
  * The text is cut into stretches of whole statements, which threads read and write side by side. */
 #ifndef NORMA_IO_OBJ_H
 #define NORMA_IO_OBJ_H
+#include "io/format/flush_edits.h"
 #include "io/format/format.h"
 
 /* A corner's normal is a number, or one of these. */
@@ -87,9 +88,7 @@ static inline size_t norma_obj_normal_offset(const obj_state *state, size_t norm
 norma_document_result norma_obj_read(norma_document *document, norma_document_error *error);
 
 /* obj_state.c. Flushing makes the changes the document's bytes, which are read again. */
-norma_document_result norma_obj_open(norma_document *document, norma_document_error *error);
-void norma_obj_close(norma_document *document);
-norma_document_result norma_obj_flush_edits(norma_document *document, norma_document_error *error);
+extern const edited_format norma_obj_edited;
 /* The core's view of positions and faces, without groups. */
 norma_mesh norma_obj_mesh(const obj_state *state);
 

@@ -19,7 +19,7 @@ static void take_numbers(obj_state *state, const norma_mesh_edit *edit) {
 
 norma_document_result norma_obj_edit(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
-    norma_document_result result = norma_obj_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     if (result) return result;
     obj_state *state = document->state;
     if (edit->set_normals && !state->has_normals) /* there may be vn lines, but none that a face
@@ -34,7 +34,7 @@ norma_document_result norma_obj_edit(
     state->drop_faces = edit->drop_faces;
     state->cut_faces = edit->cut_faces;
     state->cut_corners = edit->cut_corners;
-    result = norma_obj_flush_edits(document, error);
+    result = norma_edited_flush(document, error);
     state = document->state;
     if (result && state)
         state->reverse_faces = state->drop_faces = state->cut_faces = NULL; /* the caller's */

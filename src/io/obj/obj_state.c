@@ -1,6 +1,5 @@
 /* obj_state.c: the state of an OBJ document: read, let go, and read again once its changes have
  * become bytes; and the core's view of it. */
-#include "io/format/flush_edits.h"
 #include "io/obj/vertex_lines.h"
 #include <stdlib.h>
 
@@ -38,17 +37,7 @@ static int has_edit(const void *content) {
            state->vertices;
 }
 
-static const edited_format obj_format = {sizeof(obj_state), has_edit, free_content, norma_obj_read};
-
-norma_document_result norma_obj_open(norma_document *document, norma_document_error *error) {
-    return norma_edited_open(document, &obj_format, error);
-}
-
-void norma_obj_close(norma_document *document) { norma_edited_close(document, &obj_format); }
-
-norma_document_result norma_obj_flush_edits(norma_document *document, norma_document_error *error) {
-    return norma_edited_flush(document, &obj_format, error);
-}
+const edited_format norma_obj_edited = {sizeof(obj_state), has_edit, free_content, norma_obj_read};
 
 norma_mesh norma_obj_mesh(const obj_state *state) {
     static const double nowhere[3];

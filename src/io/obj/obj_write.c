@@ -37,39 +37,36 @@ static size_t format_coordinate(const writer *w, double value, char out[32]) {
                                     : norma_number_format_double(value + 0.0, out);
 }
 
+/* The number at or behind *p, which moves to its text; returns that text's end, or NULL. */
+static const char *next_number(const writer *w, const char **p, double *number) {
+    *p = norma_obj_skip_blanks(*p, w->end);
+    const char *next = norma_number_parse(*p, w->end, number);
+    return next ? norma_obj_number_end(next, w->end) : NULL;
+}
+
 /* The three numbers from p on; each keeps its text where it still says the same. */
 static void rewrite_position(writer *w, const char *p) {
     const double *values = w->state->positions + 3 * w->position;
-    for (int i = 0; i < 3; ++i) {
+    const char *next;
+    double old;
+    for (int i = 0; i < 3 && (next = next_number(w, &p, &old)); ++i, p = next) {
         char text[32];
-        double old;
-        p = norma_obj_skip_blanks(p, w->end);
-        const char *next = norma_number_parse(p, w->end, &old);
-        if (!next) return;
-        next = norma_obj_number_end(next, w->end);
-        if (!(values[i] == old) && !isnan(values[i])) {
-            copy_then_skip(w, p, next);
-            norma_sink_put(w->sink, text, format_coordinate(w, values[i], text));
-        }
-        p = next;
+        if (values[i] == old || isnan(values[i])) continue;
+        copy_then_skip(w, p, next);
+        norma_sink_put(w->sink, text, format_coordinate(w, values[i], text));
     }
 }
 
 static void rewrite_normal(writer *w, const char *p, size_t normal) {
     const float *values = w->state->normals + 3 * normal;
-    for (int i = 0; i < 3; ++i) {
+    const char *next;
+    double old;
+    for (int i = 0; i < 3 && (next = next_number(w, &p, &old)); ++i, p = next) {
         char text[32];
-        double old;
-        p = norma_obj_skip_blanks(p, w->end);
-        const char *next = norma_number_parse(p, w->end, &old);
-        if (!next) return;
-        next = norma_obj_number_end(next, w->end);
-        if (isfinite(values[i]) &&
-            !(fabs((double)values[i] - old) <= 1e-9)) { /* also where the old one is no number */
-            copy_then_skip(w, p, next);
-            norma_sink_put(w->sink, text, norma_number_format_normal(values[i], text));
-        }
-        p = next;
+        /* Also if the old one is not a number. */
+        if (!isfinite(values[i]) || fabs((double)values[i] - old) <= 1e-9) continue;
+        copy_then_skip(w, p, next);
+        norma_sink_put(w->sink, text, norma_number_format_normal(values[i], text));
     }
 }
 

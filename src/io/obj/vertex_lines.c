@@ -67,7 +67,7 @@ static const unsigned char *row_of(const void *context, size_t row, size_t *leng
 norma_document_result norma_obj_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
     text_walk walk;
-    norma_document_result result = norma_obj_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     const obj_state *state = document->state;
     (void)mesh;
     if (result) return result;
@@ -124,7 +124,7 @@ static void number_vertices(const obj_state *state, const norma_mesh_edit *edit,
 
 static int make_lines(const text_walk *walk, const norma_mesh_edit *edit, size_t kept,
     obj_vertices *v, const char *ending, size_t ending_size) {
-    norma_memory_sink memory = {0};
+    growing_bytes memory = {0};
     norma_sink *sink = norma_sink_create(norma_memory_sink_write, &memory);
     if (!sink) return 0;
     for (size_t i = kept; i < edit->vertex_count; ++i) {
@@ -134,7 +134,7 @@ static int make_lines(const text_walk *walk, const norma_mesh_edit *edit, size_t
         norma_sink_put(sink, ending, ending_size);
     }
     const int failed = norma_sink_finish(sink);
-    v->lines = memory.bytes;
+    v->lines = (unsigned char *)memory.data;
     v->lines_size = memory.size;
     return !failed;
 }

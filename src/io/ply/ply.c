@@ -68,7 +68,7 @@ static norma_document_result decode_normals(norma_document *document, norma_docu
 static norma_document_result give_mesh(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
-    norma_document_result result = norma_ply_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     ply_state *state = document->state;
     if (!result && !state->normals && state->header.normal[0] != PLY_NONE)
         result = decode_normals(document, error);
@@ -98,8 +98,9 @@ static int visit_files(const norma_document *document, norma_visit_file *visit, 
 }
 
 const format_functions norma_ply_functions = {
-    .open = norma_ply_open,
-    .close = norma_ply_close,
+    .open = norma_edited_open,
+    .close = norma_edited_close,
+    .edited = &norma_ply_edited,
     .mesh_count = count_meshes,
     .mesh_info = describe_mesh,
     .mesh_data = give_mesh,

@@ -276,7 +276,5 @@ norma_document_result norma_ply_row_spans(norma_document *document, const ply_el
     ply_span **spans, norma_document_error *error);
 
 /* ply_state.c. Flushing makes the changes the document's bytes, which are read again. */
-norma_document_result norma_ply_open(norma_document *document, norma_document_error *error);
-void norma_ply_close(norma_document *document);
-norma_document_result norma_ply_flush_edits(norma_document *document, norma_document_error *error);
+extern const edited_format norma_ply_edited;
 #endif

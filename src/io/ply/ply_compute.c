@@ -307,7 +307,7 @@ static norma_document_result compute_all(ply_job *job) {
 norma_document_result norma_ply_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error) {
-    norma_document_result result = norma_ply_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     if (result) return result;
     ply_state *state = document->state;
     ply_job job = {.document = document,

@@ -159,7 +159,7 @@ static norma_document_result edit_faces(
 
 norma_document_result norma_ply_edit(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
-    norma_document_result result = norma_ply_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     ply_state *state = document->state;
     if (!result && edit->set_normals && state->header.normal[0] == PLY_NONE)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
@@ -174,5 +174,5 @@ norma_document_result norma_ply_edit(
                      : cut_faces(document, edit, error);
     if (!result && (edit->reverse_faces || edit->drop_faces))
         result = edit_faces(document, edit, error);
-    return result ? result : norma_ply_flush_edits(document, error);
+    return result ? result : norma_edited_flush(document, error);
 }

@@ -1,6 +1,5 @@
 /* ply_state.c: the state of a PLY document: read, let go, and read again once its changes have
  * become bytes. */
-#include "io/format/flush_edits.h"
 #include "io/ply/ply.h"
 #include <stdlib.h>
 
@@ -24,14 +23,4 @@ static norma_document_result read_source(norma_document *document, norma_documen
     return result ? result : norma_ply_read_mesh(document, error);
 }
 
-static const edited_format ply_format = {sizeof(ply_state), has_edit, free_content, read_source};
-
-norma_document_result norma_ply_open(norma_document *document, norma_document_error *error) {
-    return norma_edited_open(document, &ply_format, error);
-}
-
-void norma_ply_close(norma_document *document) { norma_edited_close(document, &ply_format); }
-
-norma_document_result norma_ply_flush_edits(norma_document *document, norma_document_error *error) {
-    return norma_edited_flush(document, &ply_format, error);
-}
+const edited_format norma_ply_edited = {sizeof(ply_state), has_edit, free_content, read_source};

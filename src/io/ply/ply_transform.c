@@ -111,7 +111,7 @@ static norma_document_result reverse_faces(norma_document *document, norma_docum
 norma_document_result norma_ply_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error) {
-    norma_document_result result = norma_ply_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     if (result) return result;
     ply_state *state = document->state;
     summary->vertices = state->vertices;

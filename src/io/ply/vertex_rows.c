@@ -31,7 +31,7 @@ static const unsigned char *row_of(const void *context, size_t row, size_t *leng
 
 norma_document_result norma_ply_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
-    norma_document_result result = norma_ply_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     const ply_state *state = document->state;
     ply_span *spans = NULL;
     (void)mesh;

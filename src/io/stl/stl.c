@@ -27,7 +27,7 @@ static norma_document_result describe_mesh(
 static norma_document_result give_mesh(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
-    norma_document_result result = norma_stl_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     if (!result) result = norma_stl_decode(document, error);
     if (result) return result;
     const stl_state *state = document->state;
@@ -61,8 +61,9 @@ static norma_document_result write_stl(norma_document *document, const char *pat
 }
 
 const format_functions norma_stl_functions = {
-    .open = norma_stl_open,
-    .close = norma_stl_close,
+    .open = norma_edited_open,
+    .close = norma_edited_close,
+    .edited = &norma_stl_edited,
     .mesh_count = count_meshes,
     .mesh_info = describe_mesh,
     .mesh_data = give_mesh,

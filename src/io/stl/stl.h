@@ -55,13 +55,8 @@ norma_document_result norma_stl_transform(norma_document *document,
     norma_document_error *error);
 
 /* stl_state.c. Flushing makes the changes the document's bytes, which are read again. */
-norma_document_result norma_stl_open(norma_document *document, norma_document_error *error);
-void norma_stl_close(norma_document *document);
+extern const edited_format norma_stl_edited;
 norma_document_result norma_stl_decode(norma_document *document, norma_document_error *error);
-/* These bytes become the document's. */
-norma_document_result norma_stl_take_bytes(
-    norma_document *document, unsigned char *bytes, size_t size, norma_document_error *error);
-norma_document_result norma_stl_flush_edits(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_drop_idle_edit(
     norma_document *document, int *changed, norma_document_error *error);
 norma_mesh norma_stl_core_mesh(const stl_state *state);

@@ -125,7 +125,7 @@ norma_document_result norma_stl_compute(norma_document *document,
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "STL holds one normal for each facet: smooth shading and creases cannot be stored; "
             "expected neither, or another format");
-    norma_document_result result = norma_stl_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     if (result) return result;
     const stl_state *state = document->state;
     compute_policy policy = norma_policy_begin(options, summary, NORMA_SHADING_FLAT, 0);
@@ -184,7 +184,7 @@ static norma_document_result transform_normals(
 norma_document_result norma_stl_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error) {
-    norma_document_result result = norma_stl_flush_edits(document, error);
+    norma_document_result result = norma_edited_flush(document, error);
     if (result) return result;
     summary->vertices = 3 * ((const stl_state *)document->state)->facets;
     summary->meshes = 1;

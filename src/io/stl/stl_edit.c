@@ -163,8 +163,8 @@ static norma_document_result edit_text(norma_document *document, const norma_mes
 
 norma_document_result norma_stl_edit(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
-    norma_memory_sink memory = {0};
-    norma_document_result result = norma_stl_flush_edits(document, error);
+    growing_bytes memory = {0};
+    norma_document_result result = norma_edited_flush(document, error);
     if (result) return result;
     const stl_state *state = document->state;
     norma_sink *sink = norma_sink_create(norma_memory_sink_write, &memory);
@@ -178,7 +178,7 @@ norma_document_result norma_stl_edit(
         result = edit_text(document, edit, sink, error);
     int failed = norma_sink_finish(sink);
     if (!result && failed) result = norma_document_fail_memory(document, error);
-    if (!result) return norma_stl_take_bytes(document, memory.bytes, memory.size, error);
-    free(memory.bytes);
+    if (!result) return norma_edited_replace(document, &memory, error);
+    free(memory.data);
     return result;
 }

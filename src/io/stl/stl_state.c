@@ -1,6 +1,5 @@
 /* stl_state.c: the state of an STL document: read, decoded, let go, and read again once its changes
  * have become bytes. */
-#include "io/format/flush_edits.h"
 #include "io/stl/stl.h"
 #include <stdlib.h>
 
@@ -31,22 +30,7 @@ static norma_document_result read_source(norma_document *document, norma_documen
     return result;
 }
 
-static const edited_format stl_format = {sizeof(stl_state), has_edit, free_content, read_source};
-
-norma_document_result norma_stl_open(norma_document *document, norma_document_error *error) {
-    return norma_edited_open(document, &stl_format, error);
-}
-
-void norma_stl_close(norma_document *document) { norma_edited_close(document, &stl_format); }
-
-norma_document_result norma_stl_flush_edits(norma_document *document, norma_document_error *error) {
-    return norma_edited_flush(document, &stl_format, error);
-}
-
-norma_document_result norma_stl_take_bytes(
-    norma_document *document, unsigned char *bytes, size_t size, norma_document_error *error) {
-    return norma_edited_replace(document, &stl_format, bytes, size, error);
-}
+const edited_format norma_stl_edited = {sizeof(stl_state), has_edit, free_content, read_source};
 
 norma_document_result norma_stl_drop_idle_edit(
     norma_document *document, int *changed, norma_document_error *error) {

@@ -65,15 +65,9 @@ int norma_sink_finish(norma_sink *sink) {
     return failed;
 }
 
-int norma_memory_sink_write(void *memory_sink, const void *bytes, size_t size) {
-    norma_memory_sink *sink = memory_sink;
-    if (size > SIZE_MAX - sink->size) return 1;
-    unsigned char *grown = norma_io_grow(sink->bytes, &sink->capacity, sink->size + size, 1);
-    if (!grown) return 1;
-    sink->bytes = grown;
-    memcpy(grown + sink->size, bytes, size);
-    sink->size += size;
-    return 0;
+int norma_memory_sink_write(void *growing, const void *bytes, size_t size) {
+    norma_io_append(growing, bytes, size);
+    return ((const growing_bytes *)growing)->failed;
 }
 
 int norma_compare_sink_write(void *compare_sink, const void *bytes, size_t size) {

@@ -41,13 +41,9 @@ static inline unsigned char *norma_sink_room(norma_sink *sink, size_t size) {
     return room;
 }
 
-/* A norma_write that gathers everything in memory; bytes is the caller's to free. Answers nonzero
- * where memory is out. */
-typedef struct norma_memory_sink {
-    unsigned char *bytes;
-    size_t size, capacity;
-} norma_memory_sink;
-int norma_memory_sink_write(void *memory_sink, const void *bytes, size_t size);
+/* A norma_write that appends to growing_bytes (io/file/memory.h). Answers nonzero if memory is out.
+ */
+int norma_memory_sink_write(void *growing, const void *bytes, size_t size);
 
 /* A norma_write that answers nonzero at the first byte that is not the one expected; left: expected
  * and not yet seen. */

@@ -12,7 +12,8 @@ typedef struct parser {
     const char *text;
     size_t size, at;
     json *out;
-    uint32_t capacity, parent, depth;
+    size_t capacity;
+    uint32_t parent, depth;
     json_error *error;
 } parser;
 
@@ -32,14 +33,11 @@ static void skip_space(parser *p) {
 
 static json_token *add_token(parser *p, json_type type) {
     json *out = p->out;
-    if (out->count == p->capacity) {
-        uint32_t larger = p->capacity ? p->capacity * 2 : 256;
-        json_token *grown =
-            p->capacity > UINT32_MAX / 4 ? NULL : realloc(out->tokens, larger * sizeof *grown);
-        if (!grown) return NULL;
-        out->tokens = grown;
-        p->capacity = larger;
-    }
+    json_token *grown = out->count < UINT32_MAX / 2 ? norma_io_grow(out->tokens, &p->capacity,
+                                                          (size_t)out->count + 1, sizeof *grown)
+                                                    : NULL;
+    if (!grown) return NULL;
+    out->tokens = grown;
     json_token *token = &out->tokens[out->count++];
     *token = (json_token){
         .start = p->at, .end = p->at, .parent = p->parent, .next = out->count, .type = type};

@@ -3,6 +3,7 @@
  * bounded, repeated keys kept (the last one counts, as most readers have it). */
 #ifndef NORMA_IO_JSON_H
 #define NORMA_IO_JSON_H
+#include "io/file/memory.h"
 #include <stddef.h>
 #include <stdint.h>
 
@@ -64,11 +65,7 @@ char *norma_json_string(
     const json *j, uint32_t string); /* decoded, to be freed; NULL: no string, or out of memory */
 
 /* ---- text that grows */
-typedef struct json_text {
-    char *data;
-    size_t size, capacity;
-    int failed; /* out of memory: what follows is dropped */
-} json_text;
+typedef growing_bytes json_text;
 void norma_json_add(json_text *text, const char *bytes, size_t size);
 void norma_json_add_text(json_text *text, const char *terminated);
 void norma_json_add_uint(json_text *text, uint64_t value);

@@ -26,16 +26,12 @@ struct json_edits {
     uint32_t *of_token;     /* for each of these tokens the number of its edit + 1; 0: none */
     edit *list;
     addition *additions;
-    uint32_t count, capacity, addition_count, addition_capacity;
+    uint32_t count, addition_count;
+    size_t capacity, addition_capacity;
     int failed;
 };
 
-static char *copy_text(const char *text) {
-    size_t size = strlen(text) + 1;
-    char *copy = malloc(size);
-    if (copy) memcpy(copy, text, size);
-    return copy;
-}
+static char *copy_text(const char *text) { return norma_io_copy_text(text, strlen(text)); }
 
 json_edits *norma_json_edits_create(const json *j, uint32_t value) {
     const uint32_t tokens = value < j->count ? j->tokens[value].next - value : 0;
@@ -66,16 +62,6 @@ void norma_json_edits_destroy(json_edits *edits) {
     free(edits);
 }
 
-static int grow(void **block, uint32_t *capacity, uint32_t count, size_t size) {
-    if (count < *capacity) return 1;
-    uint32_t larger = *capacity ? *capacity * 2 : 16;
-    void *grown = *capacity > UINT32_MAX / 4 ? NULL : realloc(*block, larger * size);
-    if (!grown) return 0;
-    *block = grown;
-    *capacity = larger;
-    return 1;
-}
-
 static int is_within(const json_edits *edits, uint32_t token) {
     return token >= edits->first && token - edits->first < edits->tokens;
 }
@@ -87,10 +73,13 @@ static edit *edit_of(json_edits *edits, uint32_t token) {
     }
     uint32_t *number = &edits->of_token[token - edits->first];
     if (*number == 0) {
-        if (!grow((void **)&edits->list, &edits->capacity, edits->count, sizeof *edits->list)) {
+        edit *grown =
+            norma_io_grow(edits->list, &edits->capacity, (size_t)edits->count + 1, sizeof *grown);
+        if (!grown) {
             edits->failed = 1;
             return NULL;
         }
+        edits->list = grown;
         edits->list[edits->count] =
             (edit){.token = token, .first_added = JSON_NONE, .last_added = JSON_NONE};
         *number = ++edits->count;
@@ -173,11 +162,14 @@ static void mark_removed(json_edits *edits, uint32_t value) {
 
 static void add(json_edits *edits, uint32_t container, const char *key, const char *text) {
     edit *e = edit_of(edits, container);
-    if (!e || !grow((void **)&edits->additions, &edits->addition_capacity, edits->addition_count,
-                  sizeof *edits->additions)) {
+    addition *grown = e ? norma_io_grow(edits->additions, &edits->addition_capacity,
+                              (size_t)edits->addition_count + 1, sizeof *grown)
+                        : NULL;
+    if (!grown) {
         edits->failed = 1;
         return;
     }
+    edits->additions = grown;
     addition *added = &edits->additions[edits->addition_count];
     *added =
         (addition){.next = JSON_NONE, .text = copy_text(text), .key = key ? copy_text(key) : NULL};
@@ -269,18 +261,12 @@ typedef struct splices {
 } splices;
 
 static void add_splice(splices *s, splice one) {
-    if (s->count == s->capacity) {
-        size_t larger = s->capacity ? s->capacity * 2 : 32;
-        splice *grown = s->capacity > SIZE_MAX / (4 * sizeof *grown)
-                            ? NULL
-                            : realloc(s->list, larger * sizeof *grown);
-        if (!grown) {
-            s->failed = 1;
-            return;
-        }
-        s->list = grown;
-        s->capacity = larger;
+    splice *grown = norma_io_grow(s->list, &s->capacity, s->count + 1, sizeof *grown);
+    if (!grown) {
+        s->failed = 1;
+        return;
     }
+    s->list = grown;
     s->list[s->count++] = one;
 }
 

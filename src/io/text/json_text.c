@@ -1,24 +1,10 @@
-/* json_text.c: text that grows, and how numbers and strings stand in JSON. */
+/* json_text.c: how numbers and strings stand in JSON. */
 #include "io/text/json.h"
 #include "io/text/number.h"
-#include <stdlib.h>
 #include <string.h>
 
 void norma_json_add(json_text *text, const char *bytes, size_t size) {
-    if (text->failed || size == 0) return;
-    if (size > text->capacity - text->size) {
-        size_t larger = text->capacity < 256 ? 256 : text->capacity;
-        while (larger - text->size < size && larger <= SIZE_MAX / 2) larger *= 2;
-        char *grown = larger - text->size < size ? NULL : realloc(text->data, larger);
-        if (!grown) {
-            text->failed = 1;
-            return;
-        }
-        text->data = grown;
-        text->capacity = larger;
-    }
-    memcpy(text->data + text->size, bytes, size);
-    text->size += size;
+    norma_io_append(text, bytes, size);
 }
 
 void norma_json_add_text(json_text *text, const char *terminated) {

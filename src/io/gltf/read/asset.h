@@ -334,4 +334,6 @@ norma_document_result norma_gltf_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
 norma_document_result norma_gltf_mesh_data(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
+/* How the components of an accessor are stored, in a word; "" for GLTF_NONE. */
+const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor); /* gltf_scene.c */
 #endif

@@ -10,7 +10,8 @@
 
 /* ---- attributes */
 
-static const char *encoding_name(const gltf *g, uint32_t accessor) {
+const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor) {
+    if (accessor == GLTF_NONE) return "";
     switch (g->accessors[accessor].component) {
     case GLTF_BYTE:
         return "snorm8";
@@ -80,7 +81,7 @@ static norma_document_result read_tangents(gltf *g, const gltf_primitive *p,
     if (p->base.tangent == GLTF_NONE || norma_gltf_is_placeholder(g, p->base.tangent))
         return NORMA_DOCUMENT_OK;
     attributes->tangent_count = g->accessors[p->base.tangent].count;
-    attributes->tangent_encoding = encoding_name(g, p->base.tangent);
+    attributes->tangent_encoding = norma_gltf_encoding_name(g, p->base.tangent);
     return norma_gltf_decode(g, p->base.tangent, 4, &attributes->tangents, error);
 }
 

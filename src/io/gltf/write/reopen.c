@@ -47,14 +47,14 @@ static norma_document_result give_buffers(
 norma_document_result norma_gltf_reopen(
     norma_document *document, norma_document *made, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    norma_memory_sink bytes = {0};
+    growing_bytes bytes = {0};
     norma_document_result result = norma_gltf_lay_out_for(g, GLTF_TO_MEMORY, NULL, error);
     if (!result) result = norma_gltf_write_laid_out(g, norma_memory_sink_write, &bytes, error);
     if (result == NORMA_DOCUMENT_ERROR_FILE) /* only memory can fail of a sink in memory */
         result = norma_document_fail_memory(document, error);
-    made->source = (file_bytes){.data = bytes.bytes ? bytes.bytes : (const void *)"",
+    made->source = (file_bytes){.data = bytes.data ? (const void *)bytes.data : "",
         .size = bytes.size,
-        .owned = bytes.bytes != NULL};
+        .owned = bytes.data != NULL};
     return result ? result : give_buffers(g, made, error);
 }
 
