@@ -130,3 +130,8 @@ int norma_core_progress(core_call *call, double fraction_of_stage) {
     if (call->options.progress(call->options.progress_user, fraction)) call->cancelled = 1;
     return call->cancelled;
 }
+
+norma_result norma_core_finish(core_call *call, norma_result result) {
+    norma_core_stage(call, 1, 1);
+    return result == NORMA_OK && norma_core_progress(call, 1) ? NORMA_CANCELLED : result;
+}

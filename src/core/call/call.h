@@ -28,6 +28,10 @@ void norma_core_release(const core_call *call, void *block, size_t count,
 void norma_core_stage(core_call *call, double from, double to);
 int norma_core_progress(core_call *call, double fraction_of_stage);
 
+/* The result of a call that has done its work: a caller who is told that all is done may still
+ * cancel. */
+norma_result norma_core_finish(core_call *call, norma_result result);
+
 /* How many may work, where the caller has no parallel_for: at least 1. With NORMA_ALL_THREADS the
  * system is asked, which takes longer than the normals of some thousand corners: so a call says
  * first how many there are, and few are for the calling thread alone. */

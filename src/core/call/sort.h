@@ -2,6 +2,7 @@
 #ifndef NORMA_CORE_SORT_H
 #define NORMA_CORE_SORT_H
 #include <stddef.h>
+#include <stdint.h>
 
 enum { SORT_MOST_BYTES = 32 }; /* of one item */
 
@@ -9,4 +10,7 @@ enum { SORT_MOST_BYTES = 32 }; /* of one item */
  * where less tells any two apart. */
 void norma_core_sort(
     void *items, size_t count, size_t size, int (*less)(const void *a, const void *b));
+
+/* Ascending, without further memory, O(n). */
+void norma_core_sort_numbers(uint64_t *numbers, size_t count);
 #endif

@@ -88,21 +88,14 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     core_mesh checked;
     core_output output;
     core_prepared_mesh prepared;
-    norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK) result = norma_core_check_crease(crease_angle_rad, NULL);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
+    norma_result result =
+        norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
-    norma_core_stage(&call, 0, 0.05);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
     if (result == NORMA_OK)
-        result = norma_core_prepared_mesh_open(
-            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &prepared);
+        result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
     if (result != NORMA_OK) return result;
-    result = compute(&prepared, &output, report);
-    norma_core_stage(&call, 1, 1);
-    if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
+    result = norma_core_finish(&call, compute(&prepared, &output, report));
     norma_core_prepared_mesh_close(&prepared);
     return result;
 }

@@ -7,10 +7,6 @@
 
 /* ---- directions and votes */
 
-CORE_INLINE double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* The angle where the edges have the dot product own, as core_lanes_angles gives it: of the two
  * greater dot products by an arc tangent, of the least as what those leave of pi. */
 CORE_INLINE double angle_at(double own, double next, double previous, double length) {
@@ -41,7 +37,8 @@ CORE_INLINE void measure_corner(fan_batch *t, size_t i, norma_weight weight) {
     const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2],
                  z = u[0] * v[1] - u[1] * v[0];
     const double square = x * x + y * y + z * z, length = sqrt(square), inverse = 1 / length;
-    const double own = dot(a, b), at_next = dot(a, c), at_previous = -dot(b, c);
+    const double own = norma_core_dot(a, b), at_next = norma_core_dot(a, c),
+                 at_previous = -norma_core_dot(b, c);
     const double angle = by_angle ? angle_at(own, at_next, at_previous, length) : 0;
     t->normal[0][i] = x * inverse;
     t->normal[1][i] = y * inverse;
@@ -51,7 +48,8 @@ CORE_INLINE void measure_corner(fan_batch *t, size_t i, norma_weight weight) {
                                                                 : at_previous)
                      ? 1
                      : 0;
-    t->weight[i] = norma_core_weight_of(weight, dot(a, a), dot(b, b), angle, length, length);
+    t->weight[i] = norma_core_weight_of(
+        weight, norma_core_dot(a, a), norma_core_dot(b, b), angle, length, length);
     for (int k = 0; k < 3; k++) t->vote[k][i] = t->weight[i] * t->normal[k][i];
 }
 

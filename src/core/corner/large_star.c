@@ -2,6 +2,7 @@
  * bytes for each corner instead of 260. Nothing that can be read or measured again is kept: its
  * edges are two sorted lists of numbers, joined some at a time in a star of ordinary size; its fans
  * are summed one after the other, and each is seen at once. */
+#include "core/call/sort.h"
 #include "core/corner/star_edges.h"
 #include "core/corner/visit_positions.h"
 
@@ -32,68 +33,6 @@ typedef struct large_visit {
     core_star *star;         /* for some of them */
     stars_part *part;
 } large_visit;
-
-/* ---- sorting without further memory: dealt by the highest byte in which any two differ, in place,
- * and each part again (McIlroy, Bostic, McIlroy 1993, American flag sort) */
-
-enum { FEW_ENTRIES = 24, BYTE_VALUES = 256 };
-
-static void insertion_sort(uint64_t *entries, size_t count) {
-    for (size_t i = 1; i < count; i++) {
-        const uint64_t moved = entries[i];
-        size_t at = i;
-        for (; at > 0 && moved < entries[at - 1]; at--) entries[at] = entries[at - 1];
-        entries[at] = moved;
-    }
-}
-
-/* The bits in which they differ; 0 where they are in order already. */
-static uint64_t disorder(const uint64_t *entries, size_t count) {
-    uint64_t differ = 0;
-    int ordered = 1;
-    for (size_t i = 1; i < count; i++) {
-        differ |= entries[i] ^ entries[0];
-        ordered &= entries[i - 1] < entries[i];
-    }
-    return ordered ? 0 : differ;
-}
-
-static size_t byte_of(uint64_t entry, int shift) {
-    return (size_t)(entry >> shift) & (BYTE_VALUES - 1);
-}
-
-static void deal(uint64_t *entries, size_t count, int shift, uint32_t ends[BYTE_VALUES]) {
-    uint32_t next[BYTE_VALUES], sum = 0;
-    memset(ends, 0, BYTE_VALUES * sizeof *ends);
-    for (size_t i = 0; i < count; i++) ends[byte_of(entries[i], shift)]++;
-    for (size_t value = 0; value < BYTE_VALUES; value++) {
-        next[value] = sum;
-        ends[value] = sum += ends[value];
-    }
-    for (size_t value = 0; value < BYTE_VALUES; value++)
-        while (next[value] < ends[value]) {
-            const uint64_t entry = entries[next[value]];
-            const size_t to = byte_of(entry, shift);
-            entries[next[value]] = entries[next[to]];
-            entries[next[to]++] = entry;
-        }
-}
-
-/* Eight deep at most, as each is about a lower byte. */
-static void sort_entries(uint64_t *entries, size_t count) {
-    uint32_t ends[BYTE_VALUES], begin = 0;
-    if (count <= FEW_ENTRIES) {
-        insertion_sort(entries, count);
-        return;
-    }
-    const uint64_t differ = disorder(entries, count);
-    int shift = 56;
-    if (!differ) return;
-    while (!byte_of(differ, shift)) shift -= 8;
-    deal(entries, count, shift, ends);
-    for (size_t value = 0; value < BYTE_VALUES && shift; begin = ends[value++])
-        if (ends[value] - begin > 1) sort_entries(entries + begin, ends[value] - begin);
-}
 
 /* ---- the edges */
 
@@ -283,8 +222,8 @@ norma_result norma_core_visit_large_star(const core_prepared_mesh *prepared,
     if (result == NORMA_OK && star.waits) part->waiting++;
     if (result != NORMA_OK || star.waits) return result;
     norma_core_count_add(&part->tally.degenerate, &star.degenerate);
-    sort_entries(large->out, l.listed[0]);
-    sort_entries(large->back, l.listed[1]);
+    norma_core_sort_numbers(large->out, l.listed[0]);
+    norma_core_sort_numbers(large->back, l.listed[1]);
     result = join_edges(&l);
     return result == NORMA_OK ? see_fans(&l) : result;
 }

@@ -142,6 +142,24 @@ norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, 
     return result;
 }
 
+norma_result norma_core_begin_with_crease(core_call *call, const norma_options *options,
+    const norma_mesh *mesh, float crease_angle_rad, core_mesh *checked) {
+    norma_result result = norma_core_begin(call, options);
+    if (result == NORMA_OK) result = norma_core_check_crease(crease_angle_rad, NULL);
+    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, checked);
+    if (result == NORMA_OK) norma_core_share(call, checked->corner_count);
+    return result;
+}
+
+norma_result norma_core_prepare_fans(
+    core_call *call, core_mesh *checked, float crease_angle_rad, core_prepared_mesh *prepared) {
+    norma_core_stage(call, 0, 0.05);
+    const norma_result result = norma_core_mesh_content(call, checked);
+    return result == NORMA_OK ? norma_core_prepared_mesh_open(call, checked, CORE_FOR_FANS,
+                                    (double)crease_angle_rad, prepared)
+                              : result;
+}
+
 void norma_core_prepared_mesh_close(core_prepared_mesh *prepared) {
     const core_call *call = prepared->call;
     norma_core_release(

@@ -28,6 +28,12 @@ typedef enum core_use {
     CORE_FOR_FANS
 } core_use; /* sums need no corners sorted; fans are stars cut at edges */
 
+/* The beginning of a call that cuts fans: options, crease and the mesh's shape are checked. */
+norma_result norma_core_begin_with_crease(core_call *call, const norma_options *options,
+    const norma_mesh *mesh, float crease_angle_rad, core_mesh *checked);
+/* Then its content is checked, and it is opened for fans. */
+norma_result norma_core_prepare_fans(
+    core_call *call, core_mesh *checked, float crease_angle_rad, core_prepared_mesh *prepared);
 /* call stays the caller's. What it returns but NORMA_OK leaves nothing to release. */
 norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
     double crease_angle_rad, core_prepared_mesh *prepared);

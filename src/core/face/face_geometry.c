@@ -145,7 +145,7 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
 
 /* ---- triangles, some at a time */
 
-static int load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane) {
+int norma_core_load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane) {
     double p[3][3];
     uint32_t welded[3];
     for (size_t k = 0; k < 3; k++) {
@@ -156,6 +156,7 @@ static int load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int 
     for (int k = 0; k < 3; k++) {
         batch->u[k][lane] = p[1][k] - p[0][k];
         batch->v[k][lane] = p[2][k] - p[0][k];
+        batch->a[k][lane] = p[2][k] - p[1][k];
     }
     return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
 }
@@ -176,7 +177,8 @@ void norma_core_faces_geometry(
         return;
     }
     for (int i = 0; i < CORE_LANES; i++)
-        edged[i] = load_lane(mesh, (size_t)i < count ? face + (size_t)i : face, &batch, i);
+        edged[i] =
+            norma_core_load_lane(mesh, (size_t)i < count ? face + (size_t)i : face, &batch, i);
     norma_core_measure(call->level, &batch, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER);
     for (int i = 0; (size_t)i < count; i++) {
         if (edged[i] && batch.sure[i] != 0)

@@ -26,6 +26,9 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
 void norma_core_faces_geometry(
     const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out);
 
+/* Loads a triangle into a lane of a batch. Returns whether its corners are at three positions. */
+int norma_core_load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane);
+
 /* What a kept corner of a directed face weighs. Constant time, but for runs of corners at one
  * position. */
 double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number,

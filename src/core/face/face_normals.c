@@ -109,8 +109,7 @@ static norma_result compute(
     if (result == NORMA_OK && output->nearest && without)
         result = fill_from_nearest(call, mesh, output, without);
     if (mesh->weld) norma_core_unweld(call, mesh);
-    norma_core_stage(call, 1, 1);
-    if (result == NORMA_OK && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
+    result = norma_core_finish(call, result);
     if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
     return result;
 }

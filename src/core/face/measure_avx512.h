@@ -100,19 +100,14 @@ CORE_IN_REGISTERS void core_slope_eight(core_opened_eight *o, core_sloped_eight 
 
 /* norma_core_weight_atan and the turn before it, of both angles side by side. */
 CORE_IN_REGISTERS void core_turn_eight(const core_sloped_eight *s, __m512d angle[2]) {
-    static const double factor[] = {-0x1.4b3891ff382b2p-5, 0x1.24434e877a5ddp-4,
-        -0x1.71d3c10805470p-4, 0x1.c6f68737bd590p-4, -0x1.2491c08b2dc95p-3, 0x1.99999825954bep-3,
-        -0x1.5555555502188p-2};
-    const __m512d *t = s->tangent, z[2] = {_mm512_mul_pd(t[0], t[0]), _mm512_mul_pd(t[1], t[1])};
-    __m512d p[2] = {_mm512_set1_pd(factor[0]), _mm512_set1_pd(factor[0])};
-#if defined(__clang__)
-#pragma clang loop unroll(full)
-#elif defined(__GNUC__)
-#pragma GCC unroll 8
-#endif
-    for (int i = 1; i < 7; i++)
-        for (int k = 0; k < 2; k++)
-            p[k] = _mm512_add_pd(_mm512_mul_pd(p[k], z[k]), _mm512_set1_pd(factor[i]));
+    const __m512d *t = s->tangent, z[2] = {_mm512_mul_pd(t[0], t[0]), _mm512_mul_pd(t[1], t[1])},
+                  first = _mm512_set1_pd(CORE_WEIGHT_ATAN_FIRST);
+    __m512d p[2] = {first, first};
+#define CORE_ADD_TERM(factor)                                                                      \
+    for (int k = 0; k < 2; k++)                                                                    \
+        p[k] = _mm512_add_pd(_mm512_mul_pd(p[k], z[k]), _mm512_set1_pd(factor));
+    CORE_WEIGHT_ATAN_OTHERS(CORE_ADD_TERM)
+#undef CORE_ADD_TERM
     for (int k = 0; k < 2; k++)
         angle[k] = _mm512_add_pd(
             s->turn[k], _mm512_add_pd(t[k], _mm512_mul_pd(t[k], _mm512_mul_pd(z[k], p[k]))));

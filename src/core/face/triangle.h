@@ -44,15 +44,21 @@ static inline double norma_core_angle(double y, double x) {
 /* atan(t) for |t| <= tan(pi/8), for weights: the minimax polynomial of degree 6, within 3e-12 of
  * its value. What a weight errs by, the direction of a sum feels by that times sum of weights /
  * |sum|, at most. */
+#define CORE_WEIGHT_ATAN_FIRST -0x1.4b3891ff382b2p-5
+#define CORE_WEIGHT_ATAN_OTHERS(TERM)                                                              \
+    TERM(0x1.24434e877a5ddp-4)                                                                     \
+    TERM(-0x1.71d3c10805470p-4)                                                                    \
+    TERM(0x1.c6f68737bd590p-4)                                                                     \
+    TERM(-0x1.2491c08b2dc95p-3)                                                                    \
+    TERM(0x1.99999825954bep-3)                                                                     \
+    TERM(-0x1.5555555502188p-2)
+
 static inline double norma_core_weight_atan(double t) {
     const double z = t * t;
-    double p = -0x1.4b3891ff382b2p-5;
-    p = p * z + 0x1.24434e877a5ddp-4;
-    p = p * z - 0x1.71d3c10805470p-4;
-    p = p * z + 0x1.c6f68737bd590p-4;
-    p = p * z - 0x1.2491c08b2dc95p-3;
-    p = p * z + 0x1.99999825954bep-3;
-    p = p * z - 0x1.5555555502188p-2;
+    double p = CORE_WEIGHT_ATAN_FIRST;
+#define CORE_ADD_TERM(factor) p = p * z + factor;
+    CORE_WEIGHT_ATAN_OTHERS(CORE_ADD_TERM)
+#undef CORE_ADD_TERM
     return t + t * (z * p);
 }
 

@@ -15,9 +15,9 @@ norma_result norma_interpolate_normal(const float a[3], const float b[3], const 
             term[i] = (double)corner[k][i] * (double)barycentric[k];
             sum[i] += term[i];
         }
-        terms += sqrt(norma_vec3_dot(term, term));
+        terms += sqrt(norma_core_dot(term, term));
     }
-    const double length = sqrt(norma_vec3_dot(sum, sum));
+    const double length = sqrt(norma_core_dot(sum, sum));
     const int kept = length > CANCELLED * terms && length <= DBL_MAX;
     for (int i = 0; i < 3; i++) normal[i] = kept ? (float)(sum[i] / length) : 0.0f;
     return NORMA_OK;

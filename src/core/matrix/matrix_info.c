@@ -15,10 +15,6 @@
 #define RANK_TOLERANCE 1e-6
 #define HALF_PI        1.57079632679489661923
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* upper times the power of two that brings its largest entry into [1, 2). */
 static int scale_to_one(const double upper[9], double scaled[9]) {
     double largest = 0.0;
@@ -37,10 +33,11 @@ static int is_identity(const double m[9], int mirrored) {
 
 static norma_kind kind_of(const double scaled[9], int exponent, int mirrored, int translated) {
     double length[3];
-    for (int i = 0; i < 3; i++) length[i] = sqrt(dot(scaled + 3 * i, scaled + 3 * i));
+    for (int i = 0; i < 3; i++) length[i] = sqrt(norma_core_dot(scaled + 3 * i, scaled + 3 * i));
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3;
-        if (fabs(dot(scaled + 3 * i, scaled + 3 * j)) > KIND_TOLERANCE * length[i] * length[j])
+        if (fabs(norma_core_dot(scaled + 3 * i, scaled + 3 * j)) >
+            KIND_TOLERANCE * length[i] * length[j])
             return NORMA_KIND_SHEAR;
     }
     const double longest = fmax(fmax(length[0], length[1]), length[2]),
@@ -68,7 +65,7 @@ static void half_way(const double a[3], const double b[3], float normal[3]) {
     const double sa = upright(a), sb = upright(b);
     double n[3];
     for (int i = 0; i < 3; i++) n[i] = sa * a[i] + sb * b[i];
-    const double length = sqrt(dot(n, n));
+    const double length = sqrt(norma_core_dot(n, n));
     for (int i = 0; i < 3; i++) normal[i] = (float)(n[i] / length + 0.0);
 }
 

@@ -60,37 +60,35 @@ static void encode(const double normal[3], int scale, int code[3]) {
         nearest_passing(target, scale, rounded, code);
 }
 
-norma_result norma_encode_snorm8(
-    norma_vec3_view normals, int8_t *out, size_t out_stride, size_t capacity) {
-    norma_result result = norma_input_check(&normals);
-    if (!result) result = norma_output_check(out, &out_stride, 3, normals.count, capacity);
+/* As codes of size bytes each. */
+static norma_result encode_all(const norma_vec3_view *normals, int scale, unsigned char *out,
+    size_t stride, size_t size, size_t capacity) {
+    norma_result result = norma_input_check(normals);
+    if (!result) result = norma_output_check(out, &stride, 3 * size, normals->count, capacity);
     if (result) return result;
-    for (size_t i = 0; i < normals.count; i++) {
+    for (size_t i = 0; i < normals->count; i++) {
         double normal[3];
         int code[3];
-        norma_view_read(&normals, i, normal);
-        encode(normal, 127, code);
-        int8_t *to = out + i * out_stride;
-        for (int c = 0; c < 3; c++) to[c] = (int8_t)code[c];
+        norma_view_read(normals, i, normal);
+        encode(normal, scale, code);
+        const int8_t bytes[3] = {(int8_t)code[0], (int8_t)code[1], (int8_t)code[2]};
+        const int16_t shorts[3] = {(int16_t)code[0], (int16_t)code[1], (int16_t)code[2]};
+        if (size == sizeof *bytes)
+            memcpy(out + i * stride, bytes, sizeof bytes);
+        else
+            memcpy(out + i * stride, shorts, sizeof shorts);
     }
     return NORMA_OK;
 }
 
+norma_result norma_encode_snorm8(
+    norma_vec3_view normals, int8_t *out, size_t out_stride, size_t capacity) {
+    return encode_all(&normals, 127, (unsigned char *)out, out_stride, sizeof *out, capacity);
+}
+
 norma_result norma_encode_snorm16(
     norma_vec3_view normals, int16_t *out, size_t out_stride, size_t capacity) {
-    norma_result result = norma_input_check(&normals);
-    if (!result)
-        result = norma_output_check(out, &out_stride, 3 * sizeof *out, normals.count, capacity);
-    if (result) return result;
-    for (size_t i = 0; i < normals.count; i++) {
-        double normal[3];
-        int code[3];
-        norma_view_read(&normals, i, normal);
-        encode(normal, 32767, code);
-        const int16_t packed[3] = {(int16_t)code[0], (int16_t)code[1], (int16_t)code[2]};
-        memcpy((unsigned char *)out + i * out_stride, packed, sizeof packed);
-    }
-    return NORMA_OK;
+    return encode_all(&normals, 32767, (unsigned char *)out, out_stride, sizeof *out, capacity);
 }
 
 static norma_result decode(

@@ -1,6 +1,7 @@
 /* singular_values.c: singular values of a 3x3 by one-sided Jacobi rotations (Hestenes 1958),
  * accurate to a few units in the last place of the largest. Only + - * / and sqrt: the same bits
  * everywhere. */
+#include "core/call/vector.h"
 #include "core/matrix/matrix.h"
 #include <math.h>
 #include <string.h>
@@ -9,10 +10,6 @@ enum {
     SWEEPS = 40
 }; /* quadratic convergence needs five or six; the limit only guards against cycling in the last bit
     */
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static void rotate(double a[3], double b[3], double c, double s) {
     for (int i = 0; i < 3; i++) {
@@ -25,7 +22,8 @@ static void rotate(double a[3], double b[3], double c, double s) {
 /* Makes columns p and q perpendicular; 0 where they already are to the last bits. */
 static int rotate_pair(double *u, double *v, int p, int q) {
     double *a = u + 3 * p, *b = u + 3 * q;
-    const double alpha = dot(a, a), beta = dot(b, b), gamma = dot(a, b);
+    const double alpha = norma_core_dot(a, a), beta = norma_core_dot(b, b),
+                 gamma = norma_core_dot(a, b);
     if (fabs(gamma) <= 0x1p-53 * sqrt(alpha) * sqrt(beta) || gamma == 0.0) return 0;
     const double zeta = (beta - alpha) / (2.0 * gamma);
     const double t = (zeta < 0.0 ? -1.0 : 1.0) / (fabs(zeta) + sqrt(1.0 + zeta * zeta));
@@ -45,5 +43,5 @@ void norma_singular_values(const double matrix[9], double values[3], double v[9]
         turned |= rotate_pair(u, v, 0, 2);
         turned |= rotate_pair(u, v, 1, 2);
     }
-    for (int i = 0; i < 3; i++) values[i] = sqrt(dot(u + 3 * i, u + 3 * i));
+    for (int i = 0; i < 3; i++) values[i] = sqrt(norma_core_dot(u + 3 * i, u + 3 * i));
 }

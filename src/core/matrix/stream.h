@@ -3,6 +3,7 @@
 #ifndef NORMA_CORE_STREAM_H
 #define NORMA_CORE_STREAM_H
 #include "core/call/vec3_view.h"
+#include "core/call/vector.h"
 #include <float.h>
 #include <math.h>
 
@@ -21,10 +22,6 @@ static inline norma_result norma_input_check(const norma_vec3_view *view) {
     if (!norma_format_size(view->format)) return NORMA_ERROR_ARGUMENT;
     if (view->count && !view->data) return NORMA_ERROR_ARGUMENT;
     return norma_view_overflows(view) ? NORMA_ERROR_OVERFLOW : NORMA_OK;
-}
-
-static inline double norma_vec3_dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Multiplies v by the power of two that brings its largest component into [1, 2); 0 where v is zero
@@ -46,7 +43,7 @@ static inline int norma_vec3_scale(double v[3]) {
  */
 static inline int norma_vec3_unit(double v[3]) {
     if (!norma_vec3_scale(v)) return 0;
-    const double length = sqrt(norma_vec3_dot(v, v));
+    const double length = sqrt(norma_core_dot(v, v));
     for (int i = 0; i < 3; i++) v[i] /= length;
     return 1;
 }

@@ -69,6 +69,11 @@ static inline void store(const block *b, size_t count, unsigned char *to, size_t
     }
 }
 
+static void store_doubles(const block *b, size_t count, unsigned char *to, size_t stride) {
+    for (size_t i = 0; i < count; i++, to += stride)
+        memcpy(to, (const double[]){b->x[i], b->y[i], b->z[i]}, 3 * sizeof(double));
+}
+
 static void positions_of_block(const double a[16], block *b) {
     for (int i = 0; i < BLOCK; i++) {
         const double x = b->x[i], y = b->y[i], z = b->z[i];
@@ -78,40 +83,34 @@ static void positions_of_block(const double a[16], block *b) {
     }
 }
 
-norma_result norma_transform_positions(
-    const double model[16], norma_vec3_view in, float *out, size_t out_stride, size_t capacity) {
+/* size: of one number of the output. */
+static norma_result transform(const double model[16], const norma_vec3_view *in, unsigned char *out,
+    size_t stride, size_t size, size_t capacity) {
     if (!model) return NORMA_ERROR_ARGUMENT;
-    norma_result result = norma_input_check(&in);
-    if (!result) result = norma_output_check(out, &out_stride, 3 * sizeof *out, in.count, capacity);
+    norma_result result = norma_input_check(in);
+    if (!result) result = norma_output_check(out, &stride, 3 * size, in->count, capacity);
     if (result) return result;
     double a[16];
     memcpy(a, model, sizeof a);
     block b = {{0}, {0}, {0}};
-    for (size_t first = 0; first < in.count; first += BLOCK) {
-        const size_t count = in.count - first < BLOCK ? in.count - first : BLOCK;
-        load(&in, first, count, &b);
+    for (size_t first = 0; first < in->count; first += BLOCK) {
+        const size_t count = in->count - first < BLOCK ? in->count - first : BLOCK;
+        load(in, first, count, &b);
         positions_of_block(a, &b);
-        store(&b, count, (unsigned char *)out + first * out_stride, out_stride);
+        if (size == sizeof(float))
+            store(&b, count, out + first * stride, stride);
+        else
+            store_doubles(&b, count, out + first * stride, stride);
     }
     return NORMA_OK;
 }
 
+norma_result norma_transform_positions(
+    const double model[16], norma_vec3_view in, float *out, size_t out_stride, size_t capacity) {
+    return transform(model, &in, (unsigned char *)out, out_stride, sizeof *out, capacity);
+}
+
 norma_result norma_transform_positions_double(
     const double model[16], norma_vec3_view in, double *out, size_t out_stride, size_t capacity) {
-    if (!model) return NORMA_ERROR_ARGUMENT;
-    norma_result result = norma_input_check(&in);
-    if (!result) result = norma_output_check(out, &out_stride, 3 * sizeof *out, in.count, capacity);
-    if (result) return result;
-    double a[16];
-    memcpy(a, model, sizeof a);
-    block b = {{0}, {0}, {0}};
-    for (size_t first = 0; first < in.count; first += BLOCK) {
-        const size_t count = in.count - first < BLOCK ? in.count - first : BLOCK;
-        load(&in, first, count, &b);
-        positions_of_block(a, &b);
-        unsigned char *to = (unsigned char *)out + first * out_stride;
-        for (size_t i = 0; i < count; i++, to += out_stride)
-            memcpy(to, (const double[]){b.x[i], b.y[i], b.z[i]}, 3 * sizeof *out);
-    }
-    return NORMA_OK;
+    return transform(model, &in, (unsigned char *)out, out_stride, sizeof *out, capacity);
 }

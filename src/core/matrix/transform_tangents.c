@@ -30,9 +30,9 @@ static void make_perpendicular(const double normal[3], const double tangent[3], 
         return;
     }
     if (has_tangent) {
-        const double along = norma_vec3_dot(n, t);
+        const double along = norma_core_dot(n, t);
         for (int i = 0; i < 3; i++) out[i] = t[i] - along * n[i];
-        if (norma_vec3_dot(out, out) > NOTHING_LEFT * NOTHING_LEFT) {
+        if (norma_core_dot(out, out) > NOTHING_LEFT * NOTHING_LEFT) {
             (void)norma_vec3_unit(out);
             return;
         }

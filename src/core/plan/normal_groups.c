@@ -105,33 +105,11 @@ void norma_core_plan_groups_close(plan_groups *groups) {
     norma_core_release(call, groups->vertices, groups->room, sizeof *groups->vertices);
 }
 
-/* ---- pairs of numbers, sorted */
+/* ---- pairs of numbers */
 
 static uint64_t pair(uint32_t high, uint32_t low) { return (uint64_t)high << 32 | low; }
 static uint32_t high_of(uint64_t p) { return (uint32_t)(p >> 32); }
 static uint32_t low_of(uint64_t p) { return (uint32_t)p; }
-
-static int pair_less(const void *a, const void *b) {
-    uint64_t one, other;
-    memcpy(&one, a, sizeof one);
-    memcpy(&other, b, sizeof other);
-    return one < other;
-}
-
-enum { FEW_PAIRS = 24 };
-
-static void sort_pairs(uint64_t *pairs, size_t count) {
-    if (count > FEW_PAIRS) {
-        norma_core_sort(pairs, count, sizeof *pairs, pair_less);
-        return;
-    }
-    for (size_t i = 1; i < count; i++) {
-        const uint64_t moved = pairs[i];
-        size_t at = i;
-        for (; at > 0 && moved < pairs[at - 1]; at--) pairs[at] = pairs[at - 1];
-        pairs[at] = moved;
-    }
-}
 
 static size_t drop_repeated(uint64_t *pairs, size_t count) {
     size_t kept = 0;
@@ -155,7 +133,7 @@ static int one_fan(const plan_groups *groups, const uint32_t *corners, size_t co
 static void sort_by_fan(plan_groups *groups, const uint32_t *corners, size_t count) {
     for (size_t i = 0; i < count; i++)
         groups->by_fan[i] = pair(fan_lead(groups, corners[i], corners[0]), corners[i]);
-    sort_pairs(groups->by_fan, count);
+    norma_core_sort_numbers(groups->by_fan, count);
 }
 
 static void tell_fans(plan_groups *groups, const uint32_t *corners, size_t count,
@@ -197,7 +175,7 @@ static size_t find_sets(plan_groups *groups, const uint32_t *corners, size_t cou
     for (size_t i = 0; i < count; i++)
         groups->by_vertex[i] = pair(norma_core_corner(&groups->prepared->mesh, corners[i]),
             fan_lead(groups, corners[i], corners[0]));
-    sort_pairs(groups->by_vertex, count);
+    norma_core_sort_numbers(groups->by_vertex, count);
     const size_t pairs = drop_repeated(groups->by_vertex, count);
     for (size_t begin = 0, end; begin < pairs; begin = end) {
         group_vertex set = {.vertex = high_of(groups->by_vertex[begin]), .begin = (uint32_t)begin};
@@ -231,7 +209,7 @@ static size_t merge_fans(plan_groups *groups, const group_vertex *set, size_t co
              at < count && high_of(groups->by_fan[at]) == fan; at++)
             groups->merged[found++] = low_of(groups->by_fan[at]);
     }
-    if (set->count > 1) sort_pairs(groups->merged, found);
+    if (set->count > 1) norma_core_sort_numbers(groups->merged, found);
     for (size_t i = 0; i < found; i++) groups->members[i] = (uint32_t)groups->merged[i];
     return found;
 }
@@ -252,7 +230,7 @@ static void tell_sets(plan_groups *groups, const uint32_t *corners, size_t count
 static size_t distinct_vertices(plan_groups *groups, const uint32_t *corners, size_t count) {
     for (size_t i = 0; i < count; i++)
         groups->by_vertex[i] = norma_core_corner(&groups->prepared->mesh, corners[i]);
-    sort_pairs(groups->by_vertex, count);
+    norma_core_sort_numbers(groups->by_vertex, count);
     const size_t distinct = drop_repeated(groups->by_vertex, count);
     for (size_t i = 0; i < distinct; i++) groups->vertices[i] = (uint32_t)groups->by_vertex[i];
     return distinct;

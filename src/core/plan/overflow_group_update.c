@@ -77,28 +77,12 @@ static const core_face *measured_polygon(
     return &at->face;
 }
 
-static int load_lane(const core_mesh *mesh, uint32_t face, core_batch *batch, int lane) {
-    double p[3][3];
-    uint32_t welded[3];
-    for (size_t k = 0; k < 3; k++) {
-        const uint32_t at = norma_core_corner(mesh, 3 * (size_t)face + k);
-        welded[k] = norma_core_welded(mesh, at);
-        norma_core_position(mesh, at, p[k]);
-    }
-    for (int k = 0; k < 3; k++) {
-        batch->u[k][lane] = p[1][k] - p[0][k];
-        batch->v[k][lane] = p[2][k] - p[0][k];
-        batch->a[k][lane] = p[2][k] - p[1][k];
-    }
-    return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
-}
-
 static void collect_triangles(const overflow_work *w, size_t group, const uint32_t *members,
     size_t count, core_tally *tally, votes *out) {
     core_batch batch;
     int edged[CORE_LANES];
     for (size_t i = 0; i < CORE_LANES; i++)
-        edged[i] = load_lane(&w->mesh, members[i < count ? i : 0] / 3, &batch, (int)i);
+        edged[i] = norma_core_load_lane(&w->mesh, members[i < count ? i : 0] / 3, &batch, (int)i);
     norma_core_measure(
         w->work->call->level, &batch, w->work->call->options.weight, CORE_ALL_CORNERS);
     for (size_t i = 0; i < count; i++) {

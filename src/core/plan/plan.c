@@ -65,22 +65,14 @@ norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float c
     core_call call;
     core_mesh checked;
     core_prepared_mesh prepared;
-    norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK && (!plan || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER)))
-        result = NORMA_ERROR_ARGUMENT;
-    if (result == NORMA_OK) result = norma_core_check_crease(crease_angle_rad, NULL);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) norma_core_share(&call, checked.corner_count);
-    norma_core_stage(&call, 0, 0.05);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
+    if (!plan || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER)) return NORMA_ERROR_ARGUMENT;
+    norma_result result =
+        norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
     if (result == NORMA_OK)
-        result = norma_core_prepared_mesh_open(
-            &call, &checked, CORE_FOR_FANS, (double)crease_angle_rad, &prepared);
+        result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
     if (result != NORMA_OK) return result;
     norma_plan *made = new_plan(&prepared, of);
-    result = made ? fill(made, &prepared) : NORMA_ERROR_MEMORY;
-    norma_core_stage(&call, 1, 1);
-    if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
+    result = norma_core_finish(&call, made ? fill(made, &prepared) : NORMA_ERROR_MEMORY);
     norma_core_prepared_mesh_close(&prepared);
     if (result == NORMA_OK)
         *plan = made;

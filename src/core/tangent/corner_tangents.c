@@ -22,8 +22,7 @@ static norma_result compute(tangent_mesh *mesh, norma_tangent_mode mode,
     norma_core_stage(mesh->call, 0.3, 0.97);
     result = mode == NORMA_TANGENTS_MIKK ? norma_core_mikk_tangents(mesh, output, &tally)
                                          : norma_core_steady_tangents(mesh, output, &tally);
-    norma_core_stage(mesh->call, 1, 1);
-    if (result == NORMA_OK && norma_core_progress(mesh->call, 1)) result = NORMA_CANCELLED;
+    result = norma_core_finish(mesh->call, result);
     norma_core_tangent_close(mesh);
     if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
     return result;
@@ -39,6 +38,7 @@ norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute
     if (result == NORMA_OK && mode != NORMA_TANGENTS_STEADY && mode != NORMA_TANGENTS_MIKK)
         result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked.mesh);
+    if (result == NORMA_OK) norma_core_share(&call, checked.mesh.corner_count);
     if (result == NORMA_OK) result = norma_core_tangent_attributes(&checked, normals, texcoords);
     if (result == NORMA_OK)
         result =

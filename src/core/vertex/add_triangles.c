@@ -130,25 +130,50 @@ CORE_INLINE void add_batch(
     core_add_eight(adder, &eight, f, lanes, weight);
 }
 
+CORE_INLINE void queue_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes,
+    size_t in_chunk, core_queue *queue, norma_weight weight) {
+    static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const core_eight eight = batch_to_rows(t, weight, (core_rows *)(void *)queue->row[in_chunk]);
+    const double *w[3];
+    for (int k = 0; k < 3; k++) w[k] = core_weighs_evenly(weight) ? ones : eight.weight[k];
+    core_lanes_to_rows(w[0], w[1], w[2], ones, (core_rows *)(void *)queue->weight[in_chunk]);
+    memcpy(queue->at + 3 * in_chunk, t->at, sizeof t->at);
+    if (core_all_are_decided(adder, &eight, lanes)) return;
+    for (int i = 0; i < lanes; i++)
+        if (!core_is_decided(&eight, i)) adder->add_face(adder->context, f + (size_t)i);
+}
+
 /* One batch after the other from end to end is a chain of some 200 steps that each wait for the one
  * before, too long for the processor to see the next one's beginning. So each step is taken for
- * some batches at a time: they wait for nothing of each other. */
-CORE_INLINE void add_weighted(
-    const core_adder *adder, size_t begin, size_t end, norma_weight weight) {
+ * some batches at a time: they wait for nothing of each other. queue: NULL where they are added at
+ * once. */
+CORE_INLINE void take_weighted(
+    const core_adder *adder, size_t begin, size_t end, core_queue *queue, norma_weight weight) {
     triangle_batch t[BATCHES_AT_ONCE];
     for (size_t f = begin; f < end; f += BATCHES_AT_ONCE * CORE_LANES) {
         const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES
                                                    ? (left + CORE_LANES - 1) / CORE_LANES
                                                    : BATCHES_AT_ONCE;
         for (size_t i = 0; i < batches; i++) {
-            if (adder->scattered) look_ahead(adder, f + i * CORE_LANES);
-            read_batch(adder->mesh, f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), &t[i]);
+            const size_t first = f + i * CORE_LANES;
+            if (queue || adder->scattered) look_ahead(adder, first);
+            read_batch(adder->mesh, first, lanes_left(first, end), &t[i]);
         }
         for (size_t i = 0; i < batches; i++) measure_batch(&t[i].measured, weight);
-        for (size_t i = 0; i < batches; i++)
-            add_batch(
-                adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), weight);
+        for (size_t i = 0; i < batches; i++) {
+            const size_t first = f + i * CORE_LANES;
+            if (queue)
+                queue_batch(
+                    adder, &t[i], first, lanes_left(first, end), first - begin, queue, weight);
+            else
+                add_batch(adder, &t[i], first, lanes_left(first, end), weight);
+        }
     }
+}
+
+CORE_INLINE void add_weighted(
+    const core_adder *adder, size_t begin, size_t end, norma_weight weight) {
+    take_weighted(adder, begin, end, NULL, weight);
 }
 
 #if defined(__wasm_simd128__)
@@ -183,19 +208,6 @@ CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end
 
 /* ---- queueing */
 
-CORE_INLINE void queue_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes,
-    size_t in_chunk, core_queue *queue, norma_weight weight) {
-    static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
-    const core_eight eight = batch_to_rows(t, weight, (core_rows *)(void *)queue->row[in_chunk]);
-    const double *w[3];
-    for (int k = 0; k < 3; k++) w[k] = core_weighs_evenly(weight) ? ones : eight.weight[k];
-    core_lanes_to_rows(w[0], w[1], w[2], ones, (core_rows *)(void *)queue->weight[in_chunk]);
-    memcpy(queue->at + 3 * in_chunk, t->at, sizeof t->at);
-    if (core_all_are_decided(adder, &eight, lanes)) return;
-    for (int i = 0; i < lanes; i++)
-        if (!core_is_decided(&eight, i)) adder->add_face(adder->context, f + (size_t)i);
-}
-
 CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale) {
     uint32_t listed[CORE_PARTS + 1] = {0};
     for (size_t f = 0; f < faces; f++)
@@ -208,30 +220,12 @@ CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale) {
     memcpy(queue->listed, listed, sizeof listed);
 }
 
-CORE_INLINE void queue_weighted(
-    const core_adder *adder, size_t begin, size_t end, core_queue *queue, norma_weight weight) {
-    triangle_batch t[BATCHES_AT_ONCE];
-    for (size_t f = begin; f < end; f += BATCHES_AT_ONCE * CORE_LANES) {
-        const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES
-                                                   ? (left + CORE_LANES - 1) / CORE_LANES
-                                                   : BATCHES_AT_ONCE;
-        for (size_t i = 0; i < batches; i++) {
-            look_ahead(adder, f + i * CORE_LANES);
-            read_batch(adder->mesh, f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), &t[i]);
-        }
-        for (size_t i = 0; i < batches; i++) measure_batch(&t[i].measured, weight);
-        for (size_t i = 0; i < batches; i++)
-            queue_batch(adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end),
-                f + i * CORE_LANES - begin, queue, weight);
-    }
-}
-
 CORE_INLINE void queue_triangles(
     const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
 #if defined(__wasm__) /* queues are for threads, which are not there: one small loop */
-    queue_weighted(adder, begin, end, queue, adder->weight);
+    take_weighted(adder, begin, end, queue, adder->weight);
 #else
-    CORE_LOOP_FOR_WEIGHT(adder->weight, queue_weighted, adder, begin, end, queue)
+    CORE_LOOP_FOR_WEIGHT(adder->weight, take_weighted, adder, begin, end, queue)
 #endif
     list_corners(queue, end - begin, scale);
 }

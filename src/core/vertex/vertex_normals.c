@@ -128,9 +128,7 @@ static norma_result open_and_compute(core_call *call, core_mesh *checked, core_r
             call->options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_STARS : CORE_FOR_SUMS, 0,
             &prepared);
     if (result != NORMA_OK) return result;
-    result = compute(&prepared, ranges, output, report);
-    norma_core_stage(call, 1, 1);
-    if (result == NORMA_OK && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
+    result = norma_core_finish(call, compute(&prepared, ranges, output, report));
     norma_core_prepared_mesh_close(&prepared);
     return result;
 }
