@@ -13,11 +13,11 @@ const root = join(dirname(fileURLToPath(import.meta.url)), "..");
 const words = process.argv.slice(2).filter((word) => !word.startsWith("--"));
 const json = process.argv.includes("--json"), onlyPage = process.argv.includes("--page");
 const folder = resolve(words[0] ?? join(root, "build/web/npm")), modules = resolve(words[1] ?? join(root, "build/npm-web/node_modules"));
-if (!existsSync(join(folder, "index.js")) || !existsSync(join(modules, "three"))) {
+if (!existsSync(join(folder, "node.js")) || !existsSync(join(modules, "three"))) {
   console.error("bench_web: needs `make web` and three.js (scripts/install-deps.sh)");
   process.exit(1);
 }
-const { load } = await import(pathToFileURL(join(folder, "index.js")));
+const { load } = await import(pathToFileURL(join(folder, "node.js")));
 const { BufferAttribute, BufferGeometry, REVISION } = await import(pathToFileURL(join(modules, "three/build/three.module.js")));
 const { toCreasedNormals } = await import(pathToFileURL(join(modules, "three/examples/jsm/utils/BufferGeometryUtils.js")));
 const norma = await load();

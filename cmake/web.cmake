@@ -1,5 +1,6 @@
 # The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, puts the files together; esbuild makes one script of the page's modules.
-# Two modules: norma.wasm is the core, page.wasm the core with the readers of io. Neither imports anything.
+# Three modules: norma.wasm is the core; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a file; page.wasm all of it with what the page
+# draws. None imports anything.
 find_program(NORMA_WASM_CC NAMES clang)
 find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
@@ -58,24 +59,32 @@ endfunction()
 set(web_core_sources ${core_sources})
 list(TRANSFORM web_core_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")
 file(GLOB web_call_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/wasm/*.c)
-web_objects(web_core_objects ${web_core_sources} ${web_call_sources})
-web_module(norma.wasm ${web_core_objects})
+web_objects(web_core_objects ${web_core_sources})
+web_objects(web_call_objects ${web_call_sources})
+web_module(norma.wasm ${web_core_objects} ${web_call_objects})
 
-# The page's module: the readers as well, without what a page has not.
-set(web_page_sources ${io_sources})
-list(FILTER web_page_sources EXCLUDE REGEX "/(file/read_file|file/atomic_write|file/folder|meshopt_views|meshopt_left_out)\\.c$")
-list(APPEND web_page_sources ${check_sources})
-list(FILTER web_page_sources EXCLUDE REGEX "/check/fix/")
-list(TRANSFORM web_page_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")
+# The readers and the rules, without what a browser lacks.
+set(web_file_sources ${io_sources})
+list(FILTER web_file_sources EXCLUDE REGEX "/(file/read_file|file/atomic_write|file/folder|meshopt_views|meshopt_left_out)\\.c$")
+list(APPEND web_file_sources ${check_sources})
+list(FILTER web_file_sources EXCLUDE REGEX "/check/fix/")
+list(TRANSFORM web_file_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")
+list(APPEND web_file_sources ${PROJECT_SOURCE_DIR}/web/page/model/no_system.c)
+file(GLOB web_check_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/check/*.c)
 file(GLOB web_model_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/model/*.c)
+list(REMOVE_ITEM web_model_sources ${PROJECT_SOURCE_DIR}/web/page/model/no_system.c)
 set(web_flags_here -isystem ${PROJECT_SOURCE_DIR}/web/page/model/posix -include ${PROJECT_SOURCE_DIR}/web/page/model/missing.h)
-web_objects(web_page_objects ${web_page_sources} ${web_model_sources})
-web_module(page.wasm ${web_core_objects} ${web_page_objects})
+web_objects(web_file_objects ${web_file_sources})
+web_objects(web_check_objects ${web_check_sources})
+web_objects(web_model_objects ${web_model_sources})
+web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_check_objects})
+web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_model_objects})
 
 file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs)
+list(FILTER web_inputs EXCLUDE REGEX "/(check|wasm)$")
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
-  COMMAND ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir}
-  DEPENDS ${web_inputs} ${web_dir}/norma.wasm COMMENT "npm package" VERBATIM)
+  COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir}
+  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm COMMENT "npm package" VERBATIM)
 file(GLOB web_page_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/* ${PROJECT_SOURCE_DIR}/src/render/shaders/*)
 add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
   COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs page ${web_dir}

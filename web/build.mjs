@@ -2,29 +2,33 @@
  *   node build.mjs package FOLDER    FOLDER/npm, from FOLDER/norma.wasm
  *   node build.mjs page FOLDER       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm */
 import { execFileSync } from "node:child_process";
-import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
+/* All modules that start imports as one script (esbuild). */
+function bundle(start, more = []) {
+  const options = ["--bundle", "--format=iife", "--target=es2020", "--charset=utf8", "--log-level=warning"];
+  return execFileSync(process.env.ESBUILD || "esbuild", [start, ...options, ...more], { encoding: "utf8", maxBuffer: 1 << 26 });
+}
+
 function buildPackage(folder) {
-  const out = join(folder, "npm");
+  const out = join(folder, "npm"), source = join(here, "package");
+  rmSync(out, { recursive: true, force: true });
   mkdirSync(out, { recursive: true });
-  for (const name of readdirSync(join(here, "package"))) if (name !== "wasm") copyFileSync(join(here, "package", name), join(out, name));
+  for (const name of readdirSync(source)) if (/\.(js|ts|json|md)$/.test(name) && name !== "worker-inline.js") copyFileSync(join(source, name), join(out, name));
   copyFileSync(join(here, "..", "LICENSE"), join(out, "LICENSE"));
-  const wasm = readFileSync(join(folder, "norma.wasm"));
-  writeFileSync(join(out, "wasm.js"), `/* norma.wasm in base64. */\nexport default "${wasm.toString("base64")}";\n`);
-  copyFileSync(join(folder, "norma.wasm"), join(out, "norma.wasm"));
+  const textModule = (name, about, text) => writeFileSync(join(out, name), `/* ${about} */\nexport default ${JSON.stringify(text)};\n`);
+  for (const name of ["norma", "check"]) {
+    copyFileSync(join(folder, `${name}.wasm`), join(out, `${name}.wasm`));
+    textModule(`${name}-text.js`, `${name}.wasm in base64.`, readFileSync(join(folder, `${name}.wasm`)).toString("base64"));
+  }
+  textModule("worker-text.js", "The worker of norma-mesh/inline as one script.", bundle(join(source, "worker-inline.js"), ["--minify"]));
 }
 
 /* ---- the page */
-
-/* All modules of the page as one script (esbuild). */
-function bundle(start) {
-  const options = ["--bundle", "--format=iife", "--target=es2020", "--charset=utf8", "--log-level=warning"];
-  return execFileSync(process.env.ESBUILD || "esbuild", [start, ...options], { encoding: "utf8", maxBuffer: 1 << 26 });
-}
 
 function readShaders() {
   const shaders = join(here, "..", "src", "render", "shaders");

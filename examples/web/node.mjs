@@ -1,5 +1,5 @@
 /* Normals in node: a roof, smooth and creased, and what a scale does to them.   node node.mjs */
-import { load } from "norma";
+import { load } from "norma-mesh";
 
 const norma = await load();
 const positions = Float32Array.of(0, 0, 0, 2, 0, 0, 0, 1, 1, 2, 1, 1, 0, 2, 0, 2, 2, 0);

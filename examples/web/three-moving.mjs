@@ -1,6 +1,6 @@
 /* three.js: a BufferGeometry that waves. Its normals are kept right by a plan: what depends on the indices is done once.   node three-moving.mjs */
 import { BufferGeometry, PlaneGeometry } from "three";
-import { load } from "norma";
+import { load } from "norma-mesh";
 
 const norma = await load();
 

@@ -1,6 +1,6 @@
 /* three.js: a BufferGeometry in, normals out.   node three.mjs */
 import { BufferAttribute, BufferGeometry, LatheGeometry, Matrix4, TorusKnotGeometry, Vector2 } from "three";
-import { load } from "norma";
+import { load } from "norma-mesh";
 
 const norma = await load();
 

@@ -5,7 +5,7 @@ import { attempt, check, finish } from "./tap.mjs";
 import { randomNumbers, shapes } from "./shapes.mjs";
 
 const [folder, native] = process.argv.slice(2);
-const { load } = await import(pathToFileURL(`${folder}/index.js`));
+const { load } = await import(pathToFileURL(`${folder}/node.js`));
 const norma = await load();
 
 const FACES = 0, VERTICES = 1, CORNERS = 2, SPLIT = 3, MATRICES = 4, INFO = 5, TRANSFORM = 6, PLAN_VERTICES = 7, PLAN_CORNERS = 8;
@@ -32,7 +32,7 @@ function askMesh(shape, operation, options) {
                  corners: indices ? indices.length : positions.length / 3, size: indices ? indices.BYTES_PER_ELEMENT : 0 };
   const calls = [norma.faceNormals, norma.vertexNormals, norma.cornerNormals, norma.split];
   ask(`${shape.name}: ${["faces", "vertices", "corners", "split"][operation]} ${JSON.stringify(options)}`, head, indices ? [positions, indices] : [positions], () => {
-    const answer = calls[operation](positions, indices, options);
+    const { crease, ...others } = options, answer = calls[operation](positions, indices, operation === CORNERS || operation === SPLIT ? options : others);
     return operation === SPLIT ? Buffer.concat([answer.indices, answer.sourceVertices, answer.normals].map(bytesOf)) : bytesOf(answer);
   });
 }

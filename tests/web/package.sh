@@ -7,6 +7,7 @@ source "$(dirname "$0")/../support/tap.sh"
 cd "$root" || exit 1
 refresh=${1:-}
 package=$tree/web/npm
+tool=${NORMA_BIN:-$tree/bin/norma}
 modules=${NORMA_NPM_WEB:-$root/build/npm-web/node_modules}
 
 # tap NAME COMMAND...: the checks of a program that prints TAP, under our numbers.
@@ -34,33 +35,47 @@ if [ ! -f "$package/index.js" ]; then
     exit
 fi
 
+# As a user has it: packed by npm and installed into a fresh folder. All that follows uses that.
+version=$(sed -nE 's/^project\(norma VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)
+user=$scratch/user
+mkdir -p "$user"
+echo '{ "name": "user", "private": true, "type": "module" }' >"$user/package.json"
+if ! { (cd "$package" && npm pack --silent --pack-destination "$scratch") >/dev/null && (cd "$user" && npm install --offline --no-audit --no-fund --silent "$scratch/norma-mesh-$version.tgz"); } 2>"$scratch/pack.err"; then
+    fail "npm pack and npm install" "$(cat "$scratch/pack.err")"
+    finish
+    exit
+fi
+pass "npm pack and npm install"
+installed=$user/node_modules/norma-mesh
+check "package.json has the library's version" test "$(node -p 'require(process.argv[1]).version' "$installed/package.json")" = "$version"
+check "the core is at most 120 kB (brotli)" node -e 'process.exit(require("zlib").brotliCompressSync(require("fs").readFileSync(process.argv[1])).length > 120000 ? 1 : 0)' "$installed/norma.wasm"
+check "nothing of the page or of C is in the package" bash -c '! find "$0" -type f ! -name "*.js" ! -name "*.d.ts" ! -name "norma.wasm" ! -name "check.wasm" ! -name package.json ! -name README.md ! -name LICENSE | grep .' "$installed"
+for path in "$modules"/* "$modules"/@*/*; do
+    name=${path#"$modules"/}
+    [ ! -e "$path" ] || [[ $name == @* && $name != */* ]] || { mkdir -p "$(dirname "$user/node_modules/$name")" && ln -s "$path" "$user/node_modules/$name"; }
+done
+
 check "the native program compiles" gcc -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -O1 -Iinclude tests/web/native.c -o "$scratch/native" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
-tap bits node tests/web/bits.mjs "$package" "$scratch/native"
-tap calls node tests/web/calls.mjs "$package"
+tap bits node tests/web/bits.mjs "$installed" "$scratch/native"
+tap calls node tests/web/calls.mjs "$installed"
+data=${NORMA_DATA:-$root/../shared/data}
+places=(assets tests/cli)
+[ ! -d "$data" ] || places+=("$data/bad" "$data/gltf" "$data/obj" "$data/ply")
+mapfile -d '' files < <(find "${places[@]}" -size -400k \( -name '*.obj' -o -name '*.stl' -o -name '*.ply' -o -name '*.gltf' -o -name '*.glb' \) -print0)
+tap files node tests/web/files.mjs "$installed" "$tool" "${files[@]}"
+tap workers node tests/web/workers.mjs "$installed"
 
 # What the page makes of a file, with the sanitizers of a native compiler.
 check "the model's files compile under the sanitizers" gcc -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-attributes -Iinclude -Isrc tests/web/model.c \
     web/page/model/model.c web/page/model/recompute.c web/page/model/crease_slider.c web/page/model/shown_findings.c web/page/model/pick.c web/package/wasm/calls.c web/page/model/model_pack.c web/page/model/pack_findings.c -o "$scratch/model" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
 check "packs of the assets are drawn, and damaged ones drawn or refused" "$scratch/model" assets/*.obj assets/*.stl tests/cli/golden/files/*.obj tests/cli/golden/files/roof.*
 
-version=$(sed -nE 's/^project\(norma VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)
-check "package.json tells the library's version" test "$(node -p 'require(process.argv[1]).version' "$package/package.json")" = "$version"
-check "the module is of a size that one inlines (below 400 kB)" test "$(stat -c %s "$package/norma.wasm")" -lt 400000
-
-# As a user has it: packed by npm, unpacked into node_modules, found by name.
-mkdir -p "$scratch/user/node_modules/norma"
-if (cd "$package" && npm pack --silent --pack-destination "$scratch" >/dev/null 2>"$scratch/pack.err") && tar -xzf "$scratch/norma-$version.tgz" -C "$scratch/user/node_modules/norma" --strip-components=1; then
-    pass "npm pack"
-else
-    fail "npm pack" "$(cat "$scratch/pack.err")"
-fi
-cp examples/web/*.mjs tests/web/types.ts "$scratch/user"
-for name in three typescript; do [ ! -d "$modules/$name" ] || ln -s "$modules/$name" "$scratch/user/node_modules/$name"; done
+cp examples/web/*.mjs tests/web/types.ts tests/web/types.json "$user"
 
 for example in examples/web/*.mjs; do
     name=$(basename "$example" .mjs)
     if grep -q 'from "three"' "$example" && [ ! -d "$modules/three" ]; then skip "$name (three is not installed: scripts/install-deps.sh)"; continue; fi
-    if ! (cd "$scratch/user" && node "$name.mjs") >"$scratch/$name.out" 2>"$scratch/$name.err"; then
+    if ! (cd "$user" && node "$name.mjs") >"$scratch/$name.out" 2>"$scratch/$name.err"; then
         fail "examples/web/$name.mjs runs" "$(cat "$scratch/$name.err")"
         continue
     fi
@@ -69,7 +84,7 @@ for example in examples/web/*.mjs; do
 done
 
 if [ -d "$modules/typescript" ]; then
-    check "types: tsc --strict" bash -c 'cd "$0" && node node_modules/typescript/bin/tsc --strict --noEmit --module nodenext --target es2022 --skipLibCheck false types.ts' "$scratch/user"
+    check "types: tsc --strict" bash -c 'cd "$0" && node node_modules/typescript/bin/tsc -p types.json' "$user"
 else
     skip "types (typescript is not installed: scripts/install-deps.sh)"
 fi

@@ -1,5 +1,6 @@
 /* Uses of every call, checked by tsc --strict; what must not pass is said so. */
-import { load, NormaError, type MatrixInfo, type Norma, type Plan, type SplitMesh } from "norma";
+import { load, loadWorker, NormaError, type CheckReport, type MatrixInfo, type Norma, type NormaWorker, type Plan, type Report, type SplitMesh } from "norma-mesh";
+import { load as loadInline } from "norma-mesh/inline";
 
 export async function uses(): Promise<void> {
   const norma: Norma = await load();
@@ -24,6 +25,26 @@ export async function uses(): Promise<void> {
   const error: Error = new Error(String(degrees));
   if (error instanceof NormaError) error.result satisfies "argument" | "capacity" | "index" | "memory" | "overflow";
 
+  const report: Report = norma.vertexNormals(positions, indices, { report: true }).report;
+  normals = norma.vertexNormals({ array: new Float32Array(24), stride: 8, offset: 2 }, indices);
+  normals = norma.tangents(positions, normals, new Float32Array(6), indices, { mode: "steady", weight: "area" });
+  const degenerate: number = report.degenerateFaces + norma.tangents(positions, normals, new Float32Array(6), { report: true }).report.degenerate;
+  const found: CheckReport = await norma.check(new Uint8Array(8), { name: "chair.glb", profile: "render" });
+  const rules: string[] = found.files.flatMap(({ findings }) => findings.map(({ rule }) => `${rule} ${degenerate}`));
+  const inline: Norma = await loadInline();
+  const worker: NormaWorker = await loadWorker();
+  normals = await worker.vertexNormals(positions, indices, { weld: "none", transfer: true });
+  const moving = await worker.plan(positions, indices);
+  normals = await moving.update(positions, { out: normals });
+  worker.terminate();
+  console.log(rules, inline.version);
+
+  // @ts-expect-error a view needs a stride
+  norma.vertexNormals({ array: positions });
+  // @ts-expect-error a report is asked for, so that the normals are a member of what is returned
+  normals = norma.vertexNormals(positions, indices, { report: true });
+  // @ts-expect-error check needs a name
+  await norma.check(new Uint8Array(8), { profile: "print" });
   // @ts-expect-error an unknown weight
   norma.vertexNormals(positions, indices, { weight: "heavy" });
   // @ts-expect-error positions are a typed array

@@ -1,173 +1,180 @@
 /* The calls on a module's exports. Every argument is checked before the heap is touched. */
-import { makeChecks, NormaError, RESULT } from "./arguments.js";
+import * as given from "./arguments.js";
+import { NormaError, RESULT, fail } from "./arguments.js";
 import { makeHeap } from "./heap.js";
+import { makePlans } from "./plans.js";
 
 const KINDS = ["identity", "translation", "rotation", "uniform-scale", "non-uniform-scale", "shear", "singular"];
 const SHORTCUTS = ["none", "rotation", "uniform-scale", "axis-scale"];
 const DEGREES = 180 / Math.PI;
+const COUNTS = ["degenerateFaces", "nonFinite", "unreferenced", "cancelled", "nonManifoldEdges", "windingConflicts"];
+const MESH_OPTIONS = "weight weld nonManifold fallback report";
+const TEXCOORD_SIZE = 2, TANGENT_SIZE = 4;
 
-export function bindCalls(wasm) {
-  const heap = makeHeap(wasm, (bytes) => check.fail(RESULT.MEMORY, `${bytes} bytes of the heap`));
-  const check = makeChecks((result) => heap.text(wasm.web_result_text(result)));
-  const expect = (result) => { if (result !== RESULT.OK) check.fail(result); };
+/* check: (bytes, options) => a promise of what norma check finds; undefined where the module has no use for it. */
+export function bindCalls(wasm, check) {
+  const heap = makeHeap(wasm.memory, wasm.web_allocate, wasm.web_release, (bytes) => fail(`out of memory: ${bytes} bytes of WebAssembly memory are not to be had`, RESULT.MEMORY));
+  const expect = (result, mesh) => {
+    if (result === RESULT.OK) return;
+    if (result === RESULT.INDEX) given.failAtIndex(mesh.indices, mesh.vertices);
+    if (result === RESULT.MEMORY) fail("out of memory: the mesh and what the call needs do not fit into WebAssembly memory", RESULT.MEMORY);
+    fail(heap.text(wasm.web_result_text(result)), result);
+  };
 
   /* positions, indices and options, checked; indices may be left out. */
-  const readMesh = (positions, indices, given) => {
-    const leftOut = given === undefined && indices !== null && typeof indices === "object" && !ArrayBuffer.isView(indices) && !Array.isArray(indices);
-    const options = check.options(leftOut ? indices : given);
-    const used = leftOut ? undefined : indices;
-    const format = check.vectors(positions, "positions");
-    const corners = check.indices(used, positions);
-    const weight = check.weight(options.weight ?? "angle");
-    const [weld, distance] = check.weld(options.weld ?? "exact");
-    const nonManifold = check.nonManifold(options.nonManifold ?? "hard"), fallback = check.fallback(options.fallback ?? "zero");
-    return { positions, indices: used, options, format, corners, vertices: positions.length / 3, weight, weld, distance, nonManifold, fallback };
+  const readMesh = (positions, indices, options, known) => {
+    const leftOut = options === undefined && indices !== null && typeof indices === "object" && !ArrayBuffer.isView(indices) && !Array.isArray(indices);
+    const chosen = given.options(leftOut ? indices : options, `${MESH_OPTIONS} ${known}`);
+    const used = leftOut || indices === null ? undefined : indices;
+    const view = given.vectors(positions, "positions");
+    const [weld, distance] = given.weld(chosen.weld);
+    return { view, indices: used, options: chosen, corners: given.corners(used, view.count), vertices: view.count, weight: given.weight(chosen.weight), weld, distance,
+             nonManifold: given.nonManifold(chosen.nonManifold), fallback: given.fallback(chosen.fallback), report: given.flag(chosen.report, "report") };
   };
 
   /* The same as the exports take it. */
-  const hand = (mesh, lender) => [
-    lender.input(mesh.positions), mesh.vertices, mesh.format,
-    mesh.indices ? lender.input(mesh.indices) : 0, mesh.corners, mesh.indices ? mesh.indices.BYTES_PER_ELEMENT : 4,
-    mesh.weight, mesh.weld, mesh.distance, mesh.nonManifold, mesh.fallback,
+  const hand = ({ view, indices, corners, weight, weld, distance, nonManifold, fallback }, lender) => [
+    lender.input(view.array), view.count, view.stride, view.format, indices ? lender.input(indices) : 0, corners, indices ? indices.BYTES_PER_ELEMENT : 4,
+    weight, weld, distance, nonManifold, fallback,
   ];
+
+  /* Hands work the address of a report, 0 where none was asked for; gives read, which reads it. */
+  const lendReport = (lender, wanted) => {
+    const at = wanted ? lender.block(wasm.web_report_size()) : 0;
+    const read = () => {
+      const counts = lender.block(8 * COUNTS.length);
+      wasm.web_report_counts(at, counts);
+      const numbers = heap.doubles(counts, COUNTS.length);
+      return Object.fromEntries(COUNTS.map((name, i) => [name, numbers[i]]));
+    };
+    return { at, read };
+  };
 
   /* One normal for each of count elements. */
   const normals = (mesh, count, call, ...more) => {
-    const out = check.output(mesh.options.out, 3 * count);
+    const out = given.output(mesh.options.out, 3 * count);
     return heap.lend((lender) => {
-      const written = lender.output(out, 3 * count);
-      expect(call(...hand(mesh, lender), ...more, written.at, count));
-      return written.fetch();
+      const written = lender.output(out, 3 * count), report = lendReport(lender, mesh.report);
+      expect(call(...hand(mesh, lender), written.at, count, report.at, ...more), mesh);
+      const computed = written.fetch();
+      return mesh.report ? { normals: computed, report: report.read() } : computed;
     });
   };
 
   const faceNormals = (positions, indices, options) => {
-    const mesh = readMesh(positions, indices, options);
+    const mesh = readMesh(positions, indices, options, "out");
     return normals(mesh, mesh.corners / 3, wasm.web_face_normals);
   };
 
   const vertexNormals = (positions, indices, options) => {
-    const mesh = readMesh(positions, indices, options);
+    const mesh = readMesh(positions, indices, options, "out");
     return normals(mesh, mesh.vertices, wasm.web_vertex_normals);
   };
 
   const cornerNormals = (positions, indices, options) => {
-    const mesh = readMesh(positions, indices, options);
-    return normals(mesh, mesh.corners, wasm.web_corner_normals, check.degrees(mesh.options.crease ?? 60, "crease"));
+    const mesh = readMesh(positions, indices, options, "crease out");
+    return normals(mesh, mesh.corners, wasm.web_corner_normals, given.degrees(mesh.options.crease ?? 60));
   };
 
   const split = (positions, indices, options) => {
-    const mesh = readMesh(positions, indices, options);
-    const crease = check.degrees(mesh.options.crease ?? 60, "crease");
-    const most = mesh.corners;
+    const mesh = readMesh(positions, indices, options, "crease");
+    const crease = given.degrees(mesh.options.crease ?? 60), most = mesh.corners;
     return heap.lend((lender) => {
+      const report = lendReport(lender, mesh.report);
       const corners = lender.block(4 * most), sources = lender.block(4 * most), normalsAt = lender.block(12 * most), count = lender.block(4);
-      expect(wasm.web_split(...hand(mesh, lender), crease, corners, most, sources, normalsAt, most, count));
+      expect(wasm.web_split(...hand(mesh, lender), normalsAt, most, report.at, crease, corners, most, sources, count), mesh);
       const vertices = new Uint32Array(wasm.memory.buffer, count, 1)[0];
       const result = { indices: new Uint32Array(most), sourceVertices: new Uint32Array(vertices), normals: new Float32Array(3 * vertices) };
       lender.copyOut(corners, result.indices);
       lender.copyOut(sources, result.sourceVertices);
       lender.copyOut(normalsAt, result.normals);
-      return result;
+      return mesh.report ? { ...result, report: report.read() } : result;
     });
   };
 
-  const matrices = (models, count, options) => {
-    const winding = check.winding(options.winding ?? "reversed");
-    const out = check.output(options.out, 9 * count);
+  /* One value for each vertex or for each corner: which of the two, by how many there are. */
+  const elementOf = (view, mesh, what) => {
+    if (view.count === mesh.vertices) return 0;
+    if (view.count === mesh.corners) return 1;
+    return fail(`${what}: ${view.count} values, but the mesh has ${mesh.vertices} vertices and ${mesh.corners} corners`);
+  };
+
+  const tangents = (positions, normalVectors, texcoords, indices, options) => {
+    const leftOut = options === undefined && indices !== null && typeof indices === "object" && !ArrayBuffer.isView(indices) && !Array.isArray(indices);
+    const chosen = given.options(leftOut ? indices : options, "mode weight out report");
+    const used = leftOut || indices === null ? undefined : indices;
+    const view = given.vectors(positions, "positions"), mesh = { indices: used, vertices: view.count, corners: given.corners(used, view.count) };
+    const normal = given.vectors(normalVectors, "normals"), texcoord = given.vectors(texcoords, "texcoords", TEXCOORD_SIZE);
+    const ofNormals = elementOf(normal, mesh, "normals"), ofTexcoords = elementOf(texcoord, mesh, "texcoords");
+    const mode = given.tangentMode(chosen.mode), weight = given.weight(chosen.weight), wanted = given.flag(chosen.report, "report");
+    const out = given.output(chosen.out, TANGENT_SIZE * mesh.corners);
+    return heap.lend((lender) => {
+      const written = lender.output(out, TANGENT_SIZE * mesh.corners), report = lendReport(lender, wanted);
+      expect(wasm.web_corner_tangents(lender.input(view.array), view.count, view.stride, view.format, used ? lender.input(used) : 0, mesh.corners, used ? used.BYTES_PER_ELEMENT : 4,
+                                      lender.input(normal.array), normal.count, normal.stride, normal.format, ofNormals,
+                                      lender.input(texcoord.array), texcoord.count, texcoord.stride, texcoord.format, ofTexcoords, mode, weight, written.at, mesh.corners, report.at), mesh);
+      const computed = written.fetch();
+      if (!wanted) return computed;
+      const { degenerateFaces: degenerate, nonFinite, cancelled } = report.read();
+      return { tangents: computed, report: { degenerate, nonFinite, cancelled } };
+    });
+  };
+
+  const matrices = (models, what, options) => {
+    const winding = given.winding(options.winding), count = models.length / 16;
+    const out = given.output(options.out, 9 * count);
     return heap.lend((lender) => {
       const written = lender.output(out, 9 * count);
       const result = wasm.web_normal_matrices(lender.input(models), count, winding, written.at);
       /* A model that is not finite has a matrix of zeros, and the others are done. */
       if (result === RESULT.OK || result === RESULT.ARGUMENT) written.fetch();
+      if (result === RESULT.ARGUMENT) {
+        const wrong = models.findIndex((x, i) => i % 16 < 11 && i % 4 < 3 && !Number.isFinite(x));
+        fail(`${what}: element ${wrong} is ${models[wrong]}, but the upper 3x3 of a model must be finite`);
+      }
       expect(result);
       return out;
     });
   };
 
-  const normalMatrix = (model, options) => matrices(check.floats(model, 16, "model"), 1, check.options(options));
-
-  const normalMatrices = (models, options) => {
-    const floats = check.floats(models, 16, "models", true);
-    return matrices(floats, floats.length / 16, check.options(options));
-  };
+  const normalMatrix = (model, options) => matrices(given.floats(model, 16, "model"), "model", given.options(options, "winding out"));
+  const normalMatrices = (models, options) => matrices(given.floats(models, 16, "models", true), "models", given.options(options, "winding out"));
 
   const matrixInfo = (model) => {
-    const floats = check.floats(model, 16, "model");
+    const floats = given.floats(model, 16, "model");
     return heap.lend((lender) => {
-      const at = lender.block(80);
-      expect(wasm.web_matrix_info(lender.input(floats), at));
-      const [determinant, anisotropy, worst, x, y, z, kind, rank, mirrored, shortcut] = new Float64Array(wasm.memory.buffer, at, 10);
+      const at = lender.block(80), result = wasm.web_matrix_info(lender.input(floats), at);
+      if (result === RESULT.ARGUMENT) fail("model: its upper 3x3 is not finite");
+      expect(result);
+      const [determinant, anisotropy, worst, x, y, z, kind, rank, mirrored, shortcut] = heap.doubles(at, 10);
       return { kind: KINDS[kind], rank, mirrored: mirrored !== 0, determinant, anisotropy, worstErrorDeg: worst * DEGREES,
                worstNormal: Float32Array.of(x, y, z), shortcut: SHORTCUTS[shortcut] };
     });
   };
 
   const transformNormals = (matrix, vectors, options) => {
-    const floats = check.floats(matrix, 9, "normalMatrix");
-    const format = check.vectors(vectors, "normals");
-    const out = check.output(check.options(options).out, vectors.length);
+    const floats = given.floats(matrix, 9, "normalMatrix"), view = given.vectors(vectors, "normals");
+    const out = given.output(given.options(options, "out").out, 3 * view.count);
     return heap.lend((lender) => {
-      const written = lender.output(out, vectors.length);
-      expect(wasm.web_transform_normals(lender.input(floats), lender.input(vectors), vectors.length / 3, format, written.at));
+      const written = lender.output(out, 3 * view.count);
+      expect(wasm.web_transform_normals(lender.input(floats), lender.input(view.array), view.count, view.stride, view.format, written.at));
       return written.fetch();
     });
   };
 
-  /* A plan's own room in the heap, for callers who want nothing copied: made when it is first asked for. */
-  const makeRoom = (length) => {
-    let at = 0;
-    return {
-      array: () => new Float32Array(wasm.memory.buffer, (at ||= heap.allocate(4 * length)), length),
-      free: () => { if (at) wasm.web_release(at); at = 0; },
-    };
-  };
-
-  const createPlan = (mesh, per, crease) => heap.lend((lender) => {
-    const result = lender.block(4);
-    const address = wasm.web_plan_create(...hand(mesh, lender), per, crease, result) >>> 0;
-    expect(new Int32Array(wasm.memory.buffer, result, 1)[0]);
-    return address;
+  /* For the package's own use: tangents in place, made perpendicular to normals; four and three floats each. */
+  const orthogonaliseTangents = (array, normalArray) => heap.lend((lender) => {
+    const written = lender.output(array, array.length, true);
+    expect(wasm.web_orthogonalise_tangents(written.at, lender.input(normalArray), array.length / TANGENT_SIZE));
+    return written.fetch();
   });
 
-  const plan = (positions, indices, given) => {
-    const mesh = readMesh(positions, indices, given);
-    const per = check.element(mesh.options.per ?? "vertex"), { vertices } = mesh;
-    const crease = check.degrees(mesh.options.crease ?? (per === 0 ? 180 : 60), "crease");
-    const count = per === 0 ? vertices : mesh.corners;
-    let address = createPlan(mesh, per, crease);
-    const rooms = { positions: makeRoom(3 * vertices), normals: makeRoom(3 * count) };
-    const alive = () => address || check.wrong("this plan has been freed");
-
-    const update = (now, options) => {
-      alive();
-      const { moved: list, out: array } = check.options(options);
-      const format = check.vectors(now, "positions");
-      if (now.length !== 3 * vertices) check.wrong(`positions: ${now.length / 3} vectors where the plan has ${vertices}`);
-      const moved = check.moved(list, vertices);
-      if (moved && !array) check.wrong("moved: needs out, which holds the normals of the last update");
-      const out = check.output(array, 3 * count);
-      return heap.lend((lender) => {
-        const written = lender.output(out, 3 * count, moved !== null);
-        expect(wasm.web_plan_update(address, lender.input(now), vertices, format, moved ? lender.input(moved) : 0, moved ? moved.length : 0, written.at, count));
-        return written.fetch();
-      });
-    };
-    const free = () => {
-      if (address) wasm.web_plan_free(address);
-      address = 0;
-      rooms.positions.free();
-      rooms.normals.free();
-    };
-    return {
-      count, update, free,
-      get bytes() { return wasm.web_plan_bytes(alive()) >>> 0; },
-      get positions() { return alive() && rooms.positions.array(); },
-      get normals() { return alive() && rooms.normals.array(); },
-    };
-  };
-
-  return { version: heap.text(wasm.web_version()), faceNormals, vertexNormals, cornerNormals, split, plan, normalMatrix, normalMatrices, matrixInfo, transformNormals };
+  const plan = makePlans({ wasm, heap, expect, readMesh, hand, lendReport });
+  const calls = { version: heap.text(wasm.web_version()), faceNormals, vertexNormals, cornerNormals, split, tangents, plan, normalMatrix, normalMatrices, matrixInfo, transformNormals };
+  if (check) calls.check = check;
+  /* Not among the calls that a user sees. */
+  Object.defineProperty(calls, "orthogonaliseTangents", { value: orthogonaliseTangents });
+  return calls;
 }
 
 export { NormaError };

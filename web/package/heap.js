@@ -1,14 +1,14 @@
 /* The heap of a module, lent out for one call at a time. An array that lies in the heap already is used where it is; any other is copied in, or out, once. */
-export function makeHeap(wasm, onFull) {
-  const inHeap = (array) => array.buffer === wasm.memory.buffer;
+export function makeHeap(memory, reserve, release, onFull) {
+  const inHeap = (array) => array.buffer === memory.buffer;
   const bytesOf = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
 
-  const allocate = (bytes) => wasm.web_allocate(bytes) >>> 0 || onFull(bytes);
+  const allocate = (bytes) => reserve(bytes) >>> 0 || onFull(bytes);
 
-  const copyIn = (array, at) => new Uint8Array(wasm.memory.buffer, at, array.byteLength).set(bytesOf(array));
+  const copyIn = (array, at) => new Uint8Array(memory.buffer, at, array.byteLength).set(bytesOf(array));
   const copyOut = (at, array, length = array.length) => {
     const bytes = length * array.BYTES_PER_ELEMENT;
-    new Uint8Array(array.buffer, array.byteOffset, bytes).set(new Uint8Array(wasm.memory.buffer, at, bytes));
+    new Uint8Array(array.buffer, array.byteOffset, bytes).set(new Uint8Array(memory.buffer, at, bytes));
   };
 
   /* Hands work a lender; what it lent is released when work is done, whichever way. */
@@ -35,14 +35,15 @@ export function makeHeap(wasm, onFull) {
     try {
       return work({ block, input, output, copyOut });
     } finally {
-      for (const at of blocks) wasm.web_release(at);
+      for (const at of blocks) release(at);
     }
   };
 
   const text = (at) => {
-    const bytes = new Uint8Array(wasm.memory.buffer, at >>> 0);
-    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+    const bytes = new Uint8Array(memory.buffer), from = at >>> 0;
+    return new TextDecoder().decode(bytes.slice(from, bytes.indexOf(0, from)));
   };
+  const doubles = (at, count) => Array.from(new Float64Array(memory.buffer, at >>> 0, count));
 
-  return { lend, text, allocate, copyIn, copyOut, inHeap };
+  return { lend, text, doubles, allocate, copyIn, copyOut, inHeap };
 }

@@ -1,40 +1,71 @@
-/** Surface normals of meshes, kept right. Angles are degrees, matrices column-major, vectors columns: as in WebGL, glTF and three.js. */
+/** Surface normals and tangents of meshes. Angles are degrees, matrices column-major, vectors columns: as in WebGL, glTF and three.js. */
 
-/** Integers as they are: a common factor turns no direction. */
-export type Vectors = Float32Array | Float64Array | Int8Array | Uint8Array | Uint8ClampedArray | Int16Array | Uint16Array;
+/** Integers are taken as they are: a common factor turns no direction. */
+export type Numbers = Float32Array | Float64Array | Int8Array | Uint8Array | Uint8ClampedArray | Int16Array | Uint16Array;
+
+/** Vectors inside a larger array, as in an interleaved buffer. */
+export interface StridedVectors {
+  array: Numbers;
+  /** Numbers of the array from one vector to the next. */
+  stride: number;
+  /** The number of the array with which the first vector begins. Default: 0. */
+  offset?: number;
+  /** How many vectors. Default: as many as fit. */
+  count?: number;
+}
+
+/** Three numbers for each vector (texture coordinates: two), tightly packed, or a view with a stride. */
+export type Vectors = Numbers | StridedVectors;
 export type Indices = Uint32Array | Uint16Array | Uint8Array;
 
-/** What a face's corner weighs in the sum. `angle` (the default): Thürmer and Wüthrich 1998; `max`: Max 1999; `visible`: Aubry and Löhner 2008. */
+/** The weight of a face's corner in the sum. `angle` (the default): Thürmer and Wüthrich 1998; `max`: Max 1999; `visible`: Aubry and Löhner 2008. */
 export type Weight = "angle" | "area" | "uniform" | "max" | "angle-area" | "visible" | "angle-lengths";
 
 export interface MeshOptions {
   /** Default: `"angle"`. */
-  weight?: Weight;
-  /** Which vertices share a normal: those at exactly equal positions (the default), none but the same index, or those joined by steps of at most this distance. */
-  weld?: "exact" | "none" | number;
-  /** Edges of three or more faces: a crease (the default), or smooth where the angle allows it. */
-  nonManifold?: "hard" | "smooth";
-  /** What has no normal of its own, as in a degenerate face: zero (the default), or the nearest normal there is. */
-  fallback?: "zero" | "nearest";
+  weight?: Weight | undefined;
+  /** Which vertices share a normal: those at exactly equal positions (the default), those of the same index only, or those joined by steps of at most this distance. */
+  weld?: "exact" | "none" | number | undefined;
+  /** Edges of three or more faces: a crease (the default), or smooth if the angle allows it. */
+  nonManifold?: "hard" | "smooth" | undefined;
+  /** What is written for a vertex without a normal of its own: zero (the default), or the nearest normal. */
+  fallback?: "zero" | "nearest" | undefined;
+  /** Also return how many elements have no normal, and why. Default: false. */
+  report?: boolean | undefined;
 }
 
 export interface OutputOptions extends MeshOptions {
-  /** Written to and returned, where it is given; at least as long as what is written. */
-  out?: Float32Array | null;
+  /** Written to and returned; at least as long as what is written. */
+  out?: Float32Array | null | undefined;
 }
 
 export interface SplitOptions extends MeshOptions {
-  /** Degrees: an edge that bends by at most this is smooth. Default: 60; 180 makes every shared edge smooth. */
-  crease?: number;
+  /** Degrees, 0 to 180: an edge that bends by at most this is smooth. Default: 60; 180 makes every shared edge smooth. */
+  crease?: number | undefined;
 }
 
 export interface CreaseOptions extends OutputOptions {
-  /** Degrees, as for splitting. Default: 60. */
-  crease?: number;
+  /** Degrees, 0 to 180: an edge that bends by at most this is smooth. Default: 60. */
+  crease?: number | undefined;
+}
+
+/** How many elements (faces, vertices, corners) have no normal of their own, and unusual edges, which the calls that use creases count. */
+export interface Report {
+  degenerateFaces: number;
+  nonFinite: number;
+  unreferenced: number;
+  cancelled: number;
+  nonManifoldEdges: number;
+  windingConflicts: number;
+}
+
+export interface ReportedNormals {
+  normals: Float32Array;
+  report: Report;
 }
 
 export interface SplitMesh {
-  /** For each corner, its new vertex. */
+  /** The new vertex of each corner. */
   indices: Uint32Array;
   /** For each new vertex, the old one: copy positions and other attributes by it. */
   sourceVertices: Uint32Array;
@@ -42,30 +73,61 @@ export interface SplitMesh {
   normals: Float32Array;
 }
 
-export interface PlanOptions extends MeshOptions {
+export interface TangentOptions {
+  /** `mikk` (the default): the bits of MikkTSpace. `steady`: the same tangents for any order of faces, for meshes without a baked map. */
+  mode?: "mikk" | "steady" | undefined;
+  /** For `steady`. Default: `"angle"`. */
+  weight?: Weight | undefined;
+  /** Written to and returned: four floats for each corner. */
+  out?: Float32Array | null | undefined;
+  /** Also return how many corners have no tangent of their own. Default: false. */
+  report?: boolean | undefined;
+}
+
+export interface ReportedTangents {
+  tangents: Float32Array;
+  report: { degenerate: number; nonFinite: number; cancelled: number };
+}
+
+export interface PlanOptions extends Omit<MeshOptions, "report"> {
   /** One normal per vertex (the default) or per corner. */
-  per?: "vertex" | "corner";
-  /** Degrees. Default: 180 per vertex, 60 per corner. */
-  crease?: number;
+  per?: "vertex" | "corner" | undefined;
+  /** Degrees, 0 to 180. Default: 180 per vertex, 60 per corner. */
+  crease?: number | undefined;
+}
+
+export interface UpdateOptions {
+  /** The vertices that moved since the last update; only the normals that they can change are written. Needs `out`. */
+  moved?: Uint32Array | ArrayLike<number> | null | undefined;
+  /** Written to and returned. */
+  out?: Float32Array | null | undefined;
+  /** Also return the counts. Default: false. */
+  report?: boolean | undefined;
 }
 
 export interface Plan {
   /** How many normals an update gives. */
   readonly count: number;
-  /** Bytes of the heap that the plan holds. */
+  /** Bytes of WebAssembly memory that the plan holds. */
   readonly bytes: number;
-  /** Room for the positions in the module's heap: what is written here and handed to `update` is not copied. Ask anew after any other call: the heap may have moved. */
+  /** Room for the positions in WebAssembly memory: positions written here and given to `update` are not copied. Ask again after any other call, because the memory may have moved. */
   readonly positions: Float32Array;
-  /** Room for the normals in the module's heap, to be used as `out`. The same holds. */
+  /** Room for the normals in WebAssembly memory, for use as `out`. The same holds. */
   readonly normals: Float32Array;
-  /** The normals at these positions; with `moved`, the vertices that moved since the last update, only the normals that they can change are written. */
-  update(positions: Vectors, options?: { moved?: Uint32Array | ArrayLike<number> | null; out?: Float32Array | null }): Float32Array;
-  /** Gives the memory back. The plan cannot be used afterwards; a second call does nothing. */
+  /** Computes the normals at these positions. */
+  update(positions: Vectors, options: UpdateOptions & { report: true }): ReportedNormals;
+  update(positions: Vectors, options?: UpdateOptions & { report?: false | undefined }): Float32Array;
+  /** Releases the memory. The plan cannot be used afterwards; a second call does nothing. */
   free(): void;
 }
 
 /** `reversed` (the default): the sense of the inverse transpose, for faces that are reversed under a mirror. `kept`: the cofactor matrix. */
 export type Winding = "kept" | "reversed";
+
+export interface MatrixOptions {
+  winding?: Winding | undefined;
+  out?: Float32Array | null | undefined;
+}
 
 export interface MatrixInfo {
   kind: "identity" | "translation" | "rotation" | "uniform-scale" | "non-uniform-scale" | "shear" | "singular";
@@ -74,44 +136,166 @@ export interface MatrixInfo {
   determinant: number;
   /** The largest over the smallest singular value; Infinity below rank 3. */
   anisotropy: number;
-  /** By how many degrees the matrix itself errs at worst, where it is taken for its normal matrix. */
+  /** The largest error in degrees if the matrix itself is used for normals. */
   worstErrorDeg: number;
-  /** A unit normal for which it does. */
+  /** A unit normal with that error. */
   worstNormal: Float32Array;
-  /** What carries normals without an inverse, a mirror aside. */
+  /** What transforms normals without an inverse, except for a mirror. */
   shortcut: "none" | "rotation" | "uniform-scale" | "axis-scale";
 }
 
-export interface Norma {
-  readonly version: string;
-  /** Three floats for each triangle. Without indices, every three positions are one. */
-  faceNormals(positions: Vectors, indices?: Indices | null, options?: OutputOptions): Float32Array;
-  faceNormals(positions: Vectors, options?: OutputOptions): Float32Array;
-  /** Three floats for each position. */
-  vertexNormals(positions: Vectors, indices?: Indices | null, options?: OutputOptions): Float32Array;
-  vertexNormals(positions: Vectors, options?: OutputOptions): Float32Array;
-  /** Three floats for each corner of each triangle. */
-  cornerNormals(positions: Vectors, indices?: Indices | null, options?: CreaseOptions): Float32Array;
-  cornerNormals(positions: Vectors, options?: CreaseOptions): Float32Array;
-  /** The normals of corners as an indexed mesh: vertices are doubled only where a crease needs it. */
-  split(positions: Vectors, indices?: Indices | null, options?: SplitOptions): SplitMesh;
-  split(positions: Vectors, options?: SplitOptions): SplitMesh;
-  /** For a mesh that moves: all that depends on its indices is done once. Shared positions and creases are those of the positions given here. */
-  plan(positions: Vectors, indices?: Indices | null, options?: PlanOptions): Plan;
-  plan(positions: Vectors, options?: PlanOptions): Plan;
-  /** The 3x3 (nine floats) that carries normals through a model matrix of 16 numbers. Renormalise after it. */
-  normalMatrix(model: ArrayLike<number>, options?: { winding?: Winding; out?: Float32Array | null }): Float32Array;
-  /** Many: 16 numbers each, nine floats each. */
-  normalMatrices(models: ArrayLike<number>, options?: { winding?: Winding; out?: Float32Array | null }): Float32Array;
-  matrixInfo(model: ArrayLike<number>): MatrixInfo;
-  /** Normals through a normal matrix, each made unit again. Zero stays zero. */
-  transformNormals(normalMatrix: ArrayLike<number>, normals: Vectors, options?: { out?: Float32Array | null }): Float32Array;
+/** What `norma check --format json` prints: the schema norma-check/1. Numbers that do not apply are null or missing. */
+export interface CheckReport {
+  schema: "norma-check/1";
+  files: CheckedFile[];
+  summary: { errors: number; warnings: number; infos: number; files: number; not_checked: number };
 }
 
-/** What is thrown: the library's sentence, and in brackets what was wrong. */
+export interface CheckedFile {
+  path: string;
+  profile: "render" | "print";
+  /** `partly`: a part could not be read; `unreadable`: the whole file could not. */
+  status: "checked" | "partly" | "unreadable";
+  findings: Finding[];
+}
+
+export type Point = [number, number, number];
+
+export interface Finding {
+  /** "N301" */
+  rule: string;
+  /** "inconsistent-winding" */
+  name: string;
+  severity: "error" | "warning" | "info";
+  /** JSON pointer of the glTF primitive, node or skin; "" for a whole OBJ, PLY or STL. */
+  where: string;
+  count: number;
+  worst: { value: number | null; unit: string; vertex: number | null; face: number | null; position: Point | null };
+  samples: { vertex?: number; face?: number; normal?: number; position: Point | null }[];
+  fix: "safe" | "unsafe" | null;
+  message: string;
+  deviation?: Deviation;
+}
+
+/** How the stored normals were probably made, and how many corners are how far off. */
+export interface Deviation {
+  shading: "default" | "crease" | "smooth" | "flat";
+  weight: Weight | null;
+  crease_deg: number | null;
+  mean_deg: number | null;
+  p50_deg: number | null;
+  p99_deg: number | null;
+  max_deg: number | null;
+  histogram: { below_deg: number; corners: number }[];
+}
+
+export interface CheckOptions {
+  /** The name of the file; its ending decides the format: .glb, .gltf, .obj, .ply or .stl. */
+  name: string;
+  /** What the surface is for. Default: `"auto"`, print for STL and render for the others. */
+  profile?: "auto" | "render" | "print" | undefined;
+}
+
+export type Bytes = ArrayBuffer | ArrayBufferView;
+
+type Reporting<Options> = Options & { report: true };
+type Plain<Options> = Options & { report?: false | undefined };
+
+export interface Norma {
+  readonly version: string;
+  /** Three floats for each triangle. Without indices, every three positions are a triangle. */
+  faceNormals(positions: Vectors, indices: Indices | null | undefined, options: Reporting<OutputOptions>): ReportedNormals;
+  faceNormals(positions: Vectors, options: Reporting<OutputOptions>): ReportedNormals;
+  faceNormals(positions: Vectors, indices?: Indices | null, options?: Plain<OutputOptions>): Float32Array;
+  faceNormals(positions: Vectors, options?: Plain<OutputOptions>): Float32Array;
+  /** Three floats for each position. */
+  vertexNormals(positions: Vectors, indices: Indices | null | undefined, options: Reporting<OutputOptions>): ReportedNormals;
+  vertexNormals(positions: Vectors, options: Reporting<OutputOptions>): ReportedNormals;
+  vertexNormals(positions: Vectors, indices?: Indices | null, options?: Plain<OutputOptions>): Float32Array;
+  vertexNormals(positions: Vectors, options?: Plain<OutputOptions>): Float32Array;
+  /** Three floats for each corner of each triangle. */
+  cornerNormals(positions: Vectors, indices: Indices | null | undefined, options: Reporting<CreaseOptions>): ReportedNormals;
+  cornerNormals(positions: Vectors, options: Reporting<CreaseOptions>): ReportedNormals;
+  cornerNormals(positions: Vectors, indices?: Indices | null, options?: Plain<CreaseOptions>): Float32Array;
+  cornerNormals(positions: Vectors, options?: Plain<CreaseOptions>): Float32Array;
+  /** The normals of corners as an indexed mesh: vertices are doubled only where a crease needs it. */
+  split(positions: Vectors, indices: Indices | null | undefined, options: Reporting<SplitOptions>): SplitMesh & { report: Report };
+  split(positions: Vectors, options: Reporting<SplitOptions>): SplitMesh & { report: Report };
+  split(positions: Vectors, indices?: Indices | null, options?: Plain<SplitOptions>): SplitMesh;
+  split(positions: Vectors, options?: Plain<SplitOptions>): SplitMesh;
+  /**
+   * Four floats for each corner: x, y, z and a sign. The bitangent is sign * cross(normal, tangent) for the texture coordinates as given; glTF and three.js, whose v runs downwards,
+   * need the sign negated. Normals and texture coordinates: one for each position or for each corner.
+   */
+  tangents(positions: Vectors, normals: Vectors, texcoords: Vectors, indices: Indices | null | undefined, options: Reporting<TangentOptions>): ReportedTangents;
+  tangents(positions: Vectors, normals: Vectors, texcoords: Vectors, options: Reporting<TangentOptions>): ReportedTangents;
+  tangents(positions: Vectors, normals: Vectors, texcoords: Vectors, indices?: Indices | null, options?: Plain<TangentOptions>): Float32Array;
+  tangents(positions: Vectors, normals: Vectors, texcoords: Vectors, options?: Plain<TangentOptions>): Float32Array;
+  /** For a mesh that moves: everything that depends on its indices is done once. Shared positions and creases are those of the positions given here. */
+  plan(positions: Vectors, indices?: Indices | null, options?: PlanOptions): Plan;
+  plan(positions: Vectors, options?: PlanOptions): Plan;
+  /** The 3x3 (nine floats) that transforms normals by a model matrix of 16 numbers. Renormalise afterwards. */
+  normalMatrix(model: ArrayLike<number>, options?: MatrixOptions): Float32Array;
+  /** Many: 16 numbers each, nine floats each. */
+  normalMatrices(models: ArrayLike<number>, options?: MatrixOptions): Float32Array;
+  matrixInfo(model: ArrayLike<number>): MatrixInfo;
+  /** Normals through a normal matrix, each made unit again. Zero stays zero. */
+  transformNormals(normalMatrix: ArrayLike<number>, normals: Vectors, options?: { out?: Float32Array | null | undefined }): Float32Array;
+  /** Looks for what is wrong with the normals and surfaces of a file in memory. The first call loads a second module, check.wasm. */
+  check(bytes: Bytes, options: CheckOptions): Promise<CheckReport>;
+}
+
+/** Hands the arrays of a call over to the worker instead of copying them: they are empty afterwards. `out` is always handed over, and returned. */
+export interface Transfer {
+  transfer?: boolean | undefined;
+}
+
+export interface WorkerPlan {
+  readonly count: number;
+  readonly bytes: number;
+  update(positions: Vectors, options: UpdateOptions & Transfer & { report: true }): Promise<ReportedNormals>;
+  update(positions: Vectors, options?: UpdateOptions & Transfer & { report?: false | undefined }): Promise<Float32Array>;
+  free(): Promise<void>;
+}
+
+/** The same calls as promises, answered by a worker. */
+export interface NormaWorker {
+  readonly version: string;
+  faceNormals(positions: Vectors, indices: Indices | null | undefined, options: Reporting<OutputOptions & Transfer>): Promise<ReportedNormals>;
+  faceNormals(positions: Vectors, indices?: Indices | null, options?: Plain<OutputOptions & Transfer>): Promise<Float32Array>;
+  vertexNormals(positions: Vectors, indices: Indices | null | undefined, options: Reporting<OutputOptions & Transfer>): Promise<ReportedNormals>;
+  vertexNormals(positions: Vectors, indices?: Indices | null, options?: Plain<OutputOptions & Transfer>): Promise<Float32Array>;
+  cornerNormals(positions: Vectors, indices: Indices | null | undefined, options: Reporting<CreaseOptions & Transfer>): Promise<ReportedNormals>;
+  cornerNormals(positions: Vectors, indices?: Indices | null, options?: Plain<CreaseOptions & Transfer>): Promise<Float32Array>;
+  split(positions: Vectors, indices: Indices | null | undefined, options: Reporting<SplitOptions & Transfer>): Promise<SplitMesh & { report: Report }>;
+  split(positions: Vectors, indices?: Indices | null, options?: Plain<SplitOptions & Transfer>): Promise<SplitMesh>;
+  tangents(positions: Vectors, normals: Vectors, texcoords: Vectors, indices: Indices | null | undefined, options: Reporting<TangentOptions & Transfer>): Promise<ReportedTangents>;
+  tangents(positions: Vectors, normals: Vectors, texcoords: Vectors, indices?: Indices | null, options?: Plain<TangentOptions & Transfer>): Promise<Float32Array>;
+  plan(positions: Vectors, indices?: Indices | null, options?: PlanOptions & Transfer): Promise<WorkerPlan>;
+  normalMatrix(model: ArrayLike<number>, options?: MatrixOptions & Transfer): Promise<Float32Array>;
+  normalMatrices(models: ArrayLike<number>, options?: MatrixOptions & Transfer): Promise<Float32Array>;
+  matrixInfo(model: ArrayLike<number>): Promise<MatrixInfo>;
+  transformNormals(normalMatrix: ArrayLike<number>, normals: Vectors, options?: { out?: Float32Array | null | undefined } & Transfer): Promise<Float32Array>;
+  check(bytes: Bytes, options: CheckOptions & Transfer): Promise<CheckReport>;
+  /** Ends the worker. Calls that wait are rejected. */
+  terminate(): void;
+}
+
+/** What is thrown. The message begins with the argument that is wrong. */
 export declare class NormaError extends Error {
   readonly result: "argument" | "capacity" | "index" | "memory" | "overflow";
 }
 
-/** Without an argument: the module that lies in the package as text. Or the address of `norma.wasm`, its bytes, or a compiled module. */
-export declare function load(source?: string | URL | ArrayBuffer | ArrayBufferView | WebAssembly.Module): Promise<Norma>;
+/** The address of a module, its bytes, or a compiled WebAssembly.Module. */
+export type ModuleSource = string | URL | Bytes | WebAssembly.Module;
+
+export interface LoadOptions {
+  /** Where check.wasm is. Default: beside the package's other files. */
+  check?: ModuleSource | undefined;
+}
+
+/** Without a source: norma.wasm from this package, loaded once. */
+export declare function load(source?: ModuleSource | null, options?: LoadOptions): Promise<Norma>;
+
+/** The same calls as promises, in a worker of their own. */
+export declare function loadWorker(source?: ModuleSource | null, options?: LoadOptions): Promise<NormaWorker>;

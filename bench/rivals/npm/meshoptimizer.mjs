@@ -8,7 +8,7 @@ import { waves } from "../../../tests/web/shapes.mjs";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "../../.."), words = process.argv.slice(2);
 const folder = resolve(words[0] ?? join(root, "build/web/npm")), modules = resolve(words[1] ?? join(root, "build/npm-bench/node_modules"));
-const { load } = await import(pathToFileURL(join(folder, "index.js")));
+const { load } = await import(pathToFileURL(join(folder, "node.js")));
 const { MeshoptTangents } = await import(pathToFileURL(join(modules, "meshoptimizer/meshopt_tangents.js")));
 const norma = await load();
 await MeshoptTangents.ready;

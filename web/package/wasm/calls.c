@@ -17,7 +17,8 @@ const char *WEB_EXPORT(web_result_text)(norma_result result) { return norma_resu
 const char *WEB_EXPORT(web_version)(void) { return norma_version(); }
 
 norma_mesh web_mesh(const web_mesh_arguments *given) {
-    return (norma_mesh){.positions = {given->positions, given->position_count, 0, given->format},
+    return (norma_mesh){.positions = {given->positions, given->position_count,
+                            given->position_stride, given->format},
         .corners = given->corners,
         .corner_count = given->corners ? given->corner_count : given->position_count,
         .corner_size = given->corner_size};
@@ -34,37 +35,86 @@ norma_options web_options(const web_mesh_arguments *given) {
 /* The arguments that every call on a mesh takes, in the order in which JavaScript hands them over.
  */
 #define MESH_PARAMETERS                                                                            \
-    const void *positions, size_t position_count, norma_format format, const void *corners,        \
-        size_t corner_count, size_t corner_size, norma_weight weight, norma_weld weld,             \
-        double weld_distance, norma_non_manifold non_manifold, norma_fallback fallback
+    const void *positions, size_t position_count, size_t position_stride, norma_format format,     \
+        const void *corners, size_t corner_count, size_t corner_size, norma_weight weight,         \
+        norma_weld weld, double weld_distance, norma_non_manifold non_manifold,                    \
+        norma_fallback fallback
 #define MESH_ARGUMENTS                                                                             \
-    const web_mesh_arguments given = {positions, position_count, format, corners, corner_count,    \
-        corner_size, weight, weld, weld_distance, non_manifold, fallback};                         \
+    const web_mesh_arguments given = {positions, position_count, position_stride, format, corners, \
+        corner_count, corner_size, weight, weld, weld_distance, non_manifold, fallback};           \
     const norma_mesh mesh = web_mesh(&given);                                                      \
     const norma_options options = web_options(&given)
 
-norma_result WEB_EXPORT(web_face_normals)(MESH_PARAMETERS, float *normals, size_t capacity) {
+/* report: NULL where nobody asked for the counts; else written, see web_report_counts. */
+norma_result WEB_EXPORT(web_face_normals)(
+    MESH_PARAMETERS, float *normals, size_t capacity, norma_report *report) {
     MESH_ARGUMENTS;
-    return norma_face_normals(&mesh, &options, normals, capacity, NULL);
+    return norma_face_normals(&mesh, &options, normals, capacity, report);
 }
 
-norma_result WEB_EXPORT(web_vertex_normals)(MESH_PARAMETERS, float *normals, size_t capacity) {
+norma_result WEB_EXPORT(web_vertex_normals)(
+    MESH_PARAMETERS, float *normals, size_t capacity, norma_report *report) {
     MESH_ARGUMENTS;
-    return norma_vertex_normals(&mesh, &options, normals, capacity, NULL);
+    return norma_vertex_normals(&mesh, &options, normals, capacity, report);
 }
 
 norma_result WEB_EXPORT(web_corner_normals)(
-    MESH_PARAMETERS, double crease_deg, float *normals, size_t capacity) {
+    MESH_PARAMETERS, float *normals, size_t capacity, norma_report *report, double crease_deg) {
     MESH_ARGUMENTS;
-    return norma_corner_normals(&mesh, web_radians(crease_deg), &options, normals, capacity, NULL);
+    return norma_corner_normals(
+        &mesh, web_radians(crease_deg), &options, normals, capacity, report);
 }
 
-norma_result WEB_EXPORT(web_split)(MESH_PARAMETERS, double crease_deg, uint32_t *new_corners,
-    size_t corner_capacity, uint32_t *source_vertices, float *normals, size_t vertex_capacity,
-    size_t *vertex_count) {
+norma_result WEB_EXPORT(web_split)(MESH_PARAMETERS, float *normals, size_t vertex_capacity,
+    norma_report *report, double crease_deg, uint32_t *new_corners, size_t corner_capacity,
+    uint32_t *source_vertices, size_t *vertex_count) {
     MESH_ARGUMENTS;
     return norma_split(&mesh, web_radians(crease_deg), &options, new_corners, corner_capacity,
-        source_vertices, normals, vertex_capacity, vertex_count, NULL);
+        source_vertices, normals, vertex_capacity, vertex_count, report);
+}
+
+/* counts: degenerate faces, non-finite, unreferenced and cancelled elements, non-manifold edges,
+ * winding conflicts. */
+void WEB_EXPORT(web_report_counts)(const norma_report *report, double counts[6]) {
+    const norma_count all[] = {report->degenerate_faces, report->non_finite, report->unreferenced,
+        report->cancelled, report->non_manifold_edges, report->winding_conflicts};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i) counts[i] = (double)all[i].count;
+}
+size_t WEB_EXPORT(web_report_size)(void) { return sizeof(norma_report); }
+
+/* ---- tangents */
+
+norma_result WEB_EXPORT(web_corner_tangents)(const void *positions, size_t position_count,
+    size_t position_stride, norma_format format, const void *corners, size_t corner_count,
+    size_t corner_size, const void *normals, size_t normal_count, size_t normal_stride,
+    norma_format normal_format, norma_element normals_of, const void *texcoords,
+    size_t texcoord_count, size_t texcoord_stride, norma_format texcoord_format,
+    norma_element texcoords_of, norma_tangent_mode mode, norma_weight weight, float *tangents,
+    size_t capacity, norma_report *report) {
+    const web_mesh_arguments given = {positions, position_count, position_stride, format, corners,
+        corner_count, corner_size, weight, NORMA_WELD_EXACT, 0, NORMA_NON_MANIFOLD_HARD,
+        NORMA_FALLBACK_ZERO};
+    const norma_mesh mesh = web_mesh(&given);
+    const norma_options options = web_options(&given);
+    const norma_attribute normal_values = {.data = normals,
+        .count = normal_count,
+        .stride = normal_stride,
+        .format = normal_format,
+        .of = normals_of};
+    const norma_attribute texcoord_values = {.data = texcoords,
+        .count = texcoord_count,
+        .stride = texcoord_stride,
+        .format = texcoord_format,
+        .of = texcoords_of};
+    return norma_corner_tangents(
+        &mesh, &normal_values, &texcoord_values, mode, &options, tangents, capacity, report);
+}
+
+/* In place: tangents, four floats each, made perpendicular to normals, three floats each. */
+norma_result WEB_EXPORT(web_orthogonalise_tangents)(
+    float *tangents, const float *normals, size_t count) {
+    return norma_orthogonalise_tangents(tangents, 0,
+        (norma_vec3_view){normals, count, 0, NORMA_FORMAT_FLOAT}, count, tangents, 0, count);
 }
 
 /* ---- matrices */
@@ -93,7 +143,7 @@ norma_result WEB_EXPORT(web_matrix_info)(const float *model, double numbers[10])
 }
 
 norma_result WEB_EXPORT(web_transform_normals)(const float *normal_matrix, const void *normals,
-    size_t count, norma_format format, float *out) {
+    size_t count, size_t stride, norma_format format, float *out) {
     return norma_transform_normals(
-        normal_matrix, (norma_vec3_view){normals, count, 0, format}, out, 0, count);
+        normal_matrix, (norma_vec3_view){normals, count, stride, format}, out, 0, count);
 }

@@ -5,7 +5,7 @@
 
 typedef struct web_mesh_arguments {
     const void *positions;
-    size_t position_count;
+    size_t position_count, position_stride;
     norma_format format;
     const void *corners; /* NULL: 0, 1, 2, ... */
     size_t corner_count, corner_size;

@@ -9,11 +9,12 @@ typedef struct web_plan {
 } web_plan;
 
 web_plan *WEB_EXPORT(web_plan_create)(const void *positions, size_t position_count,
-    norma_format format, const void *corners, size_t corner_count, size_t corner_size,
-    norma_weight weight, norma_weld weld, double weld_distance, norma_non_manifold non_manifold,
-    norma_fallback fallback, norma_element of, double crease_deg, int32_t *result) {
-    const web_mesh_arguments given = {positions, position_count, format, corners, corner_count,
-        corner_size, weight, weld, weld_distance, non_manifold, fallback};
+    size_t position_stride, norma_format format, const void *corners, size_t corner_count,
+    size_t corner_size, norma_weight weight, norma_weld weld, double weld_distance,
+    norma_non_manifold non_manifold, norma_fallback fallback, norma_element of, double crease_deg,
+    int32_t *result) {
+    const web_mesh_arguments given = {positions, position_count, position_stride, format, corners,
+        corner_count, corner_size, weight, weld, weld_distance, non_manifold, fallback};
     const norma_mesh mesh = web_mesh(&given);
     web_plan *plan = calloc(1, sizeof *plan);
     *result = plan ? NORMA_OK : NORMA_ERROR_MEMORY;
@@ -25,12 +26,13 @@ web_plan *WEB_EXPORT(web_plan_create)(const void *positions, size_t position_cou
     return NULL;
 }
 
-/* moved: NULL for all. */
+/* moved: NULL for all. report: as in calls.c. */
 norma_result WEB_EXPORT(web_plan_update)(const web_plan *plan, const void *positions,
-    size_t position_count, norma_format format, const uint32_t *moved, size_t moved_count,
-    float *normals, size_t capacity) {
-    return norma_plan_update(plan->plan, (norma_vec3_view){positions, position_count, 0, format},
-        moved, moved_count, &plan->options, normals, capacity, NULL);
+    size_t position_count, size_t position_stride, norma_format format, const uint32_t *moved,
+    size_t moved_count, float *normals, size_t capacity, norma_report *report) {
+    return norma_plan_update(plan->plan,
+        (norma_vec3_view){positions, position_count, position_stride, format}, moved, moved_count,
+        &plan->options, normals, capacity, report);
 }
 
 size_t WEB_EXPORT(web_plan_bytes)(const web_plan *plan) { return norma_plan_bytes(plan->plan); }

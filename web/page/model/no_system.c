@@ -1,6 +1,6 @@
-/* no_system.c: a page has no files. What io asks of the system, and what wasi-libc would ask of its
- * host, answers that there is none: so that the module imports nothing. Compressed glTF buffers are
- * refused here, for want of their decoder. */
+/* no_system.c: a browser has no files. What io asks of the system, and what wasi-libc would ask of
+ * its host, answers that there is none: so that the module imports nothing. Compressed glTF buffers
+ * are refused here, for want of their decoder. */
 #include "io/file/file.h"
 #include "io/gltf/read/asset.h"
 #include <errno.h>
@@ -49,7 +49,8 @@ norma_document_result norma_gltf_decode_meshopt(
     gltf *g, uint32_t number, norma_document_error *error) {
     (void)number;
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-        "compressed with EXT_meshopt_compression, which the page does not read; norma view does");
+        "compressed with EXT_meshopt_compression, which WebAssembly builds cannot read; the "
+        "command line can");
 }
 
 /* ---- wasi-libc */

@@ -1,0 +1,26 @@
+/* norma-mesh with its modules as text: one file for bundlers and pages that cannot serve a .wasm beside their script. The text of check.wasm is loaded when a file is first checked. */
+import { fail } from "./arguments.js";
+import { makeLoad } from "./load.js";
+import { read } from "./load-web.js";
+import { connect } from "./remote.js";
+import core from "./norma-text.js";
+import workerText from "./worker-text.js";
+
+export { NormaError } from "./arguments.js";
+
+function decode(text) {
+  const characters = atob(text), bytes = new Uint8Array(characters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
+  return bytes;
+}
+
+const checkBytes = async () => decode((await import("./check-text.js")).default);
+
+export const load = makeLoad(read, { core: () => decode(core), check: checkBytes });
+
+/* The worker is made from text too: a content security policy has to allow worker-src blob:. */
+export const loadWorker = async (source, options) => {
+  if (typeof Worker === "undefined") fail("loadWorker: there is no Worker here; import it from norma-mesh instead of norma-mesh/inline");
+  const address = URL.createObjectURL(new Blob([workerText], { type: "text/javascript" }));
+  return connect(new Worker(address), source ?? decode(core), { check: checkBytes, ...options });
+};
