@@ -96,8 +96,6 @@ void norma_json_set(json_edits *edits, uint32_t object, const char *key, const c
 void norma_json_set_uint(json_edits *edits, uint32_t object, const char *key, uint64_t number);
 void norma_json_unset(
     json_edits *edits, uint32_t object, const char *key); /* removes it where it is */
-int norma_json_keeps_any(const json_edits *edits,
-    uint32_t container); /* whether any value that the text has there stays */
 
 /* The text of value (0: the root) with the edits applied. For the root also what stands before and
  * behind it. */

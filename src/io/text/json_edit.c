@@ -338,7 +338,8 @@ static void collect(const json_edits *edits, uint32_t root, splices *s) {
 
 static int is_space(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 
-int norma_json_keeps_any(const json_edits *edits, uint32_t container) {
+/* Whether any value that the text has there stays. */
+static int keeps_any(const json_edits *edits, uint32_t container) {
     for (uint32_t value = norma_json_first(edits->j, container); value != JSON_NONE;
          value = norma_json_next(edits->j, container, value)) {
         const edit *e = find_edit(edits, value);
@@ -350,7 +351,7 @@ int norma_json_keeps_any(const json_edits *edits, uint32_t container) {
 static void write_additions(const json_edits *edits, const edit *e, json_text *out) {
     const json *j = edits->j;
     uint32_t last = last_value(j, e->token);
-    int comma = norma_json_keeps_any(edits, e->token);
+    int comma = keeps_any(edits, e->token);
     size_t space_end = last == JSON_NONE ? 0 : item_start(j, e->token, last), space = space_end;
     while (space > 0 && is_space(j->text[space - 1])) --space;
     for (uint32_t i = e->first_added; i != JSON_NONE; i = edits->additions[i].next) {

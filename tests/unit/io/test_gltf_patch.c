@@ -383,9 +383,53 @@ static void test_a_file_too_short(void **state) {
         strstr(error.message, "/a.gltf:/buffers/1: the buffer b.bin has 71 bytes; expected 72"));
 }
 
+/* Bytes between views that no view names, in a file with lengths that are multiples of 4. */
+static long unnamed(const gltf_output *b) {
+    long left = output_number(b, "buffers/%ld/byteLength", 0);
+    for (long view = 0; *output_text(b, view == 0   ? "bufferViews/0"
+                                        : view == 1 ? "bufferViews/1"
+                                        : view == 2 ? "bufferViews/2"
+                                        : view == 3 ? "bufferViews/3"
+                                                    : "bufferViews/4");
+         ++view)
+        left -= output_number(b, "bufferViews/%ld/byteLength", view);
+    return left;
+}
+
+/* Vertices are added, and taken away from what they were: what is replaced is left out, what stays
+ * moves and is the same. */
+static void test_replaced_bytes_are_left_out(void **state) {
+    static const float positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    static const float between[5] = {5, 6, 7, 8, 9};
+    static const uint32_t corners[6] = {0, 1, 2, 0, 2, 3};
+    static const norma_shading shadings[] = {NORMA_SHADING_FLAT, NORMA_SHADING_SMOOTH};
+    gltf_asset a = {0};
+    (void)state;
+    asset_floats(&a, positions[0], 4, 3);
+    asset_view(&a, corners, sizeof corners, "");
+    asset_accessor(&a, "{\"bufferView\":1,\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}");
+    asset_view(&a, between, sizeof between, ""); /* of nobody whom we know */
+    norma_document *document = asset_open(
+        &a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]", 0);
+    for (int turn = 0; turn < 2; ++turn) {
+        const norma_compute_options options = {
+            .struct_size = sizeof options, .shading = shadings[turn]};
+        assert_int_equal(norma_document_compute(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
+    }
+    gltf_output b = output_of(document);
+    assert_int_equal(unnamed(&b), 0);
+    assert_int_equal(output_number(&b, "accessors/%ld/count", 0), 6);
+    const unsigned char *glb = (const unsigned char *)b.bytes.data;
+    assert_memory_equal(
+        glb + 28 + (glb[12] | glb[13] << 8) + output_number(&b, "bufferViews/%ld/byteOffset", 2),
+        between, sizeof between);
+    output_finish(&b, &a);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shared_normals_part),
+        cmocka_unit_test(test_replaced_bytes_are_left_out),
         cmocka_unit_test(test_sparse_over_nothing),
         cmocka_unit_test(test_sparse_of_fewer_vertices),
         cmocka_unit_test(test_sparse_values_apart),

@@ -52,6 +52,9 @@ norma_document_result norma_gltf_decode_meshopt(
         "compressed with EXT_meshopt_compression, which WebAssembly builds cannot read; the "
         "command line can");
 }
+unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes) {
+    return (void)m, (void)bytes, NULL;
+}
 
 /* ---- wasi-libc */
 

@@ -311,14 +311,15 @@ static norma_document_result bake_node(baking *b, uint32_t node, norma_document_
                                        : bake_use(b, node, holder, world, error);
 }
 
-/* An extension that nothing uses any more leaves the lists. */
+/* An extension that nothing uses any more leaves the lists; one of nothing is not valid (glTF 2.0,
+ * 5.17). */
 static void unlist(gltf *g, const char *key, const char *extension) {
     const uint32_t list = norma_json_member(&g->json, 0, key);
     json_edits *edits = norma_gltf_edits(g, 0);
     for (uint32_t value = norma_json_first(&g->json, list); edits && value != JSON_NONE;
          value = norma_json_next(&g->json, list, value))
         if (norma_json_equals(&g->json, value, extension))
-            norma_json_remove(edits, value); /* an empty list goes at the end: layout_json.c */
+            norma_json_remove(edits, norma_json_size(&g->json, list) == 1 ? list : value);
 }
 
 static void unlist_instancing(baking *b) {

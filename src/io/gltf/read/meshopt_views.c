@@ -1,8 +1,9 @@
-/* meshopt_views.c: views under EXT_meshopt_compression, through meshoptimizer's decoder. It asserts
- * what it is handed, so all of that is checked here first. */
+/* meshopt_views.c: views under EXT_meshopt_compression, through meshoptimizer, both ways. Its
+ * decoder asserts what it is handed, so all of that is checked here first. */
 #include "io/gltf/read/asset.h"
 #include <meshoptimizer.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The vertex codec spends at least one byte on 64, the index codecs one on 12. */
 enum { LARGEST_RATIO = 64, SMALL = 1024 };
@@ -85,4 +86,106 @@ norma_document_result norma_gltf_decode_meshopt(
     }
     view->decoded = out;
     return NORMA_DOCUMENT_OK;
+}
+
+/* ---- compressing again */
+
+static size_t encode_rows(const gltf_meshopt *m, const void *rows, unsigned char **out) {
+    const size_t bound = meshopt_encodeVertexBufferBound(m->count, m->stride);
+    *out = norma_io_allocate(bound, 1);
+    return *out ? meshopt_encodeVertexBuffer(*out, bound, rows, m->count, m->stride) : 0;
+}
+
+/* The extension has version 1 of the codec for indices, which is not the library's default. */
+static size_t encode_indices(
+    const gltf_meshopt *m, const unsigned char *bytes, unsigned char **out) {
+    uint32_t *wide = norma_io_allocate(m->count, sizeof *wide), most = 0;
+    for (size_t i = 0; wide && i < m->count; ++i) {
+        for (size_t k = m->stride; k-- > 0;) wide[i] = wide[i] << 8 | bytes[i * m->stride + k];
+        most = wide[i] > most ? wide[i] : most;
+    }
+    const int triangles = m->mode == GLTF_MODE_TRIANGLES;
+    const size_t vertices = (size_t)most + 1,
+                 bound = triangles ? meshopt_encodeIndexBufferBound(m->count, vertices)
+                                   : meshopt_encodeIndexSequenceBound(m->count, vertices);
+    *out = wide ? norma_io_allocate(bound, 1) : NULL;
+    meshopt_encodeIndexVersion(1);
+    const size_t size = !*out       ? 0
+                        : triangles ? meshopt_encodeIndexBuffer(*out, bound, wide, m->count)
+                                    : meshopt_encodeIndexSequence(*out, bound, wide, m->count);
+    free(wide);
+    return size;
+}
+
+/* Signed integers of 8 or 16 bits as the floats that the filter's encoder takes. */
+static void widen_signed(const gltf_meshopt *m, const unsigned char *bytes, float *out) {
+    const size_t numbers = 4 * m->count;
+    for (size_t i = 0; i < numbers; ++i) {
+        int16_t two;
+        if (m->stride == 4) {
+            out[i] = (float)(int8_t)bytes[i] / 127;
+        } else {
+            memcpy(&two, bytes + 2 * i, 2);
+            out[i] = (float)two / 32767;
+        }
+    }
+}
+
+static size_t encode_filtered(
+    const gltf_meshopt *m, const unsigned char *bytes, unsigned char **out) {
+    const size_t size = m->count * m->stride;
+    unsigned char *rows = norma_io_allocate(size, 1);
+    float *floats = norma_io_allocate(4 * m->count > size / 4 ? 4 * m->count : size / 4, 4);
+    size_t length = 0;
+    if (rows && floats && m->filter == GLTF_FILTER_OCTAHEDRAL) {
+        widen_signed(m, bytes, floats);
+        meshopt_encodeFilterOct(rows, m->count, m->stride, m->stride == 4 ? 8 : 16, floats);
+        length = encode_rows(m, rows, out);
+    } else if (rows && floats) {
+        memcpy(floats, bytes, size);
+        meshopt_encodeFilterExp(rows, size / 4, 4, 24, floats);
+        length = encode_rows(m, rows, out);
+    }
+    free(rows);
+    free(floats);
+    return length;
+}
+
+/* The codec of triangles may begin each with another of its corners. */
+static int same_triangles(const gltf_meshopt *m, const unsigned char *a, const unsigned char *b) {
+    const size_t one = m->stride, whole = 3 * one;
+    int same = 1;
+    for (size_t t = 0; same && t < m->count / 3; ++t, a += whole, b += whole)
+        same = memcmp(a, b, whole) == 0 ||
+               (memcmp(a, b + one, 2 * one) == 0 && memcmp(a + 2 * one, b, one) == 0) ||
+               (memcmp(a, b + 2 * one, one) == 0 && memcmp(a + one, b, 2 * one) == 0);
+    return same;
+}
+
+static int gives_back(
+    const gltf_meshopt *m, const unsigned char *packed, const unsigned char *bytes) {
+    const size_t size = m->count * m->stride;
+    unsigned char *again = norma_io_allocate(size, 1);
+    const int same = again && decode(m, packed, again) &&
+                     (m->mode == GLTF_MODE_TRIANGLES ? same_triangles(m, again, bytes)
+                                                     : memcmp(again, bytes, size) == 0);
+    free(again);
+    return same;
+}
+
+unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes) {
+    unsigned char *out = NULL;
+    const int rows = m->mode == GLTF_MODE_ATTRIBUTES;
+    if (rows && (m->filter == GLTF_FILTER_OCTAHEDRAL || m->filter == GLTF_FILTER_EXPONENTIAL))
+        m->length = encode_filtered(m, bytes, &out);
+    else if (m->mode == GLTF_MODE_TRIANGLES)
+        m->length = encode_indices(m, bytes, &out);
+    if (out && m->length && gives_back(m, out, bytes)) return out;
+    free(out);
+    m->mode = rows ? GLTF_MODE_ATTRIBUTES : GLTF_MODE_INDICES;
+    m->filter = GLTF_FILTER_NONE;
+    m->length = rows ? encode_rows(m, bytes, &out) : encode_indices(m, bytes, &out);
+    if (m->length) return out;
+    free(out);
+    return NULL;
 }

@@ -118,30 +118,20 @@ static norma_document_result own_view(placer *p, uint32_t view) {
     const gltf_view *old = &p->g->views[view];
     patch_view *to = &p->patch->views[view];
     const unsigned char *bytes;
-    if (to->bytes) return NORMA_DOCUMENT_OK;
+    if (to->plain.bytes) return NORMA_DOCUMENT_OK;
     norma_document_result result = norma_gltf_view_bytes(p->g, view, &bytes, p->error);
     if (result) return result;
-    to->bytes = to->owned = norma_io_block(old->length, 1);
-    if (!to->bytes) return out_of_memory(p);
+    to->plain.bytes = to->owned = norma_io_block(old->length, 1);
+    if (!to->owned) return out_of_memory(p);
     memcpy(to->owned, bytes, old->length);
-    to->length = old->length;
-    to->stride = old->stride;
     return NORMA_DOCUMENT_OK;
 }
 
 /* Whether a piece alone is all that an old view holds. */
 static int fills_view(const placer *p, uint32_t view, const data_run *piece) {
-    return !p->patch->views[view].bytes && piece->old_offset == 0 &&
+    return !p->patch->views[view].plain.bytes && piece->old_offset == 0 &&
            piece->old_stride == piece->size &&
            p->g->views[view].length == piece->count * piece->size;
-}
-
-static norma_document_result lend_to_view(placer *p, uint32_t view, const data_run *piece) {
-    patch_view *to = &p->patch->views[view];
-    to->bytes = piece->bytes;
-    to->length = p->g->views[view].length;
-    to->stride = p->g->views[view].stride;
-    return NORMA_DOCUMENT_OK;
 }
 
 static size_t stride_for(const data_run *piece) {
@@ -156,8 +146,9 @@ static norma_document_result take_view(placer *p, uint32_t view, data_run *piece
     if (piece->count > SIZE_MAX / stride ||
         (stride != piece->size && !(to->owned = norma_io_allocate(piece->count, stride))))
         return out_of_memory(p);
-    to->bytes = to->owned ? to->owned : piece->bytes;
-    to->length = piece->count * stride;
+    to->plain.bytes = to->owned ? to->owned : piece->bytes;
+    to->plain.length = piece->count * stride;
+    to->element = stride;
     int said = view < p->g->view_count && p->g->views[view].stride == stride;
     to->stride = stride != piece->size || said ? stride : 0;
     to->target = piece->target;
@@ -189,10 +180,9 @@ static int can_stay_interleaved(const placer *p, uint32_t view) {
 static norma_document_result grow_interleaved(placer *p, uint32_t view) {
     patch_view *to = &p->patch->views[view];
     size_t stride = p->g->views[view].stride, count = p->patch->pieces[p->first[view]].count;
-    to->bytes = to->owned = norma_io_allocate(count, stride);
-    if (!to->bytes) return out_of_memory(p);
-    to->length = count * stride;
-    to->stride = stride;
+    to->plain.bytes = to->owned = norma_io_allocate(count, stride);
+    if (!to->owned) return out_of_memory(p);
+    to->plain.length = count * stride;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
         write_rows(to->owned + p->patch->pieces[i].old_offset, stride, &p->patch->pieces[i]);
         p->patch->pieces[i].placed = 1;
@@ -213,7 +203,10 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
     for (uint32_t i = p->first[view]; !result && i != GLTF_NONE; i = p->next[i]) {
         data_run *piece = &p->patch->pieces[i];
         if (!piece->fits) continue;
-        result = fills_view(p, view, piece) ? lend_to_view(p, view, piece) : own_view(p, view);
+        if (fills_view(p, view, piece))
+            p->patch->views[view].plain.bytes = piece->bytes;
+        else
+            result = own_view(p, view);
         if (!result && p->patch->views[view].owned)
             write_rows(p->patch->views[view].owned + piece->old_offset, piece->old_stride, piece);
         piece->placed = 1;
@@ -223,15 +216,20 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
     return result;
 }
 
-/* ---- new views */
+/* ---- buffers for new bytes */
 
 /* A view that ends behind its buffer is a fault that must not come to mean our bytes when the
  * buffer grows. */
 static int find_growing(placer *p) {
     const gltf *g = p->g;
     p->overrun = norma_io_allocate((size_t)g->buffer_count + 1, 1);
-    for (uint32_t v = 0; p->overrun && v < g->view_count; ++v)
+    for (uint32_t v = 0; p->overrun && v < g->view_count; ++v) {
+        const gltf_meshopt *m = &g->views[v].meshopt;
         p->overrun[g->views[v].buffer] |= (uint8_t)norma_gltf_view_overruns(g, v);
+        if (m->token == GLTF_NONE) continue;
+        const size_t length = g->buffers[m->buffer].length;
+        p->overrun[m->buffer] |= m->offset > length || m->length > length - m->offset;
+    }
     return p->overrun != NULL;
 }
 
@@ -247,9 +245,30 @@ static uint32_t choose_buffer(const placer *p) {
     return g->buffer_count;
 }
 
+/* Chooses the buffers of a view's new bytes by those of an old one, GLTF_NONE for none. The plain
+ * bytes of a compressed view may have a buffer that holds none. */
+static void choose_places(const placer *p, patch_view *to, uint32_t near) {
+    const gltf_view *old = near == GLTF_NONE ? NULL : &p->g->views[near];
+    const uint32_t any = p->patch->default_buffer;
+    const int compressed = old && old->meshopt.token != GLTF_NONE,
+              empty = old && p->g->buffers[old->buffer].storage == GLTF_STORED_NOWHERE;
+    to->like = compressed ? near : GLTF_NONE;
+    to->plain.buffer =
+        old && may_grow(p, old->buffer) && (compressed || !empty) ? old->buffer : any;
+    to->packed.buffer = !compressed                        ? GLTF_NONE
+                        : may_grow(p, old->meshopt.buffer) ? old->meshopt.buffer
+                                                           : any;
+}
+
+/* ---- new views */
+
 static norma_document_result add_views(placer *p) {
     gltf_patch *patch = p->patch;
     norma_document_result result = NORMA_DOCUMENT_OK;
+    uint32_t compressed = 0; /* the first such view: what is quite new is compressed like it */
+    while (compressed < p->g->view_count && p->g->views[compressed].meshopt.token == GLTF_NONE)
+        ++compressed;
+    if (compressed == p->g->view_count) compressed = GLTF_NONE;
     for (size_t i = 0; !result && i < patch->run_count; ++i) {
         data_run *piece = &patch->pieces[i];
         if (piece->placed) continue;
@@ -258,10 +277,9 @@ static norma_document_result add_views(placer *p) {
         if (!grown) return out_of_memory(p);
         patch->views = grown;
         uint32_t view = (uint32_t)patch->view_count++;
-        uint32_t near = piece->old_view == GLTF_NONE ? patch->default_buffer
-                                                     : patch->views[piece->old_view].buffer;
-        patch->views[view] =
-            (patch_view){.buffer = may_grow(p, near) ? near : patch->default_buffer};
+        patch->views[view] = (patch_view){.stride = 0};
+        choose_places(
+            p, &patch->views[view], piece->old_view == GLTF_NONE ? compressed : piece->old_view);
         result = take_view(p, view, piece);
     }
     return result;
@@ -282,11 +300,14 @@ static int prepare(placer *p) {
     if (!patch->pins || !patch->views || !p->stays || !p->first || !p->next) return 0;
     memset(p->first, 0xFF, g->view_count * sizeof *p->first);
     for (uint32_t v = 0; v < g->view_count; ++v) {
-        uint32_t buffer = g->views[v].buffer;
-        if (g->buffers[buffer].storage == GLTF_STORED_NOWHERE)
-            buffer = g->views[v].meshopt.token != GLTF_NONE ? g->views[v].meshopt.buffer
-                                                            : patch->default_buffer;
-        patch->views[v].buffer = may_grow(p, buffer) ? buffer : patch->default_buffer;
+        const gltf_view *old = &g->views[v];
+        patch_view *view = &patch->views[v];
+        choose_places(p, view, v);
+        view->plain.length = old->length;
+        view->packed.length = old->meshopt.length;
+        view->meshopt = old->meshopt;
+        view->stride = old->stride;
+        view->element = old->meshopt.token != GLTF_NONE ? old->meshopt.stride : old->stride;
     }
     count_stays(p);
     return 1;
@@ -299,6 +320,7 @@ norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *err
     for (uint32_t v = 0; !result && v < g->view_count; ++v)
         if (p.first[v] != GLTF_NONE) result = place_in_view(&p, v);
     if (!result) result = add_views(&p);
+    if (!result) result = norma_gltf_pack_views(g, error);
     if (!result) result = norma_gltf_append_accessors(g, error);
     free(p.stays);
     free(p.first);

@@ -1,42 +1,27 @@
-/* byte_layout.c: where in the buffers new bytes go. What a replaced view leaves behind, and nothing
- * else uses, is free; a view keeps its place where it fits, else it takes the first free place,
- * else the end. In place, no byte of a file beside that any asset names is written over, and the
- * file is never shortened: the old asset, and any other that shares the file, reads what it read.
- * New bytes go where nobody names any, else behind the file's real end. */
+/* byte_layout.c: where in the buffers bytes go. A buffer that is written anew is compacted: what
+ * was replaced, and what nothing names, is left out, the rest moves together in its order, and new
+ * bytes follow; those that are as long as the old ones stand where those were. The file of a
+ * buffer that is replaced in place keeps all its bytes that any asset names, and is never
+ * shortened: the old asset, and any other that shares the file, reads what it read. New bytes go
+ * where nobody names any, else behind the file's real end. */
 #include "io/gltf/write/own_bytes.h"
 #include "io/gltf/write/patch.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALIGNMENT = 4 };
+enum {
+    ALIGNMENT = 4, /* of new bytes */
+    STEP = 8       /* old ones move by multiples of it, so that they stay aligned as they were */
+};
+
+static size_t align(size_t offset) { return (offset + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
 
 gltf_storage norma_gltf_storage_of(const gltf *g, uint32_t buffer) {
     if (buffer < g->buffer_count) return g->buffers[buffer].storage;
     return g->document->format == NORMA_FILE_GLTF ? GLTF_STORED_FILE
            : g->buffer_count == 0                 ? GLTF_STORED_BIN
                                                   : GLTF_STORED_DATA;
-}
-
-/* A buffer that is to be made has the bytes of a BIN chunk that no buffer spoke of. */
-static const unsigned char *old_bytes(
-    const gltf *g, uint32_t buffer, int whole_file, size_t *length) {
-    if (buffer < g->buffer_count) {
-        *length = whole_file ? g->buffers[buffer].available : g->buffers[buffer].length;
-        return g->buffers[buffer].bytes;
-    }
-    *length = norma_gltf_storage_of(g, buffer) == GLTF_STORED_BIN && g->bin ? g->bin_size : 0;
-    return g->bin;
-}
-
-static void add_part(ranges *r, size_t offset, size_t length, size_t limit) {
-    if (offset < limit)
-        norma_range_add(r, offset, length > limit - offset ? limit : offset + length);
-}
-
-/* The padding behind a view goes with it; what lives there is taken away again. */
-static size_t padded(size_t offset, size_t length) {
-    return length + (ALIGNMENT - (offset + length) % ALIGNMENT) % ALIGNMENT;
 }
 
 int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer) {
@@ -59,138 +44,33 @@ static int keeps_file(const gltf *g, uint32_t buffer, gltf_destination destinati
                (destination == GLTF_IN_PLACE && !norma_gltf_is_named_twice(g, buffer)));
 }
 
-/* The padding behind a view that goes is free with it. */
-static void add_view(
-    ranges *dead, ranges *alive, int goes, size_t offset, size_t length, size_t limit) {
-    add_part(goes ? dead : alive, offset, goes ? padded(offset, length) : length, limit);
-}
+/* ---- places of views */
 
-/* What of the buffer nobody needs once the new views are in use; of a file that is kept, what
- * nobody needs now either. Returns 0 or errno. */
-static int find_free(const gltf *g, uint32_t buffer, int whole_file, size_t length, ranges *left) {
-    ranges alive = {0}, dead = {0};
-    for (uint32_t v = 0; v < g->view_count; ++v) {
-        const gltf_view *view = &g->views[v];
-        const int goes = !whole_file && g->patch->views[v].bytes != NULL;
-        if (whole_file && g->patch->views[v].bytes) continue;
-        if (view->buffer == buffer)
-            add_view(&dead, &alive, goes, view->offset, view->length, length);
-        if (view->meshopt.token != GLTF_NONE && view->meshopt.buffer == buffer)
-            add_view(&dead, &alive, goes, view->meshopt.offset, view->meshopt.length, length);
+/* Two places for each view: 2 * view and, of compressed bytes, 2 * view + 1. */
+typedef struct spot {
+    patch_place *place;
+    uint32_t buffer; /* where the bytes were; GLTF_NONE: nowhere */
+    size_t start, length;
+} spot;
+
+static size_t spot_count(const gltf *g) { return 2 * g->patch->view_count; }
+
+static spot spot_of(const gltf *g, size_t number) {
+    patch_view *view = &g->patch->views[number / 2];
+    spot s = {.place = number % 2 ? &view->packed : &view->plain, .buffer = GLTF_NONE};
+    if (number / 2 >= g->view_count) return s;
+    const gltf_view *old = &g->views[number / 2];
+    if (number % 2 == 0) {
+        s.buffer = old->buffer;
+        s.start = old->offset;
+        s.length = old->length;
+    } else if (old->meshopt.token != GLTF_NONE) {
+        s.buffer = old->meshopt.buffer;
+        s.start = old->meshopt.offset;
+        s.length = old->meshopt.length;
     }
-    const int failed = whole_file ? norma_gltf_unnamed_bytes(g, buffer, &dead) : 0;
-    norma_ranges_merge(&alive);
-    norma_ranges_merge(&dead);
-    norma_ranges_subtract(&dead, &alive, left);
-    const int no_memory = alive.failed || dead.failed || left->failed;
-    free(alive.list);
-    free(dead.list);
-    return failed ? failed : no_memory ? ENOMEM : 0;
+    return s;
 }
-
-/* ---- giving places */
-
-typedef struct space {
-    ranges left; /* the last one reaches to the end of all: SIZE_MAX */
-    size_t end;  /* of what is used */
-} space;
-
-static void use(space *s, size_t i, size_t offset, size_t length) {
-    range whole = s->left.list[i];
-    if (offset ==
-        whole.start) { /* no empty range stays behind, to be looked at by all that follow */
-        s->left.list[i].start = offset + length;
-    } else {
-        s->left.list[i].end = offset;
-    }
-    if (offset > whole.start && offset + length < whole.end) {
-        norma_range_add(&s->left, 0, 1);
-        if (s->left.failed) return;
-        memmove(s->left.list + i + 2, s->left.list + i + 1,
-            (s->left.count - i - 2) * sizeof *s->left.list);
-        s->left.list[i + 1] = (range){offset + length, whole.end};
-    }
-    if (offset + length > s->end) s->end = offset + length;
-}
-
-static int keep_place(space *s, const gltf_view *old, patch_view *view) {
-    size_t low = 0,
-           high = s->left.count; /* the last range that begins at the old place or before it */
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (s->left.list[middle].start <= old->offset)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    if (low == 0 || view->length > old->length) return 0;
-    const range *around = &s->left.list[low - 1];
-    if (view->length > around->end - around->start || old->offset > around->end - view->length)
-        return 0;
-    view->offset = old->offset;
-    use(s, low - 1, view->offset, view->length);
-    return 1;
-}
-
-static void find_place(space *s, patch_view *view) {
-    for (size_t i = 0; i < s->left.count && !s->left.failed; ++i) {
-        size_t start = (s->left.list[i].start + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-        if (start > s->left.list[i].end || s->left.list[i].end - start < view->length) continue;
-        view->offset = start;
-        use(s, i, start, view->length);
-        return;
-    }
-}
-
-/* Up to where the views reach: the byteLength. What lies behind is kept, and not spoken of. */
-static size_t end_of_views(const gltf *g, uint32_t buffer, size_t end) {
-    for (size_t v = 0; v < g->patch->view_count; ++v) {
-        const patch_view *view = &g->patch->views[v];
-        if (view->bytes && view->buffer == buffer && view->offset + view->length > end)
-            end = view->offset + view->length;
-    }
-    return end;
-}
-
-static norma_document_result give_places(
-    gltf *g, uint32_t buffer, gltf_destination destination, norma_document_error *error) {
-    const int whole_file = keeps_file(g, buffer, destination);
-    gltf_patch *patch = g->patch;
-    size_t length;
-    space s = {.end = 0};
-    old_bytes(g, buffer, whole_file, &length);
-    int failed = whole_file && destination == GLTF_TO_MEMORY
-                     ? 0
-                     : find_free(g, buffer, whole_file, length, &s.left);
-    const int ok = !failed;
-    int reaches_end = !whole_file && s.left.count && s.left.list[s.left.count - 1].end == length;
-    s.end = reaches_end ? s.left.list[s.left.count - 1].start : length;
-    if (reaches_end)
-        s.left.list[s.left.count - 1].end = SIZE_MAX;
-    else
-        norma_range_add(&s.left, length, SIZE_MAX);
-    for (uint32_t v = 0; ok && v < g->view_count; ++v) {
-        patch_view *view = &patch->views[v];
-        view->allocated = view->bytes && view->buffer == buffer && g->views[v].buffer == buffer &&
-                          g->views[v].meshopt.token == GLTF_NONE &&
-                          keep_place(&s, &g->views[v], view);
-    }
-    for (size_t v = 0; ok && v < patch->view_count; ++v)
-        if (patch->views[v].bytes && patch->views[v].buffer == buffer && !patch->views[v].allocated)
-            find_place(&s, &patch->views[v]);
-    patch->buffers[buffer].length = s.end;
-    patch->buffers[buffer].byte_length =
-        whole_file ? end_of_views(g, buffer, g->buffers[buffer].length) : s.end;
-    if (ok && s.left.failed) failed = ENOMEM;
-    free(s.left.list);
-    if (!failed) return NORMA_DOCUMENT_OK;
-    return failed == ENOMEM
-               ? norma_document_fail_memory(g->document, error)
-               : norma_document_fail_file(g->document->path, error,
-                     "the folder cannot be searched for assets that share its buffer", failed);
-}
-
-/* ---- the buffer as it will be */
 
 static int add_segment(
     patch_buffer *buffer, size_t offset, size_t length, const unsigned char *bytes) {
@@ -201,43 +81,224 @@ static int add_segment(
     buffer->segments = grown;
     buffer->segments[buffer->segment_count++] =
         (patch_segment){.offset = offset, .length = length, .bytes = bytes};
+    buffer->length = offset + length;
     return 1;
 }
 
-static int compare_segments(const void *a, const void *b) {
-    const patch_segment *x = a, *y = b;
-    return x->offset < y->offset ? -1 : x->offset > y->offset;
+/* Old bytes from the buffer's end up to another, zeros where there are none. */
+static int add_old(patch_buffer *to, size_t end, const unsigned char *old, size_t length) {
+    const size_t known = end < length ? end : length;
+    return (to->length >= known ||
+               add_segment(to, to->length, known - to->length, old + to->length)) &&
+           (to->length >= end || add_segment(to, to->length, end - to->length, NULL));
 }
 
-/* Old bytes, then zeros, up to end. */
-static int fill_gap(
-    patch_buffer *buffer, size_t at, size_t end, const unsigned char *old, size_t old_length) {
-    size_t known = end < old_length ? end : old_length;
-    if (at < known && !add_segment(buffer, at, known - at, old + at)) return 0;
-    at = at < known ? known : at;
-    return at >= end || add_segment(buffer, at, end - at, NULL);
-}
-
-static int build(const gltf *g, uint32_t number, int whole_file) {
-    patch_buffer made = {0}, *buffer = &g->patch->buffers[number];
-    size_t old_length, at = 0;
-    const unsigned char *old = old_bytes(g, number, whole_file, &old_length);
+/* New bytes that have no place yet, as many as fit between start and end, one after the other;
+ * before and between them old ones. */
+static int add_new(gltf *g, uint32_t buffer, range gap, const unsigned char *old, size_t length) {
+    patch_buffer *to = &g->patch->buffers[buffer];
+    size_t at = align(gap.start);
     int ok = 1;
-    for (size_t v = 0; ok && v < g->patch->view_count; ++v)
-        if (g->patch->views[v].bytes && g->patch->views[v].buffer == number)
-            ok = add_segment(&made, g->patch->views[v].offset, g->patch->views[v].length,
-                g->patch->views[v].bytes);
-    if (made.segment_count)
-        qsort(made.segments, made.segment_count, sizeof *made.segments, compare_segments);
-    for (size_t i = 0; ok && i < made.segment_count; ++i) {
-        ok = fill_gap(buffer, at, made.segments[i].offset, old, old_length) &&
-             add_segment(
-                 buffer, made.segments[i].offset, made.segments[i].length, made.segments[i].bytes);
-        at = made.segments[i].offset + made.segments[i].length;
+    for (size_t i = 0; ok && i < spot_count(g); ++i) {
+        patch_place *place = spot_of(g, i).place;
+        if (!place->bytes || place->buffer != buffer || place->placed || at > gap.end ||
+            place->length > gap.end - at)
+            continue;
+        place->placed = 1;
+        place->offset = at;
+        ok = add_old(to, at, old, length) && add_segment(to, at, place->length, place->bytes);
+        at = align(at + place->length);
     }
-    free(made.segments);
-    return ok && fill_gap(buffer, at, buffer->length, old, old_length);
+    return ok;
 }
+
+/* ---- a buffer that is compacted */
+
+typedef struct span { /* of old bytes */
+    size_t start, end;
+    patch_place *place; /* what is written over them; NULL: they stay */
+    size_t to;
+} span;
+
+typedef struct spans {
+    span *list;
+    size_t count, capacity;
+} spans;
+
+static int add_span(spans *s, size_t start, size_t end, patch_place *place) {
+    span *grown = norma_io_grow(s->list, &s->capacity, s->count + 1, sizeof *grown);
+    if (!grown) return 0;
+    s->list = grown;
+    s->list[s->count++] = (span){.start = start, .end = end, .place = place};
+    return 1;
+}
+
+/* Whether the JSON has a word on the buffer besides views and their compressed bytes, of which we
+ * do not know what it means. */
+static int is_named_otherwise(const gltf *g, uint32_t buffer) {
+    const json *j = &g->json;
+    size_t known = 0, named = 0;
+    uint64_t number;
+    for (size_t i = 0; i < 2 * (size_t)g->view_count; ++i) known += spot_of(g, i).buffer == buffer;
+    for (uint32_t token = 2; token < j->count; ++token)
+        named += j->tokens[token].type == JSON_NUMBER &&
+                 j->tokens[j->tokens[token].parent].type == JSON_OBJECT &&
+                 norma_json_equals(j, token - 1, "buffer") && norma_json_uint(j, token, &number) &&
+                 number == buffer;
+    return buffer >= g->buffer_count || named != known;
+}
+
+static int find_spans(const gltf *g, uint32_t buffer, size_t length, spans *s) {
+    int ok = !is_named_otherwise(g, buffer) || add_span(s, 0, length, NULL);
+    for (size_t i = 0; ok && i < 2 * (size_t)g->view_count; ++i) {
+        const spot one = spot_of(g, i);
+        if (one.buffer != buffer || one.start >= length || one.length == 0) continue;
+        const int same = one.place->buffer == buffer && one.place->length == one.length;
+        if (!one.place->bytes || same)
+            ok = add_span(s, one.start,
+                one.length > length - one.start ? length : one.start + one.length,
+                one.place->bytes ? one.place : NULL);
+    }
+    return ok;
+}
+
+static int compare_spans(const void *a, const void *b) {
+    const span *x = a, *y = b;
+    return x->start < y->start ? -1 : x->start > y->start;
+}
+
+/* In order, and no two that overlap: what shares its bytes is not written over. */
+static void separate_spans(spans *s) {
+    size_t reach = 0, kept = 0;
+    if (s->count) qsort(s->list, s->count, sizeof *s->list, compare_spans);
+    for (size_t i = 0; i < s->count; ++i) {
+        const span one = s->list[i];
+        const int overlaps =
+            one.start < reach || (i + 1 < s->count && s->list[i + 1].start < one.end);
+        reach = one.end > reach ? one.end : reach;
+        if (one.place && overlaps) continue;
+        span *last = kept ? &s->list[kept - 1] : NULL;
+        if (last && one.start < last->end)
+            last->end = one.end > last->end ? one.end : last->end;
+        else
+            s->list[kept++] = one;
+    }
+    s->count = kept;
+}
+
+/* Spans one behind the other, padding between them and behind them as it was. */
+static int add_spans(const spans *s, patch_buffer *to, const unsigned char *old, size_t length) {
+    size_t from = 0;
+    int ok = 1;
+    for (size_t i = 0; ok && i <= s->count; ++i) {
+        const size_t start = i < s->count ? s->list[i].start : length, at = to->length;
+        if (i == s->count && start - from >= STEP) break;
+        const size_t moved = at + (start - at) % STEP;
+        ok = add_segment(to, at, moved - at, old && moved - at == start - from ? old + from : NULL);
+        if (!ok || i == s->count) break;
+        span *one = &s->list[i];
+        one->to = moved;
+        if (one->place) {
+            one->place->offset = moved;
+            one->place->placed = 1;
+        }
+        from = one->end;
+        ok = add_segment(to, moved, from - start,
+            one->place ? one->place->bytes
+            : old      ? old + start
+                       : NULL);
+    }
+    return ok;
+}
+
+static size_t moved_to(const spans *s, size_t offset) {
+    size_t low = 0, high = s->count; /* the last span that begins at the offset or before it */
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (s->list[middle].start <= offset)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low ? offset - s->list[low - 1].start + s->list[low - 1].to : offset;
+}
+
+static norma_document_result compact(gltf *g, uint32_t buffer, norma_document_error *error) {
+    patch_buffer *to = &g->patch->buffers[buffer];
+    const unsigned char *old = g->bin; /* a BIN chunk that no buffer spoke of goes into the first */
+    size_t length = norma_gltf_storage_of(g, buffer) == GLTF_STORED_BIN ? g->bin_size : 0;
+    spans s = {0};
+    if (buffer < g->buffer_count) {
+        old = g->buffers[buffer].bytes;
+        length = g->buffers[buffer].length;
+    }
+    int ok = find_spans(g, buffer, length, &s);
+    separate_spans(&s);
+    ok = ok && add_spans(&s, to, old, length);
+    for (size_t i = 0; ok && i < 2 * (size_t)g->view_count; ++i) {
+        const spot one = spot_of(g, i);
+        if (one.buffer == buffer && !one.place->bytes) one.place->offset = moved_to(&s, one.start);
+    }
+    ok = ok && add_new(g, buffer, (range){to->length, SIZE_MAX}, NULL, 0);
+    to->byte_length = to->length;
+    free(s.list);
+    return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
+}
+
+/* ---- a file that keeps its bytes */
+
+static size_t size_on_disk(const gltf_buffer *b) {
+    return b->file.stamp.known && (size_t)b->file.stamp.size < b->available
+               ? (size_t)b->file.stamp.size
+               : b->available;
+}
+
+/* What earlier changes put behind the end of the file, which are not on the disk yet, is new as
+ * well. */
+static void gather_new(gltf *g, uint32_t buffer, size_t disk) {
+    for (size_t i = 0; i < spot_count(g); ++i) {
+        const spot one = spot_of(g, i);
+        const gltf_buffer *old = &g->buffers[buffer];
+        if (one.buffer == buffer && !one.place->bytes && one.start >= disk &&
+            one.start <= old->length && one.length <= old->length - one.start)
+            one.place->bytes = old->bytes + one.start;
+    }
+}
+
+/* Up to where views reach, and no less than before. What lies behind is kept, and not named. */
+static size_t end_of_views(const gltf *g, uint32_t buffer, size_t end) {
+    for (size_t i = 0; i < spot_count(g); ++i) {
+        const patch_place *place = spot_of(g, i).place;
+        if (place->bytes && place->buffer == buffer && place->offset + place->length > end)
+            end = place->offset + place->length;
+    }
+    return end;
+}
+
+static norma_document_result append(
+    gltf *g, uint32_t buffer, gltf_destination destination, norma_document_error *error) {
+    const gltf_buffer *b = &g->buffers[buffer];
+    patch_buffer *to = &g->patch->buffers[buffer];
+    const size_t disk = size_on_disk(b);
+    ranges gaps = {0};
+    const int failed = destination == GLTF_IN_PLACE ? norma_gltf_find_unnamed(g, buffer, &gaps) : 0;
+    int ok = !failed && norma_range_add(&gaps, disk, SIZE_MAX);
+    gather_new(g, buffer, disk);
+    for (size_t i = 0; ok && i < gaps.count; ++i) {
+        range gap = gaps.list[i];
+        if (i + 1 < gaps.count && gap.end > disk) gap.end = disk;
+        ok = add_new(g, buffer, gap, b->bytes, disk);
+    }
+    ok = ok && add_old(to, disk, b->bytes, disk);
+    to->byte_length = end_of_views(g, buffer, b->length < disk ? b->length : disk);
+    free(gaps.list);
+    if (failed && failed != ENOMEM)
+        return norma_document_fail_file(g->document->path, error,
+            "the folder cannot be searched for assets that share its buffer", failed);
+    return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
+}
+
+/* ---- all buffers */
 
 /* Changed since it was read from its file, and in none yet. */
 static int was_changed(const gltf *g, uint32_t buffer) {
@@ -248,31 +309,37 @@ static int was_changed(const gltf *g, uint32_t buffer) {
 static norma_document_result check_file(
     const gltf *g, uint32_t buffer, norma_document_error *error) {
     const gltf_buffer *b = &g->buffers[buffer];
-    const size_t on_disk = b->file.stamp.known ? (size_t)b->file.stamp.size : b->available;
-    const file_bytes file = {
-        .data = b->bytes, .size = on_disk < b->available ? on_disk : b->available};
+    const file_bytes file = {.data = b->bytes, .size = size_on_disk(b)};
     return norma_gltf_check_own_data(g, buffer, &file, error);
+}
+
+static void begin(gltf *g) {
+    for (size_t i = 0; i < spot_count(g); ++i) {
+        const spot one = spot_of(g, i);
+        one.place->placed = 0;
+        one.place->offset = one.start;
+        if (one.place->bytes) g->patch->buffers[one.place->buffer].changed = 1;
+    }
 }
 
 norma_document_result norma_gltf_fill_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error) {
-    gltf_patch *patch = g->patch;
-    for (size_t v = 0; v < patch->view_count; ++v)
-        patch->buffers[patch->views[v].buffer].changed |= patch->views[v].bytes != NULL;
-    for (uint32_t b = 0; b <= g->buffer_count; ++b) {
-        patch_buffer *buffer = &patch->buffers[b];
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    begin(g);
+    for (uint32_t b = 0; !result && b <= g->buffer_count; ++b) {
+        patch_buffer *buffer = &g->patch->buffers[b];
         buffer->changed |= destination != GLTF_TO_MEMORY && was_changed(g, b);
         if (!buffer->changed) continue;
-        norma_document_result result =
-            b < g->buffer_count ? norma_gltf_load_buffer(g, b, error) : NORMA_DOCUMENT_OK;
-        const int whole_file = keeps_file(g, b, destination);
-        if (!result && whole_file && destination == GLTF_IN_PLACE) result = check_file(g, b, error);
-        if (!result) result = give_places(g, b, destination, error);
-        if (!result && !build(g, b, whole_file))
-            result = norma_document_fail_memory(g->document, error);
-        if (result) return result;
+        if (b < g->buffer_count && g->buffers[b].storage != GLTF_STORED_NOWHERE)
+            result = norma_gltf_load_buffer(g, b, error);
+        if (!result && keeps_file(g, b, destination)) {
+            if (destination == GLTF_IN_PLACE) result = check_file(g, b, error);
+            if (!result) result = append(g, b, destination, error);
+        } else if (!result) {
+            result = compact(g, b, error);
+        }
     }
-    return NORMA_DOCUMENT_OK;
+    return result;
 }
 
 int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size) {

@@ -42,6 +42,7 @@ norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
     if (!result) result = append_copies(g, error);
     if (result) return result;
     g->changed = norma_json_edits_any(g->edits);
-    for (size_t i = 0; i < patch->view_count; ++i) g->changed |= patch->views[i].bytes != NULL;
+    for (size_t i = 0; i < patch->view_count; ++i)
+        g->changed |= patch->views[i].plain.bytes != NULL;
     return NORMA_DOCUMENT_OK;
 }

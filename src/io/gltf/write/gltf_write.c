@@ -13,7 +13,6 @@ norma_document_result norma_gltf_lay_out_for(
     if (result) return result;
     gltf_patch *patch = g->patch;
     norma_gltf_free_layout(g);
-    for (size_t v = 0; v < patch->view_count; ++v) patch->views[v].allocated = 0;
     patch->buffers = norma_io_allocate((size_t)g->buffer_count + 1, sizeof *patch->buffers);
     patch->layout = norma_json_edits_copy(g->edits);
     result = patch->buffers && patch->layout ? NORMA_DOCUMENT_OK

@@ -1,62 +1,97 @@
 /* layout_json.c: the layout as JSON: offsets and lengths of views, lengths and URIs of buffers, and
- * the compression extension where nothing uses it any more. */
+ * how views are compressed. */
 #include "io/gltf/write/patch.h"
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const compressions[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
-enum { COMPRESSIONS = sizeof compressions / sizeof *compressions };
-
-static int is_compressed(const gltf *g, uint32_t view, const char *name) {
-    return norma_json_member(&g->json,
-               norma_json_member(&g->json, g->views[view].token, "extensions"), name) != JSON_NONE;
-}
-
 /* ---- views */
 
-/* Whichever of them it was read by, none is true any more. */
-static void drop_compression(const gltf *g, json_edits *edits, uint32_t view) {
-    const json *j = &g->json;
-    const uint32_t extensions = norma_json_member(j, g->views[view].token, "extensions");
-    int others = 0;
-    for (uint32_t value = norma_json_first(j, extensions); value != JSON_NONE;
-         value = norma_json_next(j, extensions, value))
-        others |= !norma_json_equals(j, value - 1, compressions[0]) &&
-                  !norma_json_equals(j, value - 1, compressions[1]);
-    if (!others) norma_json_remove(edits, extensions);
-    for (size_t i = 0; others && i < COMPRESSIONS; ++i)
-        norma_json_unset(edits, extensions, compressions[i]);
+static const char *extension_of(const gltf *g, const gltf_meshopt *m) {
+    return norma_json_equals(&g->json, m->token - 1, "KHR_meshopt_compression")
+               ? "KHR_meshopt_compression"
+               : "EXT_meshopt_compression";
+}
+
+static void add_member(json_text *text, const char *key, uint64_t number) {
+    norma_json_add_text(text, ",");
+    norma_json_add_quoted(text, key);
+    norma_json_add_text(text, ":");
+    norma_json_add_uint(text, number);
+}
+
+static void describe_compression(json_text *text, const patch_view *view) {
+    static const char *const modes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
+    static const char *const filters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+    const gltf_meshopt *m = &view->meshopt;
+    norma_json_add_text(text, "{\"buffer\":");
+    norma_json_add_uint(text, view->packed.buffer);
+    add_member(text, "byteOffset", view->packed.offset);
+    add_member(text, "byteLength", view->packed.length);
+    add_member(text, "byteStride", m->stride);
+    add_member(text, "count", m->count);
+    norma_json_add_text(text, ",\"mode\":");
+    norma_json_add_quoted(text, modes[m->mode]);
+    if (m->filter != GLTF_FILTER_NONE) {
+        norma_json_add_text(text, ",\"filter\":");
+        norma_json_add_quoted(text, filters[m->filter]);
+    }
+    norma_json_add_text(text, "}");
+}
+
+/* Compressed bytes that only moved keep their description; of two, under both names of the
+ * extension or one of them twice, the one that was read stays. */
+static void edit_compression(gltf *g, uint32_t number) {
+    const gltf_meshopt *m = &g->views[number].meshopt;
+    const patch_view *view = &g->patch->views[number];
+    const uint32_t extensions = g->json.tokens[m->token].parent;
+    json_edits *edits = g->patch->layout;
+    json_text text = {0};
+    if (!view->packed.bytes) {
+        if (view->packed.offset != m->offset)
+            norma_json_set_uint(edits, m->token, "byteOffset", view->packed.offset);
+        return;
+    }
+    describe_compression(&text, view);
+    norma_json_add(&text, "", 1);
+    norma_json_unset(edits, extensions, "EXT_meshopt_compression");
+    norma_json_unset(edits, extensions, "KHR_meshopt_compression");
+    if (text.failed)
+        norma_json_edits_fail(edits);
+    else
+        norma_json_set(edits, extensions, extension_of(g, m), text.data);
+    free(text.data);
 }
 
 static void edit_view(gltf *g, uint32_t number) {
     const gltf_view *old = &g->views[number];
     const patch_view *view = &g->patch->views[number];
     json_edits *edits = g->patch->layout;
-    if (view->buffer != old->buffer) norma_json_set_uint(edits, old->token, "buffer", view->buffer);
-    if (view->offset != old->offset)
-        norma_json_set_uint(edits, old->token, "byteOffset", view->offset);
-    if (view->length != old->length)
-        norma_json_set_uint(edits, old->token, "byteLength", view->length);
+    if (old->meshopt.token != GLTF_NONE) edit_compression(g, number);
+    if (view->plain.offset != old->offset)
+        norma_json_set_uint(edits, old->token, "byteOffset", view->plain.offset);
+    if (!view->plain.bytes) return;
+    if (view->plain.buffer != old->buffer)
+        norma_json_set_uint(edits, old->token, "buffer", view->plain.buffer);
+    if (view->plain.length != old->length)
+        norma_json_set_uint(edits, old->token, "byteLength", view->plain.length);
     if (view->stride && view->stride != old->stride)
         norma_json_set_uint(edits, old->token, "byteStride", view->stride);
     if (!view->stride && old->stride) norma_json_unset(edits, old->token, "byteStride");
-    if (old->meshopt.token != GLTF_NONE) drop_compression(g, edits, number);
 }
 
-static void describe_view(json_text *text, const patch_view *view) {
+static void describe_view(const gltf *g, json_text *text, const patch_view *view) {
     norma_json_add_text(text, "{\"buffer\":");
-    norma_json_add_uint(text, view->buffer);
-    norma_json_add_text(text, ",\"byteOffset\":");
-    norma_json_add_uint(text, view->offset);
-    norma_json_add_text(text, ",\"byteLength\":");
-    norma_json_add_uint(text, view->length);
-    if (view->stride) {
-        norma_json_add_text(text, ",\"byteStride\":");
-        norma_json_add_uint(text, view->stride);
-    }
-    if (view->target) {
-        norma_json_add_text(text, ",\"target\":");
-        norma_json_add_uint(text, (uint64_t)view->target);
+    norma_json_add_uint(text, view->plain.buffer);
+    add_member(text, "byteOffset", view->plain.offset);
+    add_member(text, "byteLength", view->plain.length);
+    if (view->stride) add_member(text, "byteStride", view->stride);
+    if (view->target) add_member(text, "target", (uint64_t)view->target);
+    if (view->packed.bytes) {
+        norma_json_add_text(text, ",\"extensions\":{");
+        norma_json_add_quoted(text, extension_of(g, &view->meshopt));
+        norma_json_add_text(text, ":");
+        describe_compression(text, view);
+        norma_json_add_text(text, "}");
     }
     norma_json_add_text(text, "}");
 }
@@ -90,11 +125,10 @@ void norma_gltf_edit_views(gltf *g) {
     size_t added = patch->view_count - g->view_count;
     size_t *starts = norma_io_allocate(added, sizeof *starts);
     json_text list = {.failed = !starts};
-    for (uint32_t v = 0; v < g->view_count; ++v)
-        if (patch->views[v].bytes) edit_view(g, v);
+    for (uint32_t v = 0; v < g->view_count; ++v) edit_view(g, v);
     for (size_t i = 0; starts && i < added; ++i) {
         starts[i] = list.size;
-        describe_view(&list, &patch->views[g->view_count + i]);
+        describe_view(g, &list, &patch->views[g->view_count + i]);
         norma_json_add(&list, "", 1);
     }
     if (added) append_to_root(g, "bufferViews", &list, starts, added);
@@ -215,68 +249,6 @@ static int add_buffer(gltf *g) {
     return !text.failed;
 }
 
-/* ---- compression that nothing uses any more */
-
-static int view_refers(const gltf *g, uint32_t view, uint32_t buffer) {
-    const gltf_view *v = &g->views[view];
-    if (g->patch->views[view].bytes) return g->patch->views[view].buffer == buffer;
-    return v->buffer == buffer || (v->meshopt.token != GLTF_NONE && v->meshopt.buffer == buffer);
-}
-
-/* Placeholders at the end of "buffers" whose views have all been written uncompressed go; one in
- * the middle must keep its number. */
-static void remove_placeholders(gltf *g) {
-    for (uint32_t b = g->buffer_count; b-- > 0 && !g->patch->buffers[g->buffer_count].changed;) {
-        int used = 0, was = 0;
-        for (uint32_t v = 0; v < g->view_count; ++v) {
-            used |= view_refers(g, v, b);
-            was |= g->views[v].buffer == b;
-        }
-        if (used || !was || g->buffers[b].storage != GLTF_STORED_NOWHERE) return;
-        g->patch->buffers[b].removed = 1;
-        norma_json_remove(g->patch->layout, g->buffers[b].token);
-    }
-}
-
-static int uses_extension(const gltf *g, const char *name) {
-    for (uint32_t v = 0; v < g->view_count; ++v)
-        if (!g->patch->views[v].bytes && is_compressed(g, v, name)) return 1;
-    for (uint32_t b = 0; b < g->buffer_count; ++b)
-        if (!g->patch->buffers[b].removed &&
-            norma_json_member(&g->json,
-                norma_json_member(&g->json, g->buffers[b].token, "extensions"), name) != JSON_NONE)
-            return 1;
-    return 0;
-}
-
-static void drop_from_list(gltf *g, const char *list_name, const char *name) {
-    const json *j = &g->json;
-    uint32_t list = norma_json_member(j, 0, list_name);
-    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
-         item = norma_json_next(j, list, item))
-        if (norma_json_equals(j, item, name)) norma_json_remove(g->patch->layout, item);
-}
-
-/* A list of nothing is not valid (glTF 2.0, 5.17). */
-static void drop_empty_list(gltf *g, const char *list_name) {
-    const uint32_t list = norma_json_member(&g->json, 0, list_name);
-    if (norma_json_size(&g->json, list) && !norma_json_keeps_any(g->patch->layout, list))
-        norma_json_remove(g->patch->layout, list);
-}
-
-static void drop_unused_extensions(gltf *g) {
-    for (size_t i = 0; i < COMPRESSIONS; ++i) {
-        int decoded = 0;
-        for (uint32_t v = 0; v < g->view_count; ++v)
-            decoded |= g->patch->views[v].bytes && is_compressed(g, v, compressions[i]);
-        if (!decoded || uses_extension(g, compressions[i])) continue;
-        drop_from_list(g, "extensionsUsed", compressions[i]);
-        drop_from_list(g, "extensionsRequired", compressions[i]);
-    }
-    drop_empty_list(g, "extensionsUsed");
-    drop_empty_list(g, "extensionsRequired");
-}
-
 norma_document_result norma_gltf_edit_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error) {
     int ok = 1;
@@ -287,8 +259,5 @@ norma_document_result norma_gltf_edit_buffers(
         if (dangling) return dangling;
         ok = add_buffer(g);
     }
-    if (!ok) return norma_document_fail_memory(g->document, error);
-    remove_placeholders(g);
-    drop_unused_extensions(g);
-    return NORMA_DOCUMENT_OK;
+    return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
 }

@@ -16,6 +16,7 @@ typedef struct search {
     const char *file;   /* the buffer's, as a path */
     const char *folder; /* the one that is looked through, with its slash */
     ranges named;
+    size_t length; /* the largest that any asset says of the file */
     size_t entries, read;
     int unknown; /* something may name bytes and cannot be asked */
     int failed;  /* errno: the system could not answer, or out of memory */
@@ -34,6 +35,18 @@ static void check_answer(search *s, int yes) {
 }
 
 /* ---- one asset */
+
+int norma_range_add(ranges *r, size_t start, size_t end) {
+    range *grown = norma_io_grow(r->list, &r->capacity, r->count + 1, sizeof *grown);
+    if (!grown) return 0;
+    r->list = grown;
+    r->list[r->count++] = (range){start, end};
+    return 1;
+}
+
+static void add_named_range(search *s, size_t start, size_t end) {
+    fail_if(s, !norma_range_add(&s->named, start, end), ENOMEM);
+}
 
 /* Which of its buffers are the file; NULL: none, or out of memory. */
 static uint8_t *find_buffers(search *s, const json *j, uint32_t list, uint32_t count) {
@@ -85,10 +98,15 @@ static void add_named(search *s, const json *j) {
         const size_t offset = size_of(j, object, "byteOffset", 0),
                      length = size_of(j, object, "byteLength", SIZE_MAX / 4);
         same[buffer] = 2;
-        norma_range_add(&s->named, offset, offset + length);
+        add_named_range(s, offset, offset + length);
     }
-    for (uint32_t b = 0; same && b < count; ++b)
-        if (same[b] == 1) norma_range_add(&s->named, 0, SIZE_MAX / 4);
+    uint32_t b = 0;
+    for (uint32_t item = norma_json_first(j, list); same && item != JSON_NONE;
+         item = norma_json_next(j, list, item), ++b) {
+        const size_t length = same[b] ? size_of(j, item, "byteLength", 0) : 0;
+        s->length = length > s->length ? length : s->length;
+        if (same[b] == 1) add_named_range(s, 0, SIZE_MAX / 4);
+    }
     free(same);
 }
 
@@ -136,7 +154,24 @@ static void look_through(search *s, const char *folder) {
     s->unknown |= error != 0;
 }
 
-int norma_gltf_unnamed_bytes(const gltf *g, uint32_t buffer, ranges *left) {
+static int compare_ranges(const void *a, const void *b) {
+    const range *x = a, *y = b;
+    return x->start < y->start ? -1 : x->start > y->start;
+}
+
+static void find_gaps(search *s, ranges *left) {
+    size_t end = 0;
+    if (s->named.count) qsort(s->named.list, s->named.count, sizeof *s->named.list, compare_ranges);
+    for (size_t i = 0; i <= s->named.count; ++i) {
+        const int last = i == s->named.count;
+        size_t start = last ? s->length : s->named.list[i].start;
+        if (start > s->length) start = s->length;
+        if (start > end) fail_if(s, !norma_range_add(left, end, start), ENOMEM);
+        if (!last && s->named.list[i].end > end) end = s->named.list[i].end;
+    }
+}
+
+int norma_gltf_find_unnamed(const gltf *g, uint32_t buffer, ranges *left) {
     const char *folder = g->document->folder, *name = g->buffers[buffer].name;
     const char *slash = strrchr(name, '/');
     search s = {.g = g, .file = norma_io_join(folder, name)};
@@ -145,14 +180,7 @@ int norma_gltf_unnamed_bytes(const gltf *g, uint32_t buffer, ranges *left) {
     fail_if(&s, !s.file || (slash && !beside), ENOMEM);
     if (!s.failed) look_through(&s, folder);
     if (beside && !s.failed && !s.unknown) look_through(&s, beside);
-    if (!s.failed && !s.unknown) {
-        ranges whole = {0};
-        norma_range_add(&whole, 0, g->buffers[buffer].length);
-        norma_ranges_merge(&s.named);
-        norma_ranges_subtract(&whole, &s.named, left);
-        fail_if(&s, whole.failed || s.named.failed || left->failed, ENOMEM);
-        free(whole.list);
-    }
+    if (!s.failed && !s.unknown) find_gaps(&s, left);
     free(s.named.list);
     free(beside);
     free((char *)(uintptr_t)s.file);

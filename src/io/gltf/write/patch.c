@@ -33,7 +33,10 @@ void norma_gltf_patch_free(gltf *g) {
     for (size_t i = 0; i < patch->data_count; ++i) free(patch->datas[i].bytes);
     for (size_t i = 0; i < patch->copy_count; ++i) norma_json_edits_destroy(patch->copies[i].edits);
     for (size_t i = 0; i < patch->run_count; ++i) free(patch->pieces[i].owned);
-    for (size_t i = 0; i < patch->view_count; ++i) free(patch->views[i].owned);
+    for (size_t i = 0; i < patch->view_count; ++i) {
+        free(patch->views[i].owned);
+        free(patch->views[i].owned_packed);
+    }
     void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies,
         patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released,
         patch->pins};

@@ -35,14 +35,21 @@ typedef struct data_run {
     int fits, placed; /* fits: over its old bytes, without harm to others */
 } data_run;
 
-typedef struct patch_view {     /* old ones first, then new ones */
-    const unsigned char *bytes; /* NULL: stays as it was */
-    unsigned char *owned;       /* the same where they are the view's own, else a piece's */
-    size_t length, stride;      /* stride 0: none to be said */
-    int target;                 /* of a new one */
-    uint32_t buffer;            /* where it was or is to be */
-    size_t offset;              /* by the layout */
-    int allocated;
+typedef struct patch_place {    /* bytes of a view in a buffer: as they are read, or compressed */
+    uint32_t buffer;            /* GLTF_NONE: none */
+    const unsigned char *bytes; /* new ones; NULL: it keeps its old ones */
+    size_t length, offset;      /* offset: by the layout */
+    int placed;                 /* by the layout, over the old bytes */
+} patch_place;
+
+typedef struct patch_view { /* old ones first, then new ones */
+    patch_place plain, packed;
+    unsigned char *owned;        /* plain.bytes where they are the view's own, else a run's */
+    unsigned char *owned_packed; /* packed.bytes */
+    gltf_meshopt meshopt;        /* how packed.bytes are compressed */
+    size_t stride, element;      /* stride 0: none to be said; element: bytes from row to row */
+    int target;                  /* of a new one */
+    uint32_t like; /* of a new one: the view that it is compressed like, or GLTF_NONE */
 } patch_view;
 
 typedef struct patch_segment { /* part of a buffer as it will be written */
@@ -51,7 +58,7 @@ typedef struct patch_segment { /* part of a buffer as it will be written */
 } patch_segment;
 
 typedef struct patch_buffer { /* old ones, and one more where none can be written to */
-    int changed, removed;
+    int changed;
     size_t length;           /* of the bytes that are written */
     size_t byte_length;      /* as the JSON says; less where a file holds more than this asset's */
     patch_segment *segments; /* in order, without gaps */
@@ -93,6 +100,8 @@ norma_document_result norma_gltf_make_data_runs(
 void norma_gltf_point_data_run(gltf *g, const data_run *piece, uint32_t view, size_t offset);
 norma_document_result norma_gltf_append_accessors(gltf *g, norma_document_error *error);
 norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
+norma_document_result norma_gltf_pack_views(
+    gltf *g, norma_document_error *error); /* pack_views.c: compresses again what was compressed */
 
 typedef enum gltf_destination {
     GLTF_TO_PATH,
