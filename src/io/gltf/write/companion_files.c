@@ -373,8 +373,7 @@ static int measure(const companions *c, uint64_t *size) {
         if (made[b].changed && made[b].name) *size += made[b].length;
     if (!c->document->folder) return 1;
     for (uint32_t b = 0; b < g->buffer_count && !failed; ++b)
-        if (!made || !(made[b].changed || made[b].removed))
-            failed = visit_buffer(c->document, b, add_size, size);
+        if (!made || !made[b].changed) failed = visit_buffer(c->document, b, add_size, size);
     return !failed && !visit_images(c->document, add_size, size);
 }
 
