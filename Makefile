@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint analyse portable deb install single python clean
+.PHONY: all help deps demo figures fuzz web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -20,6 +20,7 @@ help:
 	@echo "make install   builds and installs into PREFIX ($(PREFIX)), below DESTDIR if that is set"
 	@echo "make web       builds the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
 	@echo "make python    builds the Python wheel, $(BUILD)/python/*.whl, installs it into a bare environment and tests it there"
+	@echo "make python-fuzz   calls the Python package with random arguments under the address sanitizer for MINUTES (15)"
 	@echo "make single    writes the core as two files to copy: $(BUILD)/single/norma.c and norma.h"
 	@echo "make deb       builds Debian packages into $(BUILD)/deb and checks them with lintian"
 	@echo
@@ -81,6 +82,14 @@ python:
 	@scripts/install-deps.sh python
 	@tests/python/wheel.sh
 	@ls build/python/*.whl
+
+# The extension and the library with gcc's address sanitizer, in an interpreter that preloads it.
+python-fuzz:
+	@scripts/install-deps.sh python
+	@scripts/python.sh sanitize
+	@rm -rf build/python-asan/venv && /usr/bin/python3 -m venv --system-site-packages build/python-asan/venv
+	@build/python-asan/venv/bin/pip install --quiet --no-index --no-deps build/python-asan/*.whl
+	@LD_PRELOAD=$$(gcc -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 PYTHONMALLOC=malloc build/python-asan/venv/bin/python -W ignore tests/python/fuzz_arguments.py $$((60 * $(MINUTES)))
 
 single:
 	@scripts/single.sh $(BUILD)/single

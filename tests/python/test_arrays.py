@@ -224,6 +224,15 @@ class Refusals(unittest.TestCase):
         self.refused(ValueError, "face", v, SQUARE, ([0, 1, 2], [0, 2, 1, 3]))
         self.refused(ValueError, "face", v, SQUARE, None)
 
+    def test_an_index_out_of_range_deep_in_a_long_array(self):
+        points, faces = grid(60)
+        for place, index in ((2999, -1), (2048, 2**32 - 1), (5, 2**32), (6961, 2**40)):
+            wrong = faces.astype(np.int64)
+            wrong[place, 1] = index
+            self.refused(IndexError, f"faces[{place}, 1] is {index}", norma.vertex_normals, points, wrong)
+        self.refused(IndexError, "faces[2999, 1] is 3600", norma.vertex_normals, points,
+                     np.where(np.arange(len(faces))[:, None] * 3 + np.arange(3) == 8998, 3600, faces.astype(np.int64)))
+
     def test_options(self):
         v, c = norma.vertex_normals, norma.corner_normals
         f = [[0, 1, 2]]
