@@ -99,6 +99,19 @@ typedef struct norma_mesh {
     const uint8_t *hard_edges;
 } norma_mesh;
 
+/* Reads one vector of a view, of any format, stride and alignment.
+ *
+ *   view    a view with data and a valid format
+ *   index   below view->count; nothing is checked
+ *   out     the vector; every format fits doubles exactly */
+NORMA_API void norma_view_vector(const norma_vec3_view *view, size_t index, double out[3]);
+
+/* Returns the index of a corner's position, of any corner_size; without corners, the corner itself.
+ *
+ *   mesh     a mesh
+ *   corner   below mesh->corner_count; nothing is checked */
+NORMA_API uint32_t norma_mesh_corner(const norma_mesh *mesh, size_t corner);
+
 /* ---- options */
 
 /* How much each face counts in an average. A corner lies between the edges a and b, with the

@@ -33,58 +33,9 @@ static size_t face_begin(const norma_mesh *mesh, size_t face) {
 }
 static size_t face_end(const norma_mesh *mesh, size_t face) { return face_begin(mesh, face + 1); }
 
-static size_t corner_position(const norma_mesh *mesh, size_t corner) {
-    if (!mesh->corners) return corner;
-    switch (mesh->corner_size) {
-    case 1:
-        return ((const uint8_t *)mesh->corners)[corner];
-    case 2:
-        return ((const uint16_t *)mesh->corners)[corner];
-    default:
-        return ((const uint32_t *)mesh->corners)[corner];
-    }
-}
-
-static double component(const norma_vec3_view *view, const char *at, int axis) {
-    switch (view->format) {
-    case NORMA_FORMAT_FLOAT: {
-        float number;
-        memcpy(&number, at + 4 * axis, sizeof number);
-        return (double)number;
-    }
-    case NORMA_FORMAT_DOUBLE: {
-        double number;
-        memcpy(&number, at + 8 * axis, sizeof number);
-        return number;
-    }
-    case NORMA_FORMAT_INT8:
-        return ((const int8_t *)at)[axis];
-    case NORMA_FORMAT_UINT8:
-        return ((const uint8_t *)at)[axis];
-    case NORMA_FORMAT_INT16: {
-        int16_t number;
-        memcpy(&number, at + 2 * axis, sizeof number);
-        return number;
-    }
-    case NORMA_FORMAT_UINT16: {
-        uint16_t number;
-        memcpy(&number, at + 2 * axis, sizeof number);
-        return number;
-    }
-    }
-    return 0;
-}
-
-static size_t tight(norma_format format) {
-    static const size_t sizes[] = {12, 24, 3, 3, 6, 6};
-    return sizes[format];
-}
-
 static int read_vector(const norma_vec3_view *view, size_t index, double vector[3]) {
     if (index >= view->count) return 0;
-    const char *at =
-        (const char *)view->data + index * (view->stride ? view->stride : tight(view->format));
-    for (int axis = 0; axis < 3; ++axis) vector[axis] = component(view, at, axis);
+    norma_view_vector(view, index, vector);
     return isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]);
 }
 
@@ -112,11 +63,11 @@ static int face_normal(const norma_mesh *mesh, size_t face, double normal[3]) {
     size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
     double first[3], a[3], b[3], part[3];
     memset(normal, 0, 3 * sizeof *normal);
-    if (end - begin < 3 || !read_vector(&mesh->positions, corner_position(mesh, begin), first))
+    if (end - begin < 3 || !read_vector(&mesh->positions, norma_mesh_corner(mesh, begin), first))
         return 0;
     for (size_t corner = begin + 1; corner + 1 < end; ++corner) {
-        if (!read_vector(&mesh->positions, corner_position(mesh, corner), a) ||
-            !read_vector(&mesh->positions, corner_position(mesh, corner + 1), b))
+        if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), a) ||
+            !read_vector(&mesh->positions, norma_mesh_corner(mesh, corner + 1), b))
             return 0;
         for (int axis = 0; axis < 3; ++axis) a[axis] -= first[axis], b[axis] -= first[axis];
         cross(a, b, part);
@@ -145,7 +96,7 @@ static int is_meant(const picture *drawn, size_t face) {
     if (drawn->finding->worst.face != SIZE_MAX) return 0;
     size_t end = face_end(mesh, face);
     for (size_t corner = face_begin(mesh, face); corner < end; ++corner)
-        if (is_sampled_vertex(drawn->finding, corner_position(mesh, corner))) return 1;
+        if (is_sampled_vertex(drawn->finding, norma_mesh_corner(mesh, corner))) return 1;
     return 0;
 }
 
@@ -172,7 +123,7 @@ static double distance_of(const picture *drawn, size_t face) {
     size_t end = face_end(mesh, face);
     double nearest = INFINITY, at[3];
     for (size_t corner = face_begin(mesh, face); corner < end; ++corner) {
-        if (!read_vector(&mesh->positions, corner_position(mesh, corner), at)) return INFINITY;
+        if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) return INFINITY;
         for (int axis = 0; axis < 3; ++axis) at[axis] -= drawn->place[axis];
         nearest = fmin(nearest, dot(at, at));
     }
@@ -228,7 +179,7 @@ static void choose_radius(picture *drawn) {
     const norma_mesh *mesh = &drawn->data->mesh;
     size_t nearest = drawn->faces[0].face;
     for (size_t corner = face_begin(mesh, nearest); corner < face_end(mesh, nearest); ++corner)
-        if (read_vector(&mesh->positions, corner_position(mesh, corner), at)) {
+        if (read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) {
             for (int axis = 0; axis < 3; ++axis) at[axis] -= drawn->place[axis];
             far_squared = fmax(far_squared, dot(at, at));
         }
@@ -252,7 +203,7 @@ static void sort_by_depth(picture *drawn) {
                end = face_end(mesh, face);
         double sum = 0, at[3], x, y, depth;
         for (size_t corner = begin; corner < end; ++corner)
-            if (read_vector(&mesh->positions, corner_position(mesh, corner), at)) {
+            if (read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) {
                 project(drawn, at, &x, &y, &depth);
                 sum += depth;
             }
@@ -272,7 +223,7 @@ static void draw_face(FILE *out, const picture *drawn, size_t face) {
     else
         fprintf(out, "<path fill='rgb(%d,%d,%d)' d='M", grey, grey, grey);
     for (size_t corner = begin; corner < end; ++corner) {
-        if (!read_vector(&mesh->positions, corner_position(mesh, corner), at)) continue;
+        if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) continue;
         project(drawn, at, &x, &y, &depth);
         fprintf(out, "%s%.1f %.1f", corner > begin ? "L" : "", x, y);
     }

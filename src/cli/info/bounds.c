@@ -7,16 +7,6 @@
 /* A file of a few kilobytes can ask for millions of instances. */
 static const size_t most_visits = (size_t)1 << 26;
 
-static size_t stride_of(const norma_vec3_view *view) {
-    static const size_t sizes[] = {[NORMA_FORMAT_FLOAT] = 4,
-        [NORMA_FORMAT_DOUBLE] = 8,
-        [NORMA_FORMAT_INT8] = 1,
-        [NORMA_FORMAT_UINT8] = 1,
-        [NORMA_FORMAT_INT16] = 2,
-        [NORMA_FORMAT_UINT16] = 2};
-    return view->stride ? view->stride : 3 * sizes[view->format];
-}
-
 static void include(info_bounds *bounds, const double p[3]) {
     if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2])) return;
     for (int axis = 0; axis < 3; ++axis) {
@@ -29,13 +19,13 @@ static void include(info_bounds *bounds, const double p[3]) {
 /* world: column-major. In pieces, so that a large mesh takes little memory. */
 static void include_mesh(info_bounds *bounds, const norma_vec3_view *view, const double world[16]) {
     enum { PIECE = 256 };
-    double placed[3 * PIECE];
+    double points[PIECE][3];
     for (size_t first = 0; first < view->count; first += PIECE) {
-        norma_vec3_view piece = *view;
-        piece.data = (const char *)view->data + first * stride_of(view);
-        piece.count = view->count - first < PIECE ? view->count - first : PIECE;
-        if (norma_transform_positions_double(world, piece, placed, 0, piece.count)) return;
-        for (size_t i = 0; i < piece.count; ++i) include(bounds, placed + 3 * i);
+        const size_t count = view->count - first < PIECE ? view->count - first : PIECE;
+        const norma_vec3_view piece = {points, count, 0, NORMA_FORMAT_DOUBLE};
+        for (size_t i = 0; i < count; ++i) norma_view_vector(view, first + i, points[i]);
+        if (norma_transform_positions_double(world, piece, points[0], 0, count)) return;
+        for (size_t i = 0; i < count; ++i) include(bounds, points[i]);
     }
 }
 

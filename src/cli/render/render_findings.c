@@ -26,21 +26,14 @@ static size_t face_count(const norma_mesh *mesh) {
     return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
 }
 
-static uint32_t corner_at(const norma_mesh *mesh, size_t corner) {
-    if (!mesh->corners) return (uint32_t)corner;
-    return mesh->corner_size == 1   ? ((const uint8_t *)mesh->corners)[corner]
-           : mesh->corner_size == 2 ? ((const uint16_t *)mesh->corners)[corner]
-                                    : ((const uint32_t *)mesh->corners)[corner];
-}
-
 /* A counting sort of corners by position. */
 static void sort_corners(marks *m) {
     const norma_mesh *mesh = &m->surface->mesh;
-    for (size_t i = 0; i < m->corners; ++i) ++m->vertex_starts[corner_at(mesh, i) + 1];
+    for (size_t i = 0; i < m->corners; ++i) ++m->vertex_starts[norma_mesh_corner(mesh, i) + 1];
     for (size_t i = 0; i < mesh->positions.count; ++i)
         m->vertex_starts[i + 1] += m->vertex_starts[i];
     for (size_t i = m->corners; i-- > 0;) {
-        const uint32_t position = corner_at(mesh, i);
+        const uint32_t position = norma_mesh_corner(mesh, i);
         m->vertex_corners[--m->vertex_starts[position + 1]] = (uint32_t)i;
     }
     /* Each start has moved down to its own; the first stays 0. */

@@ -1,5 +1,5 @@
-/* vec3_view.h: one vector of a view, of any format, stride and alignment, as three doubles. Every
- * format fits a double exactly. */
+/* vec3_view.h: one vector of a view, of any format, stride and alignment, as three doubles, and one
+ * index of an array. Every format fits a double exactly. */
 #ifndef NORMA_CORE_VEC3_VIEW_H
 #define NORMA_CORE_VEC3_VIEW_H
 #include <norma/norma.h>
@@ -73,5 +73,18 @@ static inline void norma_view_read(const norma_vec3_view *view, size_t index, do
     }
     }
     out[0] = out[1] = out[2] = 0.0;
+}
+
+/* Index number of an array of integers of 1, 2 or 4 bytes. */
+static inline uint32_t norma_index_read(const unsigned char *indices, size_t size, size_t number) {
+    uint32_t four;
+    uint16_t two;
+    if (size == 1) return indices[number];
+    if (size == 2) {
+        memcpy(&two, indices + 2 * number, sizeof two);
+        return two;
+    }
+    memcpy(&four, indices + 4 * number, sizeof four);
+    return four;
 }
 #endif

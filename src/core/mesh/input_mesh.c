@@ -65,11 +65,8 @@ norma_result norma_core_check_shape(
 }
 
 uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner) {
-    uint16_t index;
-    if (mesh->corner_size == 0) return (uint32_t)corner;
-    if (mesh->corner_size == 1) return ((const uint8_t *)mesh->corners)[corner];
-    memcpy(&index, (const unsigned char *)mesh->corners + 2 * corner, sizeof index);
-    return index;
+    return mesh->corner_size ? norma_index_read(mesh->corners, mesh->corner_size, corner)
+                             : (uint32_t)corner;
 }
 
 void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]) {

@@ -42,7 +42,7 @@ static void append(body *b, const norma_mesh *mesh) {
         render_face(mesh, face, &first, &count);
         b->starts[b->face_count++] = (uint32_t)b->corner_count;
         for (size_t i = 0; i < count; ++i)
-            b->corners[b->corner_count++] = (uint32_t)base + render_corner(mesh, first + i);
+            b->corners[b->corner_count++] = (uint32_t)base + norma_mesh_corner(mesh, first + i);
     }
     b->starts[b->face_count] = (uint32_t)b->corner_count;
 }

@@ -57,8 +57,8 @@ static void each_edge(const liner *l, visit_edge *visit, void *user) {
         for (size_t i = 0; i < count; ++i) {
             double a[3], b[3];
             size_t corner = first + i, next = first + (i + 1) % count;
-            if (boxed(l, render_corner(l->mesh, corner), a) &&
-                boxed(l, render_corner(l->mesh, next), b))
+            if (boxed(l, norma_mesh_corner(l->mesh, corner), a) &&
+                boxed(l, norma_mesh_corner(l->mesh, next), b))
                 visit(user, corner, next, a, b);
         }
     }
@@ -105,7 +105,7 @@ static void face_line(liner *l, size_t face, const float normal[3]) {
     render_face(l->mesh, face, &first, &count);
     for (size_t i = 0; i <= count && count > 0; ++i) {
         double p[3];
-        if (!boxed(l, render_corner(l->mesh, first + i % count), p)) return;
+        if (!boxed(l, norma_mesh_corner(l->mesh, first + i % count), p)) return;
         around += i > 0 ? distance(p, last) : 0;
         for (int k = 0; k < 3 && i < count; ++k) middle[k] += p[k] / (double)count;
         memcpy(last, p, sizeof last);
@@ -179,7 +179,8 @@ typedef struct edge_table {
 static void note_edge(
     void *user, size_t corner, size_t next, const double a[3], const double b[3]) {
     edge_table *table = user;
-    uint32_t p = render_corner(table->l->mesh, corner), q = render_corner(table->l->mesh, next);
+    uint32_t p = norma_mesh_corner(table->l->mesh, corner),
+             q = norma_mesh_corner(table->l->mesh, next);
     (void)a, (void)b;
     if (p == q) return;
     if (!table->filling)

@@ -9,57 +9,8 @@ float render_linear(uint32_t level) {
     return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
 }
 
-uint32_t render_corner(const norma_mesh *mesh, size_t corner) {
-    if (!mesh->corners) return (uint32_t)corner;
-    switch (mesh->corner_size) {
-    case 1:
-        return ((const uint8_t *)mesh->corners)[corner];
-    case 2:
-        return ((const uint16_t *)mesh->corners)[corner];
-    default:
-        return ((const uint32_t *)mesh->corners)[corner];
-    }
-}
-
-static size_t bytes_of(norma_format format) {
-    return format == NORMA_FORMAT_DOUBLE                                   ? 24
-           : format == NORMA_FORMAT_FLOAT                                  ? 12
-           : format == NORMA_FORMAT_INT16 || format == NORMA_FORMAT_UINT16 ? 6
-                                                                           : 3;
-}
-
-#define READ_THREE(type)                                                                           \
-    do {                                                                                           \
-        type three[3];                                                                             \
-        memcpy(three, at, sizeof three);                                                           \
-        for (int i = 0; i < 3; ++i) p[i] = (double)three[i];                                       \
-    } while (0)
-
 int render_position(const norma_mesh *mesh, uint32_t index, double p[3]) {
-    const norma_vec3_view *view = &mesh->positions;
-    const unsigned char *at = (const unsigned char *)view->data +
-                              index * (view->stride ? view->stride : bytes_of(view->format));
-    p[0] = p[1] = p[2] = NAN; /* what no format is */
-    switch (view->format) {
-    case NORMA_FORMAT_FLOAT:
-        READ_THREE(float);
-        break;
-    case NORMA_FORMAT_DOUBLE:
-        READ_THREE(double);
-        break;
-    case NORMA_FORMAT_INT8:
-        READ_THREE(int8_t);
-        break;
-    case NORMA_FORMAT_UINT8:
-        READ_THREE(uint8_t);
-        break;
-    case NORMA_FORMAT_INT16:
-        READ_THREE(int16_t);
-        break;
-    case NORMA_FORMAT_UINT16:
-        READ_THREE(uint16_t);
-        break;
-    }
+    norma_view_vector(&mesh->positions, index, p);
     return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
 }
 
@@ -76,7 +27,7 @@ void render_face(const norma_mesh *mesh, size_t face, size_t *first, size_t *cou
  * precision. */
 static uint8_t *used_positions(const norma_mesh *mesh) {
     uint8_t *used = calloc(mesh->positions.count + 1, 1);
-    for (size_t i = 0; used && i < mesh->corner_count; ++i) used[render_corner(mesh, i)] = 1;
+    for (size_t i = 0; used && i < mesh->corner_count; ++i) used[norma_mesh_corner(mesh, i)] = 1;
     return used;
 }
 

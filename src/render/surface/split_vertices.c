@@ -37,7 +37,7 @@ static void copy_corners(const norma_mesh *mesh, uint32_t *corners) {
     if (mesh->corners && mesh->corner_size != 1 && mesh->corner_size != 2)
         memcpy(corners, mesh->corners, mesh->corner_count * sizeof *corners);
     else
-        for (size_t i = 0; i < mesh->corner_count; ++i) corners[i] = render_corner(mesh, i);
+        for (size_t i = 0; i < mesh->corner_count; ++i) corners[i] = norma_mesh_corner(mesh, i);
 }
 
 static enum render_result one_each(
@@ -108,13 +108,13 @@ static void join_corners(const render_surface *surface, const float *missing, jo
                                     : surface->corner_normals ? surface->corner_normals[corner]
                                     : surface->stored == RENDER_NORMALS_PER_FACET
                                         ? (uint32_t)face
-                                        : render_corner(mesh, corner);
+                                        : norma_mesh_corner(mesh, corner);
             if (number < surface->normals.count) read_normal(&surface->normals, number, n);
             const int stored = number < surface->normals.count &&
                                !(surface->replace_zeros && n[0] == 0 && n[1] == 0 && n[2] == 0);
             if (!stored)
                 memcpy(n, missing ? missing + 3 * corner : (const float[3]){0, 0, 0}, sizeof n);
-            j->split->corners[corner] = join(j, render_corner(mesh, corner), n);
+            j->split->corners[corner] = join(j, norma_mesh_corner(mesh, corner), n);
         }
     }
 }
@@ -195,7 +195,7 @@ static int compute_for_errors(const render_surface *surface, float *normals) {
     const int good =
         each && norma_vertex_normals(mesh, &options, each, mesh->positions.count, NULL) == NORMA_OK;
     for (size_t i = 0; good && i < mesh->corner_count; ++i)
-        memcpy(normals + 3 * i, each + (size_t)3 * render_corner(mesh, i), 12);
+        memcpy(normals + 3 * i, each + (size_t)3 * norma_mesh_corner(mesh, i), 12);
     free(each);
     return good;
 }

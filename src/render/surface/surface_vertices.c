@@ -59,7 +59,7 @@ static int triangle_is_finite(const maker *m, size_t triangle) {
     double p[3];
     for (size_t k = 0; k < 3; ++k)
         if (!render_position(
-                m->mesh, render_corner(m->mesh, triangle_corner(m, 3 * triangle + k)), p))
+                m->mesh, norma_mesh_corner(m->mesh, triangle_corner(m, 3 * triangle + k)), p))
             return 0;
     return 1;
 }
@@ -126,7 +126,7 @@ static void add_faces(maker *m, uint32_t *owner, const float *normals) {
             uint32_t v[3];
             if (!finite && !triangle_is_finite(m, t)) continue;
             for (size_t k = 0; k < 3; ++k)
-                v[k] = render_corner(m->mesh, triangle_corner(m, 3 * t + k));
+                v[k] = norma_mesh_corner(m->mesh, triangle_corner(m, 3 * t + k));
             add_faceted(m, owner, (uint32_t)face, v, normals + 3 * face);
         }
     }
@@ -178,7 +178,7 @@ static void unroll(maker *m, const float *values) {
             for (size_t k = 0; k < 3; ++k) {
                 const uint32_t corner = triangle_corner(m, 3 * t + k);
                 const size_t vertex = out->count++;
-                place(m, render_corner(m->mesh, corner), vertex);
+                place(m, norma_mesh_corner(m->mesh, corner), vertex);
                 memcpy(out->normals + 3 * vertex,
                     m->split.normals + (size_t)3 * m->split.corners[corner], 12);
                 if (values)
@@ -232,7 +232,7 @@ static const size_t most_numbers =
 
 static int corners_are_in_range(const norma_mesh *mesh) {
     for (size_t i = 0; i < mesh->corner_count; ++i)
-        if (render_corner(mesh, i) >= mesh->positions.count) return 0;
+        if (norma_mesh_corner(mesh, i) >= mesh->positions.count) return 0;
     return 1;
 }
 

@@ -39,8 +39,7 @@ void render_vertices_free(render_vertices *vertices);
 
 /* ---- what these are made of, for lines as well */
 
-float render_linear(uint32_t level);                           /* of a level of 255, encoded */
-uint32_t render_corner(const norma_mesh *mesh, size_t corner); /* its position */
+float render_linear(uint32_t level); /* of a level of 255, encoded */
 int render_position(
     const norma_mesh *mesh, uint32_t index, double p[3]); /* 0 where it is not finite */
 size_t render_face_count(const norma_mesh *mesh);

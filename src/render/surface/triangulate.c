@@ -14,7 +14,7 @@ static uint32_t *add(uint32_t *out, size_t first, size_t a, size_t b, size_t c) 
 static uint32_t *cut_face(
     const norma_mesh *mesh, size_t first, size_t count, core_cutter *cutter, uint32_t *out) {
     for (size_t i = 0; i < count; ++i)
-        render_position(mesh, render_corner(mesh, first + i), cutter->points[i]);
+        render_position(mesh, norma_mesh_corner(mesh, first + i), cutter->points[i]);
     if (norma_core_polygon_fans(cutter, count)) {
         for (size_t i = 1; i + 1 < count; ++i) out = add(out, first, 0, i, i + 1);
         return out;

@@ -486,6 +486,53 @@ static void every_corner_size_is_the_same_mesh(void **state) {
     }
 }
 
+/* norma_view_vector and norma_mesh_corner, on odd addresses. */
+static void single_elements_of_every_format(void **state) {
+    (void)state;
+    static const struct {
+        norma_format format;
+        size_t size;
+        double numbers[6];
+    } formats[] = {{NORMA_FORMAT_FLOAT, 4, {0.5, -0x1p126, 0x1p-149, 3, -0.25, 7}},
+        {NORMA_FORMAT_DOUBLE, 8, {0.1, -1e300, 0x1p-1074, 3, -0.2, 7}},
+        {NORMA_FORMAT_INT8, 1, {-128, 127, 0, 1, -1, 5}},
+        {NORMA_FORMAT_UINT8, 1, {0, 255, 128, 1, 2, 5}},
+        {NORMA_FORMAT_INT16, 2, {-32768, 32767, 0, 256, -1, 5}},
+        {NORMA_FORMAT_UINT16, 2, {0, 65535, 32768, 256, 1, 5}}};
+    for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
+        unsigned char bytes[1 + 2 * (3 * sizeof(double) + 5)];
+        for (size_t gap = 0; gap < 6; gap += 5) {
+            const size_t size = formats[f].size, stride = 3 * size + gap;
+            for (size_t i = 0; i < 6; i++) {
+                const double d = formats[f].numbers[i];
+                const float as_float = (float)d;
+                const int32_t whole = fabs(d) < 1e5 ? (int32_t)d : 0; /* little end first */
+                const void *from = size == 8   ? (const void *)&d
+                                   : size == 4 ? (const void *)&as_float
+                                               : (const void *)&whole;
+                memcpy(bytes + 1 + i / 3 * stride + i % 3 * size, from, size);
+            }
+            const norma_vec3_view view = {bytes + 1, 2, gap ? stride : 0, formats[f].format};
+            for (size_t i = 0; i < 2; i++) {
+                double out[3];
+                norma_view_vector(&view, i, out);
+                for (size_t k = 0; k < 3; k++) assert_true(out[k] == formats[f].numbers[3 * i + k]);
+            }
+        }
+    }
+    static const unsigned char corners[] = {9, 1, 2, 3, 4, 5, 6, 7, 8};
+    static const struct {
+        size_t size;
+        uint32_t second;
+    } sizes[] = {{0, 0x08070605}, {4, 0x08070605}, {2, 0x0403}, {1, 2}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        const norma_mesh mesh = {
+            .corners = corners + 1, .corner_count = 2, .corner_size = sizes[i].size};
+        assert_int_equal(norma_mesh_corner(&mesh, 1), sizes[i].second);
+    }
+    assert_int_equal(norma_mesh_corner(&(norma_mesh){.corner_size = 2, .corner_count = 9}, 7), 7);
+}
+
 static void face_starts_of_threes_are_triangles(void **state) {
     (void)state;
     static answer a, b;
@@ -652,6 +699,7 @@ int main(void) {
         cmocka_unit_test(flat_polygons_weigh_as_their_triangles),
         cmocka_unit_test(every_format_and_stride_is_the_same_mesh),
         cmocka_unit_test(every_corner_size_is_the_same_mesh),
+        cmocka_unit_test(single_elements_of_every_format),
         cmocka_unit_test(face_starts_of_threes_are_triangles),
         cmocka_unit_test(output_stride_leaves_the_gaps),
         cmocka_unit_test(reasons_add_up_to_the_report),

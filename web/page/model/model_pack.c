@@ -40,58 +40,22 @@ uint32_t view_pack_append(view_pack *pack, const void *bytes, size_t count, size
 
 /* ---- vectors: floats and doubles as they are, integers as floats, which hold them */
 
-static double component(const unsigned char *at, norma_format format, size_t axis) {
-    union {
-        int8_t i8;
-        uint8_t u8;
-        int16_t i16;
-        uint16_t u16;
-    } number;
-    switch (format) {
-    case NORMA_FORMAT_INT8:
-        memcpy(&number.i8, at + axis, 1);
-        return number.i8;
-    case NORMA_FORMAT_UINT8:
-        memcpy(&number.u8, at + axis, 1);
-        return number.u8;
-    case NORMA_FORMAT_INT16:
-        memcpy(&number.i16, at + 2 * axis, 2);
-        return number.i16;
-    case NORMA_FORMAT_UINT16:
-        memcpy(&number.u16, at + 2 * axis, 2);
-        return number.u16;
-    default:
-        return 0;
-    }
-}
-
-static size_t component_size(norma_format format) {
-    static const size_t sizes[] = {4, 8, 1, 1, 2, 2};
-    return sizes[format];
-}
-
 static uint32_t append_vectors(view_pack *pack, const norma_vec3_view *view) {
-    const int is_number = view->format == NORMA_FORMAT_FLOAT || view->format == NORMA_FORMAT_DOUBLE;
-    const size_t size = 3 * component_size(view->format),
-                 stride = view->stride ? view->stride : size,
-                 packed = is_number ? size : 3 * sizeof(float);
-    if (is_number && stride == size) return view_pack_append(pack, view->data, view->count, size);
+    const int is_double = view->format == NORMA_FORMAT_DOUBLE;
+    const size_t packed = 3 * (is_double ? sizeof(double) : sizeof(float));
+    if ((is_double || view->format == NORMA_FORMAT_FLOAT) &&
+        (view->stride == 0 || view->stride == packed))
+        return view_pack_append(pack, view->data, view->count, packed);
     if (view->count > UINT32_MAX / packed) {
         pack->failed = 1;
         return 0;
     }
     const uint32_t start = reserve(pack, view->count * packed);
     for (size_t i = 0; i < view->count && !pack->failed; ++i) {
-        const unsigned char *from = (const unsigned char *)view->data + i * stride;
-        unsigned char *to = pack->bytes + start + i * packed;
-        if (is_number) {
-            memcpy(to, from, size);
-            continue;
-        }
-        for (size_t axis = 0; axis < 3; ++axis) {
-            const float number = (float)component(from, view->format, axis);
-            memcpy(to + 4 * axis, &number, 4);
-        }
+        double v[3];
+        norma_view_vector(view, i, v);
+        const float floats[3] = {(float)v[0], (float)v[1], (float)v[2]};
+        memcpy(pack->bytes + start + i * packed, is_double ? (void *)v : (void *)floats, packed);
     }
     return start;
 }
@@ -106,9 +70,7 @@ static uint32_t append_corners(view_pack *pack, const norma_mesh *mesh) {
     }
     const uint32_t at = reserve(pack, mesh->corner_count * 4);
     for (size_t i = 0; i < mesh->corner_count && !pack->failed; ++i) {
-        uint16_t two = 0;
-        if (size == 2) memcpy(&two, (const unsigned char *)mesh->corners + 2 * i, 2);
-        const uint32_t corner = size == 2 ? two : ((const uint8_t *)mesh->corners)[i];
+        const uint32_t corner = norma_mesh_corner(mesh, i);
         memcpy(pack->bytes + at + 4 * i, &corner, 4);
     }
     return at;
