@@ -214,13 +214,21 @@ typedef struct norma_fix_summary {
      * are because the rays do not agree. */
     size_t by_rays, undecided;
     double least_confidence; /* of by_rays: (rays for it - rays against it) / rays */
+
+    /* Fixes that would have done harm, and were left out; a note of the document says for each
+     * which rule would have reported more. */
+    size_t left_out;
 } norma_fix_summary;
 
 /* Fixes the findings of the selected rules that a program can fix. Nothing else in the document
  * changes.
  *
+ * The fixes are tried on a copy first. A fix is left out if after it some rule, selected or not,
+ * would report more elements than before at warning or above, or a higher severity, or if an edge
+ * that is closed would be open. The other fixes are still applied.
+ *
  *   document   opened leniently
- *   options    as for norma_check_document; max_samples and profile are ignored
+ *   options    as for norma_check_document; max_samples is ignored
  *   unsafe     0: only safe fixes; nonzero: also those that may change something that was intended
  *              (norma_rule.fix says which)
  *   summary    written; or NULL
@@ -229,7 +237,9 @@ typedef struct norma_fix_summary {
  * New normals are computed from the surface, with the weight and crease that explain the other
  * normals of the file best. If all faces at a normal are reversed, the normal is reversed with
  * them.
- * A fix may uncover faults that another fix repairs, so call it until changed is 0.
+ * A fix may uncover faults that another fix repairs; these are fixed too. Calling it again changes
+ * nothing more. Cost: that of a few checks, and memory for a copy of the file; if a fix has to be
+ * left out, of a few more for each rule.
  * Errors: those of norma_check_document and norma_document_edit. After an error the document can
  * only be closed. */
 NORMA_API norma_document_result norma_fix_document(norma_document *document,

@@ -6,17 +6,17 @@ norma=${NORMA_BIN:-$tree/bin/norma}
 data=${NORMA_DATA:-$root/../shared/data}
 [ -x "$norma" ] || { fail "the tool is there" "no program at $norma"; finish; exit 1; }
 
-# left HOW REPORT ERRORS: findings that HOW should have mended, one a line; not those of files that were not written, since another rule would report more (wuson.stl: N503
-# joins parts that then touch in points alone, N303).
+# left HOW REPORT ERRORS: findings that HOW should have mended, one a line; not those of which the tool says that they are not fixed, since another rule would report more
+# (wuson.stl: N503 joins parts that then touch in points alone, N303).
 left() {
     node -e '
         const [how, file, errors] = process.argv.slice(1), report = JSON.parse(require("fs").readFileSync(file));
         // N201: all other faces there agree with the normal; N202: at a knife\x27s edge there is no other; N301: a Moebius band; N404, N405: what crosses itself, or would be worse
         // cut (cloth.obj); N502: equal positions, but nothing else is; N401: without the face the surface would be open.
         const never = new Set(["N201", "N202", "N301", "N401", "N404", "N405", "N502"]);
-        const refused = require("fs").readFileSync(errors, "utf8").split("\n").filter((line) => line.includes(": not written: "));
-        for (const f of report.files.filter((f) => !refused.some((line) => line.startsWith(`norma: ${f.path}: `)))) for (const x of f.findings)
-            if (f.status === "checked" && (x.fix === "safe" || (how === "--fix-unsafe" && x.fix && !never.has(x.rule))))
+        const refused = require("fs").readFileSync(errors, "utf8").split("\n").filter((line) => line.includes(" is not fixed"));
+        for (const f of report.files) for (const x of f.findings)
+            if (!refused.some((line) => line.startsWith(`norma: ${f.path}: ${x.rule} `)) && f.status === "checked" && (x.fix === "safe" || (how === "--fix-unsafe" && x.fix && !never.has(x.rule))))
                 console.log(f.path, x.rule, x.where, x.count)' -- "$1" "$2" "$3"
 }
 

@@ -1,290 +1,263 @@
-/* fix.c: what the rules found and a program may put right, put right: every element that a finding
- * names, by an edit of its mesh; missing normals by computing them; transforms by baking them. All
- * changes to single elements come first; where a glTF takes no second change, the summary says that
- * there is more to do. */
-#include "check/fix/fix.h"
-#include <math.h>
+/* fix.c: norma_fix_document: a plan for what the rules found is tried on a copy of the document,
+ * step by step, until nothing more is to be done, and then carried out, if by all rules the copy is
+ * no worse than the document was. Where it is, each rule's fix is tried in turn with those that did
+ * no harm before it: the ones that harm are left out, first at the meshes that suffer, then
+ * everywhere. */
+#include "check/fix/fix_trial.h"
+#include "io/format/notes.h"
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct mender {
+typedef struct harm { /* why the fix of a rule was left out */
+    uint8_t by[CHECK_RULE_COUNT];
+    int loose; /* edges came open */
+} harm;
+
+typedef struct fixing {
     norma_document *document;
-    norma_check_options options;
-    int unsafe;
-    norma_findings *findings;
-    norma_mesh_edit *edits;
-    uint8_t **turned; /* of each mesh marks of faces, or NULL */
-    float **smooth;   /* of each mesh normals at seams of several primitives, or NULL */
-    size_t mesh_count;
+    fix_request request;
+    fix_left_out *places; /* the request's */
+    size_t place_room;
+    harm *harms; /* of each rule */
+    fix_measure before;
+    fix_trial best; /* whose plans do no harm; count 0: none yet */
     norma_fix_summary *summary;
     norma_document_error *error;
-} mender;
+} fixing;
 
-static norma_document_result fail(const mender *m, norma_result result) {
-    const norma_document_result as = result == NORMA_CANCELLED ? NORMA_DOCUMENT_CANCELLED
-                                     : result == NORMA_ERROR_MEMORY
-                                         ? NORMA_DOCUMENT_ERROR_MEMORY
-                                         : NORMA_DOCUMENT_ERROR_MALFORMED;
-    if (m->error) {
-        m->error->result = as;
-        norma_check_message(m->error->message, "cannot be fixed: %s", norma_result_text(result));
+static norma_document_result fail_memory(const fixing *f) {
+    if (f->error) *f->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+    return NORMA_DOCUMENT_ERROR_MEMORY;
+}
+
+/* ---- progress: several passes, of which each has half of what is left; it never falls */
+
+typedef struct fix_progress {
+    norma_progress *progress;
+    void *user;
+    double done, last;
+} fix_progress;
+
+static int report_progress(void *user, double fraction) {
+    fix_progress *p = user;
+    const double whole = p->done + (1 - p->done) / 2 * fraction;
+    if (whole < p->last) p->done = p->last; /* the next pass has begun */
+    p->last = whole > p->last ? whole : p->last;
+    return p->progress(p->user, p->last);
+}
+
+/* ---- trials */
+
+/* trial: to be freed in any case. harmful: by what it is worse, if it is. */
+static norma_document_result try_request(
+    fixing *f, fix_trial *trial, harm *harmful, int *is_worse) {
+    fix_plan plan;
+    *trial = (fix_trial){0};
+    *harmful = (harm){0};
+    *is_worse = 0;
+    norma_document_result result = norma_fix_make_plan(f->document, &f->request, &plan, f->error);
+    if (result) return result;
+    if (norma_fix_plan_is_empty(&plan)) {
+        trial->plans[trial->count++] = plan;
+        return result;
     }
-    return as;
-}
-
-/* ---- one mesh */
-
-static int may_fix(const mender *m, const norma_finding *finding) {
-    return finding->fix == NORMA_FIX_SAFE || (finding->fix == NORMA_FIX_UNSAFE && m->unsafe);
-}
-
-static int gather_findings(const mender *m, fix_mesh *mesh) {
-    size_t count = norma_findings_count(m->findings);
-    mesh->findings = calloc(count + 1, sizeof *mesh->findings);
-    for (size_t i = 0; mesh->findings && i < count; i++) {
-        const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (may_fix(m, finding) && strcmp(finding->where, mesh->info.where) == 0)
-            mesh->findings[mesh->finding_count++] = finding;
+    if (!f->before.findings)
+        result = norma_fix_measure(f->document, &f->request, &f->before, f->error);
+    if (result) {
+        norma_fix_plan_free(&plan);
+        return result;
     }
-    return mesh->findings != NULL;
-}
-
-static void strip_normals(fix_mesh *m) {
-    if (norma_fix_has(m, RULE_N105))
-        m->edit->strip_normals = NORMA_STRIP_ALL;
-    else if (norma_fix_has(m, RULE_N903))
-        m->edit->strip_normals = NORMA_STRIP_MORPHS;
-}
-
-static norma_result fix_arrays(fix_mesh *mesh) {
-    norma_result result = norma_core_mesh_shape(&mesh->data.mesh, &mesh->mesh);
-    mesh->mesh.scale = 1;
-    if (!result) result = norma_fix_faces(mesh);
-    if (!result) result = norma_fix_polygons(mesh);
-    if (!result) result = norma_fix_positions(mesh);
-    if (!result) result = norma_fix_normals(mesh);
-    if (!result) result = norma_fix_tangents(mesh);
-    strip_normals(mesh);
-    if (!result) result = norma_fix_vertices(mesh);
+    result = norma_fix_try(f->document, &f->request, &plan, trial, f->error);
+    if (!result) *is_worse = norma_fix_find_worse(&f->before, &trial->after, harmful->by);
+    harmful->loose = !result && trial->after.loose > f->before.loose;
     return result;
 }
 
-/* The facets of an STL are turned in one step and moved in another: what is to be moved is found
- * again once they are turned. */
-static void part_steps(fix_mesh *m) {
-    if (m->info.normals != NORMA_NORMALS_PER_FACET || !m->edit->reverse_faces ||
-        !m->edit->set_positions)
-        return;
-    free((void *)(uintptr_t)m->edit->positions);
-    free((void *)(uintptr_t)m->edit->set_positions);
-    m->edit->positions = NULL;
-    m->edit->set_positions = NULL;
+static void keep_trial(fixing *f, fix_trial *trial) {
+    norma_fix_trial_free(&f->best);
+    f->best = *trial;
+    *trial = (fix_trial){0};
 }
 
-static norma_document_result fix_mesh_of(mender *m, size_t index) {
-    fix_mesh mesh = {.document = m->document,
-        .index = index,
-        .edit = &m->edits[index],
-        .turned = m->turned[index],
-        .smooth = m->smooth[index],
-        .threads = m->options.threads};
-    norma_result mended = NORMA_OK;
-    norma_document_result result = norma_document_mesh_info(m->document, index, &mesh.info);
-    if (result || mesh.info.not_read) return result;
-    if (!gather_findings(m, &mesh)) return fail(m, NORMA_ERROR_MEMORY);
-    if (mesh.finding_count > 0 || mesh.turned || mesh.smooth) {
-        result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
-        if (!result)
-            result = norma_document_mesh_attributes(m->document, index, &mesh.attributes, m->error);
-        if (!result) mended = fix_arrays(&mesh);
+/* ---- what harms is left out */
+
+static size_t count_at(const norma_findings *findings, const norma_rule *rule, const char *where) {
+    size_t sum = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (finding->rule == rule && finding->severity >= NORMA_SEVERITY_WARNING &&
+            strcmp(finding->where, where) == 0)
+            sum += finding->count;
     }
-    part_steps(&mesh);
-    free(mesh.findings);
-    free(mesh.corners);
-    free(mesh.surface);
-    free(mesh.face_normals);
-    return mended ? fail(m, mended) : result;
+    return sum;
 }
 
-/* ---- whole bodies, seams between primitives */
-
-/* The meshes from first on that belong together, those that were read; returns the one after. */
-static size_t gather_group(
-    const mender *m, size_t first, size_t *indices, const char **wheres, size_t *count) {
-    norma_mesh_info info;
-    size_t mesh = 0, i = first;
-    for (*count = 0; i < m->mesh_count; i++) {
-        if (norma_document_mesh_info(m->document, i, &info) || (i > first && info.mesh != mesh))
-            break;
-        mesh = info.mesh;
-        if (info.not_read) continue;
-        indices[*count] = i;
-        wheres[(*count)++] = info.where;
+static int leave_out_at(fixing *f, check_rule rule, const char *where) {
+    if (f->request.place_count == f->place_room) {
+        const size_t room = 2 * f->place_room + 8;
+        fix_left_out *grown = realloc(f->places, room * sizeof *grown);
+        if (!grown) return 0;
+        f->places = grown;
+        f->place_room = room;
+        f->request.places = grown;
     }
-    return i > first ? i : first + 1;
+    const size_t size = strlen(where) + 1;
+    char *copy = malloc(size);
+    if (!copy) return 0;
+    memcpy(copy, where, size);
+    f->places[f->request.place_count++] = (fix_left_out){rule, copy};
+    return 1;
 }
 
-static norma_document_result fix_groups(mender *m, int turns, int shares) {
-    size_t *indices = calloc(m->mesh_count + 1, sizeof *indices), count;
-    const char **wheres = calloc(m->mesh_count + 1, sizeof *wheres);
-    norma_document_result result =
-        indices && wheres ? NORMA_DOCUMENT_OK : fail(m, NORMA_ERROR_MEMORY);
-    for (size_t first = 0; first < m->mesh_count && !result;) {
-        norma_result how = NORMA_OK;
-        first = gather_group(m, first, indices, wheres, &count);
-        const fix_group group = {m->document, m->findings, indices, wheres, count,
-            m->options.threads, m->options.open_by_rays, m->turned, m->smooth, m->summary,
-            m->error};
-        if (count && turns) result = norma_fix_turn(&group, &how);
-        if (!result && !how && count > 1 && shares) result = norma_fix_seams(&group, &how);
-        if (!result && how) result = fail(m, how);
+static void forget_places(fixing *f, size_t count) {
+    while (f->request.place_count > count) free(f->places[--f->request.place_count].where);
+}
+
+/* Leaves the rule out at the places where others report more. Returns how many those are; 0: out of
+ * memory, or the harm has no place of its own. */
+static size_t leave_out_where_worse(
+    fixing *f, check_rule rule, const fix_trial *trial, const harm *harmful) {
+    const size_t places = f->request.place_count;
+    size_t count;
+    for (size_t i = 0; i < norma_findings_count(trial->after.findings); i++) {
+        const norma_finding *finding = norma_findings_get(trial->after.findings, i);
+        if (!harmful->by[finding->rule - norma_rules(&count)] || !finding->where[0] ||
+            count_at(trial->after.findings, finding->rule, finding->where) <=
+                count_at(f->before.findings, finding->rule, finding->where))
+            continue;
+        if (!leave_out_at(f, rule, finding->where)) {
+            forget_places(f, places);
+            return 0;
+        }
     }
-    free(indices);
-    free((void *)wheres);
+    return f->request.place_count - places;
+}
+
+/* With the fixes that did no harm, and this one. */
+static norma_document_result try_rule(fixing *f, check_rule rule) {
+    fix_trial trial;
+    harm harmful;
+    int worse;
+    const size_t places = f->request.place_count;
+    f->request.left_out[rule] = 0;
+    norma_document_result result = try_request(f, &trial, &harmful, &worse);
+    if (!result && worse) {
+        f->harms[rule] = harmful;
+        if (leave_out_where_worse(f, rule, &trial, &harmful)) {
+            norma_fix_trial_free(&trial);
+            result = try_request(f, &trial, &harmful, &worse);
+        }
+    }
+    if (!result && !worse) {
+        keep_trial(f, &trial);
+    } else {
+        f->request.left_out[rule] = 1;
+        forget_places(f, places);
+    }
+    norma_fix_trial_free(&trial);
     return result;
 }
 
-/* ---- the document */
-
-static void free_edits(mender *m) {
-    for (size_t i = 0; m->edits && i < m->mesh_count; i++) {
-        const norma_mesh_edit *edit = &m->edits[i];
-        const void *const blocks[] = {edit->reverse_faces, edit->drop_faces, edit->normals,
-            edit->set_normals, edit->positions, edit->set_positions, edit->tangents,
-            edit->set_tangents, edit->cut_faces, edit->cut_corners, edit->source_vertices,
-            edit->new_corners};
-        for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++)
-            free((void *)(uintptr_t)blocks[k]);
-    }
-    for (size_t i = 0; m->turned && m->smooth && i < m->mesh_count; i++) {
-        free(m->turned[i]);
-        free(m->smooth[i]);
-    }
-    free((void *)m->turned);
-    free((void *)m->smooth);
-    free(m->edits);
-}
-
-static int has_edit(const mender *m) {
-    for (size_t i = 0; i < m->mesh_count; i++)
-        if (norma_fix_has_edit(&m->edits[i])) return 1;
-    return 0;
-}
-
-/* Whether a finding of the document asks for the rule's fix. */
-static int is_asked(const mender *m, check_rule rule) {
-    for (size_t i = 0; i < norma_findings_count(m->findings); i++) {
-        const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (may_fix(m, finding) && norma_fix_is_rule(finding, rule)) return 1;
-    }
-    return 0;
-}
-
-static norma_document_result compute_missing(mender *m, int morphs) {
-    norma_compute_summary summary;
-    const norma_compute_options options = {.struct_size = sizeof options,
-        .only = NORMA_ONLY_MISSING,
-        .morphs = morphs,
-        .threads = m->options.threads};
-    norma_document_result result =
-        norma_document_compute(m->document, &options, &summary, m->error);
-    m->summary->changed |= !result && summary.changed;
-    return result;
-}
-
-/* Placeholders of an OBJ: corners with quite different normals name one vn, so that all are made
- * anew. */
-static norma_document_result replace_placeholders(mender *m) {
-    norma_compute_summary summary;
-    const norma_compute_options options = {
-        .struct_size = sizeof options, .threads = m->options.threads};
-    norma_document_result result =
-        norma_document_compute(m->document, &options, &summary, m->error);
-    m->summary->changed |= !result && summary.changed;
-    return result;
-}
-
-/* The caller gave no matrix, so numbers that do not fit are the file's own fault. */
-static norma_document_result bake(mender *m) {
-    norma_transform_summary summary;
-    const norma_transform_options options = {
-        .struct_size = sizeof options, .bake = 1, .threads = m->options.threads};
-    norma_document_result result =
-        norma_document_transform(m->document, &options, &summary, m->error);
-    if (result == NORMA_DOCUMENT_ERROR_ARGUMENT) {
-        result = NORMA_DOCUMENT_ERROR_MALFORMED;
-        if (m->error) m->error->result = result;
-    }
-    m->summary->changed |= !result && summary.changed;
-    return result;
-}
-
-/* The meshes that N701 names. */
-static norma_document_result recentre(mender *m) {
-    uint8_t *meshes = calloc(m->mesh_count + 1, 1);
-    int changed = 0;
-    norma_document_result result = meshes ? NORMA_DOCUMENT_OK : fail(m, NORMA_ERROR_MEMORY);
-    for (size_t i = 0; i < m->mesh_count && !result; i++) {
-        norma_mesh_info info;
-        fix_mesh mesh = {.document = m->document};
-        result = norma_document_mesh_info(m->document, i, &info);
-        mesh.info = info;
-        if (!result && !gather_findings(m, &mesh)) result = fail(m, NORMA_ERROR_MEMORY);
-        meshes[i] = !result && norma_fix_has(&mesh, RULE_N701);
-        free(mesh.findings);
-    }
-    if (!result) result = norma_document_recentre(m->document, meshes, &changed, m->error);
-    free(meshes);
-    m->summary->changed |= changed;
-    return result;
-}
-
-/* Changes to a whole document, after those of its meshes. */
-static norma_document_result fix_rest(mender *m) {
-    const int wants_compute = is_asked(m, RULE_N104) || is_asked(m, RULE_N106) ||
-                              is_asked(m, RULE_N806) || is_asked(m, RULE_N901);
-    const int wants_bake =
-        is_asked(m, RULE_N601) || is_asked(m, RULE_N602) || is_asked(m, RULE_N604);
-    norma_document_result result = is_asked(m, RULE_N701) ? recentre(m) : NORMA_DOCUMENT_OK;
-    if (!result && is_asked(m, RULE_N203) && norma_document_format(m->document) == NORMA_FILE_OBJ)
-        result = replace_placeholders(m);
-    if (!result && wants_compute) result = compute_missing(m, is_asked(m, RULE_N901));
-    return result || !wants_bake ? result : bake(m);
-}
-
-static norma_document_result mend(mender *m) {
+static norma_document_result leave_out_harmful(fixing *f, const uint8_t *asked) {
     norma_document_result result = NORMA_DOCUMENT_OK;
-    m->mesh_count = norma_document_mesh_count(m->document);
-    m->edits = calloc(m->mesh_count + 1, sizeof *m->edits);
-    m->turned = calloc(m->mesh_count + 1, sizeof *m->turned);
-    m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
-    if (!m->edits || !m->turned || !m->smooth) return fail(m, NORMA_ERROR_MEMORY);
-    const int turns = m->unsafe && (is_asked(m, RULE_N302) || m->options.open_by_rays),
-              shares = is_asked(m, RULE_N501);
-    if (turns || shares) result = fix_groups(m, turns, shares);
-    for (size_t i = 0; i < m->mesh_count && !result; i++) result = fix_mesh_of(m, i);
-    if (!result && has_edit(m)) {
-        result = norma_document_edit(m->document, m->edits, m->error);
-        m->summary->changed = 1;
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++) f->request.left_out[rule] = asked[rule];
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT && !result; rule++)
+        if (asked[rule]) result = try_rule(f, (check_rule)rule);
+    return result;
+}
+
+/* All fixes at once first: they seldom harm. */
+static norma_document_result find_fixes(fixing *f) {
+    fix_trial trial;
+    harm harmful;
+    int worse;
+    uint8_t asked[CHECK_RULE_COUNT] = {0};
+    norma_document_result result = try_request(f, &trial, &harmful, &worse);
+    for (size_t i = 0; i < trial.count; i++)
+        for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+            asked[rule] |= trial.plans[i].asked[rule];
+    if (!result && !worse) keep_trial(f, &trial);
+    norma_fix_trial_free(&trial);
+    return !result && worse ? leave_out_harmful(f, asked) : result;
+}
+
+/* ---- what was found is done, and said */
+
+static void note_harm(fixing *f, check_rule rule, const char *where) {
+    char text[CHECK_MESSAGE], by[CHECK_MESSAGE] = "";
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
+        if (f->harms[rule].by[i]) {
+            norma_check_message(
+                text, "%s%s%s %s", by, by[0] ? ", " : "", rules[i].id, rules[i].name);
+            memcpy(by, text, sizeof by);
+        }
+    if (f->harms[rule].loose && !by[0])
+        norma_check_message(by, "edges that are closed would be open");
+    else if (by[0]) {
+        norma_check_message(text, "%s would report more than before", by);
+        memcpy(by, text, sizeof by);
     }
-    return result ? result : fix_rest(m);
+    norma_check_message(text, where ? "%s %s is not fixed at %s: %s" : "%s %s is not fixed%s: %s",
+        rules[rule].id, rules[rule].name, where ? where : "", by);
+    norma_document_add_note(f->document, "%s", text);
+    f->summary->left_out++;
+}
+
+static void note_left_out(fixing *f) {
+    for (size_t i = 0; i < f->request.place_count; i++)
+        note_harm(f, f->places[i].rule, f->places[i].where);
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+        if (f->request.left_out[rule]) note_harm(f, (check_rule)rule, NULL);
+}
+
+static norma_document_result carry_out(fixing *f) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    const fix_trial *best = &f->best;
+    for (size_t i = 0; i < best->count && !result; i++)
+        result = norma_fix_apply(f->document, &best->plans[i], f->request.options.threads,
+            &f->summary->changed, f->error);
+    if (result) return result;
+    if (best->count) {
+        const fix_plan *last = &best->plans[best->count - 1], *first = &best->plans[0];
+        for (size_t i = 0; i < last->note_count; i++)
+            norma_document_add_note(f->document, "%s", last->notes[i]);
+        f->summary->by_rays = first->by_rays;
+        f->summary->undecided = first->undecided;
+        f->summary->least_confidence = first->least_confidence;
+    }
+    note_left_out(f);
+    return result;
 }
 
 norma_document_result norma_fix_document(norma_document *document,
     const norma_check_options *options, int unsafe, norma_fix_summary *summary,
     norma_document_error *error) {
     norma_fix_summary unwanted;
-    mender m = {.document = document,
-        .unsafe = unsafe,
+    fix_progress progress = {0};
+    fixing f = {.document = document,
+        .request.unsafe = unsafe,
         .summary = summary ? summary : &unwanted,
         .error = error};
-    *m.summary = (norma_fix_summary){0};
-    if (options) m.options = *options;
-    m.options.struct_size = sizeof m.options;
-    m.options.max_samples = SIZE_MAX; /* every element is wanted */
-    norma_document_result result = norma_check_document(document, &m.options, &m.findings, error);
-    if (!result) result = mend(&m);
-    free_edits(&m);
-    norma_findings_free(m.findings);
+    *f.summary = (norma_fix_summary){0};
+    if (options) f.request.options = *options;
+    f.request.options.struct_size = sizeof f.request.options;
+    f.request.options.max_samples = SIZE_MAX; /* every element is wanted */
+    f.request.by_rays = f.request.options.open_by_rays;
+    if (f.request.options.progress) {
+        progress =
+            (fix_progress){f.request.options.progress, f.request.options.progress_user, 0, 0};
+        f.request.options.progress = report_progress;
+        f.request.options.progress_user = &progress;
+    }
+    f.harms = calloc(CHECK_RULE_COUNT, sizeof *f.harms);
+    norma_document_result result = f.harms ? find_fixes(&f) : fail_memory(&f);
+    if (!result) result = carry_out(&f);
+    forget_places(&f, 0);
+    free(f.places);
+    free(f.harms);
+    norma_fix_trial_free(&f.best);
+    norma_fix_measure_free(&f.before);
     return result;
 }

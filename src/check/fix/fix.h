@@ -5,8 +5,45 @@
 #include "check/findings/check_run.h"
 #include <math.h>
 
+/* What may be done: the fixes asked for, less those that would harm. */
+typedef struct fix_left_out {
+    check_rule rule;
+    char *where;
+} fix_left_out;
+
+typedef struct fix_request {
+    norma_check_options options; /* max_samples: all of them */
+    int unsafe, by_rays;         /* by_rays: open parts are turned (N304) */
+    uint8_t left_out[CHECK_RULE_COUNT];
+    const fix_left_out *places; /* a rule at one mesh or node */
+    size_t place_count;
+} fix_request;
+int norma_fix_may(const fix_request *request, const norma_finding *finding);
+
+/* One step: what is to be done to each mesh, then to the whole document. (fix_plan.c) */
+typedef struct fix_plan {
+    norma_mesh_edit *edits;
+    size_t mesh_count;
+    uint8_t *recentred; /* marks of meshes, or NULL */
+    int replaces, computes, morphs, bakes;
+    uint8_t asked[CHECK_RULE_COUNT]; /* rules whose fixes these are */
+    size_t by_rays, undecided;       /* as in norma_fix_summary */
+    double least_confidence;
+    char **notes; /* what could not be done, and why */
+    size_t note_count;
+} fix_plan;
+norma_document_result norma_fix_make_plan(norma_document *document, const fix_request *request,
+    fix_plan *plan, norma_document_error *error); /* after an error there is nothing to free */
+int norma_fix_plan_is_empty(const fix_plan *plan);
+int norma_fix_plan_moves(const fix_plan *plan); /* whether faces or positions do not stay */
+norma_document_result norma_fix_apply(norma_document *document, const fix_plan *plan,
+    uint32_t threads, int *changed, norma_document_error *error);
+void norma_fix_note(fix_plan *plan, const char *text); /* without memory it is lost */
+void norma_fix_plan_free(fix_plan *plan);
+
 typedef struct fix_mesh {
     norma_document *document;
+    fix_plan *plan;
     size_t index; /* of the mesh in the document */
     norma_mesh_info info;
     norma_mesh_data data;
@@ -57,14 +94,17 @@ typedef struct fix_group { /* the primitives of one glTF mesh, or the one mesh o
     const size_t *indices; /* count of them, in the document */
     const char *const *wheres;
     size_t count;
-    uint32_t threads;
-    int open_by_rays;
+    const fix_request *request;
     uint8_t **turned; /* by index: set to a mark for each face, the caller's to free */
     float **smooth;   /* by index: set to a normal for each vertex, NaN where it stays; the caller's
                          to free */
-    norma_fix_summary *summary;
+    fix_plan *plan;
     norma_document_error *error;
 } fix_group;
+/* The meshes from first on that belong together, those that were read; returns the one after.
+ * wheres may be NULL. */
+size_t norma_fix_gather_group(const norma_document *document, size_t first, size_t *indices,
+    const char **wheres, size_t *count);
 norma_document_result norma_fix_turn(
     const fix_group *group, norma_result *how); /* turn_bodies.c: N302, N304 */
 norma_document_result norma_fix_seams(

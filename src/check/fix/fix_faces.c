@@ -146,13 +146,39 @@ static norma_result keep_closed(const core_mesh *mesh, uint8_t *drop) {
     return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
+/* Says which of the named faces stay, the first of them by their numbers. */
+static void note_kept(const fix_mesh *m, const uint8_t *named, const uint8_t *drop) {
+    enum { FEW = 10 };
+    char list[CHECK_MESSAGE] = "", text[CHECK_MESSAGE];
+    size_t kept = 0;
+    for (size_t f = 0; f < m->mesh.face_count; f++) {
+        if (!named[f] || drop[f]) continue;
+        if (kept < FEW) {
+            norma_check_message(text, kept ? "%s, %z" : "%s%z", list, f);
+            memcpy(list, text, sizeof list);
+        }
+        kept++;
+    }
+    if (!kept) return;
+    norma_check_message(text,
+        "N401, N305: %z face%s kept%s%s, because edges that are closed would be open without "
+        "%s: face%s %s%s",
+        kept, kept == 1 ? " is" : "s are", *m->info.where ? " at " : "", m->info.where,
+        kept == 1 ? "it" : "them", norma_check_plural(kept), list, kept > FEW ? ", ..." : "");
+    norma_fix_note(m->plan, text);
+}
+
 static norma_result drop_named(fix_mesh *m) {
     uint8_t *marks = NULL;
     const size_t faces = m->mesh.face_count;
     const int twice = norma_fix_mark(m, RULE_N305, MEND_FACE, faces, &marks),
               flat = twice < 0 ? twice : norma_fix_mark(m, RULE_N401, MEND_FACE, faces, &marks);
     norma_result result = twice < 0 || flat < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
-    if (!result && marks) result = keep_closed(&m->mesh, marks);
+    uint8_t *named = !result && marks ? malloc(faces + 1) : NULL;
+    if (named) memcpy(named, marks, faces);
+    if (!result && marks) result = named ? keep_closed(&m->mesh, marks) : NORMA_ERROR_MEMORY;
+    if (!result && marks) note_kept(m, named, marks);
+    free(named);
     if (!result && marks && memchr(marks, 1, faces))
         m->edit->drop_faces = marks;
     else

@@ -5,7 +5,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- marks */
+/* ---- which findings, which elements */
+
+static int is_left_out(const fix_request *request, const norma_finding *finding, check_rule rule) {
+    if (request->left_out[rule]) return 1;
+    for (size_t i = 0; i < request->place_count; i++)
+        if (request->places[i].rule == rule &&
+            strcmp(request->places[i].where, finding->where) == 0)
+            return 1;
+    return 0;
+}
+
+int norma_fix_may(const fix_request *request, const norma_finding *finding) {
+    size_t count;
+    const check_rule rule = (check_rule)(finding->rule - norma_rules(&count));
+    const int turns = rule == RULE_N304 && request->by_rays && request->unsafe;
+    return (turns || finding->fix == NORMA_FIX_SAFE ||
+               (finding->fix == NORMA_FIX_UNSAFE && request->unsafe)) &&
+           !is_left_out(request, finding, rule);
+}
 
 int norma_fix_is_rule(const norma_finding *finding, check_rule rule) {
     size_t count;

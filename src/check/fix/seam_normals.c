@@ -34,7 +34,9 @@ static seam_place *gather_places(const fix_whole *w, size_t *count) {
     for (size_t i = 0; places && i < g->count; i++)
         for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
             const norma_finding *finding = norma_findings_get(g->findings, k);
-            if (finding->rule != rule || strcmp(finding->where, g->wheres[i]) != 0) continue;
+            if (finding->rule != rule || !norma_fix_may(g->request, finding) ||
+                strcmp(finding->where, g->wheres[i]) != 0)
+                continue;
             for (size_t s = 0; s < finding->sample_count; s++)
                 if (finding->samples[s].vertex < w->meshes[i].positions.count)
                     norma_core_position(&w->meshes[i], (uint32_t)finding->samples[s].vertex,
@@ -47,7 +49,8 @@ static seam_place *gather_places(const fix_whole *w, size_t *count) {
 /* As the first primitive's stored normals show. */
 static norma_document_result find_weight(
     const fix_group *g, norma_weight *weight, norma_result *how) {
-    const norma_options options = {.struct_size = sizeof options, .threads = g->threads};
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = g->request->options.threads};
     norma_mesh_info info;
     norma_mesh_data data;
     norma_deviation deviation;
@@ -89,8 +92,9 @@ norma_document_result norma_fix_seams(const fix_group *group, norma_result *how)
     if (!result && !*how && !places) *how = NORMA_ERROR_MEMORY;
     if (!result && !*how && count) result = find_weight(group, &weight, how);
     if (!result && !*how && count) {
-        const norma_options options = {
-            .struct_size = sizeof options, .weight = weight, .threads = group->threads};
+        const norma_options options = {.struct_size = sizeof options,
+            .weight = weight,
+            .threads = group->request->options.threads};
         normals = malloc((w.vertices + 1) * 3 * sizeof *normals);
         *how = normals && norma_fix_join(&w)
                    ? norma_vertex_normals(&w.mesh, &options, normals, w.vertices, NULL)

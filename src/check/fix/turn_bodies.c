@@ -8,13 +8,12 @@
 /* The faces that a rule's findings name, counted over all meshes. */
 static int mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
     const fix_group *g = t->group;
-    size_t count, begin = 0;
+    size_t begin = 0;
     int any = 0;
     for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count)
         for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
             const norma_finding *finding = norma_findings_get(g->findings, k);
-            if (finding->rule != norma_rules(&count) + rule ||
-                (rule == RULE_N302 && finding->fix == NORMA_FIX_NONE) ||
+            if (!norma_fix_is_rule(finding, rule) || !norma_fix_may(g->request, finding) ||
                 strcmp(finding->where, g->wheres[i]) != 0)
                 continue;
             for (size_t s = 0; s < finding->sample_count; s++)
@@ -26,19 +25,19 @@ static int mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
 
 /* ---- rays */
 
-static void add_votes(norma_fix_summary *summary, const norma_orient_report *report) {
-    summary->least_confidence =
-        summary->by_rays == 0 || report->least_confidence < summary->least_confidence
-            ? report->least_confidence
-            : summary->least_confidence;
-    summary->by_rays += report->by_rays;
-    summary->undecided += report->undecided;
+static void add_votes(fix_plan *plan, const norma_orient_report *report) {
+    plan->least_confidence = plan->by_rays == 0 || report->least_confidence < plan->least_confidence
+                                 ? report->least_confidence
+                                 : plan->least_confidence;
+    plan->by_rays += report->by_rays;
+    plan->undecided += report->undecided;
 }
 
 /* What rays turn is what differs from winding alike alone. marks: in, the faces that are open; out,
  * those of them to be reversed. */
 static norma_result ask_rays(fix_whole *t, uint8_t *marks) {
-    const norma_options options = {.struct_size = sizeof options, .threads = t->group->threads};
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = t->group->request->options.threads};
     norma_orient_report report;
     uint8_t *alike = malloc(t->face_count + 1), *rays = malloc(t->face_count + 1);
     norma_result result = alike && rays && norma_fix_join(t) ? NORMA_OK : NORMA_ERROR_MEMORY;
@@ -50,7 +49,7 @@ static norma_result ask_rays(fix_whole *t, uint8_t *marks) {
             &t->mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
     for (size_t f = 0; f < t->face_count && !result; f++)
         marks[f] = marks[f] && alike[f] != rays[f];
-    if (!result && report.open) add_votes(t->group->summary, &report);
+    if (!result && report.open) add_votes(t->group->plan, &report);
     free(alike);
     free(rays);
     return result;
@@ -62,7 +61,7 @@ static norma_result turn(fix_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
     if (mark_named(t, RULE_N302, inward))
         result = norma_fix_whole_bodies(t->meshes, t->group->count, inward);
-    if (result || !t->group->open_by_rays || !mark_named(t, RULE_N304, open)) return result;
+    if (result || !mark_named(t, RULE_N304, open)) return result;
     result = norma_fix_whole_bodies(t->meshes, t->group->count, open);
     return result ? result : ask_rays(t, open);
 }

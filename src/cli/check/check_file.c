@@ -60,9 +60,7 @@ static int fail_on(const file_check *check) {
 
 /* What the report is about. */
 static const norma_findings *findings_of(const file_check *check) {
-    return check->mended.findings && !check->mended.worse && !check->fix_status
-               ? check->mended.findings
-               : check->findings;
+    return check->mended.findings && !check->fix_status ? check->mended.findings : check->findings;
 }
 
 static norma_document *document_of(const file_check *check) {
@@ -151,11 +149,6 @@ static void fix_file(file_check *check, const norma_check_options *options) {
         cli_print_error(&error);
     }
     check->fix_status = cli_status_of(result);
-    if (check->mended.worse) {
-        cli_error("%s: not written: after the fix these rules would report more than before: %s",
-            cli_input_name(check->path), check->mended.worse_by);
-        check->fix_status = CLI_FINDINGS;
-    }
 }
 
 static norma_document_result open_and_judge(file_check *check) {
@@ -268,8 +261,8 @@ static void report_findings(
     const check_report report = {check->path, norma_findings_profile(findings_of(check)),
         norma_findings_partly(findings_of(check)) ? "partly" : "checked", items,
         weigh(check, items, totals), document_of(check), check->mended.table,
-        check->mended.last.by_rays, check->mended.last.undecided,
-        check->mended.last.least_confidence};
+        check->mended.summary.by_rays, check->mended.summary.undecided,
+        check->mended.summary.least_confidence};
     add_totals_of_file(&report, &before, totals);
     totals->status = cli_worse(totals->status, check->fix_status);
     format->file(out, &report);

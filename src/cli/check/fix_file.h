@@ -7,10 +7,9 @@
 typedef struct check_fixed {
     norma_document *document; /* as it is now; judged by findings */
     norma_findings *findings;
-    int changed, worse, written;
-    char *table;            /* counts before and after, lines of text; NULL: nothing changed */
-    char worse_by[200];     /* where it is worse: the rules */
-    norma_fix_summary last; /* of the last step, which found nothing more to do */
+    int written;
+    char *table; /* counts before and after, lines of text; NULL: nothing changed */
+    norma_fix_summary summary;
 } check_fixed;
 
 /* before: findings of document with options, which rules the report has. 0: error says why. */

@@ -5,6 +5,7 @@
 #include <norma/document.h>
 #include "io/file/file.h"
 #include "io/file/memory.h"
+#include "io/format/notes.h"
 
 typedef struct format_functions format_functions;
 typedef struct scene_functions scene_functions;
@@ -182,9 +183,4 @@ static inline int norma_begins_with_zeros(const unsigned char *bytes, size_t siz
     return zeros == FEW;
 }
 
-/* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-int norma_document_add_note(norma_document *document, const char *format, ...);
 #endif

@@ -1,0 +1,300 @@
+/* fix_plan.c: what the rules found and a program may put right: every element that a finding names,
+ * by an edit of its mesh; missing normals by computing them; transforms by baking them. A plan is
+ * made without a change to the document, and may be applied to any copy of it. */
+#include "check/fix/fix.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct mender {
+    norma_document *document;
+    const fix_request *request;
+    norma_findings *findings;
+    fix_plan *plan;
+    uint8_t **turned; /* of each mesh marks of faces, or NULL */
+    float **smooth;   /* of each mesh normals at seams of several primitives, or NULL */
+    size_t mesh_count;
+    norma_document_error *error;
+} mender;
+
+static norma_document_result fail(const mender *m, norma_result result) {
+    const norma_document_result as = result == NORMA_CANCELLED ? NORMA_DOCUMENT_CANCELLED
+                                     : result == NORMA_ERROR_MEMORY
+                                         ? NORMA_DOCUMENT_ERROR_MEMORY
+                                         : NORMA_DOCUMENT_ERROR_MALFORMED;
+    if (m->error) {
+        m->error->result = as;
+        norma_check_message(m->error->message, "cannot be fixed: %s", norma_result_text(result));
+    }
+    return as;
+}
+
+/* ---- one mesh */
+
+static int gather_findings(const mender *m, fix_mesh *mesh) {
+    size_t count = norma_findings_count(m->findings);
+    mesh->findings = calloc(count + 1, sizeof *mesh->findings);
+    for (size_t i = 0; mesh->findings && i < count; i++) {
+        const norma_finding *finding = norma_findings_get(m->findings, i);
+        if (norma_fix_may(m->request, finding) && strcmp(finding->where, mesh->info.where) == 0)
+            mesh->findings[mesh->finding_count++] = finding;
+    }
+    return mesh->findings != NULL;
+}
+
+static void strip_normals(fix_mesh *m) {
+    if (norma_fix_has(m, RULE_N105))
+        m->edit->strip_normals = NORMA_STRIP_ALL;
+    else if (norma_fix_has(m, RULE_N903))
+        m->edit->strip_normals = NORMA_STRIP_MORPHS;
+}
+
+static norma_result fix_arrays(fix_mesh *mesh) {
+    norma_result result = norma_core_mesh_shape(&mesh->data.mesh, &mesh->mesh);
+    mesh->mesh.scale = 1;
+    if (!result) result = norma_fix_faces(mesh);
+    if (!result) result = norma_fix_polygons(mesh);
+    if (!result) result = norma_fix_positions(mesh);
+    if (!result) result = norma_fix_normals(mesh);
+    if (!result) result = norma_fix_tangents(mesh);
+    strip_normals(mesh);
+    if (!result) result = norma_fix_vertices(mesh);
+    return result;
+}
+
+/* The facets of an STL are turned in one step and moved in another: what is to be moved is found
+ * again once they are turned. */
+static void part_steps(fix_mesh *m) {
+    if (m->info.normals != NORMA_NORMALS_PER_FACET || !m->edit->reverse_faces ||
+        !m->edit->set_positions)
+        return;
+    free((void *)(uintptr_t)m->edit->positions);
+    free((void *)(uintptr_t)m->edit->set_positions);
+    m->edit->positions = NULL;
+    m->edit->set_positions = NULL;
+}
+
+static norma_document_result fix_mesh_of(mender *m, size_t index) {
+    fix_mesh mesh = {.document = m->document,
+        .index = index,
+        .plan = m->plan,
+        .edit = &m->plan->edits[index],
+        .turned = m->turned[index],
+        .smooth = m->smooth[index],
+        .threads = m->request->options.threads};
+    norma_result mended = NORMA_OK;
+    norma_document_result result = norma_document_mesh_info(m->document, index, &mesh.info);
+    if (result || mesh.info.not_read) return result;
+    if (!gather_findings(m, &mesh)) return fail(m, NORMA_ERROR_MEMORY);
+    if (mesh.finding_count > 0 || mesh.turned || mesh.smooth) {
+        result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
+        if (!result)
+            result = norma_document_mesh_attributes(m->document, index, &mesh.attributes, m->error);
+        if (!result) mended = fix_arrays(&mesh);
+    }
+    part_steps(&mesh);
+    free(mesh.findings);
+    free(mesh.corners);
+    free(mesh.surface);
+    free(mesh.face_normals);
+    return mended ? fail(m, mended) : result;
+}
+
+/* ---- whole bodies, seams between primitives */
+
+size_t norma_fix_gather_group(const norma_document *document, size_t first, size_t *indices,
+    const char **wheres, size_t *count) {
+    norma_mesh_info info;
+    size_t mesh = 0, i = first;
+    for (*count = 0; i < norma_document_mesh_count(document); i++) {
+        if (norma_document_mesh_info(document, i, &info) || (i > first && info.mesh != mesh)) break;
+        mesh = info.mesh;
+        if (info.not_read) continue;
+        if (wheres) wheres[*count] = info.where;
+        indices[(*count)++] = i;
+    }
+    return i > first ? i : first + 1;
+}
+
+static norma_document_result fix_groups(mender *m, int turns, int shares) {
+    size_t *indices = calloc(m->mesh_count + 1, sizeof *indices), count;
+    const char **wheres = calloc(m->mesh_count + 1, sizeof *wheres);
+    norma_document_result result =
+        indices && wheres ? NORMA_DOCUMENT_OK : fail(m, NORMA_ERROR_MEMORY);
+    for (size_t first = 0; first < m->mesh_count && !result;) {
+        norma_result how = NORMA_OK;
+        first = norma_fix_gather_group(m->document, first, indices, wheres, &count);
+        const fix_group group = {m->document, m->findings, indices, wheres, count, m->request,
+            m->turned, m->smooth, m->plan, m->error};
+        if (count && turns) result = norma_fix_turn(&group, &how);
+        if (!result && !how && count > 1 && shares) result = norma_fix_seams(&group, &how);
+        if (!result && how) result = fail(m, how);
+    }
+    free(indices);
+    free((void *)wheres);
+    return result;
+}
+
+/* ---- the document: changes to the whole of it come after those of its meshes */
+
+void norma_fix_plan_free(fix_plan *plan) {
+    for (size_t i = 0; plan->edits && i < plan->mesh_count; i++) {
+        const norma_mesh_edit *edit = &plan->edits[i];
+        const void *const blocks[] = {edit->reverse_faces, edit->drop_faces, edit->normals,
+            edit->set_normals, edit->positions, edit->set_positions, edit->tangents,
+            edit->set_tangents, edit->cut_faces, edit->cut_corners, edit->source_vertices,
+            edit->new_corners};
+        for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++)
+            free((void *)(uintptr_t)blocks[k]);
+    }
+    for (size_t i = 0; i < plan->note_count; i++) free(plan->notes[i]);
+    free(plan->notes);
+    free(plan->edits);
+    free(plan->recentred);
+    *plan = (fix_plan){0};
+}
+
+void norma_fix_note(fix_plan *plan, const char *text) {
+    char **notes = realloc(plan->notes, (plan->note_count + 1) * sizeof *notes);
+    const size_t size = strlen(text) + 1;
+    if (notes) plan->notes = notes;
+    if (notes && (notes[plan->note_count] = malloc(size)))
+        memcpy(notes[plan->note_count++], text, size);
+}
+
+static int has_edit(const fix_plan *plan) {
+    for (size_t i = 0; i < plan->mesh_count; i++)
+        if (norma_fix_has_edit(&plan->edits[i])) return 1;
+    return 0;
+}
+
+int norma_fix_plan_is_empty(const fix_plan *plan) {
+    return !has_edit(plan) && !plan->recentred && !plan->replaces && !plan->computes &&
+           !plan->bakes;
+}
+
+int norma_fix_plan_moves(const fix_plan *plan) {
+    int moves = plan->recentred || plan->bakes;
+    for (size_t i = 0; i < plan->mesh_count; i++)
+        moves |= plan->edits[i].drop_faces || plan->edits[i].cut_faces ||
+                 plan->edits[i].set_positions || plan->edits[i].source_vertices;
+    return moves;
+}
+
+/* The rules whose fixes the document's findings ask for. */
+static void mark_asked(mender *m) {
+    size_t count;
+    for (size_t i = 0; i < norma_findings_count(m->findings); i++) {
+        const norma_finding *finding = norma_findings_get(m->findings, i);
+        if (norma_fix_may(m->request, finding))
+            m->plan->asked[finding->rule - norma_rules(&count)] = 1;
+    }
+}
+
+/* The meshes that N701 names. */
+static norma_document_result mark_recentred(mender *m) {
+    m->plan->recentred = calloc(m->mesh_count + 1, 1);
+    if (!m->plan->recentred) return fail(m, NORMA_ERROR_MEMORY);
+    for (size_t i = 0; i < m->mesh_count; i++) {
+        fix_mesh mesh = {.document = m->document};
+        const norma_document_result result = norma_document_mesh_info(m->document, i, &mesh.info);
+        if (result) return result;
+        if (!gather_findings(m, &mesh)) return fail(m, NORMA_ERROR_MEMORY);
+        m->plan->recentred[i] = (uint8_t)norma_fix_has(&mesh, RULE_N701);
+        free(mesh.findings);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result plan_rest(mender *m) {
+    fix_plan *plan = m->plan;
+    const uint8_t *asked = plan->asked;
+    /* Placeholders of an OBJ: corners with quite different normals name one vn. */
+    plan->replaces = asked[RULE_N203] && norma_document_format(m->document) == NORMA_FILE_OBJ;
+    plan->computes = asked[RULE_N104] || asked[RULE_N106] || asked[RULE_N806] || asked[RULE_N901];
+    plan->morphs = asked[RULE_N901];
+    plan->bakes = asked[RULE_N601] || asked[RULE_N602] || asked[RULE_N604];
+    return asked[RULE_N701] ? mark_recentred(m) : NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result plan_all(mender *m) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    m->plan->mesh_count = m->mesh_count;
+    m->plan->edits = calloc(m->mesh_count + 1, sizeof *m->plan->edits);
+    m->turned = calloc(m->mesh_count + 1, sizeof *m->turned);
+    m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
+    if (!m->plan->edits || !m->turned || !m->smooth) return fail(m, NORMA_ERROR_MEMORY);
+    mark_asked(m);
+    const int turns = m->plan->asked[RULE_N302] || m->plan->asked[RULE_N304],
+              shares = m->plan->asked[RULE_N501];
+    if (turns || shares) result = fix_groups(m, turns, shares);
+    for (size_t i = 0; i < m->mesh_count && !result; i++) result = fix_mesh_of(m, i);
+    return result ? result : plan_rest(m);
+}
+
+norma_document_result norma_fix_make_plan(norma_document *document, const fix_request *request,
+    fix_plan *plan, norma_document_error *error) {
+    mender m = {.document = document,
+        .request = request,
+        .plan = plan,
+        .mesh_count = norma_document_mesh_count(document),
+        .error = error};
+    *plan = (fix_plan){0};
+    norma_document_result result =
+        norma_check_document(document, &request->options, &m.findings, error);
+    if (!result) result = plan_all(&m);
+    for (size_t i = 0; m.turned && m.smooth && i < m.mesh_count; i++) {
+        free(m.turned[i]);
+        free(m.smooth[i]);
+    }
+    free((void *)m.turned);
+    free((void *)m.smooth);
+    norma_findings_free(m.findings);
+    if (result) norma_fix_plan_free(plan);
+    return result;
+}
+
+/* ---- a plan is carried out */
+
+static norma_document_result compute(norma_document *document, const norma_compute_options *options,
+    int *changed, norma_document_error *error) {
+    norma_compute_summary summary;
+    const norma_document_result result = norma_document_compute(document, options, &summary, error);
+    *changed |= !result && summary.changed;
+    return result;
+}
+
+/* The caller gave no matrix, so numbers that do not fit are the file's own fault. */
+static norma_document_result bake(
+    norma_document *document, uint32_t threads, int *changed, norma_document_error *error) {
+    norma_transform_summary summary;
+    const norma_transform_options options = {
+        .struct_size = sizeof options, .bake = 1, .threads = threads};
+    norma_document_result result = norma_document_transform(document, &options, &summary, error);
+    if (result == NORMA_DOCUMENT_ERROR_ARGUMENT) {
+        result = NORMA_DOCUMENT_ERROR_MALFORMED;
+        if (error) error->result = result;
+    }
+    *changed |= !result && summary.changed;
+    return result;
+}
+
+norma_document_result norma_fix_apply(norma_document *document, const fix_plan *plan,
+    uint32_t threads, int *changed, norma_document_error *error) {
+    const norma_compute_options all = {.struct_size = sizeof all, .threads = threads},
+                                missing = {.struct_size = sizeof missing,
+                                    .only = NORMA_ONLY_MISSING,
+                                    .morphs = plan->morphs,
+                                    .threads = threads};
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    int moved = 0;
+    if (has_edit(plan)) {
+        result = norma_document_edit(document, plan->edits, error);
+        *changed |= !result;
+    }
+    if (!result && plan->recentred)
+        result = norma_document_recentre(document, plan->recentred, &moved, error);
+    *changed |= moved;
+    if (!result && plan->replaces) result = compute(document, &all, changed, error);
+    if (!result && plan->computes) result = compute(document, &missing, changed, error);
+    return result || !plan->bakes ? result : bake(document, threads, changed, error);
+}

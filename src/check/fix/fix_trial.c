@@ -1,0 +1,162 @@
+/* fix_trial.c: see fix_trial.h. The copy is the document as it would be written, so that what its
+ * format makes of an edit is measured too. */
+#include "check/fix/fix_trial.h"
+#include "core/orient/edge_partners.h"
+#include "io/document/document_copy.h"
+#include <stdlib.h>
+
+static norma_document_result fail(
+    norma_document_error *error, norma_document_result result, const char *text) {
+    if (error) {
+        error->result = result;
+        norma_check_message(error->message, "cannot be fixed: %s", text);
+    }
+    return result;
+}
+
+/* ---- loose edges: of the primitives of a glTF mesh together */
+
+typedef struct loose_count {
+    size_t *blocks;
+} loose_count;
+
+static void see_edge(
+    void *context, size_t block, uint32_t position, const core_edge_run *runs, size_t count) {
+    loose_count *loose = context;
+    size_t out = 0;
+    (void)position;
+    for (size_t i = 0; i < count; i++) out += runs[i].out != 0;
+    loose->blocks[block] += 2 * out != count;
+}
+
+static norma_result count_loose_of(const norma_mesh *mesh, uint32_t threads, size_t *count) {
+    core_call call;
+    core_mesh checked;
+    core_topology topology;
+    loose_count loose;
+    const norma_options options = {.struct_size = sizeof options, .threads = threads};
+    norma_result result = norma_core_begin(&call, &options);
+    if (!result) result = norma_core_mesh_shape(mesh, &checked);
+    if (!result) result = norma_core_mesh_content(&call, &checked);
+    if (!result) result = norma_core_topology_open(&call, &checked, &topology);
+    if (result) return result;
+    const size_t blocks = norma_core_topology_blocks(&topology);
+    const core_topology_visitor visitor = {.context = &loose, .edge = see_edge};
+    loose.blocks = calloc(blocks + 1, sizeof *loose.blocks);
+    result = loose.blocks ? norma_core_pair_edges(&topology, &visitor) : NORMA_ERROR_MEMORY;
+    for (size_t i = 0; loose.blocks && i < blocks; i++) *count += loose.blocks[i];
+    free(loose.blocks);
+    norma_core_topology_close(&topology);
+    return result;
+}
+
+static norma_document_result count_loose(norma_document *document, const fix_request *request,
+    size_t *count, norma_document_error *error) {
+    const size_t meshes = norma_document_mesh_count(document);
+    size_t *indices = calloc(meshes + 1, sizeof *indices), of;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    norma_result how = indices ? NORMA_OK : NORMA_ERROR_MEMORY;
+    for (size_t first = 0; first < meshes && !result && !how;) {
+        const fix_group group = {.document = document, .indices = indices, .error = error};
+        fix_whole whole;
+        first = norma_fix_gather_group(document, first, indices, NULL, &of);
+        if (!of) continue;
+        fix_group these = group;
+        these.count = of;
+        result = norma_fix_open_whole(&these, &whole, &how);
+        if (!result && !how && whole.face_count)
+            how = norma_fix_join(&whole)
+                      ? count_loose_of(&whole.mesh, request->options.threads, count)
+                      : NORMA_ERROR_MEMORY;
+        norma_fix_close_whole(&whole);
+    }
+    free(indices);
+    if (result || !how) return result;
+    return fail(error,
+        how == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_MALFORMED,
+        norma_result_text(how));
+}
+
+/* ---- better or worse */
+
+norma_document_result norma_fix_measure(norma_document *document, const fix_request *request,
+    fix_measure *measure, norma_document_error *error) {
+    norma_check_options options = request->options;
+    options.rules = NULL;
+    options.max_samples = 1;
+    *measure = (fix_measure){0};
+    norma_document_result result =
+        norma_check_document(document, &options, &measure->findings, error);
+    if (!result) result = count_loose(document, request, &measure->loose, error);
+    return result;
+}
+
+void norma_fix_measure_free(fix_measure *measure) {
+    norma_findings_free(measure->findings);
+    *measure = (fix_measure){0};
+}
+
+typedef struct verdict { /* of each rule: elements at warning or above, and the gravest severity */
+    size_t counts[CHECK_RULE_COUNT];
+    norma_severity gravest[CHECK_RULE_COUNT];
+} verdict;
+
+static verdict weigh(const norma_findings *findings) {
+    verdict sum = {0};
+    size_t count;
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        const size_t rule = (size_t)(finding->rule - norma_rules(&count));
+        if (finding->severity < NORMA_SEVERITY_WARNING) continue;
+        sum.counts[rule] += finding->count;
+        if (finding->severity > sum.gravest[rule]) sum.gravest[rule] = finding->severity;
+    }
+    return sum;
+}
+
+int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, uint8_t *worse) {
+    const verdict was = weigh(before->findings), is = weigh(after->findings);
+    int any = after->loose > before->loose;
+    for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
+        any |= worse[i] = is.counts[i] > was.counts[i] || is.gravest[i] > was.gravest[i];
+    return any;
+}
+
+/* ---- a trial */
+
+static norma_document_result take_steps(norma_document *copy, const fix_request *request,
+    fix_trial *trial, norma_document_error *error) {
+    fix_request next = *request;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    int changed = 1;
+    while (!result && changed && trial->count <= FIX_MOST_STEPS) {
+        fix_plan *plan = &trial->plans[trial->count - 1];
+        changed = 0;
+        if (norma_fix_plan_is_empty(plan)) break;
+        result = norma_fix_apply(copy, plan, request->options.threads, &changed, error);
+        if (result || !changed || trial->count == FIX_MOST_STEPS) break;
+        /* What rays said they would say again, but where something was moved since. */
+        next.by_rays = request->by_rays && norma_fix_plan_moves(plan);
+        result = norma_fix_make_plan(copy, &next, &trial->plans[trial->count], error);
+        trial->count += !result;
+    }
+    return result;
+}
+
+norma_document_result norma_fix_try(norma_document *document, const fix_request *request,
+    fix_plan *first, fix_trial *trial, norma_document_error *error) {
+    norma_document *copy = NULL;
+    *trial = (fix_trial){.plans = {*first}, .count = 1};
+    *first = (fix_plan){0};
+    norma_document_result result = norma_document_copy(document, &copy, error);
+    if (!result) result = take_steps(copy, request, trial, error);
+    if (!result) result = norma_fix_measure(copy, request, &trial->after, error);
+    norma_document_close(copy);
+    return result;
+}
+
+void norma_fix_trial_free(fix_trial *trial) {
+    for (size_t i = 0; i < trial->count; i++) norma_fix_plan_free(&trial->plans[i]);
+    norma_fix_measure_free(&trial->after);
+    *trial = (fix_trial){0};
+}
