@@ -93,6 +93,8 @@ static size_t count_at(const norma_findings *findings, const norma_rule *rule, c
 }
 
 static int leave_out_at(fixing *f, check_rule rule, const char *where) {
+    for (size_t i = 0; i < f->request.place_count; i++)
+        if (f->places[i].rule == rule && strcmp(f->places[i].where, where) == 0) return 1;
     if (f->request.place_count == f->place_room) {
         const size_t room = 2 * f->place_room + 8;
         fix_left_out *grown = realloc(f->places, room * sizeof *grown);

@@ -146,6 +146,14 @@ static norma_result keep_closed(const core_mesh *mesh, uint8_t *drop) {
     return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
+/* A primitive of a glTF would not be valid without any face. */
+static void keep_one(const fix_mesh *m, uint8_t *drop) {
+    const norma_file_format format = norma_document_format(m->document);
+    if ((format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB) &&
+        !memchr(drop, 0, m->mesh.face_count))
+        drop[0] = 0;
+}
+
 /* Says which of the named faces stay, the first of them by their numbers. */
 static void note_kept(const fix_mesh *m, const uint8_t *named, const uint8_t *drop) {
     enum { FEW = 10 };
@@ -161,8 +169,8 @@ static void note_kept(const fix_mesh *m, const uint8_t *named, const uint8_t *dr
     }
     if (!kept) return;
     norma_check_message(text,
-        "N401, N305: %z face%s kept%s%s, because edges that are closed would be open without "
-        "%s: face%s %s%s",
+        "N401, N305: %z face%s kept%s%s, because closed edges would be open without %s, or it is "
+        "the only face of a primitive: face%s %s%s",
         kept, kept == 1 ? " is" : "s are", *m->info.where ? " at " : "", m->info.where,
         kept == 1 ? "it" : "them", norma_check_plural(kept), list, kept > FEW ? ", ..." : "");
     norma_fix_note(m->plan, text);
@@ -177,6 +185,7 @@ static norma_result drop_named(fix_mesh *m) {
     uint8_t *named = !result && marks ? malloc(faces + 1) : NULL;
     if (named) memcpy(named, marks, faces);
     if (!result && marks) result = named ? keep_closed(&m->mesh, marks) : NORMA_ERROR_MEMORY;
+    if (!result && marks) keep_one(m, marks);
     if (!result && marks) note_kept(m, named, marks);
     free(named);
     if (!result && marks && memchr(marks, 1, faces))

@@ -66,6 +66,7 @@ enum { CHECK_FIX_NOTHING = 0, CHECK_FIX_SAFE, CHECK_FIX_UNSAFE };
 typedef struct check_item {
     const norma_finding *finding;
     norma_severity severity; /* after the configuration */
+    norma_fix offered;       /* the finding's fix, unless it was tried: then this is what is left */
 } check_item;
 
 typedef struct check_report {

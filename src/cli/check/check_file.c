@@ -170,6 +170,14 @@ static norma_document_result open_and_judge(file_check *check) {
     return result;
 }
 
+/* What could not be fixed is not offered again. */
+static norma_fix offered_fix(const file_check *check, const norma_finding *finding) {
+    const int fix = check->fix_status ? CHECK_FIX_NOTHING : check->settings->fix;
+    const int tried =
+        finding->fix == NORMA_FIX_SAFE ? fix != CHECK_FIX_NOTHING : fix == CHECK_FIX_UNSAFE;
+    return tried ? NORMA_FIX_NONE : finding->fix;
+}
+
 static void count_item(const file_check *check, const check_item *item, check_totals *totals) {
     if (item->severity == NORMA_SEVERITY_ERROR)
         ++totals->errors;
@@ -196,7 +204,7 @@ static size_t weigh(const file_check *check, check_item *items, check_totals *to
             ++totals->known;
             continue;
         }
-        items[count] = (check_item){finding, (norma_severity)severity};
+        items[count] = (check_item){finding, (norma_severity)severity, offered_fix(check, finding)};
         count_item(check, &items[count], totals);
         ++count;
     }
@@ -241,7 +249,8 @@ static void report_unreadable(
         cli_error("%s: %s", path, check->error.message);
         return;
     }
-    const check_item item = {norma_findings_get(check->findings, 0), NORMA_SEVERITY_ERROR};
+    const check_item item = {
+        norma_findings_get(check->findings, 0), NORMA_SEVERITY_ERROR, NORMA_FIX_NONE};
     const check_report report = {check->path, norma_findings_profile(check->findings), "unreadable",
         &item, 1, NULL, NULL, 0, 0, 0};
     count_item(check, &item, totals);

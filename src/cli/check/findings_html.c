@@ -132,9 +132,9 @@ static void write_item(FILE *out, const check_report *report, const check_item *
     write_worst(out, finding);
     fputs("<td>", out);
     cli_write_outside_html(out, finding->message);
-    if (finding->fix)
+    if (item->offered)
         fprintf(out, "<p>Fix: <code>norma check %s --select %s</code></p>",
-            finding->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", finding->rule->id);
+            item->offered == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", finding->rule->id);
     fputs("</td><td>", out);
     if (finding->deviation) write_histogram(out, finding->deviation);
     check_draw_finding(out, report->document, finding);

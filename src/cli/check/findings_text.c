@@ -42,11 +42,11 @@ static void write_place(FILE *out, const norma_sample *sample) {
             sample->position[2]);
 }
 
-static void write_fix(FILE *out, const norma_finding *finding) {
-    if (finding->fix == NORMA_FIX_SAFE)
+static void write_fix(FILE *out, const check_item *item) {
+    if (item->offered == NORMA_FIX_SAFE)
         fputs(" Fix: --fix", out);
-    else if (finding->fix == NORMA_FIX_UNSAFE)
-        fprintf(out, " Fix: norma check --fix-unsafe --select %s", finding->rule->id);
+    else if (item->offered == NORMA_FIX_UNSAFE)
+        fprintf(out, " Fix: norma check --fix-unsafe --select %s", item->finding->rule->id);
 }
 
 static void write_line(FILE *line, const char *path, const check_item *item) {
@@ -64,7 +64,7 @@ static void write_line(FILE *line, const char *path, const check_item *item) {
         write_place(line, &finding->worst);
         fputc('.', line);
     }
-    write_fix(line, finding);
+    write_fix(line, item);
 }
 
 /* Without memory to wrap it, a line is as long as it is. */

@@ -1,0 +1,243 @@
+/* Fixes that would do harm are left out, and those only: the rule that would report more, selected
+ * or not, or the edges that would come open, are known by hand. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include <norma/check.h>
+#include "gltf_asset.h"
+#include "gltf_scene.h"
+
+static norma_check_options select(const char *rules, uint8_t mask[128]) {
+    memset(mask, 0, 128);
+    assert_int_equal(norma_rules_select(rules, mask, NULL), NORMA_OK);
+    return (norma_check_options){.struct_size = sizeof(norma_check_options), .rules = mask};
+}
+
+static norma_fix_summary fix(norma_document *document, const char *rules) {
+    uint8_t mask[128];
+    norma_fix_summary summary;
+    norma_document_error error;
+    const norma_check_options options = select(rules, mask);
+    if (norma_fix_document(document, &options, 1, &summary, &error)) fail_msg("%s", error.message);
+    return summary;
+}
+
+static size_t count_of(norma_document *document, const char *rules) {
+    uint8_t mask[128];
+    norma_findings *findings;
+    size_t count = 0;
+    const norma_check_options options = select(rules, mask);
+    assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
+    for (size_t i = 0; i < norma_findings_count(findings); i++)
+        count += norma_findings_get(findings, i)->count;
+    norma_findings_free(findings);
+    return count;
+}
+
+static int has_note(const norma_document *document, const char *first, const char *second) {
+    for (size_t i = 0; i < norma_document_note_count(document); i++)
+        if (strstr(norma_document_note(document, i), first) &&
+            strstr(norma_document_note(document, i), second))
+            return 1;
+    return 0;
+}
+
+/* A concave polygon, and a face that is one of the triangles that it would be cut into: cut, that
+ * one would be there twice (N305). A bent square can be cut. */
+static const char polygons[] =
+    "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nv 6 0 0\nv 8 0 0\nv 8 2 .5\nv 6 2 0\n"
+    "f 5 1 2 3 4\nf 1 2 4\nf 6 7 8 9\n";
+
+static norma_document *open_polygons(void) {
+    return scene_reopen((const unsigned char *)polygons, strlen(polygons), "a.obj");
+}
+
+static void only_the_fix_that_harms_is_left_out(void **state) {
+    (void)state;
+    norma_document *document = open_polygons();
+    assert_int_equal(count_of(document, "N404"), 1);
+    assert_true(count_of(document, "N405") > 0);
+    norma_fix_summary summary = fix(document, "N404,N405");
+    assert_int_equal(summary.changed, 1);
+    assert_int_equal(summary.left_out, 1);
+    assert_true(has_note(document, "N404 bad-polygon is not fixed", "N305"));
+    assert_int_equal(count_of(document, "N404"), 1);
+    assert_int_equal(count_of(document, "N405"), 0);
+    assert_int_equal(count_of(document, "N305"), 0);
+    summary = fix(document, "N404,N405");
+    assert_int_equal(summary.changed, 0);
+    assert_int_equal(summary.left_out, 1);
+    norma_document_close(document);
+}
+
+/* N305 is not selected, and counts all the same. */
+static void a_rule_that_is_not_selected_counts(void **state) {
+    (void)state;
+    size_t size;
+    norma_document *document = open_polygons();
+    const norma_fix_summary summary = fix(document, "N404");
+    assert_int_equal(summary.changed, 0);
+    assert_int_equal(summary.left_out, 1);
+    unsigned char *bytes = scene_output(document, &size);
+    assert_int_equal(size, strlen(polygons));
+    assert_memory_equal(bytes, polygons, size);
+    free(bytes);
+    norma_document_close(document);
+}
+
+/* Without that face there is no harm, and nothing is left out. */
+static void what_does_no_harm_is_done(void **state) {
+    (void)state;
+    static const char text[] = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 5 1 2 3 4\n";
+    norma_document *document = scene_reopen((const unsigned char *)text, strlen(text), "a.obj");
+    const norma_fix_summary summary = fix(document, "N404");
+    assert_int_equal(summary.changed, 1);
+    assert_int_equal(summary.left_out, 0);
+    assert_int_equal(norma_document_note_count(document), 0);
+    assert_int_equal(count_of(document, "N404"), 0);
+    norma_document_close(document);
+}
+
+/* ---- glTF: primitives */
+
+typedef struct primitive {
+    const float (*positions)[3];
+    size_t vertices;
+    const uint16_t *corners;
+    size_t count;
+} primitive;
+
+static norma_document *open_primitives(gltf_asset *a, const primitive *list, int count) {
+    char rest[1000] = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[", text[100];
+    for (int i = 0; i < count; i++) {
+        const int positions = asset_floats(a, &list[i].positions[0][0], list[i].vertices, 3),
+                  corners = asset_uint16(a, list[i].corners, list[i].count);
+        snprintf(text, sizeof text, "%s{\"attributes\":{\"POSITION\":%d},\"indices\":%d}",
+            i ? "," : "", positions, corners);
+        strcat(rest, text);
+    }
+    strcat(rest, "]}]");
+    return asset_open(a, rest, 1);
+}
+
+/* In the first primitive two faces become the same one where almost equal positions become equal,
+ * in the second two faces come to share an edge: there the fix is made. */
+static void a_fix_is_left_out_where_it_harms(void **state) {
+    (void)state;
+    static const float twice[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e-8F}},
+                       edge[][3] = {{5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {6, 0, 1e-8F}, {6, 1, 0},
+                           {5, 1, 1e-8F}};
+    static const uint16_t corners[] = {0, 1, 2, 3, 1, 2}, others[] = {0, 1, 2, 3, 4, 5};
+    gltf_asset a = {0};
+    norma_document *document =
+        open_primitives(&a, (primitive[]){{twice, 4, corners, 6}, {edge, 6, others, 6}}, 2);
+    assert_int_equal(count_of(document, "N503"), 6);
+    norma_fix_summary summary = fix(document, "N503");
+    assert_int_equal(summary.changed, 1);
+    assert_int_equal(summary.left_out, 1);
+    assert_true(has_note(document, "N503", "/meshes/0/primitives/0"));
+    assert_int_equal(count_of(document, "N503"), 2);
+    assert_int_equal(count_of(document, "N305"), 0);
+    summary = fix(document, "N503");
+    assert_int_equal(summary.changed, 0);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* A box with a point on one of its edges, which a face without area joins that is of another
+ * primitive (as is a pane, which is open). Without it the box would be open. */
+static void what_is_closed_stays_closed(void **state) {
+    (void)state;
+    static const float positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1},
+        {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {.5F, 0, 1}, {5, 0, 0}, {5, 1, 0}, {5, 0, 1}};
+    static const uint16_t box[] = {0, 3, 2, 0, 2, 1, 4, 5, 6, 4, 6, 7, 0, 1, 8, 1, 5, 8, 0, 8, 4, 1,
+        2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7},
+                          joint[] = {4, 8, 5, 9, 10, 11};
+    gltf_asset a = {0};
+    norma_document *document = open_primitives(&a,
+        (primitive[]){{positions, 12, box, sizeof box / sizeof *box}, {positions, 12, joint, 6}},
+        2);
+    assert_int_equal(count_of(document, "N304"), 1);
+    norma_fix_summary summary = fix(document, "N401");
+    assert_int_equal(count_of(document, "N304"), 1);
+    assert_int_equal(summary.changed, 0);
+    assert_int_equal(summary.left_out, 1);
+    assert_true(has_note(document, "N401", "open"));
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* In one primitive the face that joins is kept, one that joins nothing is dropped; the note says
+ * which stays. */
+static void degenerate_faces_that_are_kept_are_named(void **state) {
+    (void)state;
+    static const char text[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nv .5 0 1\n"
+        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 9 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 5 9 6\nf 1 2 2\n";
+    norma_document *document = scene_reopen((const unsigned char *)text, strlen(text), "a.obj");
+    assert_int_equal(count_of(document, "N401"), 2);
+    norma_fix_summary summary = fix(document, "N401");
+    assert_int_equal(summary.changed, 1);
+    assert_int_equal(summary.left_out, 0);
+    assert_true(has_note(document, "1 face is kept", "face 6"));
+    assert_int_equal(count_of(document, "N401"), 1);
+    assert_int_equal(count_of(document, "N304"), 0);
+    summary = fix(document, "N401");
+    assert_int_equal(summary.changed, 0);
+    norma_document_close(document);
+}
+
+/* A glTF primitive needs a face: the only one stays, and nothing is changed over and over. */
+static void the_only_face_of_a_primitive_stays(void **state) {
+    (void)state;
+    static const float positions[][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+    static const uint16_t corners[] = {0, 1, 2};
+    gltf_asset a = {0};
+    norma_document *document = open_primitives(&a, &(primitive){positions, 3, corners, 3}, 1);
+    assert_int_equal(count_of(document, "N401"), 1);
+    const norma_fix_summary summary = fix(document, "N401");
+    assert_int_equal(summary.changed, 0);
+    assert_true(has_note(document, "1 face is kept", "face 0"));
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* Progress never falls, whatever a trial and what it leaves out take. */
+static int never_falls(void *user, double fraction) {
+    double *last = user;
+    assert_true(fraction >= *last && fraction <= 1);
+    *last = fraction;
+    return 0;
+}
+
+static void progress_never_falls(void **state) {
+    (void)state;
+    uint8_t mask[128];
+    double last = 0;
+    norma_document *document = open_polygons();
+    norma_check_options options = select("N404,N405", mask);
+    options.progress = never_falls;
+    options.progress_user = &last;
+    assert_int_equal(norma_fix_document(document, &options, 1, NULL, NULL), NORMA_DOCUMENT_OK);
+    assert_true(last > .5);
+    norma_document_close(document);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(only_the_fix_that_harms_is_left_out),
+        cmocka_unit_test(a_rule_that_is_not_selected_counts),
+        cmocka_unit_test(what_does_no_harm_is_done),
+        cmocka_unit_test(a_fix_is_left_out_where_it_harms),
+        cmocka_unit_test(what_is_closed_stays_closed),
+        cmocka_unit_test(degenerate_faces_that_are_kept_are_named),
+        cmocka_unit_test(the_only_face_of_a_primitive_stays),
+        cmocka_unit_test(progress_never_falls),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
