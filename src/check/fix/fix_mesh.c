@@ -54,6 +54,14 @@ int norma_fix_mark(
     return any;
 }
 
+void norma_fix_note(fix_plan *plan, const char *text) {
+    char **notes = realloc(plan->notes, (plan->note_count + 1) * sizeof *notes);
+    const size_t size = strlen(text) + 1;
+    if (notes) plan->notes = notes;
+    if (notes && (notes[plan->note_count] = malloc(size)))
+        memcpy(notes[plan->note_count++], text, size);
+}
+
 /* ---- a mesh as it will be */
 
 norma_result norma_fix_corners(fix_mesh *m) {

@@ -153,14 +153,6 @@ void norma_fix_plan_free(fix_plan *plan) {
     *plan = (fix_plan){0};
 }
 
-void norma_fix_note(fix_plan *plan, const char *text) {
-    char **notes = realloc(plan->notes, (plan->note_count + 1) * sizeof *notes);
-    const size_t size = strlen(text) + 1;
-    if (notes) plan->notes = notes;
-    if (notes && (notes[plan->note_count] = malloc(size)))
-        memcpy(notes[plan->note_count++], text, size);
-}
-
 static int has_edit(const fix_plan *plan) {
     for (size_t i = 0; i < plan->mesh_count; i++)
         if (norma_fix_has_edit(&plan->edits[i])) return 1;
