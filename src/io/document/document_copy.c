@@ -6,7 +6,7 @@
 
 norma_document_result norma_document_copy(
     norma_document *document, norma_document **copy, norma_document_error *error) {
-    norma_memory_sink memory = {0};
+    growing_bytes memory = {0};
     const norma_document_options options = {.struct_size = sizeof options,
         .format = document->format,
         .threads = document->threads,
@@ -17,12 +17,12 @@ norma_document_result norma_document_copy(
     norma_document *made =
         result ? NULL : norma_document_make(document->path, document->folder != NULL, &options);
     if (!made) {
-        free(memory.bytes);
+        free(memory.data);
         return result && result != NORMA_DOCUMENT_ERROR_FILE
                    ? result
                    : norma_document_fail_memory(document, error);
     }
-    made->source = (file_bytes){.data = memory.bytes, .size = memory.size, .owned = 1};
+    made->source = (file_bytes){.data = (const void *)memory.data, .size = memory.size, .owned = 1};
     result = norma_document_read(made, error);
     if (result)
         norma_document_close(made);
