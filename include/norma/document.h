@@ -158,6 +158,9 @@ typedef struct norma_mesh_info {
     int has_tangents, has_smoothing_groups;
     size_t morph_targets;
 
+    /* The extension that compresses any of its data, or NULL. */
+    const char *compression;
+
     /* NULL, or why this mesh cannot be computed or transformed: its compression, no positions,
      * points, lines. */
     const char *not_read;

@@ -143,6 +143,7 @@ static void write_part(cli_json *json, const mesh_part *part) {
     cli_json_bool(json, "tangents", info->has_tangents);
     cli_json_bool(json, "smoothing_groups", info->has_smoothing_groups);
     cli_json_size(json, "morph_targets", info->morph_targets);
+    cli_json_string(json, "compression", info->compression);
     cli_json_string(json, "not_read", info->not_read);
     if (part->closed >= 0) cli_json_bool(json, "closed", part->closed);
     if (part->is_explained) write_explained(json, &part->explained);
@@ -278,6 +279,7 @@ static void print_part(const mesh_part *part) {
         fputs(", ", stdout);
         cli_counted(stdout, info->morph_targets, "morph target", "morph targets");
     }
+    if (info->compression) printf(", compressed with %s", info->compression);
     if (part->closed >= 0) fputs(part->closed ? ", closed" : ", open", stdout);
     fputs("\n", stdout);
     if (info->not_read) {

@@ -201,6 +201,26 @@ static size_t mesh_count(const norma_document *document) {
     return norma_gltf_of(document)->primitive_count;
 }
 
+static const char *compression_of_view(const gltf *g, uint32_t accessor) {
+    const uint32_t view = g->accessors[accessor].view;
+    return view == GLTF_NONE || g->views[view].meshopt.token == GLTF_NONE
+               ? NULL
+               : norma_gltf_extension_of(g, &g->views[view].meshopt);
+}
+
+static const char *compression_of(const gltf *g, const gltf_primitive *p) {
+    static const char draco[] = "KHR_draco_mesh_compression";
+    const uint32_t extensions = norma_json_member(&g->json, p->token, "extensions");
+    if (norma_json_member(&g->json, extensions, draco) != JSON_NONE) return draco;
+    const char *name = p->indices == GLTF_NONE ? NULL : compression_of_view(g, p->indices);
+    for (uint32_t t = 0; t <= p->target_count && !name; ++t) {
+        const gltf_attributes *set = t ? &g->targets[p->first_target + t - 1] : &p->base;
+        for (uint32_t i = 0; i < set->count && !name; ++i)
+            name = compression_of_view(g, g->attributes[set->first + i].accessor);
+    }
+    return name;
+}
+
 static norma_document_result mesh_info(
     const norma_document *document, size_t index, norma_mesh_info *info) {
     const gltf *g = norma_gltf_of(document);
@@ -217,6 +237,7 @@ static norma_document_result mesh_info(
         .encoding = norma_gltf_encoding_name(g, p->base.normal),
         .has_tangents = p->base.tangent != GLTF_NONE,
         .morph_targets = p->target_count,
+        .compression = compression_of(g, p),
         .not_read = p->not_read,
     };
     return NORMA_DOCUMENT_OK;

@@ -509,6 +509,9 @@ static void test_compressed_again(void **state) {
             "\"TEXCOORD_0\":3},\"indices\":2}]}]",
             0);
         if (norma_document_compute(document, &options, NULL, &error)) fail_msg("%s", error.message);
+        norma_mesh_info info;
+        assert_int_equal(norma_document_mesh_info(document, 0, &info), NORMA_DOCUMENT_OK);
+        assert_string_equal(info.compression, "EXT_meshopt_compression");
         gltf_output b = output_of(document);
         assert_int_equal(output_number(&b, "accessors/%ld/count", 0), 6);
         assert_int_equal(output_number(&b, "accessors/%ld/componentType", 0), FLOAT);

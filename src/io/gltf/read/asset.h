@@ -201,6 +201,8 @@ norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsign
     norma_document_error *error); /* decoded where compressed; view->length of them */
 norma_document_result norma_gltf_decode_meshopt(
     gltf *g, uint32_t view, norma_document_error *error);
+const char *norma_gltf_extension_of(
+    const gltf *g, const gltf_meshopt *m); /* its name in the file */
 /* Compresses m->count rows of m->stride bytes by m->mode and m->filter, or by others where those do
  * not give the same bytes back (of triangles: the same corners, each from any of them on); m says
  * by which, and how long it became. To be freed; NULL: out of memory. */

@@ -1,6 +1,12 @@
 /* view_bytes.c: the bytes of a view, as they are or decoded. */
 #include "io/gltf/read/asset.h"
 
+const char *norma_gltf_extension_of(const gltf *g, const gltf_meshopt *m) {
+    return norma_json_equals(&g->json, m->token - 1, "KHR_meshopt_compression")
+               ? "KHR_meshopt_compression"
+               : "EXT_meshopt_compression";
+}
+
 norma_document_result norma_gltf_view_bytes(
     gltf *g, uint32_t number, const unsigned char **bytes, norma_document_error *error) {
     gltf_view *view = &g->views[number];

@@ -6,12 +6,6 @@
 
 /* ---- views */
 
-static const char *extension_of(const gltf *g, const gltf_meshopt *m) {
-    return norma_json_equals(&g->json, m->token - 1, "KHR_meshopt_compression")
-               ? "KHR_meshopt_compression"
-               : "EXT_meshopt_compression";
-}
-
 static void add_member(json_text *text, const char *key, uint64_t number) {
     norma_json_add_text(text, ",");
     norma_json_add_quoted(text, key);
@@ -58,7 +52,7 @@ static void edit_compression(gltf *g, uint32_t number) {
     if (text.failed)
         norma_json_edits_fail(edits);
     else
-        norma_json_set(edits, extensions, extension_of(g, m), text.data);
+        norma_json_set(edits, extensions, norma_gltf_extension_of(g, m), text.data);
     free(text.data);
 }
 
@@ -88,7 +82,7 @@ static void describe_view(const gltf *g, json_text *text, const patch_view *view
     if (view->target) add_member(text, "target", (uint64_t)view->target);
     if (view->packed.bytes) {
         norma_json_add_text(text, ",\"extensions\":{");
-        norma_json_add_quoted(text, extension_of(g, &view->meshopt));
+        norma_json_add_quoted(text, norma_gltf_extension_of(g, &view->meshopt));
         norma_json_add_text(text, ":");
         describe_compression(text, view);
         norma_json_add_text(text, "}");
