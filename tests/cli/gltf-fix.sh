@@ -1,14 +1,8 @@
 #!/bin/bash
 # Vertices of glTF welded and split by norma check --fix-unsafe. Two judges that are not ours, as in check-gltf-compute.sh: the Khronos validator says nothing new, and
 # tests/cli/validator/corners.mjs finds every corner of every triangle with all its attributes but normals and tangents as they were.
-# shellcheck source=tests/support/tap.sh
-source "$(dirname "$0")/../support/tap.sh"
-data=${NORMA_DATA:-$root/../shared/data}
-norma=${NORMA_BIN:-$tree/bin/norma}
-validator=$root/tests/cli/validator
-export NODE_PATH=${NODE_PATH:-$root/build/npm/node_modules}
-command -v node >/dev/null || { skip "node is not there"; finish; exit; }
-[ -x "$norma" ] || { fail "the tool is there" "no program at $norma"; finish; exit 1; }
+# shellcheck source=tests/support/gltf_judges.sh
+source "$(dirname "$0")/../support/gltf_judges.sh"
 
 # Two tents that meet at their tips, each corner's UV its own: one position to be split.
 node -e '
@@ -45,12 +39,7 @@ else
     skip "the data set is not there"
 fi
 
-output=$(node "$validator/compare.mjs" --list "$scratch/pairs" 2>&1)
-case $? in
-0) pass "validator: $(tail -n 1 <<<"$output")" ;;
-77) skip "$output" ;;
-*) fail "validator" "$output" ;;
-esac
+judge_validity "welded and split" "$scratch/pairs"
 # It also asks for normals, which these need not have.
 output=$(node "$validator/corners.mjs" --list "$scratch/pairs" 2>&1)
 rest=$(grep -vE ' has no normals$|: fine$|^[0-9]+ pairs' <<<"$output")

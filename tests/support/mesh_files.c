@@ -151,6 +151,16 @@ static ply_type ply_type_of(const char *name) {
 static double ply_number(ply_reader *r, ply_type type) {
     static const size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
     unsigned char bytes[8] = {0};
+    union {
+        int8_t i8;
+        uint8_t u8;
+        int16_t i16;
+        uint16_t u16;
+        int32_t i32;
+        uint32_t u32;
+        float f32;
+        double f64;
+    } v;
     if (r->ascii) {
         char *end;
         const double x = strtod((const char *)r->at, &end);
@@ -164,41 +174,24 @@ static double ply_number(ply_reader *r, ply_type type) {
     }
     for (size_t i = 0; i < sizes[type]; ++i) bytes[i] = r->at[r->big ? sizes[type] - 1 - i : i];
     r->at += sizes[type];
+    memcpy(&v, bytes, sizeof v);
     switch (type) {
     case PLY_I8:
-        return (int8_t)bytes[0];
+        return v.i8;
     case PLY_U8:
-        return bytes[0];
-    case PLY_I16: {
-        int16_t v;
-        memcpy(&v, bytes, 2);
-        return v;
-    }
-    case PLY_U16: {
-        uint16_t v;
-        memcpy(&v, bytes, 2);
-        return v;
-    }
-    case PLY_I32: {
-        int32_t v;
-        memcpy(&v, bytes, 4);
-        return v;
-    }
-    case PLY_U32: {
-        uint32_t v;
-        memcpy(&v, bytes, 4);
-        return v;
-    }
-    case PLY_F32: {
-        float v;
-        memcpy(&v, bytes, 4);
-        return (double)v;
-    }
-    default: {
-        double v;
-        memcpy(&v, bytes, 8);
-        return v;
-    }
+        return v.u8;
+    case PLY_I16:
+        return v.i16;
+    case PLY_U16:
+        return v.u16;
+    case PLY_I32:
+        return v.i32;
+    case PLY_U32:
+        return v.u32;
+    case PLY_F32:
+        return (double)v.f32;
+    default:
+        return v.f64;
     }
 }
 

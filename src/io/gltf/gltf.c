@@ -12,10 +12,6 @@
 enum { GLB_HEADER = 12, GLB_CHUNK_HEADER = 8 };
 static const uint32_t GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BIN = 0x004E4942;
 
-static uint32_t read_u32(const unsigned char *at) {
-    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
-}
-
 static norma_document_result fail_glb(
     const gltf *g, norma_document_error *error, size_t byte, const char *expected) {
     char place[40];
@@ -32,8 +28,8 @@ static norma_document_result read_chunks(gltf *g, size_t end, norma_document_err
     for (uint32_t i = 0; at < end; ++i) {
         if (end - at < GLB_CHUNK_HEADER)
             return fail_glb(g, error, at, "the 8 bytes of a chunk's header");
-        size_t length = read_u32(bytes + at);
-        uint32_t type = read_u32(bytes + at + 4);
+        size_t length = norma_gltf_u32(bytes + at);
+        uint32_t type = norma_gltf_u32(bytes + at + 4);
         if (length > end - at - GLB_CHUNK_HEADER)
             return fail_glb(
                 g, error, at, "a chunk that ends within the length that the header declares");
@@ -55,9 +51,9 @@ static norma_document_result read_chunks(gltf *g, size_t end, norma_document_err
 
 static norma_document_result read_glb(gltf *g, norma_document_error *error) {
     const file_bytes *source = &g->document->source;
-    if (source->size < GLB_HEADER || read_u32(source->data) != GLB_MAGIC)
+    if (source->size < GLB_HEADER || norma_gltf_u32(source->data) != GLB_MAGIC)
         return fail_glb(g, error, 0, "the 12 bytes of a GLB header, \"glTF\" first");
-    uint32_t version = read_u32(source->data + 4), length = read_u32(source->data + 8);
+    uint32_t version = norma_gltf_u32(source->data + 4), length = norma_gltf_u32(source->data + 8);
     if (version != 2)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "byte 4",
             "GLB version %u; expected 2", (unsigned)version);

@@ -9,32 +9,9 @@
 // an extension, are where they were or where the matrix takes them. Meshes compressed by extensions are passed over, and counted.
 // Prints the worst deviations for each pair, and what is wrong; exit status 0, 1 (something wrong), 2 usage.
 import { readFileSync } from "node:fs";
-import path from "node:path";
+import { load, readers, widths } from "./asset.mjs";
 
 // ---- reading
-
-function load(file) {
-  const bytes = readFileSync(file);
-  let text = bytes, bin = null;
-  if (bytes.length > 12 && bytes.readUInt32LE(0) === 0x46546c67) {
-    const size = bytes.readUInt32LE(12);
-    text = bytes.subarray(20, 20 + size);
-    if (bytes.length > 28 + size) bin = bytes.subarray(28 + size, 28 + size + bytes.readUInt32LE(20 + size));
-  }
-  const json = JSON.parse(text.toString("utf8").replace(/^\uFEFF/, ""));
-  const buffers = (json.buffers ?? []).map((buffer, i) => {
-    if (buffer.uri === undefined) return i === 0 ? bin : null;
-    if (buffer.uri.startsWith("data:")) return Buffer.from(buffer.uri.slice(buffer.uri.indexOf(",") + 1), "base64");
-    return readFileSync(path.resolve(path.dirname(file), decodeURIComponent(buffer.uri)));
-  });
-  return { json, buffers, cache: new Map() };
-}
-
-const widths = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
-const readers = {
-  5120: [1, (b, o) => b.readInt8(o), 127], 5121: [1, (b, o) => b.readUInt8(o), 255], 5122: [2, (b, o) => b.readInt16LE(o), 32767],
-  5123: [2, (b, o) => b.readUInt16LE(o), 65535], 5125: [4, (b, o) => b.readUInt32LE(o), 1], 5126: [4, (b, o) => b.readFloatLE(o), 1],
-};
 
 function elements(asset, view, offset, component, width, count) {
   const { json, buffers } = asset, v = json.bufferViews[view], [size, read] = readers[component];

@@ -182,6 +182,10 @@ typedef struct gltf {
     gltf_patch *patch;
 } gltf;
 
+static inline uint32_t norma_gltf_u32(const unsigned char *at) { /* as GLB stores it */
+    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
 static inline gltf *norma_gltf_of(const norma_document *document) { return document->state; }
 
 /* ---- reading; each gives NORMA_DOCUMENT_OK or what norma_document_fail returned */

@@ -44,20 +44,10 @@ static int has_content(const companion *one, const file_bytes *file) {
     return file->size == one->size && memcmp(file->data, one->bytes, one->size) == 0;
 }
 
-static norma_document_result refuse(const companions *c, const char *path) {
+static norma_document_result refuse(const companions *c, const char *path, const char *why) {
     const norma_document target = {.path = (char *)(uintptr_t)path};
     return norma_document_fail(&target, c->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
-        "is there with other content and is not overwritten; %s needs a file of this name beside "
-        "it",
-        c->document->path);
-}
-
-static norma_document_result refuse_link(const companions *c, const char *path) {
-    const norma_document target = {.path = (char *)(uintptr_t)path};
-    return norma_document_fail(&target, c->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
-        "is a symbolic link, or reached through one, and is not written through; %s needs a file "
-        "of this name beside it",
-        c->document->path);
+        "is %s; %s needs a file of this name beside it", why, c->document->path);
 }
 
 /* ---- writing */
@@ -131,9 +121,10 @@ static norma_document_result add(companions *c, companion one) {
     if (failed == ENOMEM)
         result = out_of_memory(c);
     else if (!same && !stays_in_folder(c, &one))
-        result = refuse_link(c, one.path);
+        result = refuse(
+            c, one.path, "a symbolic link, or reached through one, and is not written through");
     else if (!same && failed != ENOENT && failed != ENOTDIR && !(c->in_place && !failed))
-        result = refuse(c, one.path);
+        result = refuse(c, one.path, "there with other content and is not overwritten");
     if (!same && !result) result = write_one(c, &one);
     free(one.path);
     norma_file_close(&one.file);

@@ -61,10 +61,6 @@ static void put_u32(output *out, uint32_t value) {
     put(out, bytes, 4);
 }
 
-static uint32_t read_u32(const unsigned char *at) {
-    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
-}
-
 static size_t padding(size_t size) { return (4 - size % 4) % 4; }
 
 static void put_segments(output *out, const patch_buffer *buffer) {
@@ -92,7 +88,7 @@ static const patch_buffer *new_bin(const gltf *g) {
 }
 
 static size_t chunk_size(const gltf *g, size_t at) {
-    return GLB_CHUNK_HEADER + read_u32(g->document->source.data + at);
+    return GLB_CHUNK_HEADER + norma_gltf_u32(g->document->source.data + at);
 }
 
 static norma_document_result write_glb(

@@ -1,5 +1,6 @@
 /* other_asset.c: finds and parses the JSON of a .gltf or GLB, whatever the file is called. */
 #include "io/gltf/write/other_asset.h"
+#include "io/gltf/read/asset.h"
 #include <string.h>
 
 enum { GLB_TEXT = 20, LARGEST_TEXT = 1 << 28 };
@@ -15,9 +16,7 @@ gltf_other norma_gltf_read_other(const file_bytes *file, json *j) {
     size_t size = file->size;
     json_error wrong;
     if (size > GLB_TEXT && memcmp(text, "glTF", 4) == 0) {
-        const unsigned char *at = file->data + 12;
-        const size_t length =
-            (size_t)at[0] | (size_t)at[1] << 8 | (size_t)at[2] << 16 | (size_t)at[3] << 24;
+        const size_t length = norma_gltf_u32(file->data + 12);
         text += GLB_TEXT;
         size = length < size - GLB_TEXT ? length : size - GLB_TEXT;
     } else if (!begins_like_json(text, size)) {
