@@ -1,9 +1,9 @@
 /* read_file.c: the bytes of a file in memory of our own, which no other program can change while
  * they are used; and whether the file still is what was read. */
-#define _DEFAULT_SOURCE /* madvise */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
 #include "io/file/file_stamp.h"
+#include "io/file/large_memory.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -12,22 +12,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FIRST_READ = 1 << 16, SMALL_FILE = 1 << 18, LARGE_PAGE = 1 << 21, AT_ONCE = 1 << 24 };
+enum { FIRST_READ = 1 << 16, SMALL_FILE = 1 << 18, AT_ONCE = 1 << 24 };
 
 /* ---- reading */
-
-/* In large pages where the system has them: what reading into fresh memory costs is mostly pages.
- */
-static unsigned char *allocate(size_t capacity) {
-#if defined(__linux__) && defined(MADV_HUGEPAGE)
-    const size_t page = LARGE_PAGE, rounded = (capacity + page - 1) / page * page;
-    unsigned char *data = capacity < 2 * page ? NULL : aligned_alloc(page, rounded);
-    if (data) (void)madvise(data, rounded, MADV_HUGEPAGE);
-    return data ? data : malloc(capacity);
-#else
-    return malloc(capacity);
-#endif
-}
 
 static int is_cancelled(const file_reading *how) {
     return how && how->progress && how->progress(how->progress_user, 0);
@@ -51,7 +38,7 @@ static int read_into(
 static int read_to_end(
     int descriptor, size_t expected, const file_reading *how, file_bytes *bytes) {
     size_t capacity = expected ? expected + 1 : FIRST_READ, size = 0;
-    unsigned char *data = allocate(capacity);
+    unsigned char *data = norma_io_block(capacity, 1);
     int error = data ? read_into(descriptor, how, data, capacity, &size) : ENOMEM;
     while (!error && size == capacity) {
         unsigned char *larger = capacity > SIZE_MAX / 2 ? NULL : realloc(data, capacity *= 2);

@@ -1,7 +1,7 @@
 /* compute_policy.c: what is decided when the normals of a file are computed, alike for every
  * format. */
 #include "io/format/compute_policy.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
 

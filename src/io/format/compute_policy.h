@@ -53,7 +53,8 @@ typedef struct computed_normals {
 /* Adds the report of one mesh to the sum; the firsts become SIZE_MAX from the second mesh on. */
 void norma_policy_add_report(norma_report *sum, const norma_report *report, size_t meshes_before);
 
-/* The normals of one mesh. Adds to the report, and to the hard edges if there are creases. */
+/* The normals of one mesh. Adds to the report,
+ * and to the hard edges if there are creases. */
 norma_result norma_policy_compute(
     compute_policy *policy, const norma_mesh *mesh, computed_normals *made);
 void norma_computed_normals_free(computed_normals *made);

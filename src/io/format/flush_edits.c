@@ -59,6 +59,19 @@ norma_document_result norma_edited_replace(
     return result;
 }
 
+unsigned char *norma_edited_own_bytes(norma_document *document) {
+    file_bytes *source = &document->source;
+    if (!source->owned || source->mapped) {
+        unsigned char *copy = malloc(source->size ? source->size : 1);
+        if (!copy) return NULL;
+        if (source->size) memcpy(copy, source->data, source->size);
+        const file_bytes own = {.data = copy, .size = source->size, .owned = 1};
+        norma_file_close(source);
+        *source = own;
+    }
+    return (unsigned char *)(uintptr_t)source->data;
+}
+
 norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error) {
     growing_bytes memory = {0};
     if (!document->functions->edited->has_edit(document->state)) return NORMA_DOCUMENT_OK;

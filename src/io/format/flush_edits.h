@@ -30,4 +30,7 @@ norma_document_result norma_edited_flush(norma_document *document, norma_documen
 /* These bytes become the document's, which owns them from now on. */
 norma_document_result norma_edited_replace(
     norma_document *document, const growing_bytes *bytes, norma_document_error *error);
+/* The document's bytes to be changed in place, copied first if they belong to the caller; NULL: out
+ * of memory. */
+unsigned char *norma_edited_own_bytes(norma_document *document);
 #endif

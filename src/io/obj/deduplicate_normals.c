@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "io/format/format.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/stream/tasks.h"
 
 enum { SHARES = 256, LEAST_SLICE = 1 << 14 };

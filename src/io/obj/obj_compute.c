@@ -3,7 +3,7 @@
  * ones. */
 #include <stdlib.h>
 #include <string.h>
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/format/compute_policy.h"
 #include "io/obj/obj.h"
 #include "io/obj/deduplicate_normals.h"

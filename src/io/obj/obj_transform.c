@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "io/format/transform_stored_normals.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/text/number.h"
 #include "io/obj/obj.h"
 #include "io/obj/statements.h"

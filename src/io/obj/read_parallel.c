@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "core/call/call.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/text/number.h"
 #include "io/obj/statements.h"
 

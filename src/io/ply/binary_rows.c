@@ -28,7 +28,8 @@ typedef struct row_writer {
     norma_sink *sink;
     row_step *steps;
     size_t step_count;
-    int spliced;                /* the steps only copy, skip and take from the side */
+    size_t spliced; /* not 0: the bytes of a row whose steps only copy, skip and take from the side
+                     */
     const uint32_t *next_index; /* of faces */
     const uint32_t *triangle;   /* of the face that is cut, which this row is; or NULL */
     const int64_t *next_item;   /* of strips */
@@ -109,24 +110,16 @@ static void compile(row_writer *writer) {
                 writer, (row_step){.kind = STEP_COPY, .size = norma_ply_type_size(item->type)});
     }
     if (skipped > 0) add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
-    writer->spliced = 1;
-    for (size_t i = 0; i < writer->step_count; ++i)
-        writer->spliced &= writer->steps[i].kind <= STEP_SIDE;
+    int plain = 1;
+    for (size_t i = 0; i < writer->step_count; ++i) {
+        const row_step *step = &writer->steps[i];
+        plain &= step->kind <= STEP_SIDE;
+        writer->spliced += step->kind == STEP_SKIP ? 0 : step->size;
+    }
+    if (!plain || writer->spliced > SINK_BLOCK) writer->spliced = 0;
 }
 
 /* ---- its steps */
-
-/* Sizes that stand for one vector of floats or doubles are copied in line. */
-static void put_bytes(norma_sink *sink, const unsigned char *bytes, size_t size) {
-    if (size == 1)
-        *norma_sink_room(sink, 1) = *bytes;
-    else if (size == 12)
-        memcpy(norma_sink_room(sink, 12), bytes, 12);
-    else if (size == 24)
-        memcpy(norma_sink_room(sink, 24), bytes, 24);
-    else
-        norma_sink_put(sink, bytes, size);
-}
 
 static void put_value(const row_writer *writer, const ply_item *item, size_t number) {
     const ply_column *column = &item->column;
@@ -155,7 +148,7 @@ static void put_face(row_writer *writer, const ply_item *item, const unsigned ch
     }
     norma_sink_put(writer->sink, at, norma_ply_type_size(item->source->count_type));
     if (size == sizeof(uint32_t) && norma_ply_is_native(encoding)) {
-        put_bytes(writer->sink, (const unsigned char *)writer->next_index, count * size);
+        norma_sink_put(writer->sink, (const unsigned char *)writer->next_index, count * size);
         writer->next_index += count;
         return;
     }
@@ -211,12 +204,12 @@ static const unsigned char *run_step(
     row_writer *writer, const row_step *step, const unsigned char *at, size_t row, size_t number) {
     switch (step->kind) {
     case STEP_COPY:
-        put_bytes(writer->sink, at, step->size);
+        norma_sink_put(writer->sink, at, step->size);
         return at + step->size;
     case STEP_SKIP:
         return at + step->size;
     case STEP_SIDE:
-        put_bytes(writer->sink, step->side + step->stride * number, step->size);
+        norma_sink_put(writer->sink, step->side + step->stride * number, step->size);
         return at;
     case STEP_VALUE:
         put_value(writer, step->item, number);
@@ -236,14 +229,26 @@ static const unsigned char *run_step(
     return at + size;
 }
 
+/* A row of bytes that stay and vectors that are put between them. */
 static const unsigned char *splice_row(
     const row_writer *writer, const unsigned char *at, size_t number) {
+    unsigned char *out = norma_sink_room(writer->sink, writer->spliced);
     for (const row_step *step = writer->steps, *end = step + writer->step_count; step < end;
          ++step) {
-        if (step->kind != STEP_SKIP)
-            put_bytes(writer->sink,
-                step->kind == STEP_COPY ? at : step->side + step->stride * number, step->size);
-        at += step->kind == STEP_SIDE ? 0 : step->size;
+        const size_t size = step->size;
+        const unsigned char *from =
+            step->kind == STEP_SIDE ? step->side + step->stride * number : at;
+        at += step->kind == STEP_SIDE ? 0 : size;
+        if (step->kind == STEP_SKIP) continue;
+        if (size == 12) /* in line, as are those below */
+            memcpy(out, from, 12);
+        else if (size == 24)
+            memcpy(out, from, 24);
+        else if (size == 1)
+            *out = *from;
+        else
+            memcpy(out, from, size);
+        out += size;
     }
     return at;
 }

@@ -2,7 +2,7 @@
  * gets copies at the end, so that all old ones keep their numbers. */
 #include "io/format/compute_policy.h"
 #include "io/ply/ply.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/stream/tasks.h"
 #include <math.h>
 #include <stdlib.h>

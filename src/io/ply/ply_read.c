@@ -1,7 +1,7 @@
 /* ply_read.c: positions, corners and normals of a PLY for the core: views of the file's own bytes
  * where their layout allows, decoded copies elsewhere. */
 #include "io/ply/ply.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/stream/tasks.h"
 #include <stdlib.h>
 

@@ -1,7 +1,8 @@
 /* binary_facets.c: binary STL: 80 bytes of anything, the number of facets, then 50 bytes for each,
  * little-endian: normal, three vertices, two bytes of attributes. */
 #include "io/stl/stl.h"
-#include "io/stream/large_memory.h"
+#include "io/format/compute_policy.h"
+#include "io/file/large_memory.h"
 #include "io/stream/ordered.h"
 #include <stdlib.h>
 
@@ -89,6 +90,21 @@ void norma_stl_load(const stl_state *state, size_t facet, float normal[3], float
     const unsigned char *at = state->bytes + STL_HEADER + facet * STL_FACET;
     if (normal) load_floats(at, normal, 3);
     if (vertices) load_floats(at + STL_NORMAL, vertices, 9);
+}
+
+int norma_stl_replace_normals(
+    unsigned char *bytes, size_t first, size_t count, const float *normals) {
+    unsigned char *at = bytes + STL_HEADER + first * STL_FACET;
+    int changed = 0;
+    for (size_t i = 0; i < count; ++i, at += STL_FACET) {
+        float stored[3], now[3];
+        load_floats(at, stored, 3);
+        for (size_t k = 0; k < 3; ++k)
+            now[k] = norma_policy_keep_zero(normals[3 * i + k], (double)stored[k]);
+        changed |= memcmp(now, stored, sizeof now) != 0;
+        store_floats(at, now, 3);
+    }
+    return changed;
 }
 
 norma_document_result norma_stl_decode_binary(

@@ -43,6 +43,9 @@ norma_document_result norma_stl_decode_binary(
     norma_document *document, norma_document_error *error);
 void norma_stl_load(const stl_state *state, size_t facet, float normal[3],
     float vertices[9]); /* each may be NULL */
+/* Stores the normals of facets from first on; the sign of zeros stays. Whether a byte changed. */
+int norma_stl_replace_normals(
+    unsigned char *bytes, size_t first, size_t count, const float *normals);
 norma_document_result norma_stl_write_binary(
     norma_document *document, norma_sink *sink, norma_document_error *error);
 
@@ -59,5 +62,6 @@ extern const edited_format norma_stl_edited;
 norma_document_result norma_stl_decode(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_drop_idle_edit(
     norma_document *document, int *changed, norma_document_error *error);
+void norma_stl_forget_decoded(stl_state *state);
 norma_mesh norma_stl_core_mesh(const stl_state *state);
 #endif

@@ -2,7 +2,7 @@
 #include "io/stl/stl.h"
 #include "io/format/compute_policy.h"
 #include "io/format/transform_stored_normals.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/stream/tasks.h"
 #include <float.h>
 #include <math.h>
@@ -10,21 +10,11 @@
 
 /* ---- computing */
 
-/* A binary file is computed without being decoded as a whole; its stored normals are then in the
- * bytes alone. */
-static void stored_normal(const stl_state *state, size_t facet, float normal[3]) {
-    if (state->stored)
-        memcpy(normal, state->stored + 3 * facet, 3 * sizeof *normal);
-    else
-        norma_stl_load(state, facet, normal, NULL);
-}
-
 /* Puts the stored normals back where they are not to change, and the sign of zeros, which says
  * nothing. */
-static void keep_stored(stl_state *state, norma_only only, size_t first, size_t end) {
-    for (size_t i = first; i < end; ++i) {
-        float stored[3];
-        stored_normal(state, i, stored);
+static void keep_stored(stl_state *state, norma_only only) {
+    for (size_t i = 0; i < state->facets; ++i) {
+        const float *stored = state->stored + 3 * i;
         const int stays = !norma_policy_wants_facet(only, stored);
         for (size_t axis = 0; axis < 3; ++axis) {
             float *number = &state->normals[3 * i + axis];
@@ -60,42 +50,55 @@ static norma_document_result compute_whole(
 
 enum { BLOCK_FACETS = 1 << 10 };
 
+enum { BLOCK_DONE, BLOCK_CHANGED, BLOCK_FAILED }; /* failed: or some facet has no direction */
+
 typedef struct block_work {
-    stl_state *state;
+    const stl_state *state;
+    unsigned char *bytes; /* the document's own */
     norma_options core;
-    unsigned char
-        *failed; /* of each block: it could not be computed, or some facet has no direction */
+    unsigned char *done; /* what became of each block */
 } block_work;
 
-/* A block of facets at a time, whose positions stay in the cache. */
+/* A block of facets at a time, whose positions stay in the cache, and whose normals go straight
+ * into the document's bytes. */
 static void compute_block(void *context, size_t block) {
     const block_work *work = context;
-    stl_state *state = work->state;
-    float positions[9 * BLOCK_FACETS];
+    const stl_state *state = work->state;
+    float positions[9 * BLOCK_FACETS], normals[3 * BLOCK_FACETS];
     const size_t first = block * BLOCK_FACETS, left = state->facets - first,
                  count = left < BLOCK_FACETS ? left : BLOCK_FACETS;
     for (size_t i = 0; i < count; ++i) norma_stl_load(state, first + i, NULL, positions + 9 * i);
     const norma_mesh mesh = {
         .positions = {.data = positions, .count = 3 * count}, .corner_count = 3 * count};
     norma_report report;
-    work->failed[block] = norma_face_normals(&mesh, &work->core, state->normals + 3 * first, count,
-                              &report) != NORMA_OK ||
-                          report.degenerate_faces.count > 0 || report.non_finite.count > 0;
-    keep_stored(state, NORMA_ONLY_ALL, first, first + count);
+    if (norma_face_normals(&mesh, &work->core, normals, count, &report) != NORMA_OK ||
+        report.degenerate_faces.count > 0 || report.non_finite.count > 0)
+        work->done[block] = BLOCK_FAILED;
+    else if (norma_stl_replace_normals(work->bytes, first, count, normals))
+        work->done[block] = BLOCK_CHANGED;
 }
 
 /* *complete: 0 where some facet has no direction. */
 static norma_document_result compute_by_blocks(norma_document *document,
-    const norma_options *options, int *complete, norma_document_error *error) {
+    const norma_options *options, int *complete, int *changed, norma_document_error *error) {
     stl_state *state = document->state;
     const size_t blocks = (state->facets + BLOCK_FACETS - 1) / BLOCK_FACETS;
-    block_work work = {.state = state, .core = *options, .failed = norma_io_allocate(blocks, 1)};
-    if (!work.failed) return norma_document_fail_memory(document, error);
+    block_work work = {.state = state,
+        .bytes = norma_edited_own_bytes(document),
+        .core = *options,
+        .done = norma_io_allocate(blocks, 1)};
+    state->bytes = document->source.data;
+    if (!work.bytes || !work.done) {
+        free(work.done);
+        return norma_document_fail_memory(document, error);
+    }
+    norma_stl_forget_decoded(state);
     work.core.progress = NULL;
     work.core.threads = 0;
     norma_result failed = norma_io_tasks_told(options, blocks, compute_block, &work);
-    *complete = !failed && memchr(work.failed, 1, blocks) == NULL;
-    free(work.failed);
+    *complete = !failed && memchr(work.done, BLOCK_FAILED, blocks) == NULL;
+    *changed = memchr(work.done, BLOCK_CHANGED, blocks) != NULL;
+    free(work.done);
     return norma_document_fail_core(document, error, failed);
 }
 
@@ -103,18 +106,19 @@ static norma_document_result compute_normals(
     norma_document *document, compute_policy *policy, norma_document_error *error) {
     stl_state *state = document->state;
     const norma_only only = policy->options->only;
+    int complete = 0, changed = 0;
     if (state->binary && only == NORMA_ONLY_ALL) {
-        int complete = 0;
-        state->normals = norma_io_block(state->facets, 3 * sizeof *state->normals);
-        if (!state->normals) return norma_document_fail_memory(document, error);
-        norma_document_result result = compute_by_blocks(document, &policy->core, &complete, error);
+        norma_document_result result =
+            compute_by_blocks(document, &policy->core, &complete, &changed, error);
+        policy->summary->changed = changed;
         if (result || complete) return result;
-        free(state->normals);
-        state->normals = NULL;
         policy->core.progress = NULL; /* a fraction never falls */
     }
     norma_document_result result = compute_whole(document, policy, error);
-    if (!result) keep_stored(state, only, 0, state->facets);
+    if (result) return result;
+    keep_stored(state, only);
+    result = norma_stl_drop_idle_edit(document, &policy->summary->changed, error);
+    policy->summary->changed |= changed;
     return result;
 }
 
@@ -132,8 +136,7 @@ norma_document_result norma_stl_compute(norma_document *document,
     summary->faces = state->facets;
     summary->vertices_before = summary->vertices_after = 3 * state->facets;
     if (state->facets == 0) return NORMA_DOCUMENT_OK;
-    result = compute_normals(document, &policy, error);
-    return result ? result : norma_stl_drop_idle_edit(document, &summary->changed, error);
+    return compute_normals(document, &policy, error);
 }
 
 /* ---- transforming */

@@ -53,6 +53,13 @@ norma_document_result norma_stl_decode(norma_document *document, norma_document_
                          : norma_stl_decode_text(document, error);
 }
 
+void norma_stl_forget_decoded(stl_state *state) {
+    free(state->positions);
+    free(state->stored);
+    state->positions = NULL;
+    state->stored = NULL;
+}
+
 norma_mesh norma_stl_core_mesh(const stl_state *state) {
     const size_t corners = 3 * state->facets;
     return (norma_mesh){.positions = {.data = state->positions,

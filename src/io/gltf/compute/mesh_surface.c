@@ -1,7 +1,7 @@
 /* mesh_surface.c: the triangles of a mesh as one surface for the core, and the points that the core
  * makes of them. */
 #include "io/gltf/compute/gltf_compute.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

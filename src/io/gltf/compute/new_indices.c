@@ -2,7 +2,7 @@
  * widen where added vertices need it, the largest value of each width being no index
  * (glTF 2.0, 3.7.2.1); strips and fans whose corners changed become triangles. */
 #include "io/gltf/compute/gltf_compute.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <stdlib.h>
 #include <string.h>
 

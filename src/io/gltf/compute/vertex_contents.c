@@ -2,7 +2,7 @@
  * its attributes: old elements keep their bits, added ones are copies, tangents of new normals are
  * made perpendicular to them. */
 #include "io/gltf/compute/gltf_compute.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

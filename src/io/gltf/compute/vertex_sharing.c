@@ -2,7 +2,7 @@
  * become: the first point of an old vertex gets its number, so that old indices stay right; further
  * ones are added behind. */
 #include "io/gltf/compute/gltf_compute.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/stream/tasks.h"
 #include <math.h>
 #include <stdlib.h>
@@ -330,6 +330,12 @@ static void place_slice(void *context, size_t slice) {
         p->corners[c] = p->places[p->points[c]];
 }
 
+/* Whether the mesh is one primitive whose points nobody needs once it has its corners. */
+static int is_alone(const gltf_job *job, const gltf_surface *s, uint32_t number) {
+    return job->g->meshes[s->mesh].primitive_count == 1 && s->in_order &&
+           job->set_of[number] != GLTF_NONE && !job->sets[job->set_of[number]].has_morphs;
+}
+
 /* places: for each point of the surface its vertex in this set, valid where stamps says the set's
  * number + 1. The corners of a mesh that is one primitive are made where its points stand, which
  * nobody needs any more. */
@@ -339,7 +345,7 @@ static int take_primitive(
     const gltf_primitive *p = &g->primitives[number];
     uint32_t local = p->number, set_number = job->set_of[number];
     gltf_set *set = &job->sets[set_number];
-    const int alone = g->meshes[s->mesh].primitive_count == 1 && s->in_order && !set->has_morphs;
+    const int alone = is_alone(job, s, number);
     if (!begin_vertices(set)) return 0;
     if (!(alone ? take_all_points(set, s, places)
                 : take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps)))
@@ -358,7 +364,8 @@ static int take_primitive(
 
 norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
     const gltf_mesh *mesh = &job->g->meshes[s->mesh];
-    uint32_t *places = norma_io_block(s->point_count, sizeof *places),
+    const int alone = is_alone(job, s, mesh->first_primitive);
+    uint32_t *places = alone ? s->sources : norma_io_block(s->point_count, sizeof *places),
              *stamps = norma_io_allocate(s->point_count, sizeof *stamps);
     unsigned char *done = norma_io_allocate(mesh->primitive_count, 1);
     int ok = places && stamps && done;
@@ -372,7 +379,7 @@ norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
             }
         done[i] = 1;
     }
-    free(places);
+    if (!alone) free(places);
     free(stamps);
     free(done);
     return ok ? NORMA_DOCUMENT_OK : out_of_memory(job);

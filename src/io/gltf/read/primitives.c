@@ -1,7 +1,7 @@
 /* primitives.c: meshes and their primitives: which accessors they use, how many triangles they
  * draw, and the corners of those. */
 #include "io/gltf/read/asset.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include "io/stream/tasks.h"
 #include "io/gltf/read/gltf_scene.h"
 #include <stdio.h>

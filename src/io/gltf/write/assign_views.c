@@ -2,7 +2,7 @@
  * attributes that all grow stay interleaved; of what outgrows its place, the first takes a view
  * that nobody else needs any more, the rest get new ones. So no view is left unused. */
 #include "io/gltf/write/patch.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <stdlib.h>
 #include <string.h>
 

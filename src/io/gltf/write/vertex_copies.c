@@ -3,7 +3,7 @@
 #include "io/format/edit.h"
 #include "io/stream/equal_rows.h"
 #include "io/gltf/read/asset.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* large_memory.c: blocks that may be large. Arrays of a large mesh are written once from end to
  * end, and what that costs is mostly their pages. */
 #define _DEFAULT_SOURCE /* madvise */
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +16,8 @@ static void *large_block(size_t bytes) {
     const size_t page = (size_t)1 << 21,
                  rounded = bytes > SIZE_MAX - page ? 0 : (bytes + page - 1) / page * page;
     void *block = rounded ? aligned_alloc(page, rounded) : NULL;
-    if (block) (void)madvise(block, rounded, MADV_HUGEPAGE);
+    /* A last page that would stay mostly empty is not worth its memory. */
+    if (block) (void)madvise(block, (bytes + page / 2) / page * page, MADV_HUGEPAGE);
     return block;
 }
 #else
