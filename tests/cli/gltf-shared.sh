@@ -60,6 +60,35 @@ cp s.bin before.bin
 for turn in 1 2 3; do "$norma" transform --rotate 0,0,1,$turn --bake --in-place a.gltf --quiet; done
 if same s.bin 72 before.bin; then pass "what a backup of the asset names stays"; else fail "what a backup of the asset names stays"; fi
 
+# ---- an asset in another folder of the same tree
+for where in below link; do
+    place tree-$where
+    mkdir sub
+    case $where in
+    below) file=s.bin other=../s.bin name=s.bin ;;
+    link) file=sub/real.bin other=real.bin name=link.bin && ln -s sub/real.bin link.bin ;;
+    esac
+    printf "$near$far" >$file
+    cp $file before.bin
+    triangle 72 $name 0 >a.gltf
+    triangle 72 $other 36 >sub/b.gltf
+    "$norma" compute --in-place a.gltf --quiet
+    if [ "$(size $file)" = 108 ] && same $file 72 before.bin; then pass "what an asset in a subfolder names stays: $where"; else fail "what an asset in a subfolder names stays: $where" "$(size $file)"; fi
+done
+place hard
+mkdir a b
+printf "$near$far" >a/s.bin
+ln a/s.bin b/s.bin
+cp a/s.bin before.bin
+triangle 72 s.bin 0 >a/a.gltf
+"$norma" compute --in-place a/a.gltf --quiet
+if cmp -s b/s.bin before.bin && ! cmp -s a/s.bin before.bin; then pass "another hard link of the buffer keeps its contents"; else fail "another hard link of the buffer keeps its contents"; fi
+place alone
+printf "$near$far" >s.bin
+triangle 72 s.bin 0 >a.gltf
+"$norma" compute --in-place a.gltf --quiet
+if [ "$(size s.bin)" = 72 ]; then pass "what no asset names is used again"; else fail "what no asset names is used again" "$(size s.bin)"; fi
+
 # ---- one asset, one file under two names
 place twice
 ln -s t.bin link.bin

@@ -273,6 +273,8 @@ int norma_gltf_path_inside(const char *folder, const char *name, char **path);
 /* The same, every link followed; to be freed. What is not there, as it is given. NULL: out of
  * memory. */
 char *norma_gltf_real_path(const char *folder, const char *name);
+/* Of a path, with its slash, "" for the current one; to be freed. */
+char *norma_gltf_folder_of(const char *path);
 
 /* ---- changing (patch.c) */
 

@@ -181,3 +181,11 @@ int norma_gltf_path_inside(const char *folder, const char *name, char **path) {
     errno = why == ENOMEM ? ENOMEM : EACCES;
     return inside;
 }
+
+char *norma_gltf_folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    char *folder = norma_io_allocate(length + 1, 1);
+    if (folder) memcpy(folder, path, length);
+    return folder;
+}

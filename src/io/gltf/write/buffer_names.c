@@ -10,14 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-char *norma_gltf_folder_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    size_t length = slash ? (size_t)(slash - path) + 1 : 0;
-    char *folder = norma_io_allocate(length + 1, 1);
-    if (folder) memcpy(folder, path, length);
-    return folder;
-}
-
 int norma_gltf_same_folder(const gltf *g, const char *path) {
     char *folder = norma_gltf_folder_of(path);
     int same = folder && g->document->folder &&

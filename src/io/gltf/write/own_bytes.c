@@ -1,7 +1,7 @@
 /* own_bytes.c: which bytes of a buffer's file an asset may write over when it is changed in place.
  * Other assets may share the file, and a copy of the asset may be kept as a backup, so every file
- * of the folder that reads as glTF is asked which bytes it names. Bytes that nobody names may be
- * used again; all others stay as they are. */
+ * of the folder that reads as glTF, and as far as the limits go of the folders below, is asked
+ * which bytes it names. Bytes that nobody names may be used again; all others stay as they are. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/gltf/write/own_bytes.h"
 #include "io/gltf/write/other_asset.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_ENTRIES = 4096, LARGEST_ASSETS = 1 << 28 };
+enum { MOST_ENTRIES = 4096, DEEPEST = 16, LARGEST_ASSETS = 1 << 28 };
 
 typedef struct search {
     const gltf *g;
@@ -17,8 +17,10 @@ typedef struct search {
     const char *folder; /* the one that is looked through, with its slash */
     ranges named;
     size_t length; /* the largest that any asset says of the file */
-    size_t entries, read;
-    int unknown; /* something may name bytes and cannot be asked */
+    size_t entries[2],
+        read[2]; /* in the folder itself; below it, where limits only end the search */
+    int depth;   /* 0: in the folder itself */
+    int unknown; /* something there may name bytes and cannot be asked */
     int failed;  /* errno: the system could not answer, or out of memory */
 } search;
 
@@ -113,18 +115,39 @@ static void add_named(search *s, const json *j) {
 static void ask(search *s, const file_bytes *bytes) {
     json j;
     const gltf_other kind = norma_gltf_read_other(bytes, &j);
-    s->read += kind ? bytes->size : 0;
+    const int below = s->depth > 0;
+    s->read[below] += kind ? bytes->size : 0;
     fail_if(s, kind == GLTF_OTHER_MEMORY, ENOMEM);
-    s->unknown |= kind == GLTF_OTHER_UNKNOWN || s->read > LARGEST_ASSETS;
+    s->unknown |= !below && (kind == GLTF_OTHER_UNKNOWN || s->read[0] > LARGEST_ASSETS);
     if (kind == GLTF_OTHER_READ && !s->unknown) add_named(s, &j);
     if (kind == GLTF_OTHER_READ) norma_json_free(&j);
+}
+
+static int visit(void *user, const char *name);
+
+/* What cannot be read there, or lies behind a link or hidden, is passed over. */
+static void look_below(search *s, const char *path, const char *name) {
+    const char *above = s->folder;
+    char *folder = NULL;
+    if (name[0] != '.' && s->depth < DEEPEST && !norma_file_is_link(path))
+        fail_if(s, !(folder = norma_io_join(path, "/")), ENOMEM);
+    if (!folder) return;
+    s->folder = folder;
+    ++s->depth;
+    (void)norma_folder_visit(folder, visit, s);
+    --s->depth;
+    s->folder = above;
+    free(folder);
 }
 
 static int visit(void *user, const char *name) {
     search *s = user;
     file_bytes bytes;
+    const int below = s->depth > 0,
+              enough = ++s->entries[below] > MOST_ENTRIES || s->read[below] > LARGEST_ASSETS;
+    if (below && enough) return 1;
     char *path = norma_io_join(s->folder, name);
-    s->unknown |= ++s->entries > MOST_ENTRIES;
+    s->unknown |= enough;
     fail_if(s, !path, ENOMEM);
     errno = 0;
     const int regular = path && norma_file_is_regular(path);
@@ -138,8 +161,10 @@ static int visit(void *user, const char *name) {
             norma_file_close(&bytes);
         } else {
             fail_if(s, error != EACCES, error);
-            s->unknown = 1;
+            s->unknown |= !below;
         }
+    } else if (path && !regular && !s->failed) {
+        look_below(s, path, name);
     }
     free(path);
     return s->unknown || s->failed;
@@ -172,18 +197,18 @@ static void find_gaps(search *s, ranges *left) {
 }
 
 int norma_gltf_find_unnamed(const gltf *g, uint32_t buffer, ranges *left) {
-    const char *folder = g->document->folder, *name = g->buffers[buffer].name;
-    const char *slash = strrchr(name, '/');
-    search s = {.g = g, .file = norma_io_join(folder, name)};
-    char *beside =
-        slash ? norma_io_copy_text(s.file, strlen(folder) + (size_t)(slash - name) + 1) : NULL;
-    fail_if(&s, !s.file || (slash && !beside), ENOMEM);
+    const char *folder = g->document->folder;
+    char *real = norma_gltf_real_path(folder, g->buffers[buffer].name),
+         *beside = real ? norma_gltf_folder_of(real) : NULL;
+    search s = {.g = g, .file = real};
+    fail_if(&s, !beside, ENOMEM);
     if (!s.failed) look_through(&s, folder);
-    if (beside && !s.failed && !s.unknown) look_through(&s, beside);
+    if (!s.failed && !s.unknown && !norma_file_same(beside, folder[0] ? folder : "."))
+        look_through(&s, beside);
     if (!s.failed && !s.unknown) find_gaps(&s, left);
     free(s.named.list);
     free(beside);
-    free((char *)(uintptr_t)s.file);
+    free(real);
     return s.failed;
 }
 

@@ -141,8 +141,6 @@ typedef enum gltf_list {
 norma_document_result norma_gltf_check_dangling(
     const gltf *g, gltf_list list, norma_document_error *error);
 /* ---- paths (buffer_names.c) */
-char *norma_gltf_folder_of(
-    const char *path); /* with its slash, "" for the current one; to be freed */
 int norma_gltf_same_folder(
     const gltf *g, const char *path); /* path stands in the folder that the asset was read from */
 #endif
