@@ -1,9 +1,11 @@
-/* The npm package beside three.js, one thread, in one run: computeVertexNormals (weighted by area, vertices shared by index), also by a plan of the mesh, and toCreasedNormals. Then the page, in headless
+/* The npm package beside three.js and meshoptimizer, one thread, in one run: computeVertexNormals (weighted by area, vertices shared by index), also by a plan of the mesh, toCreasedNormals, and generateNormals (one normal
+ * per corner, creases at 60 degrees, equal positions shared). Then the page, in headless
  * Chromium with its software renderer, where there is one: how long it takes to compute 200,000 triangles anew when a slider or a choice changes.
  *   node bench/bench_web.mjs [--json] [--page] [PACKAGE] [NODE_MODULES]        build/web/npm and build/npm-web/node_modules; the page is norma.html beside the package
  *   --page: the page only
  * Times are the least of several calls, in milliseconds, output arrays reused where the interface allows it; ratio: three.js over Norma. */
-import { existsSync } from "node:fs";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { findChrome, launch } from "../tests/web/chrome.mjs";
@@ -17,10 +19,21 @@ if (!existsSync(join(folder, "node.js")) || !existsSync(join(modules, "three")))
   console.error("bench_web: needs `make web` and three.js (scripts/install-deps.sh)");
   process.exit(1);
 }
-const { load } = await import(pathToFileURL(join(folder, "node.js")));
+/* norma-mesh/three asks for three by its name: as a user has it, both lie in one folder. */
+const place = mkdtempSync(join(tmpdir(), "norma-bench-"));
+mkdirSync(join(place, "node_modules"));
+symlinkSync(join(modules, "three"), join(place, "node_modules/three"));
+cpSync(folder, join(place, "node_modules/norma-mesh"), { recursive: true });
+process.on("exit", () => rmSync(place, { recursive: true }));
+const own = join(place, "node_modules/norma-mesh");
+const { load } = await import(pathToFileURL(join(own, "node.js")));
+const { computeNormals, toCreased } = await import(pathToFileURL(join(own, "three.js")));
 const { BufferAttribute, BufferGeometry, REVISION } = await import(pathToFileURL(join(modules, "three/build/three.module.js")));
 const { toCreasedNormals } = await import(pathToFileURL(join(modules, "three/examples/jsm/utils/BufferGeometryUtils.js")));
 const norma = await load();
+const rivals = join(root, "build/npm-bench/node_modules/meshoptimizer"), meshopt = existsSync(rivals) ? (await import(pathToFileURL(join(rivals, "meshopt_tangents.js")))).MeshoptTangents : null;
+const version = meshopt && JSON.parse(readFileSync(join(rivals, "package.json"), "utf8")).version;
+await meshopt?.ready;
 
 /* The least time of as many calls as fit into the budget, at least three: compilers at run time have warmed up by then. */
 function least(budget, call) {
@@ -35,28 +48,42 @@ function least(budget, call) {
   return best;
 }
 
-const sizes = { 10000: [100, 50], 200000: [400, 250], 1000000: [1000, 500] };
-const rows = [];
-for (const [triangles, [columns, lines]] of onlyPage ? [] : Object.entries(sizes)) {
-  const { positions, indices } = waves(columns, lines);
-  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(indices, 1));
-  const out = new Float32Array(positions.length), corners = new Float32Array(3 * indices.length);
-  const budget = 500;
-  const three = least(budget, () => geometry.computeVertexNormals());
-  const creased = least(budget, () => toCreasedNormals(geometry, Math.PI / 3));
-  const plan = norma.plan(positions, indices, { weight: "area", weld: "none" });
-  plan.positions.set(positions);
-  const planned = least(budget, () => plan.update(plan.positions, { out: plan.normals }));
-  plan.free();
-  rows.push({
-    triangles: Number(triangles),
-    three_vertex: three, norma_vertex: least(budget, () => norma.vertexNormals(positions, indices, { weight: "area", weld: "none", out })),
-    norma_plan: planned,
-    norma_vertex_default: least(budget, () => norma.vertexNormals(positions, indices, { out })),
-    three_creased: creased, norma_corners: least(budget, () => norma.cornerNormals(positions, indices, { crease: 60, out: corners })),
-    norma_split: least(budget, () => norma.split(positions, indices, { crease: 60 })),
-  });
+/* Vertices in random order, the faces with them and in random order too. */
+function shuffled({ positions, indices }) {
+  let state = 1;
+  const order = (count) => {
+    const numbers = Uint32Array.from({ length: count }, (_, i) => i);
+    for (let i = count - 1; i > 0; i--) {
+      state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+      const j = Math.floor((state / 4294967296) * (i + 1));
+      [numbers[i], numbers[j]] = [numbers[j], numbers[i]];
+    }
+    return numbers;
+  };
+  const vertices = order(positions.length / 3), faces = order(indices.length / 3), moved = new Float32Array(positions.length), corners = new Uint32Array(indices.length);
+  vertices.forEach((to, from) => moved.set(positions.subarray(3 * from, 3 * from + 3), 3 * to));
+  faces.forEach((to, from) => { for (let k = 0; k < 3; k++) corners[3 * to + k] = vertices[indices[3 * from + k]]; });
+  return { positions: moved, indices: corners };
 }
+
+const rows = [];
+for (const [columns, lines] of onlyPage ? [] : [[25, 20], [100, 50], [400, 250], [1000, 500]])
+  for (const order of ["rows", "shuffled"]) {
+    const plain = waves(columns, lines), { positions, indices } = order === "rows" ? plain : shuffled(plain), budget = indices.length > 1e6 ? 1500 : 500;
+    const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(indices, 1)), ours = geometry.clone();
+    const out = new Float32Array(positions.length), corners = new Float32Array(3 * indices.length);
+    const plan = norma.plan(positions, indices, { weight: "area", weld: "none" });
+    plan.positions.set(positions);
+    const planned = least(budget, () => plan.update(plan.positions, { out: plan.normals }));
+    plan.free();
+    rows.push({
+      triangles: indices.length / 3, order,
+      three_vertex: least(budget, () => geometry.computeVertexNormals()), norma_vertex: least(budget, () => computeNormals(ours, { weight: "area", weld: "none" })), norma_plan: planned,
+      norma_vertex_default: least(budget, () => norma.vertexNormals(positions, indices, { out })),
+      three_creased: least(budget, () => toCreasedNormals(geometry, Math.PI / 3)), norma_creased: least(budget, () => toCreased(ours, { crease: 60 })),
+      meshopt_corners: meshopt ? least(budget, () => meshopt.generateNormals(indices, positions, 3, Math.PI / 3)) : NaN, norma_corners: least(budget, () => norma.cornerNormals(positions, indices, { crease: 60, out: corners })),
+    });
+  }
 
 /* ---- the page: what its own clock says of each change, from the control's event to the normals, drawing left out; and the whole of it, upload and picture included. A fourth entry is chosen
  * before each value, and not measured. */
@@ -106,12 +133,13 @@ const page = existsSync(file) && chrome ? await measurePage(file, chrome) : null
 if (json) {
   console.log(JSON.stringify({ node: process.version, three: REVISION, rows, page }));
 } else {
-  const ms = (time) => time.toFixed(time < 10 ? 2 : 0).padStart(8), ratio = (a, b) => (a / b).toFixed(1).padStart(6);
+  const ms = (time) => time.toFixed(time < 1 ? 3 : time < 10 ? 2 : 0).padStart(8), ratio = (a, b) => (a / b).toFixed(1).padStart(6);
   console.log(`node ${process.version}, three.js r${REVISION}; milliseconds`);
-  console.log("triangles | computeVertexNormals   area, by index  ratio     a plan  ratio   defaults | toCreasedNormals  cornerNormals  ratio      split  ratio");
+  console.log(`meshoptimizer ${meshopt ? version : "is not installed"}; ratio: theirs over ours, corner normals: ours over theirs`);
+  console.log("triangles order    | computeVertexNormals computeNormals  ratio     a plan  ratio | vertexNormals, defaults | toCreasedNormals  toCreased  ratio | generateNormals cornerNormals  ratio");
   for (const row of rows)
-    console.log(`${String(row.triangles).padStart(9)} | ${ms(row.three_vertex).padStart(20)} ${ms(row.norma_vertex).padStart(16)} ${ratio(row.three_vertex, row.norma_vertex)} ${ms(row.norma_plan).padStart(10)} ${ratio(row.three_vertex, row.norma_plan)} ${ms(row.norma_vertex_default).padStart(10)} | ` +
-                `${ms(row.three_creased).padStart(16)} ${ms(row.norma_corners).padStart(14)} ${ratio(row.three_creased, row.norma_corners)} ${ms(row.norma_split).padStart(10)} ${ratio(row.three_creased, row.norma_split)}`);
+    console.log(`${String(row.triangles).padStart(9)} ${row.order.padEnd(8)} | ${ms(row.three_vertex).padStart(20)} ${ms(row.norma_vertex).padStart(14)} ${ratio(row.three_vertex, row.norma_vertex)} ${ms(row.norma_plan).padStart(10)} ${ratio(row.three_vertex, row.norma_plan)} | ${ms(row.norma_vertex_default).padStart(23)} | ` +
+                `${ms(row.three_creased).padStart(16)} ${ms(row.norma_creased).padStart(10)} ${ratio(row.three_creased, row.norma_creased)} | ${ms(row.meshopt_corners).padStart(15)} ${ms(row.norma_corners).padStart(13)} ${(row.norma_corners / row.meshopt_corners).toFixed(2).padStart(6)}`);
   if (!page) console.log("the page: no browser, or no page");
   else {
     console.log("the page, 200,000 triangles computed anew, milliseconds | least  middle  most | the picture included, middle");

@@ -49,7 +49,6 @@ run_files() {
 run_web() {
     if [ ! -d build/web/npm ]; then make --no-print-directory web >"$out/web.log" 2>&1 || { tail -5 "$out/web.log"; return; }; fi
     NODE_PATH=$root/build/npm-web/node_modules node bench/bench_web.mjs | tee "$out/web.txt"
-    [ -d build/npm-bench/node_modules ] && node bench/rivals/npm/meshoptimizer.mjs | tee -a "$out/web.txt"
 }
 
 for section in $sections; do

@@ -1,27 +1,16 @@
 /* three.js: a BufferGeometry that waves. Its normals are kept right by a plan: what depends on the indices is done once.   node three-moving.mjs */
-import { BufferGeometry, PlaneGeometry } from "three";
-import { load } from "norma-mesh";
+import { PlaneGeometry } from "three";
+import { computeNormals, load, planFor } from "norma-mesh/three";
 
-const norma = await load();
-
-/* Gives a function that brings the geometry's normals up to date after its positions were changed; moved: the vertices that did. */
-export function keepNormals(geometry, options) {
-  const { position, normal } = geometry.attributes;
-  const plan = norma.plan(position.array, geometry.index?.array, options);
-  geometry.addEventListener("dispose", () => plan.free());
-  return (moved) => {
-    plan.update(position.array, { moved, out: normal.array });
-    position.needsUpdate = normal.needsUpdate = true;
-  };
-}
+await load();
 
 const plane = new PlaneGeometry(2, 2, 100, 100), { position, normal } = plane.attributes;
-const update = keepNormals(plane);
+const plan = planFor(plane);
 const height = (x, y, time) => 0.1 * Math.sin(5 * x + time) * Math.cos(4 * y);
 
 for (const time of [0, 0.5, 1]) {
   for (let i = 0; i < position.count; i++) position.setZ(i, height(position.getX(i), position.getY(i), time));
-  update();
+  plan.update();
   /* The exact normal is along (-dz/dx, -dz/dy, 1). */
   let worst = 0;
   for (let i = 0; i < position.count; i++) {
@@ -41,10 +30,10 @@ function leaning({ array }) {
 
 const before = normal.array.slice();
 position.setZ(5100, 1);
-update([5100]);
+plan.update({ moved: [5100] });
 const changed = before.filter((x, i) => i % 3 === 2 && x !== normal.array[i]).length;
 console.log(`one vertex moved: ${changed} normals written anew of ${normal.count}`);
 
-const recomputed = new BufferGeometry().setAttribute("position", position).setIndex(plane.index);
-console.log(`the same bits as from the beginning: ${norma.vertexNormals(recomputed.attributes.position.array, recomputed.index.array).every((x, i) => x === normal.array[i])}`);
+const recomputed = computeNormals(plane.clone()).attributes.normal.array;
+console.log(`the same bits as from the beginning: ${recomputed.every((x, i) => x === normal.array[i])}`);
 plane.dispose();

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The npm package: the same bits as the native library, arguments and errors, types, examples in node and three.js.
+# The npm package, installed as a user has it: the same bits as the native library, arguments and errors, files, workers, three.js, glTF-Transform, bundles in a browser, the README, types, examples.
 #   tests/web/package.sh --refresh     writes the examples' expected output anew
 # shellcheck disable=SC2016  # single quotes hold what inner shells expand
 # shellcheck source=tests/support/tap.sh
@@ -65,12 +65,25 @@ mapfile -d '' files < <(find "${places[@]}" -size -400k \( -name '*.obj' -o -nam
 tap files node tests/web/files.mjs "$installed" "$tool" "${files[@]}"
 tap workers node tests/web/workers.mjs "$installed"
 
+# What imports the package by its name lies beside it.
+cp tests/web/*.mjs tests/web/app.js tests/web/types*.ts tests/web/types.json "$user"
+beside() { (cd "$user" && exec "$@"); }
+if [ -d "$modules/three" ]; then tap three beside node three.mjs; else skip "three.js (not installed: scripts/install-deps.sh)"; fi
+gltf=()
+for file in khronos/AnimatedMorphCube/AnimatedMorphCube.gltf khronos/Fox/Fox.gltf khronos/MeshPrimitiveModes/MeshPrimitiveModes.gltf khronos/BoxInterleaved/BoxInterleaved.gltf generator/Mesh_PrimitivesUV/Mesh_PrimitivesUV_06.gltf \
+    quantized/avocado-quant.glb quantized/lantern-quant-norm.glb; do
+    [ ! -f "$data/gltf/$file" ] || gltf+=("$data/gltf/$file")
+done
+if [ -d "$modules/@gltf-transform" ]; then tap "glTF-Transform" beside node gltf-transform.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf" "${gltf[@]}"; else skip "glTF-Transform (not installed: scripts/install-deps.sh)"; fi
+if [ -d "$modules/three" ]; then tap bundles beside node bundles.mjs; else skip "bundles (three.js is not installed)"; fi
+tap README beside node readme.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf"
+
 # What the page makes of a file, with the sanitizers of a native compiler.
 check "the model's files compile under the sanitizers" gcc -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-attributes -Iinclude -Isrc tests/web/model.c \
     web/page/model/model.c web/page/model/recompute.c web/page/model/crease_slider.c web/page/model/shown_findings.c web/page/model/pick.c web/package/wasm/calls.c web/page/model/model_pack.c web/page/model/pack_findings.c -o "$scratch/model" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
 check "packs of the assets are drawn, and damaged ones drawn or refused" "$scratch/model" assets/*.obj assets/*.stl tests/cli/golden/files/*.obj tests/cli/golden/files/roof.*
 
-cp examples/web/*.mjs tests/web/types.ts tests/web/types.json "$user"
+cp examples/web/*.mjs "$user"
 
 for example in examples/web/*.mjs; do
     name=$(basename "$example" .mjs)

@@ -1,0 +1,32 @@
+/* node readme.mjs TOOL FILE, beside an installed norma-mesh: every example of the package's README runs, prints what stands below it, and compiles in strict TypeScript; the config runs in glTF-Transform's command line. */
+import { spawnSync } from "node:child_process";
+import { existsSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { check, finish, skip } from "./tap.mjs";
+
+const [tool, file] = process.argv.slice(2), modules = join(import.meta.dirname, "node_modules"), has = (name) => existsSync(join(modules, name));
+const text = readFileSync(join(modules, "norma-mesh/README.md"), "utf8");
+const blocks = [...text.matchAll(/^```js( config)?\n(.*?)^```\n(?:\n```text\n(.*?)^```)?/gms)].map(([, isConfig, code, output]) => ({ isConfig: Boolean(isConfig), code, output, title: text.slice(0, text.indexOf(code)).match(/^#+ .*$/gm).at(-1).replace(/^#+ /, "") }));
+const examples = blocks.filter(({ isConfig }) => !isConfig), compiled = [];
+check("the README has examples", examples.length === 6 && blocks.length === 7, blocks.length);
+examples.forEach(({ code, output, title }, i) => {
+  const missing = ["three", "@gltf-transform"].find((name) => code.includes(`"${name}`) && !has(name));
+  if (missing) { skip(`README, ${title} (${missing} is not installed)`); return; }
+  writeFileSync(`readme-${i}.mjs`, code);
+  writeFileSync(`readme-${i}.mts`, code);
+  compiled.push(`readme-${i}.mts`);
+  const { status, stdout, stderr } = spawnSync(process.execPath, [`readme-${i}.mjs`], { encoding: "utf8" });
+  check(`README, ${title}: it runs and prints what stands there`, status === 0 && (output === undefined || stdout === output), `${stdout}${stderr}`);
+});
+if (has("typescript")) {
+  writeFileSync("readme.json", JSON.stringify({ compilerOptions: { strict: true, exactOptionalPropertyTypes: true, noEmit: true, module: "nodenext", target: "es2022", lib: ["es2022", "dom"], types: [], skipLibCheck: true }, files: [...compiled, ...(has("three") && has("@gltf-transform") ? ["types-others.ts"] : [])] }));
+  const { status, stdout } = spawnSync(process.execPath, ["node_modules/typescript/bin/tsc", "-p", "readme.json"], { encoding: "utf8" });
+  check("the examples, and uses of every call, compile in strict TypeScript", status === 0, stdout);
+} else skip("strict TypeScript (it is not installed)");
+if (has("@gltf-transform/cli")) {
+  writeFileSync("gltf-transform.config.mjs", blocks.find(({ isConfig }) => isConfig).code);
+  const run = spawnSync(process.execPath, ["node_modules/@gltf-transform/cli/bin/cli.js", "normals", file, "out.glb", "--crease", "40", "--config", "gltf-transform.config.mjs"], { encoding: "utf8" });
+  const found = run.status === 0 && JSON.parse(spawnSync(tool, ["info", "out.glb", "--json"], { encoding: "utf8" }).stdout);
+  check("README, glTF-Transform's command line with the config writes normals", found && found.meshes.every(({ normals }) => normals === "vertex"), run.stdout + run.stderr);
+} else skip("glTF-Transform's command line (it is not installed)");
+finish();

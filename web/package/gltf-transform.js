@@ -1,0 +1,304 @@
+/* norma-mesh/gltf-transform: normals, tangents and checks as transforms of a glTF-Transform Document. */
+import { WebIO } from "@gltf-transform/core";
+import { load } from "norma-mesh";
+import * as given from "./arguments.js";
+import { fail, spell } from "./arguments.js";
+import { isLoaded, loaded } from "./load.js";
+import { cornersOf, creaseVertices, gather, indexArray, mergeCorners } from "./vertices.js";
+
+const TRIANGLES = 4, TRIANGLE_STRIP = 5, TRIANGLE_FAN = 6;
+const XYZ = 3, XYZW = 4;
+const NORMAL_OPTIONS = ["weight", "weld", "nonManifold", "fallback", "crease"];
+const COMPRESSION = /_(draco_mesh|meshopt)_compression$/;
+
+const pick = (options, names) => Object.fromEntries(names.filter((name) => options[name] !== undefined).map((name) => [name, options[name]]));
+const ready = async () => (isLoaded() ? loaded() : load());
+/* glTF-Transform tells transforms apart by the names of their functions. */
+const named = (name, transform) => Object.defineProperty(transform, "name", { value: name });
+const flag = (value, standard, what) => (value === undefined ? standard : given.flag(value, what));
+
+/* ---- reading */
+
+function floatsOf(accessor) {
+  const size = accessor.getElementSize(), count = accessor.getCount(), floats = new Float32Array(size * count), element = [];
+  for (let i = 0; i < count; i++) floats.set(accessor.getElement(i, element), size * i);
+  return floats;
+}
+
+/* An accessor's array as the calls take it; integers that stand for others than themselves become floats. */
+const numbersOf = (accessor) => (accessor.getArray() instanceof Float32Array && !accessor.getNormalized() ? accessor.getArray() : floatsOf(accessor));
+
+/* Corners of a strip or fan as those of triangles. */
+function unroll(corners, mode) {
+  const triangles = Math.max(0, corners.length - 2), unrolled = new Uint32Array(3 * triangles);
+  for (let i = 0; i < triangles; i++) {
+    const odd = mode === TRIANGLE_STRIP ? i % 2 : 0;
+    unrolled.set(mode === TRIANGLE_STRIP ? [corners[i], corners[i + 1 + odd], corners[i + 2 - odd]] : [corners[i + 1], corners[i + 2], corners[0]], 3 * i);
+  }
+  return unrolled;
+}
+
+/* The corners of a primitive's triangles; undefined: positions are in order. null: it has none. */
+function trianglesOf(primitive) {
+  const mode = primitive.getMode(), indices = primitive.getIndices()?.getArray();
+  if (mode === TRIANGLES) return indices ?? undefined;
+  if (mode !== TRIANGLE_STRIP && mode !== TRIANGLE_FAN) return null;
+  return unroll(indices ?? Uint32Array.from({ length: primitive.getAttribute("POSITION").getCount() }, (_, i) => i), mode);
+}
+
+/* Every primitive of the document once, with what it is called in messages. */
+function listPrimitives(document) {
+  const found = new Map();
+  document.getRoot().listMeshes().forEach((mesh, i) => mesh.listPrimitives().forEach((primitive, j) => {
+    if (!found.has(primitive)) found.set(primitive, `mesh ${i}${mesh.getName() ? ` "${mesh.getName()}"` : ""}, primitive ${j}`);
+  }));
+  return found;
+}
+
+/* make(...) once for each list of keys, compared by identity. */
+function remember() {
+  const ids = new Map(), made = new Map(), idOf = (key) => (ids.has(key) ? ids : ids.set(key, ids.size)).get(key);
+  return (keys, make) => {
+    const id = keys.map(idOf).join();
+    if (!made.has(id)) made.set(id, make());
+    return made.get(id);
+  };
+}
+
+/* ---- writing */
+
+/* A document while its vertices change. Whatever primitives share, they share afterwards, as long as their results are the same. */
+class Edit {
+  constructor(document) {
+    this.document = document;
+    this.once = remember();
+    this.touched = new Set();
+  }
+
+  /* A copy with the same name, extras and buffer. */
+  copy(accessor, array) {
+    const copy = accessor.clone().setArray(array);
+    this.touched.add(accessor).add(copy);
+    return copy;
+  }
+
+  /* The vertices of an accessor in the order of result.sources. */
+  carry(accessor, result) {
+    return this.once([accessor, result, "carry"], () => this.copy(accessor, gather(accessor.getArray(), accessor.getElementSize(), result.sources)));
+  }
+
+  /* floats as an accessor: with the name, extras and encoding of the one before, or a new one. */
+  store(before, floats, type, buffer, keys) {
+    return this.once([before, type, ...keys], () => {
+      if (!before) return this.document.createAccessor().setType(type).setArray(floats).setBuffer(buffer);
+      const array = before.getArray(), quantised = before.getNormalized() && (array instanceof Int8Array || array instanceof Int16Array), most = array instanceof Int8Array ? 127 : 32767;
+      return this.copy(before, quantised ? array.constructor.from(floats, (x) => Math.round(x * most)) : floats).setNormalized(quantised);
+    });
+  }
+
+  /* Gives a primitive, and its morph targets, the vertices of result. */
+  setVertices(primitive, result, mode) {
+    const indices = primitive.getIndices(), position = primitive.getAttribute("POSITION");
+    if (result.added) {
+      for (const semantic of primitive.listSemantics()) primitive.setAttribute(semantic, this.carry(primitive.getAttribute(semantic), result));
+      for (const target of primitive.listTargets())
+        for (const semantic of target.listSemantics()) target.setAttribute(semantic, this.carry(target.getAttribute(semantic), result));
+    }
+    if (!result.added && mode === TRIANGLES) return;
+    const vertices = result.sources.length;
+    primitive.setMode(TRIANGLES).setIndices(this.once([indices, result, "indices"], () => {
+      const array = indexArray(result.indices, vertices, indices?.getArray() ?? new Uint16Array(0));
+      return indices ? this.copy(indices, array) : this.document.createAccessor().setType("SCALAR").setArray(array).setBuffer(position.getBuffer());
+    }));
+  }
+
+  /* Morph targets that other primitives use too are theirs alone from here on, unless they get the same result. */
+  ownTargets(primitive, result) {
+    const targets = primitive.listTargets();
+    if (!targets.some((target) => target.listParents().filter((parent) => parent.propertyType === "Primitive").length > 1)) return;
+    for (const target of targets) primitive.removeTarget(target);
+    for (const target of targets) primitive.addTarget(this.once([target, result, "target"], () => target.clone()));
+  }
+
+  /* Disposes of accessors that nothing uses any more. */
+  finish() {
+    for (const accessor of this.touched) if (accessor.listParents().every((parent) => parent.propertyType === "Root")) accessor.dispose();
+  }
+}
+
+/* base + difference, for each vertex */
+const moved = (base, difference) => {
+  const sum = Float32Array.from(base), array = numbersOf(difference);
+  for (let i = 0; i < sum.length; i++) sum[i] += array[i];
+  return sum;
+};
+
+/* For each vertex of result the difference between the values of a target at its corner, and its own; size: numbers of a corner's value. Vertices of no face do not change. */
+function differences(result, base, ofCorners, size) {
+  const vertices = result.sources.length, corners = cornersOf(result.indices, vertices), out = new Float32Array(XYZ * vertices);
+  for (let i = 0; i < vertices; i++)
+    for (let k = 0; k < XYZ && corners[i] >= 0; k++) out[XYZ * i + k] = ofCorners[size * corners[i] + k] - base[size * i + k];
+  return out;
+}
+
+/* ---- normals */
+
+function creased(norma, primitive, position, triangles, options) {
+  /* A common factor of integers turns no direction, but it scales distances. */
+  const positions = typeof options.weld === "number" ? floatsOf(position) : position.getArray();
+  const result = creaseVertices(norma, positions, position.getCount(), triangles, { crease: 60, ...options });
+  return { ...result, positions, triangles };
+}
+
+function morphNormals(edit, norma, primitive, result, options) {
+  const targets = primitive.listTargets().filter((target) => target.getAttribute("NORMAL") && target.getAttribute("POSITION"));
+  if (!targets.length) return () => {};
+  const base = floatsOf(primitive.getAttribute("POSITION")), plan = norma.plan(base, result.triangles, { fallback: "nearest", ...options, per: "corner", crease: options.crease ?? 60 });
+  try {
+    const made = targets.map((target) => {
+      const ofCorners = plan.update(moved(base, target.getAttribute("POSITION")));
+      return edit.once([target.getAttribute("POSITION"), result, "morph"], () => differences(result, result.normals, ofCorners, XYZ));
+    });
+    const before = targets.map((target) => target.getAttribute("NORMAL"));
+    return (now) => now.filter((target) => target.getAttribute("NORMAL") && target.getAttribute("POSITION")).forEach((target, i) =>
+      target.setAttribute("NORMAL", edit.store(before[i], made[i], "VEC3", before[i].getBuffer(), [result, made[i]])));
+  } finally {
+    plan.free();
+  }
+}
+
+/* Tangents stay perpendicular to the new normals. */
+function keepTangents(edit, norma, primitive, result) {
+  const tangent = primitive.getAttribute("TANGENT");
+  if (!tangent) return;
+  primitive.setAttribute("TANGENT", edit.once([tangent, result, "tangent"], () => edit.store(tangent, norma.orthogonaliseTangents(floatsOf(tangent), result.normals), "VEC4", tangent.getBuffer(), [result, "turned"])));
+}
+
+/* Computes the normals of all meshes, with creases. */
+export function normals(options) {
+  const chosen = given.options(options, [...NORMAL_OPTIONS, "overwrite"].join(" ")), computed = pick(chosen, NORMAL_OPTIONS), overwrite = flag(chosen.overwrite, true, "overwrite");
+  if (computed.crease !== undefined) given.degrees(computed.crease);
+  return named("normals", async (document) => {
+    const norma = await ready(), edit = new Edit(document), logger = document.getLogger();
+    for (const [primitive, place] of listPrimitives(document)) {
+      const position = primitive.getAttribute("POSITION"), before = primitive.getAttribute("NORMAL"), mode = primitive.getMode();
+      if (!position?.getArray() || (before && !overwrite)) continue;
+      const triangles = trianglesOf(primitive);
+      if (triangles === null) { logger.debug(`normals: ${place}: points or lines, which have no normals`); continue; }
+      const result = edit.once([position, primitive.getIndices(), mode], () => at(place, () => creased(norma, primitive, position, triangles, computed)));
+      const writeMorphs = morphNormals(edit, norma, primitive, result, computed);
+      edit.ownTargets(primitive, result);
+      edit.setVertices(primitive, result, mode);
+      primitive.setAttribute("NORMAL", edit.store(before, result.normals, "VEC3", position.getBuffer(), [result, "normals"]));
+      writeMorphs(primitive.listTargets());
+      keepTangents(edit, norma, primitive, result);
+    }
+    edit.finish();
+    logger.debug("normals: complete");
+  });
+}
+
+/* An error names the primitive that it is about. */
+function at(place, work) {
+  try {
+    return work();
+  } catch (error) {
+    error.message = `${place}: ${error.message}`;
+    throw error;
+  }
+}
+
+/* ---- tangents */
+
+function tangentsOf(norma, positions, normalVectors, texcoords, triangles, options) {
+  const computed = norma.tangents(positions, normalVectors, texcoords, triangles, options);
+  /* Texture coordinates of glTF run downwards. */
+  for (let i = 3; i < computed.length; i += XYZW) computed[i] = -computed[i];
+  return computed;
+}
+
+function withTangents(norma, primitive, texcoord, triangles, options) {
+  const position = primitive.getAttribute("POSITION"), positions = numbersOf(position);
+  const ofCorners = tangentsOf(norma, positions, numbersOf(primitive.getAttribute("NORMAL")), numbersOf(texcoord), triangles, options);
+  const indices = triangles ?? Uint32Array.from({ length: position.getCount() }, (_, i) => i);
+  return { ...mergeCorners(ofCorners, XYZW, position.getCount(), indices), triangles };
+}
+
+/* Morph targets with normals get the differences of the tangents. */
+function morphTangents(edit, norma, primitive, texcoord, result, options) {
+  const position = primitive.getAttribute("POSITION"), normal = primitive.getAttribute("NORMAL");
+  const made = primitive.listTargets().map((target) => {
+    const change = target.getAttribute("NORMAL");
+    if (!change) return null;
+    const positions = target.getAttribute("POSITION") ? moved(numbersOf(position), target.getAttribute("POSITION")) : numbersOf(position);
+    const turned = norma.transformNormals([1, 0, 0, 0, 1, 0, 0, 0, 1], moved(numbersOf(normal), change));
+    const ofCorners = tangentsOf(norma, positions, turned, numbersOf(texcoord), result.triangles, options), vertices = result.sources.length, corners = cornersOf(result.indices, vertices);
+    const out = new Float32Array(XYZ * vertices);
+    for (let i = 0; i < vertices; i++) for (let k = 0; k < XYZ && corners[i] >= 0; k++) out[XYZ * i + k] = ofCorners[XYZW * corners[i] + k] - result.values[XYZW * i + k];
+    return out;
+  });
+  return (targets) => targets.forEach((target, i) => {
+    if (made[i]) target.setAttribute("TANGENT", edit.store(target.getAttribute("TANGENT"), made[i], "VEC3", position.getBuffer(), [result, made[i]]));
+  });
+}
+
+/* Computes tangents for all primitives that have normals and the texture coordinates of their normal map, set 0 without one. */
+export function tangents(options) {
+  const chosen = given.options(options, "mode weight texcoord overwrite"), computed = pick(chosen, ["mode", "weight"]), overwrite = flag(chosen.overwrite, true, "overwrite"), { texcoord } = chosen;
+  given.tangentMode(computed.mode);
+  if (texcoord !== undefined && !(Number.isInteger(texcoord) && texcoord >= 0)) fail(`texcoord: ${spell(texcoord)} is not the number of a set of texture coordinates`);
+  return named("tangents", async (document) => {
+    const norma = await ready(), edit = new Edit(document), logger = document.getLogger();
+    for (const [primitive, place] of listPrimitives(document)) {
+      const set = texcoord ?? primitive.getMaterial()?.getNormalTextureInfo()?.getTexCoord() ?? 0, mode = primitive.getMode();
+      const [position, normal, coordinates, before] = ["POSITION", "NORMAL", `TEXCOORD_${set}`, "TANGENT"].map((semantic) => primitive.getAttribute(semantic));
+      if (!position?.getArray() || (before && !overwrite)) continue;
+      const triangles = trianglesOf(primitive);
+      if (triangles === null || !normal || !coordinates) { logger.debug(`tangents: ${place}: left as it is; it has no ${triangles === null ? "triangles" : normal ? `TEXCOORD_${set}` : "NORMAL"}`); continue; }
+      const result = edit.once([position, normal, coordinates, primitive.getIndices(), mode], () => at(place, () => withTangents(norma, primitive, coordinates, triangles, computed)));
+      const writeMorphs = morphTangents(edit, norma, primitive, coordinates, result, computed);
+      edit.ownTargets(primitive, result);
+      edit.setVertices(primitive, result, mode);
+      primitive.setAttribute("TANGENT", edit.store(before, result.values, "VEC4", position.getBuffer(), [result, "tangents"]));
+      writeMorphs(primitive.listTargets());
+    }
+    edit.finish();
+    logger.debug("tangents: complete");
+  });
+}
+
+/* ---- check */
+
+/* The document as a GLB. The resources of a writer lie one after the other in its binary chunk. */
+async function writeBinary(document) {
+  const extensions = document.getRoot().listExtensionsUsed().filter(({ extensionName }) => !COMPRESSION.test(extensionName)).map(({ constructor }) => constructor);
+  const { json, resources } = await new WebIO().setLogger(document.getLogger()).registerExtensions(extensions).writeJSON(document, { format: "GLTF" });
+  const parts = (json.buffers ?? []).map(({ uri }) => resources[uri]), starts = [];
+  let size = 0;
+  for (const part of parts) { starts.push(size); size += Math.ceil((part?.byteLength ?? 0) / 8) * 8; }
+  for (const view of json.bufferViews ?? []) { view.byteOffset = (view.byteOffset ?? 0) + starts[view.buffer]; view.buffer = 0; }
+  if (parts.length) json.buffers = [{ byteLength: size }];
+  const text = new TextEncoder().encode(JSON.stringify(json)), padded = Math.ceil(text.length / 8) * 8 + 4, glb = new Uint8Array(20 + padded + 8 + size), words = new DataView(glb.buffer);
+  [0x46546c67, 2, glb.length, padded, 0x4e4f534a].forEach((word, i) => words.setUint32(4 * i, word, true));
+  glb.fill(0x20, 20, 20 + padded).set(text, 20);
+  [size, 0x004e4942].forEach((word, i) => words.setUint32(20 + padded + 4 * i, word, true));
+  parts.forEach((part, i) => { if (part) glb.set(part, 28 + padded + starts[i]); });
+  return glb;
+}
+
+/* Looks for what is wrong with normals and surfaces. The document stays as it is; errors and warnings go to its logger, the whole report to onReport. */
+export function check(options) {
+  const { name = "document.glb", profile, onReport } = given.options(options, "name profile onReport");
+  given.profile(profile);
+  if (onReport !== undefined && typeof onReport !== "function") fail(`onReport: ${spell(onReport)} is not a function`);
+  return named("check", async (document) => {
+    const norma = await ready(), logger = document.getLogger();
+    const report = await norma.check(await writeBinary(document), { name: /\.glb$/i.test(given.name(name)) ? name : `${name}.glb`, profile });
+    for (const { rule, severity, where, message } of report.files[0].findings) {
+      const line = `${rule} ${where}${where && ": "}${message}`;
+      if (severity === "error") logger.error(line);
+      else if (severity === "warning") logger.warn(line);
+    }
+    await onReport?.(report);
+  });
+}
