@@ -1,6 +1,7 @@
 /* facets.c: N205: the normals of STL facets against their winding. */
 #include "check/rules/mesh_rules.h"
 #include "check/findings/angle.h"
+#include "core/face/unit_length.h"
 #include <math.h>
 #include <string.h>
 
@@ -20,12 +21,12 @@ typedef struct facet_pass {
 /* A facet that is degenerate has no direction to compare with; its zero normal is as right as any.
  */
 static void judge_facet(const check_mesh *m, facet_part *part, size_t facet) {
-    double n[3];
+    double n[3], length;
     norma_check_normal(m, facet, n);
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]),
-           cosine = norma_check_dot(m->faces[facet].normal, n) / length;
-    if (!norma_core_finite(n) || !norma_check_directed(&m->faces[facet])) return;
-    if (length < 1e-6) {
+    const core_length is = norma_core_judge_length(n, 0, &length);
+    const double cosine = norma_check_dot(m->faces[facet].normal, n) / length;
+    if (is == CORE_LENGTH_NON_FINITE || !norma_check_directed(&m->faces[facet])) return;
+    if (is == CORE_LENGTH_ZERO) {
         part->zeros++;
         norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {

@@ -1,10 +1,10 @@
 /* lengths.c: N101 to N103: normals that are no unit vectors, by what their encoding can hold. */
 #include "check/rules/mesh_rules.h"
+#include "core/face/unit_length.h"
 #include <math.h>
 #include <string.h>
 
 enum { NORMALS_IN_BLOCK = 1 << 14 };
-static const double NO_LENGTH = 1e-6;
 
 typedef struct length_part {
     check_hits non_finite, zero, non_unit;
@@ -18,23 +18,22 @@ typedef struct length_pass {
 
 static double length_tolerance(const check_mesh *m) {
     const char *encoding = m->given->info.encoding ? m->given->info.encoding : "";
-    if (!strcmp(encoding, "snorm8") || !strcmp(encoding, "int8")) return .00682;
-    if (!strcmp(encoding, "snorm10")) return .0017;
-    return m->run->options.strict ? 1e-4 : 5e-4;
+    const int bits = !strcmp(encoding, "snorm8") || !strcmp(encoding, "int8") ? 8
+                     : !strcmp(encoding, "snorm10")                           ? 10
+                                                                              : 32;
+    return norma_core_unit_tolerance(bits, m->run->options.strict);
 }
-
-static double length_of(const double n[3]) { return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]); }
 
 static void judge_normal(const length_pass *pass, length_part *part, size_t number) {
     const check_mesh *m = pass->m;
-    double n[3];
+    double n[3], length;
     norma_check_normal(m, number, n);
-    double length = length_of(n);
-    if (fabs(length - 1) <= pass->tolerance || (m->users && m->users[number] == UINT32_MAX)) return;
-    check_spot spot = norma_check_normal_spot(m, number);
-    if (!norma_core_finite(n))
+    const core_length is = norma_core_judge_length(n, pass->tolerance, &length);
+    if (is == CORE_LENGTH_UNIT || (m->users && m->users[number] == UINT32_MAX)) return;
+    const check_spot spot = norma_check_normal_spot(m, number);
+    if (is == CORE_LENGTH_NON_FINITE)
         norma_check_hit(m->run, &part->non_finite, 0, spot);
-    else if (length < NO_LENGTH)
+    else if (is == CORE_LENGTH_ZERO)
         norma_check_hit(m->run, &part->zero, length, spot);
     else
         norma_check_hit(m->run, &part->non_unit, fabs(length - 1), spot);
@@ -61,11 +60,11 @@ static norma_result count_idle(check_mesh *m, size_t zeros, size_t *idle) {
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
              c++) {
             size_t number = norma_check_normal_of(m, f, c);
-            double n[3];
+            double n[3], length;
             if (number == SIZE_MAX || busy[number]) continue;
             norma_check_normal(m, number, n);
             busy[number] = 1;
-            busy_zeros += norma_core_finite(n) && length_of(n) < NO_LENGTH;
+            busy_zeros += norma_core_judge_length(n, 0, &length) == CORE_LENGTH_ZERO;
         }
     }
     norma_core_release(&m->run->call, busy, count, 1);

@@ -2,11 +2,12 @@
  * tangents that lean on their normals, tangents without a part that they need. */
 #include "check/rules/scene_rules.h"
 #include "check/findings/angle.h"
+#include "core/face/unit_length.h"
 #include <math.h>
 #include <string.h>
 
 enum { TANGENTS_IN_BLOCK = 1 << 14 };
-static const double LEANS = 0.1, NO_LENGTH = 1e-6;
+static const double LEANS = 0.1;
 
 typedef struct tangent_part {
     check_hits bad, sign, leaning;
@@ -20,21 +21,17 @@ typedef struct tangent_pass {
 } tangent_pass;
 
 static double length_tolerance(const check_mesh *m) {
-    if (norma_check_encoding_bound(m->given->attributes.tangent_encoding) >
-        .1 * (3.141592653589793 / 180))
-        return .00682;
-    return m->run->options.strict ? 1e-4 : 5e-4;
+    const double bound = norma_check_encoding_bound(m->given->attributes.tangent_encoding);
+    return norma_core_unit_tolerance(
+        bound > .1 * (3.141592653589793 / 180) ? 8 : 32, m->run->options.strict);
 }
-
-static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 /* The cosine between a tangent and its normal; 0 where there is nothing to compare. */
 static double lean_of(const tangent_pass *pass, size_t v, const double tangent[3], double length) {
-    double n[3];
+    double n[3], normal_length;
     if (v >= pass->normals) return 0;
     norma_check_normal(pass->m, v, n);
-    double normal_length = length_of(n);
-    if (!norma_core_finite(n) || normal_length < NO_LENGTH) return 0;
+    if (norma_core_judge_length(n, 0, &normal_length) >= CORE_LENGTH_ZERO) return 0;
     return fabs(tangent[0] * n[0] + tangent[1] * n[1] + tangent[2] * n[2]) /
            (length * normal_length);
 }
@@ -43,14 +40,14 @@ static void judge_tangent(const tangent_pass *pass, tangent_part *part, size_t v
     const check_run *run = pass->m->run;
     const float *stored = pass->m->given->attributes.tangents + 4 * v;
     const double t[3] = {(double)stored[0], (double)stored[1], (double)stored[2]};
-    double length = length_of(t);
-    int finite = norma_core_finite(t);
-    if (!(fabs(length - 1) <= pass->tolerance))
-        norma_check_hit(
-            run, &part->bad, finite ? fabs(length - 1) : INFINITY, norma_check_vertex(v));
+    double length;
+    const core_length is = norma_core_judge_length(t, pass->tolerance, &length);
+    if (is != CORE_LENGTH_UNIT)
+        norma_check_hit(run, &part->bad, is == CORE_LENGTH_NON_FINITE ? INFINITY : fabs(length - 1),
+            norma_check_vertex(v));
     if (stored[3] != 1 && stored[3] != -1)
         norma_check_hit(run, &part->sign, (double)stored[3], norma_check_vertex(v));
-    if (!finite || length < NO_LENGTH) return;
+    if (is >= CORE_LENGTH_ZERO) return;
     double lean = lean_of(pass, v, t, length);
     if (lean > LEANS)
         norma_check_hit(run, &part->leaning,

@@ -1,6 +1,7 @@
 /* compute_policy.c: what is decided when the normals of a file are computed, alike for every
  * format. */
 #include "io/format/compute_policy.h"
+#include "core/face/unit_length.h"
 #include "io/file/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
@@ -36,12 +37,10 @@ compute_policy norma_policy_begin(const norma_compute_options *options,
 
 /* ---- which stored normals are replaced */
 
-/* Eight bits hold no better. A comparison with NaN is false. */
 int norma_normal_is_broken(const double normal[3], int bits) {
-    const double tolerance = bits == 8 ? .00682 : 5e-4,
-                 length =
-                     sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    return !(fabs(length - 1) <= tolerance);
+    double length;
+    return norma_core_judge_length(normal, norma_core_unit_tolerance(bits, 0), &length) !=
+           CORE_LENGTH_UNIT;
 }
 
 int norma_policy_wants(norma_only only, const double normal[3], int bits) {
@@ -50,13 +49,11 @@ int norma_policy_wants(norma_only only, const double normal[3], int bits) {
 }
 
 int norma_policy_wants_facet(norma_only only, const float stored[3]) {
-    double square = 0;
-    if (only == NORMA_ONLY_ALL) return 1;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!isfinite(stored[axis])) return only == NORMA_ONLY_BROKEN;
-        square += (double)stored[axis] * (double)stored[axis];
-    }
-    return square < 1e-12;
+    const double normal[3] = {(double)stored[0], (double)stored[1], (double)stored[2]};
+    double length;
+    const core_length is = norma_core_judge_length(normal, 0, &length);
+    return only == NORMA_ONLY_ALL || is == CORE_LENGTH_ZERO ||
+           (is == CORE_LENGTH_NON_FINITE && only == NORMA_ONLY_BROKEN);
 }
 
 /* ---- computing */

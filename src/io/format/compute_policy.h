@@ -20,8 +20,7 @@ compute_policy norma_policy_begin(const norma_compute_options *options,
 
 /* ---- which stored normals are replaced */
 
-/* A broken normal (rules N101 to N103) is not finite, or not of unit length within what its
- * encoding of so many bits can do; a normal of no length is far from 1 as well. */
+/* By core/face/unit_length.h, in so many bits. */
 int norma_normal_is_broken(const double normal[3], int bits);
 /* Whether --only asks for a new one in place of a normal that is there. */
 int norma_policy_wants(norma_only only, const double normal[3], int bits);
