@@ -196,19 +196,25 @@ static void project(const picture *drawn, const double at[3], double *x, double 
 
 /* ---- drawing */
 
+/* From far to near; faces beyond the picture's border, most of them, are left out. */
 static void sort_by_depth(picture *drawn) {
     const norma_mesh *mesh = &drawn->data->mesh;
+    size_t kept = 0;
     for (size_t i = 0; i < drawn->count; ++i) {
-        size_t face = drawn->faces[i].face, begin = face_begin(mesh, face),
-               end = face_end(mesh, face);
-        double sum = 0, at[3], x, y, depth;
+        const size_t face = drawn->faces[i].face, begin = face_begin(mesh, face),
+                     end = face_end(mesh, face);
+        double sum = 0, at[3], x, y, depth, least[2] = {SIDE, SIDE}, most[2] = {0, 0};
         for (size_t corner = begin; corner < end; ++corner)
             if (read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) {
                 project(drawn, at, &x, &y, &depth);
+                least[0] = fmin(least[0], x), least[1] = fmin(least[1], y);
+                most[0] = fmax(most[0], x), most[1] = fmax(most[1], y);
                 sum += depth;
             }
-        drawn->faces[i].distance = end > begin ? sum / (double)(end - begin) : 0;
+        if (least[0] < SIDE && least[1] < SIDE && most[0] > 0 && most[1] > 0)
+            drawn->faces[kept++] = (near_face){face, sum / (double)(end - begin)};
     }
+    drawn->count = kept;
     qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
 }
 
