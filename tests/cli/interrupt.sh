@@ -93,5 +93,72 @@ head -c 100000 "$folder/in.obj" >"$folder/out/old.obj"
 cp "$folder/out/old.obj" "$folder/old"
 interrupt 0.05 compute "$folder/in.obj" -o "$folder/out/old.obj"
 if [ "$status" = 130 ]; then check "the file of before stays" cmp "$folder/old" "$folder/out/old.obj"; else skip "the file of before stays (it was too quick: status $status)"; fi
+# Every verb, while it reads a line of 300 megabytes: whatever a reader is at, it ends at once.
+rm -f "$folder"/in.*
+# long HEAD UNIT TAIL: one line.
+long() { printf '%s' "$1"; yes "$2" | tr -d '\n' | head -c 300000000; printf '%s\n' "$3"; }
+# ends SIGNAL EXPECTED NAME ARGUMENTS...: the signal after 0.3 seconds, or sooner if it had ended by then.
+ends() {
+    local signal=$1 expected=$2 name=$3 best="" from pause
+    shift 3
+    for pause in 0.3 0.1 0.3 0.05; do
+        run "$@" <"${input:-/dev/null}"
+        sleep "$pause"
+        from=${EPOCHREALTIME/./}
+        kill "-$signal" "$child" 2>/dev/null
+        wait "$child"
+        status=$?
+        delay=$((${EPOCHREALTIME/./} - from))
+        [ "$status" = 0 ] || [ "$status" = 3 ] && continue
+        if [ "$status" != "$expected" ]; then fail "$name" "status $status; expected $expected: $(cat "$folder/err")"; return; fi
+        if [ -z "$best" ] || [ "$delay" -lt "$best" ]; then best=$delay; fi
+        [ "$best" -le 200000 ] && break
+    done
+    if [ -n "$(find "$folder/out" -type f)" ]; then
+        fail "$name" "left behind: $(find "$folder/out" -type f)"
+    elif [ -z "$best" ]; then
+        skip "$name (it ended before the signal each time)"
+    elif [ "$best" -le 2000000 ]; then
+        pass "$name"
+    else
+        fail "$name" "ended after $best microseconds; expected some 200000"
+    fi
+    rm -f "$folder/out"/*
+}
+rm -f "$folder/out"/*
+triangle=$'v 0 0 0\nv 1 0 0\nv 0 1 0\n'
+float=$'property float x\nproperty float y\nproperty float z\n'
+for kind in obj ply stl gltf; do
+    case $kind in
+    obj) long "${triangle}f" ' 1 2 3' '' ;;
+    ply) long $'ply\nformat ascii 1.0\nelement vertex 30000000\n'"${float}end_header"$'\n' '1 2 3 ' '' ;;
+    stl) long 'solid a facet' ' normal 0 0 1' '' ;;
+    gltf) long '{"asset":{"version":"2.0"},"extras":[1' ',1' ']}' ;;
+    esac >"$folder/long.$kind"
+    for verb in compute transform check info render view; do
+        set -- "$folder/long.$kind"
+        case $verb in
+        compute) set -- "$@" -o "$folder/out/x.$kind" ;;
+        transform) set -- "$@" --scale 2 -o "$folder/out/x.$kind" ;;
+        render) set -- "$@" -o "$folder/out/x.png" ;;
+        view) set -- "$@" -o "$folder/out/x.html" ;;
+        esac
+        ends INT 130 "$verb reads a long line of $kind" "$verb" "$@"
+    done
+    [ "$kind" = obj ] || rm -f "$folder/long.$kind"
+done
+ends TERM 143 "terminated while it reads a long line" info "$folder/long.obj"
+rm -f "$folder/long.obj"
+
+# What never comes, or never ends.
+mkfifo "$folder/never.obj"
+ends INT 130 "a pipe that nobody writes to" info "$folder/never.obj"
+exec 4<>"$folder/never.obj"
+input="$folder/never.obj" ends INT 130 "names that nobody writes" check --files-from -
+input="$folder/never.obj" ends INT 130 "standard input that nobody writes" compute - --input-format obj -o "$folder/out/x.obj"
+exec 4<&-
+"$norma" check - --input-format obj </dev/zero >"$folder/err" 2>&1
+if [ $? = 3 ] && grep -q 'is a device' "$folder/err"; then pass "a device without end is refused"; else fail "a device without end is refused" "$(cat "$folder/err")"; fi
+
 if [ -z "$(find "$folder/out" -name '.norma-*')" ]; then pass "no temporary file"; else fail "no temporary file" "$(ls -A "$folder/out")"; fi
 finish

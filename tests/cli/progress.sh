@@ -31,5 +31,11 @@ shows_not "a pipe shows none" 'checking'
 if "$NORMA" render small.obj -o drawn.png >/dev/null 2>&1; then
     watched render large.obj --show findings --threads 1 --size 32x32 -o drawn.png
     shows "render --show findings shows the time" '^checking large.obj: [0-9]+ s'
+    watched render large.obj --size 2048x2048 --samples 4 -o drawn.png
+    shows "drawing shows the time" '^drawing drawn.png: [0-9]+ s'
+fi
+if "$NORMA" view small.obj -o small.html >/dev/null 2>&1; then
+    watched view large.obj -o large.html
+    shows "packing a page shows the time" '^packing large.obj: [0-9]+ s'
 fi
 finish

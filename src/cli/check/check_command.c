@@ -4,6 +4,7 @@
 #include "cli/files/batch.h"
 #include "cli/files/find_inputs.h"
 #include "cli/files/report_output.h"
+#include "cli/options/suggest.h"
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
 #include <math.h>
@@ -92,7 +93,7 @@ static const char *set_rules(check_work *work, const char *value, uint8_t *mask)
         "ids of rules (N301), their beginnings (N3) or names, with commas";
     char unknown[64] = "";
     if (norma_rules_select(value, mask, unknown) == NORMA_OK) return NULL;
-    const char *meant = check_suggest_rule(unknown);
+    const char *meant = cli_suggest_rule(unknown);
     if (!meant) return expected;
     snprintf(work->expected, sizeof work->expected, "%s; did you mean %s?", expected, meant);
     return work->expected;
@@ -291,7 +292,7 @@ static int check_files(const check_work *work, check_configs *configs) {
     work->format->begin(output.out);
     status = check_all_files(&work->settings, configs, work->format, output.out, &totals);
     if (status != CLI_USAGE && guard_baseline(work)) status = CLI_USAGE;
-    if (status == CLI_USAGE || cli_interrupted()) {
+    if (status == CLI_USAGE) {
         /* What stands on standard output already must be whole for a program that reads it. */
         if (output.out == stdout && work->format != &check_format_text)
             work->format->end(output.out, &totals);
@@ -336,7 +337,7 @@ static int check_all(const cli_subcommand *verb, check_work *work) {
         status = cli_worse(status, check_places(verb, work));
     if (configs && status != CLI_USAGE && (!status || inputs))
         status = cli_worse(status, check_files(work, configs));
-    if (work->new_baseline && work->settings.baseline && status != CLI_USAGE && !cli_interrupted())
+    if (work->new_baseline && work->settings.baseline && status != CLI_USAGE)
         status = cli_worse(status == CLI_FINDINGS ? CLI_OK : status,
             check_baseline_write(work->settings.baseline, work->files.guard));
     check_baseline_free(work->settings.baseline);

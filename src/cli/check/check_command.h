@@ -131,9 +131,6 @@ struct json_t *check_load_json(const char *path, const char *expected);
 
 /* ---- words */
 
-/* The id or name of a rule that a misspelt one most likely means; NULL: none is near. */
-const char *check_suggest_rule(const char *word);
-
 const char *check_severity_name(norma_severity severity); /* "error" */
 /* The same for the same finding from run to run, whatever its count: 16 hexadecimal digits. */
 void check_fingerprint(

@@ -4,7 +4,6 @@
 #include "cli/check/fix_file.h"
 #include "cli/files/find_inputs.h"
 #include "cli/process/errors.h"
-#include "cli/process/progress.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -144,7 +143,7 @@ static void fix_file(file_check *check, const norma_check_options *options) {
     norma_document_error error = {0};
     norma_document_result result = check_fix(check->settings, check->document, check->findings,
         options, check->index, &check->mended, &error);
-    if (result && result != NORMA_DOCUMENT_CANCELLED) {
+    if (result) {
         cli_name_error(&error, check->path);
         cli_print_error(&error);
     }
@@ -284,9 +283,7 @@ void check_one_file(const check_settings *settings, const check_config *config,
     file_check check = {.settings = settings, .config = config, .path = path, .index = index};
     if (config->override_count) check.absolute = realpath(path, NULL);
     norma_document_result result = open_and_judge(&check);
-    if (result == NORMA_DOCUMENT_CANCELLED || cli_interrupted())
-        totals->status = cli_status_of(NORMA_DOCUMENT_CANCELLED);
-    else if (result)
+    if (result)
         report_unreadable(&check, format, out, totals);
     else
         report_findings(&check, format, out, totals);

@@ -38,13 +38,6 @@ static int fail(const check_config *config, const char *where, const char *expec
     return 0;
 }
 
-const char *check_suggest_rule(const char *word) {
-    size_t count;
-    const norma_rule *rules = norma_rules(&count);
-    const char *name = cli_suggest(word, &rules->name, count, sizeof *rules);
-    return name ? name : cli_suggest(word, &rules->id, count, sizeof *rules);
-}
-
 /* Of a word where one of a list is expected. */
 static int fail_word(
     const check_config *config, const char *where, const char *word, const char *expected) {
@@ -55,7 +48,7 @@ static int fail_word(
 }
 
 static int fail_rule(const check_config *config, const char *where, const char *unknown) {
-    const char *meant = check_suggest_rule(unknown);
+    const char *meant = cli_suggest_rule(unknown);
     if (!meant) return fail(config, where, "ids of rules, their beginnings or names");
     cli_error(
         "%s: %s: no rule is called '%s'; did you mean %s?", config->path, where, unknown, meant);

@@ -4,6 +4,7 @@
 #include "cli/files/batch.h"
 #include "cli/files/place_outputs.h"
 #include "cli/process/errors.h"
+#include "cli/process/progress.h"
 #include "cli/text/memory_stream.h"
 #include <stdlib.h>
 #include <string.h>
@@ -57,9 +58,14 @@ static norma_document_result save(const check_settings *settings, const char *ou
         .progress_user = settings->progress_user};
     if (!is_standard(output) && cli_make_folders(settings->files, output))
         return cli_reported(error);
-    norma_document_result result =
-        is_standard(output) ? cli_write_standard(mended->document, error)
-                            : norma_document_save(mended->document, output, &options, error);
+    norma_document_result result;
+    if (is_standard(output)) {
+        result = cli_write_standard(mended->document, error);
+    } else {
+        cli_writing_begin();
+        result = norma_document_save(mended->document, output, &options, error);
+        cli_writing_end();
+    }
     mended->written = !result;
     return result;
 }

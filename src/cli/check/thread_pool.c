@@ -76,10 +76,9 @@ static int report_progress(void *user, double fraction) {
 static const check_config *take(check_pool *pool, size_t *file) {
     const check_config *config = NULL;
     pthread_mutex_lock(&pool->lock);
-    while (
-        pool->next < pool->inputs->count && pool->next - pool->told >= WINDOW && !cli_interrupted())
+    while (pool->next < pool->inputs->count && pool->next - pool->told >= WINDOW)
         pthread_cond_wait(&pool->moved, &pool->lock);
-    if (pool->next < pool->inputs->count && !cli_interrupted()) {
+    if (pool->next < pool->inputs->count) {
         *file = pool->next++;
         errno = 0;
         config = check_config_of(pool->configs, pool->inputs->paths[*file]);

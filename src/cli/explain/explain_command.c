@@ -1,5 +1,6 @@
 /* explain_command.c: norma explain N501: what a rule measures, why it matters, what to do. */
 #include "cli/options/options.h"
+#include "cli/options/suggest.h"
 #include "cli/process/errors.h"
 #include "cli/text/report_json.h"
 #include <norma/check.h>
@@ -90,6 +91,14 @@ static void list_rule(const norma_rule *rule) {
     putchar('\n');
 }
 
+static int fail_unknown(const cli_subcommand *verb, const char *word) {
+    const char *meant = cli_suggest_rule(word);
+    return cli_usage(verb,
+        "no rule is called '%s'; expected an id (N301), the beginning of several (N3) or a "
+        "name%s%s%s",
+        word, meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "");
+}
+
 static int explain(const cli_subcommand *verb, const cli_words *words, int json) {
     size_t count, told = 0;
     const norma_rule *rules = norma_rules(&count);
@@ -99,10 +108,7 @@ static int explain(const cli_subcommand *verb, const cli_words *words, int json)
     for (size_t i = 0; i < words->count && !status; ++i) {
         char unknown[64] = "";
         if (norma_rules_select(words->words[i], mask, unknown) != NORMA_OK)
-            status = cli_usage(verb,
-                "no rule is called '%s'; expected an id (N301), the beginning of several (N3) or "
-                "a name",
-                unknown);
+            status = fail_unknown(verb, unknown);
     }
     for (size_t i = 0; i < count && !status; ++i) {
         if (words->count && !mask[i]) continue;

@@ -119,11 +119,10 @@ typedef struct file_job {
     uint64_t after; /* the same of the output */
 } file_job;
 
-/* Past stdio's buffer: what stood there after an interruption would be waited for once more at the
- * end. *failed: what the system said. */
+/* Past stdio's buffer. *failed: what the system said. */
 static int write_to_stdout(void *failed, const void *bytes, size_t size) {
     const unsigned char *at = bytes;
-    while (size > 0 && !cli_interrupted()) {
+    while (size > 0) {
         ssize_t written = write(STDOUT_FILENO, at, size);
         if (written < 0 && errno != EINTR) {
             *(int *)failed = errno;
@@ -132,19 +131,12 @@ static int write_to_stdout(void *failed, const void *bytes, size_t size) {
         at += written > 0 ? written : 0;
         size -= written > 0 ? (size_t)written : 0;
     }
-    return size > 0;
-}
-
-static norma_document_result fail_cancelled(norma_document_error *error) {
-    error->result = NORMA_DOCUMENT_CANCELLED;
-    snprintf(error->message, sizeof error->message, "interrupted");
-    return error->result;
+    return 0;
 }
 
 norma_document_result cli_write_standard(norma_document *document, norma_document_error *error) {
     int failed = 0;
     norma_document_result result = norma_document_write(document, write_to_stdout, &failed, error);
-    if (cli_interrupted()) return fail_cancelled(error);
     if (result && failed)
         snprintf(error->message, sizeof error->message, "standard output: cannot be written: %s",
             strerror(failed));
@@ -153,7 +145,6 @@ norma_document_result cli_write_standard(norma_document *document, norma_documen
 
 static norma_document_result write_output(
     file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error) {
-    if (cli_interrupted()) return fail_cancelled(error);
     if (!is_standard(job->output)) {
         if (cli_make_folders(job->files, job->output)) return cli_reported(error);
         const norma_save_options options = {.struct_size = sizeof options,
@@ -161,7 +152,11 @@ static norma_document_result write_output(
             .progress = cli_progress_report,
             .progress_user = progress,
             .size = &job->after};
-        return norma_document_save(document, job->output, &options, error);
+        cli_writing_begin();
+        const norma_document_result result =
+            norma_document_save(document, job->output, &options, error);
+        cli_writing_end();
+        return result;
     }
     return cli_write_standard(document, error);
 }
@@ -266,8 +261,7 @@ static void report(
         fflush(out);
         cli_print_notes(job->input, document);
     }
-    if (job->common->json && error->result != NORMA_DOCUMENT_CANCELLED)
-        report_json(job, document, error);
+    if (job->common->json) report_json(job, document, error);
 }
 
 static int guard_output(const cli_files *files, const char *input, const char *output) {
@@ -314,7 +308,6 @@ static int change_files(const cli_subcommand *verb, const cli_common *common, cl
     const int placed = cli_check_outputs(verb, common, files);
     if (placed) return placed;
     for (size_t i = 0; i < files->inputs.count; ++i) {
-        if (cli_interrupted()) return cli_finish(cli_interrupted());
         const char *input = files->inputs.paths[i];
         char *output = cli_output_of(files, i, NULL);
         if (!output) return cli_out_of_memory();

@@ -42,6 +42,6 @@ int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, cons
 int cli_check_outputs(const cli_subcommand *verb, const cli_common *common, cli_files *files);
 /* Whether no output is a source, as far as the inputs' names say. A status. */
 int cli_guard_outputs(const cli_files *files);
-/* To standard output; interruptible. */
+/* To standard output. */
 norma_document_result cli_write_standard(norma_document *document, norma_document_error *error);
 #endif

@@ -5,7 +5,6 @@
 #define _XOPEN_SOURCE 700
 #include "cli/files/find_inputs.h"
 #include "cli/process/errors.h"
-#include "cli/process/progress.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fnmatch.h>
@@ -170,7 +169,7 @@ static int walk_folder(cli_inputs *inputs, const char *folder, const char *patte
         return CLI_FILE;
     }
     int status = add_path(&walk.folders, strdup(folder), 0);
-    while (walk.folders.count && !cli_interrupted()) {
+    while (walk.folders.count) {
         char *next = walk.folders.paths[--walk.folders.count];
         status = cli_worse(status, walk_one(&walk, next));
         free(next);
@@ -206,7 +205,7 @@ static int add_word(const cli_subcommand *verb, cli_inputs *inputs, const char *
     if (is_there && S_ISDIR(status.st_mode)) {
         const size_t before = inputs->count;
         const int result = walk_folder(inputs, word, NULL);
-        if (result || inputs->count > before || cli_interrupted()) return result;
+        if (result || inputs->count > before) return result;
         cli_error("%s: holds no OBJ, PLY, STL, glTF or GLB file", word);
         return CLI_FILE;
     }
@@ -266,8 +265,7 @@ static int read_lines(const cli_subcommand *verb, cli_files *files, const char *
     int status = CLI_OK;
     left_out left = {0};
     errno = 0;
-    while (status != CLI_USAGE && !cli_interrupted() &&
-           (length = getline(&line, &capacity, file)) >= 0) {
+    while (status != CLI_USAGE && (length = getline(&line, &capacity, file)) >= 0) {
         while (length && (line[length - 1] == '\n' || line[length - 1] == '\r'))
             line[--length] = '\0';
         if (strcmp(line, "-") == 0)
@@ -276,7 +274,6 @@ static int read_lines(const cli_subcommand *verb, cli_files *files, const char *
             status = cli_worse(status, add_line(verb, files, line, &left));
         errno = 0;
     }
-    if (cli_interrupted()) status = cli_interrupted();
     if (!status && !feof(file)) { /* also if memory is out */
         cli_error("%s: cannot be read: %s", cli_input_name(list), strerror(errno));
         status = CLI_FILE;

@@ -3,7 +3,6 @@
 #include "cli/files/guard.h"
 #include "cli/files/input.h"
 #include "cli/process/errors.h"
-#include "cli/process/progress.h"
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -109,13 +108,12 @@ void cli_guard_document(cli_guard *guard, norma_document *document, const char *
 void cli_guard_look_ahead(
     cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format) {
     if (!guard || !guard->watches || inputs->count < 2) return;
-    for (size_t i = 0; i < inputs->count && !cli_interrupted(); ++i) {
+    for (size_t i = 0; i < inputs->count; ++i) {
         const char *path = inputs->paths[i];
         const norma_file_format kind = format ? format : norma_file_format_of_path(path);
         const norma_document_options options = {.struct_size = sizeof options,
             .format = format,
             .depth = NORMA_DOCUMENT_SUMMARY,
-            .progress = cli_stop_when_interrupted,
             .lenient = 1};
         norma_document *document;
         norma_document_error error; /* reported when the file is read for the work */

@@ -3,7 +3,6 @@
 #include "cli/files/input.h"
 #include "cli/files/find_inputs.h"
 #include "cli/process/errors.h"
-#include "cli/process/progress.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -55,7 +54,18 @@ static norma_document_result fail_input(norma_document_error *error, norma_docum
     return result;
 }
 
-/* To its end, or until someone interrupts. */
+/* Memory stays bounded, whatever is on the other side. NULL: more may be read. */
+static const char *why_endless(int descriptor, size_t size) {
+    struct stat status;
+    if (fstat(descriptor, &status) == 0 && S_ISCHR(status.st_mode) && !isatty(descriptor))
+        return "is a device, which may have no end; expected a file or a pipe";
+    const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    return memory > 0 && (double)size > memory / 2
+               ? "is larger than half of this machine's memory; expected a file"
+               : NULL;
+}
+
+/* To its end. */
 static norma_document_result read_pipe(
     int descriptor, const char *input, void **memory, size_t *size, norma_document_error *error) {
     size_t capacity = (size_t)1 << 16;
@@ -63,6 +73,11 @@ static norma_document_result read_pipe(
     *size = 0;
     while (bytes) {
         if (*size == capacity) {
+            const char *endless = why_endless(descriptor, capacity);
+            if (endless) {
+                free(bytes);
+                return fail_input(error, NORMA_DOCUMENT_ERROR_REFUSED, input, endless);
+            }
             unsigned char *larger = capacity <= SIZE_MAX / 2 ? realloc(bytes, capacity * 2) : NULL;
             if (!larger) break;
             bytes = larger;
@@ -70,10 +85,9 @@ static norma_document_result read_pipe(
         }
         ssize_t got = read(descriptor, bytes + *size, capacity - *size);
         const char *why = got < 0 && errno != EINTR ? strerror(errno) : NULL;
-        if (cli_interrupted() || why) {
+        if (why) {
             free(bytes);
-            return why ? fail_input(error, NORMA_DOCUMENT_ERROR_FILE, input, why)
-                       : fail_input(error, NORMA_DOCUMENT_CANCELLED, input, "interrupted");
+            return fail_input(error, NORMA_DOCUMENT_ERROR_FILE, input, why);
         }
         if (got == 0) {
             *memory = bytes;
@@ -88,10 +102,7 @@ static norma_document_result read_pipe(
 static norma_document_result read_named_pipe(
     const char *path, void **memory, size_t *size, norma_document_error *error) {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0)
-        return cli_interrupted()
-                   ? fail_input(error, NORMA_DOCUMENT_CANCELLED, path, "interrupted")
-                   : fail_input(error, NORMA_DOCUMENT_ERROR_FILE, path, strerror(errno));
+    if (descriptor < 0) return fail_input(error, NORMA_DOCUMENT_ERROR_FILE, path, strerror(errno));
     norma_document_result result = read_pipe(descriptor, path, memory, size, error);
     close(descriptor);
     return result;
@@ -104,7 +115,7 @@ static norma_document_result open_input(const char *input, const norma_document_
     size_t size = 0;
     *memory = NULL;
     *document = NULL;
-    /* Pipes are read here, where an interruption is noticed. */
+    /* The library reads no pipes. */
     if (!is_standard && (stat(input, &status) || !S_ISFIFO(status.st_mode)))
         return norma_document_open(input, options, document, error);
     norma_document_result result = is_standard

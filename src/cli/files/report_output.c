@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files/report_output.h"
 #include "cli/process/errors.h"
+#include "cli/process/progress.h"
 #include "cli/text/outside_text.h"
 #include <errno.h>
 #include <stdlib.h>
@@ -61,8 +62,10 @@ int cli_output_end(cli_output *output) {
         return refused;
     }
     const int whole = cli_memory_close(&output->gathered);
+    cli_writing_begin();
     const int written = whole && norma_save_bytes(output->path, output->gathered.text,
                                      output->gathered.size, &error) == NORMA_DOCUMENT_OK;
+    cli_writing_end();
     if (!whole)
         fail(output, ENOMEM);
     else if (!written)

@@ -1,24 +1,16 @@
 /* explain_stored_normals.c: which weight and crease explain the normals of a document's mesh, in
  * degrees. */
 #include "cli/info/explain_stored_normals.h"
-#include "cli/process/progress.h"
 #include "cli/text/report_text.h"
 #include <math.h>
 #include <norma/check.h>
 
 static norma_document_result fail_search(norma_document_error *error, norma_result result) {
-    static const norma_document_result of[] = {
-        NORMA_DOCUMENT_CANCELLED, NORMA_DOCUMENT_ERROR_MEMORY, NORMA_DOCUMENT_ERROR_MALFORMED};
-    error->result = of[result == NORMA_CANCELLED ? 0 : result == NORMA_ERROR_MEMORY ? 1 : 2];
+    error->result =
+        result == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_MALFORMED;
     snprintf(error->message, sizeof error->message, "stored normals cannot be explained: %s",
         norma_result_text(result));
     return error->result;
-}
-
-static int is_interrupted(void *user, double fraction) {
-    (void)user;
-    (void)fraction;
-    return cli_interrupted();
 }
 
 /* Whole degrees went in; they come out so. */
@@ -31,8 +23,7 @@ int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads,
     norma_mesh_info info;
     norma_mesh_data data;
     norma_deviation deviation;
-    const norma_options options = {
-        .struct_size = sizeof options, .threads = threads, .progress = is_interrupted};
+    const norma_options options = {.struct_size = sizeof options, .threads = threads};
     *result = norma_document_mesh_info(document, mesh, &info);
     if (*result || info.not_read || info.normals == NORMA_NORMALS_NONE || info.faces == 0) return 0;
     *result = norma_document_mesh_data(document, mesh, &data, error);

@@ -373,8 +373,7 @@ static norma_document_result find_open_parts(
         .profile = NORMA_CHECK_PROFILE_PRINT,
         .max_samples = 1,
         .rules = rules,
-        .threads = work->common.threads,
-        .progress = cli_stop_when_interrupted};
+        .threads = work->common.threads};
     norma_rules_select("N304", rules, unknown);
     const norma_document_result result =
         norma_check_document(document, &checking, &findings, error);
@@ -451,8 +450,7 @@ static int run_file(const info_work *work, const char *path) {
         cli_open(&work->files, path, &opening, &document, &memory, &error);
     if (!result)
         result = collect(work, opening.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
-    const int again = result && result != NORMA_DOCUMENT_CANCELLED &&
-                      result != NORMA_DOCUMENT_ERROR_MEMORY && !work->deep &&
+    const int again = result && result != NORMA_DOCUMENT_ERROR_MEMORY && !work->deep &&
                       opening.depth == NORMA_DOCUMENT_WHOLE && strcmp(path, "-") != 0;
     if (again) { /* of a file whose body is at fault, the head may still be read */
         forget(&found, &document, &memory);
@@ -465,7 +463,7 @@ static int run_file(const info_work *work, const char *path) {
     cli_name_error(&error, path);
     if (result) {
         cli_print_error(&error);
-        if (work->common.json && result != NORMA_DOCUMENT_CANCELLED) write_failure(path, &error);
+        if (work->common.json) write_failure(path, &error);
     } else if (work->common.json) {
         write_json(&found);
     } else {
@@ -495,8 +493,7 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     else if (!status)
         status = cli_find_inputs(verb, &work.files);
     for (size_t i = 0; i < work.files.inputs.count && !wants_help && status != CLI_USAGE; ++i)
-        status = cli_interrupted() ? cli_interrupted()
-                                   : cli_worse(status, run_file(&work, work.files.inputs.paths[i]));
+        status = cli_worse(status, run_file(&work, work.files.inputs.paths[i]));
     cli_files_end(&work.files);
     return cli_finish(status);
 }

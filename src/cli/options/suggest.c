@@ -1,6 +1,7 @@
 /* suggest.c: what a misspelt word may mean: the name with the least number of letters to put in,
  * take out, change or swap with the next. */
 #include "cli/options/suggest.h"
+#include <norma/check.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -38,6 +39,13 @@ const char *cli_suggest(const char *word, const void *names, size_t count, size_
         }
     }
     return best;
+}
+
+const char *cli_suggest_rule(const char *word) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    const char *name = cli_suggest(word, &rules->name, count, sizeof *rules);
+    return name ? name : cli_suggest(word, &rules->id, count, sizeof *rules);
 }
 
 /* The words of a list such as "error, warning, info or never" are what is compared. What does not

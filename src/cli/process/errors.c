@@ -1,7 +1,6 @@
 /* errors.c: what went wrong, in one line on standard error, and the exit status that follows. */
 #include "cli/process/errors.h"
 #include "cli/process/memory_limit.h"
-#include "cli/process/progress.h"
 #include "cli/text/outside_text.h"
 #include <errno.h>
 #include <string.h>
@@ -21,8 +20,6 @@ int cli_status_of(norma_document_result result) {
     switch (result) {
     case NORMA_DOCUMENT_OK:
         return CLI_OK;
-    case NORMA_DOCUMENT_CANCELLED:
-        return cli_interrupted() ? cli_interrupted() : CLI_INTERRUPTED;
     case NORMA_DOCUMENT_ERROR_ARGUMENT:
         return CLI_USAGE;
     default:
@@ -73,9 +70,6 @@ void cli_name_error(norma_document_error *error, const char *input) {
         snprintf(error->message, sizeof error->message, "%.900s: %s", cli_input_name(input),
             plain_reason(error->result));
     if (error->result == NORMA_DOCUMENT_ERROR_MEMORY) name_limit(error, input);
-    if (error->result == NORMA_DOCUMENT_CANCELLED)
-        snprintf(
-            error->message, sizeof error->message, "%.900s: interrupted", cli_input_name(input));
     if (strncmp(error->message, nameless, sizeof nameless - 1) != 0) return;
     strcpy(rest, error->message + sizeof nameless - 1);
     snprintf(error->message, sizeof error->message, "standard input%.900s", rest);

@@ -7,11 +7,10 @@ enum cli_status {
     CLI_OK = 0,
     CLI_FINDINGS = 1,
     CLI_USAGE = 2,
-    CLI_FILE = 3,
-    CLI_INTERRUPTED = 130
+    CLI_FILE = 3 /* a signal ends the process: 128 plus its number (progress.h) */
 };
 int cli_status_of(norma_document_result result);
-int cli_worse(int status, int other); /* of a batch: interrupted, then 3, then 2, then 0 */
+int cli_worse(int status, int other); /* of a batch: 3, then 2, then 0 */
 
 const char *cli_input_name(const char *input); /* for people: "standard input" for "-" */
 /* Gives an error without words those of its kind, and calls bytes without a name "standard input".

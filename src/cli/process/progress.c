@@ -1,21 +1,40 @@
-/* progress.c: a line on stderr while a person waits, and Ctrl-C: a flag that the library's progress
- * callback turns into a cancel, so that nothing half-written stays. */
+/* progress.c: a line on stderr while a person waits, and Ctrl-C. Only while an output is written is
+ * there anything to tidy up: then a signal sets a flag, which the library's progress callback turns
+ * into a cancel. At any other time it ends the process where it is, whatever is being read,
+ * computed or drawn, and however long the next callback would take. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/process/progress.h"
 #include "cli/text/outside_text.h"
+#include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-/* The one variable of the tool: a signal handler has no other way to say anything. */
-static volatile sig_atomic_t caught_signal, caught_count;
+/* The variables of the tool: a signal handler has no other way to know anything. */
+static volatile sig_atomic_t caught_signal, caught_count, line_shown;
+static atomic_int writers;
+
+static _Noreturn void end_now(int number) {
+    static const char words[] = "\r\033[Knorma: interrupted\n";
+    const size_t clear = line_shown ? 0 : 4;
+    const ssize_t written = write(STDERR_FILENO, words + clear, sizeof words - 1 - clear);
+    (void)written;
+    _exit(128 + number);
+}
 
 static void catch_signal(int number) {
     caught_signal = number;
-    if (++caught_count >= 3) /* someone who insists, while something does not look at the flag */
-        _exit(128 + number);
+    /* Three times: someone insists, while a write does not come back. */
+    if (atomic_load(&writers) == 0 || ++caught_count >= 3) end_now(number);
+}
+
+void cli_writing_begin(void) { atomic_fetch_add(&writers, 1); }
+
+void cli_writing_end(void) {
+    if (atomic_fetch_sub(&writers, 1) == 1 && caught_signal) end_now(caught_signal);
 }
 
 void cli_watch_interrupts(void) {
@@ -26,11 +45,12 @@ void cli_watch_interrupts(void) {
         if (sigaction(numbers[i], NULL, &old) == 0 &&
             old.sa_handler != SIG_IGN) /* ignored: as nohup wants it */
             sigaction(numbers[i], &action, NULL);
+    setvbuf(stdout, NULL, _IOLBF, 0); /* what was printed of earlier files is not lost */
     signal(SIGXFSZ,
         SIG_IGN); /* a file over its limit is then an error like a full disk, which tidies up */
 }
 
-int cli_interrupted(void) { return caught_signal ? 128 + caught_signal : 0; }
+int cli_interrupted(void) { return caught_signal != 0; }
 
 static double now(void) {
     struct timespec time;
@@ -58,7 +78,7 @@ static void show(cli_progress *progress, double fraction, double elapsed) {
     if (fraction < 0) { /* how much there is to do is not known */
         fprintf(stderr, ": %.0f s\033[K", elapsed);
         fflush(stderr);
-        progress->shown = 1;
+        line_shown = 1;
         return;
     }
     fprintf(stderr, ": %3.0f %%", 100 * fraction);
@@ -67,7 +87,7 @@ static void show(cli_progress *progress, double fraction, double elapsed) {
     if (fraction > 0.01) fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);
     fputs("\033[K", stderr);
     fflush(stderr);
-    progress->shown = 1;
+    line_shown = 1;
 }
 
 static void show_in_time(cli_progress *progress, double fraction) {
@@ -81,30 +101,75 @@ static void show_in_time(cli_progress *progress, double fraction) {
 
 int cli_progress_report(void *user, double fraction) {
     if (fraction >= 0 && fraction <= 1) show_in_time(user, fraction);
-    return cli_interrupted() != 0;
+    return cli_interrupted();
 }
 
 int cli_progress_elapsed(void *user, double fraction) {
     (void)fraction;
     show_in_time(user, -1);
-    return cli_interrupted() != 0;
+    return cli_interrupted();
 }
 
 void cli_progress_hide(cli_progress *progress) {
-    if (progress->shown) {
+    if (progress->enabled && line_shown) {
         fputs("\r\033[K", stderr);
         fflush(stderr);
+        line_shown = 0;
     }
-    progress->shown = 0;
+}
+
+/* ---- a thread that shows the seconds */
+
+struct cli_ticker {
+    pthread_t thread;
+    pthread_mutex_t lock;
+    pthread_cond_t ended;
+    int stop;
+    cli_progress *progress;
+};
+
+static void *tick(void *user) {
+    struct cli_ticker *ticker = user;
+    pthread_mutex_lock(&ticker->lock);
+    while (!ticker->stop) {
+        struct timespec next;
+        clock_gettime(CLOCK_REALTIME, &next);
+        next.tv_nsec += 100000000;
+        next.tv_sec += next.tv_nsec / 1000000000;
+        next.tv_nsec %= 1000000000;
+        pthread_cond_timedwait(&ticker->ended, &ticker->lock, &next);
+        if (!ticker->stop) show_in_time(ticker->progress, -1);
+    }
+    pthread_mutex_unlock(&ticker->lock);
+    return NULL;
+}
+
+void cli_progress_tick(cli_progress *progress) {
+    struct cli_ticker *ticker = progress->enabled ? calloc(1, sizeof *ticker) : NULL;
+    if (!ticker) return;
+    ticker->progress = progress;
+    pthread_mutex_init(&ticker->lock, NULL);
+    pthread_cond_init(&ticker->ended, NULL);
+    if (pthread_create(&ticker->thread, NULL, tick, ticker) == 0)
+        progress->ticker = ticker;
+    else
+        free(ticker);
+}
+
+static void stop_ticker(struct cli_ticker *ticker) {
+    pthread_mutex_lock(&ticker->lock);
+    ticker->stop = 1;
+    pthread_cond_signal(&ticker->ended);
+    pthread_mutex_unlock(&ticker->lock);
+    pthread_join(ticker->thread, NULL);
+    pthread_cond_destroy(&ticker->ended);
+    pthread_mutex_destroy(&ticker->lock);
+    free(ticker);
 }
 
 void cli_progress_stop(cli_progress *progress) {
+    if (progress->ticker) stop_ticker(progress->ticker);
+    progress->ticker = NULL;
     cli_progress_hide(progress);
     progress->enabled = 0;
-}
-
-int cli_stop_when_interrupted(void *nothing, double fraction) {
-    (void)nothing;
-    (void)fraction;
-    return cli_interrupted() != 0;
 }

@@ -1,12 +1,18 @@
-/* progress.h: a line on stderr while a person waits, and interrupts. */
+/* progress.h: a line on stderr while a person waits; and signals that end the process. */
 #ifndef NORMA_CLI_PROGRESS_H
 #define NORMA_CLI_PROGRESS_H
 
+/* SIGINT, SIGTERM and SIGHUP end the process at once, with status 128 plus the signal. Between
+ * these two calls, while files are being written, they cancel the writing instead, so that nothing
+ * half-written stays; the second call then ends the process. Any thread. */
 void cli_watch_interrupts(void);
-int cli_interrupted(void); /* 0, or 128 plus the signal */
+void cli_writing_begin(void);
+void cli_writing_end(void);
+int cli_interrupted(void); /* whether a signal waits for what is being written */
 
 typedef struct cli_progress {
-    int shown, enabled;
+    int enabled;
+    struct cli_ticker *ticker;
     double began, said; /* seconds */
     double megabytes;   /* of the input; 0: not known */
     const char *what, *name;
@@ -16,8 +22,8 @@ void cli_progress_start(
 int cli_progress_report(void *progress, double fraction); /* a norma_progress */
 /* The same for work of several steps, each of which begins at 0: shows the seconds that it took. */
 int cli_progress_elapsed(void *progress, double fraction);
+/* For work that reports nothing: the seconds are shown until the line is stopped. */
+void cli_progress_tick(cli_progress *progress);
 void cli_progress_hide(cli_progress *progress); /* until it is reported again */
 void cli_progress_stop(cli_progress *progress);
-/* A norma_progress that shows nothing. */
-int cli_stop_when_interrupted(void *nothing, double fraction);
 #endif

@@ -119,13 +119,8 @@ static int write_picture(picture_job *job, const render_picture *picture) {
     if (!status) status = cli_output_begin(&output, job->output, job->settings->files.guard);
     if (!status) {
         const size_t written = fwrite(png.bytes, 1, png.size, output.out);
-        if (cli_interrupted()) {
-            cli_output_drop(&output);
-            status = cli_interrupted();
-        } else {
-            status = cli_output_end(&output);
-            if (!status && written != png.size) status = cli_out_of_memory();
-        }
+        status = cli_output_end(&output);
+        if (!status && written != png.size) status = cli_out_of_memory();
     }
     free(png.bytes);
     return status;
@@ -144,9 +139,13 @@ static int draw_picture(picture_job *job) {
                                (job->settings->compare == 2 && job->plan.count == 2)
                            ? ""
                            : NULL;
-    if (render_sheet_draw(job->device, &job->settings->look, &job->sheet, render_plan_tell,
-            &job->plan, &picture, &error))
-        return fail_drawing(job, &error);
+    cli_progress progress;
+    cli_progress_start(&progress, "drawing", job->output, job->settings->common.quiet, 0);
+    cli_progress_tick(&progress);
+    const int failed = render_sheet_draw(job->device, &job->settings->look, &job->sheet,
+                           render_plan_tell, &job->plan, &picture, &error) != RENDER_OK;
+    cli_progress_stop(&progress);
+    if (failed) return fail_drawing(job, &error);
     job->width = picture.width;
     job->height = picture.height;
     int status = write_picture(job, &picture);
@@ -260,7 +259,7 @@ static int fail_input(
     const render_settings *settings, const char *input, norma_document_error *error) {
     cli_name_error(error, input);
     cli_print_error(error);
-    if (settings->common.json && error->result != NORMA_DOCUMENT_CANCELLED) {
+    if (settings->common.json) {
         cli_json json = {.out = stdout};
         cli_json_open(&json, NULL, '{');
         cli_json_string(&json, "input", input);
@@ -280,7 +279,6 @@ static int draw_pictures(picture_job *job, const render_scene_file *file) {
     int status = CLI_OK;
     for (size_t i = 0; i < job->plan.count; ++i) azimuths[i] = job->plan.panels[i].azimuth_deg;
     for (int turn = 0; turn < pictures && !status; ++turn) {
-        if (cli_interrupted()) return cli_interrupted();
         free(job->output);
         job->output = render_output_of(settings, job->index, settings->turns ? turn : -1);
         for (size_t i = 0; i < job->plan.count; ++i)
@@ -356,15 +354,14 @@ static int draw_all(const cli_subcommand *verb, const render_settings *settings)
     job->verb = verb;
     job->settings = settings;
     if (settings->sheet) status = draw_sheet(job);
-    for (size_t i = 0; i < settings->files.inputs.count && !settings->sheet && !cli_interrupted();
-         ++i) {
+    for (size_t i = 0; i < settings->files.inputs.count && !settings->sheet; ++i) {
         job->input = settings->files.inputs.paths[i];
         job->index = i;
         status = cli_worse(status, draw_file(job));
     }
     render_device_close(job->device);
     free(job);
-    return cli_interrupted() ? cli_interrupted() : status;
+    return status;
 }
 
 static int draw_inputs(const cli_subcommand *verb, render_settings *settings) {

@@ -105,8 +105,11 @@ static norma_document_result read_pack(const view_work *work, const char *input,
         .progress_user = &progress,
         .lenient = 1};
     norma_document_result result = cli_open(&work->files, input, &opening, document, memory, error);
-    if (!result) result = view_pack_document(*document, work->common.threads, pack, error);
-    if (!result && cli_interrupted()) result = NORMA_DOCUMENT_CANCELLED;
+    cli_progress_stop(&progress);
+    if (result) return result;
+    cli_progress_start(&progress, "packing", input, work->common.quiet, 0);
+    cli_progress_tick(&progress);
+    result = view_pack_document(*document, work->common.threads, pack, error);
     cli_progress_stop(&progress);
     return result;
 }
@@ -247,7 +250,6 @@ static int guard_page(const view_work *work, const char *input, const char *to) 
 static int for_each(const view_work *work, each_page *call) {
     int status = CLI_OK;
     for (size_t i = 0; i < work->files.inputs.count && status != CLI_USAGE; ++i) {
-        if (cli_interrupted()) return cli_interrupted();
         char *to = cli_output_of(&work->files, i, ".html");
         status = cli_worse(
             status, to ? call(work, work->files.inputs.paths[i], to) : cli_out_of_memory());
