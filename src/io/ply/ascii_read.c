@@ -1,8 +1,9 @@
 /* ascii_read.c: the rows of an ascii PLY. Each row is a line of words; a row may run on over
- * several lines, but two rows never share one, so that a word too many is noticed where it stands.
- */
+ * several lines, but two rows never share one: words that the header does not declare are passed
+ * over to the end of the line. */
 #include "io/ply/ply.h"
 #include "io/text/number.h"
+#include <stdio.h>
 #include <stdlib.h>
 
 static int is_blank(unsigned char byte) { return byte == ' ' || (byte >= '\t' && byte <= '\r'); }
@@ -33,6 +34,8 @@ typedef struct text_walker {
     token_visitor *visit;
     void *user;
     uint64_t row;
+    const unsigned char *row_end, *surplus; /* of the last row: behind its last word; its first word
+                                               that the header does not declare, or NULL */
 } text_walker;
 
 static norma_document_result fail_row(
@@ -83,15 +86,18 @@ static norma_document_result walk_list(text_walker *walker, int property) {
     return result;
 }
 
-static norma_document_result end_row(text_walker *walker) {
-    while (walker->at < walker->end && (*walker->at == ' ' || *walker->at == '\t')) ++walker->at;
-    if (walker->at == walker->end) return NORMA_DOCUMENT_OK;
-    if (!is_blank(*walker->at))
-        return fail_row(
-            walker, walker->at, "more values than the header declares", "the end of the line");
+/* Words that the header does not declare are passed over to the end of the line. */
+static void end_row(text_walker *walker) {
+    walker->row_end = walker->at;
+    walker->surplus = NULL;
+    for (; walker->at < walker->end && !norma_ply_ends_line(*walker->at); ++walker->at) {
+        if (*walker->at == ' ' || *walker->at == '\t') continue;
+        if (!walker->surplus) walker->surplus = walker->at;
+        walker->row_end = walker->at + 1;
+    }
+    if (walker->at == walker->end) return;
     unsigned char first = *walker->at++;
     if (first == '\r' && walker->at < walker->end && *walker->at == '\n') ++walker->at;
-    return NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result walk_row(text_walker *walker) {
@@ -102,7 +108,8 @@ static norma_document_result walk_row(text_walker *walker) {
         result =
             norma_ply_is_list(property) ? walk_list(walker, (int)i) : walk_value(walker, (int)i, 0);
     }
-    return result ? result : end_row(walker);
+    if (!result) end_row(walker);
+    return result;
 }
 
 static norma_document_result walk_rows(text_walker *walker) {
@@ -111,6 +118,25 @@ static norma_document_result walk_rows(text_walker *walker) {
     for (walker->row = 0; walker->row < walker->element->count && !result; ++walker->row)
         result = walk_row(walker);
     return result;
+}
+
+/* The same, once, counting the rows that hold more than they should. */
+static norma_document_result locate_rows(text_walker *walker, ply_state *state) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (walker->element->property_count == 0) return result;
+    for (; walker->row < walker->element->count && !result; ++walker->row) {
+        result = walk_row(walker);
+        if (result || !walker->surplus) continue;
+        if (state->surplus_rows++ == 0)
+            state->first_surplus = (size_t)(walker->surplus - state->bytes);
+    }
+    return result;
+}
+
+void norma_ply_surplus_text(const ply_state *state, char text[120]) {
+    snprintf(text, 120, "%zu %s more values than the header declares, first in line %zu",
+        state->surplus_rows, state->surplus_rows == 1 ? "row holds" : "rows hold",
+        norma_ply_line_of(state, state->first_surplus));
 }
 
 norma_document_result norma_ply_locate_text(norma_document *document, norma_document_error *error) {
@@ -129,10 +155,14 @@ norma_document_result norma_ply_locate_text(norma_document *document, norma_docu
             return fail_row(&walker, walker.end, "fewer bytes are left than the declared rows need",
                 "a longer file or a smaller count");
         element->begin = (size_t)(walker.at - state->bytes);
-        norma_document_result result = walk_rows(&walker);
+        norma_document_result result = locate_rows(&walker, state);
         if (result) return result;
         element->end = (size_t)(walker.at - state->bytes);
     }
+    char surplus[120];
+    norma_ply_surplus_text(state, surplus);
+    if (state->surplus_rows)
+        norma_document_add_note(document, "%s; they are kept, not read", surplus);
     size_t length;
     const unsigned char *rest = norma_ply_token(walker.at, walker.end, &length);
     if (rest)
@@ -217,7 +247,8 @@ norma_document_result norma_ply_read_text_lists(norma_document *document,
     return walk_rows(&walker);
 }
 
-/* ---- row spans: from the first word to the end of the last */
+/* ---- row spans: from the first word to the end of the last, of those too that are not
+ * declared */
 
 typedef struct span_reader {
     const unsigned char *bytes;
@@ -257,6 +288,8 @@ norma_document_result norma_ply_row_spans(norma_document *document, const ply_el
         reader.spans = made + walker.row;
         reader.at_start = 1;
         result = walk_row(&walker);
+        if (!result && walker.surplus)
+            reader.spans->length = (size_t)(walker.row_end - state->bytes) - reader.spans->offset;
     }
     return result;
 }

@@ -190,10 +190,15 @@ static int put_item(text_writer *writer, const ply_item *item, size_t number) {
     return 1;
 }
 
+/* With all that follows in its line, white space or words that the header does not declare. */
 static int put_row(text_writer *writer, size_t number) {
     int ok = 1;
     for (size_t i = 0; i < writer->plan->item_count && ok; ++i)
         ok = put_item(writer, &writer->plan->items[i], number);
+    const unsigned char *end = writer->at;
+    while (end < writer->end && !norma_ply_ends_line(*end)) ++end;
+    norma_sink_put(writer->sink, writer->at, (size_t)(end - writer->at));
+    writer->at = end;
     return ok;
 }
 

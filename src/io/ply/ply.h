@@ -121,8 +121,10 @@ typedef struct ply_state {
     ply_header header;
     ply_mesh mesh;
     ply_edit edit;
-    float *normals;                    /* decoded on demand for norma_document_mesh_data */
-    size_t vertices, faces, triangles; /* what the file holds; known at any depth */
+    float *normals;                     /* decoded on demand for norma_document_mesh_data */
+    size_t vertices, faces, triangles;  /* what the file holds; known at any depth */
+    size_t surplus_rows, first_surplus; /* of text: rows with more values than the header declares;
+                                           where the first of these values stands */
 } ply_state;
 
 /* header.c */
@@ -159,11 +161,14 @@ size_t norma_ply_property_size(
 /* locate_rows.c: where each element's rows lie. Fails where the file is too short. */
 norma_document_result norma_ply_locate(norma_document *document, norma_document_error *error);
 
-/* ply_error.c: an error at an offset of the file. */
+/* ply_error.c: the line of an offset, from 1; an error at an offset. */
+size_t norma_ply_line_of(const ply_state *state, size_t offset);
 norma_document_result norma_ply_fail_at(const norma_document *document, norma_document_error *error,
     size_t offset, const char *format, ...);
 
 /* ascii_read.c: rows of text */
+void norma_ply_surplus_text(const ply_state *state, char text[120]); /* of its surplus rows */
+static inline int norma_ply_ends_line(unsigned char byte) { return byte >= '\n' && byte <= '\r'; }
 const unsigned char *norma_ply_token(const unsigned char *at, const unsigned char *end,
     size_t *length); /* NULL: no more; skips white space and line breaks */
 norma_document_result norma_ply_locate_text(norma_document *document, norma_document_error *error);

@@ -3,7 +3,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-static size_t line_of(const ply_state *state, size_t offset) {
+size_t norma_ply_line_of(const ply_state *state, size_t offset) {
     unsigned char line_end = state->bytes[state->header.line_break.offset] == '\r' &&
                                      state->header.line_break.length == 1
                                  ? '\r'
@@ -22,7 +22,7 @@ norma_document_result norma_ply_fail_at(const norma_document *document, norma_do
     int in_text =
         state->header.encoding == PLY_ASCII || (state->header.body && offset < state->header.body);
     snprintf(place, sizeof place, in_text ? "%zu" : "byte %zu",
-        in_text ? line_of(state, offset < state->size ? offset : state->size) : offset);
+        in_text ? norma_ply_line_of(state, offset < state->size ? offset : state->size) : offset);
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);

@@ -2,6 +2,7 @@
  * names that programs give them. */
 #include "io/ply/ply.h"
 #include "io/format/scene.h"
+#include <stdio.h>
 #include <stdlib.h>
 
 static int find(const ply_state *state, const ply_element *element, const char *name) {
@@ -83,4 +84,20 @@ static norma_document_result read_attributes(norma_document *document, size_t me
     return result ? result : read_colors(document, vertex, attributes, error);
 }
 
-const scene_functions norma_ply_scene = {.attributes = read_attributes};
+static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
+    const ply_state *state = document->state;
+    norma_scene *scene = document->scene;
+    norma_unread *unread = norma_scene_allocate(scene, 1, sizeof *unread);
+    char *texts = norma_scene_allocate(scene, 2, sizeof(char[120]));
+    if (!unread || !texts) return norma_document_fail_memory(document, error);
+    if (state->surplus_rows) {
+        snprintf(texts, 120, "line %zu", norma_ply_line_of(state, state->first_surplus));
+        norma_ply_surplus_text(state, texts + 120);
+        *unread = (norma_unread){texts, texts + 120};
+    }
+    scene->unread = unread;
+    scene->unread_count = state->surplus_rows > 0;
+    return NORMA_DOCUMENT_OK;
+}
+
+const scene_functions norma_ply_scene = {.attributes = read_attributes, .unread = read_unread};
