@@ -57,7 +57,7 @@ async function runs(name, address) {
   });
 }
 /* No module of node's in what a browser gets. */
-const noNode = (name, at) => check(`${name}: nothing of node's reaches it`, readdirSync(at, { recursive: true }).filter((file) => /\.m?js$/.test(file)).every((file) => !/node:|require\(["']fs/.test(readFileSync(join(at, file), "utf8"))));
+const noNode = (name, at) => check(`${name}: nothing of node's reaches it`, existsSync(at) && readdirSync(at, { recursive: true }).filter((file) => /\.m?js$/.test(file)).every((file) => !/node:|require\(["']fs/.test(readFileSync(join(at, file), "utf8"))));
 
 /* ---- esbuild: the .wasm and the worker beside the script, or one script with all */
 const esbuild = await import("esbuild").catch(() => null);

@@ -84,7 +84,7 @@ class Edit {
 
   /* The vertices of an accessor in the order of result.sources. */
   carry(accessor, result) {
-    return this.once([accessor, result, "carry"], () => this.copy(accessor, gather(accessor.getArray(), accessor.getElementSize(), result.sources)));
+    return this.once([accessor, result, "carry"], () => this.copy(accessor, gather(accessor.getArray(), accessor.getElementSize(), result.sources, accessor.getCount())));
   }
 
   /* floats as an accessor: with the name, extras and encoding of the one before, or a new one. */

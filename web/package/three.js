@@ -122,7 +122,7 @@ const copyAttribute = (attribute) => (attribute.isInterleavedBufferAttribute ? n
 const isInstanced = (attribute) => attribute.isInstancedBufferAttribute || attribute.isInstancedInterleavedBuffer || attribute.data?.isInstancedInterleavedBuffer;
 
 /* Attributes for the vertices in sources. An interleaved buffer is copied once, and stays interleaved. */
-function makeCarry(sources) {
+function makeCarry(sources, count) {
   const buffers = new Map();
   return (attribute) => {
     if (isInstanced(attribute) || attribute.isGLBufferAttribute) return attribute;
@@ -130,13 +130,13 @@ function makeCarry(sources) {
     if (attribute.isInterleavedBufferAttribute) {
       const { data } = attribute;
       if (!buffers.has(data)) {
-        const copy = new data.constructor(gather(data.array, data.stride, sources), data.stride);
+        const copy = new data.constructor(gather(data.array, data.stride, sources, count), data.stride);
         buffers.set(data, copy.setUsage(data.usage));
       }
       made = new InterleavedBufferAttribute(buffers.get(data), attribute.itemSize, attribute.offset, attribute.normalized);
     } else {
       made = attribute.clone();
-      made.array = gather(attribute.array, attribute.itemSize, sources);
+      made.array = gather(attribute.array, attribute.itemSize, sources, count);
       made.count = sources.length;
     }
     made.name = attribute.name;
@@ -144,10 +144,10 @@ function makeCarry(sources) {
   };
 }
 
-/* Gives geometry those vertices: all attributes, those of morph targets, and the index. */
-function setVertices(geometry, from, { indices, sources }) {
-  const carry = makeCarry(sources);
-  for (const [name, attribute] of Object.entries(from.attributes)) geometry.setAttribute(name, carry(attribute));
+/* Gives geometry those vertices: all attributes but the one that is written next, those of morph targets, and the index. */
+function setVertices(geometry, from, { indices, sources }, next) {
+  const carry = makeCarry(sources, from.attributes.position.count);
+  for (const [name, attribute] of Object.entries(from.attributes)) if (name !== next) geometry.setAttribute(name, carry(attribute));
   for (const [name, targets] of Object.entries(from.morphAttributes)) geometry.morphAttributes[name] = targets.map(carry);
   geometry.setIndex(new BufferAttribute(indexArray(indices, sources.length, from.index.array), 1));
 }
@@ -173,7 +173,7 @@ export function toCreased(geometry, options) {
   let vertices;
   if (indices) {
     vertices = creaseVertices(norma, positions, position.count, indices, { ...normal, crease, report: true });
-    setVertices(creased, geometry, vertices);
+    setVertices(creased, geometry, vertices, "normal");
   } else {
     vertices = norma.cornerNormals(positions, { ...normal, crease, report: true });
     for (const [name, attribute] of Object.entries(geometry.attributes)) creased.setAttribute(name, copyAttribute(attribute));
@@ -216,7 +216,7 @@ export function computeTangents(geometry, options) {
   const { tangents } = computed;
   if (negate) for (let i = 3; i < tangents.length; i += XYZW) tangents[i] = -tangents[i];
   const vertices = indices ? mergeCorners(tangents, XYZW, position.count, indices) : { values: tangents, added: 0 };
-  if (vertices.added) setVertices(geometry, geometry, vertices);
+  if (vertices.added) setVertices(geometry, geometry, vertices, "tangent");
   geometry.setAttribute("tangent", tangentAttribute(vertices.values, normal));
   return wanted ? { geometry, report: computed.report } : geometry;
 }

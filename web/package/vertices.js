@@ -22,17 +22,20 @@ class Copies {
 export function creaseVertices(norma, positions, count, indices, options) {
   const cut = norma.split(positions, indices, { fallback: "nearest", ...options }), corners = cut.indices.length;
   const copies = new Copies(count, corners), place = new Uint32Array(cut.sourceVertices.length), used = new Uint8Array(count);
-  cut.sourceVertices.forEach((vertex, i) => {
+  const { indices: corner, sourceVertices, normals: split } = cut;
+  for (let i = 0; i < sourceVertices.length; i++) {
+    const vertex = sourceVertices[i];
     place[i] = used[vertex] ? copies.add(vertex) : vertex;
     used[vertex] = 1;
-  });
-  for (let i = 0; i < corners; i++) copies.indices[i] = place[cut.indices[i]];
+  }
+  for (let i = 0; i < corners; i++) copies.indices[i] = place[corner[i]];
   const normals = new Float32Array(XYZ * (count + copies.added.length));
   if (used.includes(0)) {
     const { crease, report, ...smooth } = { fallback: "nearest", ...options };
     normals.set(norma.vertexNormals(positions, indices, smooth));
   }
-  place.forEach((to, i) => normals.set(cut.normals.subarray(XYZ * i, XYZ * i + XYZ), XYZ * to));
+  for (let i = 0; i < place.length; i++)
+    for (let k = 0, to = XYZ * place[i], from = XYZ * i; k < XYZ; k++) normals[to + k] = split[from + k];
   return { indices: copies.indices, sources: copies.sources, added: copies.added.length, normals, report: cut.report };
 }
 
@@ -61,11 +64,12 @@ export function mergeCorners(values, size, count, indices) {
   return { indices: copies.indices, sources, added: copies.added.length, values: merged, cornerOf: cornerOf.subarray(0, sources.length) };
 }
 
-/* The values of the vertices in sources; size numbers each, stride apart. */
-export function gather(array, size, sources, stride = size, offset = 0) {
+/* The values of the vertices in sources, size numbers each: of the first count vertices their own, of what follows copies. */
+export function gather(array, size, sources, count) {
   const copy = new array.constructor(sources.length * size);
-  for (let i = 0, to = 0; i < sources.length; i++)
-    for (let k = 0, from = sources[i] * stride + offset; k < size; k++) copy[to++] = array[from++];
+  copy.set(array.subarray(0, count * size));
+  for (let i = count, to = count * size; i < sources.length; i++)
+    for (let k = 0, from = sources[i] * size; k < size; k++) copy[to++] = array[from++];
   return copy;
 }
 
