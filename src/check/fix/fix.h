@@ -54,6 +54,7 @@ typedef struct fix_mesh {
     size_t finding_count;
     norma_mesh_edit *edit; /* its arrays are the mender's */
     const uint8_t *turned; /* faces of bodies that are reversed as a whole; NULL: none */
+    const uint8_t *sides;  /* of each face, as norma_core_judge_sides has it; NULL: not asked for */
     const float
         *smooth; /* of each vertex, at seams of several primitives; NULL: of this one alone */
     /* Made when first needed. */
@@ -96,6 +97,7 @@ typedef struct fix_group { /* the primitives of one glTF mesh, or the one mesh o
     size_t count;
     const fix_request *request;
     uint8_t **turned; /* by index: set to a mark for each face, the caller's to free */
+    uint8_t **sides;  /* by index: set to what is known of each face; the caller's to free */
     float **smooth;   /* by index: set to a normal for each vertex, NaN where it stays; the caller's
                          to free */
     fix_plan *plan;
@@ -107,6 +109,8 @@ size_t norma_fix_gather_group(const norma_document *document, size_t first, size
     const char **wheres, size_t *count);
 norma_document_result norma_fix_turn(
     const fix_group *group, norma_result *how); /* turn_bodies.c: N302, N304 */
+norma_document_result norma_fix_sides(
+    const fix_group *group, norma_result *how); /* sides.c: N201, N205, N301 */
 norma_document_result norma_fix_seams(
     const fix_group *group, norma_result *how); /* seam_normals.c: N501 between primitives */
 

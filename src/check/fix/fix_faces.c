@@ -2,6 +2,7 @@
  * (turn_bodies.c), faces left out that are there twice or have no area. */
 #include "check/fix/fix.h"
 #include "check/fix/edge_parts.h"
+#include "core/orient/orient.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,47 +33,80 @@ static uint32_t *find_parts(const core_mesh *mesh) {
 
 /* ---- windings */
 
-typedef struct part_count {
-    uint32_t faces, reversed;
-} part_count;
-
-/* Of two ways to make the faces of a part agree the one that turns fewer; to turn a whole part is
- * not what N301 asks for. */
-static void turn_fewer(
-    const core_mesh *mesh, const uint32_t *parts, const part_count *counts, uint8_t *reverse) {
-    for (size_t face = 0; face < mesh->face_count; face++) {
-        const part_count *part = &counts[parts[face]];
-        if (part->reversed == part->faces)
-            reverse[face] = 0;
-        else if (part->reversed > part->faces - part->reversed)
-            reverse[face] = !reverse[face];
-    }
+static void note_undecided(const fix_mesh *m, check_rule rule, size_t faces) {
+    char text[CHECK_MESSAGE];
+    size_t count;
+    norma_check_message(text,
+        "%s %s is not fixed%s%s for %z face%s: neither volume nor rays show which side is outward",
+        norma_rules(&count)[rule].id, norma_rules(&count)[rule].name, *m->info.where ? " at " : "",
+        m->info.where, faces, norma_check_plural(faces));
+    norma_fix_note(m->plan, text);
 }
 
-static norma_result make_alike(const fix_mesh *m, uint8_t *reverse) {
-    const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
+static int is_shown(const fix_mesh *m, size_t face) {
+    return (m->sides[face] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
+}
+
+/* A part that is turned as a whole is not what N301 asks for. */
+static void leave_whole_parts(const fix_mesh *m, const uint32_t *parts, uint8_t *reverse) {
+    uint8_t *stays = calloc(m->mesh.face_count + 1, 1);
+    for (size_t face = 0; stays && face < m->mesh.face_count; face++)
+        if (!reverse[face]) stays[parts[face]] = 1;
+    for (size_t face = 0; stays && face < m->mesh.face_count; face++)
+        reverse[face] &= stays[parts[face]];
+    free(stays);
+}
+
+/* Those that are shown to be turned: of parts that disagree with themselves (N301). */
+static norma_result reverse_turned(const fix_mesh *m, uint8_t *reverse) {
     uint32_t *parts = find_parts(&m->mesh);
-    part_count *counts = calloc(m->mesh.face_count + 1, sizeof *counts);
-    norma_result result = parts && counts ? norma_orient(&m->data.mesh, NORMA_ORIENT_OPEN_KEPT,
-                                                &options, reverse, m->mesh.face_count, NULL)
-                                          : NORMA_ERROR_MEMORY;
-    for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
-        counts[parts[face]].faces++;
-        counts[parts[face]].reversed += reverse[face];
+    size_t undecided = 0;
+    if (!parts) return NORMA_ERROR_MEMORY;
+    for (size_t face = 0; face < m->mesh.face_count; face++) {
+        reverse[face] = (uint8_t)is_shown(m, face);
+        undecided += m->sides[face] & CORE_SIDE_TURNED && m->sides[face] & CORE_SIDE_UNDECIDED;
     }
-    if (!result) turn_fewer(&m->mesh, parts, counts, reverse);
+    leave_whole_parts(m, parts, reverse);
     free(parts);
-    free(counts);
-    return result;
+    if (undecided) note_undecided(m, RULE_N301, undecided);
+    return NORMA_OK;
 }
 
+/* The parts of faces whose winding is shown to be wrong, and whose normals are right (N201): all
+ * that is turned in them, so that they still agree. */
+static norma_result reverse_opposed(const fix_mesh *m, uint8_t *reverse) {
+    uint8_t *named = NULL;
+    const size_t faces = m->mesh.face_count;
+    const int any = norma_fix_mark(m, RULE_N201, MEND_FACE, faces, &named);
+    uint32_t *parts = any > 0 ? find_parts(&m->mesh) : NULL;
+    uint8_t *opposed = any > 0 ? calloc(faces + 1, 1) : NULL;
+    const int fine = any == 0 || (parts && opposed);
+    size_t undecided = 0;
+    for (size_t face = 0; face < faces && any > 0 && fine; face++) {
+        if (!named[face]) continue;
+        undecided += (m->sides[face] & CORE_SIDE_UNDECIDED) != 0;
+        if (is_shown(m, face)) opposed[parts[face]] = 1;
+    }
+    for (size_t face = 0; face < faces && any > 0 && fine; face++)
+        if (opposed[parts[face]] && is_shown(m, face)) reverse[face] = 1;
+    if (undecided && fine) note_undecided(m, RULE_N201, undecided);
+    free(named);
+    free(parts);
+    free(opposed);
+    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+/* A body that is turned as a whole (N302, N304) is turned once, whatever else names its faces. */
 static norma_result reorient(fix_mesh *m) {
-    int alike = norma_fix_has(m, RULE_N301), any = 0;
-    if (!alike && !m->turned) return NORMA_OK;
+    const int alike = norma_fix_has(m, RULE_N301), opposed = norma_fix_has(m, RULE_N201);
+    int any = 0;
+    if (!alike && !opposed && !m->turned) return NORMA_OK;
     uint8_t *reverse = calloc(m->mesh.face_count + 1, 1);
-    norma_result result = !reverse ? NORMA_ERROR_MEMORY : alike ? make_alike(m, reverse) : NORMA_OK;
+    norma_result result = reverse ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result && alike && m->sides) result = reverse_turned(m, reverse);
+    if (!result && opposed && m->sides) result = reverse_opposed(m, reverse);
     for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
-        reverse[face] ^= m->turned && m->turned[face];
+        if (m->turned && m->turned[face]) reverse[face] = !m->sides || is_shown(m, face);
         any |= reverse[face];
     }
     if (any && !result)

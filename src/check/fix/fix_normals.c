@@ -2,6 +2,7 @@
  * what is far from the surface, facets that differ from their winding, seams. New ones come from
  * the surface, by the weight and crease that the others show. */
 #include "check/fix/fix.h"
+#include "core/orient/orient.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -95,7 +96,7 @@ static norma_result normalise_named(fix_mesh *m) {
 }
 
 /* ---- sides: after the windings have become what they will be, a normal that more of its faces
- * oppose than not is turned round */
+ * oppose than not is turned round, unless it is unknown which of both is wrong */
 
 typedef struct side_count {
     uint32_t with, against;
@@ -105,8 +106,9 @@ typedef struct side_count {
 static void count_sides(const fix_mesh *m, const uint8_t *named, side_count *sides) {
     for (size_t face = 0; face < m->mesh.face_count; face++) {
         const float *direction = m->face_normals + 3 * face;
-        int candidate =
-            (named && named[face]) || (m->edit->reverse_faces && m->edit->reverse_faces[face]);
+        const int decided = m->sides && !(m->sides[face] & CORE_SIDE_UNDECIDED);
+        int candidate = (named && named[face] && decided) ||
+                        (m->edit->reverse_faces && m->edit->reverse_faces[face]);
         for (size_t c = norma_core_face_begin(&m->mesh, face);
              c < norma_core_face_end(&m->mesh, face); c++) {
             double normal[3];
@@ -145,10 +147,41 @@ static norma_result turn_sides(fix_mesh *m) {
 
 /* ---- facets */
 
+/* The facet is shown to be turned, and its normal is not: that is for N302 and N304 to mend. */
+static int is_winding_wrong(const fix_mesh *m, size_t facet) {
+    double normal[3];
+    const int turned =
+        (m->sides[facet] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
+    if (!turned || (m->edit->reverse_faces && m->edit->reverse_faces[facet])) return 0;
+    norma_fix_normal(m, facet, normal);
+    return norma_check_dot(m->face_normals + 3 * facet, normal) < 0;
+}
+
+static void note_right(const fix_mesh *m, size_t facets) {
+    char text[CHECK_MESSAGE];
+    norma_check_message(text,
+        "N205 facet-normal-mismatch is not fixed for %z facet%s: there the winding is wrong and "
+        "the normal right (N301, N302)",
+        facets, norma_check_plural(facets));
+    norma_fix_note(m->plan, text);
+}
+
 /* Those that differ from their winding, and those whose winding is reversed. */
 static norma_result rewrite_facets(fix_mesh *m) {
     uint8_t *marks = NULL;
     int any = norma_fix_mark(m, RULE_N205, MEND_FACE, m->mesh.face_count, &marks);
+    const norma_result made = any > 0 ? norma_fix_face_normals(m) : NORMA_OK;
+    if (made) {
+        free(marks);
+        return made;
+    }
+    size_t right = 0;
+    for (size_t f = 0; f < m->mesh.face_count && any > 0; f++)
+        if (marks[f] && m->sides && is_winding_wrong(m, f)) {
+            marks[f] = 0;
+            right++;
+        }
+    if (right) note_right(m, right);
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : any > 0 ? recompute(m, marks) : NORMA_OK;
     free(marks);
     return result;

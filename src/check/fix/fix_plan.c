@@ -11,6 +11,7 @@ typedef struct mender {
     norma_findings *findings;
     fix_plan *plan;
     uint8_t **turned; /* of each mesh marks of faces, or NULL */
+    uint8_t **sides;  /* of each mesh which faces are turned, or NULL */
     float **smooth;   /* of each mesh normals at seams of several primitives, or NULL */
     size_t mesh_count;
     norma_document_error *error;
@@ -79,6 +80,7 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
         .plan = m->plan,
         .edit = &m->plan->edits[index],
         .turned = m->turned[index],
+        .sides = m->sides[index],
         .smooth = m->smooth[index],
         .threads = m->request->options.threads};
     norma_result mended = NORMA_OK;
@@ -115,7 +117,7 @@ size_t norma_fix_gather_group(const norma_document *document, size_t first, size
     return i > first ? i : first + 1;
 }
 
-static norma_document_result fix_groups(mender *m, int turns, int shares) {
+static norma_document_result fix_groups(mender *m, int turns, int sides, int shares) {
     size_t *indices = calloc(m->mesh_count + 1, sizeof *indices), count;
     const char **wheres = calloc(m->mesh_count + 1, sizeof *wheres);
     norma_document_result result =
@@ -124,8 +126,9 @@ static norma_document_result fix_groups(mender *m, int turns, int shares) {
         norma_result how = NORMA_OK;
         first = norma_fix_gather_group(m->document, first, indices, wheres, &count);
         const fix_group group = {m->document, m->findings, indices, wheres, count, m->request,
-            m->turned, m->smooth, m->plan, m->error};
+            m->turned, m->sides, m->smooth, m->plan, m->error};
         if (count && turns) result = norma_fix_turn(&group, &how);
+        if (count && !result && !how && sides) result = norma_fix_sides(&group, &how);
         if (!result && !how && count > 1 && shares) result = norma_fix_seams(&group, &how);
         if (!result && how) result = fail(m, how);
     }
@@ -208,17 +211,29 @@ static norma_document_result plan_rest(mender *m) {
     return asked[RULE_N701] ? mark_recentred(m) : NORMA_DOCUMENT_OK;
 }
 
+/* Whether facets are named whose normals are on the other side. */
+static int opposes(const mender *m) {
+    for (size_t i = 0; i < norma_findings_count(m->findings); i++) {
+        const norma_finding *finding = norma_findings_get(m->findings, i);
+        if (norma_fix_is_rule(finding, RULE_N205) && finding->worst_value > 90) return 1;
+    }
+    return 0;
+}
+
 static norma_document_result plan_all(mender *m) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     m->plan->mesh_count = m->mesh_count;
     m->plan->edits = calloc(m->mesh_count + 1, sizeof *m->plan->edits);
     m->turned = calloc(m->mesh_count + 1, sizeof *m->turned);
+    m->sides = calloc(m->mesh_count + 1, sizeof *m->sides);
     m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
-    if (!m->plan->edits || !m->turned || !m->smooth) return fail(m, NORMA_ERROR_MEMORY);
+    if (!m->plan->edits || !m->turned || !m->sides || !m->smooth)
+        return fail(m, NORMA_ERROR_MEMORY);
     mark_asked(m);
     const int turns = m->plan->asked[RULE_N302] || m->plan->asked[RULE_N304],
+              sides = m->plan->asked[RULE_N201] || m->plan->asked[RULE_N301] || opposes(m),
               shares = m->plan->asked[RULE_N501];
-    if (turns || shares) result = fix_groups(m, turns, shares);
+    if (turns || sides || shares) result = fix_groups(m, turns, sides, shares);
     for (size_t i = 0; i < m->mesh_count && !result; i++) result = fix_mesh_of(m, i);
     return result ? result : plan_rest(m);
 }
@@ -234,11 +249,13 @@ norma_document_result norma_fix_make_plan(norma_document *document, const fix_re
     norma_document_result result =
         norma_check_document(document, &request->options, &m.findings, error);
     if (!result) result = plan_all(&m);
-    for (size_t i = 0; m.turned && m.smooth && i < m.mesh_count; i++) {
+    for (size_t i = 0; m.turned && m.sides && m.smooth && i < m.mesh_count; i++) {
         free(m.turned[i]);
+        free(m.sides[i]);
         free(m.smooth[i]);
     }
     free((void *)m.turned);
+    free((void *)m.sides);
     free((void *)m.smooth);
     norma_findings_free(m.findings);
     if (result) norma_fix_plan_free(plan);

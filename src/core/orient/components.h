@@ -9,11 +9,13 @@ enum {
     COMPONENT_CONFLICT = 2,
     COMPONENT_MANY = 4,
     COMPONENT_ONE_SIDED = 8,
-    COMPONENT_UNBALANCED = 16
+    COMPONENT_UNBALANCED = 16,
+    COMPONENT_UNDECIDED = 32
 };
 /* It has an edge of one face; one of two that run the same way; one of more than two; no winding of
  * its faces agrees with itself (only where conflicts were followed); an edge of more than two along
- * which its own faces do not run as often one way as the other. */
+ * which its own faces do not run as often one way as the other; rays do not say which side of it is
+ * outward. */
 
 typedef enum component_verdict {
     COMPONENT_FINE = 0,

@@ -12,4 +12,11 @@ typedef struct core_ray_votes {
 } core_ray_votes;
 norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components,
     uint8_t open_flags, core_ray_votes *votes);
+
+/* orient.c: which faces are turned. A closed part shows it by its volume and what it lies in, an
+ * open one by rays; what is one-sided, or what rays do not decide on, shows nothing, and there the
+ * bit of what is turned means the faces that differ from most of their part. */
+enum { CORE_SIDE_TURNED = 1, CORE_SIDE_UNDECIDED = 2, CORE_SIDE_BY_RAYS = 4 };
+norma_result norma_core_judge_sides(
+    const norma_mesh *mesh, const norma_options *options, uint8_t *sides);
 #endif

@@ -319,6 +319,7 @@ static void follow_votes(rays *all, core_ray_votes *votes) {
         votes->steps += p->steps;
         if (!p->votes) {
             votes->undecided++;
+            c->each[i].flags |= COMPONENT_UNDECIDED;
             continue;
         }
         votes->decided++;

@@ -1,0 +1,59 @@
+/* sides.c: where normals and winding disagree (N201, N205), or neighbours do (N301), which faces
+ * are turned: those that are shown to be, by the volume of what is closed and by rays from what is
+ * open. Rays say nothing of a material that is seen from both sides. The primitives of a glTF mesh
+ * are looked at together. */
+#include "check/fix/fix.h"
+#include "core/orient/orient.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* 1: its material is double-sided, or not opaque. */
+static norma_document_result is_on_purpose(const fix_group *group, size_t index, int *on_purpose) {
+    norma_mesh_attributes attributes;
+    norma_material_info material;
+    *on_purpose = 0;
+    norma_document_result result =
+        norma_document_mesh_attributes(group->document, index, &attributes, group->error);
+    if (result || attributes.material >= norma_document_material_count(group->document))
+        return result;
+    result = norma_document_material_info(group->document, attributes.material, &material);
+    *on_purpose = !result && (material.double_sided || material.not_opaque);
+    return result;
+}
+
+static norma_document_result share_out(
+    const fix_whole *whole, const uint8_t *sides, norma_result *how) {
+    const fix_group *group = whole->group;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < group->count && !result; sides += whole->meshes[i++].face_count) {
+        const size_t faces = whole->meshes[i].face_count;
+        int on_purpose;
+        uint8_t *own = malloc(faces + 1);
+        if (!own) {
+            *how = NORMA_ERROR_MEMORY;
+            return result;
+        }
+        memcpy(own, sides, faces);
+        group->sides[group->indices[i]] = own;
+        result = is_on_purpose(group, group->indices[i], &on_purpose);
+        for (size_t f = 0; f < faces && !result && on_purpose; f++)
+            if (own[f] & CORE_SIDE_BY_RAYS) own[f] |= CORE_SIDE_UNDECIDED;
+    }
+    return result;
+}
+
+norma_document_result norma_fix_sides(const fix_group *group, norma_result *how) {
+    fix_whole whole;
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = group->request->options.threads};
+    norma_document_result result = norma_fix_open_whole(group, &whole, how);
+    uint8_t *sides = !result && !*how ? malloc(whole.face_count + 1) : NULL;
+    if (!result && !*how)
+        *how = sides && norma_fix_join(&whole)
+                   ? norma_core_judge_sides(&whole.mesh, &options, sides)
+                   : NORMA_ERROR_MEMORY;
+    if (!result && !*how) result = share_out(&whole, sides, how);
+    norma_fix_close_whole(&whole);
+    free(sides);
+    return result;
+}
