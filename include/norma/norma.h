@@ -224,12 +224,13 @@ typedef struct norma_options {
     struct norma_edges *edges; /* written by the calls that use creases; or NULL */
 } norma_options;
 
-/* Counts of distinct edges: pairs of (welded) positions along which faces run. */
+/* Counts of distinct edges: pairs of (welded) positions along which faces run. Edges that the
+ * report counts as non-manifold edges or winding conflicts are in count only. */
 typedef struct norma_edges {
     size_t count;  /* all edges */
     size_t open;   /* edges of one face */
     size_t smooth; /* shared, within the crease angle, not marked hard */
-    size_t hard;   /* edges of two faces that are not smooth */
+    size_t hard;   /* the others */
 } norma_edges;
 
 typedef struct norma_count {

@@ -1,6 +1,7 @@
 /* edges.c: N301, N303, N305 and N306: faces wound against each other, edges of more than two faces,
  * faces that are there twice. */
 #include "check/rules/mesh_rules.h"
+#include "core/face/twin_key.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,15 +42,18 @@ static void keep_conflict(edge_part *part, uint32_t first, uint32_t second) {
 }
 
 /* Back-to-back faces explain an edge where no more than two faces are left without them. */
-static int twins_explain(const core_edge_run *runs, size_t count) {
+static int twins_explain(const core_topology *t, const core_edge_run *runs, size_t count) {
     size_t paired = 0;
     for (size_t i = 0; i < count; i++) {
         size_t alike = 0, against = 0, before = 0;
         for (size_t k = 0; k < count; k++) {
-            if (runs[k].key != runs[i].key) continue;
-            alike += runs[k].out == runs[i].out;
-            against += runs[k].out != runs[i].out;
-            before += k < i && runs[k].out == runs[i].out;
+            const size_t same = runs[k].out == runs[i].out && runs[k].key == runs[i].key;
+            alike += same;
+            before += k < i && same;
+            against += runs[k].out != runs[i].out &&
+                       runs[k].key == norma_core_key_of_twin(runs[i].key) &&
+                       norma_core_topology_face(t, runs[k].corner) !=
+                           norma_core_topology_face(t, runs[i].corner);
         }
         paired += before < against && before < alike;
     }
@@ -65,7 +69,7 @@ static void see_edge(
     const check_mesh *m = pass->m;
     if (count == 2) keep_conflict(part, runs[0].corner, runs[1].corner);
     if (count <= 2 || !norma_check_wants(m, RULE_N303) ||
-        (count <= MOST_RUNS && twins_explain(runs, count)))
+        (count <= MOST_RUNS && twins_explain(&m->topology, runs, count)))
         return;
     part->many_edges++;
     norma_check_hit(m->run, &part->many, (double)count,

@@ -1,46 +1,64 @@
 /* borrowed_direction.c: a face without a direction borrows that of the face it shares its longest
  * edge with. */
 #include "core/corner/star_edges.h"
+#include "core/face/exact_sum.h"
+#include <math.h>
 
-static double squared_edge(const core_mesh *mesh, size_t from, size_t to) {
-    double p[3], q[3], d[3];
-    norma_core_position(mesh, norma_core_corner(mesh, from), p);
-    norma_core_position(mesh, norma_core_corner(mesh, to), q);
-    norma_core_subtract(p, q, d);
-    return norma_core_dot(d, d);
+typedef struct face_edge {
+    uint32_t corner; /* at which it begins */
+    double from[3], to[3], square;
+} face_edge;
+
+static face_edge load_edge(const core_mesh *mesh, size_t face, size_t corner) {
+    face_edge e = {.corner = (uint32_t)corner};
+    double along[3];
+    norma_core_position(mesh, norma_core_corner(mesh, corner), e.from);
+    norma_core_position(
+        mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, face, corner)), e.to);
+    norma_core_subtract(e.to, e.from, along);
+    e.square = norma_core_dot(along, along);
+    return e;
+}
+
+/* |from - to|^2 = from^2 - 2 from to + to^2 */
+static void add_square(exact_sum *sum, const face_edge *e, int negative) {
+    for (int k = 0; k < 3; k++) {
+        norma_exact_add(sum, (const double[]){e->from[k], e->from[k]}, 2, negative);
+        norma_exact_add(sum, (const double[]){e->to[k], e->to[k]}, 2, negative);
+        norma_exact_add(sum, (const double[]){2, e->from[k], e->to[k]}, 3, !negative);
+    }
+}
+
+/* Exactly, where rounded squares are too near each other to tell. */
+static int is_longer(const face_edge *a, const face_edge *b) {
+    const double difference = a->square - b->square, sum = a->square + b->square;
+    if (fabs(difference) > 0x1p-48 * sum && sum > NORMA_TINIEST && sum < NORMA_HUGEST)
+        return difference > 0;
+    exact_sum exact;
+    norma_exact_clear(&exact);
+    add_square(&exact, a, 0);
+    add_square(&exact, b, 1);
+    return norma_exact_round(&exact).mantissa > 0;
 }
 
 uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face) {
-    uint32_t longest = UINT32_MAX;
-    double length = -1;
+    face_edge longest = {.corner = UINT32_MAX};
     for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
         if (!norma_core_is_kept(mesh, face, c)) continue;
-        const double square = squared_edge(mesh, c, norma_core_next_kept(mesh, face, c));
-        if (!(square > length)) continue;
-        length = square;
-        longest = (uint32_t)c;
+        const face_edge e = load_edge(mesh, face, c);
+        if (longest.corner == UINT32_MAX || is_longer(&e, &longest)) longest = e;
     }
-    return longest;
+    return longest.corner;
 }
 
-/* Of the partners that share the edge with a flat face: the only one, or under the smooth policy
- * the first that has a direction. */
+/* The one face that shares the edge with a flat face, if it has a direction of its own. */
 static uint32_t find_borrowed_from(const core_prepared_mesh *prepared, const core_star *star,
-    const edge_side *own, const edge_side *other, uint64_t key) {
-    const size_t partners = norma_core_partner_count(other, key);
-    uint32_t found = UINT32_MAX;
-    if (partners == 1 &&
-        norma_core_partner_count(own, norma_core_only_partner(other, key)->key) == 1) {
-        const star_corner *c = &star->corners[norma_core_only_partner(other, key)->corner];
-        return c->flags & STAR_VOTES ? c->face : UINT32_MAX;
-    }
-    if (prepared->call->options.non_manifold != NORMA_NON_MANIFOLD_SMOOTH) return UINT32_MAX;
-    for (size_t i = 0; i < other->count; i++) {
-        const star_corner *c = &star->corners[other->edges[i].corner];
-        if (other->edges[i].key != key && (c->flags & STAR_VOTES) && c->face < found)
-            found = c->face;
-    }
-    return found;
+    const star_edge *flat, const edge_side *own, const edge_side *other) {
+    const star_edge *partner = prepared->call->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH
+                                   ? norma_core_partners_of(star, flat, other).only
+                                   : norma_core_mutual_partner(star, flat, own, other);
+    if (!partner || !(star->corners[partner->corner].flags & STAR_VOTES)) return UINT32_MAX;
+    return star->corners[partner->corner].face;
 }
 
 static void borrow_for_side(const core_prepared_mesh *prepared, const core_star *star,
@@ -51,8 +69,7 @@ static void borrow_for_side(const core_prepared_mesh *prepared, const core_star 
         if (!(c->flags & STAR_FLAT)) continue;
         const uint32_t begin = own->edges[i].back ? c->previous_corner : c->corner;
         if (longest[c->face] == begin)
-            borrowed_from[c->face] =
-                find_borrowed_from(prepared, star, own, other, own->edges[i].key);
+            borrowed_from[c->face] = find_borrowed_from(prepared, star, &own->edges[i], own, other);
     }
 }
 

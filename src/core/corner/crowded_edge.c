@@ -5,12 +5,12 @@
  * edge, and two faces bend by the difference of their angles. The faces that run back are joined to
  * their neighbours in angle wherever some face that runs out is near enough to both, and each that
  * runs out to its neighbours among those that run back: the same fans, in O(n log n). Faces whose
- * normals lean (bent polygons) or are borrowed, and polygons that run both ways, are few, and are
- * compared with all; twins among the others stand opposite, beyond any crease that is asked about.
- */
+ * normals lean (bent polygons) or are borrowed are few, and are compared with all; twins among the
+ * others stand opposite, beyond any crease that is asked about. */
 #include "core/corner/star_edges.h"
 #include "core/call/sort.h"
 #include "core/face/triangle.h"
+#include "core/face/twin_key.h"
 
 typedef struct fin {
     double angle;
@@ -65,8 +65,9 @@ static double angle_in(const edge_frame *frame, const double normal[3]) {
 /* ---- joining */
 
 static void join_pair(const fin_set *f, const star_edge *out, const star_edge *back) {
-    if (out->key == back->key || norma_core_set_of(f->star->joined, out->corner) ==
-                                     norma_core_set_of(f->star->joined, back->corner))
+    if (!norma_core_are_partners(f->star, out, back) ||
+        norma_core_set_of(f->star->joined, out->corner) ==
+            norma_core_set_of(f->star->joined, back->corner))
         return;
     if (norma_core_edge_is_smooth(f->prepared, f->star, out, back))
         norma_core_join_sets(f->star->joined, out->corner, back->corner);
@@ -123,14 +124,10 @@ static void join_leaning(const fin_set *f, const star_edge *own, int back) {
         join_pair(f, back ? &other->edges[i] : own, back ? own : &other->edges[i]);
 }
 
-/* Whether its angle round the edge says all: a direction of its own, at right angles to the edge,
- * and no polygon that may run along the edge both ways. */
-static int is_plain(const fin_set *f, const edge_frame *frame, const star_corner *c,
-    const star_edge *own, int back) {
-    const edge_side *other = back ? &f->e->out : &f->e->back;
-    if (!(c->flags & STAR_VOTES) || fabs(norma_core_dot(c->normal, frame->along)) > LEAN) return 0;
-    return !f->prepared->faces || f->prepared->faces[c->face].kept == 3 ||
-           norma_core_partner_count(other, own->key) == other->count;
+/* Whether its angle round the edge says all: a direction of its own, at right angles to the edge.
+ */
+static int is_plain(const edge_frame *frame, const star_corner *c) {
+    return (c->flags & STAR_VOTES) && fabs(norma_core_dot(c->normal, frame->along)) <= LEAN;
 }
 
 /* Fins of one side that take part: a normal, no hard mark, the group bit asked for (0: none are in
@@ -145,7 +142,7 @@ static size_t list_side(
         if (!(c->flags & STAR_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group)))
             continue;
         if (mesh->hard_edges && mesh->hard_edges[back ? c->previous_corner : c->corner]) continue;
-        if (!is_plain(f, frame, c, &side->edges[i], back))
+        if (!is_plain(frame, c))
             join_leaning(f, &side->edges[i], back);
         else
             fins[count++] = (fin){angle_in(frame, c->normal), (uint32_t)back, (uint32_t)i};
@@ -164,7 +161,7 @@ static void join_group(fin_set *f, const edge_frame *frame, uint32_t group) {
 }
 
 /* Where no angle is asked, a face's partners are all of the other side that have a normal and are
- * not its twins: two of different keys reach all of them. */
+ * not its twins: two of different keys reach all of them, and the face itself the rest. */
 static void join_any_angle(
     const fin_set *f, const edge_side *own, const edge_side *other, int back) {
     for (size_t i = 0; i < own->count; i++) {
@@ -172,15 +169,16 @@ static void join_any_angle(
         int found = 0;
         for (size_t j = 0; j < other->count && found < 2; j++) {
             const star_edge *partner = &other->edges[j];
-            if (partner->key != mine->key &&
-                !(f->star->corners[partner->corner].flags & STAR_HAS_NORMAL))
-                continue;
-            if (partner->key != mine->key) {
+            const int is_twin = partner->key == norma_core_key_of_twin(mine->key);
+            if (!is_twin && !(f->star->corners[partner->corner].flags & STAR_HAS_NORMAL)) continue;
+            if (!is_twin) {
                 join_pair(f, back ? partner : mine, back ? mine : partner);
                 found++;
             }
             j = norma_core_first_not_below(other, partner->key, 1) - 1; /* on to the next key */
         }
+        const star_edge *again = norma_core_own_reverse(f->star, mine, other).first;
+        if (again) join_pair(f, back ? again : mine, back ? mine : again);
     }
 }
 

@@ -1,6 +1,7 @@
 /* fans.c: which edges of a star are smooth, the fans that they join, and the counts of edges. */
 #include "core/corner/star_edges.h"
 #include "core/face/triangle.h"
+#include "core/face/twin_key.h"
 
 /* ---- counting */
 
@@ -17,9 +18,10 @@ static uint32_t least_begin(const core_star *star, const edge *e) {
     return first;
 }
 
-static int each_has_one_partner(const edge_side *side, const edge_side *other) {
+static int each_has_one_partner(
+    const core_star *star, const edge_side *side, const edge_side *other) {
     for (size_t i = 0; i < side->count; i++)
-        if (norma_core_partner_count(other, side->edges[i].key) != 1) return 0;
+        if (norma_core_partners_of(star, &side->edges[i], other).count != 1) return 0;
     return 1;
 }
 
@@ -29,21 +31,18 @@ typedef struct pairs {
 
 static void count_edge(const core_star *star, const edge *e, pairs pair, star_counts *counts) {
     const size_t faces = e->out.count + e->back.count;
-    const int of_one_face = faces == 1 || (faces == 2 && e->out.count == 1 &&
-                                              star->corners[e->out.edges[0].corner].face ==
-                                                  star->corners[e->back.edges[0].corner].face);
     counts->edges.count++;
-    if (of_one_face)
-        counts->edges.open++;
-    else if (pair.hard || (faces == 2 && !pair.smooth))
-        counts->edges.hard++;
-    else if (pair.smooth)
-        counts->edges.smooth++;
-    if (faces == 2 && (e->out.count == 2 || e->back.count == 2))
-        norma_core_count_one(&counts->conflicts, least_begin(star, e));
-    if (faces > 2 &&
-        !(each_has_one_partner(&e->out, &e->back) && each_has_one_partner(&e->back, &e->out)))
+    if (faces > 2 && !(each_has_one_partner(star, &e->out, &e->back) &&
+                         each_has_one_partner(star, &e->back, &e->out)))
         norma_core_count_one(&counts->non_manifold, least_begin(star, e));
+    else if (faces == 2 && e->out.count != 1)
+        norma_core_count_one(&counts->conflicts, least_begin(star, e));
+    else if (faces == 1)
+        counts->edges.open++;
+    else if (pair.hard || !pair.smooth)
+        counts->edges.hard++;
+    else
+        counts->edges.smooth++;
 }
 
 /* ---- joining */
@@ -70,8 +69,9 @@ static void join_all_partners(
     for (size_t i = 0; i < e->out.count; i++)
         for (size_t j = 0; j < e->back.count; j++) {
             const star_edge *out = &e->out.edges[i], *back = &e->back.edges[j];
-            if (out->key == back->key || norma_core_set_of(star->joined, out->corner) ==
-                                             norma_core_set_of(star->joined, back->corner))
+            if (!norma_core_are_partners(star, out, back) ||
+                norma_core_set_of(star->joined, out->corner) ==
+                    norma_core_set_of(star->joined, back->corner))
                 continue;
             if (norma_core_edge_is_smooth(prepared, star, out, back))
                 norma_core_join_sets(star->joined, out->corner, back->corner);
@@ -83,9 +83,8 @@ static pairs join_only_partners(
     pairs pair = {0, 0};
     for (size_t i = 0; i < e->out.count; i++) {
         const star_edge *out = &e->out.edges[i];
-        if (norma_core_partner_count(&e->back, out->key) != 1) continue;
-        const star_edge *back = norma_core_only_partner(&e->back, out->key);
-        if (norma_core_partner_count(&e->out, back->key) != 1) continue;
+        const star_edge *back = norma_core_mutual_partner(star, out, &e->out, &e->back);
+        if (!back) continue;
         if (norma_core_edge_is_smooth(prepared, star, out, back)) {
             norma_core_join_sets(star->joined, out->corner, back->corner);
             pair.smooth++;
@@ -148,7 +147,9 @@ static int pair_up(const core_star *star, ordinary_star *o) {
         }
         if (outs != 1 || alike != 1 || backs > 1) return 0;
         if (!backs) continue;
-        if (star->corners[i].next_key == star->corners[o->back[i]].previous_key) return 0;
+        if (norma_core_key_of_twin(star->corners[i].next_key) ==
+            star->corners[o->back[i]].previous_key)
+            return 0; /* the face's twin, or the face again */
         o->met[o->back[i]] = 1;
     }
     return 1;

@@ -1,5 +1,6 @@
 /* prepared_mesh.c: the stages that every call on vertices or corners begins with. */
 #include "core/corner/prepared_mesh.h"
+#include "core/face/twin_key.h"
 #include "core/face/triangle.h"
 #include "core/corner/vertex_star.h"
 #include "core/mesh/weld.h"
@@ -22,6 +23,8 @@ static void survey_face(
     const face_survey *survey, size_t f, const core_face *face, survey_part *part) {
     const core_mesh *mesh = &survey->prepared->mesh;
     if (survey->prepared->faces) survey->prepared->faces[f] = *face;
+    if (survey->prepared->faces && survey->flat_at && (face->flags & CORE_FACE_EDGED))
+        survey->prepared->faces[f].key = norma_core_twin_key(mesh, f);
     if ((face->flags & CORE_FACE_DIRECTED) || !(face->flags & CORE_FACE_FINITE)) return;
     norma_core_count_one(&part->degenerate, f);
     if (!survey->flat_at || !(face->flags & CORE_FACE_EDGED)) return;

@@ -1,5 +1,6 @@
 /* vertex_star.c: loading a star of corners, and summing its fans. */
 #include "core/corner/vertex_star.h"
+#include "core/face/twin_key.h"
 #include "core/call/output.h"
 
 void norma_core_star_in_room(core_star *star, star_room *room) {
@@ -60,8 +61,7 @@ static void load_neighbours(
     c->previous_corner = (uint32_t)norma_core_previous_kept(mesh, c->face, c->corner);
     c->next = norma_core_welded_corner(mesh, norma_core_next_in_face(mesh, c->face, c->corner));
     c->previous = norma_core_welded_corner(mesh, c->previous_corner);
-    c->next_key = face->kept == 3 ? c->previous : face->key;
-    c->previous_key = face->kept == 3 ? c->next : face->key;
+    c->next_key = c->previous_key = face->key;
 }
 
 static void load_polygon_corner(
@@ -106,8 +106,8 @@ static int load_lane(const core_mesh *mesh, star_corner *c, core_batch *batch, i
     c->next = welded[next];
     c->previous = welded[previous];
     c->previous_corner = begin + previous;
-    c->next_key = c->previous; /* the third corner is what a triangle has in common with its twin */
-    c->previous_key = c->next;
+    c->next_key = norma_core_triangle_key(c->previous);
+    c->previous_key = norma_core_triangle_key(c->next);
     return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
 }
 

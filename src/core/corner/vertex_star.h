@@ -15,8 +15,8 @@ enum {
 typedef struct star_corner {
     double normal[3];                /* of its face, its own or borrowed; with STAR_HAS_NORMAL */
     double weight;                   /* with STAR_VOTES */
-    uint64_t next_key, previous_key; /* what its face has in common with its twin at the edge to
-                                        next, from previous */
+    uint64_t next_key, previous_key; /* by twin_key.h, of its face at the edge to next, from
+                                        previous */
     uint32_t corner, face;
     uint32_t next, previous;  /* welded positions of its kept neighbours; with STAR_KEPT */
     uint32_t previous_corner; /* where the edge from previous begins */

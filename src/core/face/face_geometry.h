@@ -13,9 +13,8 @@ enum {
 typedef struct core_face {
     double normal[3];  /* unit where directed, else zero */
     double twice_area; /* 0 where not directed */
-    uint64_t key;  /* the same for a face and its reversed twin; only of faces of more than three
-                      corners */
-    uint32_t kept; /* corners that are left when those at one position in a row are one */
+    uint64_t key;      /* by twin_key.h, of polygons with edges whose fans are asked for; else 0 */
+    uint32_t kept;     /* corners that are left when those at one position in a row are one */
     uint8_t flags;
 } core_face;
 

@@ -4,6 +4,7 @@
 #include "core/orient/edge_partners.h"
 #include "core/call/joined_sets.h"
 #include "core/call/sort.h"
+#include "core/face/twin_key.h"
 #include "core/mesh/weld.h"
 #include <stdlib.h>
 
@@ -27,12 +28,6 @@ static void copy_corners(void *context, size_t block) {
 
 /* ---- what a polygon has in common with its twins */
 
-static uint64_t mix(uint64_t h) {
-    h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
-    h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
-    return h ^ (h >> 32);
-}
-
 static uint64_t pair_of(uint32_t a, uint32_t b) {
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
@@ -46,13 +41,15 @@ static core_polygon polygon_of(const core_mesh *mesh, size_t face) {
                        next = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, c));
         if (here == next) continue;
         polygon.kept++;
-        polygon.key += mix(mix(pair_of(here, next)) + 1);
         if (here < least) {
             least = here;
             polygon.anchor = (uint32_t)c;
         }
     }
-    if (polygon.kept < 3) polygon.anchor = UINT32_MAX;
+    if (polygon.kept < 3)
+        polygon.anchor = UINT32_MAX;
+    else
+        polygon.key = norma_core_twin_key(mesh, face);
     return polygon;
 }
 
@@ -246,10 +243,10 @@ static size_t list_runs(const core_topology *t, const star *r) {
     for (size_t i = 0; i < r->count; i++) {
         const star_slot *s = &r->slots[i];
         const uint64_t key = t->polygons ? t->polygons[s->face].key : 0;
-        r->runs[count++] =
-            (core_edge_run){t->polygons ? key : s->previous, s->next, s->corner, (uint32_t)i, 1};
-        r->runs[count++] = (core_edge_run){
-            t->polygons ? key : s->next, s->previous, s->previous_corner, (uint32_t)i, 0};
+        r->runs[count++] = (core_edge_run){t->polygons ? key : norma_core_triangle_key(s->previous),
+            s->next, s->corner, (uint32_t)i, 1};
+        r->runs[count++] = (core_edge_run){t->polygons ? key : norma_core_triangle_key(s->next),
+            s->previous, s->previous_corner, (uint32_t)i, 0};
     }
     sort_runs(r->runs, count);
     return count;
@@ -281,10 +278,11 @@ static void find_twins(const pairing *p, size_t block, const star *r) {
     if (!p->visitor || !p->visitor->twins) return;
     for (size_t i = 0; i < r->count; i++) {
         const star_slot *s = &r->slots[i];
+        const uint64_t key = t->polygons ? t->polygons[s->face].key : s->next < s->previous;
         if (s->anchor)
-            r->twins[count++] =
-                (core_twin){t->polygons ? t->polygons[s->face].key : pair_of(s->next, s->previous),
-                    s->face, s->next < s->previous};
+            r->twins[count++] = (core_twin){
+                t->polygons ? key & ~(uint64_t)CORE_KEY_WAY : pair_of(s->next, s->previous),
+                s->face, key & 1};
     }
     if (count < 2) return;
     norma_core_sort(r->twins, count, sizeof *r->twins, twin_is_less);

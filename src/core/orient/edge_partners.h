@@ -18,7 +18,7 @@
                         which runs the other way */
 
 typedef struct core_polygon {
-    uint64_t key; /* the same for faces with the same edges, whichever way they run */
+    uint64_t key; /* by twin_key.h */
     uint32_t
         anchor; /* the corner at its least position, the first of several; UINT32_MAX: no edges */
     uint32_t kept; /* corners that are left */
@@ -38,7 +38,7 @@ typedef struct core_topology {
 
 typedef struct core_edge_run { /* a face runs along an edge between the star's position and another
                                   one */
-    uint64_t key;              /* equal for faces that have all their edges in common */
+    uint64_t key;              /* by twin_key.h */
     uint32_t other;            /* position */
     uint32_t corner;           /* at which the run begins */
     uint32_t slot;             /* of the star */
@@ -46,7 +46,7 @@ typedef struct core_edge_run { /* a face runs along an edge between the star's p
 } core_edge_run;
 
 typedef struct core_twin {
-    uint64_t key;
+    uint64_t key; /* the same for a face and its twins */
     uint32_t face, way;
 } core_twin; /* way: 0 or 1; faces of one group with the same way are wound alike */
 

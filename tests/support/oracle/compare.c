@@ -184,17 +184,11 @@ static void check_edges(call *c, const oracle *o, const oracle_fans *fans,
     for (size_t i = 0; i < o->corner_count; ++i)
         finite &= oracle_finite(o->positions[o->corners[i]]);
     if (!finite) return; /* whether two infinite positions are one is left open */
-    if (!fans->own_edges) {
-        check_count(c, "non_manifold_edges", report->non_manifold_edges, fans->non_manifold);
-        check_count(c, "winding_conflicts", report->winding_conflicts, fans->conflicts);
-    }
+    check_count(c, "non_manifold_edges", report->non_manifold_edges, fans->non_manifold);
+    check_count(c, "winding_conflicts", report->winding_conflicts, fans->conflicts);
     const norma_edges *e = &fans->edges;
-    const int hard = edges->hard >= e->hard && edges->hard <= e->hard + fans->many,
-              smooth = edges->smooth >= e->smooth && edges->smooth <= e->smooth + fans->many;
-    const int same =
-        edges->count == e->count &&
-        (fans->own_edges || (edges->open == e->open && (doubtful || (smooth && hard))));
-    if (!same)
+    if (edges->count != e->count || edges->open != e->open ||
+        edges->smooth + edges->hard != e->smooth + e->hard || (!doubtful && edges->hard != e->hard))
         complain(c, "edges are %zu, open %zu, smooth %zu, hard %zu; expected %zu, %zu, %zu, %zu",
             edges->count, edges->open, edges->smooth, edges->hard, e->count, e->open, e->smooth,
             e->hard);

@@ -196,14 +196,14 @@ static size_t keep_corners(oracle *o, size_t face) {
     return left;
 }
 
-static void face_vector(oracle *o, size_t face) {
+/* Twice the vector area, exactly, in units of 2^(2 exponent); returns the exponent. */
+static int exact_area(const oracle *o, size_t face, exact_vec3 *sum) {
     const size_t start = o->kept[o->starts[face]];
     int exponent = 1 << 20;
-    exact_vec3 first, here, after, sum;
+    exact_vec3 first, here, after;
     exact_init(&first);
     exact_init(&here);
     exact_init(&after);
-    exact_init(&sum);
     for (size_t c = o->starts[face]; c < o->starts[face + 1]; ++c) {
         const int own = exact_exponent(o->positions[o->corners[c]], 3);
         const double *p = o->positions[o->corners[c]];
@@ -216,8 +216,45 @@ static void face_vector(oracle *o, size_t face) {
         exact_set(&after, o->positions[o->corners[o->next[c]]], exponent);
         exact_sub(&here, &here, &first);
         exact_sub(&after, &after, &first);
-        exact_add_cross(&sum, &here, &after);
+        exact_add_cross(sum, &here, &after);
     }
+    exact_clear(&first);
+    exact_clear(&here);
+    exact_clear(&after);
+    return exponent;
+}
+
+int oracle_turns_back(const oracle *o, size_t corner) {
+    exact_vec3 area, here, a, b, cross;
+    mpz_t along;
+    mpz_init(along);
+    exact_init(&area);
+    exact_init(&here);
+    exact_init(&a);
+    exact_init(&b);
+    exact_init(&cross);
+    const int exponent = exact_area(o, o->faces[corner], &area);
+    exact_set(&here, o->positions[o->corners[corner]], exponent);
+    exact_set(&a, o->positions[o->corners[o->next[corner]]], exponent);
+    exact_set(&b, o->positions[o->corners[o->previous[corner]]], exponent);
+    exact_sub(&a, &a, &here);
+    exact_sub(&b, &b, &here);
+    exact_cross(&cross, &a, &b);
+    exact_dot(along, &cross, &area);
+    const int sign = mpz_sgn(along);
+    mpz_clear(along);
+    exact_clear(&area);
+    exact_clear(&here);
+    exact_clear(&a);
+    exact_clear(&b);
+    exact_clear(&cross);
+    return sign < 0;
+}
+
+static void face_vector(oracle *o, size_t face) {
+    exact_vec3 sum;
+    exact_init(&sum);
+    const int exponent = exact_area(o, face, &sum);
     if (exact_is_zero(&sum)) {
         o->kinds[face] = ORACLE_NO_AREA;
     } else {
@@ -228,9 +265,6 @@ static void face_vector(oracle *o, size_t face) {
         o->areas[face] = length;
         o->kinds[face] = ORACLE_DIRECTED;
     }
-    exact_clear(&first);
-    exact_clear(&here);
-    exact_clear(&after);
     exact_clear(&sum);
 }
 
@@ -277,7 +311,7 @@ void oracle_create(oracle *o, const norma_mesh *mesh, norma_weld weld, double di
 void oracle_destroy(oracle *o) {
     void *const blocks[] = {o->positions, o->starts, o->corners, o->faces, o->shared, o->kept,
         o->next, o->previous, o->kinds, o->directions, o->areas, o->by_shared_start, o->by_shared,
-        o->weights, o->bent};
+        o->weights};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i) free(blocks[i]);
     memset(o, 0, sizeof *o);
 }

@@ -34,7 +34,6 @@ typedef struct oracle {
     const uint32_t *smoothing_groups;
     const uint8_t *hard_edges;
     long double *weights; /* of each kept corner, once oracle_keep_weights was called for weight */
-    unsigned char *bent;  /* with them: whether the corner is exactly between convex and reflex */
     norma_weight weight;
 } oracle;
 
@@ -43,10 +42,10 @@ typedef struct oracle {
 void oracle_create(oracle *o, const norma_mesh *mesh, norma_weld weld, double distance);
 void oracle_destroy(oracle *o);
 
-/* A kept corner's weight, any but VISIBLE; its face must have a direction. bent (may be NULL): set
- * where the edges' plane stands upright on the polygon's, so that rounding decides whether the
- * corner is reflex. */
-long double oracle_weight(const oracle *o, size_t corner, norma_weight weight, int *bent);
+/* Whether a kept corner's edges, seen along its face's vector area, turn the other way, exactly. */
+int oracle_turns_back(const oracle *o, size_t corner);
+/* A kept corner's weight, any but VISIBLE; its face must have a direction. */
+long double oracle_weight(const oracle *o, size_t corner, norma_weight weight);
 /* Computes the weights of all corners, so that sums taken again and again are cheap. */
 void oracle_keep_weights(oracle *o, norma_weight weight);
 
@@ -57,8 +56,7 @@ typedef struct oracle_normal {
                           angle (<= 0: cancelled) */
     int own_index; /* the sum over the shared position cancelled, this is that over the vertex's own
                       corners */
-    int doubtful;  /* no answer: VISIBLE with more normals than brute force likes; a bent polygon's
-                      corner between convex and reflex */
+    int doubtful;  /* no answer: VISIBLE with more normals than brute force likes */
 } oracle_normal;
 
 /* The sum over the given kept corners. NONE, UNREFERENCED or CANCELLED. */
@@ -75,10 +73,6 @@ typedef struct oracle_fans {
                                 answer passes */
     norma_count non_manifold, conflicts;
     norma_edges edges;
-    size_t own_edges; /* edges that a face runs along more than once: the contract counts faces and
-                         leaves them open; fans there are in doubt */
-    size_t many; /* edges along which more than two faces run: whether these are smooth or hard,
-                    both or neither, is left open too; not in edges */
 } oracle_fans;
 
 /* doubt_rad: how near to the threshold a dihedral angle is doubtful. */

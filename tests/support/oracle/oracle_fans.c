@@ -19,18 +19,20 @@ typedef struct link {
 
 typedef struct pair {
     const half_edge *a, *b;
-    int doubtful; /* along an edge that one of the faces runs along twice */
 } pair;
+
+typedef enum edge_class { EDGE_NON_MANIFOLD, EDGE_CONFLICT, EDGE_OPEN, EDGE_SHARED } edge_class;
 
 typedef struct finder {
     const oracle *o;
     oracle_fans *fans;
     half_edge *edges;
     size_t edge_count;
+    edge_class *classes; /* of each distinct edge, in the order of edges */
+    size_t class_count;
     pair *pairs; /* who shares an edge with whom, each pair once */
     size_t pair_count, pair_room;
-    size_t *lenders;       /* of each face without a direction: the face it borrows from, or NONE */
-    unsigned char *unsure; /* whether that is in doubt */
+    size_t *lenders; /* of each face without a direction: the face it borrows from, or NONE */
     link *links;
     size_t link_count;
     long double crease, doubt;
@@ -58,31 +60,37 @@ static void sort_half_edges(finder *s) {
     qsort(s->edges, s->edge_count, sizeof *s->edges, compare_half_edges);
 }
 
-/* Whether the faces of two corners have the same positions in opposite order. */
-static int are_twins(const oracle *o, size_t a, size_t b) {
-    size_t i = a, j = o->next[b], steps = 0; /* the half-edges from a and from b run against each
-                                                other: a's begin is the end of b's */
+/* Whether a's face, read from a on, has the positions that b's face has read backwards from b. */
+static int read_backwards(const oracle *o, size_t a, size_t b) {
+    size_t i = a, j = b;
     do {
         if (o->shared[o->corners[i]] != o->shared[o->corners[j]]) return 0;
         i = o->next[i];
         j = o->previous[j];
-        ++steps;
-    } while (i != a && j != o->next[b]);
-    return i == a && j == o->next[b] && steps >= 3;
+    } while (i != a && j != b);
+    return i == a && j == b;
 }
 
+/* Whether the faces of two corners have the same positions in opposite order. */
+static int are_twins(const oracle *o, size_t a, size_t b) {
+    for (size_t j = o->next[b]; j != b; j = o->next[j])
+        if (read_backwards(o, a, j)) return 1;
+    return read_backwards(o, a, b);
+}
+
+/* A face that runs twice along the edge is two there, and no twin of its own. */
 static int are_partners(const oracle *o, const half_edge *a, const half_edge *b) {
-    return a->upwards != b->upwards && o->faces[a->corner] != o->faces[b->corner] &&
-           !are_twins(o, a->corner, b->corner);
+    return a->upwards != b->upwards &&
+           (o->faces[a->corner] == o->faces[b->corner] || !are_twins(o, a->corner, b->corner));
 }
 
-static void add_pair(finder *s, const half_edge *a, const half_edge *b, int doubtful) {
+static void add_pair(finder *s, const half_edge *a, const half_edge *b) {
     if (s->pair_count == s->pair_room) {
         s->pair_room = s->pair_room ? 2 * s->pair_room : 1024;
         s->pairs = realloc(s->pairs, s->pair_room * sizeof *s->pairs);
         if (!s->pairs) abort();
     }
-    s->pairs[s->pair_count++] = (pair){a, b, doubtful};
+    s->pairs[s->pair_count++] = (pair){a, b};
 }
 
 static void count_first(norma_count *count, size_t corner) {
@@ -92,10 +100,7 @@ static void count_first(norma_count *count, size_t corner) {
 
 /* The half-edges along one edge, ascending by corner. */
 static void match_edge(finder *s, const half_edge *run, size_t count) {
-    size_t *partners = oracle_allocate(count, sizeof *partners), odd = 0, own = 0;
-    for (size_t i = 0; i + 1 < count; ++i)
-        own += s->o->faces[run[i].corner] ==
-               s->o->faces[run[i + 1].corner]; /* ascending: a face's corners follow each other */
+    size_t *partners = oracle_allocate(count, sizeof *partners), odd = 0;
     for (size_t i = 0; i < count; ++i)
         for (size_t j = 0; j < count; ++j)
             partners[i] += (size_t)are_partners(s->o, &run[i], &run[j]);
@@ -103,20 +108,22 @@ static void match_edge(finder *s, const half_edge *run, size_t count) {
         odd += partners[i] != 1;
         for (size_t j = i + 1; j < count; ++j)
             if (are_partners(s->o, &run[i], &run[j]) &&
-                (own || s->non_manifold == NORMA_NON_MANIFOLD_SMOOTH ||
+                (s->non_manifold == NORMA_NON_MANIFOLD_SMOOTH ||
                     (partners[i] == 1 && partners[j] == 1)))
-                add_pair(s, &run[i], &run[j], own > 0);
+                add_pair(s, &run[i], &run[j]);
     }
-    s->fans->own_edges += own > 0;
-    ++s->fans->edges.count;
-    if (count == 1) ++s->fans->edges.open;
+    s->classes[s->class_count++] = count > 2 && odd ? EDGE_NON_MANIFOLD
+                                   : count == 2 && run[0].upwards == run[1].upwards ? EDGE_CONFLICT
+                                   : count == 1                                     ? EDGE_OPEN
+                                                                                    : EDGE_SHARED;
+    if (count > 2 && odd) count_first(&s->fans->non_manifold, run[0].corner);
     if (count == 2 && run[0].upwards == run[1].upwards)
         count_first(&s->fans->conflicts, run[0].corner);
-    if (count > 2 && odd) count_first(&s->fans->non_manifold, run[0].corner);
     free(partners);
 }
 
 static void match_edges(finder *s) {
+    s->classes = oracle_allocate(s->edge_count, sizeof *s->classes);
     for (size_t begin = 0, end; begin < s->edge_count; begin = end) {
         for (end = begin + 1; end < s->edge_count && s->edges[end].low == s->edges[begin].low &&
                               s->edges[end].high == s->edges[begin].high;)
@@ -155,27 +162,27 @@ static size_t longest_edge(const oracle *o, size_t face) {
     return best;
 }
 
+/* A face shares its longest edge with one other face, or borrows from none. */
 static void find_lenders(finder *s) {
     const oracle *o = s->o;
-    size_t *borrows = oracle_allocate(
-        o->face_count, sizeof *borrows); /* the corner at which its longest edge begins */
+    size_t *sharers = oracle_allocate(o->corner_count, sizeof *sharers),
+           *sharer = oracle_allocate(o->corner_count, sizeof *sharer);
+    for (size_t i = 0; i < s->pair_count; ++i) {
+        const size_t a = s->pairs[i].a->corner, b = s->pairs[i].b->corner;
+        ++sharers[a], ++sharers[b];
+        sharer[a] = o->faces[b];
+        sharer[b] = o->faces[a];
+    }
     s->lenders = oracle_allocate(o->face_count, sizeof *s->lenders);
-    s->unsure = oracle_allocate(o->face_count, sizeof *s->unsure);
     for (size_t f = 0; f < o->face_count; ++f) {
         s->lenders[f] = ORACLE_NONE;
-        borrows[f] = o->kinds[f] == ORACLE_NO_AREA ? longest_edge(o, f) : ORACLE_NONE;
+        if (o->kinds[f] != ORACLE_NO_AREA) continue;
+        const size_t corner = longest_edge(o, f);
+        if (sharers[corner] == 1 && o->kinds[sharer[corner]] == ORACLE_DIRECTED)
+            s->lenders[f] = sharer[corner];
     }
-    for (size_t i = 0; i < s->pair_count; ++i)
-        for (int side = 0; side < 2; ++side) {
-            const size_t corner = side ? s->pairs[i].b->corner : s->pairs[i].a->corner,
-                         other = side ? s->pairs[i].a->corner : s->pairs[i].b->corner;
-            const size_t face = o->faces[corner], lender = o->faces[other];
-            if (borrows[face] == corner && s->pairs[i].doubtful) s->unsure[face] = 1;
-            if (borrows[face] != corner || o->kinds[lender] != ORACLE_DIRECTED) continue;
-            if (s->lenders[face] == ORACLE_NONE || lender < s->lenders[face])
-                s->lenders[face] = lender;
-        }
-    free(borrows);
+    free(sharers);
+    free(sharer);
 }
 
 static const long double *direction_of(const finder *s, size_t face) {
@@ -189,7 +196,7 @@ static int is_smooth(const finder *s, const pair *p, int *doubtful) {
     const oracle *o = s->o;
     const size_t a = p->a->corner, b = p->b->corner;
     const long double *m = direction_of(s, o->faces[a]), *n = direction_of(s, o->faces[b]);
-    *doubtful = p->doubtful || s->unsure[o->faces[a]] || s->unsure[o->faces[b]];
+    *doubtful = 0;
     if (o->hard_edges && (o->hard_edges[a] || o->hard_edges[b])) return 0;
     if (o->smoothing_groups &&
         !(o->smoothing_groups[o->faces[a]] & o->smoothing_groups[o->faces[b]]))
@@ -225,20 +232,24 @@ static void link_corners(finder *s) {
     qsort(s->links, s->link_count, sizeof *s->links, compare_links);
 }
 
-static void count_smooth_edges(finder *s) {
+/* Each distinct edge is counted once, as the first of non-manifold, conflict, open, hard, smooth.
+ */
+static void count_edges(finder *s) {
+    norma_edges *edges = &s->fans->edges;
     size_t pair_at = 0;
     for (size_t begin = 0, end; begin < s->edge_count; begin = end) {
-        int doubtful, smooth = 0;
+        const edge_class class = s->classes[edges->count++];
+        int doubtful, smooth = 0, hard = 0;
         for (end = begin + 1; end < s->edge_count && s->edges[end].low == s->edges[begin].low &&
                               s->edges[end].high == s->edges[begin].high;)
             ++end;
         for (; pair_at < s->pair_count && s->pairs[pair_at].a >= s->edges + begin &&
                s->pairs[pair_at].a < s->edges + end;
              ++pair_at)
-            smooth |= is_smooth(s, &s->pairs[pair_at], &doubtful);
-        s->fans->edges.smooth += end - begin == 2 && smooth;
-        s->fans->edges.hard += end - begin == 2 && !smooth;
-        s->fans->many += end - begin > 2;
+            *(is_smooth(s, &s->pairs[pair_at], &doubtful) ? &smooth : &hard) = 1;
+        edges->open += class == EDGE_OPEN;
+        edges->hard += class == EDGE_SHARED && (hard || !smooth);
+        edges->smooth += class == EDGE_SHARED && !hard && smooth;
     }
 }
 
@@ -301,13 +312,13 @@ void oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad,
     match_edges(&s);
     find_lenders(&s);
     link_corners(&s);
-    count_smooth_edges(&s);
+    count_edges(&s);
     flood(&s);
     list_corners_by_fan(fans, o);
     free(s.edges);
     free(s.pairs);
     free(s.lenders);
-    free(s.unsure);
+    free(s.classes);
     free(s.links);
 }
 

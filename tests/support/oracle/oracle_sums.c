@@ -14,7 +14,6 @@ static const long double PI_LONG = 3.14159265358979323846264338327950288L;
 
 typedef struct corner_measures {
     long double angle, sine_lengths, a_squared, b_squared; /* sine_lengths: |a x b| */
-    int bent;
 } corner_measures;
 
 /* a to the next corner, b to the previous one. */
@@ -48,9 +47,9 @@ static corner_measures measure_corner(const oracle *o, size_t corner) {
     m.a_squared = exact_round(aa, 2 * exponent);
     m.b_squared = exact_round(bb, 2 * exponent);
     const long double *n = o->directions[o->faces[corner]];
-    const long double upright = normal[0] * n[0] + normal[1] * n[1] + normal[2] * n[2];
-    m.bent = m.sine_lengths > 0 && fabsl(upright) < 1e-12L * m.sine_lengths;
-    if (upright < 0 && !m.bent) m.angle = 2 * PI_LONG - m.angle;
+    const long double along = normal[0] * n[0] + normal[1] * n[1] + normal[2] * n[2];
+    if (fabsl(along) > 1e-12L * m.sine_lengths ? along < 0 : oracle_turns_back(o, corner))
+        m.angle = 2 * PI_LONG - m.angle;
     exact_clear(&here);
     exact_clear(&a);
     exact_clear(&b);
@@ -59,13 +58,11 @@ static corner_measures measure_corner(const oracle *o, size_t corner) {
     return m;
 }
 
-long double oracle_weight(const oracle *o, size_t corner, norma_weight weight, int *bent) {
+long double oracle_weight(const oracle *o, size_t corner, norma_weight weight) {
     const long double area = o->areas[o->faces[corner]];
-    if (bent) *bent = 0;
     if (weight == NORMA_WEIGHT_AREA) return area;
     if (weight == NORMA_WEIGHT_UNIFORM) return 1;
     const corner_measures m = measure_corner(o, corner);
-    if (bent) *bent = m.bent && weight != NORMA_WEIGHT_MAX;
     switch (weight) {
     case NORMA_WEIGHT_ANGLE:
         return m.angle;
@@ -83,18 +80,13 @@ long double oracle_weight(const oracle *o, size_t corner, norma_weight weight, i
 
 void oracle_keep_weights(oracle *o, norma_weight weight) {
     free(o->weights);
-    free(o->bent);
     o->weights = NULL;
-    o->bent = NULL;
     if (weight == NORMA_WEIGHT_VISIBLE) return;
     o->weights = oracle_allocate(o->corner_count, sizeof *o->weights);
-    o->bent = oracle_allocate(o->corner_count, sizeof *o->bent);
     o->weight = weight;
     for (size_t c = 0; c < o->corner_count; ++c) {
-        int bent = 0;
         if (o->kept[c] == c && o->kinds[o->faces[c]] == ORACLE_DIRECTED)
-            o->weights[c] = oracle_weight(o, c, weight, &bent);
-        o->bent[c] = (unsigned char)bent;
+            o->weights[c] = oracle_weight(o, c, weight);
     }
 }
 
@@ -191,11 +183,9 @@ oracle_normal oracle_sum(
     for (size_t i = 0; i < count; ++i) {
         const size_t face = o->faces[corners[i]];
         if (o->kinds[face] != ORACLE_DIRECTED) continue;
-        const int kept = o->weights && o->weight == weight;
-        int bent = kept && o->bent[corners[i]];
-        const long double w =
-            kept ? o->weights[corners[i]] : oracle_weight(o, corners[i], weight, &bent);
-        result.doubtful |= bent;
+        const long double w = o->weights && o->weight == weight
+                                  ? o->weights[corners[i]]
+                                  : oracle_weight(o, corners[i], weight);
         result.reason = NORMA_REASON_NONE;
         weights += w;
         for (int x = 0; x < 3; ++x) result.normal[x] += w * o->directions[face][x];
