@@ -4,6 +4,7 @@
  * 2^-30 rad; exact integers where it does not: thin faces, and all that may have no area at all. */
 #include "core/face/face_geometry.h"
 #include "core/face/exact_area.h"
+#include "core/face/reflex.h"
 #include "core/face/triangle.h"
 
 /* Walks a face's kept corners in ascending order. Callers ask for points 0, 1, 2, ... and then 0
@@ -78,33 +79,19 @@ static void triangle_geometry(const core_mesh *mesh, size_t face, core_face *out
     out->flags &= CORE_FACE_FINITE;
 }
 
-/* Multiplied and folded like a hash; the sum over the undirected edges is the same for a face and
- * its twin, whatever corner they begin at. */
-static uint64_t edge_key(uint32_t a, uint32_t b) {
-    uint64_t h = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-    h = (h ^ (h >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    h = (h ^ (h >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return h ^ (h >> 31);
-}
-
-/* Counts the kept corners, keys the edges between them, and tells whether all corners are finite.
- */
+/* Counts the kept corners, and tells whether all corners are finite. */
 static void polygon_outline(const core_mesh *mesh, size_t face, core_face *out) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     int finite = 1;
     for (size_t c = begin; c < end; c++) {
-        const size_t next = norma_core_next_in_face(mesh, face, c);
-        const uint32_t a = norma_core_welded_corner(mesh, c),
-                       b = norma_core_welded_corner(mesh, next);
         double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
         finite &= norma_core_finite(p);
-        if (a == b) continue;
-        out->kept++;
-        out->key += edge_key(a, b);
+        out->kept += norma_core_is_kept(mesh, face, c) != 0;
     }
     if (finite) out->flags |= CORE_FACE_FINITE;
-    if (out->kept >= 3) out->flags |= CORE_FACE_EDGED;
+    if (out->kept < 3) return;
+    out->flags |= CORE_FACE_EDGED;
 }
 
 static void polygon_direction(const core_mesh *mesh, size_t face, core_face *out) {
@@ -190,58 +177,63 @@ void norma_core_faces_geometry(
 
 /* ---- weights */
 
+typedef struct corner_points {
+    double here[3], next[3], previous[3];
+} corner_points;
+
 /* The cross product of two edges at a polygon's corner, as rounded doubles have it, made exact
  * where they would not tell a needle from nothing, nor one side of it from the other; its length.
  */
-static double settle_corner_cross(const double p[3], const double next[3], const double previous[3],
-    double squares, double cross[3]) {
+static double settle_corner_cross(const corner_points *p, double squares, double cross[3]) {
     const double square = norma_core_dot(cross, cross);
     if (square >= 0x1p-40 * squares && square > NORMA_TINIEST && square < NORMA_HUGEST)
         return sqrt(square);
-    triangle_points points;
-    memcpy(points[0], p, sizeof points[0]);
-    memcpy(points[1], next, sizeof points[1]);
-    memcpy(points[2], previous, sizeof points[2]);
     core_face corner = {0};
-    exact_direction(triangle_point, points, 3, &corner);
+    exact_direction(triangle_point, p, 3, &corner);
     for (int k = 0; k < 3; k++) cross[k] = corner.normal[k] * corner.twice_area;
     return corner.twice_area;
 }
+_Static_assert(sizeof(corner_points) == sizeof(triangle_points), "read as one triangle");
 
-/* A corner that stands upright on its polygon is not reflex: what its cross product has along the
- * normal must be more than rounding. */
-static double polygon_weight(norma_weight weight, const core_face *face, const double p[3],
-    const double next[3], const double previous[3]) {
+/* cross: of the corner's edges. Its direction and the normal's are right to 2^-30 rad. Where the
+ * edges do not turn at all, the corner's angle is pi or 0, by the sign of their dot product. */
+static int is_reflex(
+    kept_walk walk, const core_face *face, const corner_points *p, const double cross[3]) {
+    const double along = norma_core_dot(cross, face->normal), length = norma_core_length(cross);
+    if (length == 0 || fabs(along) > 0x1p-28 * length) return along < 0;
+    return norma_core_turns_back(kept_point, &walk, face->kept, p->here, p->next, p->previous);
+}
+
+static double polygon_weight(
+    norma_weight weight, kept_walk walk, const core_face *face, const corner_points *p) {
     double a[3], b[3], cross[3], length = 0;
-    norma_core_subtract(next, p, a);
-    norma_core_subtract(previous, p, b);
+    norma_core_subtract(p->next, p->here, a);
+    norma_core_subtract(p->previous, p->here, b);
     const double aa = norma_core_dot(a, a), bb = norma_core_dot(b, b);
     norma_core_cross(a, b, cross);
-    if (core_weighed(weight) != CORE_BY_FACE)
-        length = settle_corner_cross(p, next, previous, aa * bb, cross);
-    return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area,
-        norma_core_dot(cross, face->normal) < -0x1p-46 * length);
+    if (core_weighed(weight) != CORE_BY_FACE) length = settle_corner_cross(p, aa * bb, cross);
+    const int reflex = core_weighed(weight) == CORE_BY_ANGLE && is_reflex(walk, face, p, cross);
+    return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area, reflex);
 }
 
 /* Its one cross product serves at every corner. */
-static double triangle_weight(norma_weight weight, const core_face *face, const double p[3],
-    const double next[3], const double previous[3]) {
+static double triangle_weight(norma_weight weight, const core_face *face, const corner_points *p) {
     double a[3], b[3];
-    norma_core_subtract(next, p, a);
-    norma_core_subtract(previous, p, b);
+    norma_core_subtract(p->next, p->here, a);
+    norma_core_subtract(p->previous, p->here, b);
     return norma_core_weigh(weight, norma_core_dot(a, a), norma_core_dot(b, b),
         norma_core_dot(a, b), face->twice_area, face->twice_area, 0);
 }
 
 double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number,
     const core_face *face, size_t corner) {
-    double p[3], next[3], previous[3];
-    norma_core_position(mesh, norma_core_corner(mesh, corner), p);
+    corner_points p;
+    norma_core_position(mesh, norma_core_corner(mesh, corner), p.here);
     norma_core_position(
-        mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, number, corner)), next);
+        mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, number, corner)), p.next);
     norma_core_position(
-        mesh, norma_core_corner(mesh, norma_core_previous_kept(mesh, number, corner)), previous);
+        mesh, norma_core_corner(mesh, norma_core_previous_kept(mesh, number, corner)), p.previous);
     if (norma_core_face_end(mesh, number) - norma_core_face_begin(mesh, number) == 3)
-        return triangle_weight(weight, face, p, next, previous);
-    return polygon_weight(weight, face, p, next, previous);
+        return triangle_weight(weight, face, &p);
+    return polygon_weight(weight, (kept_walk){.mesh = mesh, .face = number}, face, &p);
 }

@@ -1,5 +1,6 @@
 /* steady_tangents.c: the sums at each vertex, one over the faces of each sign. */
 #include "core/face/face_geometry.h"
+#include "core/face/reflex.h"
 #include "core/face/triangle.h"
 #include "core/tangent/steady.h"
 #include <math.h>
@@ -24,6 +25,31 @@ static void position_of(const steady_mesh *m, size_t corner, double out[3]) {
     for (int k = 0; k < 3; k++) out[k] = (double)p[k];
 }
 
+typedef struct face_points {
+    const steady_mesh *mesh;
+    size_t first;
+} face_points;
+
+static void point_of(const void *context, size_t index, double point[3]) {
+    const face_points *face = context;
+    position_of(face->mesh, face->first + index, point);
+}
+
+/* As the corner's weight for normals has it; cross: of its edges. */
+static int is_reflex(const steady_mesh *m, size_t number, size_t corner, const double cross[3]) {
+    const core_mesh *mesh = &m->input->mesh;
+    const face_points face = {m, norma_core_face_begin(mesh, number)};
+    const double along = norma_core_dot(cross, m->faces[number].normal),
+                 lengths = norma_core_length(cross) * m->faces[number].twice_area;
+    double here[3], next[3], previous[3];
+    if (lengths == 0 || fabs(along) > 0x1p-20 * lengths) return along < 0;
+    position_of(m, corner, here);
+    position_of(m, norma_core_next_in_face(mesh, number, corner), next);
+    position_of(m, norma_core_previous_in_face(mesh, number, corner), previous);
+    return norma_core_turns_back(
+        point_of, &face, norma_core_face_end(mesh, number) - face.first, here, next, previous);
+}
+
 static double weight_of(const steady_mesh *m, size_t number, size_t corner) {
     const core_mesh *mesh = &m->input->mesh;
     const steady_face *face = &m->faces[number];
@@ -34,9 +60,9 @@ static double weight_of(const steady_mesh *m, size_t number, size_t corner) {
     norma_core_subtract(a, at, a);
     norma_core_subtract(b, at, b);
     norma_core_cross(a, b, cross);
-    const int reflex = mesh->face_starts && norma_core_dot(cross, face->normal) < 0;
     return norma_core_weigh(m->call->options.weight, norma_core_dot(a, a), norma_core_dot(b, b),
-        norma_core_dot(a, b), norma_core_length(cross), face->twice_area, reflex);
+        norma_core_dot(a, b), norma_core_length(cross), face->twice_area,
+        mesh->face_starts && is_reflex(m, number, corner, cross));
 }
 
 /* Below this part of a unit vector, what is perpendicular to the normal is rounding. */
