@@ -150,6 +150,18 @@ await attempt("without an index it stays without, and attributes are copies", ()
   const flat = shapes.box.toNonIndexed(), creased = toCreased(flat, { crease: 30 });
   if (creased.index || creased === flat || creased.attributes.uv === flat.attributes.uv) throw new Error("shared");
   near(creased, toCreasedNormals(flat, Math.PI / 6), 0.001);
+  const inside = toCreased(interleave(flat, ["uv", "position"]), { crease: 30 });
+  if (!inside.attributes.position.isInterleavedBufferAttribute || inside.attributes.position.data !== inside.attributes.uv.data) throw new Error("taken apart");
+  near(inside, creased, 0);
+  inside.attributes.position.setX(0, 99);
+  if (creased.attributes.position.getX(0) === 99) throw new Error("shared memory");
+});
+await attempt("an interleaved geometry is copied, not shared, with and without an index", () => {
+  for (const source of [interleave(shapes.box, ["uv", "position"]), interleave(shapes.box.toNonIndexed(), ["uv", "position"])]) {
+    const creased = toCreased(source, { crease: 30 });
+    creased.attributes.position.setX(0, 99);
+    if (source.attributes.position.getX(0) === 99) throw new Error("shared memory");
+  }
 });
 
 /* ---- computeTangents beside the MikkTSpace addon */

@@ -116,8 +116,6 @@ export function computeNormals(geometry, options) {
   return wanted ? { geometry, report } : geometry;
 }
 
-const copyAttribute = (attribute) => (attribute.isInterleavedBufferAttribute ? new InterleavedBufferAttribute(attribute.data, attribute.itemSize, attribute.offset, attribute.normalized) : attribute.clone());
-
 /* Whether an attribute has a value for each instance, not for each vertex. */
 const isInstanced = (attribute) => attribute.isInstancedBufferAttribute || attribute.isInstancedInterleavedBuffer || attribute.data?.isInstancedInterleavedBuffer;
 
@@ -144,11 +142,16 @@ function makeCarry(sources, count) {
   };
 }
 
-/* Gives geometry those vertices: all attributes but the one that is written next, those of morph targets, and the index. */
-function setVertices(geometry, from, { indices, sources }, next) {
+/* Gives geometry the vertices in sources: all attributes but the one that is written next, and those of morph targets. */
+function setAttributes(geometry, from, sources, next) {
   const carry = makeCarry(sources, from.attributes.position.count);
   for (const [name, attribute] of Object.entries(from.attributes)) if (name !== next) geometry.setAttribute(name, carry(attribute));
   for (const [name, targets] of Object.entries(from.morphAttributes)) geometry.morphAttributes[name] = targets.map(carry);
+}
+
+/* The same, with an index. */
+function setVertices(geometry, from, { indices, sources }, next) {
+  setAttributes(geometry, from, sources, next);
   geometry.setIndex(new BufferAttribute(indexArray(indices, sources.length, from.index.array), 1));
 }
 
@@ -176,8 +179,7 @@ export function toCreased(geometry, options) {
     setVertices(creased, geometry, vertices, "normal");
   } else {
     vertices = norma.cornerNormals(positions, { ...normal, crease, report: true });
-    for (const [name, attribute] of Object.entries(geometry.attributes)) creased.setAttribute(name, copyAttribute(attribute));
-    for (const [name, targets] of Object.entries(geometry.morphAttributes)) creased.morphAttributes[name] = targets.map(copyAttribute);
+    setAttributes(creased, geometry, { length: position.count }, "normal");
   }
   creased.setAttribute("normal", new BufferAttribute(vertices.normals, XYZ));
   if (hasMorphs(geometry)) {
