@@ -186,7 +186,7 @@ CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) 
         add_weighted(adder, f, next, NORMA_WEIGHT_AREA);
     }
 }
-#else
+#elif defined(__wasm__)
 CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) {
     add_weighted(adder, begin, end, NORMA_WEIGHT_AREA);
 }
