@@ -31,9 +31,10 @@ gltf "$(printf '%s' "$escaped" | sed 's/\\n.*//')<img src=x>\\\"'&</script><!--"
 printf 'mtllib %s\no %s\ng %s\nusemtl %s\ns %s\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 0\nvn 0 0 2\nf 1//1 2//2 3//1\nf 1 2 4\nf 1 1 2\n' "$marked" "$marked" "$marked" "$marked" "$marked" >marked.obj
 printf 'ply\nformat ascii 1.0\ncomment %s\ncomment TextureFile %s\nobj_info %s\nelement %s 1\nproperty float %s\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' "$marked" "$marked" "$marked" "$word" "$word" >marked.ply
 printf 'solid %s\nfacet normal 0 0 2\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid %s\n' "$marked" "$marked" >marked.stl
-sed "s/facet normal 0/facet normal $word/" marked.stl >broken.stl
-sed "s/^element face 1/element face $word/" marked.ply >broken-count.ply
-sed "s/^1\$/$(printf '%s' "$word" | sed 's/[\/&]/\\&/g')/" marked.ply >broken-row.ply
+in_sed=$(printf '%s' "$word" | sed 's/[\/&]/\\&/g')
+sed "s/facet normal 0/facet normal $in_sed/" marked.stl >broken.stl
+sed "s/^element face 1/element face $in_sed/" marked.ply >broken-count.ply
+sed "s/^1\$/$in_sed/" marked.ply >broken-row.ply
 
 # Bytes that may not be there: controls but for the line end, C1, marks of direction, separators; and all must be UTF-8.
 is_plain() { ! LC_ALL=C grep -aqP '[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80[\x8e\x8f\xa8-\xae]|\xe2\x81[\xa6-\xa9]|\xd8\x9c' "$1" && iconv -f UTF-8 -t UTF-8 "$1" >/dev/null 2>&1; }
@@ -120,6 +121,8 @@ plain help "$odd"
 plain matrix --scale "$odd"
 mkfifo pipe.json
 check "a pipe in place of a configuration is refused at once" timeout 5 bash -c '"$0" check named.gltf --config pipe.json 2>&1 | grep -q "is not a regular file"' "$NORMA"
+mkdir linked && cp named.gltf linked && printf 'secret words' >elsewhere && ln -s ../elsewhere linked/.norma.json
+check "a configuration that is a link is refused, and nothing of it is quoted" bash -c '"$0" check linked/named.gltf >said 2>&1; [ $? = 2 ] && grep -q "is a symbolic link" said && ! grep -q secret said' "$NORMA"
 check "a line that does not exist is not told" bash -c '! "$0" check named.gltf --config no.json 2>&1 | grep -q -- ":-1"' "$NORMA"
 if "$NORMA" view named.gltf -o page.html >/dev/null 2>&1; then
     cp named.gltf "$odd.gltf"

@@ -95,4 +95,27 @@ printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nver
 is 3 '' transform one.stl --scale 1e300 --out-dir out
 says 'one.stl:facet 0: the matrix moves it beyond'
 is 2 '' compute one.stl --smooth --out-dir out
+
+# Options that one format of a batch refuses, and a folder that cannot be made: nothing is written.
+mkdir batch
+cp one.stl batch/b.stl
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' | tee batch/a.obj >batch/c.obj
+cp -r batch as-it-was
+is 2 '' compute batch --in-place --crease 30
+says 'batch/b.stl: STL holds one normal'
+is 3 '' check batch/a.obj --fix-unsafe --out-dir none/../made --write-baseline base.json
+check "nothing is written then" bash -c 'diff -r batch as-it-was && [ ! -e made ] && [ ! -e base.json ]'
+
+# Below --out-dir nothing is written through a link; the folder itself may be one.
+mkdir -p place/deep tree/deep
+cp batch/a.obj tree/deep
+ln -s "$PWD/batch" place/link
+ln -s "$PWD/batch/b.stl" place/one.stl
+rmdir place/deep && ln -s "$PWD/batch" place/deep
+is 3 '' compute tree --out-dir place
+says 'place/deep: is a symbolic link'
+is 3 '' transform one.stl --scale 2 --out-dir place
+says 'place/one.stl: is a symbolic link'
+check "nothing is written through a link" diff -r batch as-it-was
+is 0 '*' compute batch/c.obj --out-dir place/link/new
 finish

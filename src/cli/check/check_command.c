@@ -333,11 +333,13 @@ static int check_all(const cli_subcommand *verb, check_work *work) {
                  : open_baseline(work) ? find_inputs(verb, work)
                                        : CLI_FILE;
     const size_t inputs = work->files.inputs.count;
+    int placed = CLI_OK;
     if (status != CLI_USAGE && inputs && work->settings.fix && !work->settings.dry_run)
-        status = cli_worse(status, check_places(verb, work));
-    if (configs && status != CLI_USAGE && (!status || inputs))
+        placed = check_places(verb, work);
+    if (!placed && configs && status != CLI_USAGE && (!status || inputs))
         status = cli_worse(status, check_files(work, configs));
-    if (work->new_baseline && work->settings.baseline && status != CLI_USAGE)
+    status = cli_worse(status, placed);
+    if (!placed && work->new_baseline && work->settings.baseline && status != CLI_USAGE)
         status = cli_worse(status == CLI_FINDINGS ? CLI_OK : status,
             check_baseline_write(work->settings.baseline, work->files.guard));
     check_baseline_free(work->settings.baseline);

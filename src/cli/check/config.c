@@ -273,6 +273,14 @@ static check_config *add_config(check_configs *configs, const char *path) {
     return config;
 }
 
+/* A configuration that nobody named may be a stranger's, who would have another file's words quoted
+ * in a message through a link. */
+static int is_link(const char *path, const struct stat *status) {
+    if (!S_ISLNK(status->st_mode)) return 0;
+    cli_error("%s: is a symbolic link; expected a regular file, or --config FILE", path);
+    return 1;
+}
+
 /* Looks in folder (absolute, without its last slash) and above. *found stays NULL if no file
  * exists. Returns 0 if one exists and cannot be read. */
 static int find_upward(check_configs *configs, char *folder, check_config **found) {
@@ -280,8 +288,8 @@ static int find_upward(check_configs *configs, char *folder, check_config **foun
         char *slash, path[4200];
         struct stat status;
         snprintf(path, sizeof path, "%s/.norma.json", folder);
-        if (strlen(folder) < 4096 && stat(path, &status) == 0) {
-            *found = add_config(configs, path);
+        if (strlen(folder) < 4096 && lstat(path, &status) == 0) {
+            *found = is_link(path, &status) ? NULL : add_config(configs, path);
             return *found != NULL;
         }
         slash = strrchr(folder, '/');

@@ -4,6 +4,7 @@
 #include "cli/files/batch.h"
 #include "cli/files/find_inputs.h"
 #include "cli/files/place_outputs.h"
+#include "cli/files/trial.h"
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
 #include "cli/text/report_text.h"
@@ -305,7 +306,8 @@ static int change_files(const cli_subcommand *verb, const cli_common *common, cl
     const cli_changer *changer) {
     int status = cli_find_inputs(verb, files);
     if (status == CLI_USAGE || files->inputs.count == 0) return status;
-    const int placed = cli_check_outputs(verb, common, files);
+    int placed = cli_try_formats(files, changer);
+    if (!placed) placed = cli_check_outputs(verb, common, files);
     if (placed) return placed;
     for (size_t i = 0; i < files->inputs.count; ++i) {
         const char *input = files->inputs.paths[i];

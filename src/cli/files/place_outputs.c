@@ -133,12 +133,29 @@ static int fail(const char *folder) {
     return CLI_FILE;
 }
 
+/* Below --out-dir nothing is written through a link, which may lead anywhere: the names there come
+ * from the inputs. */
+static int refuse_links(const cli_files *files, char *output) {
+    struct stat status;
+    const size_t folder = strlen(files->folder);
+    for (char *end = output + folder; *end;) {
+        end += 1 + strcspn(end + 1, "/");
+        const char after = *end;
+        *end = '\0';
+        const int is_link = lstat(output, &status) == 0 && S_ISLNK(status.st_mode);
+        if (is_link) cli_error("%s: is a symbolic link, and is not written through", output);
+        *end = after;
+        if (is_link) return CLI_FILE;
+    }
+    return CLI_OK;
+}
+
 int cli_make_folders(const cli_files *files, const char *output) {
     struct stat status;
     if (!files->folder) return CLI_OK;
     char *path = strdup(output);
     if (!path) return cli_out_of_memory();
-    int result = CLI_OK;
+    int result = refuse_links(files, path);
     for (char *slash = strchr(path + 1, '/'); slash && !result; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
         if (mkdir(path, 0777) && errno != EEXIST && stat(path, &status)) result = fail(path);
