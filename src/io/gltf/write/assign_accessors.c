@@ -27,27 +27,6 @@ static uint64_t hash_data(const gltf_data *data) {
     return hash;
 }
 
-static int compare_hashes(const void *a, const void *b) {
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-/* Contents whose shape no other has are equal to none, and need not be looked at. Sorted hashes of
- * all shapes; NULL: out of memory. */
-static uint64_t *sort_shapes(const gltf_patch *patch) {
-    uint64_t *shapes = norma_io_allocate(patch->data_count, sizeof *shapes);
-    for (size_t i = 0; shapes && i < patch->data_count; ++i)
-        shapes[i] = hash_shape(&patch->datas[i]);
-    if (shapes) qsort(shapes, patch->data_count, sizeof *shapes, compare_hashes);
-    return shapes;
-}
-
-static int has_company(const uint64_t *shapes, size_t count, uint64_t shape) {
-    const uint64_t *found = bsearch(&shape, shapes, count, sizeof *shapes, compare_hashes);
-    return found && ((found > shapes && found[-1] == shape) ||
-                        (found + 1 < shapes + count && found[1] == shape));
-}
-
 static int equal_data(const gltf_data *a, const gltf_data *b) {
     size_t size = norma_gltf_data_size(a);
     return a->component == b->component && a->width == b->width && a->normalized == b->normalized &&
@@ -55,30 +34,40 @@ static int equal_data(const gltf_data *a, const gltf_data *b) {
            size == norma_gltf_data_size(b) && memcmp(a->bytes, b->bytes, a->count * size) == 0;
 }
 
+typedef struct hashed {
+    uint64_t shape, contents;
+    uint32_t data;
+} hashed;
+
+static int compare_hashed(const void *a, const void *b) {
+    const hashed *x = a, *y = b;
+    if (x->shape != y->shape) return x->shape < y->shape ? -1 : 1;
+    if (x->contents != y->contents) return x->contents < y->contents ? -1 : 1;
+    return x->data < y->data ? -1 : x->data > y->data;
+}
+
+/* Contents whose shape no other has are equal to none, and are not looked at. */
 static int find_equal_datas(gltf_patch *patch) {
-    size_t capacity = 16;
-    while (capacity / 2 < patch->data_count) capacity *= 2;
-    uint32_t *table = norma_io_allocate(capacity, sizeof *table);
-    uint64_t *shapes = sort_shapes(patch);
-    patch->same = norma_io_allocate(patch->data_count, sizeof *patch->same);
-    if (!table || !shapes || !patch->same) {
-        free(table);
-        free(shapes);
-        return 0;
+    const size_t count = patch->data_count;
+    hashed *list = norma_io_allocate(count, sizeof *list);
+    patch->same = norma_io_allocate(count, sizeof *patch->same);
+    for (uint32_t i = 0; list && i < count; ++i)
+        list[i] = (hashed){.shape = hash_shape(&patch->datas[i]), .data = i};
+    if (list && count) qsort(list, count, sizeof *list, compare_hashed);
+    for (size_t i = 0; list && i < count; ++i)
+        if ((i && list[i - 1].shape == list[i].shape) ||
+            (i + 1 < count && list[i + 1].shape == list[i].shape))
+            list[i].contents = hash_data(&patch->datas[list[i].data]);
+    if (list && count) qsort(list, count, sizeof *list, compare_hashed);
+    for (size_t i = 0, first = 0; list && patch->same && i < count; ++i) {
+        const gltf_data *data = &patch->datas[list[i].data];
+        if (i && (list[i].shape != list[first].shape || list[i].contents != list[first].contents ||
+                     !equal_data(&patch->datas[list[first].data], data)))
+            first = i;
+        patch->same[list[i].data] = list[first].data;
     }
-    for (uint32_t i = 0; i < patch->data_count; ++i) {
-        const uint64_t shape = hash_shape(&patch->datas[i]);
-        size_t at =
-            (has_company(shapes, patch->data_count, shape) ? hash_data(&patch->datas[i]) : shape) &
-            (capacity - 1);
-        while (table[at] && !equal_data(&patch->datas[table[at] - 1], &patch->datas[i]))
-            at = (at + 1) & (capacity - 1);
-        if (!table[at]) table[at] = i + 1;
-        patch->same[i] = table[at] - 1;
-    }
-    free(table);
-    free(shapes);
-    return 1;
+    free(list);
+    return list && patch->same;
 }
 
 /* ---- users */

@@ -133,23 +133,27 @@ static int add_span(spans *s, size_t start, size_t end, patch_place *place) {
     return 1;
 }
 
-/* Whether the JSON has a word on the buffer besides views and their compressed bytes, of which we
- * do not know what it means. */
-static int is_named_otherwise(const gltf *g, uint32_t buffer) {
+/* Counts the words that the JSON has on each buffer besides views and their compressed bytes, of
+ * which we do not know what they mean. */
+static void count_other_names(const gltf *g) {
     const json *j = &g->json;
-    size_t known = 0, named = 0;
+    patch_buffer *buffers = g->patch->buffers;
     uint64_t number;
-    for (size_t i = 0; i < 2 * (size_t)g->view_count; ++i) known += spot_of(g, i).buffer == buffer;
+    for (size_t i = 0; i < 2 * (size_t)g->view_count; ++i) {
+        const uint32_t buffer = spot_of(g, i).buffer;
+        if (buffer != GLTF_NONE) --buffers[buffer].other_names;
+    }
     for (uint32_t token = 2; token < j->count; ++token)
-        named += j->tokens[token].type == JSON_NUMBER &&
-                 j->tokens[j->tokens[token].parent].type == JSON_OBJECT &&
-                 norma_json_equals(j, token - 1, "buffer") && norma_json_uint(j, token, &number) &&
-                 number == buffer;
-    return buffer >= g->buffer_count || named != known;
+        if (j->tokens[token].type == JSON_NUMBER &&
+            j->tokens[j->tokens[token].parent].type == JSON_OBJECT &&
+            norma_json_equals(j, token - 1, "buffer") && norma_json_uint(j, token, &number) &&
+            number < g->buffer_count)
+            ++buffers[number].other_names;
 }
 
 static int find_spans(const gltf *g, uint32_t buffer, size_t length, spans *s) {
-    int ok = !is_named_otherwise(g, buffer) || add_span(s, 0, length, NULL);
+    const int whole = buffer == g->buffer_count || g->patch->buffers[buffer].other_names != 0;
+    int ok = !whole || add_span(s, 0, length, NULL);
     for (size_t i = 0; ok && i < 2 * (size_t)g->view_count; ++i) {
         const spot one = spot_of(g, i);
         if (one.buffer != buffer || one.start >= length || one.length == 0) continue;
@@ -326,6 +330,7 @@ norma_document_result norma_gltf_fill_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     begin(g);
+    count_other_names(g);
     for (uint32_t b = 0; !result && b <= g->buffer_count; ++b) {
         patch_buffer *buffer = &g->patch->buffers[b];
         buffer->changed |= destination != GLTF_TO_MEMORY && was_changed(g, b);

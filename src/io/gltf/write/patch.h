@@ -59,6 +59,7 @@ typedef struct patch_segment { /* part of a buffer as it will be written */
 
 typedef struct patch_buffer { /* old ones, and one more where none can be written to */
     int changed;
+    int64_t other_names;     /* in the JSON, besides those by views */
     size_t length;           /* of the bytes that are written */
     size_t byte_length;      /* as the JSON says; less where a file holds more than this asset's */
     patch_segment *segments; /* in order, without gaps */
