@@ -49,8 +49,7 @@ static void triangle_direction(triangle_points p, core_face *out) {
     double u[3], v[3];
     norma_core_subtract(p[1], p[0], u);
     norma_core_subtract(p[2], p[0], v);
-    if (norma_core_triangle(u[0], u[1], u[2], v[0], v[1], v[2], &out->normal[0], &out->normal[1],
-            &out->normal[2], &out->twice_area)) {
+    if (norma_core_triangle(u, v, out->normal, &out->twice_area)) {
         out->flags |= CORE_FACE_FINITE | CORE_FACE_DIRECTED;
         return;
     }

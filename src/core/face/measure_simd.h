@@ -8,10 +8,11 @@
 
 CORE_INLINE void core_lanes_normals(core_batch *t) {
     for (int i = 0; i < CORE_LANES; i++) {
-        const int sure = norma_core_triangle(t->u[0][i], t->u[1][i], t->u[2][i], t->v[0][i],
-            t->v[1][i], t->v[2][i], &t->normal[0][i], &t->normal[1][i], &t->normal[2][i],
-            &t->twice_area[i]);
-        t->sure[i] = sure ? 1 : 0;
+        const double u[3] = {t->u[0][i], t->u[1][i], t->u[2][i]},
+                     v[3] = {t->v[0][i], t->v[1][i], t->v[2][i]};
+        double normal[3];
+        t->sure[i] = norma_core_triangle(u, v, normal, &t->twice_area[i]) ? 1 : 0;
+        for (int k = 0; k < 3; k++) t->normal[k][i] = normal[k];
     }
 }
 

@@ -96,16 +96,14 @@ static inline int norma_core_triangle_is_sure(double square, double dot) {
 
 /* The unit normal of the triangle with edges u and v from its first corner, and the length of their
  * cross product, twice its area. Returns whether doubles are enough. */
-static inline int norma_core_triangle(double ux, double uy, double uz, double vx, double vy,
-    double vz, double *nx, double *ny, double *nz, double *twice_area) {
-    const double x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-    const double square = x * x + y * y + z * z, dot = ux * vx + uy * vy + uz * vz;
-    const double length = sqrt(square), inverse = 1 / length;
-    *nx = x * inverse;
-    *ny = y * inverse;
-    *nz = z * inverse;
+static inline int norma_core_triangle(
+    const double u[3], const double v[3], double normal[3], double *twice_area) {
+    double cross[3];
+    norma_core_cross(u, v, cross);
+    const double square = norma_core_dot(cross, cross), length = sqrt(square), inverse = 1 / length;
+    for (int k = 0; k < 3; k++) normal[k] = cross[k] * inverse;
     *twice_area = length;
-    return norma_core_triangle_is_sure(square, dot);
+    return norma_core_triangle_is_sure(square, norma_core_dot(u, v));
 }
 
 /* norma_core_weight_of, from the dot product of the edges instead of the angle; interior angles are
