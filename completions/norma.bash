@@ -6,11 +6,11 @@ _norma() {
     local values="" options=""
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(compgen -W "compute transform matrix check explain info render view help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "compute tangents transform matrix check explain info render view help --help --version" -- "$word")
         return
     fi
     case $before in
-    help) values="compute transform matrix check explain info render view" ;;
+    help) values="compute tangents transform matrix check explain info render view" ;;
     --format) values="text json sarif html" ;;
     --profile) values="render print" ;;
     --fail-on) values="error warning info never" ;;
@@ -18,6 +18,7 @@ _norma() {
     --weld) values="exact none" ;;
     --groups) values="auto ignore" ;;
     --non-manifold) values="hard smooth" ;;
+    --mode) values="mikk steady" ;;
     --only) values="all missing broken" ;;
     --shading) values="flat gouraud phong" ;;
     --show) values="normals winding error findings hedgehog wireframe" ;;
@@ -29,7 +30,7 @@ _norma() {
     --background) values="paper white black grey transparent" ;;
     --renderer) values="auto software" ;;
     --input-format) values="obj ply stl gltf glb" ;;
-    --select | --ignore | --max-samples | --crease | --threads | --max-memory | --scale | --rotate | --translate | --matrix) return ;;
+    --select | --ignore | --max-samples | --crease | --texcoord | --threads | --max-memory | --scale | --rotate | --translate | --matrix) return ;;
     --out-dir)
         mapfile -t COMPREPLY < <(compgen -d -- "$word")
         return
@@ -41,6 +42,7 @@ _norma() {
     fi
     case $verb in
     compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs $files" ;;
+    tangents) options="--mode --texcoord --weight --only $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
     render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;

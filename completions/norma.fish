@@ -1,6 +1,7 @@
 # Completion of norma's command line for fish. Installed as share/fish/vendor_completions.d/norma.fish.
 complete -c norma -f
 complete -c norma -n __fish_use_subcommand -a compute -d 'Computes normals and writes them into a copy of a file'
+complete -c norma -n __fish_use_subcommand -a tangents -d 'Computes tangents and writes them into a copy of a glTF'
 complete -c norma -n __fish_use_subcommand -a transform -d 'Moves, turns, scales or mirrors a file, normals included'
 complete -c norma -n __fish_use_subcommand -a matrix -d 'What a matrix does to normals'
 complete -c norma -n __fish_use_subcommand -a check -d 'Compares normals with the surface, the winding, the seams and the transforms'
@@ -10,16 +11,16 @@ complete -c norma -n __fish_use_subcommand -a explain -d 'What a rule of norma c
 complete -c norma -n __fish_use_subcommand -a info -d 'What is in a file'
 complete -c norma -n __fish_use_subcommand -a help -d 'Shows what a verb takes'
 complete -c norma -n __fish_use_subcommand -l version -d 'The version'
-complete -c norma -n '__fish_seen_subcommand_from help' -a 'compute transform matrix check explain info render view'
+complete -c norma -n '__fish_seen_subcommand_from help' -a 'compute tangents transform matrix check explain info render view'
 complete -c norma -l help -d 'What it takes, with examples'
 
-set -l files '__fish_seen_subcommand_from compute transform check'
+set -l files '__fish_seen_subcommand_from compute tangents transform check'
 complete -c norma -n "$files" -F
 complete -c norma -n "$files" -s o -l output -r -F -d 'The output, in the format of the input'
 complete -c norma -n "$files" -l out-dir -x -a '(__fish_complete_directories)' -d 'A folder for the outputs'
 complete -c norma -n "$files" -l in-place -d 'Replace each input'
 
-set -l reads '__fish_seen_subcommand_from compute transform check info render view'
+set -l reads '__fish_seen_subcommand_from compute tangents transform check info render view'
 complete -c norma -n '__fish_seen_subcommand_from info view' -F
 complete -c norma -n '__fish_seen_subcommand_from view' -l out-dir -r -F -d 'A folder for the pages'
 complete -c norma -n '__fish_seen_subcommand_from view' -s o -l output -r -F -d 'The page'
@@ -27,7 +28,7 @@ complete -c norma -n "$reads" -l input-format -x -a 'obj ply stl gltf glb' -d 'F
 complete -c norma -n "$reads" -l threads -x -d 'How many may work'
 complete -c norma -n "$reads" -l max-memory -x -d 'As 512M: what needs more is refused'
 complete -c norma -n "$reads" -l quiet -d 'Nothing but errors'
-complete -c norma -n '__fish_seen_subcommand_from compute transform matrix check explain info render view' -l json -d 'For programs'
+complete -c norma -n '__fish_seen_subcommand_from compute tangents transform matrix check explain info render view' -l json -d 'For programs'
 complete -c norma -n '__fish_seen_subcommand_from info' -l deep -d 'Which weight and crease explain the stored normals'
 
 set -l matrix '__fish_seen_subcommand_from transform matrix render'
@@ -35,6 +36,8 @@ complete -c norma -n "$matrix" -l scale -x -d 'X,Y,Z or one number'
 complete -c norma -n "$matrix" -l rotate -x -d 'X,Y,Z,DEG'
 complete -c norma -n "$matrix" -l translate -x -d 'X,Y,Z'
 complete -c norma -n "$matrix" -l matrix -x -d '16 numbers, row by row'
+complete -c norma -n '__fish_seen_subcommand_from tangents' -l mode -x -a 'mikk steady' -d 'MikkTSpace, or independent of order'
+complete -c norma -n '__fish_seen_subcommand_from tangents' -l texcoord -x -d 'The set of texture coordinates'
 complete -c norma -n '__fish_seen_subcommand_from transform' -l bake -d 'Node transforms go into the meshes'
 
 set -l compute '__fish_seen_subcommand_from compute'

@@ -441,6 +441,50 @@ NORMA_API norma_document_result norma_document_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
 
+/* ---- tangents */
+
+typedef struct norma_tangent_options {
+    size_t struct_size;
+    norma_tangent_mode mode;
+    norma_weight weight; /* in steady mode */
+
+    /* The set of texture coordinates, TEXCOORD_n. Without texcoord_given it is that of the
+     * material's normal map, with its KHR_texture_transform; 0 without a normal map. */
+    int texcoord_given;
+    uint32_t texcoord;
+    norma_only only; /* missing: of primitives without tangents; broken: also tangents that are not
+                      * finite, not of unit length, or whose sign is neither 1 nor -1 */
+    uint32_t threads;
+    norma_progress *progress;
+    void *progress_user;
+} norma_tangent_options;
+
+typedef struct norma_tangent_summary {
+    int changed;       /* 0: the document would be written byte for byte as it was read */
+    size_t primitives; /* that got tangents */
+    size_t left_out;   /* triangles without normals, or without that set of coordinates */
+    size_t vertices_before, vertices_after; /* of all primitives */
+
+    /* Corners without a tangent of their own, by reason; they got a unit vector perpendicular to
+     * their normal. */
+    size_t degenerate, non_finite, cancelled;
+} norma_tangent_summary;
+
+/* Computes tangents into a glTF: of all its triangles that have normals and texture coordinates, as
+ * norma_corner_tangents does, with the sign negated, because v runs downwards in glTF. A vertex is
+ * split where its corners have different tangents. Morph targets with normals get the differences
+ * of the tangents.
+ *
+ *   options   NULL for the defaults
+ *   summary   written; or NULL
+ *   error     written on failure; or NULL
+ *
+ * Tangents keep their encoding; new ones are floats. Errors: an argument error for formats that
+ * hold no tangents. */
+NORMA_API norma_document_result norma_document_tangents(norma_document *document,
+    const norma_tangent_options *options, norma_tangent_summary *summary,
+    norma_document_error *error);
+
 /* ---- transforming */
 
 typedef struct norma_transform_options {
@@ -542,8 +586,7 @@ typedef struct norma_mesh_edit {
     const uint32_t *new_corners;
 } norma_mesh_edit;
 
-/* Applies edits to a document. It is a change, like computing and transforming: an open glTF takes
- * only one.
+/* Applies edits to a document.
  *
  *   edits   one for each mesh of the document, in its order
  *   error   written on failure; or NULL

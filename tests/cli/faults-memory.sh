@@ -49,6 +49,7 @@ cases() {
     for format in json sarif html; do echo "check --format $format|$NORMA check cube.obj roof.gltf broken.obj --format $format --threads 1"; done
     echo "check of a folder, two threads|$NORMA check . --threads 2"
     echo "check --write-baseline|$NORMA check cube.obj roof.ply --write-baseline=base.json --threads 1"
+    echo "tangents|$NORMA tangents charts.gltf -o out.gltf --threads 1"
     echo "info --json|$NORMA info cube.obj roof.gltf --json"
     echo "compute to standard output|$NORMA compute cube.obj -o - --threads 1"
     echo "compute to a folder|$NORMA compute cube.obj roof.ply --out-dir out --threads 1"
@@ -68,6 +69,7 @@ has_page=$("$NORMA" view "$root/tests/cli/golden/files/cube.obj" -o "$scratch/pa
 has_renderer=$("$NORMA" render "$root/tests/cli/golden/files/cube.obj" -o "$scratch/picture.png" --size 16x16 >/dev/null 2>&1 && echo yes)
 [ -n "$has_renderer" ] || skip "render: nothing can be drawn here"
 cp "$root"/tests/cli/golden/files/* "$fast/from/"
+cp "$root/tests/tangent/charts.gltf" "$fast/from/"
 rm "$fast/from/malformed.obj"
 chmod u+w "$fast/from"/*
 cases | grep -E -- "${1:-.}" >"$scratch/cases"

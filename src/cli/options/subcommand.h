@@ -8,9 +8,9 @@ typedef struct cli_subcommand {
     int (*run)(const struct cli_subcommand *verb, int count, char **arguments);
 } cli_subcommand;
 
-extern const cli_subcommand cli_subcommand_compute, cli_subcommand_transform, cli_subcommand_matrix,
-    cli_subcommand_check, cli_subcommand_explain, cli_subcommand_info, cli_subcommand_render,
-    cli_subcommand_view;
+extern const cli_subcommand cli_subcommand_compute, cli_subcommand_tangents,
+    cli_subcommand_transform, cli_subcommand_matrix, cli_subcommand_check, cli_subcommand_explain,
+    cli_subcommand_info, cli_subcommand_render, cli_subcommand_view;
 
 /* Prints "norma compute: ..." (verb may be NULL). Always CLI_USAGE, so that a caller can return it.
  */

@@ -119,6 +119,31 @@ norma_document_result norma_document_compute(norma_document *document,
     return result;
 }
 
+static const char *bad_tangent_option(const norma_tangent_options *options) {
+    if ((unsigned)options->mode > NORMA_TANGENTS_MIKK) return "unknown mode of tangents";
+    if ((unsigned)options->weight > NORMA_WEIGHT_ANGLE_LENGTHS) return "unknown weight";
+    return (unsigned)options->only > NORMA_ONLY_BROKEN ? "unknown choice of what to compute" : NULL;
+}
+
+norma_document_result norma_document_tangents(norma_document *document,
+    const norma_tangent_options *given, norma_tangent_summary *summary,
+    norma_document_error *error) {
+    norma_document_result result = norma_document_ready(document, error);
+    if (result) return result;
+    norma_tangent_options options;
+    norma_tangent_summary unwanted;
+    norma_document_copy_options(&options, sizeof options, sizeof options, given);
+    const char *bad = document->functions->tangents ? bad_tangent_option(&options)
+                                                    : "this format holds no tangents; glTF does";
+    if (bad)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
+    summary = summary ? summary : &unwanted;
+    *summary = (norma_tangent_summary){0};
+    result = document->functions->tangents(document, &options, summary, error);
+    end_change(document, result);
+    return result;
+}
+
 static const char *bad_matrix(double matrix[16]) {
     int all_zero = 1;
     for (int i = 0; i < 16; ++i) {

@@ -70,6 +70,9 @@ struct format_functions {
         const norma_document *document, size_t index, norma_node_info *info);
     norma_document_result (*compute)(norma_document *document, const norma_compute_options *options,
         norma_compute_summary *summary, norma_document_error *error);
+    norma_document_result (*tangents)(norma_document *document,
+        const norma_tangent_options *options, norma_tangent_summary *summary,
+        norma_document_error *error); /* NULL: the format holds none */
     norma_document_result (*transform)(norma_document *document,
         const norma_transform_options *options, norma_transform_summary *summary,
         norma_document_error *error);

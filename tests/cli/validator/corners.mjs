@@ -1,13 +1,16 @@
 // corners.mjs: did a tool that computes normals leave all else alone? Reads both files with code of its own, nothing of Norma's.
 //
-//   node corners.mjs [--flat] [--quiet] INPUT OUTPUT [INPUT OUTPUT ...]
+//   node corners.mjs [--flat | --tangents MODULES] [--quiet] INPUT OUTPUT [INPUT OUTPUT ...]
 //   node corners.mjs ... --list PAIRS              PAIRS: a file, or - for standard input; a line: INPUT tab OUTPUT
 //
 // Primitive by primitive, corner by corner of what it draws (strips and fans as triangles, points and lines as they are): every attribute but NORMAL and TANGENT, also
 // those of morph targets, is the same numbers in the same type. The rest of the JSON (all but accessors, views, buffers and primitives) is the same. Every triangle
-// primitive has normals, of unit length. With --flat each is that of its triangle, found here, to .05 degrees (.5 for bytes). Meshes that this cannot
+// primitive has normals, of unit length. With --tangents, NORMAL is compared as well, and instead every corner's tangent is that of three.js's addon (in MODULES), bit for bit
+// but for the sign, which glTF has the other way round, and where the addon has nothing of use; differences of morph targets too, to 1e-5. With --flat each is that of its triangle, found here, to .05 degrees (.5 for bytes). Meshes that this cannot
 // read (compressed, buffers without bytes) are passed over, and counted. Exit status 0, 1 (something is wrong), 2 usage.
 import { readFileSync } from "node:fs";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
 import { load, readers, widths } from "./asset.mjs";
 
 class Unreadable extends Error {}
@@ -55,7 +58,7 @@ const length = (v) => Math.hypot(...v);
 function compareAttributes(before, after, a, b, old, now, where, wrong) {
   for (const name of Object.keys(a)) {
     if (b[name] === undefined) { wrong.push(`${where}/${name} is gone`); continue; }
-    if (name === "NORMAL" || name === "TANGENT") continue;
+    if ((name === "NORMAL" && !addon) || name === "TANGENT") continue;
     const x = numbers(before, a[name]), y = numbers(after, b[name]);
     if (x.component !== y.component || x.width !== y.width || x.normalized !== y.normalized) wrong.push(`${where}/${name} has another type`);
     for (let c = 0; c < old.length; c++)
@@ -82,6 +85,75 @@ function checkNormals(after, p, now, flat, where, wrong) {
   }
 }
 
+// ---- tangents
+
+let addon = null;
+const counted = { meshes: 0, corners: 0, useless: 0, differing: 0, targets: 0 };
+const value = (a, i) => (a.component === 5126 ? a.out[i] : a.normalized ? Math.fround(Math.max(a.out[i] / readers[a.component][2], -1)) : a.out[i]);
+const gather = (a, corners) => Float32Array.from({ length: corners.length * a.width }, (_, i) => value(a, corners[Math.floor(i / a.width)] * a.width + (i % a.width)));
+
+// Of a primitive's corners: texture coordinates as its normal map is looked up.
+function lookedUp(asset, p, corners) {
+  const material = asset.json.materials?.[p.material], map = material?.normalTexture ?? material?.extensions?.KHR_materials_clearcoat?.clearcoatNormalTexture;
+  const place = map?.extensions?.KHR_texture_transform, set = place?.texCoord ?? map?.texCoord ?? 0;
+  const index = p.attributes[`TEXCOORD_${set}`];
+  if (index === undefined) return null;
+  const uv = gather(numbers(asset, index), corners);
+  if (!place) return uv;
+  const [sx, sy] = place.scale ?? [1, 1], [ox, oy] = place.offset ?? [0, 0];
+  const matrix = new addon.Matrix3().makeScale(sx, sy).premultiply(new addon.Matrix3().setUvTransform(ox, oy, 1, 1, place.rotation ?? 0, 0, 0));
+  return Float32Array.from(uv, (_, i) => { const v = new addon.Vector2(uv[i - (i % 2)], uv[i - (i % 2) + 1]).applyMatrix3(matrix); return i % 2 ? v.y : v.x; });
+}
+
+// The addon's tangents where they are of use, else NaN; glTF's sign.
+function reference(positions, normals, uv) {
+  const t = addon.generateTangents(positions, normals, uv);
+  for (let c = 0; c < t.length; c += 4) {
+    const useless = !(Math.abs(Math.hypot(t[c], t[c + 1], t[c + 2]) - 1) < 1e-3) || (t[c] === 1 && t[c + 1] === 0 && t[c + 2] === 0 && t[c + 3] === -1);
+    t[c + 3] = useless ? NaN : -t[c + 3];
+  }
+  return t;
+}
+
+function displaced(asset, p, target, name, corners, unit) {
+  const out = gather(numbers(asset, p.attributes[name]), corners);
+  if (target[name] !== undefined) gather(numbers(asset, target[name]), corners).forEach((d, i) => { out[i] = Math.fround(out[i] + d); });
+  for (let i = 0; unit && i < out.length; i += 3) { const l = Math.hypot(out[i], out[i + 1], out[i + 2]); for (let k = 0; l > 0 && k < 3; k++) out[i + k] /= l; }
+  return out;
+}
+
+function checkTangents(before, after, p, q, old, now, where, wrong) {
+  const has = p.attributes.NORMAL !== undefined && old.length > 0, uv = has && lookedUp(before, p, old);
+  if (!uv) { if ((q.attributes.TANGENT === undefined) !== (p.attributes.TANGENT === undefined)) wrong.push(`${where} has tangents without coordinates`); return; }
+  if (q.attributes.TANGENT === undefined) { wrong.push(`${where} has no tangents`); return; }
+  const made = numbers(after, q.attributes.TANGENT);
+  const expected = reference(gather(numbers(before, p.attributes.POSITION), old), gather(numbers(before, p.attributes.NORMAL), old), uv.slice());
+  const moved = !!before.json.materials?.[p.material]?.normalTexture?.extensions?.KHR_texture_transform;
+  const found = gather(made, now), normals = gather(numbers(before, p.attributes.NORMAL), old), near = made.component === 5120 ? 0.02 : made.component === 5126 && !moved ? 0 : 1e-4;
+  counted.meshes++;
+  for (let c = 0; c < now.length; c++) {
+    const t = found.subarray(4 * c, 4 * c + 4), e = expected.subarray(4 * c, 4 * c + 4), n = normals.subarray(3 * c, 3 * c + 3);
+    counted.corners++;
+    if (Math.abs(t[3]) !== 1 || !(Math.abs(Math.hypot(t[0], t[1], t[2]) - 1) < (near || 5e-4))) { wrong.push(`${where}: tangent of corner ${c} is ${t}`); return; }
+    if (Number.isNaN(e[3])) {
+      counted.useless++;
+      if (Math.abs(t[0] * n[0] + t[1] * n[1] + t[2] * n[2]) > 1e-2) { wrong.push(`${where}: tangent of corner ${c} leans`); return; }
+    } else if (e[3] !== t[3] || [0, 1, 2].some((k) => !(Math.abs(e[k] - t[k]) <= near))) { wrong.push(`${where}: tangent of corner ${c} is ${t}, not ${e}`); counted.differing++; return; }
+  }
+  (p.targets ?? []).forEach((target, i) => {
+    if (target.NORMAL === undefined) return;
+    const at = `${where}/targets/${i}`, deltas = q.targets[i].TANGENT === undefined ? null : gather(numbers(after, q.targets[i].TANGENT), now);
+    if (!deltas) { wrong.push(`${at} has no tangents`); return; }
+    const there = reference(displaced(before, p, target, "POSITION", old, false), displaced(before, p, target, "NORMAL", old, true), uv.slice());
+    counted.targets++;
+    let off = 0;
+    for (let c = 0; c < now.length; c++)
+      if (!Number.isNaN(expected[4 * c + 3]) && !Number.isNaN(there[4 * c + 3]))
+        off += [0, 1, 2].some((k) => !(Math.abs(expected[4 * c + k] + deltas[3 * c + k] - there[4 * c + k]) < 1e-5 + near));
+    if (off > now.length / 100) wrong.push(`${at}: ${off} of ${now.length} differences of tangents are others`);
+  });
+}
+
 function compare(input, output, flat) {
   const before = load(input), after = load(output), wrong = [];
   let passedOver = 0;
@@ -95,7 +167,8 @@ function compare(input, output, flat) {
       if (old.length !== now.length) { wrong.push(`${where} draws ${now.length} corners instead of ${old.length}`); return; }
       compareAttributes(before, after, p.attributes, q.attributes, old, now, where, wrong);
       (p.targets ?? []).forEach((target, t) => compareAttributes(before, after, target, q.targets[t], old, now, `${where}/targets/${t}`, wrong));
-      if ((p.mode ?? 4) >= 4) checkNormals(after, q, now, flat, where, wrong);
+      if ((p.mode ?? 4) >= 4 && addon) checkTangents(before, after, p, q, old, now, where, wrong);
+      else if ((p.mode ?? 4) >= 4) checkNormals(after, q, now, flat, where, wrong);
     } catch (error) {
       if (!(error instanceof Unreadable)) throw error;
       passedOver++;
@@ -110,6 +183,11 @@ while (words.length) {
   const word = words.shift();
   if (word === "--flat") flat = true;
   else if (word === "--quiet") quiet = true;
+  else if (word === "--tangents" && words.length) {
+    const modules = pathToFileURL(path.resolve(words.shift()));
+    addon = { ...(await import(`${modules}/three/examples/jsm/libs/mikktspace.module.js`)), ...(await import(`${modules}/three/build/three.core.js`)) };
+    if (addon.ready) await addon.ready;
+  }
   else if (word === "--list" && words.length) files.push(...readFileSync(words[0] === "-" ? 0 : words[0], "utf8").split("\n").filter(Boolean).flatMap((line) => line.split("\t"))), words.shift();
   else files.push(word);
 }
@@ -124,5 +202,5 @@ for (let i = 0; i < files.length; i += 2) {
   for (const line of result.wrong.slice(0, 5)) console.log(`${files[i + 1]}: ${line}`);
   if (!quiet && !result.wrong.length) console.log(`${files[i + 1]}: fine`);
 }
-console.log(`${files.length / 2} pairs, ${bad} wrong, ${passedOver} primitives passed over`);
+console.log(`${files.length / 2} pairs, ${bad} wrong, ${passedOver} primitives passed over` + (addon ? `; tangents of ${counted.meshes} primitives and ${counted.targets} morph targets, ${counted.corners} corners, at ${counted.useless} of which the reference has none` : ""));
 process.exitCode = bad ? 1 : 0;

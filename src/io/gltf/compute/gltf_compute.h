@@ -78,6 +78,17 @@ void norma_gltf_vertex_sharing_free(gltf_job *job);
 norma_document_result norma_gltf_morph(
     gltf_job *job, const gltf_surface *surface); /* morph_deltas.c */
 
+/* The old vertex that a vertex of a set is, or is a copy of. */
+static inline uint32_t norma_gltf_old_vertex(const gltf_set *set, size_t vertex) {
+    return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
+}
+/* set_contents.c: the same contents in a slot of every primitive of the set; the elements of an
+ * accessor, with copies for the added vertices. */
+norma_document_result norma_gltf_put_in_set(
+    gltf_job *job, const gltf_set *set, int32_t target, const char *attribute, gltf_data *data);
+norma_document_result norma_gltf_copy_elements(
+    gltf_job *job, const gltf_set *set, uint32_t accessor, gltf_data *data);
+
 norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t set); /* vertex_contents.c */
 norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t primitive); /* new_indices.c */
 #endif

@@ -19,44 +19,13 @@ static norma_document_result out_of_memory(const contents *c) {
     return norma_document_fail_memory(c->job->g->document, c->job->error);
 }
 
-static uint32_t old_vertex(const gltf_set *set, size_t vertex) {
-    return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
-}
-
 static int is_new(const gltf_set *set, size_t vertex) {
     return vertex >= set->vertices || !set->broken || set->broken[vertex];
 }
 
-/* Puts the same contents into a slot of every primitive of the set. */
 static norma_document_result put(
     const contents *c, int32_t target, const char *attribute, gltf_data *data) {
-    gltf *g = c->job->g;
-    uint32_t number = norma_gltf_add_data(g, data);
-    int ok = number != GLTF_NONE;
-    for (uint32_t i = c->set->lead; ok && i != GLTF_NONE; i = c->job->next_in_set[i]) {
-        const gltf_slot slot = {.primitive = i, .target = target, .attribute = attribute};
-        ok = norma_gltf_put(g, &slot, number);
-    }
-    return ok ? NORMA_DOCUMENT_OK : out_of_memory(c);
-}
-
-/* The accessor's elements, with copies for the added vertices. */
-static norma_document_result copy_elements(const contents *c, uint32_t accessor, gltf_data *data) {
-    gltf_array array;
-    size_t size = c->job->g->accessors[accessor].element_size;
-    norma_document_result result = norma_gltf_array(c->job->g, accessor, &array, c->job->error);
-    if (result) return result;
-    *data = (gltf_data){.component = array.component,
-        .normalized = array.normalized,
-        .width = array.width,
-        .element_size = size,
-        .count = c->count};
-    data->bytes = norma_io_block(c->count, size);
-    if (!data->bytes) return out_of_memory(c);
-    if (array.stride == size) memcpy(data->bytes, array.data, c->set->vertices * size);
-    for (size_t v = array.stride == size ? c->set->vertices : 0; v < c->count; ++v)
-        memcpy(data->bytes + v * size, array.data + old_vertex(c->set, v) * array.stride, size);
-    return NORMA_DOCUMENT_OK;
+    return norma_gltf_put_in_set(c->job, c->set, target, attribute, data);
 }
 
 /* ---- vectors of three in the accessor's own encoding */
@@ -103,7 +72,7 @@ static norma_document_result merge_old(
     int same = old.component == data->component && old.width == data->width &&
                old.normalized == data->normalized;
     for (size_t v = 0; v < c->count; ++v) {
-        const unsigned char *before = old.data + old_vertex(c->set, v) * old.stride;
+        const unsigned char *before = old.data + norma_gltf_old_vertex(c->set, v) * old.stride;
         unsigned char *now = data->bytes + v * size;
         float element[16];
         if (!is_new(c->set, v) && same) {
@@ -229,7 +198,8 @@ static norma_document_result put_attribute(
     int tangent = target == GLTF_SLOT_BASE && strcmp(attribute->name, "TANGENT") == 0 &&
                   can_turn(&c->job->g->accessors[attribute->accessor]);
     if (!tangent && c->set->added_count == 0) return NORMA_DOCUMENT_OK;
-    norma_document_result result = copy_elements(c, attribute->accessor, &data);
+    norma_document_result result =
+        norma_gltf_copy_elements(c->job, c->set, attribute->accessor, &data);
     if (!result && tangent && (result = turn_tangents(c, attribute->accessor, &data)))
         free(data.bytes);
     return result ? result : put(c, target, attribute->name, &data);

@@ -221,10 +221,6 @@ static size_t hash_vertex(uint32_t vertex, const float normal[3]) {
     return (size_t)(hash ^ hash >> 32);
 }
 
-static uint32_t old_vertex(const gltf_set *set, size_t vertex) {
-    return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
-}
-
 static int grow_table(gltf_set *set, size_t used) {
     size_t size = 64;
     while (size / 4 < used) size *= 2;
@@ -232,7 +228,8 @@ static int grow_table(gltf_set *set, size_t used) {
     for (size_t i = 0; table && i < set->table_size; ++i) {
         if (!set->table[i]) continue;
         size_t vertex = set->table[i] - 1,
-               at = hash_vertex(old_vertex(set, vertex), set->normals + 3 * vertex) & (size - 1);
+               at = hash_vertex(norma_gltf_old_vertex(set, vertex), set->normals + 3 * vertex) &
+                    (size - 1);
         while (table[at]) at = (at + 1) & (size - 1);
         table[at] = set->table[i];
     }
@@ -249,7 +246,7 @@ static uint32_t *find_in_table(const gltf_set *set, uint32_t vertex, const float
     size_t at = hash_vertex(vertex, normal) & (set->table_size - 1);
     while (set->table[at]) {
         size_t found = set->table[at] - 1;
-        if (old_vertex(set, found) == vertex &&
+        if (norma_gltf_old_vertex(set, found) == vertex &&
             memcmp(set->normals + 3 * found, normal, 3 * sizeof *normal) == 0)
             break;
         at = (at + 1) & (set->table_size - 1);

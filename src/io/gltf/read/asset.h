@@ -331,6 +331,9 @@ int norma_gltf_visit_files(const norma_document *document, norma_visit_file *vis
 norma_document_result norma_gltf_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
+norma_document_result norma_gltf_tangents(norma_document *document,
+    const norma_tangent_options *options, norma_tangent_summary *summary,
+    norma_document_error *error);
 norma_document_result norma_gltf_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);

@@ -37,6 +37,12 @@ norma_document_result norma_gltf_decode(
     gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error);
 
 /* materials.c */
+typedef struct gltf_map_place { /* a normal map (or that of a clear coat): where it is looked up */
+    int there, moves; /* moves: its transform (KHR_texture_transform) is not the identity */
+    size_t set;       /* of texture coordinates */
+    float offset[2], scale[2], rotation;
+} gltf_map_place;
+gltf_map_place norma_gltf_normal_map(const gltf *g, uint32_t material);
 norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error);
 
 /* skins.c */

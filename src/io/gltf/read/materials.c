@@ -64,15 +64,31 @@ static size_t texcoord_of(const gltf *g, uint32_t texture) {
                : 0;
 }
 
-static void read_normal_map(
-    const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
+gltf_map_place norma_gltf_normal_map(const gltf *g, uint32_t material) {
     const json *j = &g->json;
+    const uint32_t extensions = norma_json_member(j, material, "extensions");
+    gltf_map_place place = {.scale = {1, 1}};
     uint32_t texture = norma_json_member(j, material, "normalTexture");
     if (texture == JSON_NONE)
         texture = norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_clearcoat"),
             "clearcoatNormalTexture");
-    info->normal_map = norma_json_is(j, texture, JSON_OBJECT);
-    info->normal_texcoord = info->normal_map ? texcoord_of(g, texture) : 0;
+    place.there = norma_json_is(j, texture, JSON_OBJECT);
+    if (!place.there) return place;
+    place.set = texcoord_of(g, texture);
+    const uint32_t transform =
+        norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
+    read_floats(g, norma_json_member(j, transform, "offset"), 2, place.offset);
+    read_floats(g, norma_json_member(j, transform, "scale"), 2, place.scale);
+    read_float(g, norma_json_member(j, transform, "rotation"), &place.rotation);
+    place.moves = place.offset[0] != 0 || place.offset[1] != 0 || place.scale[0] != 1 ||
+                  place.scale[1] != 1 || place.rotation != 0;
+    return place;
+}
+
+static void read_normal_map(const gltf *g, uint32_t material, norma_material_info *info) {
+    const gltf_map_place place = norma_gltf_normal_map(g, material);
+    info->normal_map = place.there;
+    info->normal_texcoord = place.set;
 }
 
 /* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit
@@ -97,7 +113,7 @@ static int read_material(
     info->unlit = is_unlit(g, extensions, avatar);
     info->not_opaque = lets_light_through(g, token, extensions);
     read_color(g, token, extensions, info);
-    read_normal_map(g, token, extensions, info);
+    read_normal_map(g, token, info);
     return info->name && info->where && info->ignore;
 }
 

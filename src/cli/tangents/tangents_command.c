@@ -1,0 +1,195 @@
+/* tangents_command.c: norma tangents: tangents for normal maps, written into a copy of each glTF.
+ */
+#include "cli/files/batch.h"
+#include "cli/process/errors.h"
+#include "cli/text/report_text.h"
+#include <string.h>
+
+static const char help[] =
+    "norma tangents IN -o OUT: computes tangents and writes them into a copy of a glTF\n"
+    "\n"
+    "Examples\n"
+    "  norma tangents chair.glb -o out.glb             with the bits of MikkTSpace, as bakers and\n"
+    "                                                  engines use them\n"
+    "  norma tangents *.glb --out-dir out --only missing\n"
+    "                                                  only meshes without tangents\n"
+    "\n"
+    "How they are made\n"
+    "  --mode mikk|steady    mikk: what MikkTSpace gives, bit for bit; for normal maps that were\n"
+    "                        baked (mikk). steady: the same for any order of faces and corners\n"
+    "  --texcoord N          the set of texture coordinates, TEXCOORD_N; without it that of the\n"
+    "                        normal map with its KHR_texture_transform, and 0 without a normal "
+    "map\n"
+    "  --weight angle|area|uniform|max|angle-area|visible|angle-lengths\n"
+    "                        how faces count in an average, with --mode steady (angle)\n"
+    "\n"
+    "What is computed\n"
+    "  --only all|missing|broken\n"
+    "                        every tangent (all); those of meshes without any (missing); also "
+    "those\n"
+    "                        that are not finite or not of unit length, or whose sign is neither "
+    "1\n"
+    "                        nor -1 (broken)\n"
+    "\n" CLI_FILES_HELP "\n"
+    "All triangles with normals and texture coordinates get tangents. A vertex is split where its "
+    "corners have\n"
+    "different tangents: at mirrored charts, and where the normal map is turned. Morph targets "
+    "with normals get\n"
+    "the differences. OBJ, PLY and STL hold no tangents. Exit status: 0 fine, 2 usage, 3 a file "
+    "could not be\n"
+    "read or written, 130 interrupted.\n";
+
+typedef struct tangents_work {
+    norma_tangent_options options;
+    norma_tangent_summary summary;
+    int weight_given;
+} tangents_work;
+
+/* ---- options */
+
+static const char *set_mode(void *settings, const char *value) {
+    tangents_work *work = settings;
+    if (strcmp(value, "mikk") != 0 && strcmp(value, "steady") != 0) return "mikk or steady";
+    work->options.mode = value[0] == 'm' ? NORMA_TANGENTS_MIKK : NORMA_TANGENTS_STEADY;
+    return NULL;
+}
+
+static const char *set_texcoord(void *settings, const char *value) {
+    tangents_work *work = settings;
+    double number;
+    if (!cli_number(value, &number) || !(number >= 0 && number <= 65535) ||
+        number != (double)(uint32_t)number)
+        return "the number of a set of texture coordinates, 0, 1, ...";
+    work->options.texcoord_given = 1;
+    work->options.texcoord = (uint32_t)number;
+    return NULL;
+}
+
+static const char *set_weight(void *settings, const char *value) {
+    ((tangents_work *)settings)->weight_given = 1;
+    return cli_find_weight(value, &((tangents_work *)settings)->options.weight);
+}
+
+static const char *set_only(void *settings, const char *value) {
+    static const char *const words[] = {"all", "missing", "broken"};
+    for (size_t i = 0; i < CLI_COUNT(words); ++i)
+        if (strcmp(value, words[i]) == 0) {
+            ((tangents_work *)settings)->options.only = (norma_only)i;
+            return NULL;
+        }
+    return "all, missing or broken";
+}
+
+static const cli_option options[] = {
+    {"mode", 0, 1, set_mode},
+    {"texcoord", 0, 1, set_texcoord},
+    {"weight", 0, 1, set_weight},
+    {"only", 0, 1, set_only},
+};
+
+/* ---- one file */
+
+static norma_document_result change(void *user, norma_document *document, norma_progress *progress,
+    void *progress_user, norma_document_error *error) {
+    tangents_work *work = user;
+    work->options.progress = progress;
+    work->options.progress_user = progress_user;
+    return norma_document_tangents(document, &work->options, &work->summary, error);
+}
+
+static const char *mode_name(const tangents_work *work) {
+    return work->options.mode == NORMA_TANGENTS_MIKK ? "mikk" : "steady";
+}
+
+static void write_json(const void *user, cli_json *json) {
+    const tangents_work *work = user;
+    const norma_tangent_summary *summary = &work->summary;
+    cli_json_string(json, "mode", mode_name(work));
+    if (work->options.texcoord_given)
+        cli_json_size(json, "texcoord", work->options.texcoord);
+    else
+        cli_json_null(json, "texcoord");
+    cli_json_open(json, "vertices", '{');
+    cli_json_size(json, "before", summary->vertices_before);
+    cli_json_size(json, "after", summary->vertices_after);
+    cli_json_close(json, '}');
+    cli_json_open(json, "report", '{');
+    cli_json_size(json, "degenerate", summary->degenerate);
+    cli_json_size(json, "non_finite", summary->non_finite);
+    cli_json_size(json, "cancelled", summary->cancelled);
+    cli_json_close(json, '}');
+    cli_json_size(json, "primitives", summary->primitives);
+    cli_json_size(json, "left_out", summary->left_out);
+    cli_json_bool(json, "changed", summary->changed);
+}
+
+static void write_cause(FILE *out, int *written, size_t count, const char *cause) {
+    if (!count) return;
+    fputs(*written ? ", " : " (", out);
+    cli_count(out, count);
+    fprintf(out, " %s", cause);
+    *written = 1;
+}
+
+/* Corners that have no tangent of their own, and why. */
+static void write_reasons(const norma_tangent_summary *summary, FILE *out) {
+    int written = 0;
+    const size_t count = summary->degenerate + summary->non_finite + summary->cancelled;
+    if (!count) return;
+    fputs("; ", out);
+    cli_counted(out, count, "corner", "corners");
+    fputs(" had no tangent", out);
+    write_cause(out, &written, summary->degenerate, "without texture area");
+    write_cause(out, &written, summary->non_finite, "not finite");
+    write_cause(out, &written, summary->cancelled, "cancelled");
+    fputs(") and got one perpendicular to the normal", out);
+}
+
+static void write_text(const void *user, const norma_document *document, FILE *out) {
+    const tangents_work *work = user;
+    const norma_tangent_summary *summary = &work->summary;
+    (void)document;
+    fputs("tangents of ", out);
+    cli_counted(out, summary->primitives, "primitive", "primitives");
+    fprintf(out, " (%s)", mode_name(work));
+    if (!summary->changed) {
+        fputs(", nothing to do: the output is the input, byte for byte", out);
+    } else if (summary->vertices_after == summary->vertices_before) {
+        fputs("; ", out);
+        cli_counted(out, summary->vertices_before, "vertex", "vertices");
+        fputs(", none added", out);
+    } else {
+        fputs("; vertices ", out);
+        cli_count(out, summary->vertices_before);
+        fputs(" -> ", out);
+        cli_count(out, summary->vertices_after);
+        fputs(", split where corners have different tangents", out);
+    }
+    write_reasons(summary, out);
+    if (summary->left_out) {
+        fputs("; left out: ", out);
+        cli_counted(out, summary->left_out, "primitive", "primitives");
+        fputs(" without normals or without that set of texture coordinates", out);
+    }
+}
+
+/* ---- the verb */
+
+static int prepare(const cli_subcommand *verb, void *user, uint32_t threads) {
+    tangents_work *work = user;
+    work->options.threads = threads;
+    if (work->weight_given && work->options.mode == NORMA_TANGENTS_MIKK)
+        return cli_usage(verb, "--weight needs --mode steady; MikkTSpace weighs by angle");
+    return CLI_OK;
+}
+
+static int run(const cli_subcommand *verb, int count, char **arguments) {
+    tangents_work work = {
+        .options = {.struct_size = sizeof work.options, .mode = NORMA_TANGENTS_MIKK}};
+    const cli_table table = {options, CLI_COUNT(options), &work};
+    const cli_changer changer = {&work, change, write_json, write_text, prepare};
+    return cli_run_changer(verb, &changer, &table, 1, count, arguments);
+}
+
+const cli_subcommand cli_subcommand_tangents = {
+    "tangents", "computes tangents and writes them into a copy of a glTF", help, run};
