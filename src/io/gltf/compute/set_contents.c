@@ -1,6 +1,6 @@
 /* set_contents.c: what becomes of the attributes that the primitives of a set share. */
 #include "io/gltf/compute/gltf_compute.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <string.h>
 
 norma_document_result norma_gltf_put_in_set(

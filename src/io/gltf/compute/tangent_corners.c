@@ -3,7 +3,7 @@
 #include "io/gltf/compute/gltf_tangents.h"
 #include "io/gltf/read/gltf_scene.h"
 #include "io/gltf/write/encode_vectors.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * coordinates that its normal map uses, through that map's KHR_texture_transform. */
 #include "io/gltf/compute/gltf_tangents.h"
 #include "io/gltf/read/gltf_scene.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

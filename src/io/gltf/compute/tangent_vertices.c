@@ -2,7 +2,7 @@
  * vertex gets its number, so that old indices stay right; further ones are added behind. */
 #include "io/gltf/compute/gltf_tangents.h"
 #include "io/gltf/read/gltf_scene.h"
-#include "io/stream/large_memory.h"
+#include "io/file/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
