@@ -122,7 +122,7 @@ typedef struct render_look { /* of all panels of a sheet */
     double line_pixels;
     double reach;         /* length of hedgehog lines, in parts of the local edge's */
     size_t most_lines;    /* of one kind on one surface; of more, evenly chosen ones are drawn */
-    double error_top_deg; /* of the colour scale; 0: as the largest error wants it */
+    double error_top_deg; /* of the colour scale; 0: as most of the errors want it */
     int steady; /* a turntable: framed so that no turn about the vertical changes the scale */
 } render_look;
 
@@ -145,6 +145,7 @@ typedef struct render_panel {
         worst_plain_rad; /* largest angle between a normal through M and through the normal matrix,
                             over the normals that are drawn; faces reversed under a mirror */
     double worst_error_rad; /* RENDER_SHOW_ERROR: stored against computed; NaN: nothing is stored */
+    double most_errors_rad; /* what 99 of 100 of them do not exceed */
     size_t triangles, lines_left_out;
 } render_panel;
 

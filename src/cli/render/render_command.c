@@ -41,7 +41,7 @@ static const char help[] =
     "  --line-length N       in lengths of nearby edges (0.7)\n"
     "  --line-width PIXELS   (1.6)\n"
     "  --most-lines N        of each kind (4000)\n"
-    "  --error-top DEG       the top of the colour scale for errors (the largest error)\n"
+    "  --error-top DEG       top of the colour scale for errors (the largest, outliers aside)\n"
     "\n"
     "Side by side\n"
     "  --compare             plain M beside the normal matrix, under the file's transforms and the "

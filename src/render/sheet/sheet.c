@@ -82,12 +82,39 @@ static void write_all_words(
             look, picture, sheet->below, 0, picture->width, picture->height - l->footer, l->footer);
 }
 
+/* ---- the scale of errors */
+
+/* The least of 1, 2, 5 times a power of ten, and of 45, 90, 180, that is not below it. */
+static double scale_top(double degrees) {
+    static const double tops[] = {
+        0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 45, 90};
+    for (size_t i = 0; i < sizeof tops / sizeof *tops; ++i)
+        if (degrees <= tops[i]) return tops[i];
+    return 180;
+}
+
+static double worst_error_deg(const render_sheet *sheet) {
+    double worst = 0;
+    for (size_t i = 0; i < sheet->panel_count; ++i)
+        worst = fmax(worst, sheet->panels[i].worst_error_rad * 57.29577951308232);
+    return worst;
+}
+
+/* The largest error, unless it is far beyond what nearly all others are: one bad normal would leave
+ * one colour for the rest. */
+static double shown_error_deg(const render_sheet *sheet) {
+    double most = 0;
+    for (size_t i = 0; i < sheet->panel_count; ++i)
+        most = fmax(most, sheet->panels[i].most_errors_rad * 57.29577951308232);
+    return fmin(worst_error_deg(sheet), fmax(4 * most, 1));
+}
+
 /* ---- the legend: the bar by the same shader function as the surfaces, degrees under it */
 
 enum { LEGEND_STEPS = 4 };
 
 static enum render_result draw_legend(render_device *device, const render_look *look,
-    const layout *l, double top_deg, render_picture *picture, render_error *error) {
+    const layout *l, const render_sheet *sheet, render_picture *picture, render_error *error) {
     const float clear[4] = {0, 0, 0, 1};
     const double wide = (double)picture->width,
                  size = fmin(text_size(look), wide / 30); /* so that no two numbers touch */
@@ -108,29 +135,15 @@ static enum render_result draw_legend(render_device *device, const render_look *
     result = render_target_read(device, 1, picture, &area, error);
     for (int i = 0; i <= LEGEND_STEPS; ++i) {
         char degrees[32];
-        const double value = top_deg * i / LEGEND_STEPS;
-        snprintf(degrees, sizeof degrees, "%.4g°", value);
+        const int beyond =
+            i == LEGEND_STEPS && worst_error_deg(sheet) > sheet->error_top_deg * (1 + 1e-6);
+        snprintf(degrees, sizeof degrees, "%.4g°%s", sheet->error_top_deg * i / LEGEND_STEPS,
+            beyond ? "+" : "");
         render_text_draw(picture, degrees,
             (double)x + (double)width * i / LEGEND_STEPS - render_text_width(degrees, size) / 2,
             (double)(y + height) + 1.7 * size, size, look->ink);
     }
     return result;
-}
-
-/* The least of 1, 2, 5 times a power of ten, and of 45, 90, 180, that is not below the worst. */
-static double scale_top(double worst_deg) {
-    static const double tops[] = {
-        0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 45, 90};
-    for (size_t i = 0; i < sizeof tops / sizeof *tops; ++i)
-        if (worst_deg <= tops[i]) return tops[i];
-    return 180;
-}
-
-static double worst_error_deg(const render_sheet *sheet) {
-    double worst = 0;
-    for (size_t i = 0; i < sheet->panel_count; ++i)
-        worst = fmax(worst, sheet->panels[i].worst_error_rad * 57.29577951308232);
-    return worst;
 }
 
 /* ---- one scale for the panels of one file */
@@ -200,7 +213,7 @@ static enum render_result draw_panels(render_device *device, const render_look *
     if (!result) result = share_frames(stages, sheet, error);
     if (result) return result;
     sheet->error_top_deg =
-        look->error_top_deg > 0 ? look->error_top_deg : scale_top(worst_error_deg(sheet));
+        look->error_top_deg > 0 ? look->error_top_deg : scale_top(shown_error_deg(sheet));
     for (size_t i = 0; i < sheet->panel_count && !result; ++i) {
         stages[i].error_top_deg = sheet->error_top_deg;
         result = render_stage_draw(device, &stages[i], error);
@@ -224,8 +237,7 @@ enum render_result render_sheet_draw(render_device *device, const render_look *l
     enum render_result result =
         stages ? make_picture(look, &l, picture, error) : render_fail_memory(error);
     if (!result) result = draw_panels(device, look, sheet, stages, picture, error);
-    if (!result && l.legend)
-        result = draw_legend(device, look, &l, sheet->error_top_deg, picture, error);
+    if (!result && l.legend) result = draw_legend(device, look, &l, sheet, picture, error);
     if (!result && tell) tell(user, sheet, picture);
     if (!result) write_all_words(look, sheet, &l, picture);
     for (size_t i = 0; stages && i < sheet->panel_count; ++i) render_stage_free(&stages[i]);

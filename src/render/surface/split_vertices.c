@@ -202,13 +202,26 @@ static int compute_for_errors(const render_surface *surface, float *normals) {
 
 static int is_zero(const float n[3]) { return n[0] == 0 && n[1] == 0 && n[2] == 0; }
 
-float *render_errors(const render_surface *surface, double *worst_rad) {
+enum { TENTHS = 1800 };
+
+/* To a tenth of a degree, upwards. */
+static double least_of_most(const size_t histogram[TENTHS + 1], size_t count) {
+    size_t seen = 0;
+    for (size_t tenth = 0; tenth <= TENTHS; ++tenth)
+        if ((seen += histogram[tenth]) >= count - count / 100) return 0.1 * (double)(tenth + 1);
+    return 180;
+}
+
+float *render_errors(const render_surface *surface, double *worst_rad, double *most_rad) {
+    size_t histogram[TENTHS + 1] = {0};
     const size_t count = surface->mesh.corner_count;
+    size_t compared = 0;
     float *degrees = calloc(count + 1, sizeof *degrees), *own = NULL;
     const float *expected = surface->expected;
     render_split split;
     render_error ignored;
     *worst_rad = NAN;
+    *most_rad = 0;
     if (surface->stored == RENDER_NORMALS_NONE || !degrees) return degrees;
     if (!expected) expected = own = malloc((3 * count + 1) * sizeof *own);
     if (!expected || (own && !compute_for_errors(surface, own)) ||
@@ -223,7 +236,10 @@ float *render_errors(const render_surface *surface, double *worst_rad) {
         if (is_zero(stored) || is_zero(expected + 3 * i)) continue;
         degrees[i] = (float)angle_deg(stored, expected + 3 * i);
         *worst_rad = fmax(*worst_rad, (double)degrees[i] / 57.29577951308232);
+        ++histogram[(size_t)fmin(10 * (double)degrees[i], TENTHS)];
+        ++compared;
     }
+    *most_rad = compared ? least_of_most(histogram, compared) / 57.29577951308232 : 0;
     free(own);
     render_split_free(&split);
     return degrees;

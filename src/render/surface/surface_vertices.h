@@ -31,6 +31,7 @@ typedef struct render_vertices {
     size_t point_count;
     float *kept;
     double worst_error_rad; /* of RENDER_ERRORS; NaN: there is nothing to compare */
+    double most_errors_rad; /* what 99 of 100 of them do not exceed */
 } render_vertices;
 
 enum render_result render_vertices_make(const render_surface *surface, enum render_kind kind,
@@ -61,8 +62,9 @@ enum render_result render_split_make(
 void render_split_free(render_split *split);
 
 /* Degrees between the stored and the computed normal of each corner; 0 where either is not there.
- * Owned by the caller; NULL: out of memory. *worst: NaN where nothing is stored. */
-float *render_errors(const render_surface *surface, double *worst_rad);
+ * Owned by the caller; NULL: out of memory. *worst_rad: NaN if nothing is stored; *most_rad: what
+ * 99 of 100 do not exceed. */
+float *render_errors(const render_surface *surface, double *worst_rad, double *most_rad);
 
 /* Triangles of polygons as corner numbers, three each; concave ones are cut rightly. *corners:
  * owned by the caller, NULL for triangles: 0, 1, 2, ... */

@@ -404,6 +404,45 @@ static void stored_errors(void **state) {
     render_picture_free(&picture);
 }
 
+/* One normal of a grid is turned round: the scale is that of the others, which lean by 2 degrees.
+ */
+static void one_bad_normal(void **state) {
+    needs_device(state);
+    enum { SIDE = 30, POINTS = SIDE * SIDE, CORNERS = 6 * (SIDE - 1) * (SIDE - 1) };
+    static float positions[3 * POINTS], normals[3 * POINTS];
+    static uint32_t corners[CORNERS];
+    size_t used = 0;
+    for (uint32_t i = 0; i < POINTS; ++i) {
+        positions[3 * i] = (float)(i % SIDE);
+        positions[3 * i + 1] = (float)(i / SIDE);
+        normals[3 * i] = (float)sin(2 * RADIANS);
+        normals[3 * i + 2] = (float)cos(2 * RADIANS);
+        if (i % SIDE == SIDE - 1 || i / SIDE == SIDE - 1) continue;
+        const uint32_t face[6] = {i, i + 1, i + SIDE, i + SIDE, i + 1, i + SIDE + 1};
+        memcpy(corners + used, face, sizeof face);
+        used += 6;
+    }
+    normals[3 * (POINTS / 2 + SIDE / 2) + 2] *= -1;
+    render_surface surface = square();
+    surface.mesh.positions = (norma_vec3_view){.data = positions, .count = POINTS};
+    surface.mesh.corners = corners;
+    surface.mesh.corner_size = 4;
+    surface.mesh.corner_count = CORNERS;
+    surface.normals = (norma_vec3_view){.data = normals, .count = POINTS};
+    render_draw draw;
+    render_scene scene = scene_of(&surface, &draw, NULL);
+    const render_look look = plain_look(64, 64);
+    render_panel panel = panel_of(&scene);
+    panel.show = RENDER_SHOW_ERROR;
+    render_picture picture = draw_panel(&look, &panel);
+    assert_true(panel.worst_error_rad * DEGREES > 170);
+    assert_true(panel.most_errors_rad * DEGREES > 1.99 && panel.most_errors_rad * DEGREES < 2.2);
+    /* 2 of 10 degrees; of 180 it would be 68, 1, 84, the colour of none. */
+    const uint8_t *p = picture.pixels + 4 * (20 * 64 + 20);
+    assert_true(abs(p[0] - 65) <= 4 && abs(p[1] - 68) <= 4 && abs(p[2] - 135) <= 4);
+    render_picture_free(&picture);
+}
+
 /* ---- shapes */
 
 static size_t covered(const render_picture *picture) {
@@ -690,6 +729,7 @@ int main(void) {
         cmocka_unit_test(normals_as_colours),
         cmocka_unit_test(two_sides),
         cmocka_unit_test(stored_errors),
+        cmocka_unit_test(one_bad_normal),
         cmocka_unit_test(concave_polygon),
         cmocka_unit_test(far_away),
         cmocka_unit_test(any_size),
