@@ -1,6 +1,6 @@
-// coverage.mjs: what gcov counted, per file and in all. Fails below 95 % of the lines or 85 % of the branches.
+// coverage.mjs: what gcov counted, per file and in all. Fails below 97.5 % of the lines or 89.9 % of the branches: half a point below what was reached on 2026-11-22.
 //   node scripts/coverage.mjs TREE [--lines] [--branches]      (scripts/coverage.sh makes TREE and runs the tests in it)
-// TREE/files.md gets the table per file, TREE/uncovered.txt the lines that did not run. --lines and --branches print what did not run.
+// TREE/files.md gets the table per file, TREE/uncovered.txt the lines that did not run, by file with their number. --lines and --branches print what did not run.
 // Lines are those that hold code. A branch is one way out of a condition of the compiled code (each of && and || has its own two, a switch one for each target). What a header or a
 // kernel compiled for several instruction sets holds is there several times: the copies for instruction sets count each by itself, those of several source files are added up.
 import { execFileSync } from "node:child_process";
@@ -9,7 +9,7 @@ import { join, relative, resolve } from "node:path";
 
 const root = resolve(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "..");
 const [tree, ...flags] = process.argv.slice(2);
-const asked = { line: 95, branch: 85 };
+const asked = { line: 97.5, branch: 89.9 };
 const layers = ["src/core", "src/io"];
 
 // The JSON that gcov prints for each object that was compiled to be counted, run or not.
@@ -78,6 +78,7 @@ for (const layer of layers) {
         const text = readFileSync(join(root, name), "utf8").split("\n"), sum = sums(lines);
         row(name, sum);
         layerSum = add(layerSum, sum);
+        if (sum.run < sum.lines) uncovered.push(`# ${name}: ${sum.lines - sum.run} of ${sum.lines} lines did not run`);
         for (const [number, line] of [...lines].sort((a, b) => a[0] - b[0])) {
             const shown = (text[number - 1] ?? "").trim();
             if (flags.includes("--branches") && line.runs && line.branches.some(count => !count)) console.log(`  ${name}:${number}: branches ${line.branches.map(count => count ? "+" : "-").join("")}  ${shown}`);
@@ -95,5 +96,5 @@ for (const [kind, part, whole] of [["line", all.run, all.lines], ["branch", all.
 }
 writeFileSync(join(tree, "files.md"), table.join("\n") + "\n");
 writeFileSync(join(tree, "uncovered.txt"), uncovered.join("\n") + "\n");
-console.log(`${uncovered.length} lines did not run: ${join(tree, "uncovered.txt")}`);
+console.log(`${all.lines - all.run} lines did not run: ${join(tree, "uncovered.txt")}`);
 process.exit(bad ? 1 : 0);

@@ -34,7 +34,7 @@ says() { if grep -qF -- "$1" errors; then pass "says: $1"; else fail "says: $1" 
 
 tree_files='a/deep/part.obj a/part.obj a/stays.obj b/part.obj top.obj'
 is 0 "$tree_files" compute models --out-dir out
-says 'models/leads-out.obj: left out, since it is a link that leads out of the folder'
+says 'models/leads-out.obj: skipped because it is a link that leads out of the folder'
 is 0 "$tree_files" compute models/ --out-dir out
 is 0 "$tree_files" transform models --scale 2 --out-dir out
 is 0 "$tree_files" check models --fix-unsafe --out-dir out
@@ -64,7 +64,7 @@ says 'one -o for 5 inputs'
 # Lists, as git gives them.
 printf 'models/top.obj\nmodels/readme.txt\nMakefile\nmodels/deleted.obj\nmodels/deleted.txt\n' >list.txt
 is 0 '*in 0 of 1 file' check --files-from list.txt --quiet
-says 'list.txt: 4 left out: 3 of a kind that is not read, 1 that do not exist'
+says 'list.txt: 4 names skipped: 3 of kinds that are not read, 1 that do not exist'
 printf 'readme.md\n' >list.txt
 is 0 '*in 0 of 0 files' check --files-from list.txt --quiet
 is 3 '*1 not checked' check models/deleted.obj --quiet

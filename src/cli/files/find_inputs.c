@@ -129,7 +129,7 @@ static int add_entry(folder_walk *walk, char *path) {
     if (known && S_ISDIR(status.st_mode)) return add_path(&walk->folders, path, 0);
     if (is_wanted(walk, path) && stat(path, &status) == 0 && S_ISREG(status.st_mode)) {
         if (!is_link || stays_inside(walk, path)) return add_path(walk->found, path, walk->tail);
-        cli_error("%s: left out, since it is a link that leads out of the folder", path);
+        cli_error("%s: skipped because it is a link that leads out of the folder", path);
     }
     free(path);
     return CLI_OK;
@@ -280,7 +280,7 @@ static int read_lines(const cli_subcommand *verb, cli_files *files, const char *
     }
     free(line);
     if (left.unknown + left.missing)
-        cli_error("%s: %zu left out: %zu of a kind that is not read, %zu that do not exist",
+        cli_error("%s: %zu names skipped: %zu of kinds that are not read, %zu that do not exist",
             cli_input_name(list), left.unknown + left.missing, left.unknown, left.missing);
     return status;
 }

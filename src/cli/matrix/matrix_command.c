@@ -114,8 +114,7 @@ static int is_zero(const double columns[9]) {
 /* Rank and kind are judged with a tolerance; what is left of normals is not. */
 static const char *what_is_left(const matrix_answer *found) {
     if (found->info.determinant != 0)
-        return "flat within 1e-6 of its largest stretch, but not exactly: every face keeps its "
-               "direction";
+        return "nearly flat (within 1e-6 of its largest stretch): every face keeps its direction";
     if (!is_zero(found->cofactor))
         return "space is flattened to a plane, whose normal is the only one left";
     if (found->info.rank == 1)

@@ -23,8 +23,9 @@ static void compose(cli_matrix *matrix, const double next[16]) {
 
 static const char *compose_checked(cli_matrix *matrix, const double next[16]) {
     compose(matrix, next);
-    return matrix->overflow ? "numbers whose product with the options before still fits a double"
-                            : NULL;
+    return matrix->overflow
+               ? "numbers for which the combined matrix stays within the range of doubles"
+               : NULL;
 }
 
 static const char *set_scale(void *settings, const char *value) {

@@ -35,13 +35,13 @@ static const char *plain_reason(norma_document_result result) {
     case NORMA_DOCUMENT_ERROR_MALFORMED:
         return "is malformed";
     case NORMA_DOCUMENT_ERROR_UNSUPPORTED:
-        return "holds something that is not read yet";
+        return "contains something that this version cannot read";
     case NORMA_DOCUMENT_ERROR_REFUSED:
         return "was refused";
     case NORMA_DOCUMENT_ERROR_MEMORY:
         return "out of memory";
     case NORMA_DOCUMENT_ERROR_ARGUMENT:
-        return "does not have what was asked for";
+        return "does not contain the requested data";
     default:
         return "cannot be read or written";
     }

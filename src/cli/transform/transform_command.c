@@ -69,8 +69,7 @@ static void write_json(const void *user, cli_json *json) {
 /* The rank is judged with a tolerance; what is left of normals is not. */
 static const char *what_flattening_does(const transform_work *work) {
     if (work->info.determinant != 0)
-        return "; flat within 1e-6 of its largest stretch, but not exactly: each face keeps its "
-               "normal";
+        return "; nearly flat (within 1e-6 of its largest stretch): each face keeps its normal";
     if (work->leaves_normals)
         return "; flattened to a plane (rank 2): each face keeps the right normal, the plane's, or "
                "none where it collapsed";

@@ -19,9 +19,9 @@ const char *norma_result_text(norma_result result) {
     case NORMA_ERROR_MEMORY:
         return "Memory could not be allocated.";
     case NORMA_ERROR_OVERFLOW:
-        return "Counts and strides multiply to more bytes than a size can tell.";
+        return "Counts times strides exceed the range of size_t.";
     }
-    return "This number is no result of this library.";
+    return "Unknown result code.";
 }
 
 #define NAME_OF(constant, name, by, formula, unused)                                               \

@@ -59,7 +59,7 @@ norma_document_result norma_document_read(norma_document *document, norma_docume
     if (!functions)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "unknown kind of file; expected a name that ends in .obj, .ply, .stl, .gltf or .glb, "
-            "or to be told the format");
+            "or an explicit format");
     if (document->progress && document->progress(document->progress_user, 0))
         return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
     document->functions = functions;

@@ -131,7 +131,7 @@ static norma_document_result check_required(const gltf *g, norma_document_error 
         if (!known && !g->document->lenient)
             result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
                 "/extensionsRequired", "requires %s, which %s", name,
-                why ? why : "is not known here");
+                why ? why : "is unknown to this version");
         free(name);
         if (result) return result;
     }

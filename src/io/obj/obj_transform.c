@@ -170,6 +170,6 @@ norma_document_result norma_obj_transform(norma_document *document,
     if (info.mirrored && state->has_surfaces)
         norma_document_add_note(document,
             "the matrix mirrors; free-form surfaces keep the direction of their "
-            "parameters, so that their sides change");
+            "parameters, so their front and back are swapped");
     return norma_stored_normals_progress(document, options, 1, error);
 }

@@ -188,7 +188,8 @@ static void test_obj(void **state) {
         .source_vertices = BACKWARDS, .vertex_count = 3, .new_corners = CORNERS};
     (void)state;
     refuse_text(OBJ, "a.obj", &both, NORMA_DOCUMENT_ERROR_ARGUMENT,
-        "a.obj: vertices and other things are to change at once; expected one after the other");
+        "a.obj: vertices cannot be changed together with other data; change them one after the "
+        "other");
     refuse_text("v 0 0 0\nv 2 0 0\nv 0 1 0\ncstype bezier\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 "
                 "1\nend\nf 1 2 3\n",
         "a.obj", &backwards, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
@@ -300,7 +301,7 @@ static void test_stl(void **state) {
         "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 -2.5 3\nvertex 0 1 "
         "0\nendloop\nendfacet\nendsolid a\n");
     refuse_text(STL, "a.stl", &both, NORMA_DOCUMENT_ERROR_ARGUMENT,
-        "a.stl: facets are to be reversed and moved at once; expected one after the other");
+        "a.stl: facets cannot be reversed and moved in one call; do one after the other");
 }
 
 /* Faces of no corner, all there are, the other way round: the same bytes. */

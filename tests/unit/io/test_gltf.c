@@ -735,8 +735,8 @@ static void a_view_beyond_its_buffer_is_told_of(void **state) {
             &b);
     norma_document *before = bytes_open(in, "beyond.gltf");
     assert_int_equal(norma_document_note_count(before), 1);
-    assert_string_equal(norma_document_note(before, 0),
-        "bufferView 1 ends beyond its buffer: what it should hold is not there");
+    assert_string_equal(
+        norma_document_note(before, 0), "bufferView 1 ends beyond its buffer; its data is missing");
     norma_document_close(before);
     document_bytes out = bytes_computed(in, "beyond.gltf", NULL, NULL);
     norma_document *after = bytes_open(out, "beyond.gltf");

@@ -71,8 +71,8 @@ static void test_instances_beside_other_extensions(void **state) {
     assert_string_equal(output_text(&b, "extensionsRequired"), "[\"KHR_mesh_quantization\"]");
     assert_string_equal(
         output_text(&b, "nodes/0/extensions"), "{\"KHR_node_visibility\":{\"visible\":true}}");
-    assert_non_null(strstr(b.notes, "node 0: what its instances have besides a place (such as _ID) "
-                                    "has no place in meshes of their own, and is dropped\n"));
+    assert_non_null(strstr(b.notes, "node 0: other attributes of its instances (such as _ID) "
+                                    "cannot be stored in separate meshes and are dropped\n"));
     assert_int_equal(norma_document_node_count(b.document), 2);
     assert_int_equal(norma_document_mesh_count(b.document), 2);
     assert_world_is_identity(&b, 0);
@@ -258,7 +258,7 @@ static void test_fewer_normals_than_tangents(void **state) {
     assert_int_equal(
         norma_document_transform(document, &options, NULL, &error), NORMA_DOCUMENT_ERROR_MALFORMED);
     assert_string_equal(error.message,
-        "asset.glb:/accessors/1: expected as many vectors as there are of what goes with them");
+        "asset.glb:/accessors/1: expected as many vectors as the other attributes have");
     norma_document_close(document);
     asset_free(&a);
 }

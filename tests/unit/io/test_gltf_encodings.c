@@ -202,8 +202,8 @@ static void test_too_large(void **state) {
     (void)state;
     assert_int_equal(norma_document_transform(document, &options, NULL, &error),
         NORMA_DOCUMENT_ERROR_UNSUPPORTED);
-    assert_string_equal(error.message, "asset.glb:accessor 0: under node 0 its numbers become "
-                                       "larger than floats are; expected a smaller scale");
+    assert_string_equal(error.message, "asset.glb:accessor 0: under node 0 its coordinates exceed "
+                                       "the range of floats; expected a smaller scale");
     norma_document_close(document);
     asset_free(&a);
 }

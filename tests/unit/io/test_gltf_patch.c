@@ -363,7 +363,7 @@ static void test_padding_is_compared(void **state) {
         assert_int_equal(result, round == 2 ? NORMA_DOCUMENT_ERROR_REFUSED : NORMA_DOCUMENT_OK);
         if (round == 2)
             assert_non_null(
-                strstr(error.message, "d.bin: is there with other content and is not overwritten"));
+                strstr(error.message, "d.bin: exists with other content and is not overwritten"));
         assert_int_equal(count_files(here), round == 2 ? 3 : 4);
         norma_document_close(document);
     }

@@ -154,8 +154,8 @@ static void test_surfaces_under_a_mirror(void **state) {
     assert_int_equal(norma_document_transform(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_document_note_count(document), 1);
     assert_string_equal(norma_document_note(document, 0),
-        "the matrix mirrors; free-form surfaces keep the direction of their parameters, so that "
-        "their sides change");
+        "the matrix mirrors; free-form surfaces keep the direction of their parameters, so their "
+        "front and back are swapped");
     document_bytes out = bytes_of(document);
     assert_string_equal(
         (const char *)out.data, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1 3 2\n" SURFACE);

@@ -483,7 +483,7 @@ static void test_unread(void **state) {
     assert_int_equal(norma_document_unread_count(document), 2); /* points are no surface */
     assert_int_equal(norma_document_unread(document, 0, &unread), NORMA_DOCUMENT_OK);
     assert_string_equal(unread.where, "/extensionsRequired/1");
-    assert_string_equal(unread.why, "requires ACME_gizmo, which is not known here");
+    assert_string_equal(unread.why, "requires ACME_gizmo, which is unknown to this version");
     assert_int_equal(norma_document_unread(document, 1, &unread), NORMA_DOCUMENT_OK);
     assert_string_equal(unread.where, "/meshes/0/primitives/1");
     assert_string_equal(unread.why, "no positions");

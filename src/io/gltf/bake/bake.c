@@ -257,8 +257,8 @@ static norma_document_result take_instances(
     if (norma_json_size(&g->json, attributes) >
         (uint32_t)(instances->has_translation + instances->has_rotation + instances->has_scale))
         norma_document_add_note(g->document,
-            "node %u: what its instances have besides a place (such as _ID) has no place in meshes "
-            "of their own, and is dropped",
+            "node %u: other attributes of its instances (such as _ID) cannot be stored in separate "
+            "meshes and are dropped",
             (unsigned)node);
     return result;
 }

@@ -23,7 +23,7 @@ static norma_document_result too_large(
     char place[60];
     (void)snprintf(place, sizeof place, "accessor %u", (unsigned)accessor);
     return norma_document_fail(b->g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
-        "under node %u its numbers become larger than floats are; expected a smaller scale",
+        "under node %u its coordinates exceed the range of floats; expected a smaller scale",
         (unsigned)b->node);
 }
 
@@ -36,7 +36,7 @@ static norma_document_result check_shape(const mesh_baker *b, const bake_entry *
         return malformed(b, entry->a, "floats, or integers of at most 16 bits", error);
     if (base && (base->count < array->count || base->width < 3 || base->width > 4 ||
                     base->component == GLTF_UINT))
-        return malformed(b, entry->b, "as many vectors as there are of what goes with them", error);
+        return malformed(b, entry->b, "as many vectors as the other attributes have", error);
     return NORMA_DOCUMENT_OK;
 }
 

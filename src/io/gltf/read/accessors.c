@@ -174,7 +174,7 @@ static norma_document_result apply_sparse(gltf *g, gltf_accessor *a, norma_docum
 static norma_document_result make_dense(gltf *g, gltf_accessor *a, norma_document_error *error) {
     if (a->view == GLTF_NONE && a->count > g->held)
         return norma_gltf_malformed(
-            g, error, a->token, "a count without bytes that is not beyond all that the file holds");
+            g, error, a->token, "a count that is plausible for the size of the file");
     norma_document_result result = norma_gltf_spend(g, a->token, a->count, a->element_size, error);
     if (result) return result;
     unsigned char *owned = norma_io_allocate(a->count, a->element_size);

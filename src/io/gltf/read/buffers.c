@@ -111,12 +111,10 @@ static void note_overruns(gltf *g) {
         }
     if (count == 1)
         norma_document_add_note(g->document,
-            "bufferView %u ends beyond its buffer: what it should hold is not there",
-            (unsigned)first);
+            "bufferView %u ends beyond its buffer; its data is missing", (unsigned)first);
     else if (count)
         norma_document_add_note(g->document,
-            "%u bufferViews, %u the first of them, end beyond their buffers: what they should hold "
-            "is not there",
+            "%u bufferViews, the first of them %u, end beyond their buffers; their data is missing",
             (unsigned)count, (unsigned)first);
 }
 

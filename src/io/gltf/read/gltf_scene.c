@@ -305,7 +305,7 @@ static const char *unknown_extension(gltf *g, uint32_t token) {
                                                   0)) /* its primitives are named instead */
         why = norma_scene_text(g->document->scene, "");
     else if (name && (why = norma_scene_allocate(g->document->scene, size, 1)) != NULL)
-        snprintf(why, size, "requires %s, which is not known here", name);
+        snprintf(why, size, "requires %s, which is unknown to this version", name);
     free(name);
     return why;
 }
@@ -313,9 +313,9 @@ static const char *unknown_extension(gltf *g, uint32_t token) {
 static const char *why_in_part(const gltf *g, const gltf_primitive *p) {
     if (p->not_read) return p->mode >= GLTF_TRIANGLES ? p->not_read : NULL;
     if (p->base.normal != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.normal))
-        return "its normals have no bytes: something else is to fill them";
+        return "its normals have no data in the file; an application has to provide them";
     if (p->base.tangent != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.tangent))
-        return "its tangents have no bytes: something else is to fill them";
+        return "its tangents have no data in the file; an application has to provide them";
     return NULL;
 }
 

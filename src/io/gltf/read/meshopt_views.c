@@ -12,7 +12,7 @@ static const char *wrong_layout(const gltf_view *view) {
     const gltf_meshopt *m = &view->meshopt;
     size_t size;
     if (m->stride == 0 || m->count > SIZE_MAX / m->stride)
-        return "a byteStride and count whose product is sane";
+        return "a byteStride and count whose product is plausible";
     size = m->count * m->stride;
     if (size > view->length) return "a byteLength of at least count times byteStride";
     if (size > SMALL && size / LARGEST_RATIO > m->length)

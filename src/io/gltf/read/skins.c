@@ -156,8 +156,7 @@ static norma_document_result spend(const pose *p, size_t steps, norma_document_e
     p->scene->effort = steps < most - p->scene->effort ? p->scene->effort + steps : most;
     if (p->scene->effort < most) return NORMA_DOCUMENT_OK;
     return norma_document_fail(p->g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
-        p->info->where,
-        "its joints under all keys of all animations are more than this version looks at");
+        p->info->where, "it has more joints and animation keys than this version examines");
 }
 
 static norma_document_result take_channels(pose *p, const gltf_animation *animation, int *uneven,

@@ -90,7 +90,7 @@ static int replaces_own(const char *path, uint32_t number, int several) {
 static norma_document_result refuse(const gltf *g, const char *file, norma_document_error *error) {
     const norma_document target = {.path = (char *)(uintptr_t)file};
     return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
-        "is there with other content and is not overwritten; the buffer of %s was to go there",
+        "exists with other content and is not overwritten; the buffer of %s would be written there",
         g->document->path);
 }
 
@@ -106,7 +106,8 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
         chosen = file && (there == FOUND_NOTHING || (there == FOUND_SAME && !free_only));
         if (there == FOUND_UNKNOWN)
             result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_FILE, NULL,
-                "whether %s is there cannot be told, and its buffer was to go there", file);
+                "it cannot be determined whether %s exists; the buffer would be written there",
+                file);
         if (!result && file && !chosen && !try_more &&
             !(try_more = replaces_own(path, buffer, several)))
             result = refuse(g, file, error);
@@ -114,8 +115,7 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
         free(file);
         if (chosen && attempt && !free_only)
             norma_document_add_note(g->document,
-                "the buffer is %s; that of the asset which was replaced stays beside it under its "
-                "old name",
+                "the buffer is written to %s; the replaced asset's buffer keeps its old name",
                 name);
         if (chosen)
             g->patch->buffers[buffer].name = name;
