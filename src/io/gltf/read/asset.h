@@ -208,8 +208,8 @@ norma_document_result norma_gltf_decode_meshopt(
 const char *norma_gltf_extension_of(
     const gltf *g, const gltf_meshopt *m); /* its name in the file */
 /* Compresses m->count rows of m->stride bytes by m->mode and m->filter, or by others where those do
- * not give the same bytes back (of triangles: the same corners, each from any of them on); m says
- * by which, and how long it became. To be freed; NULL: out of memory. */
+ * not give the same bytes back; m says by which, and how long it became. To be freed; NULL: out of
+ * memory. */
 unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes);
 int norma_gltf_reads_meshopt(void); /* 0: the library is built without meshoptimizer */
 /* The elements of an accessor, resolved once and cached. */
