@@ -133,7 +133,13 @@ await attempt("check reads a file and reports what the library finds", async () 
 
 /* ---- errors: what is wrong comes first */
 const text = (message) => new RegExp(`^${message.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}`);
+const gone = new Float32Array(24);
+structuredClone(gone, { transfer: [gone.buffer] });
 const faults = [
+  ["positions that a worker took", "argument", () => norma.vertexNormals(gone, indices), "positions: its memory is gone"],
+  ["an output that a worker took", "argument", () => norma.vertexNormals(positions, indices, { out: gone }), "out: its memory is gone"],
+  ["bytes that a worker took", "argument", () => norma.check(gone, { name: "a.obj" }), "bytes: its memory is gone"],
+  ["a buffer that a worker took", "argument", () => norma.check(gone.buffer, { name: "a.obj" }), "bytes: its memory is gone"],
   ["an index out of range", "index", () => norma.vertexNormals(positions, Uint32Array.of(0, 1, 8)), "indices: number 2 is 8, but there are only 8 positions"],
   ["a crease that is NaN", "argument", () => norma.cornerNormals(positions, indices, { crease: NaN }), "crease: NaN"],
   ["a crease that is text", "argument", () => norma.split(positions, indices, { crease: "60" }), 'crease: "60"'],

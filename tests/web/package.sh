@@ -58,6 +58,7 @@ done
 check "the native program compiles" gcc -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -O1 -Iinclude tests/web/native.c -o "$scratch/native" "$tree/lib/libnorma.a" -lmeshoptimizer -lm -pthread
 tap bits node tests/web/bits.mjs "$installed" "$scratch/native"
 tap calls node tests/web/calls.mjs "$installed"
+tap arguments node tests/web/arguments.mjs "$installed"
 data=${NORMA_DATA:-$root/../shared/data}
 places=(assets tests/cli)
 [ ! -d "$data" ] || places+=("$data/bad" "$data/gltf" "$data/obj" "$data/ply")

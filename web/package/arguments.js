@@ -60,6 +60,17 @@ export const weld = (value = "exact") => {
   return value >= 0 && value < Infinity ? [WELD_DISTANCE, value] : fail(`weld: ${value} is not a distance; it must be finite and at least 0`);
 };
 
+/* The bytes of a buffer whose memory may be gone. */
+const bytesOf = (buffer, what, ...part) => {
+  try {
+    return new Uint8Array(buffer, ...part);
+  } catch {
+    return fail(`${what}: its memory is gone: it was handed over to a worker, or is a view of WebAssembly memory that has grown since`);
+  }
+};
+/* Such an array has no length: looked at only then. */
+const alive = (array, what) => { if (array.length === 0) bytesOf(array.buffer, what); };
+
 /* The options of a call that takes those named in known, separated by spaces. */
 export const options = (value, known) => {
   if (value === undefined || value === null) return {};
@@ -82,6 +93,7 @@ const strided = (given, size, what) => {
     if (!STRIDED.includes(name)) fail(`${what}: ${name} is not expected in a view; give { array, stride, offset, count }, numbers of the array (for three.js use norma-mesh/three)`);
   const { array, offset = 0 } = given, format = FORMATS[kindOf(array)];
   if (format === undefined) fail(`${what}.array: ${spell(array)} is not one of ${Object.keys(FORMATS).join(", ")}`);
+  alive(array, `${what}.array`);
   const stride = whole(given.stride, `${what}.stride`, size);
   whole(offset, `${what}.offset`, 0);
   const most = array.length < offset + size ? 0 : Math.floor((array.length - offset - size) / stride) + 1;
@@ -96,6 +108,7 @@ export const vectors = (given, what, size = 3) => {
   if (isObject(given) && "array" in given) return strided(given, size, what);
   const format = FORMATS[kindOf(given)];
   if (format === undefined) fail(`${what}: ${spell(given)} is not one of ${Object.keys(FORMATS).join(", ")}, nor a view { array, stride }`);
+  alive(given, what);
   if (given.length % size !== 0) fail(`${what}: ${given.length} numbers are not a multiple of ${size}`);
   return { array: given, count: given.length / size, stride: size * given.BYTES_PER_ELEMENT, format };
 };
@@ -104,6 +117,7 @@ export const vectors = (given, what, size = 3) => {
 export const corners = (indices, vertices) => {
   const there = indices !== undefined && indices !== null;
   if (there && !INDEX_KINDS.includes(kindOf(indices))) fail(`indices: ${spell(indices)} is not one of ${INDEX_KINDS.join(", ")}`);
+  if (there) alive(indices, "indices");
   const count = there ? indices.length : vertices;
   if (count % 3 !== 0) fail(there ? `indices: ${count} are not a multiple of 3` : `positions: ${count} without indices are not a multiple of 3`);
   return count;
@@ -119,12 +133,14 @@ export const failAtIndex = (indices, vertices) => {
 export const output = (array, length) => {
   if (array === undefined || array === null) return new Float32Array(length);
   if (kindOf(array) !== "Float32Array") fail(`out: ${spell(array)} is not a Float32Array`);
+  alive(array, "out");
   return array.length < length ? fail(`out: ${array.length} floats, but ${length} are written`, RESULT.CAPACITY) : array;
 };
 
 /* length numbers, or a multiple of them, as floats. */
 export const floats = (array, length, what, many = false) => {
   if (!ArrayBuffer.isView(array) && !Array.isArray(array)) fail(`${what}: ${spell(array)} is not an array of numbers`);
+  if (ArrayBuffer.isView(array)) alive(array, what);
   if (many ? array.length % length !== 0 : array.length !== length) fail(`${what}: ${array.length} numbers are not ${many ? "a multiple of " : ""}${length}`);
   if (kindOf(array) === "Float32Array") return array;
   const wrong = Array.prototype.findIndex.call(array, (number) => typeof number !== "number");
@@ -136,6 +152,7 @@ export const floats = (array, length, what, many = false) => {
 export const moved = (array, count) => {
   if (array === undefined || array === null) return null;
   if (!ArrayBuffer.isView(array) && !Array.isArray(array)) fail(`moved: ${spell(array)} is not an array of vertices`);
+  if (ArrayBuffer.isView(array)) alive(array, "moved");
   const isWrong = kindOf(array) === "Uint32Array" ? (vertex) => vertex >= count : (vertex) => !(Number.isInteger(vertex) && vertex >= 0 && vertex < count);
   const wrong = Array.prototype.findIndex.call(array, isWrong);
   if (wrong >= 0) fail(`moved: element ${wrong} is ${spell(array[wrong])}, but the plan has vertices 0 to ${count - 1}`, RESULT.INDEX);
@@ -144,9 +161,9 @@ export const moved = (array, count) => {
 
 /* The bytes of a file. */
 export const bytes = (given, what = "bytes") => {
-  if (ArrayBuffer.isView(given)) return new Uint8Array(given.buffer, given.byteOffset, given.byteLength);
+  if (ArrayBuffer.isView(given)) return given.byteLength ? new Uint8Array(given.buffer, given.byteOffset, given.byteLength) : bytesOf(given.buffer, what, 0, 0);
   const kind = Object.prototype.toString.call(given);
-  return kind === "[object ArrayBuffer]" || kind === "[object SharedArrayBuffer]" ? new Uint8Array(given) : fail(`${what}: ${spell(given)} is neither an ArrayBuffer nor a typed array`);
+  return kind === "[object ArrayBuffer]" || kind === "[object SharedArrayBuffer]" ? bytesOf(given, what) : fail(`${what}: ${spell(given)} is neither an ArrayBuffer nor a typed array`);
 };
 
 export const name = (value, what = "name") => (typeof value === "string" && value !== "" && !value.includes("\0") ? value : fail(`${what}: ${spell(value)} is not the name of a file, such as "chair.glb"`));
