@@ -179,3 +179,15 @@ double norma_check_encoding_bound(const char *encoding) {
         if (!strcmp(encoding, bounds[i].name)) return bounds[i].degrees * (3.141592653589793 / 180);
     return 0;
 }
+
+double norma_check_twice_area(const check_mesh *m, size_t face) {
+    core_face geometry;
+    norma_core_face_geometry(&m->mesh, face, &geometry);
+    return geometry.flags & CORE_FACE_FINITE ? geometry.twice_area : 0;
+}
+
+double norma_check_whole_area(const check_mesh *m) {
+    double sum = 0;
+    for (size_t f = 0; f < m->mesh.face_count; f++) sum += norma_check_twice_area(m, f);
+    return sum;
+}

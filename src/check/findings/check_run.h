@@ -144,6 +144,13 @@ static inline size_t norma_check_normal_count(const check_mesh *m) {
     return m->given->info.normals == NORMA_NORMALS_NONE ? 0 : m->given->data.normals.count;
 }
 
+/* A face whose height is less than this of its longest edge: its direction says little, and its
+ * area is almost nothing. */
+static inline int norma_check_is_sliver(const check_face *face) { return face->height < 1e-4F; }
+/* check_mesh.c: twice the area of some face, and of all of them; 0 where it is not finite. */
+double norma_check_twice_area(const check_mesh *m, size_t face);
+double norma_check_whole_area(const check_mesh *m);
+
 /* The number of a corner's stored normal; SIZE_MAX: none. */
 static inline size_t norma_check_normal_of(const check_mesh *m, size_t face, size_t corner) {
     const norma_mesh_data *data = &m->given->data;

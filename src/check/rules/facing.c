@@ -14,6 +14,7 @@ static const double FAR_COSINE = 0.25881904510252074; /* of 75 degrees */
 
 typedef struct facing_part {
     check_hits opposed;
+    double opposed_area; /* twice */
     size_t far_corners; /* more than 75 degrees from this face: their normals are looked at again */
 } facing_part;
 
@@ -40,7 +41,7 @@ static void judge_face(const facing_pass *pass, facing_part *part, size_t face) 
     const check_mesh *m = pass->m;
     size_t begin = norma_core_face_begin(&m->mesh, face), end = norma_core_face_end(&m->mesh, face);
     double greatest = -2;
-    int all = end > begin;
+    int all = end > begin && !norma_check_is_sliver(&m->faces[face]);
     if (!norma_check_directed(&m->faces[face])) return;
     for (size_t c = begin; c < end; c++) {
         double cosine = cosine_to(m, face, norma_check_normal_of(m, face, c));
@@ -48,10 +49,11 @@ static void judge_face(const facing_pass *pass, facing_part *part, size_t face) 
         all &= cosine < -pass->across;
         greatest = fmax(greatest, cosine);
     }
-    if (pass->wants_opposed && all)
-        norma_check_hit(m->run, &part->opposed,
-            norma_check_arc_cosine(fmax(greatest, -1)) * (180 / 3.141592653589793),
-            norma_check_face(face));
+    if (!pass->wants_opposed || !all) return;
+    part->opposed_area += norma_check_twice_area(m, face);
+    norma_check_hit(m->run, &part->opposed,
+        norma_check_arc_cosine(fmax(greatest, -1)) * (180 / 3.141592653589793),
+        norma_check_face(face));
 }
 
 static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
@@ -59,15 +61,15 @@ static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
     for (size_t f = begin; f < end; f++) judge_face(pass, &pass->parts[block], f);
 }
 
-static norma_result add_opposed(check_mesh *m, check_hits *hits) {
+static norma_result add_opposed(check_mesh *m, check_hits *hits, double twice_area) {
     char message[CHECK_MESSAGE];
-    double part = (double)hits->count / (double)m->mesh.face_count;
+    const double whole = norma_check_whole_area(m), part = whole > 0 ? twice_area / whole : 0;
     norma_severity severity = m->on_purpose ? NORMA_SEVERITY_INFO
                               : part > .01  ? NORMA_SEVERITY_ERROR
                                             : NORMA_SEVERITY_WARNING;
     norma_check_message(message,
-        "%z of %z faces (%g %%) have normals that point to their other side at every corner; they "
-        "are lit from behind",
+        "%z of %z faces (%g %% of the area) have normals that point to their other side at every "
+        "corner; they are lit from behind",
         hits->count, m->mesh.face_count, 100 * part);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N201,
@@ -165,12 +167,14 @@ norma_result norma_check_facing(check_mesh *m) {
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, &pass);
     check_hits opposed = {0};
+    double opposed_area = 0;
     for (size_t i = 0; i < blocks; i++) {
+        opposed_area += pass.parts[i].opposed_area;
         norma_check_hits_merge(m->run, &opposed, &pass.parts[i].opposed);
         far_corners += pass.parts[i].far_corners;
     }
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result && opposed.count) result = add_opposed(m, &opposed);
+    if (!result && opposed.count) result = add_opposed(m, &opposed, opposed_area);
     norma_check_hits_free(&opposed);
     return !result && far_corners && norma_check_wants(m, RULE_N202) ? check_far(m) : result;
 }

@@ -137,6 +137,28 @@ static void opposing_normals(void **state) {
     surface_free(&s);
 }
 
+/* A triangle of that height over a longest edge of length, whose normals look down. */
+static void add_opposed(surface *s, float length, float height) {
+    const float corners[3][3] = {{20, 0, 0}, {20 + length, 0, 0}, {20 + length / 2, height, 0}},
+                down[3] = {0, 0, -1};
+    uint32_t face[3];
+    for (int k = 0; k < 3; k++) face[k] = surface_add_vertex(s, corners[k], down);
+    surface_add_face(s, face);
+}
+
+/* Shares are shares of the area, and slivers say nothing. */
+static void opposing_normals_by_area(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    add_opposed(&s, 1, 5e-5F);
+    assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
+    add_opposed(&s, .01F, .01F);
+    assert_found(in_render(&s, "N201", NORMA_SEVERITY_WARNING), 1);
+    add_opposed(&s, 40, 40);
+    assert_found(in_render(&s, "N201", NORMA_SEVERITY_ERROR), 2);
+    surface_free(&s);
+}
+
 static void one_normal_far_off(void **state) {
     (void)state;
     surface s = surface_torus(AROUND, ACROSS);
@@ -232,10 +254,13 @@ static void facets(void **state) {
     set_normal(&s, 10, 0, 0, 0);
     scale_normal(&s, 20, -1);
     scale_normal(&s, 30, 17); /* a length means nothing here */
-    const norma_finding *f = look(&s, "N205", NORMA_SEVERITY_WARNING, NULL, NORMA_FILE_STL);
+    /* two facets are less than a thousandth of the area */
+    const norma_finding *f = look(&s, "N205", NORMA_SEVERITY_INFO, NULL, NORMA_FILE_STL);
     assert_found(f, 2);
     assert_int_equal(f->samples[0].face, 10);
     assert_int_equal(f->samples[1].face, 20);
+    for (size_t i = 0; i < s.faces / 200; i++) scale_normal(&s, 1000 + i, -1);
+    assert_found(look(&s, "N205", NORMA_SEVERITY_WARNING, NULL, NORMA_FILE_STL), 2 + s.faces / 200);
     assert_null(finding_of(found, "N102", NORMA_SEVERITY_NONE));
     assert_null(finding_of(found, "N103", NORMA_SEVERITY_NONE));
     assert_null(finding_of(found, "N204", NORMA_SEVERITY_NONE));
@@ -690,6 +715,7 @@ int main(void) {
         cmocka_unit_test(clean_surfaces_stay_clean),
         cmocka_unit_test(lengths),
         cmocka_unit_test(opposing_normals),
+        cmocka_unit_test(opposing_normals_by_area),
         cmocka_unit_test(one_normal_far_off),
         cmocka_unit_test(placeholders),
         cmocka_unit_test(explained),

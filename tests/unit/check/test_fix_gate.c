@@ -90,6 +90,20 @@ static void a_rule_that_is_not_selected_counts(void **state) {
     norma_document_close(document);
 }
 
+/* A rule that reports something already may not report more of it. */
+static void a_count_may_not_grow(void **state) {
+    (void)state;
+    char text[400];
+    const size_t size = (size_t)snprintf(
+        text, sizeof text, "%sv 20 0 0\nv 21 0 0\nv 20 1 0\nf 10 11 12\nf 10 11 12\n", polygons);
+    norma_document *document = scene_reopen((const unsigned char *)text, size, "a.obj");
+    assert_int_equal(count_of(document, "N305"), 1);
+    const norma_fix_summary summary = fix(document, "N404");
+    assert_int_equal(summary.changed, 0);
+    assert_int_equal(summary.left_out, 1);
+    norma_document_close(document);
+}
+
 /* Without that face there is no harm, and nothing is left out. */
 static void what_does_no_harm_is_done(void **state) {
     (void)state;
@@ -232,6 +246,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(only_the_fix_that_harms_is_left_out),
         cmocka_unit_test(a_rule_that_is_not_selected_counts),
+        cmocka_unit_test(a_count_may_not_grow),
         cmocka_unit_test(what_does_no_harm_is_done),
         cmocka_unit_test(a_fix_is_left_out_where_it_harms),
         cmocka_unit_test(what_is_closed_stays_closed),
