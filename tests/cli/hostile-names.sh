@@ -92,7 +92,7 @@ parses() {
 if command -v node >/dev/null; then
     for form in json sarif; do
         parses check . --no-config --format $form --fail-on never
-        parses check named.gltf keys/named.gltf --format $form # the second one's configuration ends the command
+        check "nothing is printed where a configuration ends the command, $form" bash -c '"$0" check named.gltf keys/named.gltf --format $1 2>/dev/null >said; [ $? = 2 ] && [ ! -s said ]' "$NORMA" $form
     done
     parses info --json named.gltf "$odd.gltf" broken.obj marked.*
     parses info --json --deep marked.*

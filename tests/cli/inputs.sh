@@ -106,6 +106,13 @@ says 'batch/b.stl: STL holds one normal'
 is 3 '' check batch/a.obj --fix-unsafe --out-dir none/../made --write-baseline base.json
 check "nothing is written then" bash -c 'diff -r batch as-it-was && [ ! -e made ] && [ ! -e base.json ]'
 
+mkdir as-it-was/deep batch/deep
+cp batch/a.obj batch/deep
+printf '{"no": 1}' >batch/deep/.norma.json
+cp -r batch/deep as-it-was
+is 2 '' check batch --fix-unsafe --select N104 --in-place
+check "nor where a configuration further down is wrong" diff -r batch as-it-was
+
 # Below --out-dir nothing is written through a link; the folder itself may be one.
 mkdir -p place/deep tree/deep
 cp batch/a.obj tree/deep

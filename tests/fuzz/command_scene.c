@@ -354,7 +354,9 @@ static void judge_values(
         const asset_values *was = &before->values[i], *now = &after->values[i];
         const int own = c->in_place && is_input(before, c, assets[i]),
                   keeps_places = !c->bakes && !c->unsafe;
-        if (!was->known || (!c->in_place && other_output(before, after))) continue;
+        if (!was->known || same_path(c->baseline, assets[i]) ||
+            ((!c->in_place || c->baseline) && other_output(before, after)))
+            continue;
         if (!now->known) FAIL("%s cannot be read any more: %s", assets[i], now->why);
         if (own ? keeps_places && was->places != now->places : was->all != now->all)
             FAIL("%s holds other values", assets[i]);

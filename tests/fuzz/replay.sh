@@ -17,6 +17,7 @@ ply) runs=20000 ;;
 obj | gltf | glb) runs=10000 ;;
 meshopt | normals | plan) runs=5000 ;;
 roundtrip) runs=4000 ;;
+commands | overwritten) runs=200 ;; # files are made for each
 *) runs=1500 ;;
 esac
 

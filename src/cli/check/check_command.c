@@ -8,6 +8,7 @@
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
 #include <math.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -276,12 +277,26 @@ static int guard_baseline(const check_work *work) {
                               : CLI_OK;
 }
 
+/* All of them before the first file is checked or fixed: a command that ends with a usage error has
+ * done nothing. */
+static int read_configs(const check_work *work, check_configs *configs) {
+    const cli_inputs *inputs = &work->files.inputs;
+    int status = CLI_OK;
+    for (size_t i = 0; i < inputs->count && !status; ++i) {
+        errno = 0;
+        if (!check_config_of(configs, inputs->paths[i]))
+            status = errno == ENOMEM ? CLI_FILE : CLI_USAGE;
+    }
+    return status;
+}
+
 static int check_files(const check_work *work, check_configs *configs) {
     cli_output output;
     check_totals totals = {0};
     const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
                         strcmp(work->files.output, "-") == 0;
-    int status = guard_baseline(work);
+    int status = read_configs(work, configs);
+    if (!status) status = guard_baseline(work);
     if (!status)
         status = cli_output_begin(&output,
             work->files.output && !work->settings.fix ? work->files.output : "-",
