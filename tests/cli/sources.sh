@@ -62,6 +62,8 @@ refused check plate.obj --write-baseline plate.obj
 refused check plate.obj --write-baseline .norma.json
 refused check crate.gltf --write-baseline crate.bin
 refused check crate.gltf -o report.json --write-baseline wood.png
+refused check crate.gltf --fix-unsafe --in-place --write-baseline wood.png
+refused check crate.gltf plate.obj --fix-unsafe --in-place --write-baseline crate.bin
 refused check crate.gltf -o crate.bin
 refused check crate.gltf -o hard.bin
 refused check crate.gltf -o 'old page.html'

@@ -65,6 +65,7 @@ static void add_options(fuzz_bytes *bytes, command *c) {
         c->bakes |= strcmp(o[0], "--bake") == 0;
         c->keeps_weld |= strcmp(o[0], "--weld") == 0;
         c->reads_list |= strcmp(o[0], "--files-from") == 0;
+        if (strcmp(o[0], "--no-config") == 0) c->reads_config = 0;
         c->reads_baseline |= strcmp(o[0], "--baseline") == 0;
     }
 }

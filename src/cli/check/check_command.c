@@ -277,6 +277,14 @@ static int guard_baseline(const check_work *work) {
                               : CLI_OK;
 }
 
+/* Before a file is fixed it must be known that the baseline is none of those that files name. */
+static int guard_before_fixing(const check_work *work) {
+    const int status = guard_baseline(work);
+    if (status || !work->new_baseline || !work->settings.fix) return status;
+    cli_guard_look_ahead(work->files.guard, &work->files.inputs, work->files.format);
+    return guard_baseline(work);
+}
+
 /* All of them before the first file is checked or fixed: a command that ends with a usage error has
  * done nothing. */
 static int read_configs(const check_work *work, check_configs *configs) {
@@ -296,7 +304,7 @@ static int check_files(const check_work *work, check_configs *configs) {
     const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
                         strcmp(work->files.output, "-") == 0;
     int status = read_configs(work, configs);
-    if (!status) status = guard_baseline(work);
+    if (!status) status = guard_before_fixing(work);
     if (!status)
         status = cli_output_begin(&output,
             work->files.output && !work->settings.fix ? work->files.output : "-",

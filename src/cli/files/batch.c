@@ -282,7 +282,7 @@ static int guard_each(const cli_files *files) {
 int cli_guard_outputs(const cli_files *files) {
     const int status = guard_each(files);
     if (status) return status;
-    cli_guard_look_ahead(files->guard, &files->inputs, files->format);
+    if (files->inputs.count > 1) cli_guard_look_ahead(files->guard, &files->inputs, files->format);
     return guard_each(files);
 }
 

@@ -107,7 +107,7 @@ void cli_guard_document(cli_guard *guard, norma_document *document, const char *
 
 void cli_guard_look_ahead(
     cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format) {
-    if (!guard || !guard->watches || inputs->count < 2) return;
+    if (!guard || !guard->watches) return;
     for (size_t i = 0; i < inputs->count; ++i) {
         const char *path = inputs->paths[i];
         const norma_file_format kind = format ? format : norma_file_format_of_path(path);

@@ -15,8 +15,8 @@ void cli_guard_free(cli_guard *guard);
 void cli_guard_read(cli_guard *guard, const char *path);
 /* The files that an open document was read from or names. Cheap unless an output exists already. */
 void cli_guard_document(cli_guard *guard, norma_document *document, const char *input);
-/* The same for inputs that are opened later: glTF files are looked into, if an output exists and
- * there are several inputs, so that no output of the first can replace a picture of the second. */
+/* The same for inputs that are opened later: glTF files are looked into, if an output exists, so
+ * that no output of the first can replace a picture of the second. */
 struct cli_inputs;
 void cli_guard_look_ahead(
     cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format);
