@@ -5,6 +5,7 @@
 #include "fuzz.h"
 #include "mesh_files.h"
 #include "oracle/compare.h"
+#include "oracle/judge.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,63 +59,6 @@ static norma_options take_options(fuzz_bytes *bytes) {
     return options;
 }
 
-/* norma_split and a plan give each corner the bits that norma_corner_normals gives it. */
-static void judge_split_and_plan(
-    const norma_mesh *mesh, float crease, const norma_options *options) {
-    const size_t count = mesh->corner_count;
-    float *corners = calloc(3 * count + 1, sizeof *corners),
-          *split = calloc(3 * count + 1, sizeof *split), *moved = calloc(3 * count + 1, 4);
-    uint32_t *new_corners = calloc(count + 1, 4), *sources = calloc(count + 1, 4);
-    size_t vertices = 0;
-    if (norma_corner_normals(mesh, crease, options, corners, count, NULL))
-        fuzz_fail("corner normals refused");
-    if (norma_split(
-            mesh, crease, options, new_corners, count, sources, split, count, &vertices, NULL))
-        fuzz_fail("split refused");
-    for (size_t c = 0; c < count; ++c)
-        if (new_corners[c] >= vertices ||
-            memcmp(split + 3 * (size_t)new_corners[c], corners + 3 * c, 12) != 0)
-            fuzz_fail("corner %zu: split gives another normal", c);
-    norma_plan *plan = NULL;
-    if (norma_plan_create(mesh, NORMA_PER_CORNER, crease, options, &plan))
-        fuzz_fail("plan refused");
-    if (norma_plan_update(plan, mesh->positions, NULL, 0, options, moved, count, NULL))
-        fuzz_fail("update refused");
-    if (memcmp(moved, corners, 12 * count) != 0) fuzz_fail("a plan gives other normals");
-    norma_plan_destroy(plan);
-    free(corners), free(split), free(moved), free(new_corners), free(sources);
-}
-
-/* Where no part is one-sided, no two faces that share an edge run along it the same way once the
- * faces that norma_orient names are turned; the oracle counts. */
-static void judge_orient(any_mesh *mesh, const norma_options *options) {
-    uint8_t reverse[MOST_FACES];
-    norma_orient_report report;
-    mesh->view.smoothing_groups = NULL;
-    mesh->view.hard_edges = NULL;
-    if (norma_orient(
-            &mesh->view, NORMA_ORIENT_OPEN_KEPT, options, reverse, mesh->file.face_count, &report))
-        fuzz_fail("orient refused");
-    if (report.one_sided) return;
-    for (size_t f = 0; f < mesh->file.face_count; ++f) {
-        if (!reverse[f]) continue;
-        uint32_t *first = mesh->file.corners + mesh->file.starts[f];
-        const size_t count = mesh->file.starts[f + 1] - mesh->file.starts[f];
-        for (size_t i = 1; i < count - i; ++i) {
-            const uint32_t corner = first[i];
-            first[i] = first[count - i];
-            first[count - i] = corner;
-        }
-    }
-    oracle o;
-    oracle_fans fans;
-    oracle_create(&o, &mesh->view, options->weld, 0);
-    oracle_fans_create(&fans, &o, 1.0F, NORMA_NON_MANIFOLD_HARD, COMPARE_DOUBT_RAD);
-    if (fans.conflicts.count) fuzz_fail("%zu conflicts are left", fans.conflicts.count);
-    oracle_fans_destroy(&fans);
-    oracle_destroy(&o);
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     static const float creases[] = {0, 0.5F, 1.04719755F, 1.57079637F, 3.14159274F};
     fuzz_bytes rest = {bytes, size};
@@ -128,10 +72,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     compare_faces(&total, "fuzz", &o, &mesh.view, &options);
     compare_vertices(&total, "fuzz", &o, &mesh.view, &options, 1);
     compare_corners(&total, "fuzz", &o, &mesh.view, crease, &options);
+    total.wrong += judge_split("fuzz", &mesh.view, crease, &options) +
+                   judge_plans("fuzz", &o, &mesh.view, crease, &options) +
+                   judge_orientation("fuzz", &o, &mesh.view, &options);
     oracle_destroy(&o);
     if (total.wrong) fuzz_fail("%zu answers are not the oracle's", total.wrong);
-    judge_split_and_plan(&mesh.view, crease, &options);
-    judge_orient(&mesh, &options);
     mesh_file_free(&mesh.file);
     return 0;
 }
