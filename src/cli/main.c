@@ -5,6 +5,7 @@
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
 #include "cli/process/startup_checks.h"
+#include <locale.h>
 #include <string.h>
 
 static const cli_subcommand *const verbs[] = {&cli_subcommand_compute, &cli_subcommand_tangents,
@@ -65,6 +66,7 @@ static int help_about(int count, char **names) {
 }
 
 int main(int count, char **arguments) {
+    (void)setlocale(LC_ALL, "C"); /* whatever was preloaded may have chosen another */
     cli_startup_checks();
     cli_watch_interrupts();
     if (count < 2) {

@@ -47,6 +47,12 @@ if command -v localedef >/dev/null && [ -e /usr/share/i18n/locales/de_DE ]; then
     check "something was written" test "$(wc -c <"$scratch/with-point")" -gt 100000
     check "the same bytes in both" cmp "$scratch/with-point" "$scratch/with-comma"
     check "the tool's bytes are the same in both" bash -c 'LC_ALL=C "$0" check assets/goathead.obj >"$1/a"; LOCPATH="$1/locales" LC_ALL=de_DE.UTF-8 LANG=de_DE.UTF-8 "$0" check assets/goathead.obj >"$1/b"; test -s "$1/a" && cmp "$1/a" "$1/b"' "$NORMA_BIN" "$scratch"
+    printf '#include <locale.h>\n__attribute__((constructor)) static void host(void) { setlocale(LC_ALL, ""); }\n' >"$scratch/host.c"
+    check "a library that sets the locale builds" gcc -shared -fPIC "$scratch/host.c" -o "$scratch/host.so"
+    for words in "matrix --scale 1.5,2,3 --json" "compute assets/goathead.obj -o $scratch/out.obj --crease 59.5 --json"; do
+        # shellcheck disable=SC2086  # a list of words
+        check "with that library preloaded the tool's bytes are the same: ${words%% *}" bash -c '"$0" "${@:2}" >"$1/a" && LD_PRELOAD=$1/host.so LOCPATH=$1/locales LC_ALL=de_DE.UTF-8 "$0" "${@:2}" >"$1/b" && test -s "$1/a" && cmp "$1/a" "$1/b"' "$NORMA_BIN" "$scratch" $words
+    done
 else
     skip "a decimal comma (no localedef, or no source of de_DE: Debian's package locales)"
 fi

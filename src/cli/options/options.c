@@ -120,7 +120,7 @@ int cli_parse(const cli_subcommand *verb, const cli_table *tables, size_t table_
 
 /* ---- numbers */
 
-/* strtod alone would also take "inf", "nan", hexadecimal and leading blanks. The tool never leaves
+/* strtod alone would also take "inf", "nan", hexadecimal and leading blanks. The tool stays in
  * the locale "C". */
 static const char *read_number(const char *text, double *number) {
     size_t length = strspn(text, "+-.0123456789eE");
