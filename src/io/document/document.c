@@ -64,7 +64,7 @@ norma_document_result norma_document_mesh_data(
     size_t count = norma_document_mesh_count(document);
     if (!data || index >= count)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "mesh %zu of %zu was asked for", index, count);
+            "there is no mesh %zu; the document has %zu, numbered from 0", index, count);
     *data = (norma_mesh_data){0};
     result = norma_document_mesh_info(document, index, &info);
     if (result)

@@ -27,14 +27,14 @@ static norma_document_result check_target(
     const norma_document target = {.path = (char *)(uintptr_t)path};
     if (!in_place && norma_file_same(path, document->path) && !norma_file_is_stream(path))
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "is the input itself; expected another name, or to work in place");
+            "is the input itself; give another name, or work in place");
     if (!in_place && norma_document_names_file(document, path))
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "belongs to %s, which reads it or names it; expected another name", document->path);
+            "belongs to %s, which reads it or names it; give another name", document->path);
     if (!name_fits(document, path)) {
         const char *name = norma_file_format_name(document->format);
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "%s is %s, and the output has its input's format; expected a name that ends in .%s",
+            "%s is %s, and the output has its input's format; give a name that ends in .%s",
             document->path, name, name);
     }
     return NORMA_DOCUMENT_OK;

@@ -58,8 +58,8 @@ norma_document_result norma_document_read(norma_document *document, norma_docume
     const format_functions *functions = functions_of(document->format);
     if (!functions)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-            "unknown kind of file; expected a name that ends in .obj, .ply, .stl, .gltf or .glb, "
-            "or an explicit format");
+            "unknown kind of file; the name should end in .obj, .ply, .stl, .gltf or .glb, or the "
+            "format must be given");
     if (document->progress && document->progress(document->progress_user, 0))
         return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
     document->functions = functions;
@@ -171,7 +171,7 @@ norma_document_result norma_document_usable(
             NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no document was given");
     if (document->depth != NORMA_DOCUMENT_WHOLE)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "opened as a summary only; expected to be opened whole");
+            "was opened as a summary; open it whole");
     if (document->failed)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "an earlier change of it failed; it can only be closed");

@@ -14,7 +14,7 @@ static norma_document_result check_mesh(
     size_t count = norma_document_mesh_count(document);
     if (index >= count || norma_document_mesh_info(document, index, &info))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "mesh %zu of %zu was asked for", index, count);
+            "there is no mesh %zu; the document has %zu, numbered from 0", index, count);
     if (info.not_read)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT,
             info.where[0] ? info.where : NULL, "%s", info.not_read);
@@ -101,7 +101,8 @@ norma_document_result norma_document_morph_data(norma_document *document, size_t
     norma_document_mesh_info(document, mesh, &info);
     if (target >= info.morph_targets || !functions_of(document)->morph)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "morph target %zu of %zu was asked for", target, info.morph_targets);
+            "there is no morph target %zu; the mesh has %zu, numbered from 0", target,
+            info.morph_targets);
     return functions_of(document)->morph(document, mesh, target, data, error);
 }
 
@@ -118,7 +119,7 @@ norma_document_result norma_document_skin_info(
     size_t count = norma_document_skin_count(document);
     if (!info || index >= count)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "skin %zu of %zu was asked for", index, count);
+            "there is no skin %zu; the document has %zu, numbered from 0", index, count);
     *info = (norma_skin_info){.name = "", .where = "", .ignore = "", .joint = SIZE_MAX};
     return functions_of(document)->skin(document, index, info, error);
 }
@@ -149,7 +150,8 @@ norma_document_result norma_document_instance_world(norma_document *document, si
     norma_document_clear(error);
     if (!document || !world || index >= norma_document_node_count(document))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "node %zu of %zu was asked for", index, norma_document_node_count(document));
+            "there is no node %zu; the document has %zu, numbered from 0", index,
+            norma_document_node_count(document));
     norma_document_result result = norma_document_node_info(document, index, &info);
     if (result) { /* its instances cannot be read; who reads them says why */
         norma_document_result why =
@@ -162,6 +164,7 @@ norma_document_result norma_document_instance_world(norma_document *document, si
     }
     if (instance >= info.instances || !functions_of(document)->instance_world)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, info.where,
-            "instance %zu of %zu was asked for", instance, info.instances);
+            "there is no instance %zu; the node has %zu, numbered from 0", instance,
+            info.instances);
     return functions_of(document)->instance_world(document, index, instance, world, error);
 }

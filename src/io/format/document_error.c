@@ -58,7 +58,7 @@ void norma_document_system_text(int system_error, char *text, size_t room) {
     else if (system_error == FILE_IN_USE)
         snprintf(text, room, "another program is replacing it at this moment");
     else if (system_error == FILE_NOT_REGULAR)
-        snprintf(text, room, "it is a device or a pipe; expected a regular file");
+        snprintf(text, room, "it is a device or a pipe, not a regular file");
     else if (system_error == FILE_NOT_FLUSHED)
         snprintf(text, room,
             "the new file is in its place and complete, but its folder could not be flushed: a "

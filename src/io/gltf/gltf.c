@@ -17,7 +17,7 @@ static norma_document_result fail_glb(
     char place[40];
     snprintf(place, sizeof place, "byte %zu", byte);
     return norma_document_fail(
-        g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "expected %s", expected);
+        g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "there should be %s", expected);
 }
 
 /* Chunks behind the JSON: the first BIN is the buffer without a uri; all others are kept as they
@@ -56,10 +56,10 @@ static norma_document_result read_glb(gltf *g, norma_document_error *error) {
     uint32_t version = norma_gltf_u32(source->data + 4), length = norma_gltf_u32(source->data + 8);
     if (version != 2)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "byte 4",
-            "GLB version %u; expected 2", (unsigned)version);
+            "this is GLB version %u; only version 2 can be read", (unsigned)version);
     if (length > source->size)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 8",
-            "the header says %u bytes, the file has %zu; expected as many", (unsigned)length,
+            "the header declares %u bytes, but the file has only %zu", (unsigned)length,
             source->size);
     if (length < source->size)
         norma_document_add_note(g->document,
@@ -80,7 +80,7 @@ static norma_document_result parse_text(gltf *g, norma_document_error *error) {
     snprintf(place, sizeof place, "byte %zu",
         wrong.byte + (size_t)((const unsigned char *)g->text - g->document->source.data));
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
-        "no JSON; expected %s", wrong.expected);
+        "this is not JSON; there should be %s here", wrong.expected);
 }
 
 /* "2.0" or "2.1" in a version string. */
@@ -95,23 +95,24 @@ static norma_document_result check_version(const gltf *g, norma_document_error *
         norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "version");
     if (version == JSON_NONE)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "/asset/version", "expected a version, as every glTF file has");
+            "/asset/version", "the version is missing; every glTF file has one");
     if (!is_version_2(g, version))
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
-            "/asset/version", "is not glTF 2; expected version 2.0");
+            "/asset/version", "is not version 2; only glTF 2.0 can be read");
     if (norma_gltf_needs_later(g) && !g->document->lenient)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
-            "/asset/minVersion", "needs a later version of glTF than is read here; expected 2.0");
+            "/asset/minVersion",
+            "needs a later version of glTF than 2.0, the only one that can be read here");
     return NORMA_DOCUMENT_OK;
 }
 
 /* A compression that a file requires and that cannot be read here; NULL for other extensions. */
 static const char *why_not_decoded(const char *name) {
     if (strcmp(name, "KHR_draco_mesh_compression") == 0)
-        return "is not read yet; expected meshes without Draco's compression";
+        return "cannot be read yet; save the meshes without Draco's compression";
     if (!norma_gltf_reads_meshopt() && (strcmp(name, "EXT_meshopt_compression") == 0 ||
                                            strcmp(name, "KHR_meshopt_compression") == 0))
-        return "needs meshoptimizer, which this Norma was built without; expected meshes without "
+        return "needs meshoptimizer, which this Norma was built without; save the meshes without "
                "compression";
     return NULL;
 }

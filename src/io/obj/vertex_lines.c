@@ -178,7 +178,7 @@ norma_document_result norma_obj_edit_vertices(
     if (edit->reverse_faces || edit->drop_faces || edit->cut_faces || edit->set_normals ||
         edit->set_positions)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "vertices cannot be changed together with other data; change them one after the other");
+            "vertices and other things cannot change at once; change one after the other");
     state->vertices = norma_io_allocate(1, sizeof *state->vertices);
     return state->vertices ? fill(document, edit, state->vertices, error)
                            : norma_document_fail_memory(document, error);

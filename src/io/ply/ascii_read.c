@@ -39,18 +39,17 @@ typedef struct text_walker {
 } text_walker;
 
 static norma_document_result fail_row(
-    const text_walker *walker, const unsigned char *at, const char *found, const char *expected) {
+    const text_walker *walker, const unsigned char *at, const char *what) {
     const ply_state *state = walker->document->state;
     ply_span name = walker->element->name;
     return norma_ply_fail_at(walker->document, walker->error, (size_t)(at - state->bytes),
-        "row %llu of element \"%.*s\": %s; expected %s", (unsigned long long)walker->row,
-        name.length > 60 ? 60 : (int)name.length, (const char *)state->bytes + name.offset, found,
-        expected);
+        "row %llu of element \"%.*s\": %s", (unsigned long long)walker->row,
+        name.length > 60 ? 60 : (int)name.length, (const char *)state->bytes + name.offset, what);
 }
 
 static norma_document_result next_word(text_walker *walker, const char **text, size_t *length) {
     const unsigned char *word = norma_ply_token(walker->at, walker->end, length);
-    if (!word) return fail_row(walker, walker->end, "the file ends", "more values");
+    if (!word) return fail_row(walker, walker->end, "the file ends before the row does");
     walker->at = word + *length;
     *text = (const char *)word;
     return NORMA_DOCUMENT_OK;
@@ -63,7 +62,7 @@ static norma_document_result walk_value(text_walker *walker, int property, int64
     if (!result && walker->visit &&
         walker->visit(walker->user, property, item, text, text + length))
         return fail_row(
-            walker, (const unsigned char *)text, "not a number of the property's kind", "one");
+            walker, (const unsigned char *)text, "this is not a number of the property's type");
     return result;
 }
 
@@ -74,11 +73,11 @@ static norma_document_result walk_list(text_walker *walker, int property) {
     if (result) return result;
     int64_t count;
     if (norma_number_parse_integer(text, text + length, &count) != text + length || count < 0)
-        return fail_row(walker, (const unsigned char *)text, "not a number of list items",
-            "a whole number from 0 up");
-    if (count > (walker->end - walker->at + 1) / 2)
         return fail_row(walker, (const unsigned char *)text,
-            "a list longer than the rest of the file", "the items that are there");
+            "the count of a list should be a whole number from 0 up");
+    if (count > (walker->end - walker->at + 1) / 2)
+        return fail_row(
+            walker, (const unsigned char *)text, "the list is longer than the rest of the file");
     if (walker->visit && walker->visit(walker->user, property, COUNT_ITEM, text, text + length))
         return norma_document_fail_memory(walker->document, walker->error);
     for (int64_t item = 0; item < count && !result; ++item)
@@ -152,8 +151,8 @@ norma_document_result norma_ply_locate_text(norma_document *document, norma_docu
         walker.row = 0;
         if (element->property_count > 0 &&
             element->count > (left + 1) / 2 / element->property_count)
-            return fail_row(&walker, walker.end, "fewer bytes are left than the declared rows need",
-                "a longer file or a smaller count");
+            return fail_row(
+                &walker, walker.end, "the file is too short for the rows that the header declares");
         element->begin = (size_t)(walker.at - state->bytes);
         norma_document_result result = locate_rows(&walker, state);
         if (result) return result;

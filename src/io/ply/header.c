@@ -86,7 +86,7 @@ static norma_document_result read_magic(header_reader *reader) {
     ply_state *state = reader->state;
     if (state->size < 4 || memcmp(state->bytes, "ply", 3) != 0 || !is_blank(state->bytes[3]))
         return norma_document_fail(reader->document, reader->error, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "1", "%s; expected a line \"ply\"",
+            "1", "%s; a PLY file begins with the line \"ply\"",
             state->size == 0 ? "the file is empty" : "not a PLY file");
     size_t at = 3;
     while (at < state->size && (state->bytes[at] == ' ' || state->bytes[at] == '\t')) ++at;
@@ -98,7 +98,7 @@ static norma_document_result read_magic(header_reader *reader) {
     next_line(reader);
     return reader->line.word_count == 1
                ? NORMA_DOCUMENT_OK
-               : fail_line(reader, "expected \"ply\" alone on the first line",
+               : fail_line(reader, "the first line should be \"ply\" alone",
                      whole_line(reader->state, &reader->line));
 }
 
@@ -110,7 +110,7 @@ static norma_document_result read_format(header_reader *reader) {
         [PLY_BIG_ENDIAN] = "binary_big_endian"};
     const header_line *line = &reader->line;
     if (line->word_count != 3 || !norma_ply_span_is(reader->state, line->words[2], "1.0"))
-        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"",
+        return fail_line(reader, "this line should be \"format\", an encoding and \"1.0\"",
             whole_line(reader->state, line));
     for (int i = PLY_ASCII; i <= PLY_BIG_ENDIAN; ++i) {
         if (norma_ply_span_is(reader->state, line->words[1], names[i])) {
@@ -119,7 +119,7 @@ static norma_document_result read_format(header_reader *reader) {
         }
     }
     return fail_line(reader,
-        "unknown encoding; expected ascii, binary_little_endian or binary_big_endian",
+        "this encoding is not known; PLY has ascii, binary_little_endian and binary_big_endian",
         line->words[1]);
 }
 
@@ -128,13 +128,13 @@ static norma_document_result read_element(header_reader *reader) {
     ply_state *state = reader->state;
     ply_header *header = &state->header;
     if (line->word_count != 3)
-        return fail_line(
-            reader, "expected \"element\", a name and a count", whole_line(reader->state, line));
+        return fail_line(reader, "this line should be \"element\", a name and a count",
+            whole_line(reader->state, line));
     int64_t count;
     const char *text = (const char *)state->bytes + line->words[2].offset,
                *end = text + line->words[2].length;
     if (norma_number_parse_integer(text, end, &count) != end || count < 0)
-        return fail_line(reader, "expected a count of rows", line->words[2]);
+        return fail_line(reader, "this should be the number of rows", line->words[2]);
     ply_element *grown = norma_io_grow(
         header->elements, &header->element_capacity, header->element_count + 1, sizeof *grown);
     if (!grown) return norma_document_fail_memory(reader->document, reader->error);
@@ -160,8 +160,9 @@ static norma_document_result parse_property(header_reader *reader, ply_property 
     int is_list = line->word_count > 1 && norma_ply_span_is(state, line->words[1], "list");
     if (line->word_count != (is_list ? 5u : 3u))
         return fail_line(reader,
-            is_list ? "expected \"property list\", the types of count and items, and a name"
-                    : "expected \"property\", a type and a name",
+            is_list
+                ? "this line should be \"property list\", the types of count and items, and a name"
+                : "this line should be \"property\", a type and a name",
             whole_line(reader->state, line));
     size_t type_word = is_list ? 3 : 1;
     *property = (ply_property){.name = line->words[type_word + 1],
@@ -171,15 +172,14 @@ static norma_document_result parse_property(header_reader *reader, ply_property 
     property->type = type_of(state, property->type_text);
     if (property->type == PLY_NO_TYPE)
         return fail_line(reader,
-            "unknown type; expected char, uchar, short, ushort, int, uint, float, double or int8 "
-            "to float64",
+            "this type is not known; PLY has char, uchar, short, ushort, int, uint, float, double "
+            "and int8 to float64",
             property->type_text);
     if (!is_list) return NORMA_DOCUMENT_OK;
     property->count_type_text = line->words[2];
     property->count_type = type_of(state, line->words[2]);
     if (property->count_type >= PLY_FLOAT)
-        return fail_line(
-            reader, "expected an integer type for the count of a list", line->words[2]);
+        return fail_line(reader, "the count of a list should have an integer type", line->words[2]);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -209,10 +209,11 @@ static norma_document_result read_property(header_reader *reader) {
 static norma_document_result read_unknown(header_reader *reader, int has_format) {
     const header_line *line = &reader->line;
     if (!has_format)
-        return fail_line(reader, "expected \"format\", an encoding and \"1.0\"",
+        return fail_line(reader, "this line should be \"format\", an encoding and \"1.0\"",
             whole_line(reader->state, line));
     if (reader->state->header.element_count > 0)
-        return fail_line(reader, "expected element, property, comment, obj_info or end_header",
+        return fail_line(reader,
+            "this line should begin with element, property, comment, obj_info or end_header",
             whole_line(reader->state, line));
     ply_span text = whole_line(reader->state, line);
     int length = text.length > 60 ? 60 : (int)text.length;
@@ -279,8 +280,8 @@ static norma_document_result check_triple(
         if (found[axis] == PLY_NONE) continue;
         const ply_property *property = norma_ply_property(&state->header, of, found[axis]);
         if (norma_ply_is_list(property))
-            return fail_name(
-                document, error, state, property->name, "a list; expected a single number");
+            return fail_name(document, error, state, property->name,
+                "this is a list, but should be a single number");
         for (size_t i = (size_t)found[axis] + 1; i < of->property_count; ++i) {
             const ply_property *other = norma_ply_property(&state->header, of, (int)i);
             if (other->name.length == property->name.length &&
@@ -300,7 +301,8 @@ static norma_document_result check_list(
     const ply_property *property =
         norma_ply_property(&state->header, norma_ply_element(&state->header, element), list);
     if (!norma_ply_is_list(property) || property->type >= PLY_FLOAT)
-        return fail_name(document, error, state, property->name, "expected a list of integers");
+        return fail_name(
+            document, error, state, property->name, "this should be a list of integers");
     return NORMA_DOCUMENT_OK;
 }
 
@@ -347,11 +349,11 @@ static norma_document_result assign_parts(
     header->strip_list = find_list(state, header->strips);
     const ply_element *vertex = norma_ply_element(header, header->vertex);
     if (count_found(header->position) != 3)
-        return fail_name(document, error, state, vertex->name,
-            "the element lacks properties; expected x, y and z");
+        return fail_name(
+            document, error, state, vertex->name, "the element needs the properties x, y and z");
     if (count_found(header->normal) % 3 != 0)
         return fail_name(document, error, state, vertex->name,
-            "the element has a part of nx, ny and nz; expected all or none");
+            "the element should have all of nx, ny and nz, or none of them");
     if (count_found(header->face_normal) != 3 ||
         check_triple(document, NULL, header->face, header->face_normal))
         header->face_normal[0] = header->face_normal[1] = header->face_normal[2] = PLY_NONE;
@@ -369,7 +371,7 @@ norma_document_result norma_ply_read_header(norma_document *document, norma_docu
     int has_format = 0, ended = 0;
     while (!result && !ended) {
         if (!next_line(&reader))
-            return fail_line(&reader, "the file ends within the header; expected \"end_header\"",
+            return fail_line(&reader, "the file ends within the header, before \"end_header\"",
                 (ply_span){0, 0});
         result = read_statement(&reader, &has_format, &ended);
     }

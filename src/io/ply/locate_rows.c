@@ -9,7 +9,7 @@ static norma_document_result fail_short(const norma_document *document, norma_do
     const ply_element *element, uint64_t row) {
     const ply_state *state = document->state;
     return norma_ply_fail_at(document, error, state->size,
-        "the file ends in row %llu of element \"%.*s\"; expected %llu rows",
+        "the file ends in row %llu of element \"%.*s\", which should have %llu rows",
         (unsigned long long)row, element->name.length > 60 ? 60 : (int)element->name.length,
         (const char *)state->bytes + element->name.offset, (unsigned long long)element->count);
 }

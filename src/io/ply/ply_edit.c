@@ -170,7 +170,7 @@ norma_document_result norma_ply_edit(
     if (!result && edit->cut_faces)
         result = edit->reverse_faces
                      ? norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-                           "faces are to be cut and reversed at once; expected one after the other")
+                           "faces cannot be cut and reversed at once; do one after the other")
                      : cut_faces(document, edit, error);
     if (!result && (edit->reverse_faces || edit->drop_faces))
         result = edit_faces(document, edit, error);

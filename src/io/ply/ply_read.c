@@ -213,8 +213,9 @@ static norma_document_result fail_index(norma_document *document, norma_document
     norma_ply_row_spans(document, of, &spans, NULL);
     size_t offset = spans ? spans[row].offset : of->begin;
     free(spans);
-    return norma_ply_fail_at(document, error, offset, "%s %zu has index %lld; expected 0 to %lld",
-        element, row, (long long)index, (long long)state->vertices - 1);
+    return norma_ply_fail_at(document, error, offset,
+        "%s %zu names vertex %lld; vertices are numbered from 0 to %lld", element, row,
+        (long long)index, (long long)state->vertices - 1);
 }
 
 static norma_document_result fail_too_many(

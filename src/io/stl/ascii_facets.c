@@ -52,11 +52,12 @@ static norma_document_result fail_word(
     snprintf(place, sizeof place, "%zu", line_of(scanner, word.text));
     if (word.text == word.end)
         return norma_document_fail(scanner->document, scanner->error,
-            NORMA_DOCUMENT_ERROR_MALFORMED, place, "the file ends in facet %zu; expected %s",
+            NORMA_DOCUMENT_ERROR_MALFORMED, place, "the file ends in facet %zu, before %s",
             scanner->facet, expected);
     const int length = word.end - word.text > 60 ? 60 : (int)(word.end - word.text);
     return norma_document_fail(scanner->document, scanner->error, NORMA_DOCUMENT_ERROR_MALFORMED,
-        place, "\"%.*s\" in facet %zu; expected %s", length, word.text, scanner->facet, expected);
+        place, "\"%.*s\" stands in facet %zu in place of %s", length, word.text, scanner->facet,
+        expected);
 }
 
 static norma_document_result expect(text_scanner *scanner, const char *lower) {

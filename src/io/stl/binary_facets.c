@@ -69,14 +69,14 @@ norma_document_result norma_stl_read_binary(norma_document *document, norma_docu
     stl_state *state = document->state;
     if (state->size < STL_HEADER)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 0",
-            "%s; expected \"solid\", or a binary header of 84 bytes",
+            "%s; an STL file begins with \"solid\" or with a binary header of 84 bytes",
             state->size == 0 ? "the file is empty" : "not an STL file");
     const uint32_t count = load_32(state->bytes + 80);
     const size_t room = (state->size - STL_HEADER) / STL_FACET;
     if (count > room)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 80",
-            "%lu facets are declared and the file holds %zu; expected at most as many",
-            (unsigned long)count, room);
+            "the header declares %lu facets, but the file holds only %zu", (unsigned long)count,
+            room);
     state->facets = count;
     const size_t rest = state->size - STL_HEADER - (size_t)count * STL_FACET;
     if (rest > 0)

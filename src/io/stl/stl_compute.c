@@ -127,8 +127,8 @@ norma_document_result norma_stl_compute(norma_document *document,
     norma_document_error *error) {
     if (options->shading == NORMA_SHADING_SMOOTH || options->shading == NORMA_SHADING_CREASE)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "STL holds one normal for each facet: smooth shading and creases cannot be stored; "
-            "expected neither, or another format");
+            "STL holds one normal for each facet: smooth shading and creases cannot be stored; use "
+            "neither, or another format");
     norma_document_result result = norma_edited_flush(document, error);
     if (result) return result;
     const stl_state *state = document->state;

@@ -171,7 +171,7 @@ norma_document_result norma_stl_edit(
     if (!sink) return norma_document_fail_memory(document, error);
     if (edit->reverse_faces && edit->set_positions)
         result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "facets cannot be reversed and moved in one call; do one after the other");
+            "facets cannot be reversed and moved at once; do one after the other");
     else if (state->binary)
         edit_binary(state, edit, sink);
     else

@@ -155,9 +155,9 @@ static void test_sheared(void **state) {
 
 static void test_uneven(void **state) {
     (void)state;
-    FOUND(check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[1,1.0501,1]},{\"mesh\":0,"
-                                "\"scale\":[1,1.0499,1]},{\"mesh\":0,\"scale\":[1e-7,1e-7,4e-7]},{"
-                                "\"mesh\":0,\"scale\":[1e-9,1e-9,1e-9]}]"),
+    FOUND(check_nodes(ONE_SIDE,
+              "\"nodes\":[{\"mesh\":0,\"scale\":[1,1.0501,1]},{\"mesh\":0,\"scale\":[1,1.0499,1]},{"
+              "\"mesh\":0,\"scale\":[1e-7,1e-7,4e-7]},{\"mesh\":0,\"scale\":[1e-9,1e-9,1e-9]}]"),
         {"N601", "/nodes/0", I, 1, 1.0501, ""}, {"N601", "/nodes/2", I, 1, 4, ""});
     norma_findings *findings = check_nodes(ONE_SIDE, "\"nodes\":[{\"mesh\":0,\"scale\":[2,1,1]}]");
     assert_non_null(
@@ -231,8 +231,7 @@ static void test_joints(void **state) {
     asset_floats(&a, &scales[0][0], 2, 3);
     FOUND(check(asset_open(&a,
                     "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1]},{}],\"animations\":"
-                    "[{\"samplers\":[{\"input\":0,\"output\":1}],"
-                    "\"channels\":[{\"sampler\":0,"
+                    "[{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":[{\"sampler\":0,"
                     "\"target\":{\"node\":0,\"path\":\"scale\"}}]}]",
                     1),
               MINE),
@@ -646,7 +645,7 @@ static void test_endless_skins(void **state) {
 static void test_unreadable(void **state) {
     (void)state;
     const norma_document_error error = {
-        .result = NORMA_DOCUMENT_ERROR_MALFORMED, .message = "a.glb:byte 0: expected more"};
+        .result = NORMA_DOCUMENT_ERROR_MALFORMED, .message = "a.glb:byte 0: there should be more"};
     norma_findings *findings = norma_check_unreadable(&error, NORMA_FILE_GLB, NULL);
     assert_non_null(findings);
     assert_string_equal(norma_findings_get(findings, 0)->message, error.message);

@@ -95,13 +95,14 @@ static void test_no_document(void **state) {
     assert_string_equal(a.node.path, "");
     assert_string_equal(a.material.ignore, "");
     assert_string_equal(a.unread.why, "");
-    refused(norma_document_instance_world(NULL, 0, 0, a.world, e), "node 0 of 0 was asked for");
+    refused(norma_document_instance_world(NULL, 0, 0, a.world, e),
+        "there is no node 0; the document has 0, numbered from 0");
 }
 
 static void test_a_summary(void **state) {
     norma_document *document = open_with(NORMA_DOCUMENT_SUMMARY);
     (void)state;
-    expect_unusable(document, "a.obj: opened as a summary only; expected to be opened whole");
+    expect_unusable(document, "a.obj: was opened as a summary; open it whole");
     norma_document_close(document);
 }
 
@@ -136,21 +137,24 @@ static void test_numbers_and_places(void **state) {
             .vertex_count = 3,
             .strip_normals = NORMA_STRIP_ALL}};
     (void)state;
-    refused(norma_document_mesh_data(document, 1, &a.data, e), "a.obj: mesh 1 of 1 was asked for");
-    refused(norma_document_mesh_data(document, 0, NULL, e), "a.obj: mesh 0 of 1 was asked for");
+    refused(norma_document_mesh_data(document, 1, &a.data, e),
+        "a.obj: there is no mesh 1; the document has 1, numbered from 0");
+    refused(norma_document_mesh_data(document, 0, NULL, e),
+        "a.obj: there is no mesh 0; the document has 1, numbered from 0");
     refused(norma_document_mesh_attributes(document, 1, &a.attributes, e),
-        "a.obj: mesh 1 of 1 was asked for");
+        "a.obj: there is no mesh 1; the document has 1, numbered from 0");
     refused(norma_document_mesh_attributes(document, 0, NULL, e),
         "a.obj: no place for the attributes was given");
     refused(norma_document_morph_data(document, 0, 0, &a.morph, e),
-        "a.obj: morph target 0 of 0 was asked for");
-    refused(
-        norma_document_morph_data(document, 1, 0, &a.morph, e), "a.obj: mesh 1 of 1 was asked for");
+        "a.obj: there is no morph target 0; the mesh has 0, numbered from 0");
+    refused(norma_document_morph_data(document, 1, 0, &a.morph, e),
+        "a.obj: there is no mesh 1; the document has 1, numbered from 0");
     refused(norma_document_morph_data(document, 0, 0, NULL, e),
         "a.obj: no place for the target's data was given");
-    refused(norma_document_skin_info(document, 0, &a.skin, e), "a.obj: skin 0 of 0 was asked for");
+    refused(norma_document_skin_info(document, 0, &a.skin, e),
+        "a.obj: there is no skin 0; the document has 0, numbered from 0");
     refused(norma_document_instance_world(document, 0, 0, a.world, e),
-        "a.obj: node 0 of 0 was asked for");
+        "a.obj: there is no node 0; the document has 0, numbered from 0");
     refused(norma_document_edit(document, NULL, e), "a.obj: no edits were given");
     for (size_t i = 0; i < COUNT_OF(marks); ++i)
         refused(norma_document_edit(document, &marks[i], e),
@@ -233,11 +237,11 @@ static void test_instances(void **state) {
         "\"POSITION\":0},\"mode\":1}]}],\"nodes\":[{\"mesh\":0}]",
         0);
     refused(norma_document_instance_world(document, 0, 1, a.world, e),
-        "asset.glb:/nodes/0: instance 1 of 1 was asked for");
+        "asset.glb:/nodes/0: there is no instance 1; the node has 1, numbered from 0");
     refused(norma_document_instance_world(document, 0, 0, NULL, e),
-        "asset.glb: node 0 of 1 was asked for");
+        "asset.glb: there is no node 0; the document has 1, numbered from 0");
     refused(norma_document_morph_data(document, 0, 0, &a.morph, e),
-        "asset.glb: morph target 0 of 0 was asked for");
+        "asset.glb: there is no morph target 0; the mesh has 0, numbered from 0");
     refused(norma_document_mesh_data(document, 1, &a.data, e),
         "asset.glb:/meshes/0/primitives/1: lines have no normals to compute");
     refused(norma_document_mesh_attributes(document, 1, &a.attributes, e),

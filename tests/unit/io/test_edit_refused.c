@@ -75,7 +75,7 @@ static void test_gltf_positions(void **state) {
         "[0,-3,0]"); /* glTF 2.0, 3.7.2.1: positions have bounds */
     output_free(&b);
     refuse(asset_open(&a, PLAIN, 0), &too_far, NORMA_DOCUMENT_ERROR_MALFORMED,
-        "/accessors/0: expected numbers that floats can hold");
+        "/accessors/0: there should be numbers that floats can hold here");
     asset_free(&a);
 }
 
@@ -188,8 +188,7 @@ static void test_obj(void **state) {
         .source_vertices = BACKWARDS, .vertex_count = 3, .new_corners = CORNERS};
     (void)state;
     refuse_text(OBJ, "a.obj", &both, NORMA_DOCUMENT_ERROR_ARGUMENT,
-        "a.obj: vertices cannot be changed together with other data; change them one after the "
-        "other");
+        "a.obj: vertices and other things cannot change at once; change one after the other");
     refuse_text("v 0 0 0\nv 2 0 0\nv 0 1 0\ncstype bezier\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 "
                 "1\nend\nf 1 2 3\n",
         "a.obj", &backwards, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
@@ -301,15 +300,14 @@ static void test_stl(void **state) {
         "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 -2.5 3\nvertex 0 1 "
         "0\nendloop\nendfacet\nendsolid a\n");
     refuse_text(STL, "a.stl", &both, NORMA_DOCUMENT_ERROR_ARGUMENT,
-        "a.stl: facets cannot be reversed and moved in one call; do one after the other");
+        "a.stl: facets cannot be reversed and moved at once; do one after the other");
 }
 
 /* Faces of no corner, all there are, the other way round: the same bytes. */
 static void test_ply_empty_faces(void **state) {
-    static const char text[] =
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
-        "float z\nelement face 2\nproperty list uchar int vertex_indices\n"
-        "end_header\n0 0 0\n0\n0\n";
+    static const char text[] = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float "
+                               "x\nproperty float y\nproperty float z\nelement face 2\nproperty "
+                               "list uchar int vertex_indices\nend_header\n0 0 0\n0\n0\n";
     const norma_mesh_edit reversed = {.reverse_faces = ALL};
     (void)state;
     expect_edit(text, "a.ply", &reversed, text);

@@ -57,14 +57,12 @@ static void test_instances_beside_other_extensions(void **state) {
     asset_floats(&a, sizes[0], 2, 3);
     asset_numbers(&a, numbers, 2, 1, FLOAT, 0);
     gltf_output b = output_transformed(&a,
-        SCENE
-        "\"extensionsUsed\":[\"KHR_node_visibility\",\"EXT_mesh_gpu_instancing\",\"KHR_mesh_"
-        "quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\",\"EXT_mesh_gpu_"
-        "instancing\"],"
-        "\"nodes\":[{\"mesh\":0,\"extensions\":{\"KHR_node_visibility\":{\"visible\":true},\"EXT_"
-        "mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":3,\"SCALE\":4,\"_ID\":5}}}}],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2}]"
-        "}]",
+        SCENE "\"extensionsUsed\":[\"KHR_node_visibility\",\"EXT_mesh_gpu_instancing\",\"KHR_mesh_"
+              "quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\",\"EXT_mesh_gpu_"
+              "instancing\"],\"nodes\":[{\"mesh\":0,\"extensions\":{\"KHR_node_visibility\":{"
+              "\"visible\":true},\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":3,"
+              "\"SCALE\":4,\"_ID\":5}}}}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
+              "\"POSITION\":0,\"NORMAL\":1},\"indices\":2}]}]",
         1, NULL);
     assert_string_equal(
         output_text(&b, "extensionsUsed"), "[\"KHR_node_visibility\",\"KHR_mesh_quantization\"]");
@@ -173,10 +171,9 @@ static void test_what_has_no_winding(void **state) {
     asset_uint16(&a, (const uint16_t[]){2, 1, 0}, 3);
     asset_uint16(&a, (const uint16_t[]){1, 2}, 2);
     gltf_output b = output_transformed(&a,
-        SCENE
-        "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1]}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
-        "\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0},\"indices\":2,\"mode\":3},"
-        "{\"attributes\":{\"POSITION\":0},\"indices\":3}]}]",
+        SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[-1,1,1]}],\"meshes\":[{\"primitives\":[{"
+              "\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0},"
+              "\"indices\":2,\"mode\":3},{\"attributes\":{\"POSITION\":0},\"indices\":3}]}]",
         1, NULL);
     assert_corners(&b, 0, (const uint32_t[]){0, 2, 1}, 3);
     for (long i = 1; i < 3; ++i) {
@@ -257,8 +254,8 @@ static void test_fewer_normals_than_tangents(void **state) {
         1);
     assert_int_equal(
         norma_document_transform(document, &options, NULL, &error), NORMA_DOCUMENT_ERROR_MALFORMED);
-    assert_string_equal(error.message,
-        "asset.glb:/accessors/1: expected as many vectors as the other attributes have");
+    assert_string_equal(error.message, "asset.glb:/accessors/1: there should be as many vectors as "
+                                       "the other attributes have here");
     norma_document_close(document);
     asset_free(&a);
 }
@@ -276,8 +273,7 @@ static void test_a_root_listed_twice(void **state) {
     gltf_output b = output_transformed(&a,
         "\"scene\":0,\"scenes\":[{\"nodes\":[0,2,1,0]}],\"nodes\":[{\"camera\":0},{\"camera\":0},{"
         "\"mesh\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":"
-        "1}}],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
+        "1}}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
         1, up);
     assert_string_equal(output_text(&b, "nodes/3/children"), "[0,1]");
     assert_string_equal(output_text(&b, "nodes/4"), "");

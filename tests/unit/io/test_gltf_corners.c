@@ -68,42 +68,43 @@ static void test_what_does_not_fit(void **state) {
         const char *attributes, *more, *message;
     } cases[] = {
         {BAKE, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"NORMAL\":1}", NODE,
-            "/accessors/1: expected VEC3"},
+            "/accessors/1: there should be VEC3 here"},
         {BAKE, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"NORMAL\":2}", NODE,
-            "/accessors/2: expected floats, or integers of at most 16 bits"},
+            "/accessors/2: there should be floats, or integers of at most 16 bits here"},
         {BAKE, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"NORMAL\":3,\"TANGENT\":3}", NODE,
-            "/accessors/3: expected VEC4 for tangents"},
+            "/accessors/3: there should be VEC4 for tangents here"},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}",
             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
             "\"TRANSLATION\":0,\"SCALE\":9}}}}]",
-            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: expected the number of "
-            "an accessor"},
+            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: there should be the "
+            "number of an accessor here"},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}",
             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
             "\"TRANSLATION\":0,\"SCALE\":4}}}}]",
-            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: expected one vector for "
-            "each instance"},
+            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: there should be one "
+            "vector for each instance here"},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}",
             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
             "\"TRANSLATION\":0,\"ROTATION\":3}}}}]",
-            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION: expected one vector "
-            "for each instance"},
+            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION: there should be one "
+            "vector for each instance here"},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}",
             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
             "\"_ID\":6}}}}]",
-            "/accessors/6: expected a count that is plausible for the size of the file"},
+            "/accessors/6: there should be a count that is plausible for the size of the file "
+            "here"},
         {SKIN, NORMA_DOCUMENT_ERROR_MALFORMED, "}", "\"nodes\":[{}],\"skins\":[{\"joints\":{}}]",
-            "/skins/0/joints: expected an array"},
+            "/skins/0/joints: there should be an array here"},
         {SKIN, NORMA_DOCUMENT_ERROR_MALFORMED, "}", "\"nodes\":[{}],\"skins\":[{\"joints\":[0,1]}]",
-            "/skins/0/joints/1: expected the number of a node"},
+            "/skins/0/joints/1: there should be the number of a node here"},
         {EDIT_NORMALS, NORMA_DOCUMENT_ERROR_ARGUMENT, "}", NODE,
             "/meshes/0/primitives/0: has no NORMAL that could be replaced"},
         {EDIT_NORMALS, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"NORMAL\":1}", NODE,
-            "/accessors/1: expected as many vectors as vertices"},
+            "/accessors/1: there should be as many vectors as vertices here"},
         {EDIT_TANGENTS, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"TANGENT\":3}", NODE,
-            "/accessors/3: expected as many vectors as vertices"},
+            "/accessors/3: there should be as many vectors as vertices here"},
         {COMPUTE_MORPHS, NORMA_DOCUMENT_ERROR_MALFORMED, "},\"targets\":[{\"POSITION\":1}]", NODE,
-            "/accessors/1: expected displacements of three numbers"},
+            "/accessors/1: there should be displacements of three numbers here"},
     };
     size_t wrong = 0;
     (void)state;
@@ -235,9 +236,9 @@ static void test_encodings_are_told(void **state) {
 static void test_flattened(void **state) {
     static const char ply[] =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
-        "float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0\n1 0 0 0 "
-        "0 1\n0 1 0 0 -1 0\n3 0 1 2\n";
+        "float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face "
+        "1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0\n1 0 0 0 0 1\n0 1 0 0 "
+        "-1 0\n3 0 1 2\n";
     static const char stl[] = "solid a\nfacet normal 1 0 0 outer loop vertex 0 0 0 vertex 0 1 0 "
                               "vertex 0 0 1 endloop endfacet\nendsolid a\n";
     static const struct {
@@ -358,8 +359,8 @@ static void test_too_few_normals_elsewhere(void **state) {
                             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
                             "\"NORMAL\":1,\"_OLD\":1}}]}]",
                             1),
-        "asset.glb:/meshes/0/primitives/0/attributes/_OLD: expected an accessor with as many "
-        "elements as POSITION has");
+        "asset.glb:/meshes/0/primitives/0/attributes/_OLD: there should be an accessor with as "
+        "many elements as POSITION has here");
     norma_document_close(asset_open(
         &a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 1));
     asset_free(&a);

@@ -85,10 +85,9 @@ static norma_document *open_stored(
     asset_uint16(a, (const uint16_t[]){0, 1, 2, 0, 2, 3}, 6);
     snprintf(rest, sizeof rest,
         "\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"extensionsUsed\":[\"KHR_mesh_"
-        "quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-        "\"nodes\":[{\"mesh\":0,%s}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
-        "\"NORMAL\":1,\"TANGENT\":2},\"targets\":[{\"POSITION\":3,\"NORMAL\":4,\"TANGENT\":5}],"
-        "\"indices\":6}]}]",
+        "quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,%s}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2},"
+        "\"targets\":[{\"POSITION\":3,\"NORMAL\":4,\"TANGENT\":5}],\"indices\":6}]}]",
         place);
     return asset_open(a, rest, 0);
 }
@@ -233,8 +232,8 @@ static void test_computed_deltas(void **state) {
             asset_uint16(&a, (const uint16_t[]){0, 1, 2, 1, 3, 2}, 6);
             norma_document *document = asset_open(&a,
                 "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{"
-                "\"attributes\":{\"POSITION\":0},"
-                "\"targets\":[{\"POSITION\":1,\"NORMAL\":2}],\"indices\":3}]}]",
+                "\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1,\"NORMAL\":2}],"
+                "\"indices\":3}]}]",
                 0);
             if (norma_document_compute(document, &options, NULL, &error))
                 fail_msg("%s", error.message);
@@ -496,17 +495,17 @@ static void test_compressed_again(void **state) {
         compressed_view(&a, corners, 6, 4, sequence ? "INDICES" : "TRIANGLES", "NONE");
         asset_accessor(
             &a, "{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}");
-        asset_accessor(&a, wide ? "{\"bufferView\":1,\"componentType\":5122,\"normalized\":"
-                                  "true,\"count\":4,\"type\":\"VEC3\"}"
-                                : "{\"bufferView\":1,\"componentType\":5120,\"normalized\":"
-                                  "true,\"count\":4,\"type\":\"VEC3\"}");
+        asset_accessor(&a, wide ? "{\"bufferView\":1,\"componentType\":5122,\"normalized\":true,"
+                                  "\"count\":4,\"type\":\"VEC3\"}"
+                                : "{\"bufferView\":1,\"componentType\":5120,\"normalized\":true,"
+                                  "\"count\":4,\"type\":\"VEC3\"}");
         asset_accessor(
             &a, "{\"bufferView\":2,\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}");
         asset_floats(&a, coordinates[0], 4, 2);
         norma_document *document = asset_open(&a,
-            "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_mesh_quantization\"],"
-            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
-            "\"TEXCOORD_0\":3},\"indices\":2}]}]",
+            "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_mesh_quantization\"],\"meshes\":"
+            "[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":3},"
+            "\"indices\":2}]}]",
             0);
         if (norma_document_compute(document, &options, NULL, &error)) fail_msg("%s", error.message);
         norma_mesh_info info;
@@ -603,9 +602,8 @@ static void test_compressed_rotations(void **state) {
                        "\"type\":\"VEC4\"}");
     norma_document *document = asset_open(&a,
         "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"EXT_mesh_gpu_instancing\"],\"meshes\":[{"
-        "\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
-        "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
-        "\"ROTATION\":1}}}}]",
+        "\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0,"
+        "\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"ROTATION\":1}}}}]",
         0);
     for (size_t i = 0; i < 3; ++i) {
         double world[16];
@@ -636,9 +634,7 @@ static void test_data_uris(void **state) {
         {"DATA:;base64," IN_BASE64, 1},
         {"data:;base64," IN_BASE64 "====", 1},
         {"data:;base64," IN_BASE64 "AA", 1},
-        {"data:;base64,%41%41AA"
-         "AAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA",
-            1},
+        {"data:;base64,%41%41AAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA", 1},
         {"data:application/"
          "gltf-buffer,%00%00%00%00%00%00%00%00%00%00%00%00%00%00%80%3f%00%00%00%00%00%00%00%00%00%"
          "00%00%00%00%00%80%3f%00%00%00%00",
@@ -685,9 +681,8 @@ static double anisotropy_of(
     snprintf(rest, sizeof rest,
         "\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"children\":[1]},{}],\"animations\":[{"
         "\"samplers\":[{\"input\":0,\"output\":1,\"interpolation\":\"%s\"},{\"input\":2,\"output\":"
-        "3}],"
-        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}},{\"sampler\":1,"
-        "\"target\":{\"node\":1,\"path\":\"scale\"}}]}]",
+        "3}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}},{\"sampler\":"
+        "1,\"target\":{\"node\":1,\"path\":\"scale\"}}]}]",
         interpolation);
     norma_document *document = asset_open(&a, rest, 0);
     const norma_document_result result = norma_document_skin_info(document, 0, &info, error);
@@ -711,8 +706,8 @@ static void test_between_keys(void **state) {
     assert_true(fabs(anisotropy_of("CUBICSPLINE", spline[0], 6, &error) -
                      8 * (0.5 * 1 + 2 * 0.125 * 4 + 0.5 * 3 + 2 * 0.125 * 4)) < 1e-4);
     assert_true(anisotropy_of("CUBICSPLINE", line[0], 2, &error) < 0);
-    assert_string_equal(
-        error.message, "asset.glb:/animations/0/samplers/0: expected as many values as times");
+    assert_string_equal(error.message,
+        "asset.glb:/animations/0/samplers/0: there should be as many values as times here");
 }
 
 static void test_animations_refused(void **state) {
@@ -721,21 +716,21 @@ static void test_animations_refused(void **state) {
     } cases[] = {
         {"{\"samplers\":[{\"input\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,"
          "\"path\":\"scale\"}}]}",
-            "asset.glb:/animations/0/samplers/0: expected the numbers of accessors in \"input\" "
-            "and \"output\""},
+            "asset.glb:/animations/0/samplers/0: there should be the numbers of accessors in "
+            "\"input\" and \"output\" here"},
         {"{\"samplers\":[{\"input\":0,\"output\":9}],\"channels\":[{\"sampler\":0,\"target\":{"
          "\"node\":0,\"path\":\"rotation\"}}]}",
-            "asset.glb:/animations/0/samplers/0: expected the numbers of accessors in \"input\" "
-            "and \"output\""},
+            "asset.glb:/animations/0/samplers/0: there should be the numbers of accessors in "
+            "\"input\" and \"output\" here"},
         {"{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{"
          "\"node\":0,\"path\":\"scale\"}}]}",
-            "asset.glb:/accessors/0: expected vectors of three numbers"},
+            "asset.glb:/accessors/0: there should be vectors of three numbers here"},
         {"{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{"
          "\"node\":0,\"path\":\"rotation\"}}]}",
-            "asset.glb:/accessors/0: expected vectors of four numbers"},
+            "asset.glb:/accessors/0: there should be vectors of four numbers here"},
         {"{\"samplers\":[],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}}"
          "]}",
-            "asset.glb:/animations/0/channels/0: expected the number of a sampler"},
+            "asset.glb:/animations/0/channels/0: there should be the number of a sampler here"},
     };
     (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); ++i) {

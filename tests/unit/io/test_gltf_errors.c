@@ -53,124 +53,136 @@ static void expect_each(const bad_text *texts, size_t count, const char *asset,
 /* What is wrong already in a summary. */
 static void test_schema(void **state) {
     static const bad_text texts[] = {
-        {"'extensionsRequired':{}", "/extensionsRequired: expected an array"},
-        {"'extensionsRequired':[7]", "/extensionsRequired/0: expected the name of an extension"},
-        {"'buffers':{}", "/buffers: expected an array"},
-        {"'buffers':[7]", "/buffers/0: expected an object"},
-        {"'buffers':[{}]", "/buffers/0: expected a byteLength"},
-        {"'buffers':[{'byteLength':-1}]", "/buffers/0: expected a byteLength"},
-        {"'buffers':[{'byteLength':1.5}]", "/buffers/0: expected a byteLength"},
-        {"'buffers':[{'byteLength':18446744073709551615}]", "/buffers/0: expected a byteLength"},
-        {"'buffers':[{'byteLength':4,'uri':7}]", "/buffers/0/uri: expected a URI as a string"},
+        {"'extensionsRequired':{}", "/extensionsRequired: there should be an array here"},
+        {"'extensionsRequired':[7]",
+            "/extensionsRequired/0: there should be the name of an extension here"},
+        {"'buffers':{}", "/buffers: there should be an array here"},
+        {"'buffers':[7]", "/buffers/0: there should be an object here"},
+        {"'buffers':[{}]", "/buffers/0: there should be a byteLength here"},
+        {"'buffers':[{'byteLength':-1}]", "/buffers/0: there should be a byteLength here"},
+        {"'buffers':[{'byteLength':1.5}]", "/buffers/0: there should be a byteLength here"},
+        {"'buffers':[{'byteLength':18446744073709551615}]",
+            "/buffers/0: there should be a byteLength here"},
+        {"'buffers':[{'byteLength':4,'uri':7}]",
+            "/buffers/0/uri: there should be a URI as a string here"},
         {"'buffers':[{'byteLength':4,'uri':'a%zz.bin'}]",
-            "/buffers/0/uri: expected a URI whose percent escapes can be resolved"},
+            "/buffers/0/uri: there should be a URI whose percent escapes can be resolved here"},
         {"'buffers':[{'byteLength':4,'uri':'a%00.bin'}]",
-            "/buffers/0/uri: expected a URI whose percent escapes can be resolved"},
-        {"'bufferViews':'none'", "/bufferViews: expected an array"},
+            "/buffers/0/uri: there should be a URI whose percent escapes can be resolved here"},
+        {"'bufferViews':'none'", "/bufferViews: there should be an array here"},
         {"'bufferViews':[{'byteLength':4}]",
-            "/bufferViews/0: expected the number of a buffer in \"buffer\""},
+            "/bufferViews/0: there should be the number of a buffer in \"buffer\" here"},
         {"'bufferViews':[{'buffer':0,'byteLength':4}]",
-            "/bufferViews/0: expected the number of a buffer in \"buffer\""},
+            "/bufferViews/0: there should be the number of a buffer in \"buffer\" here"},
         {"'buffers':[{'byteLength':4}],'bufferViews':[{'buffer':0}]",
-            "/bufferViews/0: expected a byteLength, and byteOffset and byteStride as whole "
-            "numbers"},
+            "/bufferViews/0: there should be a byteLength, and byteOffset and byteStride as whole "
+            "numbers here"},
         {"'buffers':[{'byteLength':4}],'bufferViews':[{'buffer':0,'byteLength':4,'byteOffset':'0'}"
          "]",
-            "/bufferViews/0: expected a byteLength, and byteOffset and byteStride as whole "
-            "numbers"},
+            "/bufferViews/0: there should be a byteLength, and byteOffset and byteStride as whole "
+            "numbers here"},
         {"'buffers':[{'byteLength':4}],'bufferViews':[{'buffer':0,'byteLength':4,'byteStride':-4}]",
-            "/bufferViews/0: expected a byteLength, and byteOffset and byteStride as whole "
-            "numbers"},
+            "/bufferViews/0: there should be a byteLength, and byteOffset and byteStride as whole "
+            "numbers here"},
         {"'buffers':[{'byteLength':4}],'bufferViews':[{'buffer':0,'byteLength':4,'extensions':{'"
          "EXT_meshopt_compression':{}}}]",
-            "/bufferViews/0/extensions/EXT_meshopt_compression: expected buffer, byteLength, "
-            "byteStride, count, mode and filter as EXT_meshopt_compression has them"},
+            "/bufferViews/0/extensions/EXT_meshopt_compression: there should be buffer, "
+            "byteLength, byteStride, count, mode and filter as EXT_meshopt_compression has them "
+            "here"},
         {"'buffers':[{'byteLength':4}],'bufferViews':[{'buffer':0,'byteLength':4,'extensions':{'"
          "KHR_meshopt_compression':{'buffer':0,'byteLength':4,'byteStride':4,'count':1,'mode':'"
          "POINTS'}}}]",
-            "/bufferViews/0/extensions/KHR_meshopt_compression: expected buffer, byteLength, "
-            "byteStride, count, mode and filter as EXT_meshopt_compression has them"},
+            "/bufferViews/0/extensions/KHR_meshopt_compression: there should be buffer, "
+            "byteLength, byteStride, count, mode and filter as EXT_meshopt_compression has them "
+            "here"},
         {"'buffers':[{'byteLength':4}],'bufferViews':[{'buffer':0,'byteLength':4,'extensions':{'"
          "EXT_meshopt_compression':{'buffer':0,'byteLength':4,'byteStride':4,'count':1,'mode':'"
-         "ATTRIBUTES',"
-         "'filter':'SHARPEN'}}}]",
-            "/bufferViews/0/extensions/EXT_meshopt_compression: expected buffer, byteLength, "
-            "byteStride, count, mode and filter as EXT_meshopt_compression has them"},
-        {"'accessors':{}", "/accessors: expected an array"},
-        {"'accessors':[[]]", "/accessors/0: expected an object"},
+         "ATTRIBUTES','filter':'SHARPEN'}}}]",
+            "/bufferViews/0/extensions/EXT_meshopt_compression: there should be buffer, "
+            "byteLength, byteStride, count, mode and filter as EXT_meshopt_compression has them "
+            "here"},
+        {"'accessors':{}", "/accessors: there should be an array here"},
+        {"'accessors':[[]]", "/accessors/0: there should be an object here"},
         {"'accessors':[{'bufferView':0}]",
-            "/accessors/0: expected the number of a view in \"bufferView\""},
+            "/accessors/0: there should be the number of a view in \"bufferView\" here"},
         {"'accessors':[{'componentType':5126,'type':'VEC3'}]",
-            "/accessors/0: expected a count from 1, and byteOffset and componentType as whole "
-            "numbers"},
+            "/accessors/0: there should be a count from 1, and byteOffset and componentType as "
+            "whole numbers here"},
         {"'accessors':[{'componentType':5126,'count':0,'type':'VEC3'}]",
-            "/accessors/0: expected a count from 1, and byteOffset and componentType as whole "
-            "numbers"},
+            "/accessors/0: there should be a count from 1, and byteOffset and componentType as "
+            "whole numbers here"},
         {"'accessors':[{'componentType':5126,'count':3,'byteOffset':-8,'type':'VEC3'}]",
-            "/accessors/0: expected a count from 1, and byteOffset and componentType as whole "
-            "numbers"},
+            "/accessors/0: there should be a count from 1, and byteOffset and componentType as "
+            "whole numbers here"},
         {"'accessors':[{'componentType':5130,'count':3,'type':'VEC3'}]",
-            "/accessors/0: expected a componentType and type that glTF has"},
+            "/accessors/0: there should be a componentType and type that glTF has here"},
         {"'accessors':[{'componentType':5124,'count':3,'type':'VEC3'}]",
-            "/accessors/0: expected a componentType and type that glTF has"},
+            "/accessors/0: there should be a componentType and type that glTF has here"},
         {"'accessors':[{'componentType':5126,'count':3,'type':'VEC5'}]",
-            "/accessors/0: expected a componentType and type that glTF has"},
+            "/accessors/0: there should be a componentType and type that glTF has here"},
         {"'accessors':[{'componentType':5126,'count':3,'type':'VEC3','sparse':{'count':4}}]",
-            "/accessors/0/sparse: expected a count from 1 to the accessor's, and indices and "
-            "values with views that are there"},
+            "/accessors/0/sparse: there should be a count from 1 to the accessor's, and indices "
+            "and values with views that are there here"},
         {"'accessors':[{'componentType':5126,'count':3,'type':'VEC3','sparse':{'count':1,'indices':"
          "{'bufferView':0,'componentType':5126},'values':{'bufferView':0}}}]," BUFFERS,
-            "/accessors/0/sparse: expected a count from 1 to the accessor's, and indices and "
-            "values with views that are there"},
+            "/accessors/0/sparse: there should be a count from 1 to the accessor's, and indices "
+            "and values with views that are there here"},
         {"'accessors':[{'componentType':5126,'count':3,'type':'VEC3','sparse':{'count':1,'indices':"
          "{'bufferView':0,'componentType':5123},'values':{'bufferView':1}}}]," BUFFERS,
-            "/accessors/0/sparse: expected a count from 1 to the accessor's, and indices and "
-            "values with views that are there"},
-        {"'meshes':{}", "/meshes: expected an array"},
-        {"'meshes':[7]", "/meshes/0: expected a mesh with an array \"primitives\""},
-        {"'meshes':[{'primitives':{}}]", "/meshes/0: expected a mesh with an array \"primitives\""},
-        {"'meshes':[{'primitives':[7]}]",
-            "/meshes/0/primitives/0: expected a primitive with an object \"attributes\""},
+            "/accessors/0/sparse: there should be a count from 1 to the accessor's, and indices "
+            "and values with views that are there here"},
+        {"'meshes':{}", "/meshes: there should be an array here"},
+        {"'meshes':[7]", "/meshes/0: there should be a mesh with an array \"primitives\" here"},
+        {"'meshes':[{'primitives':{}}]",
+            "/meshes/0: there should be a mesh with an array \"primitives\" here"},
+        {"'meshes':[{'primitives':[7]}]", "/meshes/0/primitives/0: there should be a primitive "
+                                          "with an object \"attributes\" here"},
         {"'meshes':[{'primitives':[{'attributes':[0]}]}]",
-            "/meshes/0/primitives/0: expected a primitive with an object \"attributes\""},
+            "/meshes/0/primitives/0: there should be a primitive with an object \"attributes\" "
+            "here"},
         {"'meshes':[{'primitives':[{'attributes':{},'targets':{}}]}]",
-            "/meshes/0/primitives/0/targets: expected an array"},
+            "/meshes/0/primitives/0/targets: there should be an array here"},
         {"'meshes':[{'primitives':[{'attributes':{},'targets':[7]}]}]",
-            "/meshes/0/primitives/0/targets/0: expected an object"},
-        {MESH(""),
-            "/meshes/0/primitives/0/attributes/POSITION: expected the number of an accessor"},
+            "/meshes/0/primitives/0/targets/0: there should be an object here"},
+        {MESH(""), "/meshes/0/primitives/0/attributes/POSITION: there should be the number of an "
+                   "accessor here"},
         {"'meshes':[{'primitives':[{'attributes':{},'mode':7}]}]",
-            "/meshes/0/primitives/0: expected mode, indices and material as numbers of what is "
-            "there"},
+            "/meshes/0/primitives/0: there should be mode, indices and material as numbers of what "
+            "is there here"},
         {"'meshes':[{'primitives':[{'attributes':{},'indices':0}]}]",
-            "/meshes/0/primitives/0: expected mode, indices and material as numbers of what is "
-            "there"},
+            "/meshes/0/primitives/0: there should be mode, indices and material as numbers of what "
+            "is there here"},
         {"'meshes':[{'primitives':[{'attributes':{},'material':0}]}],'materials':[]",
-            "/meshes/0/primitives/0: expected mode, indices and material as numbers of what is "
-            "there"},
+            "/meshes/0/primitives/0: there should be mode, indices and material as numbers of what "
+            "is there here"},
         {"'meshes':[{'primitives':[{'attributes':{},'targets':[{'POSITION':'0'}]}]}]",
-            "/meshes/0/primitives/0/targets/0/POSITION: expected the number of an accessor"},
-        {"'nodes':{}", "/nodes: expected an array"},
-        {"'nodes':[{},null]", "/nodes/1: expected an object"},
-        {"'nodes':[{'mesh':0}]", "/nodes/0: expected the number of a mesh in \"mesh\""},
-        {"'nodes':[{'skin':0}],'skins':[]", "/nodes/0: expected the number of a skin in \"skin\""},
-        {"'nodes':[{'matrix':[1,0,0]}]", "/nodes/0: expected 16 numbers in \"matrix\""},
+            "/meshes/0/primitives/0/targets/0/POSITION: there should be the number of an accessor "
+            "here"},
+        {"'nodes':{}", "/nodes: there should be an array here"},
+        {"'nodes':[{},null]", "/nodes/1: there should be an object here"},
+        {"'nodes':[{'mesh':0}]", "/nodes/0: there should be the number of a mesh in \"mesh\" here"},
+        {"'nodes':[{'skin':0}],'skins':[]",
+            "/nodes/0: there should be the number of a skin in \"skin\" here"},
+        {"'nodes':[{'matrix':[1,0,0]}]", "/nodes/0: there should be 16 numbers in \"matrix\" here"},
         {"'nodes':[{'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,'1']}]",
-            "/nodes/0: expected 16 numbers in \"matrix\""},
+            "/nodes/0: there should be 16 numbers in \"matrix\" here"},
         {"'nodes':[{'translation':[1,0]}]",
-            "/nodes/0: expected 3 numbers in \"translation\" and \"scale\", 4 in \"rotation\""},
-        {"'nodes':[{'rotation':[1,0,0]}]",
-            "/nodes/0: expected 3 numbers in \"translation\" and \"scale\", 4 in \"rotation\""},
-        {"'nodes':[{'scale':2}]",
-            "/nodes/0: expected 3 numbers in \"translation\" and \"scale\", 4 in \"rotation\""},
-        {"'nodes':[{'children':0}]", "/nodes/0/children: expected an array"},
-        {"'nodes':[{'children':[1]}]", "/nodes/0/children/0: expected the number of a node"},
-        {"'nodes':[{'children':[0]}]", "/nodes/0/children/0: expected a tree: a node that has no "
-                                       "other parent and is not its own"},
-        {"'nodes':[{},{'children':[2,2]},{}]", "/nodes/1/children/1: expected a tree: a node that "
-                                               "has no other parent and is not its own"},
+            "/nodes/0: there should be 3 numbers in \"translation\" and \"scale\", 4 in "
+            "\"rotation\" here"},
+        {"'nodes':[{'rotation':[1,0,0]}]", "/nodes/0: there should be 3 numbers in \"translation\" "
+                                           "and \"scale\", 4 in \"rotation\" here"},
+        {"'nodes':[{'scale':2}]", "/nodes/0: there should be 3 numbers in \"translation\" and "
+                                  "\"scale\", 4 in \"rotation\" here"},
+        {"'nodes':[{'children':0}]", "/nodes/0/children: there should be an array here"},
+        {"'nodes':[{'children':[1]}]",
+            "/nodes/0/children/0: there should be the number of a node here"},
+        {"'nodes':[{'children':[0]}]", "/nodes/0/children/0: there should be a tree: a node that "
+                                       "has no other parent and is not its own here"},
+        {"'nodes':[{},{'children':[2,2]},{}]",
+            "/nodes/1/children/1: there should be a tree: a node that has no other parent and is "
+            "not its own here"},
         {"'nodes':[{},{'children':[3]},{'children':[1]},{'children':[2]}]",
-            "/nodes/1: expected a tree, but these nodes form a loop"},
+            "/nodes/1: there should be a tree, but these nodes form a loop here"},
     };
     (void)state;
     expect_each(
@@ -184,66 +196,66 @@ static void test_bytes(void **state) {
     static const bad_text texts[] = {
         {MESH("") ",'accessors':[" POSITION "],'buffers':[{'byteLength':36,'uri':'data:;base64,"
                   "AAAA'}],'bufferViews':[{'buffer':0,'byteLength':36}]",
-            "/buffers/0/uri: expected as many bytes in the data: URI as byteLength says"},
+            "/buffers/0/uri: there should be as many bytes in the data: URI as byteLength says "
+            "here"},
         {MESH("") ",'accessors':[" POSITION "],'buffers':[{'byteLength':3,'uri':'data:;base64,A*AA'"
                   "}],'bufferViews':[{'buffer':0,'byteLength':36}]",
-            "/buffers/0/uri: expected base64 in the data: URI"},
+            "/buffers/0/uri: there should be base64 in the data: URI here"},
         {MESH("") ",'accessors':[" POSITION
                   "],'buffers':[{'byteLength':35,'uri':'data:;base64," ZEROS_36
                   "'}],'bufferViews':[{'buffer':0,'byteLength':36}]",
-            "/bufferViews/0: expected a view that ends inside its buffer"},
+            "/bufferViews/0: there should be a view that ends inside its buffer here"},
         {MESH("") ",'accessors':[" POSITION
                   "],'buffers':[{'byteLength':36,'uri':'data:;base64," ZEROS_36
                   "'}],'bufferViews':[{'buffer':0,'byteOffset':9007199254740991,'byteLength':36}]",
-            "/bufferViews/0: expected a view that ends inside its buffer"},
+            "/bufferViews/0: there should be a view that ends inside its buffer here"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'byteOffset':4,'"
                   "type':'VEC3'}]," BUFFERS,
-            "/accessors/0: expected elements that end inside their view"},
+            "/accessors/0: there should be elements that end inside their view here"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':9007199254740991,'"
                   "type':'VEC3'}]," BUFFERS,
-            "/accessors/0: expected elements that end inside their view"},
+            "/accessors/0: there should be elements that end inside their view here"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}],'"
-                  "buffers':[{'byteLength':36,'uri':'data:;base64," ZEROS_36 "'}],"
-                  "'bufferViews':[{'buffer':0,'byteLength':36,'byteStride':8}]",
-            "/accessors/0: expected elements no longer than their view's byteStride"},
+                  "buffers':[{'byteLength':36,'uri':'data:;base64," ZEROS_36
+                  "'}],'bufferViews':[{'buffer':0,'byteLength':36,'byteStride':8}]",
+            "/accessors/0: there should be elements no longer than their view's byteStride here"},
         {MESH(",'NORMAL':0,'NORMAL':0") ",'accessors':[" POSITION "]," BUFFERS,
-            "/meshes/0/primitives/0/attributes/NORMAL: expected each name only once"},
+            "/meshes/0/primitives/0/attributes/NORMAL: there should be no name twice here"},
         {MESH("") ",'accessors':[{'componentType':5126,'count':4294967296,'type':'VEC3'}]",
-            "/accessors/0: expected a count that is plausible for the size of the file"},
+            "/accessors/0: there should be a count that is plausible for the size of the file "
+            "here"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}],'accessors':"
          "[" POSITION ",{'bufferView':0,'componentType':5126,'count':3,'type':'SCALAR'}]," BUFFERS,
-            "/accessors/1: expected indices as unsigned whole numbers"},
+            "/accessors/1: there should be indices as unsigned whole numbers here"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}],'accessors':"
          "[" POSITION ",{'bufferView':0,'componentType':5123,'count':3,'type':'VEC2'}]," BUFFERS,
-            "/accessors/1: expected indices as unsigned whole numbers"},
+            "/accessors/1: there should be indices as unsigned whole numbers here"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}],'accessors':"
-         "[" POSITION
-         ",{'bufferView':0,'componentType':5121,'count':3,'type':'SCALAR','sparse':{'count':1,"
-         "'indices':{'bufferView':0,'componentType':5121},'values':{'bufferView':1}}}],'buffers':[{"
-         "'byteLength':37,'uri':'data:;base64," ZEROS_36 "Aw=='}],"
-         "'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,'byteLength':1}]",
-            "/meshes/0/primitives/0: index 0 (accessor 1) names vertex 3; expected one below 3"},
+         "[" POSITION ",{'bufferView':0,'componentType':5121,'count':3,'type':'SCALAR','sparse':{'"
+         "count':1,'indices':{'bufferView':0,'componentType':5121},'values':{'"
+         "bufferView':1}}}],'buffers':[{'byteLength':37,'uri':'data:;base64," ZEROS_36
+         "Aw=='}],'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,'"
+         "byteLength':1}]",
+            "/meshes/0/primitives/0: index 0 (accessor 1) names vertex 3, but there are only 3 "
+            "vertices"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3','"
                   "sparse':{'count':1,'indices':{'bufferView':1,'componentType':5121},'values':{'"
-                  "bufferView':0}}}],"
-                  "'buffers':[{'byteLength':37,'uri':'data:;base64," ZEROS_36
+                  "bufferView':0}}}],'buffers':[{'byteLength':37,'uri':'data:;base64," ZEROS_36
                   "Aw=='}],'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,"
                   "'byteLength':1}]",
-            "/accessors/0: expected sparse indices below count"},
+            "/accessors/0: there should be sparse indices below count here"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3','"
                   "sparse':{'count':1,'indices':{'bufferView':1,'componentType':5125},'values':{'"
-                  "bufferView':0}}}],"
-                  "'buffers':[{'byteLength':40,'uri':'data:;base64," ZEROS_36
+                  "bufferView':0}}}],'buffers':[{'byteLength':40,'uri':'data:;base64," ZEROS_36
                   "AAABAA=='}],'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset'"
                   ":36,'byteLength':4}]",
-            "/accessors/0: expected sparse indices below count"},
+            "/accessors/0: there should be sparse indices below count here"},
         {MESH("") ",'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3','"
                   "sparse':{'count':2,'indices':{'bufferView':1,'componentType':5121},'values':{'"
-                  "bufferView':0}}}],"
-                  "'buffers':[{'byteLength':37,'uri':'data:;base64," ZEROS_36
+                  "bufferView':0}}}],'buffers':[{'byteLength':37,'uri':'data:;base64," ZEROS_36
                   "Aw=='}],'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,"
                   "'byteLength':1}]",
-            "/accessors/0: expected elements that end inside their view"},
+            "/accessors/0: there should be elements that end inside their view here"},
     };
     (void)state;
     expect_each(
@@ -279,26 +291,26 @@ static void test_accessors_without_bytes(void **state) {
         NORMA_DOCUMENT_ERROR_UNSUPPORTED); /* 256 KiB, and 256 times 3,500 bytes, hold 30 or so of
                                               them */
     assert_non_null(strstr(error.message,
-        ": 3300 elements from here, with all before them, would take far more room "
-        "than the file; expected at most 256 bytes for each byte of it"));
+        ": 3300 elements from here, with all before them, would take far more "
+        "memory than the file; at most 256 bytes are read for each byte of it"));
     assert_int_equal(open_without_bytes(36 / 2, &error),
         NORMA_DOCUMENT_ERROR_MALFORMED); /* of half as many a file is too short for the count of one
                                           */
-    assert_non_null(
-        strstr(error.message, "expected a count that is plausible for the size of the file"));
+    assert_non_null(strstr(
+        error.message, "there should be a count that is plausible for the size of the file here"));
 }
 
 static void test_normals_fewer_than_positions(void **state) {
     static const bad_text texts[] = {
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':1}}]}],'accessors':"
          "[" POSITION ",{'bufferView':0,'componentType':5126,'count':2,'type':'VEC3'}]," BUFFERS,
-            "/meshes/0/primitives/0/attributes/NORMAL: expected an accessor with as many elements "
-            "as POSITION has"},
+            "/meshes/0/primitives/0/attributes/NORMAL: there should be an accessor with as many "
+            "elements as POSITION has here"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':1}]}]}],'"
          "accessors':[" POSITION
          ",{'bufferView':0,'componentType':5126,'count':2,'type':'VEC3'}]," BUFFERS,
-            "/meshes/0/primitives/0/targets/0/POSITION: expected an accessor with as many elements "
-            "as POSITION has"},
+            "/meshes/0/primitives/0/targets/0/POSITION: there should be an accessor with as many "
+            "elements as POSITION has here"},
     };
     (void)state;
     expect_each(
@@ -330,10 +342,11 @@ static void test_fewer_normals_named(void **state) {
 
 static void test_versions(void **state) {
     static const bad_text none[] = {{"",
-        "/asset/version: expected a version, as every glTF file has"}},
-                          other[] = {{"", "/asset/version: is not glTF 2; expected version 2.0"}};
-    static const bad_text later[] = {
-        {"", "/asset/minVersion: needs a later version of glTF than is read here; expected 2.0"}};
+        "/asset/version: the version is missing; every glTF file has one"}},
+                          other[] = {
+                              {"", "/asset/version: is not version 2; only glTF 2.0 can be read"}};
+    static const bad_text later[] = {{"", "/asset/minVersion: needs a later version of glTF than "
+                                          "2.0, the only one that can be read here"}};
     (void)state;
     expect_each(
         none, 1, "'generator':'hand'", NORMA_DOCUMENT_ERROR_MALFORMED, NORMA_DOCUMENT_SUMMARY);
@@ -356,50 +369,50 @@ static void test_meshopt(void **state) {
     "'},{'byteLength':36}],"                                                                       \
     "'bufferViews':[{'buffer':1,'byteLength':" length                                              \
     ",'extensions':{'EXT_meshopt_compression':{'buffer':0," members "}}}]"
-#define AT "/bufferViews/0/extensions/EXT_meshopt_compression: expected "
+#define AT "/bufferViews/0/extensions/EXT_meshopt_compression: there should be "
     static const bad_text texts[] = {
         {COMPRESSED("36", "'byteLength':36,'count':3,'mode':'ATTRIBUTES'"),
-            AT "a byteStride and count whose product is plausible"},
+            AT "a byteStride and count whose product is plausible here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':9007199254740991,'count':9007199254740991,'"
                           "mode':'ATTRIBUTES'"),
-            AT "a byteStride and count whose product is plausible"},
+            AT "a byteStride and count whose product is plausible here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':12,'count':4,'mode':'ATTRIBUTES'"),
-            AT "a byteLength of at least count times byteStride"},
+            AT "a byteLength of at least count times byteStride here"},
         {COMPRESSED(
              "1200000", "'byteLength':36,'byteStride':12,'count':100000,'mode':'ATTRIBUTES'"),
-            AT "no more elements than the compressed bytes can hold"},
+            AT "no more elements than the compressed bytes can hold here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':6,'count':3,'mode':'ATTRIBUTES'"),
-            AT "a byteStride that its mode allows"},
+            AT "a byteStride that its mode allows here"},
         {COMPRESSED("780", "'byteLength':36,'byteStride':260,'count':3,'mode':'ATTRIBUTES'"),
-            AT "a byteStride that its mode allows"},
+            AT "a byteStride that its mode allows here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':12,'count':3,'mode':'TRIANGLES'"),
-            AT "a byteStride that its mode allows"},
+            AT "a byteStride that its mode allows here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':1,'count':3,'mode':'INDICES'"),
-            AT "a byteStride that its mode allows"},
+            AT "a byteStride that its mode allows here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':4,'count':4,'mode':'TRIANGLES'"),
-            AT "a count that is a multiple of 3"},
+            AT "a count that is a multiple of 3 here"},
         {COMPRESSED("36",
              "'byteLength':36,'byteStride':4,'count':3,'mode':'TRIANGLES','filter':'EXPONENTIAL'"),
-            AT "a filter only with ATTRIBUTES"},
+            AT "a filter only with ATTRIBUTES here"},
         {COMPRESSED("36",
              "'byteLength':36,'byteStride':12,'count':3,'mode':'ATTRIBUTES','filter':'OCTAHEDRAL'"),
-            AT "a byteStride that its filter allows"},
+            AT "a byteStride that its filter allows here"},
         {COMPRESSED("36",
              "'byteLength':36,'byteStride':12,'count':3,'mode':'ATTRIBUTES','filter':'QUATERNION'"),
-            AT "a byteStride that its filter allows"},
+            AT "a byteStride that its filter allows here"},
         {COMPRESSED("36", "'byteLength':37,'byteStride':12,'count':3,'mode':'ATTRIBUTES'"),
-            AT "compressed bytes that end inside their buffer"},
+            AT "compressed bytes that end inside their buffer here"},
         {COMPRESSED(
              "36", "'byteOffset':1,'byteLength':36,'byteStride':12,'count':3,'mode':'ATTRIBUTES'"),
-            AT "compressed bytes that end inside their buffer"},
+            AT "compressed bytes that end inside their buffer here"},
         {COMPRESSED("2000", "'byteLength':36,'byteStride':12,'count':3,'mode':'ATTRIBUTES'"),
-            AT "a byteLength of count times byteStride"},
+            AT "a byteLength of count times byteStride here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':12,'count':3,'mode':'ATTRIBUTES'"),
-            AT "bytes that meshoptimizer's decoder accepts"},
+            AT "bytes that meshoptimizer's decoder accepts here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':4,'count':9,'mode':'TRIANGLES'"),
-            AT "bytes that meshoptimizer's decoder accepts"},
+            AT "bytes that meshoptimizer's decoder accepts here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':2,'count':9,'mode':'INDICES'"),
-            AT "bytes that meshoptimizer's decoder accepts"},
+            AT "bytes that meshoptimizer's decoder accepts here"},
     };
     (void)state;
     expect_each(
@@ -416,34 +429,37 @@ static void test_json_and_glb(void **state) {
         const char *message;
     } files[] = {
         {"a.gltf", "", 0, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.gltf:byte 0: no JSON; expected a value"},
-        {"a.gltf", "[]", 2, NORMA_DOCUMENT_ERROR_MALFORMED, "a.gltf:/: expected an object"},
+            "a.gltf:byte 0: this is not JSON; there should be a value here"},
+        {"a.gltf", "[]", 2, NORMA_DOCUMENT_ERROR_MALFORMED,
+            "a.gltf:/: there should be an object here"},
         {"a.gltf", "{\"asset\":{}} x", 14, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.gltf:byte 13: no JSON; expected nothing after the end"},
+            "a.gltf:byte 13: this is not JSON; there should be nothing after the end here"},
         {"a.glb", "glTF", 4, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 0: expected the 12 bytes of a GLB header, \"glTF\" first"},
+            "a.glb:byte 0: there should be the 12 bytes of a GLB header, \"glTF\" first"},
         {"a.glb", "glTG\2\0\0\0\14\0\0\0", 12, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 0: expected the 12 bytes of a GLB header, \"glTF\" first"},
+            "a.glb:byte 0: there should be the 12 bytes of a GLB header, \"glTF\" first"},
         {"a.glb", "glTF\1\0\0\0\14\0\0\0", 12, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
-            "a.glb:byte 4: GLB version 1; expected 2"},
+            "a.glb:byte 4: this is GLB version 1; only version 2 can be read"},
         {"a.glb", "glTF\2\0\0\0\377\377\377\377", 12, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 8: the header says 4294967295 bytes, the file has 12; expected as many"},
+            "a.glb:byte 8: the header declares 4294967295 bytes, but the file has only 12"},
         {"a.glb", "glTF\2\0\0\0\14\0\0\0", 12, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 12: expected a JSON chunk"},
+            "a.glb:byte 12: there should be a JSON chunk"},
         {"a.glb", "glTF\2\0\0\0\24\0\0\0\4\0\0\0JSON", 20, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 12: expected a chunk that ends within the length that the header declares"},
+            "a.glb:byte 12: there should be a chunk that ends within the length that the header "
+            "declares"},
         {"a.glb", "glTF\2\0\0\0\24\0\0\0\377\377\377\377JSON", 20, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 12: expected a chunk that ends within the length that the header declares"},
+            "a.glb:byte 12: there should be a chunk that ends within the length that the header "
+            "declares"},
         {"a.glb", "glTF\2\0\0\0\30\0\0\0\4\0\0\0BIN\0    ", 24, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 12: expected a JSON chunk first"},
+            "a.glb:byte 12: there should be a JSON chunk first"},
         {"a.glb", "glTF\2\0\0\0\33\0\0\0\4\0\0\0JSON{}  \0\0\0", 27, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 24: expected the 8 bytes of a chunk's header"},
+            "a.glb:byte 24: there should be the 8 bytes of a chunk's header"},
         {"a.glb", "glTF\2\0\0\0\40\0\0\0\4\0\0\0JSON{}  \0\0\0\0JSON", 32,
-            NORMA_DOCUMENT_ERROR_MALFORMED, "a.glb:byte 24: expected one JSON chunk"},
+            NORMA_DOCUMENT_ERROR_MALFORMED, "a.glb:byte 24: there should be one JSON chunk"},
         {"a.glb", "glTF\2\0\0\0\50\0\0\0\4\0\0\0JSON{}  \0\0\0\0BIN\0\0\0\0\0BIN\0", 40,
-            NORMA_DOCUMENT_ERROR_MALFORMED, "a.glb:byte 32: expected one BIN chunk"},
+            NORMA_DOCUMENT_ERROR_MALFORMED, "a.glb:byte 32: there should be one BIN chunk"},
         {"a.glb", "glTF\2\0\0\0\30\0\0\0\4\0\0\0JSON{}x ", 24, NORMA_DOCUMENT_ERROR_MALFORMED,
-            "a.glb:byte 22: no JSON; expected nothing after the end"},
+            "a.glb:byte 22: this is not JSON; there should be nothing after the end here"},
     };
     size_t wrong = 0;
     (void)state;

@@ -29,9 +29,9 @@ static void test_shared_normals_part(void **state) {
     asset_snorm8(&a, normals[0], 3, 3);
     gltf_output b = output_transformed(&a,
         "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_"
-        "quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
-        "\"nodes\":[{\"mesh\":0,\"rotation\":[1,0,0,0]},{\"mesh\":0,\"rotation\":[0,0,1,0]}],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]",
+        "quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0,"
+        "\"rotation\":[1,0,0,0]},{\"mesh\":0,\"rotation\":[0,0,1,0]}],\"meshes\":[{\"primitives\":["
+        "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]",
         1, NULL);
     assert_int_equal(norma_document_mesh_count(b.document), 2);
     for (size_t m = 0; m < 2; ++m) { /* half turns about x and about z */
@@ -65,8 +65,8 @@ static void test_sparse_over_nothing(void **state) {
     char text[400];
     snprintf(text, sizeof text,
         "{\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[0,0,3],"
-        "\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":%d,\"componentType\":5123},"
-        "\"values\":{\"bufferView\":%d}}}",
+        "\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":%d,\"componentType\":5123},\"values\":"
+        "{\"bufferView\":%d}}}",
         indices, values);
     asset_accessor(&a, text);
     gltf_output b = output_transformed(&a,
@@ -221,8 +221,8 @@ static void test_a_chunk_too_short(void **state) {
     memcpy(place, "\"buffers\":[{\"byteLength\":96}", 28);
     assert_int_equal(norma_document_open_memory(a.glb, size, "a.glb", NULL, &document, &error),
         NORMA_DOCUMENT_ERROR_MALFORMED);
-    assert_string_equal(
-        error.message, "a.glb:/buffers/0: expected a byteLength no longer than the BIN chunk");
+    assert_string_equal(error.message,
+        "a.glb:/buffers/0: there should be a byteLength no longer than the BIN chunk here");
     asset_free(&a);
 }
 
@@ -281,14 +281,12 @@ static norma_document *open_file(folder *here, const char *name) {
 
 static const char TWO_FILES[] =
     "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":72,\"uri\":\"a.bin\"},{"
-    "\"byteLength\":72,\"uri\":\"b.bin\"}],"
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,"
-    "\"byteLength\":36},{\"buffer\":1,\"byteLength\":36},{\"buffer\":1,\"byteOffset\":36,"
-    "\"byteLength\":36}],"
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{"
-    "\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
-    "{\"bufferView\":2,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":3,"
-    "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+    "\"byteLength\":72,\"uri\":\"b.bin\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{"
+    "\"buffer\":0,\"byteOffset\":36,\"byteLength\":36},{\"buffer\":1,\"byteLength\":36},{"
+    "\"buffer\":1,\"byteOffset\":36,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
+    "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":"
+    "5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":2,\"componentType\":5126,\"count\":3,"
+    "\"type\":\"VEC3\"},{\"bufferView\":3,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}},{\"attributes\":{"
     "\"POSITION\":2,\"NORMAL\":3}}]}]}";
 
@@ -332,10 +330,10 @@ static void test_padding_is_compared(void **state) {
     static const char text[] =
         "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":42,\"uri\":\"c.bin\"}],"
         "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,"
-        "\"byteLength\":6}],"
-        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{"
-        "\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]}";
+        "\"byteLength\":6}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"
+        "\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":"
+        "\"SCALAR\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]"
+        "}]}";
     static const uint16_t corners[3] = {0, 1, 2};
     folder *here = *state;
     unsigned char bytes[42];
@@ -379,8 +377,8 @@ static void test_a_file_too_short(void **state) {
     put_file(here, "b.bin", bytes, sizeof bytes - 1);
     assert_int_equal(norma_document_open(in_folder(here, "a.gltf"), NULL, &document, &error),
         NORMA_DOCUMENT_ERROR_MALFORMED);
-    assert_non_null(
-        strstr(error.message, "/a.gltf:/buffers/1: the buffer b.bin has 71 bytes; expected 72"));
+    assert_non_null(strstr(
+        error.message, "/a.gltf:/buffers/1: the buffer b.bin has 71 bytes, but should have 72"));
 }
 
 /* Bytes between views that no view names, in a file with lengths that are multiples of 4. */

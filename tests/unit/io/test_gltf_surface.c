@@ -41,9 +41,8 @@ static void test_two_encodings(void **state) {
     asset_numbers(&a, RIGHT[0], 3, 3, SHORT, 0);
     gltf_output b = computed(&a,
         "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_"
-        "quantization\"],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{"
-        "\"POSITION\":1}}]}]",
+        "quantization\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{"
+        "\"attributes\":{\"POSITION\":1}}]}]",
         NULL, 0);
     assert_roof(&b, 0, -1, 0, 2);
     assert_roof(&b, 1, 1, 0, 2);
@@ -127,9 +126,8 @@ static void test_deltas_outgrow_their_encoding(void **state) {
     asset_numbers(&a, deltas[0], 6, 3, BYTE, 1);
     gltf_output b = computed(&a,
         "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_"
-        "quantization\"],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"targets\":[{"
-        "\"POSITION\":2,\"NORMAL\":3}]}]}]",
+        "quantization\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}"
+        ",\"targets\":[{\"POSITION\":2,\"NORMAL\":3}]}]}]",
         &options, 0);
     assert_int_equal(output_number(&b, "accessors/%ld/componentType",
                          output_number(&b, "meshes/0/primitives/%ld/targets/0/NORMAL", 0)),
@@ -158,12 +156,12 @@ static void test_too_many_vertices(void **state) {
     norma_document_error error;
     (void)state;
     assert_non_null(text);
-    char *at = text + sprintf(text,
-                          "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%d}],"
-                          "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%d}],\"accessors\":[{"
-                          "\"bufferView\":0,\"componentType\":5123,"
-                          "\"count\":3,\"type\":\"SCALAR\"}",
-                          12 * VERTICES, 12 * VERTICES);
+    char *at =
+        text + sprintf(text,
+                   "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%d}],"
+                   "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%d}],\"accessors\":[{"
+                   "\"bufferView\":0,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}",
+                   12 * VERTICES, 12 * VERTICES);
     for (int i = 0; i < PRIMITIVES; ++i)
         at += sprintf(at,
             ",{\"bufferView\":0,\"componentType\":5126,\"count\":%d,\"type\":\"VEC3\"}", VERTICES);
@@ -308,7 +306,7 @@ static void test_copies_are_measured_by_the_file(void **state) {
     assert_non_null(strstr(error.message, "/meshes/0/primitives/0: "));
     assert_non_null(strstr(error.message,
         "vertices of 12012 bytes each, with those of all primitives before, would take far more "
-        "room than the file; expected at most 512 bytes for each byte of it"));
+        "memory than the file; at most 512 bytes are read for each byte of it"));
 }
 
 int main(void) {

@@ -466,12 +466,11 @@ static void test_bake_hierarchy(void **state) {
     asset a;
     make_asset(&a,
         "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]," MESH
-        ",\"nodes\":[{\"name\":\"group\",\"scale\":[2,1,1],\"children\":[1]},"
-        "{\"mesh\":0,\"rotation\":[0,0,0.6,0.8],\"translation\":[1,0,0],\"children\":[2,3,4]},"
-        "{\"mesh\":0,\"scale\":[1,-3,1]},"
-        "{\"camera\":0,\"translation\":[0,0,5]},"
-        "{\"mesh\":0,\"camera\":0,\"translation\":[0,1,0],\"children\":[5]},"
-        "{\"name\":\"empty\"}],\"scenes\":[{\"nodes\":[0]}]");
+        ",\"nodes\":[{\"name\":\"group\",\"scale\":[2,1,1],\"children\":[1]},{\"mesh\":0,"
+        "\"rotation\":[0,0,0.6,0.8],\"translation\":[1,0,0],\"children\":[2,3,4]},{\"mesh\":0,"
+        "\"scale\":[1,-3,1]},{\"camera\":0,\"translation\":[0,0,5]},{\"mesh\":0,\"camera\":0,"
+        "\"translation\":[0,1,0],\"children\":[5]},{\"name\":\"empty\"}],\"scenes\":[{\"nodes\":[0]"
+        "}]");
     result r;
     run(&a, NULL, 1, &r);
     assert_done(&r);
@@ -560,12 +559,11 @@ static void test_what_stays_is_named(void **state) {
     asset a;
     make_asset(&a,
         "\"animations\":[{\"samplers\":[{\"input\":5,\"output\":0}],\"channels\":[{\"sampler\":0,"
-        "\"target\":{\"node\":0,\"path\":\"translation\"}},"
-        "{\"sampler\":0,\"target\":{\"node\":2,\"path\":\"weights\"}}]}],\"skins\":[{\"joints\":[4]"
-        "}]," MESH ",\"nodes\":[{\"name\":\"wheel\",\"mesh\":0,\"scale\":[1,2,1],\"children\":[1]},"
-        "{\"name\":\"hub\",\"mesh\":0,\"scale\":[2,2,3]},"
-        "{\"mesh\":0,\"scale\":[2,2,1]},{\"name\":\"body\",\"mesh\":0,\"skin\":0},{\"name\":"
-        "\"bone\",\"translation\":[1,1,1]}]");
+        "\"target\":{\"node\":0,\"path\":\"translation\"}},{\"sampler\":0,\"target\":{\"node\":2,"
+        "\"path\":\"weights\"}}]}],\"skins\":[{\"joints\":[4]}]," MESH
+        ",\"nodes\":[{\"name\":\"wheel\",\"mesh\":0,\"scale\":[1,2,1],\"children\":[1]},{\"name\":"
+        "\"hub\",\"mesh\":0,\"scale\":[2,2,3]},{\"mesh\":0,\"scale\":[2,2,1]},{\"name\":\"body\","
+        "\"mesh\":0,\"skin\":0},{\"name\":\"bone\",\"translation\":[1,1,1]}]");
     result r;
     run(&a, NULL, 1, &r);
     assert_done(&r);
@@ -612,16 +610,14 @@ static void test_integer_positions(void **state) {
         asset a;
         strcpy(a.text,
             "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_mesh_quantization\"],"
-            "\"extensionsRequired\":[\"KHR_mesh_quantization\"],"
-            "\"buffers\":[{\"byteLength\":24,\"uri\":\"data:application/octet-stream;base64,");
+            "\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"buffers\":[{\"byteLength\":24,"
+            "\"uri\":\"data:application/octet-stream;base64,");
         add_base64(a.text, (const unsigned char *)corners, sizeof corners);
         sprintf(a.text + strlen(a.text),
             "\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":24,\"byteStride\":8,\"target\":"
-            "34962}],\"accessors\":[{\"bufferView\":0,\"componentType\":"
-            "5123,\"count\":3,"
-            "\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[10,21,5]}],\"meshes\":[{\"primitives\":[{"
-            "\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":"
-            "0,%s}]}",
+            "34962}],\"accessors\":[{\"bufferView\":0,\"componentType\":5123,\"count\":3,\"type\":"
+            "\"VEC3\",\"min\":[0,0,0],\"max\":[10,21,5]}],\"meshes\":[{\"primitives\":[{"
+            "\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0,%s}]}",
             cases[i].place);
         result r;
         run(&a, NULL, 1, &r);
@@ -629,8 +625,8 @@ static void test_integer_positions(void **state) {
         assert_true(r.summary.changed);
         assert_same_scene(&r, NULL, 180);
         if (!strstr((const char *)r.bytes, cases[i].expected))
-            fail_msg("%s: expected %s in %.*s", cases[i].place, cases[i].expected, (int)r.size,
-                (const char *)r.bytes);
+            fail_msg("%s: there should be %s in %.*s here", cases[i].place, cases[i].expected,
+                (int)r.size, (const char *)r.bytes);
         finish(&r);
     }
 }
@@ -640,10 +636,10 @@ static void test_animation_pointers(void **state) {
     (void)state;
     asset a;
     make_asset(&a, "\"animations\":[{\"samplers\":[{\"input\":5,\"output\":0}],\"channels\":[{"
-                   "\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":"
-                   "{\"KHR_animation_pointer\":{\"pointer\":\"/nodes/1/"
-                   "scale\"}}}},{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":"
-                   "{\"KHR_animation_pointer\":{\"pointer\":\"/nodes/0/extras\"}}}}]}]," MESH
+                   "\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_"
+                   "pointer\":{\"pointer\":\"/nodes/1/"
+                   "scale\"}}}},{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{"
+                   "\"KHR_animation_pointer\":{\"pointer\":\"/nodes/0/extras\"}}}}]}]," MESH
                    ",\"nodes\":[{\"mesh\":0,\"scale\":[1,2,1]},{\"mesh\":0,\"scale\":[1,2,1]}]");
     result r;
     run(&a, NULL, 1, &r);
@@ -734,8 +730,7 @@ static void test_morphs_and_tangents(void **state) {
     (void)state;
     asset a;
     make_asset(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
-                   "\"TANGENT\":2},\"targets\":[{\"POSITION\":3,\"NORMAL\":4}],"
-                   "\"indices\":5}]}],"
+                   "\"TANGENT\":2},\"targets\":[{\"POSITION\":3,\"NORMAL\":4}],\"indices\":5}]}],"
                    "\"nodes\":[{\"mesh\":0,\"matrix\":[0,2,0,0,-1,0,0,0,0,0,-3,0,4,5,6,1]}]");
     result r, same;
     run(&a, NULL, 1, &r);

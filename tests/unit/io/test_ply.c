@@ -643,10 +643,10 @@ static void test_refusals_name_the_place(void **state) {
             "a.ply:8: "},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS
          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 1\n",
-            "a.ply:11: face 0 has index 1"},
+            "a.ply:11: face 0 names vertex 1"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS
          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 -1\n",
-            "index -1"},
+            "vertex -1"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" VERTEX_FLOATS
          "property float nx\nend_header\n0 0 0 0\n",
             "nx, ny and nz"},

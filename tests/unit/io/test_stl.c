@@ -18,11 +18,10 @@ static const double mirror_x[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0
 
 static const char odd_text[] =
     "\n SOLID  a name \xff\xc3\xa9\r\n\tFacet NORMAL 9 9 9\r\nouter   loop vertex 0 0 0 vertex 1.0 "
-    "0 0\r\nVertex 0 1e0 0\r\nEndLoop endfacet\r\n"
-    "facet normal nan -0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 1 1 "
-    "1\nendloop\nendfacet\nendsolid facet a name\n"
-    "solid\nendsolid\nsolid two\nfacet normal 0 0.0 1.00\nouter loop\nvertex 0 0 5\nvertex 1 0 "
-    "5\nvertex 0 1 5\nendloop\nendfacet\nendsolid";
+    "0 0\r\nVertex 0 1e0 0\r\nEndLoop endfacet\r\nfacet normal nan -0 1\nouter loop\nvertex 0 0 "
+    "0\nvertex 0 0 0\nvertex 1 1 1\nendloop\nendfacet\nendsolid facet a "
+    "name\nsolid\nendsolid\nsolid two\nfacet normal 0 0.0 1.00\nouter loop\nvertex 0 0 5\nvertex 1 "
+    "0 5\nvertex 0 1 5\nendloop\nendfacet\nendsolid";
 
 static void test_text_keeps_all_but_the_normals(void **state) {
     (void)state;
@@ -34,12 +33,12 @@ static void test_text_keeps_all_but_the_normals(void **state) {
     assert_int_equal(info.vertices, 9);
     assert_int_equal(info.normals, NORMA_NORMALS_PER_FACET);
     document_bytes out = bytes_computed(in, "a.stl", NULL, &summary);
-    assert_text(out, "\n SOLID  a name \xff\xc3\xa9\r\n\tFacet NORMAL 0 0 1\r\nouter   loop vertex "
-                     "0 0 0 vertex 1.0 0 0\r\nVertex 0 1e0 0\r\nEndLoop endfacet\r\n"
-                     "facet normal 0 -0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 1 1 "
-                     "1\nendloop\nendfacet\nendsolid facet a name\n"
-                     "solid\nendsolid\nsolid two\nfacet normal 0 0.0 1.00\nouter loop\nvertex 0 0 "
-                     "5\nvertex 1 0 5\nvertex 0 1 5\nendloop\nendfacet\nendsolid");
+    assert_text(out,
+        "\n SOLID  a name \xff\xc3\xa9\r\n\tFacet NORMAL 0 0 1\r\nouter   loop vertex 0 0 0 "
+        "vertex 1.0 0 0\r\nVertex 0 1e0 0\r\nEndLoop endfacet\r\nfacet normal 0 -0 1\nouter "
+        "loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 1 1 1\nendloop\nendfacet\nendsolid facet a "
+        "name\nsolid\nendsolid\nsolid two\nfacet normal 0 0.0 1.00\nouter loop\nvertex 0 0 "
+        "5\nvertex 1 0 5\nvertex 0 1 5\nendloop\nendfacet\nendsolid");
     assert_int_equal(summary.changed, 1);
     assert_int_equal(summary.shading, NORMA_SHADING_FLAT);
     assert_int_equal(summary.report.degenerate_faces.count, 1);
@@ -247,10 +246,9 @@ static void test_identity_and_beyond(void **state) {
     file[80] = 2;
     for (int i = 0; i < 2; ++i) memcpy(file + 84 + 50 * i, values[i], 48);
     document_bytes files[2] = {bytes_copy(file, sizeof file),
-        text_file(
-            "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
-            "0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\n"
-            "vertex 0 2 0\nendloop\nendfacet\nendsolid a\n")};
+        text_file("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+                  "0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 "
+                  "0\nvertex 0 2 0\nendloop\nendfacet\nendsolid a\n")};
     for (int i = 0; i < 2; ++i) {
         norma_transform_summary summary;
         norma_transform_options options = {.struct_size = sizeof options};
@@ -261,9 +259,8 @@ static void test_identity_and_beyond(void **state) {
         memcpy(options.matrix, large, sizeof large);
         assert_int_equal(norma_document_transform(document, &options, NULL, &error),
             NORMA_DOCUMENT_ERROR_UNSUPPORTED);
-        assert_string_equal(error.message,
-            "a.stl:facet 1: the matrix moves it beyond 3.4e+38, the largest number that the file "
-            "can hold");
+        assert_string_equal(error.message, "a.stl:facet 1: the matrix moves it beyond 3.4e+38, the "
+                                           "largest number that the file can hold");
         norma_document_close(document);
         bytes_free(&out);
         bytes_free(&files[i]);
@@ -317,13 +314,13 @@ static void test_refusals_name_the_place(void **state) {
     } files[] = {{"", "a.stl:byte 0: the file is empty"},
         {"nothing of the kind", "a.stl:byte 0: not an STL file"},
         {"solid a\nfacet normal 0 0\nouter loop\n",
-            "a.stl:3: \"outer\" in facet 0; expected a number"},
+            "a.stl:3: \"outer\" stands in facet 0 in place of a number"},
         {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 "
          "0\nvertex 0 0 0\nendloop\n",
-            "a.stl:7: \"vertex\" in facet 0; expected endloop"},
+            "a.stl:7: \"vertex\" stands in facet 0 in place of endloop"},
         {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0",
             "a.stl:4: the file ends in facet 0"},
-        {"solid a\nendsolid\nfacet", "a.stl:3: \"facet\" in facet 0; expected solid"},
+        {"solid a\nendsolid\nfacet", "a.stl:3: \"facet\" stands in facet 0 in place of solid"},
         {"solid a\rfacet\rabnormal", "a.stl:3: "}};
     for (size_t i = 0; i < COUNT_OF(files); ++i) {
         char message[1000];

@@ -66,60 +66,64 @@ static void expect_refused(const bad_file *files, size_t count, const char *name
 
 static void test_ply_headers(void **state) {
     static const bad_file files[] = {
-        {"pl", 0, MALFORMED, "1: not a PLY file; expected a line \"ply\""},
-        {"plyx\nformat ascii 1.0\n", 0, MALFORMED, "1: not a PLY file; expected a line \"ply\""},
+        {"pl", 0, MALFORMED, "1: not a PLY file; a PLY file begins with the line \"ply\""},
+        {"plyx\nformat ascii 1.0\n", 0, MALFORMED,
+            "1: not a PLY file; a PLY file begins with the line \"ply\""},
         {"ply it\nformat ascii 1.0\n", 0, MALFORMED,
-            "1: \"ply it\": expected \"ply\" alone on the first line"},
-        {"ply\n", 0, MALFORMED, "1: the file ends within the header; expected \"end_header\""},
+            "1: \"ply it\": the first line should be \"ply\" alone"},
+        {"ply\n", 0, MALFORMED, "1: the file ends within the header, before \"end_header\""},
         {TEXT "element vertex 1\n", 0, MALFORMED,
-            "3: the file ends within the header; expected \"end_header\""},
+            "3: the file ends within the header, before \"end_header\""},
         {"ply\nformat ascii\nend_header\n", 0, MALFORMED,
-            "2: \"format ascii\": expected \"format\", an encoding and \"1.0\""},
+            "2: \"format ascii\": this line should be \"format\", an encoding and \"1.0\""},
         {"ply\nformat ascii 1.1\nend_header\n", 0, MALFORMED,
-            "2: \"format ascii 1.1\": expected \"format\", an encoding and \"1.0\""},
+            "2: \"format ascii 1.1\": this line should be \"format\", an encoding and \"1.0\""},
         {"ply\nformat binary 1.0\nend_header\n", 0, MALFORMED,
-            "2: \"binary\": unknown encoding; expected ascii, binary_little_endian or "
+            "2: \"binary\": this encoding is not known; PLY has ascii, binary_little_endian and "
             "binary_big_endian"},
         {"ply\nelement vertex 1\n" XYZ "end_header\n", 0, MALFORMED,
-            "2: \"element vertex 1\": expected \"format\", an encoding and \"1.0\""},
+            "2: \"element vertex 1\": this line should be \"format\", an encoding and \"1.0\""},
         {TEXT "element vertex\nend_header\n", 0, MALFORMED,
-            "3: \"element vertex\": expected \"element\", a name and a count"},
+            "3: \"element vertex\": this line should be \"element\", a name and a count"},
         {TEXT "element vertex 1 2\nend_header\n", 0, MALFORMED,
-            "3: \"element vertex 1 2\": expected \"element\", a name and a count"},
+            "3: \"element vertex 1 2\": this line should be \"element\", a name and a count"},
         {TEXT "element vertex -1\nend_header\n", 0, MALFORMED,
-            "3: \"-1\": expected a count of rows"},
+            "3: \"-1\": this should be the number of rows"},
         {TEXT "element vertex 1.5\nend_header\n", 0, MALFORMED,
-            "3: \"1.5\": expected a count of rows"},
+            "3: \"1.5\": this should be the number of rows"},
         {TEXT "element vertex 9223372036854775808\nend_header\n", 0, MALFORMED,
-            "3: \"9223372036854775808\": expected a count of rows"},
+            "3: \"9223372036854775808\": this should be the number of rows"},
         {TEXT "property float x\nend_header\n", 0, MALFORMED,
             "3: \"property float x\": a property before the first element"},
         {TEXT "element vertex 1\nproperty float\nend_header\n", 0, MALFORMED,
-            "4: \"property float\": expected \"property\", a type and a name"},
+            "4: \"property float\": this line should be \"property\", a type and a name"},
         {TEXT "element vertex 1\nproperty half x\nend_header\n", 0, MALFORMED,
-            "4: \"half\": unknown type; expected char, uchar, short, ushort, int, uint, float, "
-            "double or int8 to float64"},
+            "4: \"half\": this type is not known; PLY has char, uchar, short, ushort, int, uint, "
+            "float, double and int8 to float64"},
         {TEXT "element face 1\nproperty list int vertex_indices\nend_header\n", 0, MALFORMED,
-            "4: \"property list int vertex_indices\": expected \"property list\", the types of "
-            "count and items, and a name"},
+            "4: \"property list int vertex_indices\": this line should be \"property list\", the "
+            "types of count and items, and a name"},
         {TEXT "element face 1\nproperty list int list vertex_indices\nend_header\n", 0, MALFORMED,
-            "4: \"list\": unknown type; expected char, uchar, short, ushort, int, uint, float, "
-            "double or int8 to float64"},
+            "4: \"list\": this type is not known; PLY has char, uchar, short, ushort, int, uint, "
+            "float, double and int8 to float64"},
         {TEXT "element face 1\nproperty list float int vertex_indices\nend_header\n", 0, MALFORMED,
-            "4: \"float\": expected an integer type for the count of a list"},
+            "4: \"float\": the count of a list should have an integer type"},
         {TEXT "element face 1\nproperty list many int vertex_indices\nend_header\n", 0, MALFORMED,
-            "4: \"many\": expected an integer type for the count of a list"},
+            "4: \"many\": the count of a list should have an integer type"},
         {TEXT "element vertex 1\n" XYZ "material 3\nend_header\n", 0, MALFORMED,
-            "7: \"material 3\": expected element, property, comment, obj_info or end_header"},
+            "7: \"material 3\": this line should begin with element, property, comment, obj_info "
+            "or end_header"},
         {TEXT "element vertex 1\n" XYZ "format ascii 1.0\nend_header\n", 0, MALFORMED,
-            "7: \"format ascii 1.0\": expected element, property, comment, obj_info or end_header"},
+            "7: \"format ascii 1.0\": this line should begin with element, property, comment, "
+            "obj_info or end_header"},
         {TEXT "element vertex 1\n" XYZ "end_header now\n", 0, MALFORMED,
-            "7: \"end_header now\": expected element, property, comment, obj_info or end_header"},
+            "7: \"end_header now\": this line should begin with element, property, comment, "
+            "obj_info or end_header"},
         {TEXT FACES "end_header\n", 0, MALFORMED, "5: the header declares no element \"vertex\""},
         {TEXT "element vertex 1\nproperty float x\nproperty float y\nend_header\n", 0, MALFORMED,
-            "3: \"vertex\": the element lacks properties; expected x, y and z"},
+            "3: \"vertex\": the element needs the properties x, y and z"},
         {TEXT "element vertex 1\n" XYZ "property float nx\nend_header\n", 0, MALFORMED,
-            "3: \"vertex\": the element has a part of nx, ny and nz; expected all or none"},
+            "3: \"vertex\": the element should have all of nx, ny and nz, or none of them"},
         {TEXT "element vertex 1\n" XYZ "element vertex 2\nend_header\n", 0, MALFORMED,
             "7: \"vertex\": the element appears twice in this header"},
         {TEXT "element vertex 1\n" XYZ FACES FACES "end_header\n", 0, MALFORMED,
@@ -128,19 +132,19 @@ static void test_ply_headers(void **state) {
             "7: \"y\": the property appears twice in this element"},
         {TEXT "element vertex 1\nproperty float x\nproperty list uchar float y\nproperty float "
               "z\nend_header\n",
-            0, MALFORMED, "5: \"y\": a list; expected a single number"},
+            0, MALFORMED, "5: \"y\": this is a list, but should be a single number"},
         {TEXT "element vertex 1\n" XYZ "element face 1\nproperty int vertex_indices\nend_header\n",
-            0, MALFORMED, "8: \"vertex_indices\": expected a list of integers"},
+            0, MALFORMED, "8: \"vertex_indices\": this should be a list of integers"},
         {TEXT "element vertex 1\n" XYZ
               "element face 1\nproperty list uchar double vertex_index\nend_header\n",
-            0, MALFORMED, "8: \"vertex_index\": expected a list of integers"},
+            0, MALFORMED, "8: \"vertex_index\": this should be a list of integers"},
         {TEXT "element vertex 1\n" XYZ
               "element tristrips 1\nproperty list int float vertex_indices\nend_header\n",
-            0, MALFORMED, "8: \"vertex_indices\": expected a list of integers"},
+            0, MALFORMED, "8: \"vertex_indices\": this should be a list of integers"},
         {"ply\rformat ascii 1.0\relement vertex 1\rproperty float\r", 0, MALFORMED,
-            "4: \"property float\": expected \"property\", a type and a name"},
+            "4: \"property float\": this line should be \"property\", a type and a name"},
         {"ply\r\nformat ascii 1.0\r\nelement vertex 1\r\nproperty\r\n", 0, MALFORMED,
-            "4: \"property\": expected \"property\", a type and a name"},
+            "4: \"property\": this line should be \"property\", a type and a name"},
     };
     (void)state;
     expect_refused(files, COUNT_OF(files), "a.ply");
@@ -149,56 +153,55 @@ static void test_ply_headers(void **state) {
 static void test_ply_text_rows(void **state) {
     static const bad_file files[] = {
         {TEXT "element vertex 3\n" XYZ "end_header\n0.5 0 0\n1 0 0\n0 1\n", 0, MALFORMED,
-            "11: row 2 of element \"vertex\": the file ends; expected more values"},
+            "11: row 2 of element \"vertex\": the file ends before the row does"},
         {TEXT "element vertex 1000000000000\n" XYZ "end_header\n" NINE, 0, MALFORMED,
-            "11: row 0 of element \"vertex\": fewer bytes are left than the declared rows need; "
-            "expected a longer file or a smaller count"},
+            "11: row 0 of element \"vertex\": the file is too short for the rows that the header "
+            "declares"},
         {TEXT "element vertex 1\n" XYZ "element " LONG_NAME
               "s 1\nproperty int a\nproperty int b\nend_header\n0 0 0\n10\n",
             0, MALFORMED,
-            "13: row 0 of element \"" LONG_NAME "\": the file ends; expected more values"},
+            "13: row 0 of element \"" LONG_NAME "\": the file ends before the row does"},
         {TEXT "element vertex 1\n" XYZ "end_header\n0 zero 0\n", 0, MALFORMED,
-            "8: row 0 of element \"vertex\": not a number of the property's kind; expected one"},
+            "8: row 0 of element \"vertex\": this is not a number of the property's type"},
         {TEXT "element vertex 2\n" XYZ "end_header\n0 0 0\n0 0 1e\n", 0, MALFORMED,
-            "9: row 1 of element \"vertex\": not a number of the property's kind; expected one"},
+            "9: row 1 of element \"vertex\": this is not a number of the property's type"},
         {TEXT "element vertex 3\n" XYZ FACES "end_header\n" NINE "3 0 1 3\n", 0, MALFORMED,
-            "13: face 0 has index 3; expected 0 to 2"},
+            "13: face 0 names vertex 3; vertices are numbered from 0 to 2"},
         {TEXT "element vertex 3\n" XYZ FACES "end_header\n" NINE "3 0 1 -1\n", 0, MALFORMED,
-            "13: face 0 has index -1; expected 0 to 2"},
+            "13: face 0 names vertex -1; vertices are numbered from 0 to 2"},
         {TEXT "element vertex 3\n" XYZ FACES "end_header\n" NINE "3 0 1 1.5\n", 0, MALFORMED,
-            "13: row 0 of element \"face\": not a number of the property's kind; expected one"},
+            "13: row 0 of element \"face\": this is not a number of the property's type"},
         {TEXT "element vertex 3\n" XYZ FACES "end_header\n" NINE "-3 0 1 2\n", 0, MALFORMED,
-            "13: row 0 of element \"face\": not a number of list items; expected a whole number "
-            "from 0 up"},
+            "13: row 0 of element \"face\": the count of a list should be a whole number from 0 "
+            "up"},
         {TEXT "element vertex 3\n" XYZ FACES "end_header\n" NINE "few 0 1 2\n", 0, MALFORMED,
-            "13: row 0 of element \"face\": not a number of list items; expected a whole number "
-            "from 0 up"},
+            "13: row 0 of element \"face\": the count of a list should be a whole number from 0 "
+            "up"},
         {TEXT "element vertex 3\n" XYZ FACES "end_header\n" NINE "4000000000 0 1 2\n", 0, MALFORMED,
-            "13: row 0 of element \"face\": a list longer than the rest of the file; expected the "
-            "items that are there"},
+            "13: row 0 of element \"face\": the list is longer than the rest of the file"},
         {TEXT "element vertex 3\n" XYZ FACES "end_header\n" NINE "4 0 1 2\n", 0, MALFORMED,
-            "14: row 0 of element \"face\": the file ends; expected more values"},
+            "14: row 0 of element \"face\": the file ends before the row does"},
         {TEXT "element vertex 3\n" XYZ
               "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" NINE
               "3 0 1 5\n",
-            0, MALFORMED, "13: strip 0 has index 5; expected 0 to 2"},
+            0, MALFORMED, "13: strip 0 names vertex 5; vertices are numbered from 0 to 2"},
         {TEXT "element vertex 3\n" XYZ
               "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" NINE
               "3 0 -2 1\n",
-            0, MALFORMED, "13: strip 0 has index -2; expected 0 to 2"},
+            0, MALFORMED, "13: strip 0 names vertex -2; vertices are numbered from 0 to 2"},
         {TEXT "element vertex 1\n" XYZ
               "property float nx\nproperty float ny\nproperty float nz\nend_header\n0 0 0 0 up 0\n",
             0, MALFORMED,
-            "11: row 0 of element \"vertex\": not a number of the property's kind; expected one"},
+            "11: row 0 of element \"vertex\": this is not a number of the property's type"},
         {TEXT "element vertex 3\n" XYZ FACES
               "property float nx\nproperty float ny\nproperty float nz\nend_header\n" NINE
               "3 0 1 2 0 0 up\n",
             0, MALFORMED,
-            "16: row 0 of element \"face\": not a number of the property's kind; expected one"},
+            "16: row 0 of element \"face\": this is not a number of the property's type"},
         {"ply\rformat ascii 1.0\relement vertex 1\rproperty float x\rproperty float y\rproperty "
          "float z\rend_header\r0 zero 0\r",
             0, MALFORMED,
-            "8: row 0 of element \"vertex\": not a number of the property's kind; expected one"},
+            "8: row 0 of element \"vertex\": this is not a number of the property's type"},
     };
     (void)state;
     expect_refused(files, COUNT_OF(files), "a.ply");
@@ -210,17 +213,18 @@ static void test_ply_binary_rows(void **state) {
 #define MARK_VERTICES "\0\0\0\1\0\0\0\1\0"
     static const bad_file files[] = {
         {BYTES(HEAD "end_header\n\0\0\0\1\0"), MALFORMED,
-            "byte 120: the file ends in row 1 of element \"vertex\"; expected 3 rows"},
+            "byte 120: the file ends in row 1 of element \"vertex\", which should have 3 rows"},
         {BYTES(LITTLE "element vertex 9223372036854775807\n" BINARY_XYZ "end_header\n\0\0\0"),
             MALFORMED,
-            "byte 136: the file ends in row 1 of element \"vertex\"; expected 9223372036854775807 "
-            "rows"},
+            "byte 136: the file ends in row 1 of element \"vertex\", which should have "
+            "9223372036854775807 rows"},
         {BYTES(HEAD FACES "end_header\n" MARK_VERTICES "\3\0\0\0"), MALFORMED,
-            "byte 182: the file ends in row 0 of element \"face\"; expected 1 rows"},
+            "byte 182: the file ends in row 0 of element \"face\", which should have 1 rows"},
         {BYTES(HEAD
              "element face 2\nproperty list uchar uchar vertex_indices\nend_header\n" MARK_VERTICES
              "\3\0\1\2"),
-            MALFORMED, "byte 184: the file ends in row 1 of element \"face\"; expected 2 rows"},
+            MALFORMED,
+            "byte 184: the file ends in row 1 of element \"face\", which should have 2 rows"},
         {BYTES(HEAD
              "element face 1\nproperty list char uchar vertex_indices\nend_header\n" MARK_VERTICES
              "\xff\0\1\2"),
@@ -228,29 +232,32 @@ static void test_ply_binary_rows(void **state) {
         {BYTES(HEAD
              "element face 1\nproperty list int uchar vertex_indices\nend_header\n" MARK_VERTICES
              "\xff\xff\xff\x7f\0\1\2"),
-            MALFORMED, "byte 185: the file ends in row 0 of element \"face\"; expected 1 rows"},
+            MALFORMED,
+            "byte 185: the file ends in row 0 of element \"face\", which should have 1 rows"},
         {BYTES(HEAD "element face 1\nproperty uchar kind\nproperty list uchar uchar "
                     "vertex_indices\nproperty uchar end\nend_header\n" MARK_VERTICES "\7\3\0\1\2"),
-            MALFORMED, "byte 224: the file ends in row 0 of element \"face\"; expected 1 rows"},
+            MALFORMED,
+            "byte 224: the file ends in row 0 of element \"face\", which should have 1 rows"},
         {BYTES(HEAD FACES "end_header\n" MARK_VERTICES "\3\0\0\0\0\1\0\0\0\3\0\0\0"), MALFORMED,
-            "byte 178: face 0 has index 3; expected 0 to 2"},
+            "byte 178: face 0 names vertex 3; vertices are numbered from 0 to 2"},
         {BYTES(HEAD FACES "end_header\n" MARK_VERTICES "\3\0\0\0\0\1\0\0\0\xff\xff\xff\xff"),
-            MALFORMED, "byte 178: face 0 has index -1; expected 0 to 2"},
+            MALFORMED, "byte 178: face 0 names vertex -1; vertices are numbered from 0 to 2"},
         {BYTES(HEAD
              "element face 1\nproperty list uchar uint vertex_indices\nend_header\n" MARK_VERTICES
              "\3\0\0\0\0\1\0\0\0\xff\xff\xff\xff"),
-            MALFORMED, "byte 179: face 0 has index 4294967295; expected 0 to 2"},
+            MALFORMED,
+            "byte 179: face 0 names vertex 4294967295; vertices are numbered from 0 to 2"},
         {BYTES(HEAD
              "element face 2\nproperty list uchar uchar vertex_indices\nend_header\n" MARK_VERTICES
              "\3\0\1\2\4\0\1\2\11"),
-            MALFORMED, "byte 184: face 1 has index 9; expected 0 to 2"},
+            MALFORMED, "byte 184: face 1 names vertex 9; vertices are numbered from 0 to 2"},
         {BYTES(HEAD
              "element face 1\nproperty list ushort short vertex_indices\nend_header\n" MARK_VERTICES
              "\3\0\0\0\1\0\xfe\xff"),
-            MALFORMED, "byte 181: face 0 has index -2; expected 0 to 2"},
+            MALFORMED, "byte 181: face 0 names vertex -2; vertices are numbered from 0 to 2"},
         {BYTES(HEAD "element tristrips 1\nproperty list uchar char "
                     "vertex_indices\nend_header\n" MARK_VERTICES "\3\0\xff\3"),
-            MALFORMED, "byte 184: strip 0 has index 3; expected 0 to 2"},
+            MALFORMED, "byte 184: strip 0 names vertex 3; vertices are numbered from 0 to 2"},
     };
     (void)state;
     expect_refused(files, COUNT_OF(files), "a.ply");
@@ -297,8 +304,7 @@ static void test_oddities_are_noted(void **state) {
             "1 faces without a corner are kept as they are, the first \"f\" in line 4"},
         {"a.obj", BYTES("v 0 0 0\nv 1 0 0\nv 0 1.5+e2 0\nf 1 2 3\n"),
             "1 numbers are followed by other characters, which are ignored, the first \"1.5+e2\" "
-            "in line "
-            "3"},
+            "in line 3"},
     };
     (void)state;
     for (size_t i = 0; i < COUNT_OF(files); ++i) {
@@ -331,33 +337,35 @@ static void test_a_binary_stl_may_go_on(void **state) {
 static void test_stl(void **state) {
     static const bad_file files[] = {
         {"sol", 0, MALFORMED,
-            "byte 0: not an STL file; expected \"solid\", or a binary header of 84 bytes"},
+            "byte 0: not an STL file; an STL file begins with \"solid\" or with a binary header of "
+            "84 bytes"},
         {"facet normal 0 0 1", 0, MALFORMED,
-            "byte 0: not an STL file; expected \"solid\", or a binary header of 84 bytes"},
+            "byte 0: not an STL file; an STL file begins with \"solid\" or with a binary header of "
+            "84 bytes"},
         {"solid a\nvertex 0 0 0\n", 0, MALFORMED,
-            "2: \"vertex\" in facet 0; expected facet or endsolid"},
-        {"solid a\nfacet\n0 0 1\n", 0, MALFORMED, "3: \"0\" in facet 0; expected normal"},
+            "2: \"vertex\" stands in facet 0 in place of facet or endsolid"},
+        {"solid a\nfacet\n0 0 1\n", 0, MALFORMED, "3: \"0\" stands in facet 0 in place of normal"},
         {"solid a\nfacet normal 0 0 one\n", 0, MALFORMED,
-            "2: \"one\" in facet 0; expected a number"},
-        {"solid a\nfacet normal 0 0", 0, MALFORMED,
-            "2: the file ends in facet 0; expected a number"},
+            "2: \"one\" stands in facet 0 in place of a number"},
+        {"solid a\nfacet normal 0 0", 0, MALFORMED, "2: the file ends in facet 0, before a number"},
         {"solid a\n" FACET "facet normal 0 0 1 inner", 0, MALFORMED,
-            "9: \"inner\" in facet 1; expected outer"},
+            "9: \"inner\" stands in facet 1 in place of outer"},
         {"solid a\n" FACET "facet normal 0 0 1 outer loops", 0, MALFORMED,
-            "9: \"loops\" in facet 1; expected loop"},
+            "9: \"loops\" stands in facet 1 in place of loop"},
         {"solid a\n" FACET "facet normal 0 0 1 outer loo", 0, MALFORMED,
-            "9: \"loo\" in facet 1; expected loop"},
+            "9: \"loo\" stands in facet 1 in place of loop"},
         {"solid a\nfacet normal 0 0 1 outer loop\nvertex 0 0 0\nvertex 0 1 0\nendloop\n", 0,
-            MALFORMED, "5: \"endloop\" in facet 0; expected vertex"},
+            MALFORMED, "5: \"endloop\" stands in facet 0 in place of vertex"},
         {"solid a\nfacet normal 0 0 1 outer loop\nvertex 0 0 0 vertex 0 1 0\nvertex 1 0 0x\n", 0,
-            MALFORMED, "4: \"0x\" in facet 0; expected a number"},
+            MALFORMED, "4: \"0x\" stands in facet 0 in place of a number"},
         {"solid a\nfacet normal 0 0 1 outer loop\nvertex 0 0 0 vertex 0 1 0 vertex 1 1 0 vertex 0 "
          "1 0",
-            0, MALFORMED, "3: \"vertex\" in facet 0; expected endloop"},
+            0, MALFORMED, "3: \"vertex\" stands in facet 0 in place of endloop"},
         {"solid a\nfacet normal 0 0 1 outer loop\nvertex 0 0 0 vertex 0 1 0 vertex 1 1 0 endloop",
-            0, MALFORMED, "3: the file ends in facet 0; expected endfacet"},
-        {"solid a\nendsolid a\nsolids", 0, MALFORMED, "3: \"solids\" in facet 0; expected solid"},
-        {"solid a\rfacet\r0 0 1\r", 0, MALFORMED, "3: \"0\" in facet 0; expected normal"},
+            0, MALFORMED, "3: the file ends in facet 0, before endfacet"},
+        {"solid a\nendsolid a\nsolids", 0, MALFORMED,
+            "3: \"solids\" stands in facet 0 in place of solid"},
+        {"solid a\rfacet\r0 0 1\r", 0, MALFORMED, "3: \"0\" stands in facet 0 in place of normal"},
     };
     (void)state;
     expect_refused(files, COUNT_OF(files), "a.stl");
@@ -367,14 +375,11 @@ static void test_binary_stl(void **state) {
     static const bad_file files[] = {
         {BYTES("0123456789012345678901234567890123456789012345678901234567890123456789012345678\n"
                "\377\377\377\377"),
-            MALFORMED,
-            "byte 80: 4294967295 facets are declared and the file holds 0; expected at most as "
-            "many"},
+            MALFORMED, "byte 80: the header declares 4294967295 facets, but the file holds only 0"},
         {BYTES("solid but with "
                "zeros\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"
                "\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\1\0\0\0tail"),
-            MALFORMED,
-            "byte 80: 1 facets are declared and the file holds 0; expected at most as many"},
+            MALFORMED, "byte 80: the header declares 1 facets, but the file holds only 0"},
     };
     (void)state;
     expect_refused(files, COUNT_OF(files), "a.stl");
@@ -434,9 +439,9 @@ static void test_empty_files(void **state) {
     static const struct {
         const char *name, *message;
     } files[] = {
-        {"a.ply", "a.ply:1: the file is empty; expected a line \"ply\""},
-        {"a.stl",
-            "a.stl:byte 0: the file is empty; expected \"solid\", or a binary header of 84 bytes"},
+        {"a.ply", "a.ply:1: the file is empty; a PLY file begins with the line \"ply\""},
+        {"a.stl", "a.stl:byte 0: the file is empty; an STL file begins with \"solid\" or with a "
+                  "binary header of 84 bytes"},
         {"a.obj", "a.obj: the file is empty; expected OBJ statements"},
     };
     (void)state;

@@ -169,7 +169,8 @@ static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_docum
         return errno == ENOMEM
                    ? norma_document_fail_memory(g->document, error)
                    : norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_REFUSED, place,
-                         "the buffer %s is not opened; expected a file in the asset's folder",
+                         "the buffer %s is not opened, because it is not a file in the asset's "
+                         "folder",
                          buffer->name);
     struct stat status;
     int failed = stat(path, &status) ? errno
@@ -188,7 +189,7 @@ static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_docum
     buffer->available = buffer->file.size;
     if (buffer->file.size >= buffer->length) return NORMA_DOCUMENT_OK;
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
-        "the buffer %s has %zu bytes; expected %zu", buffer->name, buffer->file.size,
+        "the buffer %s has %zu bytes, but should have %zu", buffer->name, buffer->file.size,
         buffer->length);
 }
 

@@ -31,8 +31,8 @@ norma_document_result norma_gltf_spend(
         return NORMA_DOCUMENT_OK;
     norma_gltf_pointer(g, token, place, sizeof place);
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
-        "%zu elements from here, with all before them, would take far more room than the file; "
-        "expected at most %d bytes for each byte of it",
+        "%zu elements from here, with all before them, would take far more memory than the file; "
+        "at most %d bytes are read for each byte of it",
         count, DECODED_A_BYTE);
 }
 
@@ -46,12 +46,12 @@ norma_document_result norma_gltf_draw(
         !add_within(&g->vertices_drawn, p->vertices, g->held, VERTICES_A_BYTE, FREE))
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
             "%zu triangles of %zu vertices, with those of all primitives before, are far more than "
-            "the file has bytes; expected at most %d corners and %d vertices for each",
+            "the file has bytes; at most %d corners and %d vertices are read for each byte",
             p->faces, p->vertices, CORNERS_A_BYTE, VERTICES_A_BYTE);
     if (!add_within(&g->vertices_moved, moves, g->held, MOVES_A_BYTE, FREE))
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
             "%zu vertices in each of %zu morph targets, with those of all primitives before, are "
-            "far more than the file has bytes; expected at most %d for each",
+            "far more than the file has bytes; at most %d are read for each byte",
             p->vertices, targets, MOVES_A_BYTE);
     return NORMA_DOCUMENT_OK;
 }
@@ -64,7 +64,7 @@ norma_document_result norma_gltf_copy_vertices(
         !add_within(&g->copied, count * size, g->held, COPIED_A_BYTE, FREE))
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
             "%zu vertices of %zu bytes each, with those of all primitives before, would take far "
-            "more room than the file; expected at most %d bytes for each byte of it",
+            "more memory than the file; at most %d bytes are read for each byte of it",
             count, size, COPIED_A_BYTE);
     p->copied = count * size;
     return NORMA_DOCUMENT_OK;
@@ -81,7 +81,7 @@ norma_document_result norma_gltf_place_instances(
         return NORMA_DOCUMENT_OK;
     norma_gltf_pointer(g, node->token, place, sizeof place);
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
-        "%zu instances, with those of all nodes before, are far more than the file has bytes; "
-        "expected at most %d for each",
+        "%zu instances, with those of all nodes before, are far more than the file has bytes; at "
+        "most %d are read for each byte",
         node->instances, INSTANCES_A_BYTE);
 }

@@ -35,7 +35,7 @@ norma_document_result norma_gltf_malformed(
     char place[200];
     norma_gltf_pointer(g, token, place, sizeof place);
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
-        place[0] ? place : "/", "expected %s", expected);
+        place[0] ? place : "/", "there should be %s here", expected);
 }
 
 int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value) {

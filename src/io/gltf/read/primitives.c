@@ -71,7 +71,7 @@ static norma_document_result read_attributes(
         char place[200];
         norma_gltf_pointer(g, token, place, sizeof place);
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
-            "has %u attributes; expected at most %d", (unsigned)norma_json_size(j, token),
+            "has %u attributes; at most %d can be read", (unsigned)norma_json_size(j, token),
             MOST_ATTRIBUTES);
     }
     *set = (gltf_attributes){.token = token,
@@ -92,7 +92,7 @@ static norma_document_result read_attributes(
         if (!attribute->name) return norma_document_fail_memory(g->document, error);
         if (norma_gltf_find(g, set, attribute->name) !=
             GLTF_NONE) /* which of them others read is anybody's guess */
-            return norma_gltf_malformed(g, error, value, "each name only once");
+            return norma_gltf_malformed(g, error, value, "no name twice");
         ++set->count;
         if (strcmp(attribute->name, "POSITION") == 0)
             set->position = attribute->accessor;
@@ -324,8 +324,8 @@ static void unroll(uint32_t mode, size_t i, size_t out[3]) {
 static norma_document_result fail_index(const gltf *g, const gltf_primitive *p, size_t at,
     uint32_t index, norma_document_error *error) {
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, p->where,
-        "index %zu (accessor %u) names vertex %u; expected one below %zu", at, (unsigned)p->indices,
-        (unsigned)index, p->vertices);
+        "index %zu (accessor %u) names vertex %u, but there are only %zu vertices", at,
+        (unsigned)p->indices, (unsigned)index, p->vertices);
 }
 
 /* The first count indices; one loop for each width, since this is read for every corner of a file.
