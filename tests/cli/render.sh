@@ -118,6 +118,10 @@ if NORMA_BIN=$norma scripts/figures.sh "$scratch/figures" >"$scratch/message" 2>
 else
     fail "scripts/figures.sh" "$(cat "$scratch/message")"
 fi
+status=0
+"$norma" render assets/goathead.obj -o "$scratch/no.png" --max-memory 20M >/dev/null 2>"$scratch/stderr" || status=$?
+if [ "$status" = 3 ] && grep -q 'memory is limited to 20M (--max-memory)' "$scratch/stderr"; then pass "a limit of memory that a driver does not fit in is named"
+else fail "a limit of memory that a driver does not fit in is named" "status $status; $(cat "$scratch/stderr")"; fi
 unseen=$(for file in docs/figures/*; do grep -q "figures/$(basename "$file")" docs/*.md README.md || echo "$file"; done)
 if [ -z "$unseen" ]; then pass "every figure is shown somewhere"; else fail "every figure is shown somewhere" "$unseen"; fi
 finish

@@ -4,6 +4,7 @@
 #include "cli/files/place_outputs.h"
 #include "cli/files/report_output.h"
 #include "cli/process/errors.h"
+#include "cli/process/memory_limit.h"
 #include "cli/process/progress.h"
 #include "cli/text/report_text.h"
 #include <math.h>
@@ -346,7 +347,9 @@ static int draw_all(const cli_subcommand *verb, const render_settings *settings)
     picture_job *job = calloc(1, sizeof *job);
     render_error error = {.message = "out of memory"};
     if (!job || render_device_open(settings->software, &job->device, &error)) {
-        cli_error("%s", error.message);
+        char limit[CLI_LIMIT_ROOM]; /* within which a driver may not fit */
+        cli_memory_limit_words(limit);
+        cli_error("%s%s", error.message, limit);
         free(job);
         return CLI_FILE;
     }
