@@ -8,7 +8,10 @@
 
 norma_document_result norma_document_visit_files(
     norma_document *document, norma_visit_file *visit, void *user, norma_document_error *error) {
-    norma_document_result result = norma_document_usable(document, error);
+    const int is_summary = document && document->depth == NORMA_DOCUMENT_SUMMARY;
+    norma_document_clear(error);
+    norma_document_result result =
+        is_summary ? NORMA_DOCUMENT_OK : norma_document_usable(document, error);
     if (result) return result;
     if (!visit)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
