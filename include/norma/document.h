@@ -7,8 +7,10 @@
  * was read from, so other programs may write to them meanwhile; saving in place is then refused.
  *
  * A document takes any number of changes, and may be changed further after it was saved. Mesh data
- * and infos follow the changes; pointers and strings from before a change are no longer valid.
- * After an argument error a document is as it was before the call.
+ * and infos follow the changes; pointers and strings from before a change, even one that failed,
+ * are no longer valid. A change that fails leaves the document as it was. Only if memory runs out,
+ * or the computing of an STL's normals is cancelled, may it be left so that it can only be closed;
+ * calls then say so.
  *
  * Different threads may use different documents at the same time; only one thread at a time may use
  * a document. A zero-initialised option struct means the documented defaults. Strings are UTF-8,
@@ -435,8 +437,7 @@ typedef struct norma_compute_summary {
  *   summary   written; or NULL
  *   error     written on failure; or NULL
  *
- * Errors: an argument error for normals that the format cannot hold (smooth shading in STL). After
- * an error the document can only be closed. */
+ * Errors: an argument error for normals that the format cannot hold (smooth shading in STL). */
 NORMA_API norma_document_result norma_document_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
@@ -511,8 +512,7 @@ typedef struct norma_transform_summary {
  *   summary   written; or NULL
  *   error     written on failure; or NULL
  *
- * Errors: an argument error if the matrix is not finite or its last row is not 0 0 0 1. After an
- * error the document can only be closed. */
+ * Errors: an argument error if the matrix is not finite or its last row is not 0 0 0 1. */
 NORMA_API norma_document_result norma_document_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
@@ -591,8 +591,7 @@ typedef struct norma_mesh_edit {
  *   edits   one for each mesh of the document, in its order
  *   error   written on failure; or NULL
  *
- * Errors: an argument error for edits of data that the format does not have. After an error the
- * document can only be closed. Cost: O(file). */
+ * Errors: an argument error for edits of data that the format does not have. Cost: O(file). */
 NORMA_API norma_document_result norma_document_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 

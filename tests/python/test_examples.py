@@ -1,6 +1,7 @@
 """The README's code and the examples, run as they stand."""
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -48,10 +49,14 @@ class Examples(unittest.TestCase):
             import pytest  # noqa: F401
         except ImportError:
             self.skipTest("pytest is not installed")
-        script = os.path.join(ROOT, "python", "examples", "test_assets.py")
-        done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", script], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        self.assertIn("passed", done.stdout)
+        for mesh, status, words in (("goathead.obj", 0, "1 passed"), ("spider.stl", 1, "N301")):
+            with tempfile.TemporaryDirectory() as folder:
+                shutil.copy(os.path.join(ROOT, "assets", mesh), folder)
+                script = os.path.join(ROOT, "python", "examples", "test_assets.py")
+                done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", script],
+                                      env={**os.environ, "NORMA_ASSETS": folder}, capture_output=True, text=True)
+                self.assertEqual(done.returncode, status, done.stdout)
+                self.assertIn(words, done.stdout)
 
 
 if __name__ == "__main__":

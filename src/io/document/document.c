@@ -1,5 +1,5 @@
 /* document.c: hands every call to the table of functions of the document's format. */
-#include "io/format/format.h"
+#include "io/format/flush_edits.h"
 #include "io/format/recentre.h"
 #include "io/format/scene.h"
 #include "core/call/vec3_view.h"
@@ -76,11 +76,19 @@ norma_document_result norma_document_mesh_data(
     return document->functions->mesh_data(document, index, data, error);
 }
 
-/* What failed half-way is taken back where the format can do that. */
+static norma_document_result begin_change(norma_document *document, norma_document_error *error) {
+    norma_document_result result = norma_document_ready(document, error);
+    if (!result && document->functions->edited) norma_edited_begin(document);
+    return result;
+}
+
+/* A change that failed is taken back; where that is not possible, the document can only be closed.
+ */
 static void end_change(norma_document *document, norma_document_result result) {
-    if (result)
-        document->failed =
-            !document->functions->drop_change || !document->functions->drop_change(document);
+    if (result && !document->failed)
+        document->failed = document->functions->edited
+                               ? !norma_edited_drop(document, result)
+                               : !document->functions->drop_change(document);
 }
 
 static const char *bad_compute_option(const norma_compute_options *options) {
@@ -103,7 +111,7 @@ static const char *bad_compute_option(const norma_compute_options *options) {
 norma_document_result norma_document_compute(norma_document *document,
     const norma_compute_options *given, norma_compute_summary *summary,
     norma_document_error *error) {
-    norma_document_result result = norma_document_ready(document, error);
+    norma_document_result result = begin_change(document, error);
     if (result) return result;
     norma_compute_options options;
     norma_compute_summary unwanted;
@@ -128,7 +136,7 @@ static const char *bad_tangent_option(const norma_tangent_options *options) {
 norma_document_result norma_document_tangents(norma_document *document,
     const norma_tangent_options *given, norma_tangent_summary *summary,
     norma_document_error *error) {
-    norma_document_result result = norma_document_ready(document, error);
+    norma_document_result result = begin_change(document, error);
     if (result) return result;
     norma_tangent_options options;
     norma_tangent_summary unwanted;
@@ -160,7 +168,7 @@ static const char *bad_matrix(double matrix[16]) {
 norma_document_result norma_document_transform(norma_document *document,
     const norma_transform_options *given, norma_transform_summary *summary,
     norma_document_error *error) {
-    norma_document_result result = norma_document_ready(document, error);
+    norma_document_result result = begin_change(document, error);
     if (result) return result;
     norma_transform_options options;
     norma_transform_summary unwanted;
@@ -199,7 +207,7 @@ static norma_document_result recentre_whole(
 norma_document_result norma_document_recentre(
     norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
     int unwanted;
-    norma_document_result result = norma_document_ready(document, error);
+    norma_document_result result = begin_change(document, error);
     changed = changed ? changed : &unwanted;
     *changed = 0;
     if (result) return result;
@@ -229,7 +237,7 @@ static norma_document_result check_vertices(norma_document *document, size_t mes
 
 norma_document_result norma_document_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
-    norma_document_result result = norma_document_ready(document, error);
+    norma_document_result result = begin_change(document, error);
     if (result) return result;
     if (!edits)
         return norma_document_fail(

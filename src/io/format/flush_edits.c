@@ -44,19 +44,39 @@ void norma_edited_close(norma_document *document) {
 }
 
 /* Reading our own bytes finds nothing new, so notes about them are removed. */
-norma_document_result norma_edited_replace(
-    norma_document *document, const growing_bytes *bytes, norma_document_error *error) {
+static norma_document_result read_again(norma_document *document, norma_document_error *error) {
     const edited_format *format = document->functions->edited;
     const size_t notes = document->note_count;
     format->free_content(document->state);
     memset(document->state, 0, format->state_size);
-    norma_file_close(&document->source);
-    document->source =
-        (file_bytes){.data = (const void *)bytes->data, .size = bytes->size, .owned = 1};
     norma_document_result result = format->read(document, error);
     norma_scene_forget(document->scene);
     while (document->note_count > notes) free(document->notes[--document->note_count]);
     return result;
+}
+
+norma_document_result norma_edited_replace(
+    norma_document *document, const growing_bytes *bytes, norma_document_error *error) {
+    norma_file_close(&document->source);
+    document->source =
+        (file_bytes){.data = (const void *)bytes->data, .size = bytes->size, .owned = 1};
+    norma_document_result result = read_again(document, error);
+    document->failed |= result != NORMA_DOCUMENT_OK;
+    return result;
+}
+
+void norma_edited_begin(norma_document *document) {
+    document->had_edit = document->functions->edited->has_edit(document->state);
+}
+
+int norma_edited_drop(norma_document *document, norma_document_result why) {
+    const edited_format *format = document->functions->edited;
+    if (why == NORMA_DOCUMENT_ERROR_ARGUMENT &&
+        !format->has_edit(document->state) == !document->had_edit)
+        return 1; /* refused before anything was done */
+    /* What came before is in the bytes only if the change could begin with flushing it. */
+    if (document->had_edit && (format->gathers || why == NORMA_DOCUMENT_ERROR_MEMORY)) return 0;
+    return read_again(document, NULL) == NORMA_DOCUMENT_OK;
 }
 
 unsigned char *norma_edited_own_bytes(norma_document *document) {

@@ -18,6 +18,7 @@ norma_document_result norma_rewrite_compare(norma_document *document, const unsi
  * go. */
 struct edited_format {
     size_t state_size;
+    int gathers; /* nonzero: changes wait together; 0: each begins with flushing those before */
     int (*has_edit)(const void *state);
     void (*free_content)(void *state);
     /* From document->source, into a state of zeros. */
@@ -27,6 +28,11 @@ norma_document_result norma_edited_open(norma_document *document, norma_document
 void norma_edited_close(norma_document *document);
 /* The changes become the document's bytes, which are read again. Does nothing without changes. */
 norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error);
+/* Before a change; and a change that failed for this reason is taken back, by reading the
+ * document's bytes again if anything was done. 0: it cannot be, because other changes wait with it,
+ * or memory is out. */
+void norma_edited_begin(norma_document *document);
+int norma_edited_drop(norma_document *document, norma_document_result why);
 /* These bytes become the document's, which owns them from now on. */
 norma_document_result norma_edited_replace(
     norma_document *document, const growing_bytes *bytes, norma_document_error *error);

@@ -49,9 +49,11 @@ struct norma_document {
     size_t given_count;
     char **notes;
     size_t note_count, note_capacity;
-    int failed;                /* a change went wrong half-way: it can only be closed */
-    int copied;                /* files are read into memory, for a summary too */
-    int lenient;               /* what norma check judges is read instead of refused */
+    int failed;   /* a change went wrong half-way and could not be taken back: it can only be closed
+                   */
+    int had_edit; /* a change waited already when the last one began */
+    int copied;   /* files are read into memory, for a summary too */
+    int lenient;  /* what norma check judges is read instead of refused */
     struct norma_scene *scene; /* what else is told of it (scene.h) */
 };
 

@@ -37,7 +37,8 @@ static int has_edit(const void *content) {
            state->vertices;
 }
 
-const edited_format norma_obj_edited = {sizeof(obj_state), has_edit, free_content, norma_obj_read};
+const edited_format norma_obj_edited = {
+    sizeof(obj_state), 1, has_edit, free_content, norma_obj_read};
 
 norma_mesh norma_obj_mesh(const obj_state *state) {
     static const double nowhere[3];

@@ -23,4 +23,4 @@ static norma_document_result read_source(norma_document *document, norma_documen
     return result ? result : norma_ply_read_mesh(document, error);
 }
 
-const edited_format norma_ply_edited = {sizeof(ply_state), has_edit, free_content, read_source};
+const edited_format norma_ply_edited = {sizeof(ply_state), 0, has_edit, free_content, read_source};

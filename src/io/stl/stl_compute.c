@@ -99,6 +99,7 @@ static norma_document_result compute_by_blocks(norma_document *document,
     *complete = !failed && memchr(work.done, BLOCK_FAILED, blocks) == NULL;
     *changed = memchr(work.done, BLOCK_CHANGED, blocks) != NULL;
     free(work.done);
+    document->failed = failed != NORMA_OK; /* some blocks have their new normals already */
     return norma_document_fail_core(document, error, failed);
 }
 

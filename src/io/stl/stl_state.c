@@ -30,7 +30,7 @@ static norma_document_result read_source(norma_document *document, norma_documen
     return result;
 }
 
-const edited_format norma_stl_edited = {sizeof(stl_state), has_edit, free_content, read_source};
+const edited_format norma_stl_edited = {sizeof(stl_state), 0, has_edit, free_content, read_source};
 
 norma_document_result norma_stl_drop_idle_edit(
     norma_document *document, int *changed, norma_document_error *error) {

@@ -2,8 +2,8 @@
  * coordinates that its normal map uses, through that map's KHR_texture_transform. */
 #include "io/gltf/compute/gltf_tangents.h"
 #include "io/gltf/read/gltf_scene.h"
+#include "io/gltf/read/sine.h"
 #include "io/file/large_memory.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -59,7 +59,8 @@ norma_document_result norma_gltf_tangent_texcoords(
     if (result || !place.moves) return result;
     *owned = norma_io_block(p->vertices, 2 * sizeof **owned);
     if (!*owned) return norma_document_fail_memory(g->document, job->sets.error);
-    const double c = cos((double)place.rotation), s = sin((double)place.rotation);
+    double c, s;
+    norma_gltf_turn((double)place.rotation, &c, &s);
     for (size_t v = 0; v < p->vertices; ++v) {
         const double x = (double)place.scale[0] * (double)(*texcoords)[2 * v],
                      y = (double)place.scale[1] * (double)(*texcoords)[2 * v + 1];

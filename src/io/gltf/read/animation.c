@@ -1,6 +1,7 @@
 /* animation.c: channels of rotations and scales, and their values between keys (glTF 2.0, appendix
  * C: step, linear, spherical linear, cubic spline). */
 #include "io/gltf/read/animation.h"
+#include "io/gltf/read/sine.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <string.h>
@@ -105,22 +106,13 @@ static void normalise(double q[4]) {
     for (int k = 0; k < 4 && length > 0; ++k) q[k] /= length;
 }
 
-/* sin(x) from 0 to pi/2 by its series, within an ulp or two; the C library's differ between
- * systems. */
-static double sine(double x) {
-    const int steep = x > NORMA_PI / 4;
-    const double y = steep ? NORMA_PI / 2 - x : x, z = y * y;
-    double sum = 1;
-    for (int n = steep ? 16 : 17; n > 1; n -= 2) sum = 1 - sum * z / (n * (n - 1));
-    return steep ? sum : y * sum;
-}
-
 static void slerp(const float *a, const float *b, double t, double out[4]) {
     double dot = 0;
     for (int k = 0; k < 4; ++k) dot += (double)a[k] * (double)b[k];
     double sign = dot < 0 ? -1 : 1, cosine = fmin(fabs(dot), 1),
            s = sqrt((1 - cosine) * (1 + cosine)), angle = norma_core_angle(s, cosine);
-    double u = s > 1e-6 ? sine((1 - t) * angle) / s : 1 - t, v = s > 1e-6 ? sine(t * angle) / s : t;
+    double u = s > 1e-6 ? norma_gltf_sine((1 - t) * angle) / s : 1 - t,
+           v = s > 1e-6 ? norma_gltf_sine(t * angle) / s : t;
     for (int k = 0; k < 4; ++k) out[k] = u * (double)a[k] + sign * v * (double)b[k];
 }
 
