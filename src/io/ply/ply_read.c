@@ -136,43 +136,66 @@ static norma_document_result read_positions(norma_document *document, norma_docu
 
 /* ---- lists */
 
-static size_t list_offset(
-    const ply_header *header, const ply_element *element, int list, const unsigned char *row) {
-    const unsigned char *at = row;
-    for (int i = 0; i < list; ++i)
-        at += norma_ply_property_size(header, norma_ply_property(header, element, i), at);
-    return (size_t)(at - row);
+/* The place of a property in a row, of the number behind the last one the row's end. NULL: beyond
+ * the bytes, though the rows were found to fit: a mapped file has changed since. */
+static const unsigned char *property_at(
+    const ply_state *state, const ply_element *element, size_t number, const unsigned char *row) {
+    const unsigned char *at = row, *end = state->bytes + state->size;
+    for (size_t i = 0; i <= number && i < element->property_count; ++i) {
+        const ply_property *property = norma_ply_property(&state->header, element, (int)i);
+        const size_t first = norma_ply_type_size(
+            norma_ply_is_list(property) ? property->count_type : property->type);
+        if ((size_t)(end - at) < first) return NULL;
+        if (i == number) break;
+        const size_t size = norma_ply_property_size(&state->header, property, at);
+        if ((size_t)(end - at) < size) return NULL;
+        at += size;
+    }
+    return at;
 }
 
-static size_t count_binary_lists(
-    const ply_state *state, const ply_element *element, int list, uint32_t *counts) {
+static const unsigned char *row_end(
+    const ply_state *state, const ply_element *element, const unsigned char *row) {
+    return property_at(state, element, element->property_count, row);
+}
+
+/* 0: the file has changed. */
+static int count_binary_lists(
+    const ply_state *state, const ply_element *element, int list, uint32_t *counts, size_t *total) {
     const ply_header *header = &state->header;
     const ply_type count_type = norma_ply_property(header, element, list)->count_type;
     const unsigned char *row = state->bytes + element->begin;
-    size_t total = 0;
-    for (size_t i = 0; i < element->count; ++i) {
-        counts[i] = (uint32_t)norma_ply_get_integer(
-            row + list_offset(header, element, list, row), count_type, header->encoding);
-        total += counts[i];
-        row = norma_ply_row_end(header, element, row);
+    for (size_t i = 0; row && i < element->count; ++i) {
+        const unsigned char *at = property_at(state, element, (size_t)list, row);
+        if (!at) return 0;
+        counts[i] = (uint32_t)norma_ply_get_integer(at, count_type, header->encoding);
+        *total += counts[i];
+        row = row_end(state, element, row);
     }
-    return total;
+    return row != NULL;
 }
 
-static void read_binary_lists(
+static int read_binary_lists(
     const ply_state *state, const ply_element *element, int list, ply_lists *lists) {
     const ply_header *header = &state->header;
     const ply_property *property = norma_ply_property(header, element, list);
     const size_t item_size = norma_ply_type_size(property->type),
                  count_size = norma_ply_type_size(property->count_type);
-    const unsigned char *row = state->bytes + element->begin;
+    const unsigned char *row = state->bytes + element->begin, *end = state->bytes + state->size;
     int64_t *out = lists->items;
-    for (size_t i = 0; i < element->count; ++i) {
-        const unsigned char *at = row + list_offset(header, element, list, row) + count_size;
+    for (size_t i = 0; row && i < element->count; ++i) {
+        const unsigned char *at = property_at(state, element, (size_t)list, row);
+        if (!at || ((size_t)(end - at) - count_size) / item_size < lists->counts[i]) return 0;
+        at += count_size;
         for (uint32_t k = 0; k < lists->counts[i]; ++k, at += item_size)
             *out++ = norma_ply_get_integer(at, property->type, header->encoding);
-        row = norma_ply_row_end(header, element, row);
+        row = row_end(state, element, row);
     }
+    return row != NULL;
+}
+
+static norma_document_result fail_changed(norma_document *document, norma_document_error *error) {
+    return norma_document_fail_file(document->path, error, "cannot be read", FILE_CHANGED);
 }
 
 norma_document_result norma_ply_read_lists(norma_document *document, const ply_element *element,
@@ -184,14 +207,15 @@ norma_document_result norma_ply_read_lists(norma_document *document, const ply_e
     if (!lists->counts) return norma_document_fail_memory(document, error);
     if (state->header.encoding == PLY_ASCII)
         return norma_ply_read_text_lists(document, element, property, lists, error);
-    lists->item_count = lists->item_capacity =
-        count_binary_lists(state, element, property, lists->counts);
+    if (!count_binary_lists(state, element, property, lists->counts, &lists->item_count))
+        return fail_changed(document, error);
+    lists->item_capacity = lists->item_count;
     lists->items = lists->item_count > SIZE_MAX / 8
                        ? NULL
                        : norma_io_allocate(lists->item_count, sizeof *lists->items);
     if (!lists->items) return norma_document_fail_memory(document, error);
-    read_binary_lists(state, element, property, lists);
-    return NORMA_DOCUMENT_OK;
+    return read_binary_lists(state, element, property, lists) ? NORMA_DOCUMENT_OK
+                                                              : fail_changed(document, error);
 }
 
 void norma_ply_free_lists(ply_lists *lists) {
@@ -408,13 +432,16 @@ static norma_document_result count_faces(norma_document *document, norma_documen
         norma_ply_free_lists(&lists);
         return result;
     }
-    const ply_property *list = norma_ply_property(header, face, header->face_list);
+    const ply_type count_type = norma_ply_property(header, face, header->face_list)->count_type;
     const unsigned char *row = state->bytes + face->begin;
-    for (size_t i = 0; i < face->count; ++i, row = norma_ply_row_end(header, face, row))
-        state->mesh.triangle_count += triangles_of(
-            (uint32_t)norma_ply_get_integer(row + list_offset(header, face, header->face_list, row),
-                list->count_type, header->encoding));
-    return NORMA_DOCUMENT_OK;
+    for (size_t i = 0; row && i < face->count; ++i) {
+        const unsigned char *at = property_at(state, face, (size_t)header->face_list, row);
+        if (!at) return fail_changed(document, error);
+        state->mesh.triangle_count +=
+            triangles_of((uint32_t)norma_ply_get_integer(at, count_type, header->encoding));
+        row = row_end(state, face, row);
+    }
+    return row ? NORMA_DOCUMENT_OK : fail_changed(document, error);
 }
 
 /* Words that should be normals are looked at now, so that a file that cannot be computed is not
