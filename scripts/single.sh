@@ -12,8 +12,9 @@ cp "$root/include/norma/norma.h" "$out/norma.h"
 cd "$root/src"
 version=$(sed -nE 's/^#define NORMA_VERSION_(MAJOR|MINOR|PATCH) +([0-9]+).*/\2/p' "$out/norma.h" | paste -sd.)
 
-# The internal headers, each after those it includes.
-headers=$(find core -name '*.h' | sort | while read -r header; do
+# The internal headers that the core itself includes, each after those it includes.
+included=$(find core -name '*.[ch]' -exec sed -nE 's/^#[[:space:]]*include[[:space:]]*"([^"]+)".*/\1/p' {} + | sort -u)
+headers=$(find core -name '*.h' | sort | grep -xF "$included" | while read -r header; do
     echo "$header $header"
     sed -nE 's/^#[[:space:]]*include[[:space:]]*"([^"]+)".*/\1/p' "$header" | sed "s|\$| $header|"
 done | tsort)

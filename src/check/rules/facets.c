@@ -1,7 +1,7 @@
 /* facets.c: N205: the normals of STL facets against their winding. */
 #include "check/rules/mesh_rules.h"
 #include "check/findings/angle.h"
-#include "io/format/unit_length.h"
+#include "core/face/unit_length.h"
 #include <math.h>
 #include <string.h>
 
@@ -25,14 +25,14 @@ typedef struct facet_pass {
 static void judge_facet(const check_mesh *m, facet_part *part, size_t facet) {
     double n[3], length;
     norma_check_normal(m, facet, n);
-    const length_verdict is = norma_judge_length(n, 0, &length);
+    const core_length is = norma_core_judge_length(n, 0, &length);
     const double cosine = norma_check_dot(m->faces[facet].normal, n) / length;
-    if (is == LENGTH_NON_FINITE || !norma_check_directed(&m->faces[facet]) ||
+    if (is == CORE_LENGTH_NON_FINITE || !norma_check_directed(&m->faces[facet]) ||
         norma_check_is_sliver(&m->faces[facet]))
         return;
-    if (is == LENGTH_ZERO || cosine < NEAR_COSINE)
+    if (is == CORE_LENGTH_ZERO || cosine < NEAR_COSINE)
         part->twice_area += norma_check_twice_area(m, facet);
-    if (is == LENGTH_ZERO) {
+    if (is == CORE_LENGTH_ZERO) {
         part->zeros++;
         norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {

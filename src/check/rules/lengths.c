@@ -1,6 +1,6 @@
 /* lengths.c: N101 to N103: normals that are no unit vectors, by what their encoding can hold. */
 #include "check/rules/mesh_rules.h"
-#include "io/format/unit_length.h"
+#include "core/face/unit_length.h"
 #include <math.h>
 #include <string.h>
 
@@ -21,19 +21,19 @@ static double length_tolerance(const check_mesh *m) {
     const int bits = !strcmp(encoding, "snorm8") || !strcmp(encoding, "int8") ? 8
                      : !strcmp(encoding, "snorm10")                           ? 10
                                                                               : 32;
-    return norma_unit_tolerance(bits, m->run->options.strict);
+    return norma_core_unit_tolerance(bits, m->run->options.strict);
 }
 
 static void judge_normal(const length_pass *pass, length_part *part, size_t number) {
     const check_mesh *m = pass->m;
     double n[3], length;
     norma_check_normal(m, number, n);
-    const length_verdict is = norma_judge_length(n, pass->tolerance, &length);
-    if (is == LENGTH_UNIT || (m->users && m->users[number] == UINT32_MAX)) return;
+    const core_length is = norma_core_judge_length(n, pass->tolerance, &length);
+    if (is == CORE_LENGTH_UNIT || (m->users && m->users[number] == UINT32_MAX)) return;
     const check_spot spot = norma_check_normal_spot(m, number);
-    if (is == LENGTH_NON_FINITE)
+    if (is == CORE_LENGTH_NON_FINITE)
         norma_check_hit(m->run, &part->non_finite, 0, spot);
-    else if (is == LENGTH_ZERO)
+    else if (is == CORE_LENGTH_ZERO)
         norma_check_hit(m->run, &part->zero, length, spot);
     else
         norma_check_hit(m->run, &part->non_unit, fabs(length - 1), spot);
@@ -64,7 +64,7 @@ static norma_result count_idle(check_mesh *m, size_t zeros, size_t *idle) {
             if (number == SIZE_MAX || busy[number]) continue;
             norma_check_normal(m, number, n);
             busy[number] = 1;
-            busy_zeros += norma_judge_length(n, 0, &length) == LENGTH_ZERO;
+            busy_zeros += norma_core_judge_length(n, 0, &length) == CORE_LENGTH_ZERO;
         }
     }
     norma_core_release(&m->run->call, busy, count, 1);

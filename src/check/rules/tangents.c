@@ -2,7 +2,7 @@
  * tangents that lean on their normals, tangents without a part that they need. */
 #include "check/rules/scene_rules.h"
 #include "check/findings/angle.h"
-#include "io/format/unit_length.h"
+#include "core/face/unit_length.h"
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ typedef struct tangent_pass {
 
 static double length_tolerance(const check_mesh *m) {
     const double bound = norma_check_encoding_bound(m->given->attributes.tangent_encoding);
-    return norma_unit_tolerance(
+    return norma_core_unit_tolerance(
         bound > .1 * (3.141592653589793 / 180) ? 8 : 32, m->run->options.strict);
 }
 
@@ -31,7 +31,7 @@ static double lean_of(const tangent_pass *pass, size_t v, const double tangent[3
     double n[3], normal_length;
     if (v >= pass->normals) return 0;
     norma_check_normal(pass->m, v, n);
-    if (norma_judge_length(n, 0, &normal_length) >= LENGTH_ZERO) return 0;
+    if (norma_core_judge_length(n, 0, &normal_length) >= CORE_LENGTH_ZERO) return 0;
     return fabs(tangent[0] * n[0] + tangent[1] * n[1] + tangent[2] * n[2]) /
            (length * normal_length);
 }
@@ -41,13 +41,13 @@ static void judge_tangent(const tangent_pass *pass, tangent_part *part, size_t v
     const float *stored = pass->m->given->attributes.tangents + 4 * v;
     const double t[3] = {(double)stored[0], (double)stored[1], (double)stored[2]};
     double length;
-    const length_verdict is = norma_judge_length(t, pass->tolerance, &length);
-    if (is != LENGTH_UNIT)
-        norma_check_hit(run, &part->bad, is == LENGTH_NON_FINITE ? INFINITY : fabs(length - 1),
+    const core_length is = norma_core_judge_length(t, pass->tolerance, &length);
+    if (is != CORE_LENGTH_UNIT)
+        norma_check_hit(run, &part->bad, is == CORE_LENGTH_NON_FINITE ? INFINITY : fabs(length - 1),
             norma_check_vertex(v));
     if (stored[3] != 1 && stored[3] != -1)
         norma_check_hit(run, &part->sign, (double)stored[3], norma_check_vertex(v));
-    if (is >= LENGTH_ZERO) return;
+    if (is >= CORE_LENGTH_ZERO) return;
     double lean = lean_of(pass, v, t, length);
     if (lean > LEANS)
         norma_check_hit(run, &part->leaning,

@@ -86,9 +86,10 @@ static norma_document_result begin_change(norma_document *document, norma_docume
  */
 static void end_change(norma_document *document, norma_document_result result) {
     if (result && !document->failed)
-        document->failed = document->functions->edited
-                               ? !norma_edited_drop(document, result)
-                               : !document->functions->drop_change(document);
+        document->failed =
+            document->functions->edited
+                ? !norma_edited_drop(document, result)
+                : !document->functions->drop_change || !document->functions->drop_change(document);
 }
 
 static const char *bad_compute_option(const norma_compute_options *options) {

@@ -1,7 +1,7 @@
 /* compute_policy.c: what is decided when the normals of a file are computed, alike for every
  * format. */
 #include "io/format/compute_policy.h"
-#include "io/format/unit_length.h"
+#include "core/face/unit_length.h"
 #include "io/file/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
@@ -39,7 +39,8 @@ compute_policy norma_policy_begin(const norma_compute_options *options,
 
 int norma_normal_is_broken(const double normal[3], int bits) {
     double length;
-    return norma_judge_length(normal, norma_unit_tolerance(bits, 0), &length) != LENGTH_UNIT;
+    return norma_core_judge_length(normal, norma_core_unit_tolerance(bits, 0), &length) !=
+           CORE_LENGTH_UNIT;
 }
 
 int norma_policy_wants(norma_only only, const double normal[3], int bits) {
@@ -50,9 +51,9 @@ int norma_policy_wants(norma_only only, const double normal[3], int bits) {
 int norma_policy_wants_facet(norma_only only, const float stored[3]) {
     const double normal[3] = {(double)stored[0], (double)stored[1], (double)stored[2]};
     double length;
-    const length_verdict is = norma_judge_length(normal, 0, &length);
-    return only == NORMA_ONLY_ALL || is == LENGTH_ZERO ||
-           (is == LENGTH_NON_FINITE && only == NORMA_ONLY_BROKEN);
+    const core_length is = norma_core_judge_length(normal, 0, &length);
+    return only == NORMA_ONLY_ALL || is == CORE_LENGTH_ZERO ||
+           (is == CORE_LENGTH_NON_FINITE && only == NORMA_ONLY_BROKEN);
 }
 
 /* ---- computing */

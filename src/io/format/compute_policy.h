@@ -20,7 +20,7 @@ compute_policy norma_policy_begin(const norma_compute_options *options,
 
 /* ---- which stored normals are replaced */
 
-/* By io/format/unit_length.h, in so many bits. */
+/* By core/face/unit_length.h, in so many bits. */
 int norma_normal_is_broken(const double normal[3], int bits);
 /* Whether --only asks for a new one in place of a normal that is there. */
 int norma_policy_wants(norma_only only, const double normal[3], int bits);
