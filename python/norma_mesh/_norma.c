@@ -45,7 +45,9 @@ static int let_signals_in(void *user, double fraction) {
     return w->interrupted;
 }
 
-static watch give_up_lock(void) { return (watch){.last = seconds(), .thread = PyEval_SaveThread()}; }
+static watch give_up_lock(void) {
+    return (watch){.last = seconds(), .thread = PyEval_SaveThread()};
+}
 
 /* Returns whether an exception is pending. */
 static int take_lock(watch *w) {
@@ -60,9 +62,9 @@ typedef struct mesh_call {
     norma_options options;
 } mesh_call;
 
-/* The first two arguments of each call on a mesh: (positions, count, stride, format, corners, count,
- * size, face_starts, face_count, groups, hard) and (weight, weld, weld_distance, non_manifold,
- * fallback, x, y, z, stride, reasons, threads). */
+/* The first two arguments of each call on a mesh: (positions, count, stride, format, corners,
+ * count, size, face_starts, face_count, groups, hard) and (weight, weld, weld_distance,
+ * non_manifold, fallback, x, y, z, stride, reasons, threads). */
 static int parse_mesh_call(PyObject *mesh, PyObject *options, mesh_call *call) {
     address positions, corners, starts, groups, hard, reasons;
     Py_ssize_t count, stride, corner_count, corner_size, face_count, normal_stride;
@@ -161,16 +163,15 @@ static PyObject *split(PyObject *self, PyObject *arguments) {
     norma_report report;
     size_t vertices = 0;
     (void)self;
-    if (!PyArg_ParseTuple(arguments, "OOfKKKn", &mesh, &options, &crease, &corners, &sources, &out,
-            &capacity) ||
+    if (!PyArg_ParseTuple(
+            arguments, "OOfKKKn", &mesh, &options, &crease, &corners, &sources, &out, &capacity) ||
         !parse_mesh_call(mesh, options, &call))
         return NULL;
     watch w = give_up_lock();
     call.options.progress = let_signals_in;
     call.options.progress_user = &w;
-    const norma_result result =
-        norma_split(&call.mesh, crease, &call.options, at(corners), call.mesh.corner_count,
-            at(sources), at(out), (size_t)capacity, &vertices, &report);
+    const norma_result result = norma_split(&call.mesh, crease, &call.options, at(corners),
+        call.mesh.corner_count, at(sources), at(out), (size_t)capacity, &vertices, &report);
     if (take_lock(&w)) return NULL;
     if (result != NORMA_OK) return refused_mesh(result, &call, &crease);
     return Py_BuildValue("Nn", counts_of(&report), (Py_ssize_t)vertices);
@@ -202,8 +203,7 @@ static PyObject *tangents(PyObject *self, PyObject *arguments) {
     norma_attribute directions, texcoords;
     norma_report report;
     (void)self;
-    if (!PyArg_ParseTuple(
-            arguments, "OOOOiKn", &mesh, &options, &n, &t, &mode, &out, &capacity) ||
+    if (!PyArg_ParseTuple(arguments, "OOOOiKn", &mesh, &options, &n, &t, &mode, &out, &capacity) ||
         !parse_mesh_call(mesh, options, &call) || !parse_attribute(n, &directions) ||
         !parse_attribute(t, &texcoords))
         return NULL;
@@ -226,15 +226,14 @@ static PyObject *orient(PyObject *self, PyObject *arguments) {
     mesh_call call;
     norma_orient_report r;
     (void)self;
-    if (!PyArg_ParseTuple(
-            arguments, "OOiKn", &mesh, &options, &by_rays, &reverse, &capacity) ||
+    if (!PyArg_ParseTuple(arguments, "OOiKn", &mesh, &options, &by_rays, &reverse, &capacity) ||
         !parse_mesh_call(mesh, options, &call))
         return NULL;
     watch w = give_up_lock();
     call.options.progress = let_signals_in;
     call.options.progress_user = &w;
-    const norma_result result = norma_orient(&call.mesh, (norma_orient_open)by_rays, &call.options,
-        at(reverse), (size_t)capacity, &r);
+    const norma_result result = norma_orient(
+        &call.mesh, (norma_orient_open)by_rays, &call.options, at(reverse), (size_t)capacity, &r);
     if (take_lock(&w)) return NULL;
     if (result != NORMA_OK) return refused_mesh(result, &call, NULL);
     return Py_BuildValue("nnnnnnnndnnn", (Py_ssize_t)r.parts, (Py_ssize_t)r.closed,
@@ -352,8 +351,8 @@ static PyObject *matrix_info(PyObject *self, PyObject *argument) {
     const norma_result result =
         norma_normal_matrix_double(columns, NORMA_WINDING_REVERSED, unused, &info);
     if (result != NORMA_OK)
-        return refusal(result,
-            &(norma_fault){result, "model", SIZE_MAX, "finite in the upper 3x3"});
+        return refusal(
+            result, &(norma_fault){result, "model", SIZE_MAX, "finite in the upper 3x3"});
     const float *n = info.worst_normal;
     return Py_BuildValue("iiidddfff", (int)info.kind, info.rank, info.mirrored, info.determinant,
         info.anisotropy, info.worst_error_rad, n[0], n[1], n[2]);
@@ -385,10 +384,17 @@ static int64_t read_index(const unsigned char *from, int size, int is_signed) {
     int32_t word;
     int16_t half;
     switch (size) {
-    case 8: memcpy(&wide, from, 8); return is_signed || wide >= 0 ? wide : -1;
-    case 4: memcpy(&word, from, 4); return is_signed ? word : (int64_t)(uint32_t)word;
-    case 2: memcpy(&half, from, 2); return is_signed ? half : (int64_t)(uint16_t)half;
-    default: return is_signed ? (int64_t)(int8_t)*from : *from;
+    case 8:
+        memcpy(&wide, from, 8);
+        return is_signed || wide >= 0 ? wide : -1;
+    case 4:
+        memcpy(&word, from, 4);
+        return is_signed ? word : (int64_t)(uint32_t)word;
+    case 2:
+        memcpy(&half, from, 2);
+        return is_signed ? half : (int64_t)(uint16_t)half;
+    default:
+        return is_signed ? (int64_t)(int8_t)*from : *from;
     }
 }
 
@@ -499,8 +505,7 @@ static PyObject *document_meshes(PyObject *self, PyObject *capsule) {
         PyList_SetItem(list, (Py_ssize_t)i, item);
     }
     if (!list) return NULL;
-    return Py_BuildValue(
-        "sN", norma_file_format_name(norma_document_format(document)), list);
+    return Py_BuildValue("sN", norma_file_format_name(norma_document_format(document)), list);
 }
 
 /* document_arrays(document, index) -> ((address, count, stride, format) of positions, (address,
@@ -518,8 +523,7 @@ static PyObject *document_arrays(PyObject *self, PyObject *arguments) {
     norma_document *document = PyCapsule_GetPointer(capsule, DOCUMENT);
     if (!document) return NULL;
     watch w = give_up_lock();
-    norma_document_result result =
-        norma_document_mesh_data(document, (size_t)index, &data, &error);
+    norma_document_result result = norma_document_mesh_data(document, (size_t)index, &data, &error);
     if (result == NORMA_DOCUMENT_OK)
         result = norma_document_mesh_attributes(document, (size_t)index, &more, &error);
     if (take_lock(&w)) return NULL;
@@ -550,8 +554,8 @@ static PyObject *copy(PyObject *self, PyObject *arguments) {
 }
 
 /* document_compute(document, (shading, crease, weight, weld, distance, non_manifold, groups, only,
- * morphs, threads)) -> (changed, faces, before, after, shading, crease, hard edges, filled, counts),
- * or why it was refused */
+ * morphs, threads)) -> (changed, faces, before, after, shading, crease, hard edges, filled,
+ * counts), or why it was refused */
 static PyObject *document_compute(PyObject *self, PyObject *arguments) {
     PyObject *capsule;
     int shading, weight, weld, non_manifold, groups, only, morphs;
@@ -582,9 +586,9 @@ static PyObject *document_compute(PyObject *self, PyObject *arguments) {
     const norma_document_result result = norma_document_compute(document, &options, &s, &error);
     if (take_lock(&w)) return NULL;
     if (result != NORMA_DOCUMENT_OK) return document_refusal(result, &error);
-    return Py_BuildValue("innnidnnN", s.changed, (Py_ssize_t)s.faces,
-        (Py_ssize_t)s.vertices_before, (Py_ssize_t)s.vertices_after, (int)s.shading,
-        s.crease_angle_rad, s.edges_counted ? (Py_ssize_t)s.hard_edges : -1, (Py_ssize_t)s.filled,
+    return Py_BuildValue("innnidnnN", s.changed, (Py_ssize_t)s.faces, (Py_ssize_t)s.vertices_before,
+        (Py_ssize_t)s.vertices_after, (int)s.shading, s.crease_angle_rad,
+        s.edges_counted ? (Py_ssize_t)s.hard_edges : -1, (Py_ssize_t)s.filled,
         counts_of(&s.report));
 }
 
@@ -641,8 +645,10 @@ static PyObject *finding_of(const norma_finding *f) {
     PyObject *samples = PyList_New((Py_ssize_t)f->sample_count);
     for (size_t i = 0; samples && i < f->sample_count; i++) {
         PyObject *sample = sample_of(&f->samples[i]);
-        if (!sample) Py_CLEAR(samples);
-        else PyList_SetItem(samples, (Py_ssize_t)i, sample);
+        if (!sample)
+            Py_CLEAR(samples);
+        else
+            PyList_SetItem(samples, (Py_ssize_t)i, sample);
     }
     if (!samples) return NULL;
     return Py_BuildValue("ssiNNndsNNiNN", f->rule->id, f->rule->name, (int)f->severity,
@@ -654,8 +660,10 @@ static PyObject *findings_list(norma_findings *findings) {
     PyObject *list = PyList_New((Py_ssize_t)norma_findings_count(findings));
     for (size_t i = 0; list && i < norma_findings_count(findings); i++) {
         PyObject *item = finding_of(norma_findings_get(findings, i));
-        if (!item) Py_CLEAR(list);
-        else PyList_SetItem(list, (Py_ssize_t)i, item);
+        if (!item)
+            Py_CLEAR(list);
+        else
+            PyList_SetItem(list, (Py_ssize_t)i, item);
     }
     PyObject *answer = list ? Py_BuildValue("iiN", (int)norma_findings_profile(findings),
                                   norma_findings_partly(findings), list)
@@ -718,8 +726,10 @@ static PyObject *rules(PyObject *self, PyObject *unused) {
         const norma_rule *r = &rule[i];
         PyObject *item = Py_BuildValue("ssiiissss", r->id, r->name, (int)r->render, (int)r->print,
             (int)r->fix, r->fix_verb, r->what, r->why, r->how);
-        if (!item) Py_CLEAR(list);
-        else PyList_SetItem(list, (Py_ssize_t)i, item);
+        if (!item)
+            Py_CLEAR(list);
+        else
+            PyList_SetItem(list, (Py_ssize_t)i, item);
     }
     return list;
 }
@@ -772,7 +782,8 @@ static PyMethodDef methods[] = {{"normals", normals, METH_VARARGS, NULL},
     {"document_compute", document_compute, METH_VARARGS, NULL},
     {"document_save", document_save, METH_VARARGS, NULL}, {"check", check, METH_VARARGS, NULL},
     {"rules", rules, METH_NOARGS, NULL}, {"rules_select", rules_select, METH_VARARGS, NULL},
-    {"bounds", bounds, METH_NOARGS, NULL}, {"version", version, METH_NOARGS, NULL}, {NULL, NULL, 0, NULL}};
+    {"bounds", bounds, METH_NOARGS, NULL}, {"version", version, METH_NOARGS, NULL},
+    {NULL, NULL, 0, NULL}};
 
 static struct PyModuleDef module = {
     PyModuleDef_HEAD_INIT, "_norma", NULL, 0, methods, NULL, NULL, NULL, NULL};

@@ -10,7 +10,7 @@ if [ "$version" != 14 ]; then
     exit
 fi
 check "scripts/format.sh would change nothing" scripts/format.sh --check
-mkdir -p "$scratch/tree/scripts" "$scratch/tree/src" "$scratch"/tree/{include,web,tests,bench,examples,packaging}
+mkdir -p "$scratch/tree/scripts" "$scratch/tree/src" "$scratch"/tree/{include,python,web,tests,bench,examples,packaging}
 cp scripts/format.sh "$scratch/tree/scripts" && cp .clang-format "$scratch/tree"
 printf 'int main( void )\n{ return 0; }\n' >"$scratch/tree/src/bad.c"
 check "it names a file that it would change" bash -c '! "$0/scripts/format.sh" --check >"$0/said" 2>&1 && grep -q "src/bad.c" "$0/said"' "$scratch/tree"

@@ -277,7 +277,8 @@ static int guard_baseline(const check_work *work) {
                               : CLI_OK;
 }
 
-/* Before a file is fixed it must be known that the baseline is none of those that files name. */
+/* The baseline must not replace a file that an input names, which is looked at before any file is
+ * fixed. */
 static int guard_before_fixing(const check_work *work) {
     const int status = guard_baseline(work);
     if (status || !work->new_baseline || !work->settings.fix) return status;

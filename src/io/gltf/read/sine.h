@@ -14,12 +14,12 @@ static inline double norma_gltf_sine(double x) {
     return steep ? sum : y * sum;
 }
 
-/* The cosine and the sine of any finite angle. */
+/* The cosine and the sine of any finite angle; the larger it is, the fewer of its digits count. */
 static inline void norma_gltf_turn(double angle, double *cosine, double *sine) {
-    const double whole = fmod(fabs(angle), 2 * NORMA_PI), quarters = floor(whole / (NORMA_PI / 2)),
-                 rest = fmin(fmax(whole - quarters * (NORMA_PI / 2), 0), NORMA_PI / 2);
+    const double size = fabs(angle), quarters = floor(size / (NORMA_PI / 2)),
+                 rest = fmin(fmax(size - quarters * (NORMA_PI / 2), 0), NORMA_PI / 2);
     const double near = norma_gltf_sine(rest), far = norma_gltf_sine(NORMA_PI / 2 - rest);
-    const int quarter = (int)quarters & 3, odd = quarter & 1;
+    const int quarter = (int)(quarters - 4 * floor(quarters / 4)), odd = quarter & 1;
     *cosine = (quarter == 1 || quarter == 2 ? -1 : 1) * (odd ? near : far);
     *sine = (quarter >= 2 ? -1 : 1) * (odd ? far : near) * (angle < 0 ? -1 : 1);
 }
