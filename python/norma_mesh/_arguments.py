@@ -25,15 +25,7 @@ Faces = Union[ArrayLike, Sequence[ArrayLike], Tuple[ArrayLike, ArrayLike], None]
 Weld = Union[str, float]
 Fallback = Union[str, Sequence[float]]
 
-WEIGHTS = {
-    "angle": 0,
-    "area": 1,
-    "uniform": 2,
-    "max": 3,
-    "angle-area": 4,
-    "visible": 5,
-    "angle-lengths": 6,
-}
+WEIGHTS = {name: number for number, name in enumerate(_norma.weights())}
 NON_MANIFOLD = {"hard": 0, "smooth": 1}
 ALL_THREADS = 0xFFFFFFFF
 

@@ -99,6 +99,13 @@ static int parse_mesh_call(PyObject *mesh, PyObject *options, mesh_call *call) {
     return 1;
 }
 
+/* Gives up the lock for a call whose progress lets signals in. */
+static void begin_call(mesh_call *call, watch *w) {
+    call->options.progress = let_signals_in;
+    call->options.progress_user = w;
+    *w = give_up_lock();
+}
+
 static PyObject *counts_of(const norma_report *r) {
     return Py_BuildValue("nnnnnn", (Py_ssize_t)r->degenerate_faces.count,
         (Py_ssize_t)r->non_finite.count, (Py_ssize_t)r->unreferenced.count,
@@ -137,9 +144,8 @@ static PyObject *normals(PyObject *self, PyObject *arguments) {
     if (!PyArg_ParseTuple(arguments, "OOifKn", &mesh, &options, &of, &crease, &out, &capacity) ||
         !parse_mesh_call(mesh, options, &call))
         return NULL;
-    watch w = give_up_lock();
-    call.options.progress = let_signals_in;
-    call.options.progress_user = &w;
+    watch w;
+    begin_call(&call, &w);
     const norma_result result =
         of == OF_FACES
             ? norma_face_normals(&call.mesh, &call.options, at(out), (size_t)capacity, &report)
@@ -167,9 +173,8 @@ static PyObject *split(PyObject *self, PyObject *arguments) {
             arguments, "OOfKKKn", &mesh, &options, &crease, &corners, &sources, &out, &capacity) ||
         !parse_mesh_call(mesh, options, &call))
         return NULL;
-    watch w = give_up_lock();
-    call.options.progress = let_signals_in;
-    call.options.progress_user = &w;
+    watch w;
+    begin_call(&call, &w);
     const norma_result result = norma_split(&call.mesh, crease, &call.options, at(corners),
         call.mesh.corner_count, at(sources), at(out), (size_t)capacity, &vertices, &report);
     if (take_lock(&w)) return NULL;
@@ -207,9 +212,8 @@ static PyObject *tangents(PyObject *self, PyObject *arguments) {
         !parse_mesh_call(mesh, options, &call) || !parse_attribute(n, &directions) ||
         !parse_attribute(t, &texcoords))
         return NULL;
-    watch w = give_up_lock();
-    call.options.progress = let_signals_in;
-    call.options.progress_user = &w;
+    watch w;
+    begin_call(&call, &w);
     const norma_result result = norma_corner_tangents(&call.mesh, &directions, &texcoords,
         (norma_tangent_mode)mode, &call.options, at(out), (size_t)capacity, &report);
     if (take_lock(&w)) return NULL;
@@ -229,9 +233,8 @@ static PyObject *orient(PyObject *self, PyObject *arguments) {
     if (!PyArg_ParseTuple(arguments, "OOiKn", &mesh, &options, &by_rays, &reverse, &capacity) ||
         !parse_mesh_call(mesh, options, &call))
         return NULL;
-    watch w = give_up_lock();
-    call.options.progress = let_signals_in;
-    call.options.progress_user = &w;
+    watch w;
+    begin_call(&call, &w);
     const norma_result result = norma_orient(
         &call.mesh, (norma_orient_open)by_rays, &call.options, at(reverse), (size_t)capacity, &r);
     if (take_lock(&w)) return NULL;
@@ -262,9 +265,8 @@ static PyObject *plan(PyObject *self, PyObject *arguments) {
     if (!PyArg_ParseTuple(arguments, "OOif", &mesh, &options, &of, &crease) ||
         !parse_mesh_call(mesh, options, &call))
         return NULL;
-    watch w = give_up_lock();
-    call.options.progress = let_signals_in;
-    call.options.progress_user = &w;
+    watch w;
+    begin_call(&call, &w);
     const norma_result result =
         norma_plan_create(&call.mesh, (norma_element)of, crease, &call.options, &made);
     if (take_lock(&w)) {
@@ -292,9 +294,8 @@ static PyObject *plan_update(PyObject *self, PyObject *arguments) {
         return NULL;
     const norma_plan *of = PyCapsule_GetPointer(capsule, PLAN);
     if (!of) return NULL;
-    watch w = give_up_lock();
-    call.options.progress = let_signals_in;
-    call.options.progress_user = &w;
+    watch w;
+    begin_call(&call, &w);
     const norma_result result = norma_plan_update(of, call.mesh.positions, at(moved),
         (size_t)moved_count, &call.options, at(out), (size_t)capacity, &report);
     if (take_lock(&w)) return NULL;
@@ -754,6 +755,18 @@ static PyObject *rules_select(PyObject *self, PyObject *arguments) {
     return PyBytes_FromStringAndSize((const char *)marked, size);
 }
 
+/* weights() -> the names of the weights, in the order of their numbers */
+static PyObject *weights(PyObject *self, PyObject *unused) {
+    PyObject *list = PyList_New(0);
+    (void)self, (void)unused;
+    for (int i = 0; list && norma_weight_name((norma_weight)i); i++) {
+        PyObject *name = PyUnicode_FromString(norma_weight_name((norma_weight)i));
+        if (!name || PyList_Append(list, name)) Py_CLEAR(list);
+        Py_XDECREF(name);
+    }
+    return list;
+}
+
 /* bounds() -> the upper bounds of the bins of a deviation, in radians */
 static PyObject *bounds(PyObject *self, PyObject *unused) {
     PyObject *list = PyList_New(NORMA_DEVIATION_BINS);
@@ -782,8 +795,8 @@ static PyMethodDef methods[] = {{"normals", normals, METH_VARARGS, NULL},
     {"document_compute", document_compute, METH_VARARGS, NULL},
     {"document_save", document_save, METH_VARARGS, NULL}, {"check", check, METH_VARARGS, NULL},
     {"rules", rules, METH_NOARGS, NULL}, {"rules_select", rules_select, METH_VARARGS, NULL},
-    {"bounds", bounds, METH_NOARGS, NULL}, {"version", version, METH_NOARGS, NULL},
-    {NULL, NULL, 0, NULL}};
+    {"weights", weights, METH_NOARGS, NULL}, {"bounds", bounds, METH_NOARGS, NULL},
+    {"version", version, METH_NOARGS, NULL}, {NULL, NULL, 0, NULL}};
 
 static struct PyModuleDef module = {
     PyModuleDef_HEAD_INIT, "_norma", NULL, 0, methods, NULL, NULL, NULL, NULL};

@@ -130,13 +130,8 @@ static const char *set_non_manifold(void *settings, const char *value) {
     return choice < 0 ? "hard or smooth" : NULL;
 }
 
-static const char *const only_words[] = {"all", "missing", "broken"};
-
 static const char *set_only(void *settings, const char *value) {
-    int choice = choose(value, only_words, 3);
-    if (choice < 0) return "all, missing or broken";
-    ((compute_work *)settings)->options.only = (norma_only)choice;
-    return NULL;
+    return cli_find_only(value, &((compute_work *)settings)->options.only);
 }
 
 static const char *set_morphs(void *settings, const char *value) {

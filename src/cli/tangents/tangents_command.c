@@ -71,13 +71,7 @@ static const char *set_weight(void *settings, const char *value) {
 }
 
 static const char *set_only(void *settings, const char *value) {
-    static const char *const words[] = {"all", "missing", "broken"};
-    for (size_t i = 0; i < CLI_COUNT(words); ++i)
-        if (strcmp(value, words[i]) == 0) {
-            ((tangents_work *)settings)->options.only = (norma_only)i;
-            return NULL;
-        }
-    return "all, missing or broken";
+    return cli_find_only(value, &((tangents_work *)settings)->options.only);
 }
 
 static const cli_option options[] = {

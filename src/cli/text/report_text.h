@@ -1,6 +1,7 @@
 /* report_text.h: what people read: counts, angles, names of weights and kinds. */
 #ifndef NORMA_CLI_REPORT_TEXT_H
 #define NORMA_CLI_REPORT_TEXT_H
+#include <norma/document.h>
 #include <norma/norma.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -11,6 +12,7 @@ void cli_counted(FILE *out, size_t count, const char *one, const char *many);
 char *cli_decimals(char text[32], double number, int digits);
 /* NULL, or what was expected instead. */
 const char *cli_find_weight(const char *word, norma_weight *out);
+const char *cli_find_only(const char *word, norma_only *out);
 const char *cli_kind_name(norma_kind kind);
 double cli_radians(double degrees);
 double cli_to_degrees(double radians);

@@ -130,7 +130,7 @@ norma_document_result norma_document_compute(norma_document *document,
 
 static const char *bad_tangent_option(const norma_tangent_options *options) {
     if ((unsigned)options->mode > NORMA_TANGENTS_MIKK) return "unknown mode of tangents";
-    if ((unsigned)options->weight > NORMA_WEIGHT_ANGLE_LENGTHS) return "unknown weight";
+    if (!norma_weight_name(options->weight)) return "unknown weight";
     return (unsigned)options->only > NORMA_ONLY_BROKEN ? "unknown choice of what to compute" : NULL;
 }
 

@@ -82,7 +82,10 @@ norma_document_result norma_gltf_morph(
 static inline uint32_t norma_gltf_old_vertex(const gltf_set *set, size_t vertex) {
     return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
 }
-/* set_contents.c: the same contents in a slot of every primitive of the set; the elements of an
+/* set_contents.c: a further vertex behind all others, a copy of an old one: its number; SIZE_MAX:
+ * out of memory, or of numbers. */
+size_t norma_gltf_add_vertex(gltf_set *set, uint32_t vertex);
+/* The same contents in a slot of every primitive of the set; the elements of an
  * accessor, with copies for the added vertices. */
 norma_document_result norma_gltf_put_in_set(
     gltf_job *job, const gltf_set *set, int32_t target, const char *attribute, gltf_data *data);

@@ -1,7 +1,19 @@
 /* set_contents.c: what becomes of the attributes that the primitives of a set share. */
 #include "io/gltf/compute/gltf_compute.h"
 #include "io/file/large_memory.h"
+#include "io/file/memory.h"
 #include <string.h>
+
+size_t norma_gltf_add_vertex(gltf_set *set, uint32_t vertex) {
+    const size_t number = set->vertices + set->added_count;
+    uint32_t *added = number >= UINT32_MAX - 1 ? NULL
+                                               : norma_io_grow(set->added, &set->added_capacity,
+                                                     set->added_count + 1, sizeof *added);
+    if (!added) return SIZE_MAX;
+    set->added = added;
+    set->added[set->added_count++] = vertex;
+    return number;
+}
 
 norma_document_result norma_gltf_put_in_set(
     gltf_job *job, const gltf_set *set, int32_t target, const char *attribute, gltf_data *data) {

@@ -137,14 +137,9 @@ static uint32_t take_vertex(tangent_set *of, const gltf_primitive *p, uint32_t v
     uint32_t *place = find(of, vertex, code);
     if (*place) return *place - 1;
     if (set->taken[vertex]) {
-        number = set->vertices + set->added_count;
-        uint32_t *added = number >= UINT32_MAX - 1 ? NULL
-                                                   : norma_io_grow(set->added, &set->added_capacity,
-                                                         set->added_count + 1, sizeof *added);
-        set->added = added ? added : set->added;
-        if (!added || !grow_vertices(of, p->target_count, made->deltas, number + 1))
+        number = norma_gltf_add_vertex(set, vertex);
+        if (number == SIZE_MAX || !grow_vertices(of, p->target_count, made->deltas, number + 1))
             return GLTF_NONE;
-        set->added[set->added_count++] = vertex;
     }
     set->taken[vertex] = 1;
     memcpy(of->codes + number * of->size, code, of->size);

@@ -268,13 +268,8 @@ static uint32_t take_vertex(gltf_set *set, uint32_t vertex, const float normal[3
         if (*place) return *place - 1;
     }
     if (set->taken[vertex]) {
-        number = set->vertices + set->added_count;
-        uint32_t *added = number >= UINT32_MAX - 1 ? NULL
-                                                   : norma_io_grow(set->added, &set->added_capacity,
-                                                         set->added_count + 1, sizeof *added);
-        set->added = added ? added : set->added;
-        if (!added || !make_room(set, number + 1)) return GLTF_NONE;
-        set->added[set->added_count++] = vertex;
+        number = norma_gltf_add_vertex(set, vertex);
+        if (number == SIZE_MAX || !make_room(set, number + 1)) return GLTF_NONE;
     }
     set->taken[vertex] = 1;
     memcpy(set->normals + 3 * number, normal, 3 * sizeof *normal);
