@@ -19,6 +19,7 @@ _norma() {
     --groups) values="auto ignore" ;;
     --non-manifold) values="hard smooth" ;;
     --mode) values="mikk steady" ;;
+    --tangents) values="keep orthogonalise regenerate" ;;
     --only) values="all missing broken" ;;
     --shading) values="flat gouraud phong" ;;
     --show) values="normals winding error findings hedgehog wireframe" ;;
@@ -41,7 +42,7 @@ _norma() {
         return
     fi
     case $verb in
-    compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs $files" ;;
+    compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs --tangents $files" ;;
     tangents) options="--mode --texcoord --weight --only $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;

@@ -50,6 +50,7 @@ complete -c norma -n "$compute" -l weld -x -a 'exact none' -d 'Which vertices sh
 complete -c norma -n "$compute" -l non-manifold -x -a 'hard smooth' -d 'Edges of three faces and more'
 complete -c norma -n "$compute" -l only -x -a 'all missing broken' -d 'What is computed'
 complete -c norma -n "$compute" -l morphs -d 'Normal deltas for all morph targets'
+complete -c norma -n "$compute" -l tangents -x -a 'keep orthogonalise regenerate' -d 'What happens to stored tangents'
 
 set -l render '__fish_seen_subcommand_from render'
 complete -c norma -n "$render" -F

@@ -403,6 +403,19 @@ typedef enum norma_only { NORMA_ONLY_ALL = 0, NORMA_ONLY_MISSING, NORMA_ONLY_BRO
 /* Whether smoothing groups of OBJ are respected. */
 typedef enum norma_groups { NORMA_GROUPS_AUTO = 0, NORMA_GROUPS_IGNORE } norma_groups;
 
+/* What happens to the tangents that a glTF stores when its normals are computed. */
+typedef enum norma_stored_tangents {
+    /* A tangent whose normal is the old one keeps its bits, unless it leans against that normal by
+     * more than its encoding explains. All others are made perpendicular to their new normals. */
+    NORMA_STORED_TANGENTS_ORTHOGONALISE = 0,
+    NORMA_STORED_TANGENTS_KEEP, /* all keep their bits */
+
+    /* They are computed anew, as norma_document_tangents does with NORMA_TANGENTS_MIKK, in each
+     * primitive whose normals are computed; without texture coordinates they are made
+     * perpendicular. If this fails, the document can only be closed. */
+    NORMA_STORED_TANGENTS_REGENERATE
+} norma_stored_tangents;
+
 typedef struct norma_compute_options {
     size_t struct_size;
     norma_shading shading;
@@ -417,6 +430,7 @@ typedef struct norma_compute_options {
     uint32_t threads;
     norma_progress *progress;
     void *progress_user;
+    norma_stored_tangents tangents;
 } norma_compute_options;
 
 typedef struct norma_compute_summary {
@@ -429,6 +443,9 @@ typedef struct norma_compute_summary {
     size_t hard_edges;       /* between two faces */
     size_t filled;           /* elements without a normal of their own that got the nearest one */
     norma_report report;     /* of all meshes; first is SIZE_MAX if several were summed */
+
+    /* Stored tangents, one for each vertex, of the primitives whose normals were computed. */
+    size_t tangents_kept, tangents_orthogonalised, tangents_regenerated;
 } norma_compute_summary;
 
 /* Computes normals into the document.

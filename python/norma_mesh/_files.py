@@ -30,6 +30,7 @@ _FORMATS = (np.float32, np.float64, np.int8, np.uint8, np.int16, np.uint16)
 _SHADINGS = {"default": 0, "crease": 1, "smooth": 2, "flat": 3}
 _ONLY = {"all": 0, "missing": 1, "broken": 2}
 _GROUPS = {"auto": 0, "ignore": 1}
+_STORED_TANGENTS = {"orthogonalise": 0, "keep": 1, "regenerate": 2}
 _STORAGE = ("none", "vertex", "corner", "facet")
 
 
@@ -155,10 +156,12 @@ class Document:
         groups: str = "auto",
         only: str = "all",
         morphs: bool = False,
+        tangents: str = "orthogonalise",
         threads: Optional[int] = None,
     ) -> ComputeSummary:
         """Computes normals into the document, as `norma compute` does: creases at 60 degrees unless
-        `crease`, `smooth` or `flat` say otherwise (PLY: smooth; STL: flat)."""
+        `crease`, `smooth` or `flat` say otherwise (PLY: smooth; STL: flat). Stored tangents are
+        made perpendicular to new normals; `tangents` may also be "keep" or "regenerate"."""
         if (crease is not None) + bool(smooth) + bool(flat) > 1:
             raise ValueError("crease: only one of crease, smooth and flat can be given")
         shading = 1 if crease is not None else 2 if smooth else 3 if flat else 0
@@ -174,6 +177,7 @@ class Document:
             choice("only", only, _ONLY),
             bool(morphs),
             thread_count(threads),
+            choice("tangents", tangents, _STORED_TANGENTS),
         )
         with self._lock:
             answer = _norma.document_compute(self._document, settings)

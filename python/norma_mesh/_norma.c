@@ -555,18 +555,18 @@ static PyObject *copy(PyObject *self, PyObject *arguments) {
 }
 
 /* document_compute(document, (shading, crease, weight, weld, distance, non_manifold, groups, only,
- * morphs, threads)) -> (changed, faces, before, after, shading, crease, hard edges, filled,
- * counts), or why it was refused */
+ * morphs, threads, tangents)) -> (changed, faces, before, after, shading, crease, hard edges,
+ * filled, counts), or why it was refused */
 static PyObject *document_compute(PyObject *self, PyObject *arguments) {
     PyObject *capsule;
-    int shading, weight, weld, non_manifold, groups, only, morphs;
+    int shading, weight, weld, non_manifold, groups, only, morphs, tangents;
     double crease, distance;
     unsigned int threads;
     norma_compute_summary s;
     norma_document_error error = {0};
     (void)self;
-    if (!PyArg_ParseTuple(arguments, "O(idiidiiipI)", &capsule, &shading, &crease, &weight, &weld,
-            &distance, &non_manifold, &groups, &only, &morphs, &threads))
+    if (!PyArg_ParseTuple(arguments, "O(idiidiiipIi)", &capsule, &shading, &crease, &weight, &weld,
+            &distance, &non_manifold, &groups, &only, &morphs, &threads, &tangents))
         return NULL;
     norma_document *document = PyCapsule_GetPointer(capsule, DOCUMENT);
     if (!document) return NULL;
@@ -583,7 +583,8 @@ static PyObject *document_compute(PyObject *self, PyObject *arguments) {
         .morphs = morphs,
         .threads = threads,
         .progress = let_signals_in,
-        .progress_user = &w};
+        .progress_user = &w,
+        .tangents = (norma_stored_tangents)tangents};
     const norma_document_result result = norma_document_compute(document, &options, &s, &error);
     if (take_lock(&w)) return NULL;
     if (result != NORMA_DOCUMENT_OK) return document_refusal(result, &error);

@@ -49,6 +49,12 @@ static const char help[] =
     "also those\n"
     "                        that are not finite, zero or not of unit length (broken)\n"
     "  --morphs              normal deltas also for glTF morph targets that have none\n"
+    "  --tangents keep|orthogonalise|regenerate\n"
+    "                        what happens to tangents that a glTF stores: they stay as they are; "
+    "are\n"
+    "                        made perpendicular if their normal is new; or are computed anew with "
+    "the\n"
+    "                        bits of MikkTSpace (orthogonalise)\n"
     "\n" CLI_FILES_HELP "\n"
     "Degenerate faces (almost no area) are ignored. Vertices that are then without a normal get "
     "the nearest one,\n"
@@ -140,6 +146,14 @@ static const char *set_morphs(void *settings, const char *value) {
     return NULL;
 }
 
+static const char *set_tangents(void *settings, const char *value) {
+    static const char *const words[] = {"orthogonalise", "keep", "regenerate"};
+    const int choice = choose(value, words, 3);
+    ((compute_work *)settings)->options.tangents =
+        choice < 0 ? NORMA_STORED_TANGENTS_ORTHOGONALISE : (norma_stored_tangents)choice;
+    return choice < 0 ? "keep, orthogonalise or regenerate" : NULL;
+}
+
 static const cli_option options[] = {
     {"weight", 0, 1, set_weight},
     {"crease", 0, 1, set_crease},
@@ -150,6 +164,7 @@ static const cli_option options[] = {
     {"non-manifold", 0, 1, set_non_manifold},
     {"only", 0, 1, set_only},
     {"morphs", 0, 0, set_morphs},
+    {"tangents", 0, 1, set_tangents},
 };
 
 /* ---- one file */
@@ -212,6 +227,11 @@ static void write_json(const void *user, cli_json *json) {
     cli_json_bool(json, "by_groups", summary->by_groups);
     cli_json_bool(json, "changed", summary->changed);
     cli_json_size(json, "filled", summary->filled);
+    cli_json_open(json, "tangents", '{');
+    cli_json_size(json, "kept", summary->tangents_kept);
+    cli_json_size(json, "orthogonalised", summary->tangents_orthogonalised);
+    cli_json_size(json, "regenerated", summary->tangents_regenerated);
+    cli_json_close(json, '}');
 }
 
 static void write_choices(const compute_work *work, norma_file_format format, FILE *out) {
@@ -297,6 +317,22 @@ static void write_filled(
     fputs(summary->filled ? " and got the nearest" : "", out);
 }
 
+static void write_fate(FILE *out, int *written, size_t count, const char *fate) {
+    if (!count) return;
+    fputs(*written ? ", " : "; tangents: ", out);
+    cli_count(out, count);
+    fprintf(out, " %s", fate);
+    *written = 1;
+}
+
+static void write_tangents(const norma_compute_summary *summary, FILE *out) {
+    int written = 0;
+    write_fate(out, &written, summary->tangents_kept, "kept");
+    write_fate(
+        out, &written, summary->tangents_orthogonalised, "made perpendicular to new normals");
+    write_fate(out, &written, summary->tangents_regenerated, "computed anew");
+}
+
 static void write_text(const void *user, const norma_document *document, FILE *out) {
     const compute_work *work = user;
     const norma_compute_summary *summary = &work->summary;
@@ -318,6 +354,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         cli_count(out, summary->vertices_after);
     }
     write_filled(summary, norma_document_format(document), out);
+    write_tangents(summary, out);
 }
 
 /* ---- the verb */

@@ -5,6 +5,7 @@
 #include "core/call/vec3_view.h"
 #include <errno.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -106,7 +107,58 @@ static const char *bad_compute_option(const norma_compute_options *options) {
         return "unknown treatment of non-manifold edges";
     if ((unsigned)options->groups > NORMA_GROUPS_IGNORE)
         return "unknown treatment of smoothing groups";
+    if ((unsigned)options->tangents > NORMA_STORED_TANGENTS_REGENERATE)
+        return "unknown treatment of stored tangents";
     return (unsigned)options->only > NORMA_ONLY_BROKEN ? "unknown choice of what to compute" : NULL;
+}
+
+/* Progress over normals, then tangents, as that over both. */
+typedef struct two_steps {
+    norma_progress *progress;
+    void *user;
+    double base;
+} two_steps;
+
+static int pass_on(void *user, double fraction) {
+    const two_steps *steps = user;
+    return steps->progress(steps->user, steps->base + fraction / 2);
+}
+
+/* The tangents of the primitives that document->renew marks, on the normals just computed. Those
+ * are part of the bytes by then, so a failure here cannot be taken back. */
+static norma_document_result renew_tangents(norma_document *document,
+    const norma_compute_options *compute, norma_compute_summary *summary,
+    norma_document_error *error) {
+    const norma_tangent_options options = {.struct_size = sizeof options,
+        .mode = NORMA_TANGENTS_MIKK,
+        .threads = compute->threads,
+        .progress = compute->progress,
+        .progress_user = compute->progress_user};
+    norma_tangent_summary made = {0};
+    norma_document_result result = norma_document_flush(document, error);
+    if (!result) result = document->functions->tangents(document, &options, &made, error);
+    document->failed |= result != NORMA_DOCUMENT_OK;
+    summary->changed |= made.changed;
+    if (!result) {
+        summary->tangents_regenerated += made.vertices_after - summary->vertices_after;
+        summary->vertices_after = made.vertices_after;
+    }
+    return result;
+}
+
+static norma_document_result compute_with_tangents(norma_document *document,
+    const norma_compute_options *given, norma_compute_summary *summary,
+    norma_document_error *error) {
+    two_steps steps = {given->progress, given->progress_user, 0};
+    norma_compute_options options = *given;
+    options.progress = given->progress ? pass_on : NULL;
+    options.progress_user = &steps;
+    norma_document_result result = document->functions->compute(document, &options, summary, error);
+    steps.base = .5;
+    if (!result && document->renew) result = renew_tangents(document, &options, summary, error);
+    free(document->renew);
+    document->renew = NULL;
+    return result;
 }
 
 norma_document_result norma_document_compute(norma_document *document,
@@ -116,13 +168,16 @@ norma_document_result norma_document_compute(norma_document *document,
     if (result) return result;
     norma_compute_options options;
     norma_compute_summary unwanted;
-    norma_document_copy_options(&options, sizeof options, sizeof options, given);
+    norma_document_copy_options(
+        &options, sizeof options, offsetof(norma_compute_options, tangents), given);
     const char *bad = bad_compute_option(&options);
     if (bad)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
     summary = summary ? summary : &unwanted;
     *summary = (norma_compute_summary){0};
-    result = document->functions->compute(document, &options, summary, error);
+    result = options.tangents == NORMA_STORED_TANGENTS_REGENERATE
+                 ? compute_with_tangents(document, &options, summary, error)
+                 : document->functions->compute(document, &options, summary, error);
     if (!document->functions->has_change) norma_scene_forget(document->scene);
     end_change(document, result);
     return result;

@@ -52,8 +52,9 @@ struct norma_document {
     int failed;   /* a change went wrong half-way and could not be taken back: it can only be closed
                    */
     int had_edit; /* a change waited already when the last one began */
-    int copied;   /* files are read into memory, for a summary too */
-    int lenient;  /* what norma check judges is read instead of refused */
+    uint8_t *renew; /* NULL, or while tangents are computed: nonzero for each mesh that gets them */
+    int copied;     /* files are read into memory, for a summary too */
+    int lenient;    /* what norma check judges is read instead of refused */
     struct norma_scene *scene; /* what else is told of it (scene.h) */
 };
 

@@ -65,6 +65,7 @@ static norma_document_result put_all(gltf_job *job) {
     for (uint32_t i = 0; !result && i < job->g->primitive_count; ++i)
         if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted)
             result = norma_gltf_put_indices(job, i);
+    if (!result) result = norma_gltf_account_tangents(job);
     return result ? result : look_up(job);
 }
 

@@ -44,6 +44,7 @@ typedef struct gltf_set {
     uint32_t *table;    /* vertices of several meshes by old vertex and normal; 0: free */
     size_t table_size;
     float **deltas; /* for each target its new normal deltas, or NULL */
+    size_t tangents_kept, tangents_turned;
 } gltf_set;
 
 typedef struct gltf_job {
@@ -93,5 +94,8 @@ norma_document_result norma_gltf_copy_elements(
     gltf_job *job, const gltf_set *set, uint32_t accessor, gltf_data *data);
 
 norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t set); /* vertex_contents.c */
+/* stored_tangents.c: once all sets are put, what became of their tangents: counted, and marked
+ * where they are to be computed anew. */
+norma_document_result norma_gltf_account_tangents(gltf_job *job);
 norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t primitive); /* new_indices.c */
 #endif

@@ -37,6 +37,7 @@ typedef struct tangent_corners {
 
 /* tangent_inputs.c: whether a primitive has what its tangents are made of. */
 int norma_gltf_takes_tangents(const tangent_job *job, const gltf_primitive *p);
+int norma_gltf_has_map_texcoords(const tangent_job *job, const gltf_primitive *p);
 norma_document_result norma_gltf_find_materials(tangent_job *job);
 /* The texture coordinates of its vertices, through the normal map's transform where it has one;
  * *owned: to be freed. */

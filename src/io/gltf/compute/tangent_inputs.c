@@ -41,12 +41,16 @@ static uint32_t texcoord_accessor(const gltf *g, const gltf_primitive *p, size_t
                : GLTF_NONE;
 }
 
+int norma_gltf_has_map_texcoords(const tangent_job *job, const gltf_primitive *p) {
+    return texcoord_accessor(job->sets.g, p, place_of(job, p).set) != GLTF_NONE;
+}
+
 int norma_gltf_takes_tangents(const tangent_job *job, const gltf_primitive *p) {
     const gltf *g = job->sets.g;
     return !p->not_read && p->faces > 0 && p->base.normal != GLTF_NONE &&
            g->accessors[p->base.normal].width == 3 &&
            g->accessors[p->base.normal].count == p->vertices &&
-           texcoord_accessor(g, p, place_of(job, p).set) != GLTF_NONE;
+           norma_gltf_has_map_texcoords(job, p);
 }
 
 norma_document_result norma_gltf_tangent_texcoords(

@@ -175,8 +175,12 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
         memcpy(units + 3 * v, tangents + 4 * v, 3 * sizeof *units);
     size_t code_size = 3 * norma_gltf_component_size(data->component);
     ok = ok && encode_units(encoding, units, c->count, codes, code_size);
-    for (size_t v = 0; ok && v < c->count; ++v)
-        if (turned[v]) memcpy(data->bytes + v * size, codes + v * code_size, code_size);
+    for (size_t v = 0; ok && v < c->count; ++v) {
+        unsigned char *stored = data->bytes + v * size;
+        const int stays = !turned[v] || memcmp(stored, codes + v * code_size, code_size) == 0;
+        if (!stays) memcpy(stored, codes + v * code_size, code_size);
+        ++*(stays ? &c->set->tangents_kept : &c->set->tangents_turned);
+    }
     free(tangents);
     free(units);
     free(codes);
@@ -192,11 +196,18 @@ static int can_turn(const gltf_accessor *a) {
                (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
 }
 
+static int is_turned(const contents *c, const gltf_attribute *attribute, int32_t target) {
+    if (target != GLTF_SLOT_BASE || strcmp(attribute->name, "TANGENT") != 0) return 0;
+    if (c->job->options->tangents != NORMA_STORED_TANGENTS_KEEP)
+        return can_turn(&c->job->g->accessors[attribute->accessor]);
+    c->set->tangents_kept = c->count;
+    return 0;
+}
+
 static norma_document_result put_attribute(
     const contents *c, const gltf_attribute *attribute, int32_t target) {
     gltf_data data;
-    int tangent = target == GLTF_SLOT_BASE && strcmp(attribute->name, "TANGENT") == 0 &&
-                  can_turn(&c->job->g->accessors[attribute->accessor]);
+    const int tangent = is_turned(c, attribute, target);
     if (!tangent && c->set->added_count == 0) return NORMA_DOCUMENT_OK;
     norma_document_result result =
         norma_gltf_copy_elements(c->job, c->set, attribute->accessor, &data);
