@@ -11,8 +11,9 @@ _norma() {
     fi
     case $before in
     help) values="compute tangents transform matrix check explain info render view" ;;
-    --format) values="text json sarif html" ;;
+    --format) values="text line json sarif html" ;;
     --profile) values="render print" ;;
+    --color) values="auto always never" ;;
     --fail-on) values="error warning info never" ;;
     --weight) values="angle area uniform max angle-area visible angle-lengths" ;;
     --weld) values="exact none" ;;
@@ -47,7 +48,7 @@ _norma() {
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
     render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
-    check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --fail-on --max-samples --fix --fix-unsafe --open-by-rays --dry-run --files-from $files" ;;
+    check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --info --color --fail-on --max-samples --fix --fix-unsafe --open-by-rays --dry-run --files-from $files" ;;
     explain) options="--json --help" ;;
     view) options="-o --output --out-dir --input-format --threads --max-memory --json --quiet --help" ;;
     info) options="--deep --input-format --threads --max-memory --json --quiet --help" ;;

@@ -118,6 +118,21 @@ NORMA_API size_t norma_findings_count(const norma_findings *findings);
  * the file; at one place the most severe comes first. The finding belongs to findings. */
 NORMA_API const norma_finding *norma_findings_get(const norma_findings *findings, size_t index);
 
+/* Writes the command that fixes a finding, to paste into a POSIX shell:
+ * norma check chair.glb --fix-unsafe --select N602 -o chair.fixed.glb
+ * Names are quoted if a shell needs it.
+ *
+ *   finding    any finding
+ *   path       the file that it is about
+ *   options    further words of the command, ended by NULL; or NULL
+ *   command    written, ended by a zero and cut to fit; or NULL
+ *   capacity   the size of command in bytes
+ *
+ * Returns the length of the command without its zero, even if it did not fit; 0 if the finding has
+ * no fix, or the path is "-". */
+NORMA_API size_t norma_finding_command(const norma_finding *finding, const char *path,
+    const char *const *options, char *command, size_t capacity);
+
 /* Returns the profile that was applied: render or print. */
 NORMA_API norma_check_profile norma_findings_profile(const norma_findings *findings);
 

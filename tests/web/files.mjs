@@ -17,7 +17,7 @@ for (const path of files.filter((name) => known.test(name))) {
   const bytes = readFileSync(path);
   if (!standsAlone(path, bytes)) { left++; continue; }
   for (const profile of ["render", "print"]) {
-    const run = spawnSync(tool, ["check", "--no-config", "--format", "json", "--profile", profile, path], { encoding: "utf8", maxBuffer: 1 << 28 });
+    const run = spawnSync(tool, ["check", "--format", "json", "--profile", profile, path], { encoding: "utf8", maxBuffer: 1 << 28 });
     let expected, report;
     try { expected = JSON.parse(run.stdout); } catch { differ.push(`${path}: the tool printed no JSON: ${run.stderr}`); continue; }
     try { report = await norma.check(bytes, { name: path, profile }); } catch (error) { differ.push(`${path}: ${error.stack}`); continue; }

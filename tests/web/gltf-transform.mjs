@@ -152,7 +152,7 @@ for (const file of files)
   await attempt(`${basename(file)}: check finds what norma check finds`, async () => {
     const document = await io.read(file), bytes = await io.writeBinary(await io.read(file)), path = join(scratch, "checked.glb");
     writeFileSync(path, bytes);
-    const { files: [{ findings: expected }] } = JSON.parse(spawnSync(tool, ["check", "--no-config", "--format", "json", path], { encoding: "utf8", maxBuffer: 1 << 28 }).stdout);
+    const { files: [{ findings: expected }] } = JSON.parse(spawnSync(tool, ["check", "--format", "json", path], { encoding: "utf8", maxBuffer: 1 << 28 }).stdout);
     let report = null;
     await document.transform(checkTransform({ onReport: (given) => { report = given; } }));
     const short = (findings) => JSON.stringify(findings.map(({ rule, where, count, message }) => [rule, where, count, message]));

@@ -45,7 +45,15 @@ export function bindCheck(wasm) {
     };
   };
 
-  const readFinding = (file, index) => heap.lend((lender) => {
+  const readCommand = (file, index, path) => heap.lend((lender) => {
+    const name = lender.input(encode(path)), length = wasm.check_command(file, index, name, 0, 0);
+    if (!length) return null;
+    const at = lender.block(length + 1);
+    wasm.check_command(file, index, name, at, length + 1);
+    return heap.text(at);
+  });
+
+  const readFinding = (file, index, path) => heap.lend((lender) => {
     const at = lender.block(8 * 13), text = (which) => heap.text(wasm.check_text(file, index, TEXTS[which]));
     wasm.check_numbers(file, index, at);
     const [severity, count, value, fix, samples, deviates, ...place] = heap.doubles(at, 13);
@@ -53,13 +61,13 @@ export function bindCheck(wasm) {
     const sample = (i) => (wasm.check_sample(file, index, i, at), shortSample(readSample(heap.doubles(at, 7))));
     const finding = {
       rule: text("rule"), name: text("name"), severity: SEVERITIES[severity], where: text("where"), count, worst: { value: finite(value), unit: text("unit"), vertex, face, position },
-      samples: Array.from({ length: samples }, (_, i) => sample(i)), fix: FIXES[fix], message: text("message"),
+      samples: Array.from({ length: samples }, (_, i) => sample(i)), fix: FIXES[fix], command: readCommand(file, index, path), message: text("message"),
     };
     return deviates ? { ...finding, deviation: readDeviation(file, index, lender) } : finding;
   });
 
   const readReport = (file, path, unreadable) => {
-    const findings = Array.from({ length: wasm.check_count(file) }, (_, i) => readFinding(file, i));
+    const findings = Array.from({ length: wasm.check_count(file) }, (_, i) => readFinding(file, i, path));
     const status = unreadable ? "unreadable" : wasm.check_is_partly(file) ? "partly" : "checked";
     const summary = { errors: 0, warnings: 0, infos: 0, files: 1, not_checked: status === "checked" ? 0 : 1 };
     for (const { severity } of findings) summary[TOTALS[severity]]++;

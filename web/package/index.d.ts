@@ -173,6 +173,8 @@ export interface Finding {
   worst: { value: number | null; unit: string; vertex: number | null; face: number | null; position: Point | null };
   samples: { vertex?: number; face?: number; normal?: number; position: Point | null }[];
   fix: "safe" | "unsafe" | null;
+  /** Fixes it, to paste into a shell. */
+  command: string | null;
   message: string;
   deviation?: Deviation;
 }

@@ -7,6 +7,7 @@
 #include "cli/options/suggest.h"
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
+#include "cli/text/terminal.h"
 #include <math.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -20,7 +21,7 @@ static const char help[] =
     "  norma check models/ --fail-on warning           every mesh file of the folder and below\n"
     "  norma check 'models/**/*.glb' --ignore N4,N503  without some rules\n"
     "  git diff --name-only | norma check --files-from - --format sarif -o norma.sarif\n"
-    "  norma check part.stl --format html -o part.html\n"
+    "  norma check part.stl -o part.html               a page with pictures\n"
     "  norma explain N301                              what a rule means, and what to do\n"
     "\n"
     "Rules\n"
@@ -38,10 +39,14 @@ static const char help[] =
     "  --write-baseline FILE writes today's findings as the known ones\n"
     "\n"
     "Report\n"
-    "  --format text|json|sarif|html\n"
-    "                        (text); --json is the same as --format json\n"
+    "  --format text|line|json|sarif|html\n"
+    "                        as the ending of -o says, else text; line is for grep and editors;\n"
+    "                        --json is the same as --format json\n"
     "  -o, --output FILE     where the report goes (standard output); with --fix it names the\n"
     "                        fixed file instead\n"
+    "  --info                lists informations too, which otherwise are only counted\n"
+    "  --color auto|always|never\n"
+    "                        (auto: on a terminal, unless NO_COLOR is set)\n"
     "  --fail-on error|warning|info|never\n"
     "                        the least severity for which the exit status is 1 (error)\n"
     "  --max-samples N       how many places a finding names (10)\n"
@@ -80,6 +85,7 @@ typedef struct check_work {
     const check_format *format;
     const char *config, *baseline, *new_baseline;
     int no_config;
+    cli_color_mode color;
     cli_files files; /* the words, --input-format, and where the report or what is mended goes */
     cli_common common;
     char expected[160]; /* what a wrong list of rules may mean */
@@ -148,15 +154,40 @@ static const char *set_new_baseline(void *settings, const char *value) {
     return value[0] ? NULL : "the name of a file";
 }
 
+static const check_format *const formats[] = {&check_format_text, &check_format_line,
+    &check_format_json, &check_format_sarif, &check_format_html};
+
 static const char *set_format(void *settings, const char *value) {
-    static const check_format *const formats[] = {
-        &check_format_text, &check_format_json, &check_format_sarif, &check_format_html};
     for (size_t i = 0; i < CLI_COUNT(formats); ++i)
         if (strcmp(value, formats[i]->name) == 0) {
             ((check_work *)settings)->format = formats[i];
             return NULL;
         }
-    return "text, json, sarif or html";
+    return "text, line, json, sarif or html";
+}
+
+/* The form that the name of a report ends with; text if it says nothing. */
+static const check_format *format_of_name(const char *name) {
+    const char *ending = name ? strrchr(name, '.') : NULL;
+    for (size_t i = 0; ending && i < CLI_COUNT(formats); ++i)
+        if (strcmp(ending + 1, formats[i]->name) == 0) return formats[i];
+    return ending && strcmp(ending, ".htm") == 0 ? &check_format_html : &check_format_text;
+}
+
+static const char *set_info(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->settings.list_infos = 1;
+    return NULL;
+}
+
+static const char *set_color(void *settings, const char *value) {
+    static const char *const modes[] = {"auto", "always", "never"};
+    for (size_t i = 0; i < CLI_COUNT(modes); ++i)
+        if (strcmp(value, modes[i]) == 0) {
+            ((check_work *)settings)->color = (cli_color_mode)i;
+            return NULL;
+        }
+    return "auto, always or never";
 }
 
 static const char *set_fail_on(void *settings, const char *value) {
@@ -219,6 +250,8 @@ static const cli_option options[] = {
     {"baseline", 0, 1, set_baseline},
     {"write-baseline", 0, 1, set_new_baseline},
     {"format", 0, 1, set_format},
+    {"info", 0, 0, set_info},
+    {"color", 0, 1, set_color},
     {"fix", 0, 0, set_fix},
     {"fix-unsafe", 0, 0, set_fix_unsafe},
     {"dry-run", 0, 0, set_dry_run},
@@ -229,6 +262,16 @@ static const cli_option options[] = {
 };
 
 /* ---- the verb */
+
+/* Without these words the command of a fix would judge differently. */
+static void choose_command_options(check_work *work) {
+    const char **option = work->settings.command_options;
+    if (work->settings.strict) *option++ = "--strict";
+    if (work->no_config) *option++ = "--no-config";
+    if (work->config) *option++ = "--config", *option++ = work->config;
+    if (work->files.format)
+        *option++ = "--input-format", *option++ = norma_file_format_name(work->files.format);
+}
 
 static int read_options(
     const cli_subcommand *verb, check_work *work, int count, char **arguments, int *wants_help) {
@@ -241,10 +284,11 @@ static int read_options(
     int status = cli_parse(
         verb, tables, CLI_COUNT(tables), count, arguments, &work->files.words, wants_help);
     if (status || *wants_help) return status;
-    if (work->common.json && work->format != &check_format_text &&
-        work->format != &check_format_json)
+    if (work->common.json && work->format && work->format != &check_format_json)
         return cli_usage(verb, "--json and --format %s exclude each other", work->format->name);
     if (work->common.json) work->format = &check_format_json;
+    if (!work->format)
+        work->format = work->settings.fix ? &check_format_text : format_of_name(work->files.output);
     if (work->config && work->no_config)
         return cli_usage(verb, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)
@@ -267,6 +311,7 @@ static int read_options(
     if (work->common.quiet && work->format == &check_format_text)
         work->format = &check_format_quiet;
     work->settings.input_format = work->files.format;
+    choose_command_options(work);
     return CLI_OK;
 }
 
@@ -299,7 +344,15 @@ static int read_configs(const check_work *work, check_configs *configs) {
     return status;
 }
 
-static int check_files(const check_work *work, check_configs *configs) {
+/* A report for a person, on the terminal that shows it. */
+static void choose_style(check_work *work, FILE *out) {
+    const int is_file = out != stdout && out != stderr;
+    work->settings.style = (check_style){
+        .color = is_file ? work->color == CLI_COLOR_ALWAYS : cli_wants_color(out, work->color),
+        .width = is_file ? 0 : cli_terminal_width(out)};
+}
+
+static int check_files(check_work *work, check_configs *configs) {
     cli_output output;
     check_totals totals = {0};
     const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
@@ -313,17 +366,19 @@ static int check_files(const check_work *work, check_configs *configs) {
     if (status) return status;
     if (streams) /* the mended file has standard output */
         output.out = stderr;
-    work->format->begin(output.out);
+    choose_style(work, output.out);
+    work->format->begin(output.out, &work->settings);
     status = check_all_files(&work->settings, configs, work->format, output.out, &totals);
     if (status != CLI_USAGE && guard_baseline(work)) status = CLI_USAGE;
     if (status == CLI_USAGE) {
         /* What stands on standard output already must be whole for a program that reads it. */
-        if (output.out == stdout && work->format != &check_format_text)
-            work->format->end(output.out, &totals);
+        if (output.out == stdout && work->format != &check_format_text &&
+            work->format != &check_format_quiet)
+            work->format->end(output.out, &totals, &work->settings);
         if (!streams) cli_output_drop(&output);
         return status;
     }
-    work->format->end(output.out, &totals);
+    work->format->end(output.out, &totals, &work->settings);
     return cli_worse(status, streams ? cli_finish(CLI_OK) : cli_output_end(&output));
 }
 
@@ -372,9 +427,7 @@ static int check_all(const cli_subcommand *verb, check_work *work) {
 }
 
 static int run(const cli_subcommand *verb, int count, char **arguments) {
-    check_work work = {.settings = {.fail_on = -1},
-        .format = &check_format_text,
-        .common.threads = NORMA_ALL_THREADS};
+    check_work work = {.settings = {.fail_on = -1}, .common.threads = NORMA_ALL_THREADS};
     int wants_help = 0, status;
     if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
     status = read_options(verb, &work, count, arguments, &wants_help);

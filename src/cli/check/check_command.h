@@ -39,6 +39,13 @@ const check_config *check_config_of(check_configs *configs, const char *path);
 
 /* ---- what is asked (check_command.c) */
 
+typedef struct check_style { /* of a report for people */
+    int color;
+    size_t width; /* 0: nothing is wrapped */
+} check_style;
+
+enum { COMMAND_OPTIONS = 8 };
+
 typedef struct check_settings {
     norma_check_profile profile;
     int strict;
@@ -55,7 +62,10 @@ typedef struct check_settings {
     int open_by_rays;       /* of --fix-unsafe */
     const cli_files *files; /* where mended files go */
     int quiet;
-    norma_progress *progress; /* of whatever takes long */
+    int list_infos; /* else they are only counted, in reports for people */
+    check_style style;
+    const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */
+    norma_progress *progress;                     /* of whatever takes long */
     void *progress_user;
 } check_settings;
 enum { CHECK_FAIL_NEVER = 100 };
@@ -66,39 +76,66 @@ enum { CHECK_FIX_NOTHING = 0, CHECK_FIX_SAFE, CHECK_FIX_UNSAFE };
 typedef struct check_item {
     const norma_finding *finding;
     norma_severity severity; /* after the configuration */
-    norma_fix offered;       /* the finding's fix, unless it was tried: then this is what is left */
+    char *command;           /* fixes it; NULL: nothing does, or it was tried, and this is left */
 } check_item;
 
+enum { CHECK_SEVERITIES = NORMA_SEVERITY_ERROR + 1 };
+
 typedef struct check_report {
+    const check_settings *settings;
     const char *path; /* as it was named */
     norma_check_profile profile;
     const char *status; /* "checked", "partly", "unreadable" */
     const check_item *items;
     size_t count;
-    norma_document *document;  /* for pictures; NULL: unreadable */
+    int fail_on;                              /* for this file */
+    const size_t (*places)[CHECK_SEVERITIES]; /* how many items of each rule and severity */
+    norma_document *document;                 /* for pictures; NULL: unreadable */
     const char *mended;        /* a table of counts before and after; NULL: nothing was mended */
     size_t by_rays, undecided; /* open components that rays decided on, or did not; 0 where that was
                                   not asked for */
     double least_confidence;   /* of by_rays */
 } check_report;
 
+typedef struct check_rule_total {
+    size_t places, files;
+} check_rule_total;
+
 typedef struct check_totals {
-    size_t errors, warnings, infos, files, files_with_trouble, not_checked,
-        known;  /* known: silenced by the baseline */
-    int status; /* worst of its files */
+    size_t errors, warnings, infos, files, files_with_trouble, not_checked;
+    size_t known;  /* silenced by the baseline */
+    size_t clean;  /* files without problems */
+    size_t hidden; /* infos that reports for people only count */
+    int status;    /* worst of its files */
+    check_rule_total by_rule[CHECK_RULES][CHECK_SEVERITIES];
 } check_totals;
 
 /* The forms of a report. file is called by several threads at once, each with an own out; begin and
  * end by one. */
 typedef struct check_format {
     const char *name;
-    void (*begin)(FILE *out);
+    void (*begin)(FILE *out, const check_settings *settings);
     void (*file)(FILE *out, const check_report *report);
     const char *between; /* two files */
-    void (*end)(FILE *out, const check_totals *totals);
+    void (*end)(FILE *out, const check_totals *totals, const check_settings *settings);
 } check_format;
-extern const check_format check_format_text, check_format_quiet, check_format_json,
-    check_format_sarif, check_format_html;
+extern const check_format check_format_text, check_format_quiet, check_format_line,
+    check_format_json, check_format_sarif, check_format_html;
+
+void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
+
+/* ---- what the forms ask (report_facts.c) */
+
+size_t check_rule_number(const norma_rule *rule); /* in norma_rules */
+const char *check_profile_name(norma_check_profile profile);
+/* In reports for people: information is only counted, unless it was asked for or fails the check.
+ */
+int check_is_listed(const check_report *report, const check_item *item);
+/* Checked, and without errors, warnings and whatever fails the check. */
+int check_is_clean(const check_report *report);
+/* Names from the root of the scene to the first node that draws the mesh of a finding, or to the
+ * node that it is about. NULL: none. */
+const char *check_node_path(norma_document *document, const char *where);
 
 /* Checks one of settings->files->inputs and writes its part of the report; adds to totals. */
 void check_one_file(const check_settings *settings, const check_config *config,

@@ -177,7 +177,21 @@ static norma_fix offered_fix(const file_check *check, const norma_finding *findi
     return tried ? NORMA_FIX_NONE : finding->fix;
 }
 
+/* NULL: no fix is offered, or memory is out. */
+static char *command_of(const file_check *check, const norma_finding *finding) {
+    const char *const *options = check->settings->command_options;
+    if (offered_fix(check, finding) == NORMA_FIX_NONE) return NULL;
+    const size_t length = norma_finding_command(finding, check->path, options, NULL, 0);
+    char *command = length ? malloc(length + 1) : NULL;
+    if (command) norma_finding_command(finding, check->path, options, command, length + 1);
+    return command;
+}
+
 static void count_item(const file_check *check, const check_item *item, check_totals *totals) {
+    check_rule_total *total =
+        &totals->by_rule[check_rule_number(item->finding->rule)][item->severity];
+    ++total->places;
+    total->files = 1; /* totals are those of one file here */
     if (item->severity == NORMA_SEVERITY_ERROR)
         ++totals->errors;
     else if (item->severity == NORMA_SEVERITY_WARNING)
@@ -203,19 +217,32 @@ static size_t weigh(const file_check *check, check_item *items, check_totals *to
             ++totals->known;
             continue;
         }
-        items[count] = (check_item){finding, (norma_severity)severity, offered_fix(check, finding)};
+        items[count] = (check_item){finding, (norma_severity)severity, command_of(check, finding)};
         count_item(check, &items[count], totals);
         ++count;
     }
     return count;
 }
 
-static void add_totals_of_file(
-    const check_report *report, const check_totals *before, check_totals *totals) {
-    ++totals->files;
-    totals->files_with_trouble +=
-        totals->errors + totals->warnings > before->errors + before->warnings;
-    totals->not_checked += strcmp(report->status, "checked") != 0;
+static void count_places(
+    const check_report *report, size_t places[][CHECK_SEVERITIES], check_totals *totals) {
+    for (size_t i = 0; i < report->count; ++i) {
+        ++places[check_rule_number(report->items[i].finding->rule)][report->items[i].severity];
+        totals->hidden += !check_is_listed(report, &report->items[i]);
+    }
+}
+
+/* Writes the file's part, its totals counted. */
+static void finish_report(
+    check_report *report, const check_format *format, FILE *out, check_totals *totals) {
+    size_t places[CHECK_RULES][CHECK_SEVERITIES] = {{0}};
+    totals->files = 1;
+    totals->files_with_trouble = totals->errors + totals->warnings > 0;
+    totals->not_checked = strcmp(report->status, "checked") != 0;
+    totals->clean = (size_t)check_is_clean(report);
+    count_places(report, places, totals);
+    report->places = (const size_t(*)[CHECK_SEVERITIES])places;
+    format->file(out, report);
 }
 
 /* "PATH: " and "PATH:" say again what the report says first; "PATH:12: " becomes "line 12: ". */
@@ -233,7 +260,6 @@ static void drop_path(char message[1000], const char *path) {
  * message alone. */
 static void report_unreadable(
     file_check *check, const check_format *format, FILE *out, check_totals *totals) {
-    check_totals before = *totals;
     const norma_check_options options = {
         .struct_size = sizeof options, .profile = choose_profile(check)};
     const char *path = cli_input_name(check->path);
@@ -249,31 +275,41 @@ static void report_unreadable(
         return;
     }
     const check_item item = {
-        norma_findings_get(check->findings, 0), NORMA_SEVERITY_ERROR, NORMA_FIX_NONE};
-    const check_report report = {check->path, norma_findings_profile(check->findings), "unreadable",
-        &item, 1, NULL, NULL, 0, 0, 0};
+        .finding = norma_findings_get(check->findings, 0), .severity = NORMA_SEVERITY_ERROR};
+    check_report report = {.settings = check->settings,
+        .path = check->path,
+        .profile = norma_findings_profile(check->findings),
+        .status = "unreadable",
+        .items = &item,
+        .count = 1,
+        .fail_on = fail_on(check)};
     count_item(check, &item, totals);
-    add_totals_of_file(&report, &before, totals);
-    format->file(out, &report);
+    finish_report(&report, format, out, totals);
 }
 
 static void report_findings(
     file_check *check, const check_format *format, FILE *out, check_totals *totals) {
-    check_totals before = *totals;
     check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
     if (!items) {
         check->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         report_unreadable(check, format, out, totals);
         return;
     }
-    const check_report report = {check->path, norma_findings_profile(findings_of(check)),
-        norma_findings_partly(findings_of(check)) ? "partly" : "checked", items,
-        weigh(check, items, totals), document_of(check), check->mended.table,
-        check->mended.summary.by_rays, check->mended.summary.undecided,
-        check->mended.summary.least_confidence};
-    add_totals_of_file(&report, &before, totals);
+    check_report report = {.settings = check->settings,
+        .path = check->path,
+        .profile = norma_findings_profile(findings_of(check)),
+        .status = norma_findings_partly(findings_of(check)) ? "partly" : "checked",
+        .items = items,
+        .count = weigh(check, items, totals),
+        .fail_on = fail_on(check),
+        .document = document_of(check),
+        .mended = check->mended.table,
+        .by_rays = check->mended.summary.by_rays,
+        .undecided = check->mended.summary.undecided,
+        .least_confidence = check->mended.summary.least_confidence};
     totals->status = cli_worse(totals->status, check->fix_status);
-    format->file(out, &report);
+    finish_report(&report, format, out, totals);
+    for (size_t i = 0; i < report.count; ++i) free(items[i].command);
     free(items);
 }
 

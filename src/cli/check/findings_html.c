@@ -73,7 +73,10 @@ static const char script[] =
     "const gravest=heads[0].querySelector('button');gravest.click();gravest.click();\n"
     "</script>\n</body></html>\n";
 
-static void begin(FILE *out) { fputs(head, out); }
+static void begin(FILE *out, const check_settings *settings) {
+    (void)settings;
+    fputs(head, out);
+}
 
 static void write_worst(FILE *out, const norma_finding *finding) {
     char text[32];
@@ -132,9 +135,11 @@ static void write_item(FILE *out, const check_report *report, const check_item *
     write_worst(out, finding);
     fputs("<td>", out);
     cli_write_outside_html(out, finding->message);
-    if (item->offered)
-        fprintf(out, "<p>Fix: <code>norma check %s --select %s</code></p>",
-            item->offered == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", finding->rule->id);
+    if (item->command) {
+        fputs("<p>Fix: <code>", out);
+        cli_write_outside_html(out, item->command);
+        fputs("</code></p>", out);
+    }
     fputs("</td><td>", out);
     if (finding->deviation) write_histogram(out, finding->deviation);
     check_draw_finding(out, report->document, finding);
@@ -146,9 +151,10 @@ static void write_file(FILE *out, const check_report *report) {
     for (size_t i = 0; i < report->count; ++i) write_item(out, report, &report->items[i]);
 }
 
-static void end(FILE *out, const check_totals *totals) {
+static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
+    (void)settings;
     fputs("</tbody></table>\n<p id=\"last\">", out);
-    check_format_text.end(out, totals);
+    check_write_verdict(out, totals);
     fputs("</p>\n", out);
     fputs(script, out);
 }

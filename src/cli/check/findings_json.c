@@ -80,19 +80,22 @@ static void write_item(cli_json *json, const check_item *item) {
     for (size_t i = 0; i < finding->sample_count; ++i) write_sample(json, &finding->samples[i]);
     cli_json_close(json, ']');
     cli_json_string(json, "fix", fix_name(finding->fix));
+    cli_json_string(json, "command", item->command);
     cli_json_string(json, "message", finding->message);
     if (finding->deviation) write_deviation(json, finding->deviation);
     cli_json_close(json, '}');
 }
 
-static void begin(FILE *out) { fputs("{\"schema\": \"norma-check/1\", \"files\": [\n", out); }
+static void begin(FILE *out, const check_settings *settings) {
+    (void)settings;
+    fputs("{\"schema\": \"norma-check/1\", \"files\": [\n", out);
+}
 
 static void write_file(FILE *out, const check_report *report) {
     cli_json json = {.out = out};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", report->path);
-    cli_json_string(
-        &json, "profile", report->profile == NORMA_CHECK_PROFILE_PRINT ? "print" : "render");
+    cli_json_string(&json, "profile", check_profile_name(report->profile));
     cli_json_string(&json, "status", report->status);
     cli_json_open(&json, "findings", '[');
     for (size_t i = 0; i < report->count; ++i) write_item(&json, &report->items[i]);
@@ -108,7 +111,8 @@ static void write_file(FILE *out, const check_report *report) {
     cli_json_close(&json, '}');
 }
 
-static void end(FILE *out, const check_totals *totals) {
+static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
+    (void)settings;
     cli_json json = {.out = out, .needs_comma = 1};
     fputs("\n]", out);
     cli_json_open(&json, "summary", '{');

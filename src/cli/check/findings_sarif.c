@@ -30,7 +30,8 @@ static void write_rule(cli_json *json, const norma_rule *rule) {
     cli_json_close(json, '}');
 }
 
-static void begin(FILE *out) {
+static void begin(FILE *out, const check_settings *settings) {
+    (void)settings;
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     cli_json json = {.out = out};
@@ -86,11 +87,10 @@ static void write_location(
 static void write_item(cli_json *json, const check_report *report, const check_item *item) {
     const norma_finding *finding = item->finding;
     char fingerprint[17];
-    size_t count;
     check_fingerprint(report->path, finding->rule->id, finding->where, item->severity, fingerprint);
     cli_json_open(json, NULL, '{');
     cli_json_string(json, "ruleId", finding->rule->id);
-    cli_json_size(json, "ruleIndex", (size_t)(finding->rule - norma_rules(&count)));
+    cli_json_size(json, "ruleIndex", check_rule_number(finding->rule));
     cli_json_string(json, "level", level_of(item->severity));
     write_text(json, "message", finding->message);
     write_location(json, report, finding);
@@ -99,6 +99,7 @@ static void write_item(cli_json *json, const check_report *report, const check_i
     cli_json_close(json, '}');
     cli_json_open(json, "properties", '{');
     cli_json_size(json, "count", finding->count);
+    cli_json_string(json, "command", item->command);
     cli_json_close(json, '}');
     cli_json_close(json, '}');
 }
@@ -111,7 +112,8 @@ static void write_file(FILE *out, const check_report *report) {
     }
 }
 
-static void end(FILE *out, const check_totals *totals) {
+static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
+    (void)settings;
     fprintf(out, "\n], \"invocations\": [{\"executionSuccessful\": %s}]}]}\n",
         totals->status == CLI_FILE ? "false" : "true");
 }

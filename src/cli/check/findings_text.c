@@ -1,34 +1,41 @@
-/* findings_text.c: findings for people: what, where, how bad, why it matters, what to do; the
- * verdict last. */
+/* findings_text.c: findings for people: what, where, how bad, why it matters, what to do; then how
+ * many of each rule, and the verdict last. Information is counted, and listed only if asked for. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include "cli/process/errors.h"
 #include "cli/text/memory_stream.h"
+#include "cli/text/report_text.h"
+#include "cli/text/terminal.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = 110, INDENT = 4 };
+enum {
+    INDENT = 4,
+    MOST_PLACES = 10, /* a rule with more in one file is told in one line */
+    PLACES_NAMED = 3, /* of those */
+    MOST_CLEAN = 10   /* if there are more files, those without problems are only counted */
+};
 
-/* Words with line breaks before COLUMNS, an indent after each. */
-static void write_wrapped(FILE *out, const char *text) {
-    size_t column = 0;
-    while (*text) {
-        size_t blanks = strspn(text, " "), length = strcspn(text + blanks, " ");
-        if (column && column + blanks + length > COLUMNS) {
-            fprintf(out, "\n%*s", INDENT, "");
-            column = INDENT;
-            blanks = 0;
-            text += strspn(text, " ");
-        }
-        fwrite(text, 1, blanks + length, out);
-        column += blanks + length;
-        text += blanks + length;
-    }
-    fputc('\n', out);
+/* ---- colours */
+
+static const char *color_of(norma_severity severity) {
+    return severity == NORMA_SEVERITY_ERROR     ? "\033[1;31m"
+           : severity == NORMA_SEVERITY_WARNING ? "\033[1;33m"
+                                                : "\033[1;34m";
 }
 
-static void write_place(FILE *out, const norma_sample *sample) {
+static void write_severity(FILE *out, const check_settings *settings, norma_severity severity) {
+    const char *name = check_severity_name(severity);
+    if (settings->style.color)
+        fprintf(out, "%s%s\033[0m", color_of(severity), name);
+    else
+        fputs(name, out);
+}
+
+/* ---- one finding */
+
+static void write_sample(FILE *out, const norma_sample *sample) {
     if (sample->vertex != SIZE_MAX)
         fprintf(out, "vertex %zu", sample->vertex);
     else if (sample->face != SIZE_MAX)
@@ -42,76 +49,189 @@ static void write_place(FILE *out, const norma_sample *sample) {
             sample->position[2]);
 }
 
-static void write_fix(FILE *out, const check_item *item) {
-    if (item->offered == NORMA_FIX_SAFE)
-        fputs(" Fix: --fix", out);
-    else if (item->offered == NORMA_FIX_UNSAFE)
-        fprintf(out, " Fix: norma check --fix-unsafe --select %s", item->finding->rule->id);
+static void write_head(FILE *line, const check_report *report, const check_item *item) {
+    cli_say(line, "%s: ", cli_input_name(report->path));
+    write_severity(line, report->settings, item->severity);
+    cli_say(line, " %s %s: ", item->finding->rule->id, item->finding->rule->name);
 }
 
-static void write_line(FILE *line, const char *path, const check_item *item) {
-    const norma_finding *finding = item->finding;
-    cli_say(line, "%s: %s %s %s: ", path, check_severity_name(item->severity), finding->rule->id,
-        finding->rule->name);
-    if (finding->label[0]) cli_say(line, "%s: ", finding->label);
-    cli_write_outside(line, finding->message);
-    size_t length = strlen(finding->message);
-    if (length && !strchr(".!?", finding->message[length - 1])) fputc('.', line);
-    int placed = finding->worst.vertex != SIZE_MAX || finding->worst.face != SIZE_MAX ||
-                 finding->worst.has_position;
-    if (placed) {
-        fputs(" worst: ", line);
-        write_place(line, &finding->worst);
-        fputc('.', line);
+static void write_sentence(FILE *line, const char *message) {
+    const size_t length = strlen(message);
+    cli_write_outside(line, message);
+    if (length && !strchr(".!?", message[length - 1])) fputc('.', line);
+}
+
+static void write_worst(FILE *line, const check_report *report, const norma_finding *finding) {
+    const norma_sample *worst = &finding->worst;
+    if (worst->vertex == SIZE_MAX && worst->face == SIZE_MAX && !worst->has_position) return;
+    fputs(" worst: ", line);
+    write_sample(line, worst);
+    const char *node = check_node_path(report->document, finding->where);
+    if (node) cli_say(line, " in node %s", node);
+    fputc('.', line);
+}
+
+static void write_single(FILE *line, const check_report *report, const check_item *item) {
+    write_head(line, report, item);
+    if (item->finding->label[0]) cli_say(line, "%s: ", item->finding->label);
+    write_sentence(line, item->finding->message);
+    write_worst(line, report, item->finding);
+}
+
+/* ---- a rule that many places share */
+
+static int is_same(const check_item *item, const check_item *other) {
+    return item->finding->rule == other->finding->rule && item->severity == other->severity;
+}
+
+static size_t places_of(const check_report *report, const check_item *item) {
+    return report->places[check_rule_number(item->finding->rule)][item->severity];
+}
+
+static void write_label(FILE *line, const norma_finding *finding) {
+    if (finding->label[0])
+        cli_write_outside(line, finding->label);
+    else
+        fputs("the file", line);
+}
+
+/* item is the first of them. */
+static void write_shared(FILE *line, const check_report *report, const check_item *item) {
+    const size_t places = places_of(report, item);
+    size_t named = 0;
+    write_head(line, report, item);
+    fprintf(line, "%zu places: ", places);
+    for (const check_item *at = item; named < PLACES_NAMED; ++at) {
+        if (!is_same(item, at)) continue;
+        fputs(named++ ? ", " : "", line);
+        write_label(line, at->finding);
     }
-    write_fix(line, item);
+    fprintf(line, " and %zu more. The first: ", places - named);
+    write_sentence(line, item->finding->message);
 }
 
-/* Without memory to wrap it, a line is as long as it is. */
-static void write_item(FILE *out, const char *path, const check_item *item) {
+/* ---- lines */
+
+/* Without memory to wrap it, a line is as long as it is. A command is never wrapped: on a terminal
+ * it has a line of its own. */
+static void write_item(FILE *out, const check_report *report, const check_item *item) {
+    const size_t width = report->settings->style.width;
+    void (*write)(FILE *, const check_report *, const check_item *) =
+        places_of(report, item) > MOST_PLACES ? write_shared : write_single;
     cli_memory_stream line;
-    if (cli_memory_open(&line)) write_line(line.out, path, item);
-    if (cli_memory_close(&line)) {
-        write_wrapped(out, line.text);
-    } else {
-        write_line(out, path, item);
+    if (cli_memory_open(&line)) write(line.out, report, item);
+    if (cli_memory_close(&line))
+        cli_write_wrapped(out, line.text, width, INDENT);
+    else
+        write(out, report, item);
+    free(line.text);
+    if (item->command)
+        fprintf(out, "%s%*sFix: %s", width ? "\n" : " ", width ? INDENT : 0, "", item->command);
+    fputc('\n', out);
+}
+
+static int is_told_before(const check_report *report, size_t index) {
+    for (size_t i = 0; i < index; ++i)
+        if (is_same(&report->items[i], &report->items[index])) return 1;
+    return 0;
+}
+
+static void write_items(FILE *out, const check_report *report) {
+    for (size_t i = 0; i < report->count; ++i) {
+        const check_item *item = &report->items[i];
+        if (!check_is_listed(report, item)) continue;
+        if (places_of(report, item) > MOST_PLACES && is_told_before(report, i)) continue;
+        write_item(out, report, item);
+    }
+}
+
+/* ---- one file */
+
+static void write_rays(FILE *out, const check_report *report) {
+    const char *path = cli_input_name(report->path);
+    if (report->by_rays) {
+        cli_say(out, "%s: %zu open %s outward by a majority of rays, confidence at least %.2f",
+            path, report->by_rays, report->by_rays == 1 ? "component looks" : "components look",
+            floor(100 * report->least_confidence) / 100);
         fputc('\n', out);
     }
-    free(line.text);
+    if (report->undecided) {
+        cli_say(out, "%s: %zu open %s left as %s, rays do not agree", path, report->undecided,
+            report->undecided == 1 ? "component is" : "components are",
+            report->undecided == 1 ? "it is" : "they are");
+        fputc('\n', out);
+    }
 }
-
-static void begin(FILE *out) { (void)out; }
 
 static void write_file(FILE *out, const check_report *report) {
     if (report->mended) {
         cli_say(out, "%s: fixed", cli_input_name(report->path));
         fprintf(out, "\n%s", report->mended);
     }
-    if (report->by_rays) {
-        cli_say(out, "%s: %zu open %s outward by a majority of rays, confidence at least %.2f",
-            cli_input_name(report->path), report->by_rays,
-            report->by_rays == 1 ? "component looks" : "components look",
-            floor(100 * report->least_confidence) / 100);
+    write_rays(out, report);
+    write_items(out, report);
+    if (check_is_clean(report) && report->settings->files->inputs.count <= MOST_CLEAN) {
+        cli_say(out, "%s: No problems found", cli_input_name(report->path));
         fputc('\n', out);
     }
-    if (report->undecided) {
-        cli_say(out, "%s: %zu open %s left as %s, rays do not agree", cli_input_name(report->path),
-            report->undecided, report->undecided == 1 ? "component is" : "components are",
-            report->undecided == 1 ? "it is" : "they are");
-        fputc('\n', out);
-    }
-    for (size_t i = 0; i < report->count; ++i)
-        write_item(out, cli_input_name(report->path), &report->items[i]);
 }
 
-static void end(FILE *out, const check_totals *totals) {
+/* ---- the end */
+
+/* "    warning  N602 mirrored                         3 in 2 files" */
+static void write_total(FILE *out, const check_settings *settings, const norma_rule *rule,
+    norma_severity severity, const check_rule_total *total) {
+    fprintf(out, "%*s", INDENT, "");
+    write_severity(out, settings, severity);
+    fprintf(out, "%*s %s %-25s %6zu in %zu %s\n",
+        (int)(strlen("warning") - strlen(check_severity_name(severity))), "", rule->id, rule->name,
+        total->places, total->files, total->files == 1 ? "file" : "files");
+}
+
+static void write_totals(FILE *out, const check_totals *totals, const check_settings *settings) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    fputs("Totals by rule:\n", out);
+    for (int severity = NORMA_SEVERITY_ERROR; severity >= NORMA_SEVERITY_INFO; --severity)
+        for (size_t rule = 0; rule < count; ++rule)
+            if (totals->by_rule[rule][severity].places)
+                write_total(out, settings, &rules[rule], (norma_severity)severity,
+                    &totals->by_rule[rule][severity]);
+}
+
+static void begin(FILE *out, const check_settings *settings) {
+    (void)out;
+    (void)settings;
+}
+
+void check_write_verdict(FILE *out, const check_totals *totals) {
     fprintf(out, "%zu %s, %zu %s in %zu of %zu %s", totals->errors,
         totals->errors == 1 ? "error" : "errors", totals->warnings,
         totals->warnings == 1 ? "warning" : "warnings", totals->files_with_trouble, totals->files,
         totals->files == 1 ? "file" : "files");
     if (totals->not_checked) fprintf(out, "; %zu not checked", totals->not_checked);
     if (totals->known) fprintf(out, "; %zu known to the baseline", totals->known);
+}
+
+static void end_quietly(FILE *out, const check_totals *totals, const check_settings *settings) {
+    (void)settings;
+    check_write_verdict(out, totals);
     fputc('\n', out);
+}
+
+static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
+    const size_t all = totals->errors + totals->warnings + totals->infos;
+    if (totals->clean && settings->files->inputs.count > MOST_CLEAN) {
+        fputs("No problems found in ", out);
+        cli_counted(out, totals->clean, "file", "files");
+        fputc('\n', out);
+    }
+    if (totals->hidden || all > 1) write_totals(out, totals, settings);
+    if (totals->hidden) {
+        cli_counted(out, totals->hidden, "info", "infos");
+        fprintf(out, " not listed; --info lists %s\n", totals->hidden == 1 ? "it" : "them");
+    }
+    end_quietly(out, totals, settings);
 }
 
 static void write_nothing(FILE *out, const check_report *report) {
@@ -121,4 +241,4 @@ static void write_nothing(FILE *out, const check_report *report) {
 
 const check_format check_format_text = {"text", begin, write_file, "", end};
 const check_format check_format_quiet = {
-    "text", begin, write_nothing, "", end}; /* the verdict alone */
+    "text", begin, write_nothing, "", end_quietly}; /* the verdict alone */

@@ -44,6 +44,13 @@ static void add_totals(check_totals *sum, const check_totals *more) {
     sum->files_with_trouble += more->files_with_trouble;
     sum->not_checked += more->not_checked;
     sum->known += more->known;
+    sum->clean += more->clean;
+    sum->hidden += more->hidden;
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
+            sum->by_rule[rule][severity].places += more->by_rule[rule][severity].places;
+            sum->by_rule[rule][severity].files += more->by_rule[rule][severity].files;
+        }
     sum->status = cli_worse(sum->status, more->status);
 }
 

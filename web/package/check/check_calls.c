@@ -82,6 +82,13 @@ const char *WEB_EXPORT(check_text)(const checked_file *file, size_t index, int w
     return texts[which];
 }
 
+/* The command that fixes it; its length, 0 without a fix. */
+size_t WEB_EXPORT(check_command)(
+    const checked_file *file, size_t index, const char *path, char *command, size_t capacity) {
+    return norma_finding_command(
+        norma_findings_get(file->findings, index), path, NULL, command, capacity);
+}
+
 /* Numbers that do not apply are NaN. */
 static double number_of(size_t number) { return number == SIZE_MAX ? (double)NAN : (double)number; }
 

@@ -1,0 +1,44 @@
+/* report_facts.c: what all forms of the report ask of a finding or a file. */
+#include "cli/check/check_command.h"
+#include <string.h>
+
+size_t check_rule_number(const norma_rule *rule) { return (size_t)(rule - norma_rules(NULL)); }
+
+const char *check_profile_name(norma_check_profile profile) {
+    return profile == NORMA_CHECK_PROFILE_PRINT ? "print" : "render";
+}
+
+static int is_problem(const check_report *report, const check_item *item) {
+    return item->severity != NORMA_SEVERITY_INFO || (int)item->severity >= report->fail_on;
+}
+
+int check_is_listed(const check_report *report, const check_item *item) {
+    return report->settings->list_infos || is_problem(report, item);
+}
+
+int check_is_clean(const check_report *report) {
+    for (size_t i = 0; i < report->count; ++i)
+        if (is_problem(report, &report->items[i])) return 0;
+    return strcmp(report->status, "checked") == 0;
+}
+
+/* The number of the mesh in "/meshes/12/primitives/3". */
+static size_t mesh_number(const char *where) {
+    static const char meshes[] = "/meshes/";
+    size_t number = 0;
+    if (strncmp(where, meshes, sizeof meshes - 1) != 0) return SIZE_MAX;
+    for (const char *at = where + sizeof meshes - 1; *at >= '0' && *at <= '9'; ++at)
+        number = 10 * number + (size_t)(*at - '0');
+    return number;
+}
+
+const char *check_node_path(norma_document *document, const char *where) {
+    norma_node_info node;
+    const size_t mesh = mesh_number(where),
+                 count = document ? norma_document_node_count(document) : 0;
+    for (size_t i = 0; i < count; ++i)
+        if (!norma_document_node_info(document, i, &node) &&
+            (node.mesh == mesh || strcmp(node.where, where) == 0))
+            return node.path && node.path[0] ? node.path : NULL;
+    return NULL;
+}
