@@ -64,12 +64,16 @@ static int is_legible(const char *word, size_t length) {
 
 /* ---- quoting */
 
-/* A word in up to three pieces: "./" before a leading dash, the name, what is added at its end. */
-enum { PIECES = 3 };
+/* A word in pieces: "./" before a leading dash, the name, and up to three more. */
+enum { PIECES = 5 };
 typedef struct command_word {
     const char *text[PIECES];
     size_t length[PIECES];
 } command_word;
+
+static command_word begin_word(const char *name, size_t length) {
+    return (command_word){{"./", name, "", "", ""}, {name[0] == '-' ? 2 : 0, length, 0, 0, 0}};
+}
 
 static int is_plain(const char *text, size_t length) {
     static const char plain[] =
@@ -116,13 +120,17 @@ static int suits(const struct quoting *quoting, const command_word *word) {
     return 1;
 }
 
-static void put_word(command_line *line, const char *name, size_t length, const char *end) {
+static void put_pieces(command_line *line, const command_word *word) {
     const struct quoting *quoting = quotings;
-    const command_word word = {{"./", name, end}, {name[0] == '-' ? 2 : 0, length, strlen(end)}};
-    while (!suits(quoting, &word)) quoting++;
+    while (!suits(quoting, word)) quoting++;
     put_text(line, quoting->begin);
-    for (size_t i = 0; i < PIECES; i++) quoting->put(line, word.text[i], word.length[i]);
+    for (size_t i = 0; i < PIECES; i++) quoting->put(line, word->text[i], word->length[i]);
     put_text(line, quoting->end);
+}
+
+static void put_word(command_line *line, const char *name) {
+    const command_word word = begin_word(name, strlen(name));
+    put_pieces(line, &word);
 }
 
 /* A word that is an option stays one. */
@@ -130,7 +138,7 @@ static void put_option(command_line *line, const char *option) {
     if (option[0] == '-')
         put_text(line, option);
     else
-        put_word(line, option, strlen(option), "");
+        put_word(line, option);
 }
 
 /* The format that the options name. */
@@ -140,20 +148,24 @@ static const char *input_format(const char *const *options) {
     return NULL;
 }
 
-/* chair.glb: chair.fixed.glb, beside it. The ending says the format. An ending is short. */
+/* chair.glb: chair.fixed.glb, beside it. The ending says the format. */
 static void put_output(command_line *line, const char *path, const char *const *options) {
-    char end[32] = ".fixed";
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
                *dot = strrchr(name, '.'), *format = input_format(options);
-    if (format && norma_file_format_of_path(path) == NORMA_FILE_UNKNOWN &&
-        strlen(format) + 1 < sizeof end - strlen(end)) {
-        strcat(strcat(end, "."), format);
-        put_word(line, path, strlen(path), end);
-        return;
+    const int is_known = norma_file_format_of_path(path) != NORMA_FILE_UNKNOWN;
+    const char *ends[] = {
+        ".fixed", format && !is_known ? "." : "", format && !is_known ? format : ""};
+    size_t length = strlen(path);
+    if (dot && dot > name && !ends[1][0]) {
+        length = (size_t)(dot - path);
+        ends[1] = dot;
     }
-    const int has_ending = dot && dot > name && strlen(dot) < sizeof end - strlen(end);
-    if (has_ending) strcat(end, dot);
-    put_word(line, path, has_ending ? (size_t)(dot - path) : strlen(path), end);
+    command_word word = begin_word(path, length);
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        word.text[2 + i] = ends[i];
+        word.length[2 + i] = strlen(ends[i]);
+    }
+    put_pieces(line, &word);
 }
 
 size_t norma_finding_command(const norma_finding *finding, const char *path,
@@ -162,7 +174,7 @@ size_t norma_finding_command(const norma_finding *finding, const char *path,
     if (line.capacity) command[0] = '\0';
     if (!finding || !path || finding->fix == NORMA_FIX_NONE || strcmp(path, "-") == 0) return 0;
     put_text(&line, "norma check ");
-    put_word(&line, path, strlen(path), "");
+    put_word(&line, path);
     put_text(
         &line, finding->fix == NORMA_FIX_SAFE ? " --fix --select " : " --fix-unsafe --select ");
     put_text(&line, finding->rule->id);
