@@ -356,6 +356,36 @@ NORMA_API size_t norma_document_skin_count(norma_document *document);
 NORMA_API norma_document_result norma_document_skin_info(
     norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
 
+/* A mesh as viewers draw it at rest, at one place: the weights of its morph targets (the node's,
+ * otherwise the mesh's) and its skin applied. */
+typedef struct norma_drawn_mesh {
+    double world[16]; /* from these positions to the scene; column-major */
+    int shown;        /* 0: the node is not in the scene that the file asks to be shown */
+    int moved;        /* nonzero: morph targets or a skin moved the vertices */
+    int skinned;      /* nonzero: a skin did, so every instance is drawn at the same place */
+
+    /* Moved: three doubles for each vertex. Otherwise those of norma_mesh_data, whose integers
+     * world scales if they are normalised. */
+    norma_vec3_view positions;
+    norma_vec3_view normals; /* as many as in norma_mesh_data; of any length. count 0: none */
+    const float *tangents;   /* x, y, z, sign for each; NULL: none */
+} norma_drawn_mesh;
+
+/* Returns a mesh as it is drawn. Corners and all other data are those of norma_mesh_data.
+ *
+ *   node       as in norma_document_node_info
+ *   instance   below norma_node_info.instances
+ *   mesh       below norma_document_mesh_count; a mesh that the node draws
+ *   drawn      written
+ *   error      written on failure; or NULL
+ *
+ * Normals go through the cofactors of the blended matrices of their joints. Weights of joints are
+ * divided by their sum.
+ * Errors: those of norma_document_mesh_data and norma_document_instance_world.
+ * Cost: O(vertices) at the first instance of a node. */
+NORMA_API norma_document_result norma_document_drawn_mesh(norma_document *document, size_t node,
+    size_t instance, size_t mesh, norma_drawn_mesh *drawn, norma_document_error *error);
+
 /* A part of the file that was not read. */
 typedef struct norma_unread {
     const char *where, *why; /* JSON pointer; one line of text */

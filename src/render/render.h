@@ -33,11 +33,15 @@ enum render_normals {
 typedef struct render_dot {
     double position[3]; /* in the mesh's space */
     uint32_t colour;    /* 0xRRGGBB */
+    uint32_t vertex;    /* whose position it is; UINT32_MAX: of none */
 } render_dot;
 
 typedef struct render_surface { /* one mesh; the arrays stay the caller's, and stay as they are
                                    until the sheet is drawn */
     norma_mesh mesh;
+    const struct render_surface *stored_surface; /* the same as it is stored, before morph targets
+                                                    and skins moved it: errors are measured there.
+                                                    NULL: this one */
     enum render_normals stored;
     norma_vec3_view normals; /* the stored ones, any length */
     const uint32_t
@@ -147,6 +151,7 @@ typedef struct render_panel {
     double worst_error_rad; /* RENDER_SHOW_ERROR: stored against computed; NaN: nothing is stored */
     double most_errors_rad; /* what 99 of 100 of them do not exceed */
     size_t triangles, lines_left_out;
+    double world_to_clip[16]; /* column-major: of the world after matrix */
 } render_panel;
 
 /* ---- pictures */

@@ -46,7 +46,8 @@ static int add(gltf_asset *a, const void *bytes, size_t size, int component, int
     snprintf(text, sizeof text,
         "{\"bufferView\":%d,\"componentType\":%d,\"normalized\":%s,\"count\":%zu,\"type\":\"%s\"%"
         "s}",
-        view, component, normalized ? "true" : "false", count, types[width], bounds);
+        view, component, normalized ? "true" : "false", count, width == 16 ? "MAT4" : types[width],
+        bounds);
     return asset_accessor(a, text);
 }
 

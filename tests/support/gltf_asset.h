@@ -11,7 +11,7 @@ typedef struct gltf_asset {
     int accessor_count, view_count;
 } gltf_asset; /* zero-initialised */
 
-/* Numbers of accessors. */
+/* Numbers of accessors; sixteen wide: matrices. */
 int asset_floats(gltf_asset *a, const float *values, size_t count, int width);
 int asset_uint16(gltf_asset *a, const uint16_t *values, size_t count);
 /* Normalised, each element padded to four bytes. */

@@ -207,6 +207,9 @@ static void report_json(const picture_job *job, const render_scene_file *file, i
     else
         cli_json_null(&json, "largest_difference");
     cli_json_size(&json, "lines_left_out", lines_left_out(job));
+    cli_json_open(&json, "world_to_clip", '['); /* of the first panel */
+    for (int i = 0; i < 16; ++i) cli_json_number(&json, NULL, job->plan.panels[0].world_to_clip[i]);
+    cli_json_close(&json, ']');
     cli_json_notes(&json, file->document);
     cli_json_close(&json, '}');
     fputc('\n', stdout);

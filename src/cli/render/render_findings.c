@@ -4,6 +4,7 @@
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
 #include <norma/check.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,6 +69,28 @@ static void raise(uint8_t *severity, norma_severity to) {
     *severity = *severity < to ? (uint8_t)to : *severity;
 }
 
+/* The vertex of a sample, or the corner of its face that is nearest to its position: a dot moves
+ * with it. */
+static uint32_t vertex_of(const marks *m, const norma_sample *sample) {
+    const norma_mesh *mesh = &m->surface->mesh;
+    double best = INFINITY;
+    uint32_t vertex = UINT32_MAX;
+    if (sample->vertex < mesh->positions.count) return (uint32_t)sample->vertex;
+    if (sample->face >= m->faces) return vertex;
+    const size_t first = mesh->face_starts ? mesh->face_starts[sample->face] : 3 * sample->face,
+                 end = mesh->face_starts ? mesh->face_starts[sample->face + 1] : first + 3;
+    for (size_t corner = first; corner < end; ++corner) {
+        double p[3], squares = 0;
+        norma_view_vector(&mesh->positions, norma_mesh_corner(mesh, corner), p);
+        for (int k = 0; k < 3; ++k)
+            squares += (p[k] - sample->position[k]) * (p[k] - sample->position[k]);
+        if (squares >= best) continue;
+        best = squares;
+        vertex = norma_mesh_corner(mesh, corner);
+    }
+    return vertex;
+}
+
 static int add_dot(marks *m, const norma_sample *sample, norma_severity severity) {
     if (!sample->has_position) return 1;
     if (m->dot_count == m->dot_room) {
@@ -78,6 +101,7 @@ static int add_dot(marks *m, const norma_sample *sample, norma_severity severity
         m->dot_room = room;
     }
     memcpy(m->dots[m->dot_count].position, sample->position, sizeof sample->position);
+    m->dots[m->dot_count].vertex = vertex_of(m, sample);
     m->dots[m->dot_count++].colour = colours[severity];
     return 1;
 }

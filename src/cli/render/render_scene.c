@@ -1,6 +1,6 @@
 /* render_scene.c: a document as a scene: each mesh a surface, each node that draws one, and each of
  * its instances, a draw. */
-#include "cli/render/render_command.h"
+#include "cli/render/render_scene.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -83,44 +83,7 @@ static norma_document_result fill_surface(const render_settings *settings, rende
     return NORMA_DOCUMENT_OK;
 }
 
-/* ---- glTF: the primitives of a mesh are one body */
-
-static int join_primitives(
-    render_scene_file *file, render_surface *first, size_t count, norma_document_error *error) {
-    float *expected[64];
-    render_error trouble;
-    if (count < 2 || count > CLI_COUNT(expected)) return 1;
-    if (render_expect(first, count, expected, &trouble)) {
-        render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, trouble.message);
-        return 0;
-    }
-    int good = 1;
-    for (size_t i = 0; i < count; ++i) {
-        first[i].expected = expected[i];
-        if (!render_file_keep(file, expected[i])) {
-            first[i].expected = NULL;
-            good = 0;
-        }
-    }
-    if (!good) render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
-    return good;
-}
-
-/* Normals are computed for the surfaces of one mesh: all that are not stored and not flat, and all
- * that errors are measured against. */
-static int needs_expected(const render_settings *settings, const render_surface *surface) {
-    return settings->show == RENDER_SHOW_ERROR ||
-           (surface->stored == RENDER_NORMALS_NONE && surface->crease_rad >= 0);
-}
-
 /* ---- the scene */
-
-typedef struct scene_maker {
-    render_surface *surfaces;
-    render_draw *draws;
-    size_t surface_count, draw_count;
-    size_t *mesh_of; /* the file's number of each surface's mesh */
-} scene_maker;
 
 static norma_document_result fill_surfaces(const render_settings *settings, render_scene_file *file,
     const render_variant *variant, scene_maker *m, norma_document_error *error) {
@@ -136,58 +99,11 @@ static norma_document_result fill_surfaces(const render_settings *settings, rend
         m->mesh_of[m->surface_count++] = info.mesh;
     }
     for (size_t first = 0, next; first < m->surface_count; first = next) {
-        int needed = 0;
-        for (next = first; next < m->surface_count && m->mesh_of[next] == m->mesh_of[first]; ++next)
-            needed |= needs_expected(settings, &m->surfaces[next]);
-        if (needed && !join_primitives(file, &m->surfaces[first], next - first, error))
+        for (next = first + 1; next < m->surface_count && m->mesh_of[next] == m->mesh_of[first];)
+            ++next;
+        if (render_join_needed(settings, &m->surfaces[first], next - first) &&
+            !render_join_primitives(file, &m->surfaces[first], next - first, error))
             return error->result;
-    }
-    return NORMA_DOCUMENT_OK;
-}
-
-static int surfaces_of(const scene_maker *m, size_t mesh, size_t *first, size_t *count) {
-    size_t low = 0, high = m->surface_count;
-    while (low < high) { /* surfaces come in the order of their meshes */
-        const size_t middle = low + (high - low) / 2;
-        if (m->mesh_of[middle] < mesh)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    for (*first = low, *count = 0; low < m->surface_count && m->mesh_of[low] == mesh; ++low)
-        ++*count;
-    return *count > 0;
-}
-
-static norma_document_result count_draws(
-    norma_document *document, const scene_maker *m, size_t *total) {
-    *total = 0;
-    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
-        norma_node_info node;
-        size_t first, count;
-        norma_document_result result = norma_document_node_info(document, i, &node);
-        if (result) return result;
-        if (surfaces_of(m, node.mesh, &first, &count)) *total += count * node.instances;
-    }
-    return NORMA_DOCUMENT_OK;
-}
-
-static norma_document_result fill_draws(
-    norma_document *document, scene_maker *m, norma_document_error *error) {
-    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
-        norma_node_info node;
-        size_t first, count;
-        norma_document_result result = norma_document_node_info(document, i, &node);
-        if (result || !surfaces_of(m, node.mesh, &first, &count)) continue;
-        for (size_t instance = 0; instance < node.instances; ++instance) {
-            double world[16];
-            result = norma_document_instance_world(document, i, instance, world, error);
-            if (result) return result;
-            for (size_t k = 0; k < count; ++k) {
-                m->draws[m->draw_count].surface = first + k;
-                memcpy(m->draws[m->draw_count++].world, world, sizeof world);
-            }
-        }
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -222,28 +138,32 @@ static norma_document_result fail_empty(render_scene_file *file, norma_document_
     return render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, text);
 }
 
+static norma_document_result fill_scene(const render_settings *settings, render_scene_file *file,
+    const render_variant *variant, scene_maker *m, norma_document_error *error) {
+    norma_document_result result = fill_surfaces(settings, file, variant, m, error);
+    if (!result && settings->show == RENDER_SHOW_MARKS)
+        result = render_file_mark(settings, file, m->surfaces, m->surface_count, error);
+    if (!result) result = render_file_draws(settings, file, m, error);
+    if (result || m->draw_count > 0) return result;
+    free(m->draws);
+    m->draws = calloc(m->surface_count + 1, sizeof *m->draws);
+    if (!m->draws)
+        return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    draw_each_once(m);
+    return result;
+}
+
 static norma_document_result make_scene(const render_settings *settings, render_scene_file *file,
     const render_variant *variant, render_scene *scene, norma_document_error *error) {
     const size_t meshes = norma_document_mesh_count(file->document);
     scene_maker m = {.surfaces = calloc(meshes + 1, sizeof *m.surfaces),
         .mesh_of = calloc(meshes + 1, sizeof *m.mesh_of)};
-    size_t draws = 0;
     if (!file->document_meshes)
         file->document_meshes = calloc(meshes + 1, sizeof *file->document_meshes);
     norma_document_result result =
         m.surfaces && m.mesh_of && file->document_meshes
-            ? NORMA_DOCUMENT_OK
+            ? fill_scene(settings, file, variant, &m, error)
             : render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
-    if (!result) result = fill_surfaces(settings, file, variant, &m, error);
-    if (!result && settings->show == RENDER_SHOW_MARKS)
-        result = render_file_mark(settings, file, m.surfaces, m.surface_count, error);
-    if (!result) result = count_draws(file->document, &m, &draws);
-    if (!result && !(m.draws = calloc((draws > meshes ? draws : meshes) + 1, sizeof *m.draws)))
-        result = render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
-    if (!result && draws > 0)
-        result = fill_draws(file->document, &m, error);
-    else if (!result)
-        draw_each_once(&m);
     free(m.mesh_of);
     *scene = (render_scene){m.surfaces, m.surface_count, m.draws, m.draw_count};
     if (!result && m.draw_count == 0) result = fail_empty(file, error);

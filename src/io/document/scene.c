@@ -168,3 +168,25 @@ norma_document_result norma_document_instance_world(norma_document *document, si
             info.instances);
     return functions_of(document)->instance_world(document, index, instance, world, error);
 }
+
+norma_document_result norma_document_drawn_mesh(norma_document *document, size_t node,
+    size_t instance, size_t mesh, norma_drawn_mesh *drawn, norma_document_error *error) {
+    norma_mesh_data data;
+    norma_mesh_attributes attributes;
+    norma_document_result result = norma_document_ready(document, error);
+    if (result) return result;
+    if (!drawn)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no place for the drawn mesh was given");
+    *drawn = (norma_drawn_mesh){.shown = 1};
+    result = norma_document_instance_world(document, node, instance, drawn->world, error);
+    if (!result) result = norma_document_mesh_data(document, mesh, &data, error);
+    if (!result) result = norma_document_mesh_attributes(document, mesh, &attributes, error);
+    if (result) return result;
+    drawn->positions = data.mesh.positions;
+    drawn->normals = data.normals;
+    drawn->tangents = attributes.tangents;
+    return functions_of(document)->move_drawn
+               ? functions_of(document)->move_drawn(document, node, mesh, drawn, error)
+               : NORMA_DOCUMENT_OK;
+}

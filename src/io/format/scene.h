@@ -34,6 +34,9 @@ typedef struct scene_functions {
         norma_document *document, norma_document_error *error); /* fills unread and unread_count */
     norma_document_result (*instance_world)(norma_document *document, size_t node, size_t instance,
         double world[16], norma_document_error *error);
+    /* drawn is filled as the file stores the mesh: moves it by its morph targets and its skin */
+    norma_document_result (*move_drawn)(norma_document *document, size_t node, size_t mesh,
+        norma_drawn_mesh *drawn, norma_document_error *error);
 } scene_functions;
 
 extern const scene_functions norma_obj_scene, norma_ply_scene, norma_gltf_scene;

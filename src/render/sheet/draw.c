@@ -218,6 +218,15 @@ static enum render_result draw_all_lines(const painter *p, render_error *error) 
     return result;
 }
 
+static void tell_camera(const render_stage *stage, const painter *p, const double to_clip[16]) {
+    const double s = stage->shrunk, *c = stage->ball.centre;
+    const double shrink[16] = {
+        s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, -s * c[0], -s * c[1], -s * c[2], 1};
+    double to_view[16];
+    render_multiply(p->world_to_view, shrink, to_view);
+    render_multiply(to_clip, to_view, stage->panel->world_to_clip);
+}
+
 enum render_result render_stage_draw(
     render_device *device, const render_stage *stage, render_error *error) {
     const render_look *look = stage->look;
@@ -234,6 +243,7 @@ enum render_result render_stage_draw(
     render_view_to_clip(&stage->camera, to_clip);
     to_floats(p.world_to_view, p.view, 16);
     to_floats(to_clip, p.clip, 16);
+    tell_camera(stage, &p, to_clip);
     set_lights(&p);
     set_eye(&p);
     p.gl->Enable(GL_DEPTH_TEST);

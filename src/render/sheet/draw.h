@@ -18,6 +18,7 @@ typedef struct render_stage { /* a panel with all that its picture needs */
     render_placed *placed;
     size_t placed_count;
     render_ball ball; /* of the file's world */
+    double shrunk;    /* of the file's world: by so much, about the ball's centre */
     double grown;     /* how far lines reach out of the unit ball */
     render_camera camera;
     float *tips; /* where hedgehog lines end, in the unit world */

@@ -216,6 +216,7 @@ enum render_result render_stage_scale(render_stage *stage, double radius, render
     const double s = radius > 0 && isfinite(1 / radius) ? 1 / radius : 1, *c = stage->ball.centre;
     const double shrink[16] = {
         s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, -s * c[0], -s * c[1], -s * c[2], 1};
+    stage->shrunk = s;
     for (size_t i = 0; i < stage->placed_count; ++i) {
         double unit[16];
         render_multiply(shrink, stage->placed[i].to_world, unit);

@@ -195,7 +195,8 @@ static enum render_result make_unrolled(maker *m, enum render_kind kind, render_
     float *values = NULL;
     int ready = reserve(m, 3 * m->triangle_count, 0);
     if (kind == RENDER_ERRORS) {
-        values = render_errors(m->surface, &out->worst_error_rad, &out->most_errors_rad);
+        values = render_errors(m->surface->stored_surface ? m->surface->stored_surface : m->surface,
+            &out->worst_error_rad, &out->most_errors_rad);
         out->values = malloc((3 * m->triangle_count + 1) * sizeof *out->values);
         ready = ready && values && out->values;
     }

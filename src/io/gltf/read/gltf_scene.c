@@ -368,4 +368,5 @@ const scene_functions norma_gltf_scene = {
     .skin = norma_gltf_skin,
     .unread = read_unread,
     .instance_world = instance_world,
+    .move_drawn = norma_gltf_move_drawn,
 };

@@ -17,6 +17,8 @@ typedef struct gltf_scene {
     const norma_document_error *animation_error; /* NULL: none */
     uint32_t *skins;                             /* the token of each; NULL: not yet */
     size_t effort;                               /* steps that skins and animations took */
+    struct gltf_moved **moved; /* of each node that draws, its meshes that morphs or skins move */
+    const uint8_t *shown;      /* of each node: 1 in the scene, 2 not; NULL: not yet */
 } gltf_scene;
 /* Made on first use; NULL: out of memory. */
 gltf_scene *norma_gltf_scene_of(gltf *g);
@@ -49,6 +51,14 @@ norma_document_result norma_gltf_materials(norma_document *document, norma_docum
 size_t norma_gltf_skin_count(const norma_document *document);
 norma_document_result norma_gltf_skin(
     norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
+
+/* Where in the JSON a skin lies. */
+norma_document_result norma_gltf_skin_token(
+    gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error);
+
+/* drawn_mesh.c: drawn is filled as the file stores the mesh. */
+norma_document_result norma_gltf_move_drawn(norma_document *document, size_t node, size_t mesh,
+    norma_drawn_mesh *drawn, norma_document_error *error);
 
 /* instances.c: where a node draws its mesh, again and again (EXT_mesh_gpu_instancing) */
 typedef struct gltf_instances {

@@ -289,6 +289,14 @@ static norma_document_result find_skins(gltf *g, gltf_scene *scene, norma_docume
     return NORMA_DOCUMENT_OK;
 }
 
+norma_document_result norma_gltf_skin_token(
+    gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error) {
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    norma_document_result result = find_skins(g, scene, error);
+    if (!result) *token = scene->skins[skin];
+    return result;
+}
+
 norma_document_result norma_gltf_skin(
     norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);

@@ -1,0 +1,231 @@
+/* Meshes as viewers draw them at rest: morph targets by the weights of node or mesh, skins, the
+ * scene that is shown, normalised positions. Assets are written here, each expected number by hand.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "gltf_asset.h"
+
+static const float points[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+static const float normals[3][3] = {{0.6F, 0.8F, 0}, {0, 0, 1}, {0, 1, 0}};
+static const float tangents[3][4] = {{0.8F, -0.6F, 0, 1}, {1, 0, 0, 1}, {1, 0, 0, -1}};
+
+#define PRIMITIVE(more)                                                                            \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2" more
+
+static void add_triangle(gltf_asset *a) {
+    asset_floats(a, &points[0][0], 3, 3);
+    asset_floats(a, &normals[0][0], 3, 3);
+    asset_floats(a, &tangents[0][0], 3, 4);
+}
+
+static norma_drawn_mesh drawn_at(norma_document *document, size_t node) {
+    norma_drawn_mesh drawn;
+    norma_document_error error;
+    if (norma_document_drawn_mesh(document, node, 0, 0, &drawn, &error))
+        fail_msg("%s", error.message);
+    return drawn;
+}
+
+/* Where a vertex stands in the scene. */
+static void assert_at(const norma_drawn_mesh *drawn, size_t vertex, double x, double y, double z) {
+    double p[3], expected[3] = {x, y, z};
+    norma_view_vector(&drawn->positions, vertex, p);
+    for (int r = 0; r < 3; ++r) {
+        const double *m = drawn->world,
+                     got = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
+        if (fabs(got - expected[r]) > 1e-6)
+            fail_msg("vertex %zu, axis %d: %g, expected %g", vertex, r, got, expected[r]);
+    }
+}
+
+static void assert_points_to(const float *vector, double x, double y, double z) {
+    const double length = sqrt(x * x + y * y + z * z),
+                 own = sqrt((double)(vector[0] * vector[0] + vector[1] * vector[1] +
+                                     vector[2] * vector[2]));
+    const double expected[3] = {x / length, y / length, z / length};
+    for (int k = 0; k < 3; ++k)
+        if (fabs((double)vector[k] / own - expected[k]) > 1e-6)
+            fail_msg("(%g, %g, %g), expected the direction (%g, %g, %g)", (double)vector[0],
+                (double)vector[1], (double)vector[2], x, y, z);
+}
+
+/* ---- morph targets */
+
+#define TARGETS                                                                                    \
+    "},\"targets\":[{\"POSITION\":3,\"NORMAL\":4},{\"POSITION\":4}]}],\"weights\":[0.5,0]}]"
+
+static void test_weights(void **state) {
+    (void)state;
+    static const float up[3][3] = {{0, 0, 2}, {0, 0, 4}, {0, 0, 0}},
+                       along[3][3] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}};
+    gltf_asset a = {0};
+    add_triangle(&a);
+    asset_floats(&a, &up[0][0], 3, 3);
+    asset_floats(&a, &along[0][0], 3, 3);
+    norma_document *document = asset_open(&a,
+        PRIMITIVE("") TARGETS ",\"nodes\":[{\"mesh\":0,\"translation\":[0,10,0]},{\"mesh\":0,"
+                              "\"weights\":[0,2]},{\"mesh\":0,\"weights\":[0,0]}]",
+        0);
+    const norma_drawn_mesh usual = drawn_at(document, 0), own = drawn_at(document, 1),
+                           none = drawn_at(document, 2);
+    assert_true(usual.moved && !usual.skinned && usual.shown && own.moved && !none.moved);
+    assert_at(&usual, 0, 1, 10, 1);
+    assert_at(&usual, 1, 0, 11, 2);
+    assert_at(&usual, 2, 0, 10, 1);
+    assert_points_to((const float *)usual.normals.data, 1.1, 0.8, 0);
+    assert_at(&own, 0, 3, 0, 0);
+    assert_at(&none, 0, 1, 0, 0);
+    assert_points_to((const float *)own.normals.data, 0.6, 0.8, 0);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* ---- skins: joint 1 lies at (10, 0, 0), joint 2 below it triples y, and both were bound at (0, 2,
+ * 0) */
+
+#define SKIN                                                                                       \
+    ",\"JOINTS_0\":3,\"WEIGHTS_0\":4}}]}],\"skins\":[{\"joints\":[1,2],"                           \
+    "\"inverseBindMatrices\":5}],\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[0,0,99]},"     \
+    "{\"translation\":[10,0,0],\"children\":[2]},{\"scale\":[1,"
+static const float bound[2][16] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -2, 0, 1},
+    {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -2, 0, 1}};
+/* The second vertex's weights add up to 2; the third has none, and follows its first joint. */
+static const float weights[3][4] = {{0, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 0, 0}};
+
+static void add_skin(gltf_asset *a, double joint) {
+    const double joints[3][4] = {{0, joint, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}};
+    add_triangle(a);
+    asset_numbers(a, &joints[0][0], 3, 4, 5121, 0);
+    asset_floats(a, &weights[0][0], 3, 4);
+    asset_floats(a, &bound[0][0], 2, 16);
+}
+
+static void test_skin(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    add_skin(&a, 1);
+    norma_document *document = asset_open(&a, PRIMITIVE("") SKIN "3,1]}]", 0);
+    const norma_drawn_mesh drawn = drawn_at(document, 0);
+    assert_true(drawn.moved && drawn.skinned);
+    assert_at(&drawn, 0, 11, -6, 0);              /* 3 (0 - 2) */
+    assert_at(&drawn, 1, 10, 0.5 * (-1 + -3), 0); /* the mean of 1 - 2 and 3 (1 - 2) */
+    assert_at(&drawn, 2, 10, -2, 1);
+    assert_points_to(drawn.normals.data, 0.6, 0.8 / 3, 0);
+    assert_points_to(drawn.tangents, 0.8, -1.8, 0);
+    assert_true(drawn.tangents[3] == 1);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* Both joints mirror: so does world, and the tangents' signs are those of the mirrored mesh. */
+static void test_mirrored_skin(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    add_skin(&a, 1);
+    norma_document *document = asset_open(&a,
+        PRIMITIVE("") ",\"JOINTS_0\":3,\"WEIGHTS_0\":4}}]}],\"skins\":[{\"joints\":[1,1]}],"
+                      "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"scale\":[1,1,-1]}]",
+        0);
+    const norma_drawn_mesh drawn = drawn_at(document, 0);
+    double normal_matrix[9];
+    norma_matrix_info info;
+    norma_normal_matrix_double(drawn.world, NORMA_WINDING_REVERSED, normal_matrix, &info);
+    assert_true(info.mirrored);
+    assert_at(&drawn, 0, 1, 0, 0);
+    assert_at(&drawn, 2, 0, 0, -1);
+    const float *n = drawn.normals.data;
+    const float there[3] = {(float)normal_matrix[0] * n[3], n[4], n[5]};
+    assert_points_to(there, 0, 0, -1); /* of the second vertex, 0 0 1 in the file */
+    assert_true(drawn.tangents[3] == 1 && drawn.tangents[11] == -1);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+static void test_joint_out_of_range(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    norma_drawn_mesh drawn;
+    norma_document_error error;
+    add_skin(&a, 2);
+    norma_document *document = asset_open(&a, PRIMITIVE("") SKIN "3,1]}]", 0);
+    assert_int_equal(norma_document_drawn_mesh(document, 0, 0, 0, &drawn, &error),
+        NORMA_DOCUMENT_ERROR_MALFORMED);
+    assert_non_null(strstr(error.message, "vertex 0 names joint 2"));
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* ---- places */
+
+static void test_scene(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    add_triangle(&a);
+    norma_document *document = asset_open(&a,
+        PRIMITIVE("") "}}]}],\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[1]}],"
+                      "\"nodes\":[{\"mesh\":0},{\"children\":[2]},{\"mesh\":0}]",
+        0);
+    assert_true(!drawn_at(document, 0).shown && drawn_at(document, 1).shown);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+static void test_normalised(void **state) {
+    (void)state;
+    static const double stored[3][3] = {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
+    gltf_asset a = {0};
+    asset_numbers(&a, &stored[0][0], 3, 3, 5122, 1);
+    norma_document *document = asset_open(&a,
+        "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_"
+        "quantization\"],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+        "\"nodes\":[{\"mesh\":0,\"scale\":[3,3,3],\"translation\":[1,1,1]}]",
+        0);
+    const norma_drawn_mesh drawn = drawn_at(document, 0);
+    assert_at(&drawn, 0, 4, 1, 1);
+    assert_at(&drawn, 1, 1, -2, 1);
+    assert_true(!drawn.moved && drawn.normals.count == 0 && !drawn.tangents);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+static void test_arguments(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    norma_drawn_mesh drawn;
+    add_triangle(&a);
+    norma_document *document = asset_open(&a,
+        PRIMITIVE("") "}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+                      "\"nodes\":[{\"mesh\":0}]",
+        0);
+    const struct {
+        size_t node, instance, mesh;
+    } wrong[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 2}};
+    for (size_t i = 0; i < 4; ++i)
+        assert_int_equal(norma_document_drawn_mesh(document, wrong[i].node, wrong[i].instance,
+                             wrong[i].mesh, &drawn, NULL),
+            NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_drawn_mesh(document, 0, 0, 0, NULL, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_weights),
+        cmocka_unit_test(test_skin),
+        cmocka_unit_test(test_mirrored_skin),
+        cmocka_unit_test(test_joint_out_of_range),
+        cmocka_unit_test(test_scene),
+        cmocka_unit_test(test_normalised),
+        cmocka_unit_test(test_arguments),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
