@@ -12,7 +12,7 @@ _norma() {
     case $before in
     help) values="compute tangents transform matrix check explain info render view" ;;
     --format) values="text line json sarif html" ;;
-    --profile) values="render print" ;;
+    --profile) values="render print generated" ;;
     --color) values="auto always never" ;;
     --fail-on) values="error warning info never" ;;
     --weight) values="angle area uniform max angle-area visible angle-lengths" ;;

@@ -31,7 +31,11 @@ typedef enum norma_fix {
 typedef enum norma_check_profile {
     NORMA_CHECK_PROFILE_AUTO = 0, /* print for STL, render for other formats */
     NORMA_CHECK_PROFILE_RENDER,
-    NORMA_CHECK_PROFILE_PRINT
+    NORMA_CHECK_PROFILE_PRINT,
+
+    /* Models made by a program, to be accepted or sent back: the higher severity of the two, and
+     * errors for what such a model must not have (N203, N206, N302, N303, N305, N306, N307). */
+    NORMA_CHECK_PROFILE_GENERATED
 } norma_check_profile;
 
 /* ---- rules */
@@ -53,6 +57,9 @@ typedef struct norma_rule {
  *
  *   count   written: the number of rules */
 NORMA_API const norma_rule *norma_rules(size_t *count);
+
+/* Returns the highest severity that a rule can have in a profile; AUTO counts as RENDER. */
+NORMA_API norma_severity norma_rule_severity(const norma_rule *rule, norma_check_profile profile);
 
 /* Marks the rules that a list names.
  *
@@ -133,7 +140,7 @@ NORMA_API const norma_finding *norma_findings_get(const norma_findings *findings
 NORMA_API size_t norma_finding_command(const norma_finding *finding, const char *path,
     const char *const *options, char *command, size_t capacity);
 
-/* Returns the profile that was applied: render or print. */
+/* Returns the profile that was applied: render, print or generated. */
 NORMA_API norma_check_profile norma_findings_profile(const norma_findings *findings);
 
 /* Returns nonzero if a part was not checked. N002 reports such parts, even if that rule was not

@@ -16,7 +16,7 @@ from ._arguments import WEIGHTS, choice, given_degrees, thread_count
 from ._files import Path, bytes_of, raise_document
 from ._tool import tool_path
 
-_PROFILES = {"auto": 0, "render": 1, "print": 2}
+_PROFILES = {"auto": 0, "render": 1, "print": 2, "generated": 3}
 _PROFILE_NAMES = ("auto", "render", "print")
 _SEVERITIES = ("none", "info", "warning", "error")
 _SHADINGS = ("default", "crease", "smooth", "flat")
@@ -134,7 +134,7 @@ class Report:
     table."""
 
     path: str
-    profile: str  #: "render" or "print"
+    profile: str  #: "render", "print" or "generated"
     status: str  #: "checked", "partly" or "unreadable"
     findings: Tuple[Finding, ...]
     _time: int = field(default=-1, repr=False, compare=False)
@@ -330,7 +330,7 @@ def check(
 ) -> Report:
     """Checks the normals of a file, as `norma check` does; configuration files are not read.
 
-    profile: "render", "print" or "auto" (print for STL).  select, ignore: rules by id, beginning of
+    profile: "render", "print", "generated" or "auto" (print for STL).  select, ignore: rules by id, beginning of
     an id ("N3") or name, in a list or with commas.  strict: lengths within 1e-4 of 1.
     A file that is there and cannot be read gives a report with the status "unreadable".
 

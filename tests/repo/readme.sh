@@ -84,8 +84,8 @@ fi
 verb() { norma explain "$1" | sed -nE 's/^Fix: (\w+).*/\1/p'; }
 value() { sed -nE "s/.*\"$1\": \"([^\"]*)\".*/\1/p" "$scratch/rule"; }
 {
-    echo '| Rule | To render | To print | Fix |'
-    echo '|---|---|---|---|'
+    echo '| Rule | To render | To print | Generated | Fix |'
+    echo '|---|---|---|---|---|'
     norma explain | while read -r id _; do
         norma explain "$id" --json >"$scratch/rule"
         case $(value fix) in
@@ -93,7 +93,7 @@ value() { sed -nE "s/.*\"$1\": \"([^\"]*)\".*/\1/p" "$scratch/rule"; }
         unsafe) fix=$(verb "$id")† ;;
         *) fix=– ;;
         esac
-        echo "| $id $(value name) | $(value render) | $(value print) | $fix |"
+        echo "| $id $(value name) | $(value render) | $(value print) | $(value generated) | $fix |"
     done
 } >"$scratch/rules"
 if [ "$refresh" = --refresh ]; then

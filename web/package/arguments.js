@@ -11,7 +11,7 @@ const FALLBACKS = ["zero", "nearest"];
 const WINDINGS = ["kept", "reversed"];
 const ELEMENTS = ["vertex", "corner"];
 const TANGENT_MODES = ["steady", "mikk"];
-const PROFILES = ["auto", "render", "print"];
+const PROFILES = ["auto", "render", "print", "generated"];
 
 /* norma_format of each kind of array. */
 const FORMATS = { Float32Array: 0, Float64Array: 1, Int8Array: 2, Uint8Array: 3, Uint8ClampedArray: 3, Int16Array: 4, Uint16Array: 5 };

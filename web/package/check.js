@@ -5,7 +5,7 @@ import { makeHeap } from "./heap.js";
 
 const SEVERITIES = ["none", "info", "warning", "error"];
 const FIXES = [null, "safe", "unsafe"];
-const PROFILES = ["auto", "render", "print"];
+const PROFILES = ["auto", "render", "print", "generated"];
 const FORMATS = ["", "obj", "ply", "stl", "gltf", "glb"];
 const SHADINGS = ["default", "crease", "smooth", "flat"];
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];

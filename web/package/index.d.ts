@@ -153,7 +153,7 @@ export interface CheckReport {
 
 export interface CheckedFile {
   path: string;
-  profile: "render" | "print";
+  profile: "render" | "print" | "generated";
   /** `partly`: a part could not be read; `unreadable`: the whole file could not. */
   status: "checked" | "partly" | "unreadable";
   findings: Finding[];
@@ -195,7 +195,7 @@ export interface CheckOptions {
   /** The name of the file; its ending decides the format: .glb, .gltf, .obj, .ply or .stl. */
   name: string;
   /** What the surface is for. Default: `"auto"`, print for STL and render for the others. */
-  profile?: "auto" | "render" | "print" | undefined;
+  profile?: "auto" | "render" | "print" | "generated" | undefined;
 }
 
 export type Bytes = ArrayBuffer | ArrayBufferView;

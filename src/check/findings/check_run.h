@@ -42,7 +42,8 @@ typedef struct check_solid_member check_solid_member; /* solids_joined.c */
 
 typedef struct check_run {
     norma_check_options options; /* every field valid */
-    norma_check_profile profile; /* render or print */
+    norma_check_profile profile; /* render or print; generated models are judged as prints, which no
+                                    rule takes less seriously, and their findings raised */
     norma_file_format format;
     uint8_t rules[CHECK_RULE_COUNT]; /* wanted: nonzero */
     core_call call;                  /* memory, threads, progress */
@@ -86,6 +87,9 @@ norma_result norma_check_add_one(check_run *run, const check_place *place, const
     check_rule rule, norma_severity severity, check_spot spot, const char *message);
 void norma_check_partly(
     check_run *run); /* something was not checked, whether N002 was asked for or not */
+
+/* rule_table.c: whether a generated model must be free of what the rule finds. */
+int norma_check_is_required(const norma_rule *rule);
 
 /* ---- messages (message.c), without locale: %s text, %z size_t, %g double with three significant
  * digits, %% a percent sign */

@@ -125,12 +125,20 @@ static const norma_deviation *copy_deviation(const norma_deviation *deviation) {
     return copy;
 }
 
+/* What may be meant (information) stays what it is. */
+static norma_severity severity_of(const check_run *run, const check_report *report) {
+    const int raised = run->findings->profile == NORMA_CHECK_PROFILE_GENERATED &&
+                       report->severity == NORMA_SEVERITY_WARNING &&
+                       norma_check_is_required(&norma_rules(NULL)[report->rule]);
+    return raised ? NORMA_SEVERITY_ERROR : report->severity;
+}
+
 static norma_result fill_finding(norma_finding *finding, const check_place *place,
-    const check_mesh *mesh, const check_report *report) {
+    const check_mesh *mesh, const check_report *report, norma_severity severity) {
     const check_hits *hits = report->hits;
     *finding = (norma_finding){
         .rule = &norma_rules(NULL)[report->rule],
-        .severity = report->severity,
+        .severity = severity,
         .where = copy_text(place->where),
         .label = copy_text(place->label),
         .count = hits->count,
@@ -154,7 +162,9 @@ norma_result norma_check_add(
     norma_result result = report->hits->failed ? NORMA_ERROR_MEMORY : NORMA_OK;
     if (!result && report->hits->count) {
         findings_entry *entry = new_entry(run->findings);
-        result = entry ? fill_finding(&entry->finding, place, mesh, report) : NORMA_ERROR_MEMORY;
+        result = entry
+                     ? fill_finding(&entry->finding, place, mesh, report, severity_of(run, report))
+                     : NORMA_ERROR_MEMORY;
         if (!result) {
             entry->order = place->order;
             run->findings->count++;

@@ -15,6 +15,21 @@ const norma_rule *norma_rules(size_t *count) {
     return rules;
 }
 
+/* What a generated model must not have. */
+int norma_check_is_required(const norma_rule *rule) {
+    static const char *const ids[] = {"N203", "N206", "N302", "N303", "N305", "N306", "N307"};
+    for (size_t i = 0; i < sizeof ids / sizeof *ids; i++)
+        if (strcmp(rule->id, ids[i]) == 0) return 1;
+    return 0;
+}
+
+norma_severity norma_rule_severity(const norma_rule *rule, norma_check_profile profile) {
+    if (profile == NORMA_CHECK_PROFILE_PRINT) return rule->print;
+    if (profile != NORMA_CHECK_PROFILE_GENERATED) return rule->render;
+    const norma_severity graver = rule->render > rule->print ? rule->render : rule->print;
+    return norma_check_is_required(rule) ? NORMA_SEVERITY_ERROR : graver;
+}
+
 static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
 
 /* How many characters of text the word begins with: its length where it does. */

@@ -9,6 +9,7 @@
 
 static norma_check_profile profile_of(
     const norma_check_options *options, norma_file_format format) {
+    if (options->profile == NORMA_CHECK_PROFILE_GENERATED) return NORMA_CHECK_PROFILE_PRINT;
     if (options->profile != NORMA_CHECK_PROFILE_AUTO) return options->profile;
     return format == NORMA_FILE_STL ? NORMA_CHECK_PROFILE_PRINT : NORMA_CHECK_PROFILE_RENDER;
 }
@@ -25,7 +26,8 @@ static norma_result read_options(const norma_check_options *given, norma_check_o
             if (bytes[i]) return NORMA_ERROR_ARGUMENT;
         *options = *given;
     }
-    if (options->profile < NORMA_CHECK_PROFILE_AUTO || options->profile > NORMA_CHECK_PROFILE_PRINT)
+    if (options->profile < NORMA_CHECK_PROFILE_AUTO ||
+        options->profile > NORMA_CHECK_PROFILE_GENERATED)
         return NORMA_ERROR_ARGUMENT;
     options->max_samples = options->max_samples ? options->max_samples : 10;
     return NORMA_OK;
@@ -47,7 +49,9 @@ norma_result norma_check_begin(
         .progress_user = run->options.progress_user};
     result = norma_core_begin(&run->call, &core);
     if (result) return result;
-    run->findings = norma_findings_new(run->profile);
+    run->findings = norma_findings_new(run->options.profile == NORMA_CHECK_PROFILE_GENERATED
+                                           ? run->options.profile
+                                           : run->profile);
     return run->findings ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 

@@ -29,8 +29,9 @@ static const char help[] =
     "names,\n"
     "                        with commas between\n"
     "  --ignore RULES        leaves these rules out\n"
-    "  --profile render|print\n"
-    "                        what the meshes are for (print for STL, render for the others)\n"
+    "  --profile render|print|generated\n"
+    "                        what the meshes are for (print for STL, render for the others);\n"
+    "                        generated: models made by a program, to be accepted or sent back\n"
     "  --strict              the length of a normal may be off by 1e-4 only\n"
     "  --config FILE         uses FILE; without it .norma.json in the file's folder, or in the\n"
     "                        nearest folder above that has one\n"
@@ -122,8 +123,10 @@ static const char *set_profile(void *settings, const char *value) {
         check->profile = NORMA_CHECK_PROFILE_RENDER;
     else if (strcmp(value, "print") == 0)
         check->profile = NORMA_CHECK_PROFILE_PRINT;
+    else if (strcmp(value, "generated") == 0)
+        check->profile = NORMA_CHECK_PROFILE_GENERATED;
     else
-        return "render or print";
+        return "render, print or generated";
     return NULL;
 }
 

@@ -176,8 +176,10 @@ static int read_profile(check_config *config, const json_t *value) {
         config->profile = NORMA_CHECK_PROFILE_RENDER;
     else if (word && strcmp(word, "print") == 0)
         config->profile = NORMA_CHECK_PROFILE_PRINT;
+    else if (word && strcmp(word, "generated") == 0)
+        config->profile = NORMA_CHECK_PROFILE_GENERATED;
     else
-        return fail_word(config, "profile", word, "\"render\" or \"print\"");
+        return fail_word(config, "profile", word, "\"render\", \"print\" or \"generated\"");
     return 1;
 }
 

@@ -5,7 +5,9 @@
 size_t check_rule_number(const norma_rule *rule) { return (size_t)(rule - norma_rules(NULL)); }
 
 const char *check_profile_name(norma_check_profile profile) {
-    return profile == NORMA_CHECK_PROFILE_PRINT ? "print" : "render";
+    return profile == NORMA_CHECK_PROFILE_PRINT       ? "print"
+           : profile == NORMA_CHECK_PROFILE_GENERATED ? "generated"
+                                                      : "render";
 }
 
 static int is_problem(const check_report *report, const check_item *item) {

@@ -24,11 +24,13 @@ static const char *severity_name(norma_severity severity) {
     return names[severity];
 }
 
+/* The severity for models to render, and where it is another for prints or generated models. */
 static void write_severities(const norma_rule *rule) {
-    if (rule->render == rule->print)
-        printf("%s", severity_name(rule->render));
-    else
-        printf("%s (render), %s (print)", severity_name(rule->render), severity_name(rule->print));
+    const norma_severity generated = norma_rule_severity(rule, NORMA_CHECK_PROFILE_GENERATED);
+    fputs(severity_name(rule->render), stdout);
+    if (rule->render == rule->print && generated == rule->print) return;
+    printf(" (render), %s (print)", severity_name(rule->print));
+    if (generated != rule->print) printf(", %s (generated)", severity_name(generated));
 }
 
 static void write_fix(const norma_rule *rule) {
@@ -74,6 +76,8 @@ static void write_rule_json(const norma_rule *rule) {
     cli_json_string(&json, "name", rule->name);
     cli_json_string(&json, "render", severity_name(rule->render));
     cli_json_string(&json, "print", severity_name(rule->print));
+    cli_json_string(&json, "generated",
+        severity_name(norma_rule_severity(rule, NORMA_CHECK_PROFILE_GENERATED)));
     cli_json_string(&json, "fix",
         rule->fix == NORMA_FIX_SAFE     ? "safe"
         : rule->fix == NORMA_FIX_UNSAFE ? "unsafe"
