@@ -58,7 +58,10 @@ typedef struct norma_rule {
  *   count   written: the number of rules */
 NORMA_API const norma_rule *norma_rules(size_t *count);
 
-/* Returns the highest severity that a rule can have in a profile; AUTO counts as RENDER. */
+/* Returns the highest severity that a rule can have in a profile.
+ *
+ *   rule      one of norma_rules
+ *   profile   AUTO counts as RENDER */
 NORMA_API norma_severity norma_rule_severity(const norma_rule *rule, norma_check_profile profile);
 
 /* Marks the rules that a list names.
