@@ -100,11 +100,11 @@ static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
     const face_pass *pass = context;
     check_mesh *m = pass->m;
     const core_mesh *mesh = &m->topology.mesh;
-    core_face faces[CORE_LANES];
-    for (size_t f = begin; f < end; f += CORE_LANES) {
-        size_t lanes = end - f < CORE_LANES ? end - f : CORE_LANES;
-        norma_core_faces_geometry(&m->run->call, mesh, f, lanes, faces);
-        for (size_t i = 0; i < lanes; i++) {
+    core_face faces[CORE_FACES_AT_ONCE];
+    for (size_t f = begin, count; f < end; f += count) {
+        count = end - f < CORE_FACES_AT_ONCE ? end - f : CORE_FACES_AT_ONCE;
+        norma_core_faces_geometry(&m->run->call, mesh, f, count, faces);
+        for (size_t i = 0; i < count; i++) {
             m->faces[f + i] = judge_face(mesh, f + i, &faces[i]);
             pass->degenerate[block] += (double)m->faces[f + i].height < DEGENERATE;
         }

@@ -39,11 +39,11 @@ static void survey_chunk(void *context, size_t chunk) {
     const core_prepared_mesh *s = survey->prepared;
     const size_t count = s->mesh.face_count, begin = chunk * FACES_IN_CHUNK,
                  end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
-    core_face faces[CORE_LANES];
-    for (size_t f = begin; f < end; f += CORE_LANES) {
-        const size_t lanes = end - f < CORE_LANES ? end - f : CORE_LANES;
-        norma_core_faces_geometry(s->call, &s->mesh, f, lanes, faces);
-        for (size_t i = 0; i < lanes; i++)
+    core_face faces[CORE_FACES_AT_ONCE];
+    for (size_t f = begin, next; f < end; f = next) {
+        next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
+        norma_core_faces_geometry(s->call, &s->mesh, f, next - f, faces);
+        for (size_t i = 0; i < next - f; i++)
             survey_face(survey, f + i, &faces[i], &survey->parts[chunk]);
     }
 }
@@ -117,10 +117,21 @@ norma_result norma_core_find_borrowed_directions(core_prepared_mesh *s) {
     return result == NORMA_OK && any_flat ? borrow_directions(s) : result;
 }
 
-/* Polygons are measured once, since that takes long; triangles where they are met. */
+/* Faces without corners: who adds to sums of positions never meets them. */
+static void count_empty_faces(core_prepared_mesh *s) {
+    for (size_t f = 0; f < s->mesh.face_count; f++)
+        if (s->mesh.face_starts[f] == s->mesh.face_starts[f + 1])
+            norma_core_count_one(&s->degenerate_faces, f);
+}
+
+/* For stars, polygons are measured once; triangles where they are met. */
 static norma_result measure_polygons(core_prepared_mesh *s, core_use use) {
     face_survey survey = {.prepared = s};
     int any_flat = 0;
+    if (use == CORE_FOR_SUMS) {
+        count_empty_faces(s);
+        return NORMA_OK;
+    }
     if (!(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces)))
         return NORMA_ERROR_MEMORY;
     return use == CORE_FOR_FANS ? norma_core_find_borrowed_directions(s)

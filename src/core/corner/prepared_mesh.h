@@ -12,13 +12,14 @@ typedef struct core_prepared_mesh {
     core_call *call;
     core_mesh mesh;
     core_corners_of_position corners_of;
-    core_face *faces; /* of each face of a mesh of polygons; NULL for triangles, which are measured
-                         where they are met */
+    core_face *faces; /* of each face of a mesh of polygons, for stars; NULL for triangles and sums,
+                         whose faces are measured where they are met */
     uint32_t *borrowed_from; /* NULL where no face needs one; else of each face without a direction
                          the face whose direction it borrows, UINT32_MAX: none */
     atomic_uchar *flat_at; /* with borrowed_from: nonzero at the positions of faces that have edges
                               but no direction */
-    norma_count degenerate_faces; /* of polygons; triangles are counted where they are met */
+    norma_count degenerate_faces; /* of polygons, for sums only those without corners; others are
+                                     counted where they are met */
     core_crease crease;           /* may be changed: nothing else here hangs on it */
 } core_prepared_mesh;
 

@@ -8,15 +8,16 @@
 #include "core/face/measure.h"
 #include <string.h>
 
-/* Where the corners of triangles lie: corner k of triangle i at position at[3 i + k]. */
+/* Where the corners of eight faces lie: corner k of face i at position at[corners i + k]. */
 typedef struct core_points {
     const unsigned char *data;
     size_t stride;
     const uint32_t *at;
+    int corners; /* of each face */
 } core_points;
 
 CORE_INLINE const unsigned char *core_point_at(core_points p, int i, int k) {
-    return p.data + p.at[3 * i + k] * p.stride;
+    return p.data + p.at[p.corners * i + k] * p.stride;
 }
 
 typedef struct core_rows {
@@ -52,7 +53,7 @@ CORE_INLINE core_f4 core_load_three(const unsigned char *at) {
     return v;
 }
 
-/* Corners k of triangles i and i + 4. */
+/* Corners k of faces i and i + 4. */
 CORE_INLINE core_f8 core_two_corners(core_points p, int i, int k) {
     return __builtin_shufflevector(core_load_three(core_point_at(p, i, k)),
         core_load_three(core_point_at(p, i + 4, k)), 0, 1, 2, 3, 4, 5, 6, 7);
@@ -97,13 +98,20 @@ CORE_INLINE void core_floats_to_threes(
     memcpy(out[CORE_LANES - 1], (const char *)&r[3] + sizeof(core_f4), sizeof out[0]);
 }
 
-/* axis[x]: coordinate x of corner k of each triangle. */
+/* axis[x]: coordinate x of corner k of each face. */
 CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3]) {
     const core_f8 r[4] = {core_two_corners(p, 0, k), core_two_corners(p, 1, k),
         core_two_corners(p, 2, k), core_two_corners(p, 3, k)};
     core_f8 floats[3];
     core_turn_threes(r, floats);
     for (int x = 0; x < 3; x++) axis[x] = __builtin_convertvector(floats[x], core_d8);
+}
+
+/* The same, of three floats each, into lanes. */
+CORE_INLINE void core_gather_lanes(core_points p, int k, core_lane out[3]) {
+    core_d8 axis[3];
+    core_gather_corners(p, k, axis);
+    for (int x = 0; x < 3; x++) memcpy(out[x], &axis[x], sizeof axis[x]);
 }
 
 /* The edges of triangles whose corners are three floats each. */
@@ -172,6 +180,14 @@ CORE_INLINE void core_add_whole(double *sum, const double *row) {
     core_store_row(sum, core_load_row(sum) + core_load_row(row));
 }
 #else
+CORE_INLINE void core_gather_lanes(core_points points, int k, core_lane out[3]) {
+    for (int i = 0; i < CORE_LANES; i++) {
+        float p[3];
+        memcpy(p, core_point_at(points, i, k), sizeof p);
+        for (int x = 0; x < 3; x++) out[x][i] = (double)p[x];
+    }
+}
+
 CORE_INLINE void core_gather_edges(core_points points, core_batch *out) {
     for (int i = 0; i < CORE_LANES; i++) {
         float p[3][3];

@@ -4,8 +4,9 @@
  * 2^-30 rad; exact integers where it does not: thin faces, and all that may have no area at all. */
 #include "core/face/face_geometry.h"
 #include "core/face/exact_area.h"
+#include "core/face/measure_faces.h"
+#include "core/face/polygon.h"
 #include "core/face/reflex.h"
-#include "core/face/triangle.h"
 
 /* Walks a face's kept corners in ascending order. Callers ask for points 0, 1, 2, ... and then 0
  * again. */
@@ -106,9 +107,8 @@ static void polygon_direction(const core_mesh *mesh, size_t face, core_face *out
         for (int k = 0; k < 3; k++) area[k] += term[k];
         size += norma_core_dot(v, v); /* at least the sum of the |u| |v| */
     }
-    const double square = norma_core_dot(area, area),
-                 bound = 0x1p-22 * (double)(out->kept + 8) * size;
-    if (square >= bound * bound && square > NORMA_TINIEST && square < NORMA_HUGEST)
+    const double square = norma_core_dot(area, area);
+    if (norma_core_area_is_sure(square, size, out->kept))
         set_direction(out, area, sqrt(square));
     else
         exact_direction(kept_point, &walk, out->kept, out);
@@ -129,7 +129,7 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
         polygon_direction(mesh, face, out);
 }
 
-/* ---- triangles, some at a time */
+/* ---- some at a time */
 
 int norma_core_load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane) {
     double p[3][3];
@@ -147,30 +147,24 @@ int norma_core_load_lane(const core_mesh *mesh, size_t face, core_batch *batch, 
     return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
 }
 
-static void take_lane(const core_batch *batch, int lane, core_face *out) {
-    *out = (core_face){.twice_area = batch->twice_area[lane],
-        .kept = 3,
+static void take_measured(const core_measured *measured, size_t i, core_face *out) {
+    const size_t slot = measured->slot[i];
+    *out = (core_face){.twice_area = measured->twice_area[slot / CORE_LANES][slot % CORE_LANES],
+        .kept = measured->corners[i],
         .flags = CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED};
-    for (int k = 0; k < 3; k++) out->normal[k] = batch->normal[k][lane];
+    memcpy(out->normal, measured->row[slot], sizeof out->normal);
 }
 
 void norma_core_faces_geometry(
     const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out) {
-    core_batch batch;
-    int edged[CORE_LANES];
-    if (mesh->face_starts) {
-        for (size_t i = 0; i < count; i++) norma_core_face_geometry(mesh, face + i, &out[i]);
-        return;
-    }
-    for (int i = 0; i < CORE_LANES; i++)
-        edged[i] =
-            norma_core_load_lane(mesh, (size_t)i < count ? face + (size_t)i : face, &batch, i);
-    norma_core_measure(call->level, &batch, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER);
-    for (int i = 0; (size_t)i < count; i++) {
-        if (edged[i] && batch.sure[i] != 0)
-            take_lane(&batch, i, &out[i]);
+    core_measured measured;
+    norma_core_measure_faces(
+        call->level, mesh, face, face + count, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
+    for (size_t i = 0; i < count; i++) {
+        if (measured.corners[i])
+            take_measured(&measured, i, &out[i]);
         else
-            norma_core_face_geometry(mesh, face + (size_t)i, &out[i]);
+            norma_core_face_geometry(mesh, face + i, &out[i]);
     }
 }
 
@@ -185,8 +179,7 @@ typedef struct corner_points {
  */
 static double settle_corner_cross(const corner_points *p, double squares, double cross[3]) {
     const double square = norma_core_dot(cross, cross);
-    if (square >= 0x1p-40 * squares && square > NORMA_TINIEST && square < NORMA_HUGEST)
-        return sqrt(square);
+    if (norma_core_corner_is_sure(square, squares)) return sqrt(square);
     core_face corner = {0};
     exact_direction(triangle_point, p, 3, &corner);
     for (int k = 0; k < 3; k++) cross[k] = corner.normal[k] * corner.twice_area;
@@ -194,12 +187,12 @@ static double settle_corner_cross(const corner_points *p, double squares, double
 }
 _Static_assert(sizeof(corner_points) == sizeof(triangle_points), "read as one triangle");
 
-/* cross: of the corner's edges. Its direction and the normal's are right to 2^-30 rad. Where the
- * edges do not turn at all, the corner's angle is pi or 0, by the sign of their dot product. */
+/* cross: of the corner's edges. Where they do not turn at all, the corner's angle is pi or 0, by
+ * the sign of their dot product. */
 static int is_reflex(
     kept_walk walk, const core_face *face, const corner_points *p, const double cross[3]) {
     const double along = norma_core_dot(cross, face->normal), length = norma_core_length(cross);
-    if (length == 0 || fabs(along) > 0x1p-28 * length) return along < 0;
+    if (length == 0 || norma_core_turn_is_sure(along, length)) return along < 0;
     return norma_core_turns_back(kept_point, &walk, face->kept, p->here, p->next, p->previous);
 }
 

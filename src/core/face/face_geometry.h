@@ -1,7 +1,7 @@
 /* face_geometry.h: the direction and size of a face, and what each of its corners weighs. */
 #ifndef NORMA_CORE_FACE_GEOMETRY_H
 #define NORMA_CORE_FACE_GEOMETRY_H
-#include "core/face/measure.h"
+#include "core/face/measure_faces.h"
 #include "core/mesh/face_corners.h"
 
 enum {
@@ -21,7 +21,7 @@ typedef struct core_face {
 /* O(corners of the face). */
 void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out);
 
-/* The same of count <= CORE_LANES faces in a row, triangles at once. */
+/* The same of count <= CORE_FACES_AT_ONCE faces in a row. */
 void norma_core_faces_geometry(
     const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out);
 

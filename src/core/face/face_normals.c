@@ -30,19 +30,37 @@ static int face_normal(const core_mesh *mesh, size_t f, float normal[3]) {
     return take_normal(&face, normal);
 }
 
+static int take_normals(const core_measured *measured, size_t count, float (*normals)[3]) {
+    int all = 1;
+    for (size_t i = 0; i < count; i++) all &= measured->corners[i] != 0;
+    for (size_t i = 0; all && i < count; i++)
+        for (int k = 0; k < 3; k++)
+            normals[i][k] = (float)measured->row[measured->slot[i]][k] + 0.0F;
+    return all;
+}
+
+static void write_block(const face_work *work, size_t begin, size_t end, core_tally *tally) {
+    core_measured measured;
+    float normals[CORE_FACES_AT_ONCE][3];
+    norma_core_measure_faces(
+        work->call->level, work->mesh, begin, end, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
+    if (take_normals(&measured, end - begin, normals)) {
+        norma_core_write_normals(work->output, begin, end - begin, (const float(*)[3])normals);
+        return;
+    }
+    for (size_t f = begin; f < end; f++) {
+        const int reason = face_normal(work->mesh, f, normals[0]);
+        norma_core_write_element(work->output, f, reason, normals[0], tally);
+    }
+}
+
 static void write_chunk(void *context, size_t chunk) {
     const face_work *work = context;
     const size_t begin = chunk * FACES_IN_CHUNK, count = work->mesh->face_count;
     const size_t end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
-    for (size_t f = begin; f < end; f += CORE_LANES) {
-        core_face faces[CORE_LANES];
-        const size_t lanes = end - f < CORE_LANES ? end - f : CORE_LANES;
-        norma_core_faces_geometry(work->call, work->mesh, f, lanes, faces);
-        for (size_t i = 0; i < lanes; i++) {
-            float normal[3];
-            const int reason = take_normal(&faces[i], normal);
-            norma_core_write_element(work->output, f + i, reason, normal, &work->tallies[chunk]);
-        }
+    for (size_t f = begin, next; f < end; f = next) {
+        next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
+        write_block(work, f, next, &work->tallies[chunk]);
     }
 }
 

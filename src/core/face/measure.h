@@ -9,6 +9,14 @@ enum {
 
 typedef double core_lane[CORE_LANES];
 
+/* Before a short loop over lanes: this compiler unrolls such loops before it looks whether they are
+ * vectors, and then finds none. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define CORE_EACH_LANE _Pragma("GCC unroll 1") for (int i = 0; i < CORE_LANES; i++)
+#else
+#define CORE_EACH_LANE for (int i = 0; i < CORE_LANES; i++)
+#endif
+
 typedef struct core_batch {
     _Alignas(64) core_lane u[3];
     core_lane v[3]; /* in: the edges from each triangle's first corner to its second and third */

@@ -103,7 +103,7 @@ static int all_are_triangles(const core_mesh *mesh) {
 
 /* ---- what corners name: checked, and kept as one range for each chunk of faces */
 
-enum { CHUNKS_IN_TASK = 256, CORNERS_IN_TASK = 3 * CORE_FACES_IN_CHUNK * CHUNKS_IN_TASK };
+enum { FACES_IN_TASK = 256 * CORE_FACES_IN_CHUNK };
 
 typedef struct corner_check {
     const core_mesh *mesh;
@@ -150,16 +150,18 @@ static core_range range_of_corners(const corner_check *check, size_t begin, size
 
 static void check_task(void *context, size_t task) {
     corner_check *check = context;
-    const size_t corners = 3 * CORE_FACES_IN_CHUNK, count = check->mesh->corner_count,
-                 last = count - task * CORNERS_IN_TASK < CORNERS_IN_TASK
-                            ? count
-                            : (task + 1) * CORNERS_IN_TASK;
-    for (size_t begin = task * CORNERS_IN_TASK; begin < last; begin += corners) {
+    const core_mesh *mesh = check->mesh;
+    const size_t begin = task * FACES_IN_TASK, faces = mesh->face_count,
+                 end = faces - begin < FACES_IN_TASK ? faces : begin + FACES_IN_TASK;
+    for (size_t f = begin, next; f < end; f = next) {
+        next = end - f < CORE_FACES_IN_CHUNK ? end : f + CORE_FACES_IN_CHUNK;
+        const size_t first = norma_core_face_begin(mesh, f),
+                     last = norma_core_face_begin(mesh, next);
         const core_range range =
-            range_of_corners(check, begin, last - begin < corners ? last : begin + corners);
-        if (range.most >= check->mesh->positions.count)
+            first < last ? range_of_corners(check, first, last) : (core_range){0, 0};
+        if (first < last && range.most >= mesh->positions.count)
             atomic_store_explicit(&check->wrong, 1, memory_order_relaxed);
-        if (check->ranges) check->ranges[begin / corners] = range;
+        if (check->ranges) check->ranges[f / CORE_FACES_IN_CHUNK] = range;
     }
 }
 
@@ -168,8 +170,8 @@ static norma_result check_corners(core_call *call, const core_mesh *mesh, core_r
         .mesh = mesh, .ranges = ranges, .range_of = RANGE_OF[norma_core_level(call->options.isa)]};
     if (!mesh->corner_size && !ranges) return NORMA_OK;
     const norma_result result = norma_core_parallel(call,
-        mesh->corner_count / CORNERS_IN_TASK + (mesh->corner_count % CORNERS_IN_TASK != 0),
-        check_task, &check);
+        mesh->face_count / FACES_IN_TASK + (mesh->face_count % FACES_IN_TASK != 0), check_task,
+        &check);
     if (result != NORMA_OK) return result;
     return atomic_load_explicit(&check.wrong, memory_order_relaxed) ? NORMA_ERROR_INDEX : NORMA_OK;
 }

@@ -27,7 +27,7 @@ norma_result norma_core_check_face_starts(const core_mesh *mesh, norma_fault *fa
 /* ARGUMENT (face_starts) or INDEX or CANCELLED: reads the arrays. */
 norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh);
 
-/* The same; and of each CORE_FACES_IN_CHUNK triangles in a row, the least and the greatest position
+/* The same; and of each CORE_FACES_IN_CHUNK faces in a row, the least and the greatest position
  * that their corners name. */
 enum { CORE_FACES_IN_CHUNK = 1024 };
 typedef struct core_range {

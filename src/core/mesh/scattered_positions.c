@@ -35,7 +35,7 @@ int norma_core_is_scattered(const core_mesh *mesh) {
     enum { LOOKS = 32, CORNERS_IN_LOOK = 96, FARTHEST = 64 };
     const size_t count = mesh->corner_count;
     double sum = 0;
-    if (mesh->face_starts || count < (size_t)LOOKS * CORNERS_IN_LOOK) return 0;
+    if (count < (size_t)LOOKS * CORNERS_IN_LOOK) return 0;
     for (size_t look = 0; look < LOOKS; look++)
         sum += look_at(mesh, (count - CORNERS_IN_LOOK) / LOOKS * look, CORNERS_IN_LOOK);
     return FARTHEST * sum > (double)LOOKS * CORNERS_IN_LOOK * (double)mesh->positions.count;

@@ -6,7 +6,7 @@
 #define NORMA_CORE_SCATTERED_H
 #include "core/mesh/input_mesh.h"
 
-/* Whether faces in a row touch positions all over the mesh of triangles; its indices are checked.
+/* Whether faces in a row touch positions all over the mesh; its indices are checked.
  * Looks at some of them. */
 int norma_core_is_scattered(const core_mesh *mesh);
 

@@ -56,11 +56,11 @@ CORE_INLINE void read_batch(const core_mesh *mesh, size_t f, int lanes, triangle
     if (mesh->positions.format != NORMA_FORMAT_FLOAT)
         read_other_formats(mesh, t);
     else if (mesh->positions.stride == tight)
-        core_gather_edges((core_points){mesh->positions.data, tight, t->at},
+        core_gather_edges((core_points){mesh->positions.data, tight, t->at, 3},
             &t->measured); /* a product that costs nothing */
     else
         core_gather_edges(
-            (core_points){mesh->positions.data, mesh->positions.stride, t->at}, &t->measured);
+            (core_points){mesh->positions.data, mesh->positions.stride, t->at, 3}, &t->measured);
     if (mesh->weld)
         for (int i = 0; i < 3 * CORE_LANES; i++) t->at[i] = mesh->weld[t->at[i]];
 }
@@ -309,11 +309,11 @@ static core_finish_sums *const FINISH[] = {
 #else
 static core_finish_sums *const FINISH[] = {finish_portable};
 #endif
-static core_add_triangles *const ADD[] = CORE_KERNELS(add);
+static core_add_faces *const ADD[] = CORE_KERNELS(add);
 static core_queue_triangles *const QUEUE[] = CORE_KERNELS(queue);
 static core_drain_queue *const DRAIN[] = CORE_KERNELS(drain);
 
-core_add_triangles *norma_core_choose_add(norma_isa isa) { return ADD[norma_core_level(isa)]; }
+core_add_faces *norma_core_choose_add(norma_isa isa) { return ADD[norma_core_level(isa)]; }
 core_queue_triangles *norma_core_choose_queue(norma_isa isa) {
     return QUEUE[norma_core_level(isa)];
 }

@@ -5,19 +5,19 @@
 #include "core/vertex/vertex_normals.h"
 
 typedef struct core_adder {
-    const core_mesh *mesh; /* of triangles */
+    const core_mesh *mesh;
     norma_weight weight;
     vertex_sum *sums; /* of count positions from first on; corners elsewhere are passed over */
     uint32_t first, count;
     int owns_all;    /* no corner of the faces that are to be added is elsewhere */
     int scattered;   /* corners in a row lie far apart: memory is asked for ahead */
     int by_distance; /* positions that differ may be welded into one */
-    void (*add_face)(void *context, size_t face); /* a triangle that doubles do not decide */
+    void (*add_face)(void *context, size_t face); /* one that doubles do not decide */
     void *context;
 } core_adder;
 
 /* Adds the faces from begin to before end, in ascending order. */
-typedef void core_add_triangles(const core_adder *adder, size_t begin, size_t end);
+typedef void core_add_faces(const core_adder *adder, size_t begin, size_t end);
 /* The normals of CORE_LANES sums. Returns whether each is one; where one has no votes, cancels, or
  * is beyond what doubles square, none of them is to be used. */
 typedef int core_finish_sums(const vertex_sum sums[CORE_LANES], float normals[CORE_LANES][3]);
@@ -45,7 +45,7 @@ typedef void core_queue_triangles(
 /* What waits for one part is added to the sums of all. */
 typedef void core_drain_queue(const core_queue *queue, size_t part, vertex_sum *sums);
 
-core_add_triangles *norma_core_choose_add(norma_isa isa);
+core_add_faces *norma_core_choose_add(norma_isa isa);
 core_queue_triangles *norma_core_choose_queue(norma_isa isa);
 core_drain_queue *norma_core_choose_drain(norma_isa isa);
 core_finish_sums *norma_core_choose_finish(norma_isa isa);

@@ -3,7 +3,7 @@
  * chunks of faces that touch it are added, and its normals written. The sums of all positions,
  * which would be written, read and written, and read again, never reach memory: that alone was 60
  * of the 100 bytes that a triangle moved. A chunk that touches two bins is measured for both. */
-#include "core/vertex/add_triangles.h"
+#include "core/vertex/add_polygons.h"
 #include <stdatomic.h>
 
 enum {
@@ -21,7 +21,7 @@ typedef struct bin_work {
     const core_prepared_mesh *prepared;
     const core_range *ranges;
     const core_output *output;
-    core_add_triangles *add;
+    core_add_faces *add;
     core_finish_sums *finish;
     core_tally *tallies; /* of each bin */
     vertex_sum *sums;    /* buffers of bin_size each */
@@ -143,9 +143,7 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_ra
     const core_mesh *mesh = &prepared->mesh;
     const size_t positions = mesh->positions.count, chunks = count_chunks(mesh);
     *done = 0;
-    if (mesh->face_starts || mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE ||
-        !positions)
-        return NORMA_OK;
+    if (mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE || !positions) return NORMA_OK;
     const size_t bin_size = choose_bin_size(call, positions, average_span(ranges, chunks)),
                  bins = positions / bin_size + (positions % bin_size != 0);
     if (!is_coherent(ranges, chunks, bin_size) || bin_size > MOST_IN_BIN)
@@ -156,7 +154,8 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_ra
     bin_work work = {.prepared = prepared,
         .ranges = ranges,
         .output = output,
-        .add = norma_core_choose_add(call->options.isa),
+        .add = mesh->face_starts ? norma_core_choose_add_polygons(call->options.isa)
+                                 : norma_core_choose_add(call->options.isa),
         .chunks = chunks,
         .bins = bins,
         .bin_size = bin_size,
@@ -169,6 +168,7 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_ra
         work.sums && work.tallies ? compute_all(&work, tally) : NORMA_ERROR_MEMORY;
     norma_core_release(call, work.sums, buffers * bin_size, sizeof *work.sums);
     norma_core_release(call, work.tallies, bins, sizeof *work.tallies);
+    norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
     /* Who has no normal and takes the nearest has to find it among all sums. */
     *done = !(output->nearest &&
               tally->non_finite.count + tally->unreferenced.count + tally->cancelled.count);

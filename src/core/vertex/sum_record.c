@@ -22,7 +22,7 @@ void norma_core_add_face(void *context, size_t f) {
     core_face face;
     norma_core_prepared_mesh_face(prepared, f, &face);
     if (!(face.flags & CORE_FACE_DIRECTED)) {
-        if (!prepared->faces && (face.flags & CORE_FACE_FINITE) &&
+        if (begin < end && (face.flags & CORE_FACE_FINITE) &&
             norma_core_welded_corner(mesh, begin) - adder->first < adder->count)
             norma_core_count_one(adder->degenerate, f);
         return;

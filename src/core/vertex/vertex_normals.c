@@ -144,7 +144,7 @@ norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *o
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, checked.positions.count, capacity, &output);
     if (result != NORMA_OK) return result;
-    const size_t chunks = checked.corner_count / (3 * CORE_FACES_IN_CHUNK) + 1;
+    const size_t chunks = checked.face_count / CORE_FACES_IN_CHUNK + 1;
     core_range *ranges = norma_core_allocate(&call, chunks, sizeof *ranges);
     if (!ranges) return NORMA_ERROR_MEMORY;
     result = open_and_compute(&call, &checked, ranges, &output, report);

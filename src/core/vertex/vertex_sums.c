@@ -3,6 +3,7 @@
  * passes over the chunks of faces that do not touch it. So every sum is taken in the same order by
  * any number of threads. */
 #include "core/mesh/scattered_positions.h"
+#include "core/vertex/add_polygons.h"
 #include "core/vertex/queued_sums.h"
 
 enum {
@@ -20,7 +21,7 @@ typedef struct sum_work {
     core_vertices *vertices;
     core_mesh mesh; /* the surface's, its positions perhaps copied */
     int scattered;
-    core_add_triangles *add;
+    core_add_faces *add;
     size_t ranges, chunks;
     position_range *touched; /* by each chunk; NULL for one range */
     norma_count degenerate[MOST_RANGES];
@@ -63,10 +64,7 @@ static void add_chunk(sum_work *work, size_t range_number, position_range range,
     const core_adder adder = {&work->mesh, prepared->call->options.weight, sums, range.begin, count,
         work->ranges == 1, work->scattered, prepared->call->options.weld == NORMA_WELD_DISTANCE,
         norma_core_add_face, &face_adder};
-    if (!prepared->faces)
-        work->add(&adder, begin, end);
-    else
-        for (size_t f = begin; f < end; f++) norma_core_add_face(&face_adder, f);
+    work->add(&adder, begin, end);
 }
 
 static position_range range_of(const sum_work *work, size_t number) {
@@ -173,15 +171,14 @@ int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float n
         mesh, &vertices->sums[norma_core_welded(mesh, (uint32_t)vertex)], vertex, normal);
 }
 
-/* Triangles are measured from positions in memory of our own where they are scattered; polygons are
- * measured already. */
+/* Faces are measured from positions in memory of our own where they are scattered. */
 static norma_result copy_positions(sum_work *work) {
     core_prepared_mesh *prepared = work->vertices->prepared;
     core_call *call = prepared->call;
     const double from = call->progress_from, to = call->progress_to,
                  copied = from + 0.1 * (to - from);
     work->mesh = prepared->mesh;
-    if (!work->scattered || prepared->faces) return NORMA_OK;
+    if (!work->scattered) return NORMA_OK;
     norma_core_stage(call, from, copied);
     const norma_result result = norma_core_copy_scattered(call, &prepared->mesh, &work->mesh);
     norma_core_stage(call, copied, to);
@@ -192,7 +189,7 @@ static norma_result sum_all(sum_work *work) {
     core_prepared_mesh *prepared = work->vertices->prepared;
     norma_result result = copy_positions(work);
     int done = 0;
-    if (result == NORMA_OK && work->scattered && !prepared->faces && work->ranges > 1)
+    if (result == NORMA_OK && work->scattered && !prepared->mesh.face_starts && work->ranges > 1)
         result = norma_core_queue_vertices(
             prepared, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
     if (result == NORMA_OK && !done) result = work->ranges > 1 ? sum_shared(work) : sum_alone(work);
@@ -208,7 +205,9 @@ norma_result norma_core_sum_vertices(
     if (!vertices->sums) return NORMA_ERROR_MEMORY;
     sum_work work = {.vertices = vertices,
         .scattered = scattered,
-        .add = norma_core_choose_add(prepared->call->options.isa),
+        .add = prepared->mesh.face_starts
+                   ? norma_core_choose_add_polygons(prepared->call->options.isa)
+                   : norma_core_choose_add(prepared->call->options.isa),
         .ranges = ranges_for(prepared),
         .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
     norma_result result = sum_all(&work);
