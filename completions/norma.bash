@@ -23,7 +23,7 @@ _norma() {
     --tangents) values="keep orthogonalise regenerate" ;;
     --only) values="all missing broken" ;;
     --shading) values="flat gouraud phong" ;;
-    --show) values="normals winding error findings hedgehog wireframe" ;;
+    --show) values="normals winding error findings matcap zebra hedgehog wireframe" ;;
     --space) values="world view" ;;
     --normals) values="stored computed" ;;
     --lines) values="vertices faces edges" ;;
@@ -47,7 +47,7 @@ _norma() {
     tangents) options="--mode --texcoord --weight --only $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
-    render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
+    render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --select --clay --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
     check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --info --color --fail-on --max-samples --fix --fix-unsafe --open-by-rays --dry-run --files-from $files" ;;
     explain) options="--json --help" ;;
     view) options="-o --output --out-dir --input-format --threads --max-memory --json --quiet --help" ;;

@@ -31,9 +31,9 @@ enum render_normals {
 };
 
 typedef struct render_dot {
-    double position[3]; /* in the mesh's space */
-    uint32_t colour;    /* 0xRRGGBB */
-    uint32_t vertex;    /* whose position it is; UINT32_MAX: of none */
+    double position[3];  /* in the mesh's space */
+    uint32_t colour;     /* 0xRRGGBB */
+    size_t vertex, face; /* whose position, or middle, it is; SIZE_MAX: of none */
 } render_dot;
 
 typedef struct render_surface { /* one mesh; the arrays stay the caller's, and stay as they are
@@ -90,8 +90,11 @@ enum render_show {
     RENDER_SHOW_NORMALS,
     RENDER_SHOW_WINDING,
     RENDER_SHOW_ERROR,
-    RENDER_SHOW_MARKS
+    RENDER_SHOW_MARKS,
+    RENDER_SHOW_MATCAP, /* as a studio's lights reflect in it, whichever way it turns */
+    RENDER_SHOW_ZEBRA   /* stripes of light, mirrored: a crease parts them, a seam bends them */
 };
+enum render_up { RENDER_UP_Y = 0, RENDER_UP_Z, RENDER_UP_X };
 enum render_space { RENDER_SPACE_WORLD = 0, RENDER_SPACE_VIEW };
 enum render_lines {
     RENDER_VERTEX_LINES = 1,
@@ -122,7 +125,6 @@ typedef struct render_look { /* of all panels of a sheet */
     int light_count;
     double ambient, diffuse, specular, exponent; /* Phong's model */
     double field_of_view_deg;                    /* of the shorter side; 0: orthographic */
-    int z_up;
     double line_pixels;
     double reach;         /* length of hedgehog lines, in parts of the local edge's */
     size_t most_lines;    /* of one kind on one surface; of more, evenly chosen ones are drawn */
@@ -136,6 +138,7 @@ typedef struct render_panel {
                     model in one place; 0: those of one scene */
     double matrix[16]; /* acts on the world, after the nodes */
     double azimuth_deg, elevation_deg;
+    enum render_up up; /* of the scene */
     enum render_shading shading;
     enum render_show show;
     enum render_space space;
@@ -174,6 +177,10 @@ typedef struct render_png {
 enum render_result render_png_encode(
     const render_picture *picture, render_png *png, render_error *error);
 
+/* The axis that points up in a mesh whose format does not say: of y and z, the one that a flat
+ * ground lies across or a flat foot stands on; where neither shows, the usual one. */
+enum render_up render_guess_up(const render_surface *surfaces, size_t count, enum render_up usual);
+
 /* ---- drawing */
 
 typedef struct render_device render_device;
@@ -185,10 +192,21 @@ const char *render_device_name(const render_device *device);
  * a surface change or go. */
 void render_device_forget(render_device *device);
 
+typedef struct render_key { /* a colour and what it means */
+    uint32_t colour;        /* 0xRRGGBB */
+    const char *words;
+} render_key;
+
+enum { RENDER_MOST_KEYS = 4 };
+
 typedef struct render_sheet {
     render_panel *panels;
     size_t panel_count, columns;
     const char *below; /* words under all of it; NULL: none */
+    render_key keys[RENDER_MOST_KEYS];
+    size_t key_count;
+    const char *left_out; /* what the picture does not show, under all else; NULL: nothing. Lines
+                             that are left out are added */
     /* What was found. */
     double error_top_deg;
     size_t panel_x[RENDER_MOST_PANELS],

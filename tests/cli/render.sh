@@ -72,6 +72,20 @@ check "four views are a sheet of two by two" test "$(size "$scratch/v.png")" = "
 "$norma" render "$scratch/square.obj" assets/spider.stl -o "$scratch/s.png" --sheet --size 40x30 --quiet
 check "--sheet: several inputs in one picture" test "$(size "$scratch/s.png")" = 80x52
 
+# A hilly ground over the x and y axes, and the same over x and z; a stool with a flat foot at z = 0.
+awk 'BEGIN { for (y = 0; y < 6; y++) for (x = 0; x < 6; x++) print "v", x, y, 0.2 * sin(3 * x + y); for (y = 0; y < 5; y++) for (x = 1; x < 6; x++) { a = 6 * y + x; print "f", a, a + 1, a + 7, a + 6 } }' >"$scratch/z-up.obj"
+awk '$1 == "v" { print "v", $2, $4, -$3; next } { print }' "$scratch/z-up.obj" >"$scratch/y-up.obj"
+printf 'v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0.9 0.9 3\nv 1.1 0.9 3.1\nv 1 1.1 3.2\nf 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 7\nf 4 1 5 7\nf 5 6 7\n' >"$scratch/foot.obj"
+for name in z-up=z y-up=y foot=z; do
+    "$norma" render "$scratch/${name%=*}.obj" -o "$scratch/u.png" --size 32x32 --json >"$scratch/json"
+    check "--up of ${name%=*}.obj is guessed, and said so" test "$(value up <"$scratch/json") $(value up_guessed <"$scratch/json")" = "\"${name#*=}\" true"
+done
+"$norma" render "$scratch/z-up.obj" -o "$scratch/u.png" --size 32x32 --up x --json >"$scratch/json"
+check "--up is taken where it is given" test "$(value up <"$scratch/json") $(value up_guessed <"$scratch/json")" = '"x" false'
+"$norma" render assets/box-rotated.obj -o "$scratch/f.png" --size 100x100 --show findings --quiet
+"$norma" render assets/box-rotated.obj -o "$scratch/g.png" --size 100x100 --show findings --select N5 --quiet
+check "--select leaves findings of other rules out" bash -c '! cmp -s "$0" "$1"' "$scratch/f.png" "$scratch/g.png"
+
 # refused STATUS NAME COMMAND...: its exit status, one line of error, and no picture left.
 refused() {
     local wanted=$1 name=$2 status=0
@@ -85,6 +99,7 @@ printf 'v 0 0 0\nv 1 0 0\nl 1 2\n' >"$scratch/lines.obj"
 refused 3 "a file without a surface is told of" "$norma" render "$scratch/lines.obj" -o "$scratch/no.png"
 refused 3 "a file that is not there" "$norma" render "$scratch/nothing.obj" -o "$scratch/no.png"
 refused 3 "a folder that is not there" "$norma" render "$scratch/square.obj" -o "$scratch/nowhere/no.png"
+refused 2 "--select without findings" "$norma" render "$scratch/square.obj" -o "$scratch/no.png" --select N3
 refused 3 "a full disk" "$norma" render "$scratch/square.obj" -o /dev/full
 refused 2 "more pixels than the renderer draws" "$norma" render "$scratch/square.obj" -o "$scratch/no.png" --size 16000x16 --samples 4
 refused 3 "no EGL that could start: one clear error" env __EGL_VENDOR_LIBRARY_DIRS="$scratch/none" "$norma" render "$scratch/square.obj" -o "$scratch/no.png"
@@ -105,6 +120,8 @@ reference hedgehog assets/dodecahedron.obj --show hedgehog --size 128x128
 reference wireframe assets/box-rotated.obj --show winding,wireframe --size 128x128
 reference normals assets/goathead.obj --views front,right,top,three-quarter --show normals --size 80x80
 reference error assets/spider.stl --show error --size 128x128
+reference zebra assets/goathead.obj --show zebra --size 128x128
+reference matcap assets/goathead.obj --show matcap --size 128x128
 reference concave assets/concave-66gon.obj --shading flat --camera 60,20 --size 128x128
 reference clear assets/goathead.obj --background transparent --size 96x96
 

@@ -17,41 +17,37 @@ static const char help[] =
     "Examples\n"
     "  norma render chair.glb -o chair.png\n"
     "  norma render chair.glb -o wrong.png --compare --scale 2,0.5,1\n"
-    "                                                  plain M beside the normal matrix, with the "
-    "largest error\n"
-    "  norma render chair.obj -o shadings.png --compare=flat,gouraud,phong\n"
+    "                        plain M beside the normal matrix, with the largest error\n"
     "  norma render chair.obj -o creases.png --compare=30,60,180\n"
-    "  norma render scan.ply -o lines.png --show hedgehog\n"
-    "  norma render chair.glb -o error.png --show error      angle between stored and computed "
-    "normals\n"
-    "  norma render chair.glb -o sheet.png --views front,right,top,three-quarter\n"
-    "  norma render chair.glb -o turn.png --turntable 36     turn-000.png to turn-035.png\n"
+    "  norma render chair.glb -o findings.png --show findings --select N3\n"
     "  norma render *.glb --out-dir pictures\n"
     "\n"
     "What is drawn\n"
     "  --shading flat|gouraud|phong\n"
-    "                        light by face; by vertex, interpolated; by pixel, from interpolated "
-    "normals (phong)\n"
+    "                        light by face; by vertex, interpolated; by pixel (phong)\n"
     "  --show LIST           one of normals (as colours), winding (front green, back red), error "
-    "(angle between\n"
-    "                        stored and computed normals) and findings (of norma check); also, "
-    "over "
-    "it or alone:\n"
-    "                        hedgehog (normals as lines), wireframe\n"
+    "(between\n"
+    "                        stored and computed normals), findings (of norma check), matcap, "
+    "zebra\n"
+    "                        (stripes); also, over it or alone: hedgehog (normals as lines), "
+    "wireframe\n"
+    "  --select RULES        findings of these rules only, as for norma check\n"
+    "  --clay                grey clay instead of materials; --clay=no: not for --compare, "
+    "errors, findings\n"
     "  --lines LIST          where a hedgehog has lines: vertices, faces, edges (vertices,faces)\n"
     "  --line-length N       in lengths of nearby edges (0.7)\n"
     "  --line-width PIXELS   (1.6)\n"
-    "  --most-lines N        of each kind (4000)\n"
+    "  --most-lines N        of each kind: how dense a hedgehog is (4000)\n"
     "  --error-top DEG       top of the colour scale for errors (the largest, outliers aside)\n"
     "\n"
     "Side by side\n"
-    "  --compare             plain M beside the normal matrix, under the file's transforms and the "
-    "matrix below\n"
-    "  --compare=LIST        one panel for each: shadings (flat,phong), ways to transform normals "
+    "  --compare             plain M beside the normal matrix, under the file's transforms and "
+    "--scale etc.\n"
+    "  --compare=LIST        a panel for each: shadings (flat,phong), transformed normals "
     "(before,plain,\n"
     "                        right), weights (angle,area) or creases (30,60,180)\n"
-    "  --views LIST|N        front, right, back, left, top, bottom, three-quarter; or N views "
-    "about the vertical\n"
+    "  --views LIST|N        front, right, back, left, top, bottom, three-quarter; or N about the "
+    "vertical\n"
     "  --sheet               draws several inputs in one picture\n"
     "  --columns N           panels in a row (all of them; views in a square)\n"
     "  --label WORDS         text above the first panel; repeat for the next\n"
@@ -59,8 +55,7 @@ static const char help[] =
     "\n"
     "Normals\n"
     "  --normals stored|computed\n"
-    "                        uses the normals in the file and computes missing ones (stored), or "
-    "computes all\n"
+    "                        computes missing normals (stored), or all\n"
     "  --weight, --crease    as for norma compute; without --crease, glTF without normals is flat\n"
     "  --space view|world    the space in which light is computed (world); the picture is the "
     "same\n"
@@ -69,11 +64,11 @@ static const char help[] =
     "  --camera AZIMUTH,ELEVATION\n"
     "                        0,0 is the front, 90,0 the right side, 0,90 above (35,22)\n"
     "  --fov DEG             angle of view (28); 0 is orthographic\n"
-    "  --up y|z              the axis that points up (y)\n"
+    "  --up x|y|z            the axis that points up: y in glTF; guessed in other formats\n"
     "  --light AZIMUTH,ELEVATION[,STRENGTH]\n"
-    "                        seen from the camera, up to four (-40,42,0.85 and 60,8,0.18)\n"
+    "                        seen from the camera, up to four (-30,50,0.78 and 75,5,0.34)\n"
     "  --phong AMBIENT,DIFFUSE,SPECULAR,EXPONENT\n"
-    "                        Phong's model (0.1,0.95,0.18,40)\n"
+    "                        Phong's model (0.09,0.9,0.07,25)\n"
     "\n"
     "The picture\n"
     "  --size WIDTHxHEIGHT   pixels of each panel (512x512)\n"
@@ -89,8 +84,7 @@ static const char help[] =
     "  --threads, --max-memory, --json, --quiet\n"
     "                        as for norma compute\n"
     "\n"
-    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, or no renderer can be "
-    "started.\n";
+    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, or no renderer starts.\n";
 
 /* ---- one picture */
 
@@ -135,6 +129,7 @@ static int draw_picture(picture_job *job) {
         .columns = job->settings->columns};
     if (job->settings->views && !job->settings->columns)
         job->sheet.columns = (size_t)ceil(sqrt((double)job->plan.count));
+    render_plan_legend(&job->plan, &job->sheet);
     job->plan.difference = -1;
     job->sheet.below = job->settings->show == RENDER_SHOW_ERROR ||
                                (job->settings->compare == 2 && job->plan.count == 2)
@@ -207,6 +202,9 @@ static void report_json(const picture_job *job, const render_scene_file *file, i
     else
         cli_json_null(&json, "largest_difference");
     cli_json_size(&json, "lines_left_out", lines_left_out(job));
+    cli_json_string(&json, "up", render_up_name(file->up));
+    cli_json_bool(&json, "up_guessed", file->up_guessed);
+    cli_json_string(&json, "not_drawn", job->plan.left_out);
     cli_json_open(&json, "world_to_clip", '['); /* of the first panel */
     for (int i = 0; i < 16; ++i) cli_json_number(&json, NULL, job->plan.panels[0].world_to_clip[i]);
     cli_json_close(&json, ']');
@@ -245,6 +243,9 @@ static void report_text(const picture_job *job, const render_scene_file *file, i
         cli_count(out, lines_left_out(job));
         fputs(" lines left out (--most-lines)", out);
     }
+    if (file->up_guessed && !job->settings->sheet)
+        fprintf(out, "; up is %s, by a guess (--up)", render_up_name(file->up));
+    if (job->plan.left_out[0]) fprintf(out, "; not drawn: %s", job->plan.left_out);
     fputc('\n', out);
     fflush(out);
     if (file->document) cli_print_notes(job->input, file->document);

@@ -8,7 +8,7 @@
 
 /* ---- settings */
 
-enum { RENDER_MOST_WORDS = RENDER_MOST_PANELS, RENDER_MOST_TURNS = 3600 };
+enum { RENDER_MOST_WORDS = RENDER_MOST_PANELS, RENDER_MOST_TURNS = 3600, RENDER_MOST_RULES = 256 };
 
 typedef struct render_settings {
     cli_files files;
@@ -29,6 +29,11 @@ typedef struct render_settings {
     int crease_given;
     double crease_rad;
     norma_weight weight;
+    int clay; /* materials are left out; -1: where nothing else is looked for in the picture */
+    int up_given;
+    enum render_up up;
+    int has_select; /* findings of some rules only */
+    uint8_t select[RENDER_MOST_RULES];
     int compute; /* --normals computed: stored ones are not looked at */
     int software;
     int light_given;
@@ -66,8 +71,12 @@ typedef struct render_scene_file {
     render_scene scenes[RENDER_MOST_PANELS]; /* one for each variant */
     size_t variant_count;
     size_t *document_meshes; /* of each surface of any scene: its number in the document */
-    char found[200];         /* --show findings: how many, in words */
-    void **owned;            /* arrays that the scenes point to */
+    char found[200];         /* --show findings: the rules, in words */
+    size_t found_counts[4], found_nowhere; /* by severity; those without a place to draw */
+    size_t not_shown;                      /* draws of nodes outside the file's scene */
+    enum render_up up;
+    int up_guessed;
+    void **owned; /* arrays that the scenes point to */
     size_t owned_count, owned_room;
 } render_scene_file;
 
@@ -87,12 +96,23 @@ void render_scene_free(render_scene *scene);
 norma_document_result render_file_fail(
     norma_document_error *error, norma_document_result result, const char *input, const char *what);
 
+extern const uint32_t render_finding_colours[4]; /* by severity */
+/* Which axis of the file points up, by --up, the format, or a guess. */
+void render_file_set_up(
+    const render_settings *settings, render_scene_file *file, const render_scene *scene);
+const char *render_up_name(enum render_up up);
+/* Appends what a picture of the file does not show, in words; text holds room bytes. */
+void render_file_left_out(
+    const render_settings *settings, const render_scene_file *file, char *text, size_t room);
+
 /* ---- panels */
 
 typedef struct render_plan { /* of one picture */
     render_panel panels[RENDER_MOST_PANELS];
     size_t count, files;
     char above[RENDER_MOST_PANELS][160], below[RENDER_MOST_PANELS][160], footer[200];
+    char left_out[320], keys[4][40]; /* keys: of findings, by severity */
+    size_t found_counts[4];
     const render_settings *settings;
     int difference; /* largest between panels of shadings, of 255; -1: none */
 } render_plan;
@@ -101,6 +121,8 @@ typedef struct render_plan { /* of one picture */
  * where nothing else is; may be NULL. A status; said already. */
 int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_file *file,
     const char *title, norma_document_error *error);
+/* The words under a picture that are known before it is drawn. */
+void render_plan_legend(render_plan *plan, render_sheet *sheet);
 /* A render_tell: user is the plan. */
 void render_plan_tell(void *user, render_sheet *sheet, const render_picture *picture);
 /* The words of --compare and --views are checked before a file is opened. */

@@ -21,6 +21,15 @@ static int surfaces_of(
 
 /* ---- a surface that moves */
 
+static void find_middle(const norma_mesh *mesh, size_t face, double middle[3]) {
+    memset(middle, 0, 3 * sizeof *middle);
+    for (size_t corner = 3 * face; corner < 3 * face + 3; ++corner) {
+        double p[3];
+        norma_view_vector(&mesh->positions, norma_mesh_corner(mesh, corner), p);
+        for (int k = 0; k < 3; ++k) middle[k] += p[k] / 3;
+    }
+}
+
 static int move_dots(render_scene_file *file, render_surface *surface) {
     render_dot *dots = malloc((surface->dot_count + 1) * sizeof *dots);
     if (!dots) return 0;
@@ -28,6 +37,8 @@ static int move_dots(render_scene_file *file, render_surface *surface) {
         dots[i] = surface->dots[i];
         if (dots[i].vertex < surface->mesh.positions.count)
             norma_view_vector(&surface->mesh.positions, dots[i].vertex, dots[i].position);
+        else if (3 * dots[i].face < surface->mesh.corner_count) /* a glTF's are triangles */
+            find_middle(&surface->mesh, dots[i].face, dots[i].position);
     }
     surface->dots = dots;
     return render_file_keep(file, dots);
@@ -92,6 +103,7 @@ static norma_document_result draw_node(const render_settings *settings, render_s
         for (size_t k = 0; k < draws->count && !result; ++k) {
             norma_drawn_mesh drawn;
             result = drawn_at(file, draws, instance, k, &drawn, error);
+            file->not_shown += !result && !drawn.shown;
             if (result || !drawn.shown || (drawn.skinned && instance > 0)) continue;
             m->draws[m->draw_count].surface = first + k;
             memcpy(m->draws[m->draw_count++].world, drawn.world, sizeof drawn.world);
@@ -132,6 +144,7 @@ static norma_document_result make_room(
 norma_document_result render_file_draws(const render_settings *settings, render_scene_file *file,
     scene_maker *m, norma_document_error *error) {
     const size_t base_count = m->surface_count;
+    file->not_shown = 0;
     norma_document_result result = make_room(file, m, error);
     for (size_t i = 0; i < norma_document_node_count(file->document) && !result; ++i) {
         norma_node_info node;

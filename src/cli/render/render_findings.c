@@ -4,13 +4,13 @@
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
 #include <norma/check.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const uint32_t colours[] = {[NORMA_SEVERITY_INFO] = 0x2F7FC4,
+const uint32_t render_finding_colours[4] = {[NORMA_SEVERITY_INFO] = 0x2F7FC4,
     [NORMA_SEVERITY_WARNING] = 0xE39A1E,
     [NORMA_SEVERITY_ERROR] = 0xD12B2B};
+static const uint32_t *const colours = render_finding_colours;
 enum { MOST_SAMPLES = 20000 }; /* of one finding */
 
 /* One surface's marks while they are made: severities first, so that the gravest stays. */
@@ -69,28 +69,6 @@ static void raise(uint8_t *severity, norma_severity to) {
     *severity = *severity < to ? (uint8_t)to : *severity;
 }
 
-/* The vertex of a sample, or the corner of its face that is nearest to its position: a dot moves
- * with it. */
-static uint32_t vertex_of(const marks *m, const norma_sample *sample) {
-    const norma_mesh *mesh = &m->surface->mesh;
-    double best = INFINITY;
-    uint32_t vertex = UINT32_MAX;
-    if (sample->vertex < mesh->positions.count) return (uint32_t)sample->vertex;
-    if (sample->face >= m->faces) return vertex;
-    const size_t first = mesh->face_starts ? mesh->face_starts[sample->face] : 3 * sample->face,
-                 end = mesh->face_starts ? mesh->face_starts[sample->face + 1] : first + 3;
-    for (size_t corner = first; corner < end; ++corner) {
-        double p[3], squares = 0;
-        norma_view_vector(&mesh->positions, norma_mesh_corner(mesh, corner), p);
-        for (int k = 0; k < 3; ++k)
-            squares += (p[k] - sample->position[k]) * (p[k] - sample->position[k]);
-        if (squares >= best) continue;
-        best = squares;
-        vertex = norma_mesh_corner(mesh, corner);
-    }
-    return vertex;
-}
-
 static int add_dot(marks *m, const norma_sample *sample, norma_severity severity) {
     if (!sample->has_position) return 1;
     if (m->dot_count == m->dot_room) {
@@ -101,7 +79,8 @@ static int add_dot(marks *m, const norma_sample *sample, norma_severity severity
         m->dot_room = room;
     }
     memcpy(m->dots[m->dot_count].position, sample->position, sizeof sample->position);
-    m->dots[m->dot_count].vertex = vertex_of(m, sample);
+    m->dots[m->dot_count].vertex = sample->vertex;
+    m->dots[m->dot_count].face = sample->face;
     m->dots[m->dot_count++].colour = colours[severity];
     return 1;
 }
@@ -146,10 +125,13 @@ static int mark_surface(render_scene_file *file, const norma_findings *findings,
     render_surface *surface) {
     marks m;
     int good = begin(&m, surface);
-    for (size_t i = 0; good && i < norma_findings_count(findings); ++i) {
-        const norma_finding *finding = norma_findings_get(findings, i);
-        if (strcmp(finding->where, where) == 0) good = mark_finding(&m, finding);
-    }
+    /* Errors last, so that their dots lie above. */
+    for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
+        for (size_t i = 0; good && i < norma_findings_count(findings); ++i) {
+            const norma_finding *finding = norma_findings_get(findings, i);
+            if ((int)finding->severity == severity && strcmp(finding->where, where) == 0)
+                good = mark_finding(&m, finding);
+        }
     if (good) {
         surface->face_marks = coloured(file, m.face_severity, m.faces);
         surface->corner_marks = coloured(file, m.corner_severity, m.corners);
@@ -165,22 +147,30 @@ static int mark_surface(render_scene_file *file, const norma_findings *findings,
     return good;
 }
 
-static void count_words(const norma_findings *findings, char *words, size_t room) {
-    size_t counts[4] = {0};
-    int length;
-    for (size_t i = 0; i < norma_findings_count(findings); ++i)
-        ++counts[norma_findings_get(findings, i)->severity];
-    length = snprintf(words, room, "%zu error%s, %zu warning%s, %zu info%s",
-        counts[NORMA_SEVERITY_ERROR], counts[NORMA_SEVERITY_ERROR] == 1 ? "" : "s",
-        counts[NORMA_SEVERITY_WARNING], counts[NORMA_SEVERITY_WARNING] == 1 ? "" : "s",
-        counts[NORMA_SEVERITY_INFO], counts[NORMA_SEVERITY_INFO] == 1 ? "" : "s");
-    /* The first rules by name, while there is room. */
-    for (size_t i = 0;
-         i < norma_findings_count(findings) && i < 3 && length > 0 && (size_t)length < room; ++i) {
-        const norma_rule *rule = norma_findings_get(findings, i)->rule;
-        length += snprintf(words + length, room - (size_t)length, "%s%s %s", i ? ", " : ": ",
-            rule->id, rule->name);
+/* How many of each severity, the rules of the gravest by name while there is room, and how many
+ * have no place on a surface. */
+static void tell_found(const norma_findings *findings, render_scene_file *file) {
+    const size_t room = sizeof file->found;
+    size_t length = 0, named = 0;
+    memset(file->found_counts, 0, sizeof file->found_counts);
+    file->found_nowhere = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        ++file->found_counts[finding->severity];
+        file->found_nowhere += finding->sample_count == 0;
     }
+    snprintf(file->found, room, "nothing found");
+    for (int severity = NORMA_SEVERITY_ERROR; severity >= NORMA_SEVERITY_INFO; --severity)
+        for (size_t i = 0; i < norma_findings_count(findings) && named < 3; ++i) {
+            const norma_finding *finding = norma_findings_get(findings, i);
+            char name[120];
+            snprintf(name, sizeof name, "%s %s", finding->rule->id, finding->rule->name);
+            if ((int)finding->severity != severity || (named && strstr(file->found, name)))
+                continue;
+            const int more =
+                snprintf(file->found + length, room - length, "%s%s", named++ ? ", " : "", name);
+            length += more > 0 && (size_t)more < room - length ? (size_t)more : 0;
+        }
 }
 
 norma_document_result render_file_mark(const render_settings *settings, render_scene_file *file,
@@ -188,6 +178,7 @@ norma_document_result render_file_mark(const render_settings *settings, render_s
     cli_progress progress;
     const norma_check_options options = {.struct_size = sizeof options,
         .max_samples = MOST_SAMPLES,
+        .rules = settings->has_select ? settings->select : NULL,
         .threads = settings->common.threads,
         .progress = cli_progress_elapsed,
         .progress_user = &progress};
@@ -204,7 +195,7 @@ norma_document_result render_file_mark(const render_settings *settings, render_s
             result = NORMA_DOCUMENT_ERROR_MEMORY;
         }
     }
-    if (!result) count_words(findings, file->found, sizeof file->found);
+    if (!result) tell_found(findings, file);
     norma_findings_free(findings);
     error->result = result;
     return result;

@@ -1,6 +1,7 @@
 /* render_options.c: the options of norma render. */
 #include "cli/render/render_command.h"
 #include "cli/text/report_text.h"
+#include <norma/check.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +10,7 @@ void render_settings_default(render_settings *settings) {
     *settings = (render_settings){.matrix = cli_matrix_identity,
         .common.threads = NORMA_ALL_THREADS,
         .shading = RENDER_PHONG,
+        .clay = -1,
         .azimuth_deg = 35,
         .elevation_deg = 22};
     settings->look = (render_look){.width = 512,
@@ -16,12 +18,12 @@ void render_settings_default(render_settings *settings) {
         .samples = 2,
         .background = {250, 249, 246, 255},
         .ink = {38, 38, 38},
-        .lights = {{-40, 42, 0.85}, {60, 8, 0.18}},
+        .lights = {{-30, 50, 0.78}, {75, 5, 0.34}},
         .light_count = 2,
-        .ambient = 0.1,
-        .diffuse = 0.95,
-        .specular = 0.18,
-        .exponent = 40,
+        .ambient = 0.09,
+        .diffuse = 0.9,
+        .specular = 0.07,
+        .exponent = 25,
         .field_of_view_deg = 28,
         .line_pixels = 1.6,
         .reach = 0.7,
@@ -46,19 +48,20 @@ static const char *set_shading(void *settings, const char *value) {
 }
 
 static const char *set_show(void *user, const char *value) {
-    static const char expected[] = "normals, winding, error or findings, with hedgehog or "
-                                   "wireframe over it or alone, such as winding,wireframe";
-    static const char *const names[] = {
-        "shading", "normals", "winding", "error", "findings", "hedgehog", "wireframe"};
+    static const char expected[] =
+        "normals, winding, error, findings, matcap or zebra, with hedgehog or "
+        "wireframe over it or alone, such as winding,wireframe";
+    static const char *const names[] = {"shading", "normals", "winding", "error", "findings",
+        "matcap", "zebra", "hedgehog", "wireframe"};
     render_settings *settings = user;
     int bases = 0;
     for (const char *word = value;; ++word) {
         size_t length = strcspn(word, ",");
         int number = number_of(word, length, names, CLI_COUNT(names));
         if (number < 0) return expected;
-        if (number == 5)
+        if (number == 7)
             settings->lines |= RENDER_VERTEX_LINES | RENDER_FACE_LINES;
-        else if (number == 6)
+        else if (number == 8)
             settings->lines |= RENDER_WIREFRAME;
         else if (bases++)
             return expected;
@@ -165,6 +168,23 @@ static const char *set_error_top(void *settings, const char *value) {
     return NULL;
 }
 
+static const char *set_clay(void *settings, const char *value) {
+    if (value && strcmp(value, "yes") != 0 && strcmp(value, "no") != 0)
+        return "yes or no, or nothing behind it";
+    ((render_settings *)settings)->clay = !value || value[0] == 'y';
+    return NULL;
+}
+
+static const char *set_select(void *user, const char *value) {
+    render_settings *settings = user;
+    size_t rules;
+    norma_rules(&rules);
+    if (rules > RENDER_MOST_RULES || norma_rules_select(value, settings->select, NULL))
+        return "ids of rules (N301), their beginnings (N3) or names, with commas between";
+    settings->has_select = 1;
+    return NULL;
+}
+
 /* ---- normals */
 
 static const char *set_normals(void *settings, const char *value) {
@@ -208,9 +228,13 @@ static const char *set_fov(void *settings, const char *value) {
     return NULL;
 }
 
-static const char *set_up(void *settings, const char *value) {
-    if (strcmp(value, "y") != 0 && strcmp(value, "z") != 0) return "y or z";
-    ((render_settings *)settings)->look.z_up = value[0] == 'z';
+static const char *set_up(void *user, const char *value) {
+    static const char *const names[] = {"y", "z", "x"};
+    render_settings *settings = user;
+    const int number = number_of(value, strlen(value), names, CLI_COUNT(names));
+    if (number < 0) return "x, y or z";
+    settings->up = (enum render_up)number;
+    settings->up_given = 1;
     return NULL;
 }
 
@@ -333,6 +357,8 @@ const cli_option render_options[] = {
     {"turntable", 0, CLI_VALUE, set_turntable},
     {"sheet", 0, CLI_NO_VALUE, set_sheet},
     {"label", 0, CLI_VALUE, set_label},
+    {"clay", 0, CLI_MAYBE_VALUE, set_clay},
+    {"select", 0, CLI_VALUE, set_select},
     {"lines", 0, CLI_VALUE, set_lines},
     {"line-length", 0, CLI_VALUE, set_line_length},
     {"line-width", 0, CLI_VALUE, set_line_width},

@@ -101,6 +101,11 @@ int render_settings_check(const cli_subcommand *verb, render_settings *settings)
         return cli_usage(verb, "--compare and --views exclude each other");
     if (settings->turns && (settings->views || settings->sheet))
         return cli_usage(verb, "--turntable excludes --views and --sheet");
+    if (settings->has_select && settings->show != RENDER_SHOW_MARKS)
+        return cli_usage(verb, "--select applies only to findings; expected --show findings");
+    if (settings->clay < 0)
+        settings->clay = settings->compare || settings->show == RENDER_SHOW_ERROR ||
+                         settings->show == RENDER_SHOW_MARKS;
     settings->look.steady = settings->turns > 0;
     int status = render_plan_check(verb, settings);
     if (!status) status = check_outputs(verb, settings);

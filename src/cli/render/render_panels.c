@@ -142,7 +142,8 @@ int render_plan_check(const cli_subcommand *verb, const render_settings *setting
 /* The colours of hedgehog lines as the figures of the guide have them. */
 static const uint32_t wrong_colour = 0xC0392B, right_colour = 0x1D7A4A;
 
-static render_panel *add_panel(render_plan *plan, const render_scene *scene, const char *title) {
+static render_panel *add_panel(render_plan *plan, const render_scene_file *file,
+    const render_scene *scene, const char *title) {
     const render_settings *settings = plan->settings;
     const size_t i = plan->count++;
     render_panel *panel = &plan->panels[i];
@@ -150,6 +151,7 @@ static render_panel *add_panel(render_plan *plan, const render_scene *scene, con
         .file = plan->files,
         .azimuth_deg = settings->azimuth_deg,
         .elevation_deg = settings->elevation_deg,
+        .up = file->up,
         .shading = settings->shading,
         .show = settings->show,
         .space = settings->space,
@@ -198,21 +200,22 @@ static int add_sides(const cli_subcommand *verb, render_plan *plan, render_scene
         }
         const render_scene *scene = render_file_scene(plan->settings, file, &variant, error);
         if (!scene) return cli_status_of(error->result);
-        render_panel *panel = add_panel(plan, scene, s->title);
+        render_panel *panel = add_panel(plan, file, scene, s->title);
         if (s->has_shading) panel->shading = s->shading;
         apply_way(plan, panel, s->way);
     }
     return status;
 }
 
-static int add_views(const cli_subcommand *verb, render_plan *plan, const render_scene *scene) {
+static int add_views(const cli_subcommand *verb, render_plan *plan, const render_scene_file *file,
+    const render_scene *scene) {
     view views[RENDER_MOST_PANELS];
     size_t count = read_views(plan->settings, views);
     int status = too_many(verb, plan, count);
     for (size_t i = 0; i < count && !status; ++i) {
         char title[32];
         snprintf(title, sizeof title, "%.4g°", fmod(views[i].azimuth_deg, 360));
-        render_panel *panel = add_panel(plan, scene, views[i].name ? views[i].name : title);
+        render_panel *panel = add_panel(plan, file, scene, views[i].name ? views[i].name : title);
         panel->azimuth_deg = views[i].azimuth_deg;
         panel->elevation_deg = views[i].elevation_deg;
     }
@@ -225,18 +228,36 @@ int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_
     const render_variant usual = {
         settings->compute, settings->crease_given, settings->crease_rad, settings->weight};
     plan->files++;
-    if (settings->compare) return add_sides(verb, plan, file, &usual, error);
     const size_t first = plan->count;
-    const render_scene *scene = render_file_scene(settings, file, &usual, error);
-    if (!scene) return cli_status_of(error->result);
-    if (settings->views) return add_views(verb, plan, scene);
-    int status = too_many(verb, plan, 1);
-    if (!status) add_panel(plan, scene, title);
-    if (!status && settings->show == RENDER_SHOW_MARKS) {
+    int status = CLI_OK;
+    if (settings->compare) {
+        status = add_sides(verb, plan, file, &usual, error);
+    } else {
+        const render_scene *scene = render_file_scene(settings, file, &usual, error);
+        if (!scene) return cli_status_of(error->result);
+        status = settings->views ? add_views(verb, plan, file, scene) : too_many(verb, plan, 1);
+        if (!status && !settings->views) add_panel(plan, file, scene, title);
+    }
+    if (status) return status;
+    render_file_left_out(settings, file, plan->left_out, sizeof plan->left_out);
+    for (int i = 0; i < 4; ++i) plan->found_counts[i] += file->found_counts[i];
+    if (settings->show == RENDER_SHOW_MARKS && !settings->compare) {
         snprintf(plan->below[first], sizeof plan->below[first], "%.150s", file->found);
         plan->panels[first].below = plan->below[first];
     }
     return status;
+}
+
+void render_plan_legend(render_plan *plan, render_sheet *sheet) {
+    static const char *const names[4][2] = {
+        [1] = {"info", "infos"}, [2] = {"warning", "warnings"}, [3] = {"error", "errors"}};
+    if (plan->left_out[0]) sheet->left_out = plan->left_out;
+    for (int i = 3; i > 0; --i) {
+        if (!plan->found_counts[i]) continue;
+        snprintf(plan->keys[i], sizeof plan->keys[i], "%zu %s", plan->found_counts[i],
+            names[i][plan->found_counts[i] > 1]);
+        sheet->keys[sheet->key_count++] = (render_key){render_finding_colours[i], plan->keys[i]};
+    }
 }
 
 /* ---- what is known once the panels are drawn */

@@ -2,12 +2,12 @@
  * viewport. Matrices are column-major, for column vectors. */
 #ifndef NORMA_RENDER_PIPELINE_H
 #define NORMA_RENDER_PIPELINE_H
-#include <stddef.h>
+#include "render/render.h"
 
 typedef struct render_camera {
     double azimuth_deg, elevation_deg; /* 0, 0: from the front, looking along -z; azimuth 90 from
                                           the right (+x); elevation 90 from above */
-    int z_up;                          /* front is then from -y, above is +z */
+    enum render_up up;                 /* z: front is then from -y; x: from +z */
     double centre[3];                  /* in the middle of the picture, world */
     double distance;                   /* of the eye from it */
     double half_height; /* orthographic: world units from the middle to the upper border; 0:

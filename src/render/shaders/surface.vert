@@ -6,6 +6,8 @@
 //                 SHOW_NORMALS     the unit normal in lit space as a colour, 0.5 + 0.5 n
 //                 SHOW_WINDING     faces seen from their front green, from their back red
 //                 SHOW_ERROR       value on the colour scale
+//                 SHOW_MATCAP      a studio's lights in it: the normal seen by the eye decides the colour
+//                 SHOW_ZEBRA       stripes of light as they are mirrored in it
 // #define LIGHT_IN_VIEW            lit space is view space; otherwise world space
 //
 // Attributes (bind by location)

@@ -85,6 +85,10 @@ static enum render_program program_of(const render_panel *panel) {
         return RENDER_PROGRAM_WINDING;
     case RENDER_SHOW_ERROR:
         return RENDER_PROGRAM_ERROR;
+    case RENDER_SHOW_MATCAP:
+        return RENDER_PROGRAM_MATCAP;
+    case RENDER_SHOW_ZEBRA:
+        return RENDER_PROGRAM_ZEBRA;
     case RENDER_SHOW_MARKS:
         return RENDER_PROGRAM_PHONG;
     case RENDER_SHOW_LIT:
@@ -100,16 +104,17 @@ static void set_material(
     const render_look *look = p->stage->look;
     const render_panel *panel = p->stage->panel;
     static const float white[3] = {1, 1, 1};
-    const int culled = !surface->two_sided &&
-                       (panel->show == RENDER_SHOW_LIT || panel->show == RENDER_SHOW_NORMALS);
+    /* Winding, errors and findings are looked for on either side. */
+    const int either = panel->show == RENDER_SHOW_WINDING || panel->show == RENDER_SHOW_ERROR ||
+                       panel->show == RENDER_SHOW_MARKS;
     const float usual[4] = {(float)look->ambient, (float)look->diffuse, (float)look->specular,
         (float)look->exponent},
                 unlit[4] = {1, 0, 0, 1};
     p->gl->Uniform3fv(
         at->base_colour, 1, panel->show == RENDER_SHOW_MARKS ? white : surface->base_colour);
-    p->gl->Uniform1f(at->two_sided, surface->two_sided || panel->show != RENDER_SHOW_LIT ? 1 : 0);
+    p->gl->Uniform1f(at->two_sided, surface->two_sided || either ? 1 : 0);
     p->gl->Uniform4fv(at->phong, 1, surface->unlit ? unlit : usual);
-    (culled ? p->gl->Enable : p->gl->Disable)(GL_CULL_FACE);
+    (!surface->two_sided && !either ? p->gl->Enable : p->gl->Disable)(GL_CULL_FACE);
 }
 
 static enum render_result draw_surfaces(const painter *p, render_error *error) {

@@ -14,9 +14,15 @@ static double text_size(const render_look *look) {
 /* ---- where things lie */
 
 typedef struct layout {
-    size_t columns, rows, above, below, legend,
-        footer; /* heights of strips: of each row, of the legend, of the words under all */
+    size_t columns, rows, above, below, legend, keys, footer,
+        left_out; /* heights of strips: of each row, then under all */
 } layout;
+
+static size_t lines_left_out(const render_sheet *sheet) {
+    size_t lines = 0;
+    for (size_t i = 0; i < sheet->panel_count; ++i) lines += sheet->panels[i].lines_left_out;
+    return lines;
+}
 
 static layout lay_out(const render_look *look, render_sheet *sheet) {
     const size_t strip = (size_t)lround(2.4 * text_size(look));
@@ -29,6 +35,8 @@ static layout lay_out(const render_look *look, render_sheet *sheet) {
         l.legend = sheet->panels[i].show == RENDER_SHOW_ERROR ? 2 * strip : l.legend;
     }
     l.footer = sheet->below ? strip : 0;
+    l.keys = sheet->key_count ? strip : 0;
+    l.left_out = sheet->left_out || lines_left_out(sheet) ? strip : 0;
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         sheet->panel_x[i] = i % l.columns * look->width;
         sheet->panel_y[i] = i / l.columns * (l.above + look->height + l.below) + l.above;
@@ -40,7 +48,8 @@ static enum render_result make_picture(
     const render_look *look, const layout *l, render_picture *picture, render_error *error) {
     const size_t most = (size_t)1 << 15; /* each way: what readers of PNG take without asking */
     picture->width = l->columns * look->width;
-    picture->height = l->rows * (l->above + look->height + l->below) + l->legend + l->footer;
+    picture->height = l->rows * (l->above + look->height + l->below) + l->legend + l->keys +
+                      l->footer + l->left_out;
     if (picture->width > most || picture->height > most)
         return render_fail(error, RENDER_ERROR_ARGUMENT,
             "a picture of %zux%zu pixels; expected at most %zu each way", picture->width,
@@ -66,6 +75,19 @@ static void write_words(const render_look *look, render_picture *picture, const 
         (double)y + ((double)height + size) / 2, size, look->ink);
 }
 
+static void write_left_out(
+    const render_look *look, const render_sheet *sheet, const layout *l, render_picture *picture) {
+    char words[400], lines[80] = "";
+    const size_t count = lines_left_out(sheet);
+    if (count)
+        snprintf(
+            lines, sizeof lines, "%s%zu lines of the hedgehog", sheet->left_out ? "; " : "", count);
+    snprintf(
+        words, sizeof words, "not drawn: %.300s%s", sheet->left_out ? sheet->left_out : "", lines);
+    write_words(
+        look, picture, words, 0, picture->width, picture->height - l->left_out, l->left_out);
+}
+
 static void write_all_words(
     const render_look *look, const render_sheet *sheet, const layout *l, render_picture *picture) {
     for (size_t i = 0; i < sheet->panel_count; ++i) {
@@ -78,8 +100,39 @@ static void write_all_words(
                 sheet->panel_y[i] + look->height, l->below);
     }
     if (sheet->below && l->footer)
-        write_words(
-            look, picture, sheet->below, 0, picture->width, picture->height - l->footer, l->footer);
+        write_words(look, picture, sheet->below, 0, picture->width,
+            picture->height - l->left_out - l->footer, l->footer);
+    if (l->left_out) write_left_out(look, sheet, l, picture);
+}
+
+/* ---- keys: squares of a colour, each with its words to the right */
+
+static void fill_square(render_picture *picture, size_t x, size_t y, size_t side, uint32_t colour) {
+    for (size_t row = y; row < y + side && row < picture->height; ++row)
+        for (size_t column = x; column < x + side && column < picture->width; ++column) {
+            uint8_t *pixel = picture->pixels + 4 * (row * picture->width + column);
+            for (int k = 0; k < 3; ++k) pixel[k] = (uint8_t)(colour >> (16 - 8 * k));
+            pixel[3] = 255;
+        }
+}
+
+static void write_keys(
+    const render_look *look, const render_sheet *sheet, const layout *l, render_picture *picture) {
+    double size = text_size(look), wide = 0;
+    for (size_t i = 0; i < sheet->key_count; ++i)
+        wide += render_text_width(sheet->keys[i].words, size) + 3.5 * size;
+    if (wide > 0.96 * (double)picture->width) {
+        size *= 0.96 * (double)picture->width / wide;
+        wide = 0.96 * (double)picture->width;
+    }
+    double x = fmax(((double)picture->width - wide) / 2 + size, 0);
+    const double y = (double)(picture->height - l->left_out - l->footer - l->keys) +
+                     ((double)l->keys - size) / 2;
+    for (size_t i = 0; i < sheet->key_count; ++i) {
+        fill_square(picture, (size_t)x, (size_t)y, (size_t)ceil(size), sheet->keys[i].colour);
+        render_text_draw(picture, sheet->keys[i].words, x + 1.6 * size, y + size, size, look->ink);
+        x += render_text_width(sheet->keys[i].words, size) + 3.5 * size;
+    }
 }
 
 /* ---- the scale of errors */
@@ -120,7 +173,7 @@ static enum render_result draw_legend(render_device *device, const render_look *
                  size = fmin(text_size(look), wide / 30); /* so that no two numbers touch */
     const size_t height = (size_t)lround(text_size(look)), width = picture->width * 3 / 4,
                  x = (picture->width - width) / 2,
-                 y = picture->height - l->footer - l->legend + height / 2;
+                 y = picture->height - l->left_out - l->footer - l->keys - l->legend + height / 2;
     const render_area area = {x, y, width, height};
     const render_compiled *program;
     enum render_result result = render_target_begin(device, width, height, clear, error);
@@ -204,12 +257,17 @@ static enum render_result share_frames(
     return RENDER_OK;
 }
 
-static enum render_result draw_panels(render_device *device, const render_look *look,
-    render_sheet *sheet, render_stage *stages, render_picture *picture, render_error *error) {
+static enum render_result make_stages(render_device *device, const render_look *look,
+    render_sheet *sheet, render_stage *stages, render_error *error) {
     enum render_result result = RENDER_OK;
     for (size_t i = 0; i < sheet->panel_count && !result; ++i)
         result = render_stage_make(device, look, &sheet->panels[i], &stages[i], error);
-    if (!result) result = share_scale(stages, sheet, error);
+    return result;
+}
+
+static enum render_result draw_panels(render_device *device, const render_look *look,
+    render_sheet *sheet, render_stage *stages, render_picture *picture, render_error *error) {
+    enum render_result result = share_scale(stages, sheet, error);
     if (!result) result = share_frames(stages, sheet, error);
     if (result) return result;
     sheet->error_top_deg =
@@ -233,13 +291,18 @@ enum render_result render_sheet_draw(render_device *device, const render_look *l
         return render_fail(error, RENDER_ERROR_ARGUMENT, "%zu panels; expected 1 to %d",
             sheet->panel_count, RENDER_MOST_PANELS);
     render_stage *stages = calloc(sheet->panel_count, sizeof *stages);
-    const layout l = lay_out(look, sheet);
     enum render_result result =
-        stages ? make_picture(look, &l, picture, error) : render_fail_memory(error);
+        stages ? make_stages(device, look, sheet, stages, error) : render_fail_memory(error);
+    layout l = {0};
+    if (!result) {
+        l = lay_out(look, sheet);
+        result = make_picture(look, &l, picture, error);
+    }
     if (!result) result = draw_panels(device, look, sheet, stages, picture, error);
     if (!result && l.legend) result = draw_legend(device, look, &l, sheet, picture, error);
     if (!result && tell) tell(user, sheet, picture);
     if (!result) write_all_words(look, sheet, &l, picture);
+    if (!result && l.keys) write_keys(look, sheet, &l, picture);
     for (size_t i = 0; stages && i < sheet->panel_count; ++i) render_stage_free(&stages[i]);
     free(stages);
     if (result) render_picture_free(picture);

@@ -233,7 +233,7 @@ static void set_lens(render_stage *stage) {
     render_camera *camera = &stage->camera;
     *camera = (render_camera){.azimuth_deg = stage->panel->azimuth_deg,
         .elevation_deg = stage->panel->elevation_deg,
-        .z_up = look->z_up};
+        .up = stage->panel->up};
     camera->aspect = (double)look->width / (double)look->height;
     camera->tangent = tan(look->field_of_view_deg / 2 * DEGREE) / fmin(camera->aspect, 1);
 }

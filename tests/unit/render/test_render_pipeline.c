@@ -33,7 +33,7 @@ static void world_to_view(void **state) {
     assert_near(seen, 0, -1, -10);
     render_point(m, over, seen);
     assert_near(seen, 0, 0, -7);
-    camera.z_up = 1; /* then from +z, with +y up */
+    camera.up = RENDER_UP_Z; /* then from +z, with +y up */
     render_world_to_view(&camera, m);
     render_point(m, before, seen);
     assert_near(seen, 0, 0, -9);
