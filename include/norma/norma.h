@@ -422,7 +422,8 @@ NORMA_API norma_result norma_interpolate_normal(const float a[3], const float b[
  *   once, each with its own output.
  * - Memory. An update allocates nothing, except with NORMA_FALLBACK_NEAREST when a normal is
  *   missing: then scratch memory from the allocator of its options. With threads above 1 it starts
- *   and joins threads. Its tasks need about 128 KiB of stack. */
+ *   and joins threads. Each of its tasks needs at most 32 KiB of stack, the call itself as much
+ *   again. */
 
 typedef enum norma_element {
     NORMA_PER_VERTEX = 0,

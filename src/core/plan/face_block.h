@@ -13,15 +13,17 @@
 #include "core/plan/plan.h"
 #include "core/face/measure.h"
 
+/* So many that a task needs less than 32 KiB of stack, as much as jobs and fibers have: of 1,024
+ * faces a full update takes 15 % less time, and needs 110 KiB. */
 enum {
-    BLOCK_FACES = 1 << 10,
+    BLOCK_FACES = 1 << 8,
     BLOCK_MOST_FACES = BLOCK_FACES - CORE_LANES,
     BLOCK_CORNERS = 3 * BLOCK_FACES,
-    BLOCK_VERTICES = 768,
-    BLOCK_SLOTS = 384,
+    BLOCK_VERTICES = 192,
+    BLOCK_SLOTS = 96,
     BLOCK_MEMBERS = (1 << 15) - 1 - BLOCK_CORNERS,
-    BLOCK_STAR = 512,     /* corners at one position; with more its groups are overflow */
-    BLOCK_FACE_BITS = 10, /* a corner of a block of triangles is its number in the face, then the
+    BLOCK_STAR = 128,    /* corners at one position; with more its groups are overflow */
+    BLOCK_FACE_BITS = 8, /* a corner of a block of triangles is its number in the face, then the
                             face; of others, its place in corners */
     BLOCK_NOBODY = BLOCK_FACES - 1, /* a member without a vote, of blocks of triangles: what it adds
                                      changes no bit of a sum */

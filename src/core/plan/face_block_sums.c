@@ -60,7 +60,9 @@ CORE_INLINE int load_floats(const block_view *t, const block_some *eights,
 
 /* ---- triangles */
 
-enum { BATCHES_AT_ONCE = 4 }; /* more would leave the nearest cache less for the block */
+/* More would leave the nearest cache, and the small stack of a caller's job, less for the block.
+ * Without registers for eight one is enough: several only spill. */
+enum { BATCHES_AT_ONCE = 3 };
 
 typedef struct block_batch {
     core_batch measured;
@@ -147,12 +149,10 @@ CORE_INLINE void measure_batches(
 /* One batch after the other from end to end is a chain of some 200 steps that each wait for the one
  * before, too long for the processor to see the next one's beginning. So each step is taken for
  * some batches at a time: they wait for nothing of each other. */
-CORE_INLINE void measure_weighted(
-    const block_view *t, block_some eights, block_room *room, norma_weight weight) {
-    block_batch batches[BATCHES_AT_ONCE];
-    for (uint32_t begin = 0; begin < eights.count; begin += BATCHES_AT_ONCE) {
-        const uint32_t count =
-            eights.count - begin < BATCHES_AT_ONCE ? eights.count - begin : BATCHES_AT_ONCE;
+CORE_INLINE void measure_some(const block_view *t, block_some eights, block_room *room,
+    block_batch *batches, uint32_t at_once, norma_weight weight) {
+    for (uint32_t begin = 0; begin < eights.count; begin += at_once) {
+        const uint32_t count = eights.count - begin < at_once ? eights.count - begin : at_once;
         for (uint32_t i = 0; i < count; i++) {
             batches[i].eight = number_at(eights, begin + i);
             read_batch((const double(*)[4])room->positions,
@@ -162,11 +162,6 @@ CORE_INLINE void measure_weighted(
         measure_batches(batches, count, weight, room);
         if (!all_sure(batches, count)) list_doubted(t, batches, count, room);
     }
-}
-
-CORE_INLINE void measure_triangles(
-    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
-    CORE_LOOP_FOR_WEIGHT(weight, measure_weighted, t, eights, room)
 }
 
 /* ---- groups */
@@ -323,7 +318,8 @@ static int load_portable(const block_view *t, const block_some *eights, const un
 }
 static void measure_portable(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
-    measure_triangles(t, eights, weight, room);
+    block_batch batch;
+    CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room, &batch, 1)
 }
 static void lengths_portable(const vertex_sum *sums, core_lengths *out, double *fine) {
     core_lanes_lengths(sums, out, fine);
@@ -339,6 +335,11 @@ static int sum_portable(const block_view *t, block_some groups, block_room *room
 CORE_FOR_AVX2 static int load_avx2(const block_view *t, const block_some *eights,
     const unsigned char *data, size_t stride, double (*out)[4]) {
     return load_floats(t, eights, data, stride, out);
+}
+CORE_INLINE void measure_triangles(
+    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
+    block_batch batches[BATCHES_AT_ONCE];
+    CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room, batches, BATCHES_AT_ONCE)
 }
 CORE_FOR_AVX2 static void measure_avx2(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {

@@ -6,7 +6,7 @@
 
 /* With fewer to do than FEWEST_BLOCKS_TO_SHARE nobody is called for help; tasks are small, so that
  * all end at about the same time. */
-enum { FEWEST_BLOCKS_TO_SHARE = 16, BLOCKS_IN_TASK = 4 };
+enum { FEWEST_BLOCKS_TO_SHARE = 64, BLOCKS_IN_TASK = 16 };
 
 typedef struct blocks_work {
     plan_work *work;
