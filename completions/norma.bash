@@ -23,7 +23,7 @@ _norma() {
     --tangents) values="keep orthogonalise regenerate" ;;
     --only) values="all missing broken" ;;
     --shading) values="flat gouraud phong" ;;
-    --show) values="normals winding error findings matcap zebra hedgehog wireframe" ;;
+    --show) values="normals winding error findings matcap zebra tangents hedgehog wireframe" ;;
     --space) values="world view" ;;
     --normals) values="stored computed" ;;
     --lines) values="vertices faces edges" ;;

@@ -57,7 +57,7 @@ complete -c norma -n "$render" -F
 complete -c norma -n "$render" -s o -l output -r -F -d 'The picture'
 complete -c norma -n "$render" -l out-dir -x -a '(__fish_complete_directories)' -d 'A folder for the pictures'
 complete -c norma -n "$render" -l shading -x -a 'flat gouraud phong' -d 'How light is computed'
-complete -c norma -n "$render" -l show -x -a 'normals winding error findings matcap zebra hedgehog wireframe' -d 'What is drawn'
+complete -c norma -n "$render" -l show -x -a 'normals winding error findings matcap zebra tangents hedgehog wireframe' -d 'What is drawn'
 complete -c norma -n "$render" -l compare -d 'Plain M beside the normal matrix; --compare=LIST'
 complete -c norma -n "$render" -l views -x -a 'front,right,top,three-quarter' -d 'Several in one picture'
 complete -c norma -n "$render" -l turntable -x -d 'Pictures about the vertical'

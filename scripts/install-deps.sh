@@ -14,7 +14,7 @@ set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
-packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libjansson-dev libpng-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
+packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libjansson-dev libpng-dev libjpeg-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
 python_packages="python3-dev python3-numpy python3-setuptools python3-wheel python3-venv"
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 esbuild"
 [ "$what" != web ] || packages=$web_packages

@@ -277,6 +277,57 @@ NORMA_API size_t norma_document_material_count(norma_document *document);
 NORMA_API norma_document_result norma_document_material_info(
     norma_document *document, size_t index, norma_material_info *info);
 
+/* An image on a surface: its file, and how it is looked up. Numbers as in glTF. */
+typedef struct norma_texture_info {
+    int there;                  /* 0: the material has no such texture */
+    const unsigned char *bytes; /* the image's file: PNG or JPEG; NULL: none, or not read */
+    size_t size;
+    const char *not_read; /* NULL, or why there are no bytes */
+    size_t image;         /* number in the file; SIZE_MAX: none. Equal numbers are one image */
+    size_t texcoord;      /* the set of texture coordinates */
+
+    /* KHR_texture_transform: coordinates are scaled, turned by rotation (radians, anticlockwise as
+     * seen in the image), then moved. */
+    float offset[2], scale[2], rotation;
+    float strength;             /* of a normal map: its x and y are multiplied by it */
+    int wrap_s, wrap_t;         /* 10497: repeat; 33071: clamp; 33648: mirrored */
+    int mag_filter, min_filter; /* 9728: nearest, 9729: linear, ...; 0: not given */
+} norma_texture_info;
+
+typedef enum norma_alpha_mode {
+    NORMA_ALPHA_OPAQUE = 0,
+    NORMA_ALPHA_MASK, /* drawn where alpha is at least alpha_cutoff */
+    NORMA_ALPHA_BLEND
+} norma_alpha_mode;
+
+/* What drawing needs of a material besides norma_material_info. */
+typedef struct norma_material_maps {
+    norma_alpha_mode alpha_mode;
+    float alpha_cutoff;
+    norma_texture_info base_color, normal;
+} norma_material_maps;
+
+/* Returns the images of a material. They are read on first use and belong to the document. An image
+ * that cannot be read is no error: see norma_texture_info.not_read.
+ *
+ *   index   below norma_document_material_count
+ *   maps    written
+ *   error   written on failure; or NULL
+ *
+ * Formats other than glTF have none. */
+NORMA_API norma_document_result norma_document_material_maps(
+    norma_document *document, size_t index, norma_material_maps *maps, norma_document_error *error);
+
+/* Returns one set of texture coordinates of a glTF mesh, two numbers for each vertex.
+ *
+ *   mesh        below norma_document_mesh_count
+ *   set         TEXCOORD_n
+ *   texcoords   written: NULL if the mesh has no such set
+ *   count       written: vertices
+ *   error       written on failure; or NULL */
+NORMA_API norma_document_result norma_document_texcoords(norma_document *document, size_t mesh,
+    size_t set, const float **texcoords, size_t *count, norma_document_error *error);
+
 /* The attributes of a mesh that norma_mesh_data does not contain. */
 typedef struct norma_mesh_attributes {
     /* SIZE_MAX: none (glTF: the default material). OBJ with several: that of the first face. */

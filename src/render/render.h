@@ -36,6 +36,17 @@ typedef struct render_dot {
     size_t vertex, face; /* whose position, or middle, it is; SIZE_MAX: of none */
 } render_dot;
 
+typedef struct render_picture {
+    size_t width, height;
+    uint8_t *pixels; /* RGBA, encoded as sRGB, alpha not multiplied in; row by row from the top */
+} render_picture;
+
+typedef struct render_texture {    /* an image on a surface */
+    const render_picture *picture; /* NULL: none */
+    const float *texcoords;        /* two for each position: 0, 0 is the image's upper left */
+    int wrap_s, wrap_t, mag_filter, min_filter; /* as in OpenGL; 0: repeat, linear with levels */
+} render_texture;
+
 typedef struct render_surface { /* one mesh; the arrays stay the caller's, and stay as they are
                                    until the sheet is drawn */
     norma_mesh mesh;
@@ -60,7 +71,14 @@ typedef struct render_surface { /* one mesh; the arrays stay the caller's, and s
         *dots; /* drawn with the marks, as large on the picture wherever they are */
     size_t dot_count;
     float base_colour[3]; /* linear */
-    int two_sided;        /* 0: faces seen from behind are not drawn */
+    float alpha;          /* of the base colour; heeded with a cutoff, or where it blends */
+    float alpha_cutoff;   /* what has less is not drawn; 0: all is drawn */
+    int blends;
+    render_texture base_map, normal_map; /* looked at in lit pictures */
+    float normal_strength;
+    const float *tangents; /* x, y, z, sign for each position, v counted downwards; NULL: as
+                              MikkTSpace makes them. Of the normal map */
+    int two_sided;         /* 0: faces seen from behind are not drawn */
     int unlit;
 } render_surface;
 
@@ -91,8 +109,9 @@ enum render_show {
     RENDER_SHOW_WINDING,
     RENDER_SHOW_ERROR,
     RENDER_SHOW_MARKS,
-    RENDER_SHOW_MATCAP, /* as a studio's lights reflect in it, whichever way it turns */
-    RENDER_SHOW_ZEBRA   /* stripes of light, mirrored: a crease parts them, a seam bends them */
+    RENDER_SHOW_MATCAP,  /* as a studio's lights reflect in it, whichever way it turns */
+    RENDER_SHOW_ZEBRA,   /* stripes of light, mirrored: a crease parts them, a seam bends them */
+    RENDER_SHOW_TANGENTS /* as colours, 0.5 + 0.5 t; darker where the sign is -1 */
 };
 enum render_up { RENDER_UP_Y = 0, RENDER_UP_Z, RENDER_UP_X };
 enum render_space { RENDER_SPACE_WORLD = 0, RENDER_SPACE_VIEW };
@@ -159,14 +178,14 @@ typedef struct render_panel {
 
 /* ---- pictures */
 
-typedef struct render_picture {
-    size_t width, height;
-    uint8_t *pixels; /* RGBA, encoded as sRGB, alpha not multiplied in; row by row from the top */
-} render_picture;
 void render_picture_free(render_picture *picture);
 /* The largest difference of two parts of a picture, in levels of 255, over red, green and blue. */
 int render_picture_difference(const render_picture *picture, size_t ax, size_t ay, size_t bx,
     size_t by, size_t width, size_t height);
+
+/* A PNG or JPEG as a picture, for render_picture_free. */
+enum render_result render_image_decode(
+    const uint8_t *bytes, size_t size, render_picture *picture, render_error *error);
 
 typedef struct render_png {
     uint8_t *bytes;

@@ -28,7 +28,7 @@ static const char help[] =
     "  --show LIST           one of normals (as colours), winding (front green, back red), error "
     "(between\n"
     "                        stored and computed normals), findings (of norma check), matcap, "
-    "zebra\n"
+    "zebra, tangents\n"
     "                        (stripes); also, over it or alone: hedgehog (normals as lines), "
     "wireframe\n"
     "  --select RULES        findings of these rules only, as for norma check\n"

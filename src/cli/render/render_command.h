@@ -74,6 +74,9 @@ typedef struct render_scene_file {
     char found[200];         /* --show findings: the rules, in words */
     size_t found_counts[4], found_nowhere; /* by severity; those without a place to draw */
     size_t not_shown;                      /* draws of nodes outside the file's scene */
+    size_t with_tangents, with_texcoords;  /* surfaces that store tangents; that have coordinates */
+    struct render_file_image **images;     /* of materials, as pictures */
+    size_t image_count, images_left_out;
     enum render_up up;
     int up_guessed;
     void **owned; /* arrays that the scenes point to */

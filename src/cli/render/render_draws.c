@@ -53,6 +53,7 @@ static int add_moved(
     surface->stored_surface = &m->surfaces[from];
     surface->mesh.positions = drawn->positions;
     surface->normals = drawn->normals;
+    if (surface->tangents) surface->tangents = drawn->tangents;
     surface->expected = NULL;
     return !surface->dots || move_dots(file, surface);
 }

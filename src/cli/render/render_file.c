@@ -40,6 +40,7 @@ void render_file_close(render_scene_file *file) {
     for (size_t i = 0; i < file->variant_count; ++i) render_scene_free(&file->scenes[i]);
     for (size_t i = 0; i < file->owned_count; ++i) free(file->owned[i]);
     free(file->owned);
+    free(file->images);
     free(file->document_meshes);
     norma_document_close(file->document);
     free(file->memory);

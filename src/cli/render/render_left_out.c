@@ -1,5 +1,5 @@
-/* render_left_out.c: norma render where the tool is built without libpng or the headers of EGL and
- * OpenGL ES: says so and fails. */
+/* render_left_out.c: norma render where the tool is built without libpng, libjpeg or the headers of
+ * EGL and OpenGL ES: says so and fails. */
 #include "cli/options/subcommand.h"
 #include "cli/process/errors.h"
 #include <string.h>
@@ -7,8 +7,8 @@
 static const char help[] =
     "norma render IN -o OUT.png: not in this build of norma\n"
     "\n"
-    "It was built without libpng or without the headers of EGL and OpenGL ES 3. Install them\n"
-    "(Debian: libpng-dev libegl-dev libgles-dev) and build again.\n";
+    "It was built without libpng, libjpeg or the headers of EGL and OpenGL ES 3. Install them\n"
+    "(Debian: libpng-dev libjpeg-dev libegl-dev libgles-dev) and build again.\n";
 
 static int run(const cli_subcommand *verb, int count, char **arguments) {
     (void)verb;
@@ -17,7 +17,8 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
             fputs(help, stdout);
             return cli_finish(CLI_OK);
         }
-    fputs("norma: render is not in this build; it needs libpng and the headers of EGL and OpenGL "
+    fputs("norma: render is not in this build; it needs libpng, libjpeg and the headers of EGL and "
+          "OpenGL "
           "ES 3\n",
         stderr);
     return CLI_FILE;

@@ -49,19 +49,19 @@ static const char *set_shading(void *settings, const char *value) {
 
 static const char *set_show(void *user, const char *value) {
     static const char expected[] =
-        "normals, winding, error, findings, matcap or zebra, with hedgehog or "
+        "normals, winding, error, findings, matcap, zebra or tangents, with hedgehog or "
         "wireframe over it or alone, such as winding,wireframe";
     static const char *const names[] = {"shading", "normals", "winding", "error", "findings",
-        "matcap", "zebra", "hedgehog", "wireframe"};
+        "matcap", "zebra", "tangents", "hedgehog", "wireframe"};
     render_settings *settings = user;
     int bases = 0;
     for (const char *word = value;; ++word) {
         size_t length = strcspn(word, ",");
         int number = number_of(word, length, names, CLI_COUNT(names));
         if (number < 0) return expected;
-        if (number == 7)
+        if (number == 8)
             settings->lines |= RENDER_VERTEX_LINES | RENDER_FACE_LINES;
-        else if (number == 8)
+        else if (number == 9)
             settings->lines |= RENDER_WIREFRAME;
         else if (bases++)
             return expected;

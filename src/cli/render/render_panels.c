@@ -245,6 +245,13 @@ int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_
         snprintf(plan->below[first], sizeof plan->below[first], "%.150s", file->found);
         plan->panels[first].below = plan->below[first];
     }
+    if (settings->show == RENDER_SHOW_TANGENTS && !settings->views) {
+        snprintf(plan->below[first], sizeof plan->below[first], "%s; darker where the sign is -1",
+            !file->with_tangents ? "computed as MikkTSpace does: none are stored"
+            : file->with_tangents < file->with_texcoords ? "stored, or computed where none are"
+                                                         : "stored tangents");
+        plan->panels[first].below = plan->below[first];
+    }
     return status;
 }
 

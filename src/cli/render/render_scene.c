@@ -4,9 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Linear; mid-grey, so that light and shade both show. Whatever has no material of its own, too. */
-static const float clay[3] = {0.55F, 0.53F, 0.48F};
-
 /* ---- surfaces */
 
 static enum render_normals stored_as(const norma_mesh_info *info, const norma_mesh_data *data) {
@@ -45,24 +42,6 @@ static double usual_crease(
     }
 }
 
-static void set_material(norma_document *document, const norma_mesh_attributes *attributes,
-    int is_clay, render_surface *surface) {
-    norma_material_info material;
-    const int gltf = norma_document_format(document) >= NORMA_FILE_GLTF;
-    memcpy(surface->base_colour, clay, sizeof clay);
-    surface->two_sided = !gltf; /* only glTF says which side of a face is there */
-    const int known = gltf && attributes->material != SIZE_MAX &&
-                      !norma_document_material_info(document, attributes->material, &material);
-    if (known) surface->two_sided = material.double_sided;
-    if (is_clay) return;
-    surface->colours = attributes->colors;
-    if (attributes->colors)
-        for (int k = 0; k < 3; ++k) surface->base_colour[k] = 1;
-    if (!known) return;
-    memcpy(surface->base_colour, material.base_color, sizeof surface->base_colour);
-    surface->unlit = material.unlit;
-}
-
 static norma_document_result fill_surface(const render_settings *settings, render_scene_file *file,
     const render_variant *variant, size_t index, const norma_mesh_info *info,
     render_surface *surface, norma_document_error *error) {
@@ -81,8 +60,7 @@ static norma_document_result fill_surface(const render_settings *settings, rende
     surface->weight = variant->weight;
     surface->crease_rad =
         variant->crease_given ? variant->crease_rad : usual_crease(settings, format, surface);
-    set_material(file->document, &attributes, settings->clay, surface);
-    return NORMA_DOCUMENT_OK;
+    return render_file_set_material(settings, file, index, &attributes, surface, error);
 }
 
 /* ---- the scene */
@@ -169,6 +147,11 @@ static norma_document_result make_scene(const render_settings *settings, render_
     free(m.mesh_of);
     *scene = (render_scene){m.surfaces, m.surface_count, m.draws, m.draw_count};
     if (!result && m.draw_count == 0) result = fail_empty(file, error);
+    if (!result && settings->show == RENDER_SHOW_TANGENTS && !file->with_tangents &&
+        !file->with_texcoords)
+        result = render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,
+            "there are no tangents to show: no surface stores any, nor the texture coordinates "
+            "that glTF tangents are computed from");
     if (!result) render_file_set_up(settings, file, scene);
     if (result) render_scene_free(scene);
     error->result = result;

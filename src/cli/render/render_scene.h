@@ -15,6 +15,11 @@ typedef struct scene_maker {
 norma_document_result render_file_draws(const render_settings *settings, render_scene_file *file,
     scene_maker *m, norma_document_error *error);
 
+/* Its colours, images and sides; mesh: its number in the document. */
+norma_document_result render_file_set_material(const render_settings *settings,
+    render_scene_file *file, size_t mesh, const norma_mesh_attributes *attributes,
+    render_surface *surface, norma_document_error *error);
+
 /* The primitives of a mesh are one body: whether normals are computed for it, and those. */
 int render_join_needed(
     const render_settings *settings, const render_surface *surfaces, size_t count);

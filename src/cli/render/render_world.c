@@ -65,6 +65,7 @@ void render_file_left_out(
     sentence s = {text, room};
     add_meshes(&s, file->document);
     add(&s, file->not_shown, "mesh outside the scene", "meshes outside the scene");
+    add(&s, file->images_left_out, "image that cannot be read", "images that cannot be read");
     if (settings->show == RENDER_SHOW_MARKS)
         add(&s, file->found_nowhere, "finding without a place", "findings without a place");
 }

@@ -190,3 +190,33 @@ norma_document_result norma_document_drawn_mesh(norma_document *document, size_t
                ? functions_of(document)->move_drawn(document, node, mesh, drawn, error)
                : NORMA_DOCUMENT_OK;
 }
+
+norma_document_result norma_document_material_maps(norma_document *document, size_t index,
+    norma_material_maps *maps, norma_document_error *error) {
+    norma_document_result result = norma_document_ready(document, error);
+    if (result) return result;
+    if (!maps || index >= norma_document_material_count(document))
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "there is no material %zu; the document has %zu, numbered from 0", index,
+            norma_document_material_count(document));
+    const norma_texture_info none = {.scale = {1, 1}, .strength = 1, .image = SIZE_MAX};
+    *maps = (norma_material_maps){.alpha_cutoff = 0.5F, .base_color = none, .normal = none};
+    return functions_of(document)->material_maps
+               ? functions_of(document)->material_maps(document, index, maps, error)
+               : NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_document_texcoords(norma_document *document, size_t mesh, size_t set,
+    const float **texcoords, size_t *count, norma_document_error *error) {
+    norma_document_result result = norma_document_ready(document, error);
+    if (!result) result = check_mesh(document, mesh, error);
+    if (!result && (!texcoords || !count))
+        result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no place for the texture coordinates was given");
+    if (result) return result;
+    *texcoords = NULL;
+    *count = 0;
+    return functions_of(document)->texcoords
+               ? functions_of(document)->texcoords(document, mesh, set, texcoords, count, error)
+               : NORMA_DOCUMENT_OK;
+}

@@ -37,6 +37,10 @@ typedef struct scene_functions {
     /* drawn is filled as the file stores the mesh: moves it by its morph targets and its skin */
     norma_document_result (*move_drawn)(norma_document *document, size_t node, size_t mesh,
         norma_drawn_mesh *drawn, norma_document_error *error);
+    norma_document_result (*material_maps)(norma_document *document, size_t material,
+        norma_material_maps *maps, norma_document_error *error);
+    norma_document_result (*texcoords)(norma_document *document, size_t mesh, size_t set,
+        const float **texcoords, size_t *count, norma_document_error *error);
 } scene_functions;
 
 extern const scene_functions norma_obj_scene, norma_ply_scene, norma_gltf_scene;

@@ -18,6 +18,7 @@ enum render_program {
     RENDER_PROGRAM_ERROR,
     RENDER_PROGRAM_MATCAP,
     RENDER_PROGRAM_ZEBRA,
+    RENDER_PROGRAM_TANGENTS,
     RENDER_PROGRAM_LINE,
     RENDER_PROGRAM_HEDGEHOG,
     RENDER_PROGRAM_SCALE,
@@ -26,6 +27,7 @@ enum render_program {
 
 #define RENDER_MATRICES(U) U(local_to_world) U(world_to_view) U(view_to_clip) U(normal_matrix)
 #define RENDER_COLOURS(U)  U(base_colour) U(two_sided) U(scale_top) U(eye)
+#define RENDER_MAPS(U)     U(maps) U(base_map) U(normal_map)
 #define RENDER_LIGHTS(U)   U(light_count) U(light_direction) U(light_colour) U(phong)
 #define RENDER_LINES(U)    U(viewport) U(width) U(head) U(lift) U(reach_scale)
 
@@ -33,6 +35,7 @@ typedef struct render_uniforms {
 #define RENDER_UNIFORM_MEMBER(name) GLint name;
     RENDER_MATRICES(RENDER_UNIFORM_MEMBER)
     RENDER_COLOURS(RENDER_UNIFORM_MEMBER)
+    RENDER_MAPS(RENDER_UNIFORM_MEMBER)
     RENDER_LIGHTS(RENDER_UNIFORM_MEMBER)
     RENDER_LINES(RENDER_UNIFORM_MEMBER)
 #undef RENDER_UNIFORM_MEMBER
@@ -45,7 +48,7 @@ typedef struct render_compiled {
 
 /* ---- surfaces as they were uploaded */
 
-enum { RENDER_BUFFERS = 5, RENDER_LINE_KINDS = 5 };
+enum { RENDER_BUFFERS = 7, RENDER_LINE_KINDS = 5 };
 
 typedef struct render_upload {
     const render_surface *surface;
@@ -63,6 +66,12 @@ typedef struct render_line_upload {
     GLuint array, buffers[2];
 } render_line_upload;
 
+typedef struct render_texture_upload {
+    render_texture texture;
+    int is_colour;
+    GLuint name;
+} render_texture_upload;
+
 struct render_device {
     render_egl egl;
     render_gl gl;
@@ -72,6 +81,8 @@ struct render_device {
     size_t upload_count, upload_room;
     render_line_upload **lines;
     size_t line_count, line_room;
+    render_texture_upload *textures;
+    size_t texture_count;
     GLuint framebuffer, colour, depth, empty_array;
     size_t target_width, target_height;
     render_srgb srgb;
@@ -83,6 +94,11 @@ enum render_result render_upload_of(render_device *device, const render_surface 
     enum render_kind kind, const render_upload **upload, render_error *error);
 enum render_result render_lines_of(render_device *device, const render_surface *surface,
     unsigned kind, const render_look *look, const render_line_upload **lines, render_error *error);
+
+/* textures.c: an image with its sampler on a unit, sent when it is first used; colours are sRGB. */
+enum render_result render_texture_bind(render_device *device, const render_texture *texture,
+    int is_colour, int unit, render_error *error);
+void render_textures_forget(render_device *device);
 
 /* ---- the target: a framebuffer of its own, several samples wide and high for each pixel */
 

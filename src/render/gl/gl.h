@@ -9,6 +9,14 @@
 
 /* Type and name of each function that is used, without its gl. */
 #define RENDER_GL_FUNCTIONS(F)                                                                     \
+    F(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                       \
+    F(PFNGLBINDTEXTUREPROC, BindTexture)                                                           \
+    F(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                     \
+    F(PFNGLGENERATEMIPMAPPROC, GenerateMipmap)                                                     \
+    F(PFNGLGENTEXTURESPROC, GenTextures)                                                           \
+    F(PFNGLTEXIMAGE2DPROC, TexImage2D)                                                             \
+    F(PFNGLTEXPARAMETERIPROC, TexParameteri)                                                       \
+    F(PFNGLUNIFORM4FPROC, Uniform4f)                                                               \
     F(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
     F(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
     F(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                   \

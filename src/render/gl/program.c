@@ -24,6 +24,8 @@ static const struct recipe {
     [RENDER_PROGRAM_MATCAP] = {"SHOW_MATCAP", render_shader_surface_vert,
         render_shader_surface_frag},
     [RENDER_PROGRAM_ZEBRA] = {"SHOW_ZEBRA", render_shader_surface_vert, render_shader_surface_frag},
+    [RENDER_PROGRAM_TANGENTS] = {"SHOW_TANGENTS", render_shader_surface_vert,
+        render_shader_surface_frag},
     [RENDER_PROGRAM_LINE] = {"LINE", render_shader_line_vert, render_shader_line_frag},
     [RENDER_PROGRAM_HEDGEHOG] = {"HEDGEHOG", render_shader_line_vert, render_shader_line_frag},
     [RENDER_PROGRAM_SCALE] = {"SCALE", render_shader_scale_vert, render_shader_scale_frag},
@@ -85,6 +87,7 @@ enum render_result render_program_use(render_device *device, enum render_program
 #define RENDER_UNIFORM_FIND(name) entry->at.name = gl->GetUniformLocation(entry->program, #name);
         RENDER_MATRICES(RENDER_UNIFORM_FIND)
         RENDER_COLOURS(RENDER_UNIFORM_FIND)
+        RENDER_MAPS(RENDER_UNIFORM_FIND)
         RENDER_LIGHTS(RENDER_UNIFORM_FIND)
         RENDER_LINES(RENDER_UNIFORM_FIND)
 #undef RENDER_UNIFORM_FIND

@@ -29,7 +29,8 @@ static void send_vertices(const render_gl *gl, render_upload *u) {
     const struct {
         const float *data;
         GLint floats;
-    } streams[] = {{v->positions, 3}, {v->normals, 3}, {v->colours, 4}, {v->values, 1}};
+    } streams[] = {{v->positions, 3}, {v->normals, 3}, {v->colours, 4}, {v->values, 1},
+        {v->texcoords, 4}, {v->tangents, 4}};
     gl->GenVertexArrays(1, &u->array);
     gl->BindVertexArray(u->array);
     gl->GenBuffers(RENDER_BUFFERS, u->buffers);
@@ -133,6 +134,7 @@ void render_device_forget(render_device *device) {
         render_lines_free(&device->lines[i]->set);
         free(device->lines[i]);
     }
+    render_textures_forget(device);
     free(device->uploads);
     free(device->lines);
     device->uploads = NULL;

@@ -1,6 +1,8 @@
 // surface.frag: the colour of a pixel of a surface. Its #defines and uniforms are those of surface.vert; how the files make a program: colour.glsl.
 uniform float two_sided, scale_top;
 uniform mat4 world_to_view;
+uniform vec4 maps;
+uniform sampler2D base_map, normal_map;
 
 in vec3 lit_point;
 #if defined(SHADING_FLAT)
@@ -8,7 +10,8 @@ flat in vec3 lit_normal;
 #else
 in vec3 lit_normal;
 #endif
-in vec3 surface_colour;
+in vec4 surface_colour, surface_texcoord;
+in vec3 lit_tangent, lit_bitangent;
 #if defined(SHADING_GOURAUD)
 in vec3 back_colour;
 #endif
@@ -47,11 +50,45 @@ float zebra(vec3 n, vec3 to_eye) {
     return mix(stripe, 0.5, clamp(width - 0.7, 0.0, 1.0));
 }
 
+// The base colour times the base map; what the mask cuts away is not drawn. In w the alpha.
+vec4 mapped_colour() {
+    vec4 base = maps.x > 0.5 ? texture(base_map, surface_texcoord.xy) : vec4(1.0);
+    float alpha = base.a * surface_colour.a;
+    if (alpha < maps.z)
+        discard;
+    return vec4(base.rgb, maps.w > 0.0 ? maps.w * alpha : 1.0);
+}
+
+// Along which u grows, and along which v falls, where the surface has no tangents (Schuler 2013).
+void derived_frame(vec3 n, out vec3 along_u, out vec3 against_v) {
+    vec3 dx = dFdx(lit_point), dy = dFdy(lit_point), x = cross(dy, n), y = cross(n, dx);
+    vec2 ux = dFdx(surface_texcoord.zw), uy = dFdy(surface_texcoord.zw);
+    float sense = dot(dx, x) < 0.0 ? -1.0 : 1.0;
+    along_u = sense * (x * ux.x + y * uy.x);
+    against_v = -sense * (x * ux.y + y * uy.y);
+    float largest = max(dot(along_u, along_u), dot(against_v, against_v));
+    float scale = largest > 0.0 ? inversesqrt(largest) : 0.0;
+    along_u *= scale;
+    against_v *= scale;
+}
+
+// The normal as the normal map bends it.
+vec3 mapped_normal(vec3 n) {
+    if (maps.y == 0.0)
+        return n;
+    vec3 bent = 2.0 * texture(normal_map, surface_texcoord.zw).xyz - 1.0, along_u = lit_tangent, against_v = lit_bitangent;
+    if (dot(along_u, along_u) < 1e-8)
+        derived_frame(n, along_u, against_v);
+    vec3 result = unit(maps.y * (bent.x * along_u + bent.y * against_v) + bent.z * n);
+    return dot(result, result) > 0.0 ? result : n;
+}
+
 void main() {
     bool turned = two_sided > 0.5 && !gl_FrontFacing;
     vec3 n = turned ? -unit(lit_normal) : unit(lit_normal);
 #if defined(SHADING_GOURAUD)
-    pixel = vec4(encode(turned ? back_colour : surface_colour), 1.0);
+    vec4 base = mapped_colour();
+    pixel = vec4(encode(base.rgb * (turned ? back_colour : surface_colour.rgb)), base.a);
 #elif defined(SHOW_NORMALS)
     pixel = vec4(0.5 + 0.5 * n, 1.0);
 #elif defined(SHOW_MATCAP)
@@ -59,11 +96,18 @@ void main() {
 #elif defined(SHOW_ZEBRA)
     vec3 eye_normal = unit(seen(n)), to_eye = unit(seen(towards_eye(lit_point)));
     pixel = vec4(encode((0.7 + 0.3 * abs(dot(eye_normal, to_eye))) * mix(vec3(0.012), vec3(0.72), zebra(eye_normal, to_eye))), 1.0);
+#elif defined(SHOW_TANGENTS)
+    float handed = dot(cross(unit(lit_normal), lit_tangent), lit_bitangent);
+    pixel = handed == 0.0 ? vec4(encode(shaped(vec3(0.2))), 1.0) : vec4((handed > 0.0 ? 1.0 : 0.6) * (0.5 + 0.5 * unit(lit_tangent)), 1.0);
 #elif defined(SHOW_WINDING)
     pixel = vec4(encode(shaped(decode(gl_FrontFacing ? vec3(0.24, 0.70, 0.36) : vec3(0.87, 0.20, 0.18)))), 1.0);
 #elif defined(SHOW_ERROR)
     pixel = vec4(encode(shaped(decode(scale_colour(surface_value / scale_top)))), 1.0);
 #else
-    pixel = vec4(encode(lit(lit_point, n, surface_colour)), 1.0);
+    vec4 base = mapped_colour();
+#if defined(SHADING_PHONG)
+    n = mapped_normal(unit(lit_normal)) * (turned ? -1.0 : 1.0);
+#endif
+    pixel = vec4(encode(lit(lit_point, n, base.rgb * surface_colour.rgb)), base.a);
 #endif
 }

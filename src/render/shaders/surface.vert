@@ -7,6 +7,7 @@
 //                 SHOW_WINDING     faces seen from their front green, from their back red
 //                 SHOW_ERROR       value on the colour scale
 //                 SHOW_MATCAP      a studio's lights in it: the normal seen by the eye decides the colour
+//                 SHOW_TANGENTS    the unit tangent in lit space as a colour, 0.5 + 0.5 t; darker where its sign is -1, grey where there is none
 //                 SHOW_ZEBRA       stripes of light as they are mirrored in it
 // #define LIGHT_IN_VIEW            lit space is view space; otherwise world space
 //
@@ -15,6 +16,8 @@
 //   1  vec3  normal     local, any length; with SHADING_FLAT the face's
 //   2  vec4  colour     linear; the constant (1, 1, 1, 1) if the mesh has no colours (vertexAttrib4f)
 //   3  float value      SHOW_ERROR: degrees
+//   4  vec4  texcoord   SHADING_*: of the base map, of the normal map
+//   5  vec4  tangent    SHADING_PHONG with a normal map, SHOW_TANGENTS: along which u grows, and a sign; zero: the shader takes derivatives
 // Uniforms
 //   mat4 local_to_world, world_to_view, view_to_clip
 //   mat3 normal_matrix  from local to lit space: norma_normal_matrix of the node (world), norma_normal_matrix_model_view (view), reversed winding; or plain M, to show
@@ -22,11 +25,15 @@
 //   vec3 base_colour    linear
 //   float two_sided     1: a back face is lit as the front of its other side; 0: as its normal says (cull it, if it shall not be seen)
 //   float scale_top     SHOW_ERROR: the degrees at the scale's top
+//   vec4 maps           SHADING_*: x: 1 with a base map; y: strength of the normal map, 0 without; z: what has less alpha is not drawn; w: alpha of what blends. Zero: nothing of it
+//   sampler2D base_map, normal_map     the first as SRGB8_ALPHA8
 // and those of light.glsl.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 colour;
 layout(location = 3) in float value;
+layout(location = 4) in vec4 texcoord;
+layout(location = 5) in vec4 tangent;
 uniform mat4 local_to_world, world_to_view, view_to_clip;
 uniform mat3 normal_matrix;
 uniform vec3 base_colour;
@@ -37,7 +44,8 @@ flat out vec3 lit_normal;
 #else
 out vec3 lit_normal;
 #endif
-out vec3 surface_colour;
+out vec4 surface_colour, surface_texcoord;
+out vec3 lit_tangent, lit_bitangent;
 #if defined(SHADING_GOURAUD)
 out vec3 back_colour;
 #endif
@@ -55,10 +63,17 @@ void main() {
     lit_point = world.xyz;
 #endif
     lit_normal = unit(normal_matrix * normal);
-    surface_colour = base_colour * colour.rgb;
+    surface_colour = vec4(base_colour * colour.rgb, colour.a);
+    surface_texcoord = texcoord;
+    mat3 to_lit = mat3(local_to_world);
+#if defined(LIGHT_IN_VIEW)
+    to_lit = mat3(world_to_view) * to_lit;
+#endif
+    lit_tangent = unit(to_lit * tangent.xyz);
+    lit_bitangent = unit(to_lit * (tangent.w * cross(unit(normal), tangent.xyz)));
 #if defined(SHADING_GOURAUD)
-    back_colour = lit(lit_point, -lit_normal, surface_colour);
-    surface_colour = lit(lit_point, lit_normal, surface_colour);
+    back_colour = lit(lit_point, -lit_normal, surface_colour.rgb);
+    surface_colour.rgb = lit(lit_point, lit_normal, surface_colour.rgb);
 #endif
 #if defined(SHOW_ERROR)
     surface_value = value;

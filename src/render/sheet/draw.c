@@ -2,6 +2,7 @@
  * beside them, then the lines. */
 #include "render/sheet/draw.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define DEGREE 0.017453292519943295
@@ -89,6 +90,8 @@ static enum render_program program_of(const render_panel *panel) {
         return RENDER_PROGRAM_MATCAP;
     case RENDER_SHOW_ZEBRA:
         return RENDER_PROGRAM_ZEBRA;
+    case RENDER_SHOW_TANGENTS:
+        return RENDER_PROGRAM_TANGENTS;
     case RENDER_SHOW_MARKS:
         return RENDER_PROGRAM_PHONG;
     case RENDER_SHOW_LIT:
@@ -97,6 +100,29 @@ static enum render_program program_of(const render_panel *panel) {
     return panel->shading == RENDER_FLAT      ? RENDER_PROGRAM_FLAT
            : panel->shading == RENDER_GOURAUD ? RENDER_PROGRAM_GOURAUD
                                               : RENDER_PROGRAM_PHONG;
+}
+
+/* What a fragment does with images and alpha: surface.frag. A mask's cutoff is that of the image.
+ */
+static enum render_result set_maps(const painter *p, const render_uniforms *at,
+    const render_surface *surface, render_error *error) {
+    const render_panel *panel = p->stage->panel;
+    const int lit = panel->show == RENDER_SHOW_LIT,
+              maps_normals = lit && surface->normal_map.picture && panel->shading == RENDER_PHONG,
+              maps_base = lit && surface->base_map.picture;
+    const float cutoff = surface->alpha_cutoff;
+    enum render_result result = RENDER_OK;
+    if (maps_base) result = render_texture_bind(p->device, &surface->base_map, 1, 0, error);
+    if (!result && maps_normals)
+        result = render_texture_bind(p->device, &surface->normal_map, 0, 1, error);
+    p->gl->Uniform1i(at->base_map, 0);
+    p->gl->Uniform1i(at->normal_map, 1);
+    p->gl->Uniform4f(at->maps, maps_base ? 1 : 0, maps_normals ? surface->normal_strength : 0,
+        !lit || cutoff == 0        ? 0
+        : cutoff <= surface->alpha ? cutoff / surface->alpha
+                                   : 2,
+        lit && surface->blends ? surface->alpha : 0);
+    return result;
 }
 
 static void set_material(
@@ -117,6 +143,71 @@ static void set_material(
     (!surface->two_sided && !either ? p->gl->Enable : p->gl->Disable)(GL_CULL_FACE);
 }
 
+static enum render_result draw_one(
+    const painter *p, const render_uniforms *at, const render_placed *placed, render_error *error) {
+    const render_vertices *v = &placed->upload->vertices;
+    int mirrored;
+    set_camera(p, at, placed->to_world);
+    set_normal_matrix(
+        p, at, placed->to_world, p->stage->panel->space == RENDER_SPACE_VIEW, &mirrored);
+    set_material(p, at, placed->surface);
+    enum render_result result = set_maps(p, at, placed->surface, error);
+    if (result) return result;
+    p->gl->FrontFace(mirrored ? GL_CW : GL_CCW);
+    p->gl->VertexAttrib4f(2, 1, 1, 1, 1);
+    p->gl->BindVertexArray(placed->upload->array);
+    if (v->indices)
+        p->gl->DrawElements(GL_TRIANGLES, (GLsizei)v->index_count, GL_UNSIGNED_INT, NULL);
+    else
+        p->gl->DrawArrays(GL_TRIANGLES, 0, (GLsizei)v->count);
+    return RENDER_OK;
+}
+
+/* ---- what lets light through: behind all else, the farthest first */
+
+static int blends(const painter *p, const render_placed *placed) {
+    return p->stage->panel->show == RENDER_SHOW_LIT && placed->surface->blends;
+}
+
+typedef struct distant {
+    const render_placed *placed;
+    double depth;
+} distant;
+
+static int farthest_first(const void *a, const void *b) {
+    const distant *x = a, *y = b;
+    return x->depth != y->depth ? (x->depth > y->depth) - (x->depth < y->depth)
+                                : (x->placed > y->placed) - (x->placed < y->placed);
+}
+
+static enum render_result draw_blended(
+    const painter *p, const render_uniforms *at, render_error *error) {
+    size_t count = 0;
+    enum render_result result = RENDER_OK;
+    for (size_t i = 0; i < p->stage->placed_count; ++i)
+        count += (size_t)blends(p, &p->stage->placed[i]);
+    if (count == 0) return RENDER_OK;
+    distant *list = malloc(count * sizeof *list);
+    if (!list) return render_fail_memory(error);
+    count = 0;
+    for (size_t i = 0; i < p->stage->placed_count; ++i) {
+        const render_placed *placed = &p->stage->placed[i];
+        double middle[3];
+        if (!blends(p, placed)) continue;
+        render_point(p->world_to_view, placed->to_world + 12, middle);
+        list[count++] = (distant){placed, middle[2]}; /* more negative: farther */
+    }
+    qsort(list, count, sizeof *list, farthest_first);
+    p->gl->Enable(GL_BLEND);
+    p->gl->BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    p->gl->DepthMask(GL_FALSE);
+    for (size_t i = 0; i < count && !result; ++i) result = draw_one(p, at, list[i].placed, error);
+    p->gl->DepthMask(GL_TRUE);
+    p->gl->Disable(GL_BLEND);
+    free(list);
+    return result;
+}
+
 static enum render_result draw_surfaces(const painter *p, render_error *error) {
     const render_stage *stage = p->stage;
     const render_panel *panel = stage->panel;
@@ -130,23 +221,11 @@ static enum render_result draw_surfaces(const painter *p, render_error *error) {
     p->gl->Uniform3fv(at->light_direction, RENDER_MOST_LIGHTS, p->light_directions);
     p->gl->Uniform3fv(at->light_colour, RENDER_MOST_LIGHTS, p->light_colours);
     p->gl->Uniform1f(at->scale_top, (float)(stage->error_top_deg > 0 ? stage->error_top_deg : 1));
-    for (size_t i = 0; i < stage->placed_count; ++i) {
-        const render_placed *placed = &stage->placed[i];
-        const render_vertices *v = &placed->upload->vertices;
-        int mirrored;
-        set_camera(p, at, placed->to_world);
-        set_normal_matrix(p, at, placed->to_world, panel->space == RENDER_SPACE_VIEW, &mirrored);
-        set_material(p, at, placed->surface);
-        p->gl->FrontFace(mirrored ? GL_CW : GL_CCW);
-        p->gl->VertexAttrib4f(2, 1, 1, 1, 1);
-        p->gl->BindVertexArray(placed->upload->array);
-        if (v->indices)
-            p->gl->DrawElements(GL_TRIANGLES, (GLsizei)v->index_count, GL_UNSIGNED_INT, NULL);
-        else
-            p->gl->DrawArrays(GL_TRIANGLES, 0, (GLsizei)v->count);
-    }
+    for (size_t i = 0; i < stage->placed_count && !result; ++i)
+        if (!blends(p, &stage->placed[i])) result = draw_one(p, at, &stage->placed[i], error);
+    if (!result) result = draw_blended(p, at, error);
     p->gl->Disable(GL_CULL_FACE);
-    return RENDER_OK;
+    return result;
 }
 
 /* ---- lines */

@@ -7,11 +7,14 @@
 
 #define DEGREE 0.017453292519943295
 
-static enum render_kind kind_of(const render_panel *panel) {
+static enum render_kind kind_of(const render_panel *panel, const render_surface *surface) {
+    const int flat = panel->show == RENDER_SHOW_LIT && panel->shading == RENDER_FLAT,
+              mapped = surface->base_map.picture || surface->normal_map.picture;
+    if (panel->show == RENDER_SHOW_TANGENTS) return RENDER_MAPPED;
+    if (panel->show == RENDER_SHOW_LIT && mapped) return flat ? RENDER_MAPPED_FLAT : RENDER_MAPPED;
     if (panel->show == RENDER_SHOW_ERROR) return RENDER_ERRORS;
     if (panel->show == RENDER_SHOW_MARKS) return RENDER_MARKED;
-    return panel->show == RENDER_SHOW_LIT && panel->shading == RENDER_FLAT ? RENDER_FACETED
-                                                                           : RENDER_SMOOTH;
+    return flat ? RENDER_FACETED : RENDER_SMOOTH;
 }
 
 /* From the box that vertices are kept in to the file's world. */
@@ -28,8 +31,8 @@ static enum render_result place(render_device *device, render_stage *stage, cons
     render_placed *placed, render_error *error) {
     render_panel *panel = stage->panel;
     placed->surface = &panel->scene->surfaces[draw->surface];
-    enum render_result result =
-        render_upload_of(device, placed->surface, kind_of(panel), &placed->upload, error);
+    enum render_result result = render_upload_of(
+        device, placed->surface, kind_of(panel, placed->surface), &placed->upload, error);
     for (unsigned k = 0; k < RENDER_LINE_KINDS && !result; ++k)
         if (panel->lines & 1U << k) {
             result = render_lines_of(

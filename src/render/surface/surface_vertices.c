@@ -10,6 +10,8 @@ void render_vertices_free(render_vertices *vertices) {
     free(vertices->normals);
     free(vertices->colours);
     free(vertices->values);
+    free(vertices->texcoords);
+    free(vertices->tangents);
     free(vertices->indices);
     free(vertices->kept);
     *vertices = (render_vertices){0};
@@ -190,6 +192,69 @@ static void unroll(maker *m, const float *values) {
     }
 }
 
+/* ---- the same with images */
+
+/* Three numbers for each corner: of its vertex, or of its face. */
+static int corner_normals(const maker *m, int flat, float *normals) {
+    const norma_mesh *mesh = m->mesh;
+    const size_t faces = render_face_count(mesh);
+    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
+    float *of_faces = flat ? malloc((3 * faces + 1) * sizeof *of_faces) : NULL;
+    if (flat && (!of_faces || norma_face_normals(mesh, &options, of_faces, faces, NULL))) {
+        free(of_faces);
+        return 0;
+    }
+    for (size_t face = 0; face < faces; ++face) {
+        size_t first, count;
+        render_face(mesh, face, &first, &count);
+        for (size_t corner = first; corner < first + count; ++corner)
+            memcpy(normals + 3 * corner,
+                flat ? of_faces + 3 * face
+                     : m->split.normals + (size_t)3 * m->split.corners[corner],
+                3 * sizeof *normals);
+    }
+    free(of_faces);
+    return 1;
+}
+
+static void copy_texcoords(const render_texture *map, uint32_t position, float out[2]) {
+    out[0] = map->texcoords ? map->texcoords[(size_t)2 * position] : 0;
+    out[1] = map->texcoords ? map->texcoords[(size_t)2 * position + 1] : 0;
+}
+
+static void unroll_mapped(maker *m, const float *normals, const float *tangents) {
+    render_vertices *out = m->out;
+    for (size_t t = 0; t < m->triangle_count; ++t) {
+        if (!triangle_is_finite(m, t)) continue;
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t corner = triangle_corner(m, 3 * t + k),
+                           position = norma_mesh_corner(m->mesh, corner);
+            const size_t vertex = out->count++;
+            place(m, position, vertex);
+            memcpy(out->normals + 3 * vertex, normals + (size_t)3 * corner, 12);
+            copy_texcoords(&m->surface->base_map, position, out->texcoords + 4 * vertex);
+            copy_texcoords(&m->surface->normal_map, position, out->texcoords + 4 * vertex + 2);
+            if (tangents) memcpy(out->tangents + 4 * vertex, tangents + (size_t)4 * corner, 16);
+        }
+    }
+}
+
+static enum render_result make_mapped(maker *m, int flat, render_error *error) {
+    render_vertices *out = m->out;
+    const size_t vertices = 3 * m->triangle_count;
+    const int maps_normals = m->surface->normal_map.texcoords || m->surface->tangents;
+    float *normals = malloc((3 * m->mesh->corner_count + 1) * sizeof *normals);
+    int ready = normals && reserve(m, vertices, 0) && corner_normals(m, flat, normals);
+    float *tangents = ready && maps_normals ? render_tangents(m->surface, normals) : NULL;
+    out->texcoords = malloc((4 * vertices + 1) * sizeof *out->texcoords);
+    if (maps_normals) out->tangents = malloc((4 * vertices + 1) * sizeof *out->tangents);
+    ready = ready && out->texcoords && (!maps_normals || (tangents && out->tangents));
+    if (ready) unroll_mapped(m, normals, tangents);
+    free(normals);
+    free(tangents);
+    return ready ? RENDER_OK : render_fail_memory(error);
+}
+
 static enum render_result make_unrolled(maker *m, enum render_kind kind, render_error *error) {
     render_vertices *out = m->out;
     float *values = NULL;
@@ -251,6 +316,7 @@ enum render_result render_vertices_make(const render_surface *surface, enum rend
     if (!result)
         result = kind == RENDER_SMOOTH    ? make_smooth(&m, error)
                  : kind == RENDER_FACETED ? make_faceted(&m, error)
+                 : kind >= RENDER_MAPPED  ? make_mapped(&m, kind == RENDER_MAPPED_FLAT, error)
                                           : make_unrolled(&m, kind, error);
     if (!result && !find_points(vertices)) result = render_fail_memory(error);
     render_split_free(&m.split);

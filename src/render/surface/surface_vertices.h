@@ -10,6 +10,8 @@ enum render_kind {
     RENDER_ERRORS,  /* smooth, unrolled: three vertices a triangle, with degrees between stored and
                        computed normals */
     RENDER_MARKED,  /* smooth, unrolled, with the colours of marks */
+    RENDER_MAPPED,  /* smooth, unrolled, with what images need */
+    RENDER_MAPPED_FLAT, /* the same with the normals of faces */
     RENDER_KINDS
 };
 
@@ -25,6 +27,8 @@ typedef struct render_vertices {
     float *positions, *normals; /* three for each vertex */
     float *colours;             /* four for each vertex, or NULL */
     float *values;              /* degrees, or NULL */
+    float *texcoords;           /* four for each vertex: of base map and normal map; or NULL */
+    float *tangents;            /* four for each vertex, or NULL */
     uint32_t *indices;
     const float
         *points; /* three for each position that a triangle uses, for cameras: positions, or kept */
@@ -65,6 +69,11 @@ void render_split_free(render_split *split);
  * Owned by the caller; NULL: out of memory. *worst_rad: NaN if nothing is stored; *most_rad: what
  * 99 of 100 do not exceed. */
 float *render_errors(const render_surface *surface, double *worst_rad, double *most_rad);
+
+/* The tangents of a normal map, four for each corner, for texture coordinates whose v runs
+ * downwards: the file's, or MikkTSpace's. normals: three for each corner. Owned by the caller;
+ * NULL: out of memory. */
+float *render_tangents(const render_surface *surface, const float *normals);
 
 /* Triangles of polygons as corner numbers, three each; concave ones are cut rightly. *corners:
  * owned by the caller, NULL for triangles: 0, 1, 2, ... */

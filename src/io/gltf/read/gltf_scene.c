@@ -41,6 +41,16 @@ static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, si
     return norma_gltf_decode(g, accessor, 2, &attributes->texcoords, error);
 }
 
+static norma_document_result texcoords(norma_document *document, size_t mesh, size_t set,
+    const float **coordinates, size_t *count, norma_document_error *error) {
+    gltf *g = norma_gltf_of(document);
+    norma_mesh_attributes found = {0};
+    norma_document_result result = read_texcoords(g, &g->primitives[mesh], set, &found, error);
+    *coordinates = found.texcoords;
+    *count = found.texcoord_count;
+    return result;
+}
+
 static norma_document_result widen_colors(
     gltf *g, uint32_t accessor, const float **colors, norma_document_error *error) {
     gltf_array array;
@@ -369,4 +379,6 @@ const scene_functions norma_gltf_scene = {
     .unread = read_unread,
     .instance_world = instance_world,
     .move_drawn = norma_gltf_move_drawn,
+    .material_maps = norma_gltf_material_maps,
+    .texcoords = texcoords,
 };

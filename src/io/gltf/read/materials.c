@@ -67,12 +67,16 @@ static size_t texcoord_of(const gltf *g, uint32_t texture) {
 gltf_map_place norma_gltf_normal_map(const gltf *g, uint32_t material) {
     const json *j = &g->json;
     const uint32_t extensions = norma_json_member(j, material, "extensions");
-    gltf_map_place place = {.scale = {1, 1}};
     uint32_t texture = norma_json_member(j, material, "normalTexture");
     if (texture == JSON_NONE)
         texture = norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_clearcoat"),
             "clearcoatNormalTexture");
-    place.there = norma_json_is(j, texture, JSON_OBJECT);
+    return norma_gltf_map_place(g, texture);
+}
+
+gltf_map_place norma_gltf_map_place(const gltf *g, uint32_t texture) {
+    const json *j = &g->json;
+    gltf_map_place place = {.scale = {1, 1}, .there = norma_json_is(j, texture, JSON_OBJECT)};
     if (!place.there) return place;
     place.set = texcoord_of(g, texture);
     const uint32_t transform =
