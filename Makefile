@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz judges web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz clean
+.PHONY: all help deps demo figures fuzz judges dist web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -22,6 +22,7 @@ help:
 	@echo "make python    builds the Python wheel, $(BUILD)/python/*.whl, installs it into a bare environment and tests it there"
 	@echo "make python-fuzz   calls the Python package with random arguments under the address sanitizer for MINUTES (15)"
 	@echo "make single    writes the core as two files to copy: $(BUILD)/single/norma.c and norma.h"
+	@echo "make dist      builds what a release consists of into $(BUILD)/dist: source, tools for Linux, npm package, wheel, single file, checksums"
 	@echo "make deb       builds Debian packages into $(BUILD)/deb and checks them with lintian"
 	@echo
 	@echo "make test      installs what is missing, then runs all tests (two compilers, sanitizers, install, examples, README)"
@@ -117,6 +118,12 @@ portable:
 deb:
 	@scripts/install-deps.sh deb
 	@scripts/deb.sh
+
+dist:
+	@scripts/install-deps.sh build
+	@scripts/install-deps.sh web
+	@scripts/install-deps.sh python
+	@scripts/dist.sh
 
 install: all
 	@scripts/install.sh

@@ -28,8 +28,8 @@ fi
 [ "$what" != analyse ] || packages="$packages clang clang-tidy"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ]; then
-    # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint; admesh: a judge of fixed STL files.
-    packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format admesh"
+    # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint; admesh: a judge of fixed STL files; curl: fetches a release in the test of the action.
+    packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format admesh curl"
     # chromium: the page's tests; mypy and pytest: those of the Python package.
     packages="$packages $web_packages chromium $python_packages mypy python3-pytest"
 fi

@@ -42,6 +42,21 @@ holds norma.sarif 'with%20blank\|with blank'
 run_step 1 "models/ze*.obj" '' error
 run_step 0 models/zero.obj $'--ignore N1\n--no-config\n\n--max-samples 2' error
 run_step 0 models/zero.obj $'--no-config\n--select N3\n' error
+# The tool of a release, from a folder that stands for the releases: taken with the right checksum, refused with another.
+release=norma-$(sed -nE 's/^#define NORMA_VERSION_(MAJOR|MINOR|PATCH) +([0-9]+).*/\2/p' "$root/include/norma/norma.h" | paste -sd.)-linux-$(uname -m)
+mkdir -p got/scripts got/include/norma releases "made/$release/lib"
+cp "$root/scripts/get-release.sh" got/scripts/
+cp "$root/include/norma/norma.h" got/include/norma/
+printf '#!/bin/sh\necho "norma of a release"\n' >"made/$release/norma"
+chmod +x "made/$release/norma"
+tar -czf "releases/$release.tar.gz" -C made "$release"
+(cd releases && sha256sum -- *.gz >SHA256SUMS)
+check "a release is taken" env NORMA_RELEASES="file://$scratch/releases" got/scripts/get-release.sh o/n v1
+check "its tool runs" sh -c 'got/build/bin/norma | grep -q "of a release"'
+rm -rf got/build
+printf x >>"releases/$release.tar.gz"
+check "one with another checksum is refused" sh -c '! NORMA_RELEASES="file://$1/releases" got/scripts/get-release.sh o/n v1 2>/dev/null && [ ! -e got/build ]' sh "$scratch"
+check "so is one that is not there" sh -c '! NORMA_RELEASES="file://$1/none" got/scripts/get-release.sh o/n v1 2>/dev/null' sh "$scratch"
 # What is misspelt is no success.
 run_step 2 models/good.obj '--no-such-option' error
 run_step 3 models/misspelt.obj '' error
