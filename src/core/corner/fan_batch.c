@@ -8,7 +8,7 @@ enum { CORNERS_AHEAD = 2 * BATCH_CORNERS, NEAR = 1 << 17 };
 
 int norma_core_can_batch(const core_prepared_mesh *prepared) {
     const norma_options *o = &prepared->call->options;
-    return !prepared->faces && o->weight != NORMA_WEIGHT_VISIBLE &&
+    return o->weight != NORMA_WEIGHT_VISIBLE &&
            !(prepared->mesh.weld && o->weld == NORMA_WELD_DISTANCE);
 }
 
@@ -16,6 +16,22 @@ void norma_core_clear_list(star_list *list, const position_visit *visit) {
     list->visit = visit;
     list->corner_count = 0;
     list->star_count = 0;
+}
+
+static void list_polygon_corners(
+    const core_prepared_mesh *prepared, const uint32_t *corners, size_t count, star_list *list) {
+    const core_mesh *mesh = &prepared->mesh;
+    for (size_t i = 0; i < count; i++) {
+        const size_t at = list->corner_count + i,
+                     face = norma_core_face_of(&prepared->corners_of, corners[i]);
+        list->corners[at] = corners[i];
+        list->face[at] = (uint32_t)face;
+        list->turn[at] =
+            norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face) == 3 ? 1 : 0;
+        list->next[at] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corners[i]));
+        list->previous[at] =
+            norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corners[i]));
+    }
 }
 
 static inline void list_corners(
@@ -32,11 +48,15 @@ static inline void list_corners(
 }
 
 /* Of most stars, each next is also a previous. */
-static void ask_for_positions(const core_mesh *mesh, const uint32_t *next, size_t count) {
+static void ask_for_positions(
+    const core_prepared_mesh *prepared, const star_list *list, size_t begin, size_t count) {
+    const core_mesh *mesh = &prepared->mesh;
+    const uint32_t *next = list->next + begin;
     for (size_t i = 0; i < count; i++) {
         __builtin_prefetch(
             (const unsigned char *)mesh->positions.data + next[i] * mesh->positions.stride);
         if (mesh->weld) __builtin_prefetch(&mesh->weld[next[i]]);
+        if (prepared->faces) __builtin_prefetch(&prepared->faces[list->face[begin + i]]);
     }
 }
 
@@ -50,8 +70,11 @@ int norma_core_list_star(
         .begin = (uint8_t)at,
         .count = (uint8_t)count,
         .scattered = (uint8_t)scattered};
-    list_corners(&prepared->mesh, corners, count, list);
-    if (scattered) ask_for_positions(&prepared->mesh, list->next + at, count);
+    if (prepared->faces)
+        list_polygon_corners(prepared, corners, count, list);
+    else
+        list_corners(&prepared->mesh, corners, count, list);
+    if (scattered) ask_for_positions(prepared, list, at, count);
     list->corner_count += count;
     return 1;
 }

@@ -1,6 +1,6 @@
-/* fan_batch.h: ordinary stars of triangles, nearly all there are, made many at a time: up to so
- * many corners, along each edge one face out and one back, with at most one gap, and directions
- * that doubles decide. To the same bits as one by one. */
+/* fan_batch.h: ordinary stars, nearly all there are, made many at a time: up to so many corners,
+ * along each edge one face out and one back, with at most one gap, and directions that doubles
+ * decide; of polygons, faces that keep all their corners. To the same bits as one by one. */
 #ifndef NORMA_CORE_STAR_BATCH_H
 #define NORMA_CORE_STAR_BATCH_H
 #include "core/corner/visit_positions.h"
@@ -23,7 +23,9 @@ typedef struct star_list {
     uint32_t next[BATCH_CORNERS + ORDINARY_CORNERS],
         previous[BATCH_CORNERS +
                  ORDINARY_CORNERS]; /* the face's other corners, as the mesh names them */
-    double turn[BATCH_CORNERS];     /* which of its face's corners it is */
+    double turn[BATCH_CORNERS];     /* which of its face's corners it is; of polygons: whether that
+                                       is a triangle */
+    uint32_t face[BATCH_CORNERS];   /* of polygons only */
     listed_star stars[BATCH_CORNERS];
 } star_list;
 
@@ -35,6 +37,7 @@ typedef double batch_lane[BATCH_CORNERS + ORDINARY_CORNERS]; /* a star may be wr
 typedef struct fan_batch {
     uint8_t lane_of[BATCH_CORNERS];                     /* of each corner of the list */
     batch_lane at[3], next_at[3], previous_at[3], turn; /* in: positions */
+    batch_lane area;                                    /* in: twice that of polygons */
     batch_lane normal[3], vote[3], weight, sure;        /* of each face; its weighted normal */
     batch_lane
         cosine; /* between its normal and the following lane's; UNSURE where its own is not sure */

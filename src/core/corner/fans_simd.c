@@ -3,7 +3,8 @@
 #include "core/corner/fan_batch.h"
 #include "core/call/instruction_set.h"
 #include "core/face/measure.h"
-#include "core/face/triangle.h"
+#include "core/face/polygon.h"
+#include "core/mesh/face_corners.h"
 
 /* ---- directions and votes */
 
@@ -53,13 +54,46 @@ CORE_INLINE void measure_corner(fan_batch *t, size_t i, norma_weight weight) {
     for (int k = 0; k < 3; k++) t->vote[k][i] = t->weight[i] * t->normal[k][i];
 }
 
+/* A polygon's corner: its direction and area are there. Weights are those of face_geometry.c. */
+CORE_INLINE void measure_polygon_corner(fan_batch *t, size_t i, norma_weight weight) {
+    const int by_angle = core_weighed(weight) == CORE_BY_ANGLE, is_triangle = t->turn[i] != 0;
+    double a[3], b[3], cross[3];
+    for (int k = 0; k < 3; k++) {
+        a[k] = t->next_at[k][i] - t->at[k][i];
+        b[k] = t->previous_at[k][i] - t->at[k][i];
+    }
+    norma_core_cross(a, b, cross);
+    const double aa = norma_core_dot(a, a), bb = norma_core_dot(b, b),
+                 square = norma_core_dot(cross, cross), own = sqrt(square),
+                 length = is_triangle ? t->area[i] : own,
+                 along = cross[0] * t->normal[0][i] + cross[1] * t->normal[1][i] +
+                         cross[2] * t->normal[2][i];
+    const double turn = by_angle ? norma_core_weight_angle(length, norma_core_dot(a, b)) : 0,
+                 angle = along < 0 && !is_triangle ? 2 * NORMA_PI - turn : turn;
+    const int sure = core_weighed(weight) == CORE_BY_FACE || is_triangle ||
+                     (norma_core_corner_is_sure(square, aa * bb) &
+                         ((by_angle == 0) | norma_core_turn_is_sure(along, length)));
+    t->sure[i] = sure ? t->sure[i] : 0;
+    t->weight[i] = norma_core_weight_of(weight, aa, bb, angle, length, t->area[i]);
+    for (int k = 0; k < 3; k++) t->vote[k][i] = t->weight[i] * t->normal[k][i];
+}
+
+CORE_INLINE void measure_polygons(fan_batch *t, size_t count, norma_weight weight) {
+    for (size_t from = 0; from < count; from += CORE_LANES)
+        for (size_t i = from; i < from + CORE_LANES; i++) measure_polygon_corner(t, i, weight);
+}
+
 CORE_INLINE void measure(fan_batch *t, size_t count, norma_weight weight) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t i = from; i < from + CORE_LANES; i++) measure_corner(t, i, weight);
 }
 
-CORE_INLINE void measure_all(fan_batch *t, size_t count, norma_weight weight) {
-    CORE_LOOP_FOR_WEIGHT(weight, measure, t, count)
+CORE_INLINE void measure_all(fan_batch *t, size_t count, int polygons, norma_weight weight) {
+    if (polygons) {
+        CORE_LOOP_FOR_WEIGHT(weight, measure_polygons, t, count)
+    } else {
+        CORE_LOOP_FOR_WEIGHT(weight, measure, t, count)
+    }
 }
 
 /* ---- lanes round a star: from each face to the one whose edge to next is its own edge from
@@ -143,6 +177,20 @@ CORE_INLINE void load_lanes(const core_mesh *mesh, const star_list *list, const 
     }
 }
 
+/* Polygons that keep all their corners and have a direction. */
+static void load_faces(
+    const core_prepared_mesh *s, const star_list *list, const listed_star *star, fan_batch *t) {
+    for (size_t corner = star->begin; corner < (size_t)star->begin + star->count; corner++) {
+        const size_t lane = t->lane_of[corner], f = list->face[corner];
+        const core_face *face = &s->faces[f];
+        const size_t corners =
+            norma_core_face_end(&s->mesh, f) - norma_core_face_begin(&s->mesh, f);
+        for (int k = 0; k < 3; k++) t->normal[k][lane] = face->normal[k];
+        t->area[lane] = face->twice_area;
+        t->sure[lane] = (face->flags & CORE_FACE_DIRECTED) && face->kept == corners ? 1 : 0;
+    }
+}
+
 /* 0: the star is not ordinary. */
 CORE_INLINE int order_star(
     const core_mesh *mesh, const star_list *list, listed_star *star, fan_batch *t) {
@@ -195,9 +243,10 @@ CORE_INLINE void close_star(fan_batch *t, const listed_star *star) {
 /* ---- joining */
 
 /* out begins at the star, back ends there. */
-static int is_unmarked(const core_mesh *mesh, uint32_t out, uint32_t back) {
-    return norma_core_is_unmarked(
-        mesh, out, out / 3, back % 3 == 0 ? back + 2 : back - 1, back / 3);
+static int is_unmarked(const core_prepared_mesh *s, uint32_t out, uint32_t back) {
+    const size_t face = norma_core_face_of(&s->corners_of, back);
+    return norma_core_is_unmarked(&s->mesh, out, (uint32_t)norma_core_face_of(&s->corners_of, out),
+        (uint32_t)norma_core_previous_in_face(&s->mesh, face, back), (uint32_t)face);
 }
 
 /* One bit for each lane whose edge to the following one is cut. 0: too near the crease to tell by
@@ -212,7 +261,7 @@ static int find_cuts(const core_prepared_mesh *s, const star_list *list, const f
     for (uint32_t i = 0; i < star->count; i++) {
         const uint32_t following = i + 1U == star->count ? 0 : i + 1;
         if (star->open && !following) break;
-        if (marked && !is_unmarked(&s->mesh, corner_of[following], corner_of[i])) {
+        if (marked && !is_unmarked(s, corner_of[following], corner_of[i])) {
             *cuts |= 1U << i;
             continue;
         }
@@ -365,6 +414,7 @@ static void fill_up(fan_batch *t, size_t count) {
         t->turn[i] = 0;
         for (int k = 0; k < 3; k++)
             t->at[k][i] = t->next_at[k][i] = t->previous_at[k][i] = t->normal[k][i] = 0;
+        t->area[i] = t->sure[i] = 0;
     }
 }
 
@@ -376,9 +426,10 @@ CORE_INLINE int settle(
         listed_star *star = &list->stars[i];
         if (star->scattered) norma_core_ask_for_targets(list, star);
         star->fan_count = (uint8_t)order_star(&s->mesh, list, star, t);
+        if (s->faces && star->fan_count) load_faces(s, list, star, t);
     }
     fill_up(t, list->corner_count);
-    measure_all(t, list->corner_count, s->call->options.weight);
+    measure_all(t, list->corner_count, s->faces != NULL, s->call->options.weight);
     compare_normals(t, list->corner_count);
     for (size_t i = 0; i < list->star_count; i++) {
         listed_star *star = &list->stars[i];
