@@ -143,6 +143,103 @@ static void bench_meshes(const bench *b) {
     made_free(&mesh);
 }
 
+/* ---- the same mesh in other dress, beside the plain one: 32-bit triangles of floats, the best
+ * instruction set */
+
+typedef enum bench_dress { PLAIN, QUADS, SHORTS, DOUBLES, AVX2, DRESSES } bench_dress;
+static const char *const DRESS_NAMES[] = {"plain", "quads", "16-bit", "doubles", "avx2"};
+static const double DRESS_ASKED[] = {0, 1.5, 1.25, 1.8, 1.3};
+static const bench_case DRESS_CASES[] = {{.name = "dress-faces", .call = FACES},
+    {.name = "dress-index", .call = VERTICES, .weld = NORMA_WELD_NONE},
+    {.name = "dress-area", .call = VERTICES, .weight = NORMA_WEIGHT_AREA, .weld = NORMA_WELD_NONE},
+    {.name = "dress-default", .call = VERTICES}, {.name = "dress-corners", .call = CORNERS}};
+enum { DRESS_CASE_COUNT = sizeof DRESS_CASES / sizeof *DRESS_CASES };
+
+typedef struct dressed_mesh {
+    made_mesh mesh;
+    double *positions;
+    uint16_t *shorts;
+    uint32_t *quads, *starts;
+} dressed_mesh;
+
+/* Of at most 65,536 vertices. */
+static dressed_mesh dress_up(void) {
+    enum { TRIANGLES = 120000 };
+    dressed_mesh d = {.mesh = made_grid(TRIANGLES)};
+    const size_t corners = d.mesh.corner_count, quads = corners / 6;
+    d.positions = bench_memory(3 * d.mesh.position_count, sizeof *d.positions);
+    d.shorts = bench_memory(corners, sizeof *d.shorts);
+    d.quads = bench_memory(4 * quads, sizeof *d.quads);
+    d.starts = bench_memory(quads + 1, sizeof *d.starts);
+    for (size_t i = 0; i < 3 * d.mesh.position_count; i++)
+        d.positions[i] = (double)d.mesh.positions[i / 3][i % 3];
+    for (size_t c = 0; c < corners; c++) d.shorts[c] = (uint16_t)d.mesh.corners[c];
+    for (size_t q = 0; q < quads; q++) {
+        const uint32_t *two = d.mesh.corners + 6 * q;
+        memcpy(d.quads + 4 * q, (uint32_t[]){two[0], two[1], two[2], two[5]}, 4 * sizeof *two);
+        d.starts[q + 1] = (uint32_t)(4 * (q + 1));
+    }
+    return d;
+}
+
+static norma_mesh dressed_view(const dressed_mesh *d, bench_dress dress) {
+    norma_mesh view = made_view(&d->mesh);
+    if (dress == QUADS) {
+        view.corners = d->quads;
+        view.face_starts = d->starts;
+        view.face_count = view.corner_count / 6;
+        view.corner_count = 4 * view.face_count;
+    } else if (dress == SHORTS) {
+        view.corners = d->shorts;
+        view.corner_size = sizeof *d->shorts;
+    } else if (dress == DOUBLES) {
+        view.positions =
+            (norma_vec3_view){d->positions, d->mesh.position_count, 0, NORMA_FORMAT_DOUBLE};
+    }
+    return view;
+}
+
+/* All in turn, so that what else the machine does befalls them alike; the least of each. */
+static void bench_dressed(const bench *b, const bench_case *c, const dressed_mesh *d) {
+    enum { TURNS = 40 };
+    double least[DRESSES];
+    bench_pool pool = {0};
+    outputs out = outputs_for(&d->mesh);
+    for (int i = 0; i < TURNS * DRESSES; i++) {
+        const bench_dress dress = (bench_dress)(i % DRESSES);
+        const norma_mesh view = dressed_view(d, dress);
+        const norma_options options = {.weight = c->weight,
+            .weld = c->weld,
+            .isa = dress == AVX2 ? NORMA_ISA_AVX2 : b->isa,
+            .allocator = bench_pool_allocator(&pool)};
+        const double begun = bench_now();
+        stop_at(call_once(c->call, &view, &options, &out), c->name);
+        const double ns = 1e9 * (bench_now() - begun) / (double)(d->mesh.corner_count / 3);
+        if (i < DRESSES || ns < least[dress]) least[dress] = ns;
+    }
+    for (int dress = PLAIN; dress < DRESSES; dress++) {
+        printf("%-14s %-8s %7.2f ns", c->name, DRESS_NAMES[dress], least[dress]);
+        if (dress != PLAIN)
+            printf("  %.2f of plain, asked %.2f %s", least[dress] / least[PLAIN],
+                DRESS_ASKED[dress],
+                least[dress] <= DRESS_ASKED[dress] * least[PLAIN] ? "ok" : "over");
+        printf("\n");
+    }
+    free_outputs(&out);
+    bench_pool_free(&pool);
+}
+
+static void bench_dresses(const bench *b) {
+    if (!is_wanted(b, "dress")) return;
+    dressed_mesh d = dress_up();
+    for (size_t i = 0; i < DRESS_CASE_COUNT; i++) bench_dressed(b, &DRESS_CASES[i], &d);
+    free(d.positions);
+    free(d.shorts);
+    free(d.quads);
+    free(d.starts);
+    made_free(&d.mesh);
+}
+
 /* ---- small meshes: microseconds a call, default options, memory from malloc */
 
 static void bench_small(const bench *b) {
@@ -363,6 +460,7 @@ int main(int count, char **arguments) {
     b.nanoseconds_1x = 1e9 * bench_memcpy_seconds(12 * b.triangles, b.runs) / (double)b.triangles;
     printf("1x = %.3f ns per triangle (memcpy of 12 bytes)\n", b.nanoseconds_1x);
     bench_meshes(&b);
+    bench_dresses(&b);
     bench_small(&b);
     bench_transforms(&b);
     bench_matrices(&b);

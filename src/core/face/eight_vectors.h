@@ -6,6 +6,7 @@
 #define NORMA_CORE_LANES_H
 #include "core/call/instruction_set.h"
 #include "core/face/measure.h"
+#include "core/mesh/input_mesh.h"
 #include <string.h>
 
 /* Where the corners of eight faces lie: corner k of face i at position at[corners i + k]. */
@@ -14,7 +15,20 @@ typedef struct core_points {
     size_t stride;
     const uint32_t *at;
     int corners; /* of each face */
+    int doubles; /* three doubles each, which are read times scale; else three floats */
+    double scale;
 } core_points;
+
+CORE_INLINE core_points core_points_of(const core_mesh *mesh, const uint32_t *at, int corners) {
+    return (core_points){mesh->positions.data, mesh->positions.stride, at, corners,
+        mesh->positions.format == NORMA_FORMAT_DOUBLE, mesh->scale};
+}
+
+/* Of other formats, positions are read one by one. */
+CORE_INLINE int core_can_gather(const core_mesh *mesh) {
+    return mesh->positions.format == NORMA_FORMAT_FLOAT ||
+           mesh->positions.format == NORMA_FORMAT_DOUBLE;
+}
 
 CORE_INLINE const unsigned char *core_point_at(core_points p, int i, int k) {
     return p.data + p.at[p.corners * i + k] * p.stride;
@@ -98,35 +112,6 @@ CORE_INLINE void core_floats_to_threes(
     memcpy(out[CORE_LANES - 1], (const char *)&r[3] + sizeof(core_f4), sizeof out[0]);
 }
 
-/* axis[x]: coordinate x of corner k of each face. */
-CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3]) {
-    const core_f8 r[4] = {core_two_corners(p, 0, k), core_two_corners(p, 1, k),
-        core_two_corners(p, 2, k), core_two_corners(p, 3, k)};
-    core_f8 floats[3];
-    core_turn_threes(r, floats);
-    for (int x = 0; x < 3; x++) axis[x] = __builtin_convertvector(floats[x], core_d8);
-}
-
-/* The same, of three floats each, into lanes. */
-CORE_INLINE void core_gather_lanes(core_points p, int k, core_lane out[3]) {
-    core_d8 axis[3];
-    core_gather_corners(p, k, axis);
-    for (int x = 0; x < 3; x++) memcpy(out[x], &axis[x], sizeof axis[x]);
-}
-
-/* The edges of triangles whose corners are three floats each. */
-CORE_INLINE void core_gather_edges(core_points p, core_batch *out) {
-    core_d8 corner[3][3];
-    for (int k = 0; k < 3; k++) core_gather_corners(p, k, corner[k]);
-    for (int x = 0; x < 3; x++) {
-        const core_d8 u = corner[1][x] - corner[0][x], v = corner[2][x] - corner[0][x],
-                      a = corner[2][x] - corner[1][x];
-        memcpy(out->u[x], &u, sizeof u);
-        memcpy(out->v[x], &v, sizeof v);
-        memcpy(out->a[x], &a, sizeof a);
-    }
-}
-
 CORE_INLINE core_d4 core_load_row(const double *row) {
     core_d4 v;
     memcpy(&v, row, sizeof v);
@@ -145,6 +130,58 @@ CORE_INLINE void core_turn_rows(core_d4 r[4]) {
     r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
     r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
     r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+
+/* Three doubles, and not a byte beyond them. */
+CORE_INLINE core_d4 core_load_three_doubles(const unsigned char *at) {
+    core_d2 xy;
+    double z;
+    memcpy(&xy, at, sizeof xy);
+    memcpy(&z, at + sizeof xy, sizeof z);
+    return __builtin_shufflevector(xy, (core_d2){z, 0}, 0, 1, 2, 3);
+}
+
+CORE_INLINE void core_gather_doubles(core_points p, int k, core_d8 axis[3]) {
+    core_d4 r[2][4];
+    for (int i = 0; i < CORE_LANES; i++)
+        r[i / 4][i % 4] = core_load_three_doubles(core_point_at(p, i, k));
+    core_turn_rows(r[0]);
+    core_turn_rows(r[1]);
+    for (int x = 0; x < 3; x++)
+        axis[x] = __builtin_shufflevector(r[0][x], r[1][x], 0, 1, 2, 3, 4, 5, 6, 7) * p.scale;
+}
+
+/* axis[x]: coordinate x of corner k of each face. */
+CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3]) {
+    if (p.doubles) {
+        core_gather_doubles(p, k, axis);
+        return;
+    }
+    const core_f8 r[4] = {core_two_corners(p, 0, k), core_two_corners(p, 1, k),
+        core_two_corners(p, 2, k), core_two_corners(p, 3, k)};
+    core_f8 floats[3];
+    core_turn_threes(r, floats);
+    for (int x = 0; x < 3; x++) axis[x] = __builtin_convertvector(floats[x], core_d8);
+}
+
+/* The same, into lanes. */
+CORE_INLINE void core_gather_lanes(core_points p, int k, core_lane out[3]) {
+    core_d8 axis[3];
+    core_gather_corners(p, k, axis);
+    for (int x = 0; x < 3; x++) memcpy(out[x], &axis[x], sizeof axis[x]);
+}
+
+/* The edges of triangles. */
+CORE_INLINE void core_gather_edges(core_points p, core_batch *out) {
+    core_d8 corner[3][3];
+    for (int k = 0; k < 3; k++) core_gather_corners(p, k, corner[k]);
+    for (int x = 0; x < 3; x++) {
+        const core_d8 u = corner[1][x] - corner[0][x], v = corner[2][x] - corner[0][x],
+                      a = corner[2][x] - corner[1][x];
+        memcpy(out->u[x], &u, sizeof u);
+        memcpy(out->v[x], &v, sizeof v);
+        memcpy(out->a[x], &a, sizeof a);
+    }
 }
 
 CORE_INLINE void core_lanes_to_rows(
@@ -180,22 +217,34 @@ CORE_INLINE void core_add_whole(double *sum, const double *row) {
     core_store_row(sum, core_load_row(sum) + core_load_row(row));
 }
 #else
+CORE_INLINE void core_read_point(core_points points, int i, int k, double p[3]) {
+    const unsigned char *at = core_point_at(points, i, k);
+    if (points.doubles) {
+        memcpy(p, at, 3 * sizeof *p);
+        for (int x = 0; x < 3; x++) p[x] *= points.scale;
+        return;
+    }
+    float floats[3];
+    memcpy(floats, at, sizeof floats);
+    for (int x = 0; x < 3; x++) p[x] = (double)floats[x];
+}
+
 CORE_INLINE void core_gather_lanes(core_points points, int k, core_lane out[3]) {
     for (int i = 0; i < CORE_LANES; i++) {
-        float p[3];
-        memcpy(p, core_point_at(points, i, k), sizeof p);
-        for (int x = 0; x < 3; x++) out[x][i] = (double)p[x];
+        double p[3];
+        core_read_point(points, i, k, p);
+        for (int x = 0; x < 3; x++) out[x][i] = p[x];
     }
 }
 
 CORE_INLINE void core_gather_edges(core_points points, core_batch *out) {
     for (int i = 0; i < CORE_LANES; i++) {
-        float p[3][3];
-        for (int k = 0; k < 3; k++) memcpy(p[k], core_point_at(points, i, k), sizeof p[k]);
+        double p[3][3];
+        for (int k = 0; k < 3; k++) core_read_point(points, i, k, p[k]);
         for (int x = 0; x < 3; x++) {
-            out->u[x][i] = (double)p[1][x] - (double)p[0][x];
-            out->v[x][i] = (double)p[2][x] - (double)p[0][x];
-            out->a[x][i] = (double)p[2][x] - (double)p[1][x];
+            out->u[x][i] = p[1][x] - p[0][x];
+            out->v[x][i] = p[2][x] - p[0][x];
+            out->a[x][i] = p[2][x] - p[1][x];
         }
     }
 }

@@ -37,7 +37,7 @@ static const uint32_t *list_corners(
     if (is_plain(mesh))
         at = (const uint32_t *)mesh->corners + begin;
     else
-        for (size_t i = 0; i < count; i++) named[i] = norma_core_corner(mesh, begin + i);
+        norma_core_read_corners(mesh, begin, count, named);
     out->at = mesh->weld || at == named ? out->room : at;
     for (size_t i = 0; i < count && out->at != at; i++)
         out->room[i] = norma_core_welded(mesh, at[i]);
@@ -105,9 +105,9 @@ CORE_INLINE void read_lanes(const core_mesh *mesh, const core_measured *m, const
     uint32_t eight[CORE_LANES * CORE_MOST_CORNERS];
     for (size_t i = 0; i < CORE_LANES; i++)
         memcpy(eight + corners * i, at + m->first[m->face[slot + i]], corners * sizeof *at);
-    const core_points points = {mesh->positions.data, mesh->positions.stride, eight, (int)corners};
+    const core_points points = core_points_of(mesh, eight, (int)corners);
     for (size_t k = 0; k < corners; k++)
-        if (mesh->positions.format == NORMA_FORMAT_FLOAT)
+        if (core_can_gather(mesh))
             core_gather_lanes(points, (int)k, t->at[k]);
         else
             for (size_t i = 0; i < CORE_LANES; i++) {

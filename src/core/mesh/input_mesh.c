@@ -69,6 +69,25 @@ uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner) {
                              : (uint32_t)corner;
 }
 
+CORE_INLINE void read_corners(
+    const void *corners, size_t size, size_t begin, size_t count, uint32_t *positions) {
+    for (size_t i = 0; i < count; i++)
+        positions[i] = size ? norma_index_read(corners, size, begin + i) : (uint32_t)(begin + i);
+}
+
+/* A loop for each size, without a question inside. */
+void norma_core_read_corners(
+    const core_mesh *mesh, size_t begin, size_t count, uint32_t *positions) {
+    if (mesh->corner_size == 4)
+        read_corners(mesh->corners, 4, begin, count, positions);
+    else if (mesh->corner_size == 2)
+        read_corners(mesh->corners, 2, begin, count, positions);
+    else if (mesh->corner_size == 1)
+        read_corners(mesh->corners, 1, begin, count, positions);
+    else
+        read_corners(NULL, 0, begin, count, positions);
+}
+
 void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]) {
     norma_view_read(&mesh->positions, index, out);
     if (mesh->positions.format == NORMA_FORMAT_DOUBLE)
@@ -179,12 +198,14 @@ static norma_result check_corners(core_call *call, const core_mesh *mesh, core_r
 /* Products of four lengths must fit a double: beyond 2^200 or below 2^-200 all positions are read
  * times a power of two. */
 static double scale_of_doubles(const core_mesh *mesh) {
+    const unsigned char *at = mesh->positions.data;
     double largest = 0;
-    for (size_t i = 0; i < mesh->positions.count; i++) {
+    for (size_t i = 0; i < mesh->positions.count; i++, at += mesh->positions.stride) {
         double p[3];
-        norma_view_read(&mesh->positions, i, p);
-        if (!norma_core_finite(p)) continue;
-        for (int k = 0; k < 3; k++) largest = fmax(largest, fabs(p[k]));
+        memcpy(p, at, sizeof p);
+        const double x = fabs(p[0]), y = fabs(p[1]), z = fabs(p[2]), xy = x > y ? x : y,
+                     most = xy > z ? xy : z;
+        if (most > largest && norma_core_finite(p)) largest = most;
     }
     if (largest == 0 || (largest > 0x1p-200 && largest < 0x1p200)) return 1;
     const int exponent = ilogb(largest);

@@ -39,6 +39,10 @@ norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range
 uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner);
 void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]);
 
+/* Of count corners in a row. */
+void norma_core_read_corners(
+    const core_mesh *mesh, size_t begin, size_t count, uint32_t *positions);
+
 static inline uint32_t norma_core_corner(const core_mesh *mesh, size_t corner) {
     uint32_t index;
     if (mesh->corner_size != 4) return norma_core_small_corner(mesh, corner);

@@ -78,7 +78,7 @@ CORE_INLINE void core_add_eight(
         if (core_is_decided(e, i))
             core_add_lane(adder, e, i, weight);
         else
-            adder->add_face(adder->context, f + (size_t)i);
+            adder->add_face(adder->context, adder->first_face + f + (size_t)i);
     }
 }
 #endif

@@ -48,19 +48,18 @@ static void read_other_formats(const core_mesh *mesh, triangle_batch *t) {
 }
 
 CORE_INLINE void read_batch(const core_mesh *mesh, size_t f, int lanes, triangle_batch *t) {
-    const size_t tight = 3 * sizeof(float);
+    core_points points = core_points_of(mesh, t->at, 3);
     if (mesh->corner_size == 4 && lanes == CORE_LANES)
         memcpy(t->at, (const unsigned char *)mesh->corners + 12 * f, sizeof t->at);
     else
         read_few_corners(mesh, f, lanes, t->at);
-    if (mesh->positions.format != NORMA_FORMAT_FLOAT)
+    if (!core_can_gather(mesh))
         read_other_formats(mesh, t);
-    else if (mesh->positions.stride == tight)
-        core_gather_edges((core_points){mesh->positions.data, tight, t->at, 3},
-            &t->measured); /* a product that costs nothing */
-    else
-        core_gather_edges(
-            (core_points){mesh->positions.data, mesh->positions.stride, t->at, 3}, &t->measured);
+    else if (!points.doubles && points.stride == 3 * sizeof(float)) {
+        points.stride = 3 * sizeof(float); /* a product that costs nothing */
+        core_gather_edges(points, &t->measured);
+    } else
+        core_gather_edges(points, &t->measured);
     if (mesh->weld)
         for (int i = 0; i < 3 * CORE_LANES; i++) t->at[i] = mesh->weld[t->at[i]];
 }
@@ -312,6 +311,23 @@ static core_finish_sums *const FINISH[] = {finish_portable};
 static core_add_faces *const ADD[] = CORE_KERNELS(add);
 static core_queue_triangles *const QUEUE[] = CORE_KERNELS(queue);
 static core_drain_queue *const DRAIN[] = CORE_KERNELS(drain);
+
+void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t begin, size_t end) {
+    uint32_t corners[CORE_CORNERS_IN_CHUNK];
+    core_mesh mesh = *adder->mesh;
+    core_adder wide = *adder;
+    if (mesh.face_starts || mesh.corner_size == sizeof *corners) {
+        add(adder, begin, end);
+        return;
+    }
+    mesh.corner_count = 3 * (end - begin);
+    norma_core_read_corners(&mesh, 3 * begin, mesh.corner_count, corners);
+    mesh.corners = corners;
+    mesh.corner_size = sizeof *corners;
+    wide.mesh = &mesh;
+    wide.first_face = begin;
+    add(&wide, 0, end - begin);
+}
 
 core_add_faces *norma_core_choose_add(norma_isa isa) { return ADD[norma_core_level(isa)]; }
 core_queue_triangles *norma_core_choose_queue(norma_isa isa) {

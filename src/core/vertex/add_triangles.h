@@ -9,15 +9,19 @@ typedef struct core_adder {
     norma_weight weight;
     vertex_sum *sums; /* of count positions from first on; corners elsewhere are passed over */
     uint32_t first, count;
-    int owns_all;    /* no corner of the faces that are to be added is elsewhere */
-    int scattered;   /* corners in a row lie far apart: memory is asked for ahead */
-    int by_distance; /* positions that differ may be welded into one */
+    int owns_all;      /* no corner of the faces that are to be added is elsewhere */
+    int scattered;     /* corners in a row lie far apart: memory is asked for ahead */
+    int by_distance;   /* positions that differ may be welded into one */
+    size_t first_face; /* the number of the mesh's first face to add_face */
     void (*add_face)(void *context, size_t face); /* one that doubles do not decide */
     void *context;
 } core_adder;
 
 /* Adds the faces from begin to before end, in ascending order. */
 typedef void core_add_faces(const core_adder *adder, size_t begin, size_t end);
+/* By add; a chunk of faces at most. Corners of other than 32 bits are made so first, so that one
+ * loop is enough. */
+void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t begin, size_t end);
 /* The normals of CORE_LANES sums. Returns whether each is one; where one has no votes, cancels, or
  * is beyond what doubles square, none of them is to be used. */
 typedef int core_finish_sums(const vertex_sum sums[CORE_LANES], float normals[CORE_LANES][3]);

@@ -99,7 +99,7 @@ static void compute_bin(const bin_work *work, size_t bin, vertex_sum *sums) {
     core_face_adder face_adder = {
         prepared, sums, (uint32_t)first, (uint32_t)count, &work->tallies[bin].degenerate};
     core_adder adder = {&prepared->mesh, prepared->call->options.weight, sums, (uint32_t)first,
-        (uint32_t)count, 0, 0, 0, norma_core_add_face, &face_adder};
+        (uint32_t)count, 0, 0, 0, 0, norma_core_add_face, &face_adder};
     norma_core_clear_sums(sums, count);
     for (size_t chunk = 0; chunk < work->chunks; chunk++) {
         if (work->ranges[chunk].least >= first + count || work->ranges[chunk].most < first)
@@ -107,7 +107,7 @@ static void compute_bin(const bin_work *work, size_t bin, vertex_sum *sums) {
         const size_t begin = chunk * CORE_FACES_IN_CHUNK, faces = prepared->mesh.face_count;
         adder.owns_all =
             work->ranges[chunk].least >= first && work->ranges[chunk].most < first + count;
-        work->add(&adder, begin,
+        norma_core_add_chunk(work->add, &adder, begin,
             faces - begin < CORE_FACES_IN_CHUNK ? faces : begin + CORE_FACES_IN_CHUNK);
     }
     write_bin(work, sums, first, count, &work->tallies[bin]);

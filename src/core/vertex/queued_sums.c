@@ -74,7 +74,7 @@ static void queue_faces(queue_work *work, size_t queue, size_t begin, size_t end
     face_queuer queuer = {work->prepared, &work->queues[queue], begin, &work->degenerate[queue]};
     const norma_options *o = &work->prepared->call->options;
     const core_adder adder = {work->mesh, o->weight, work->sums, 0, 0, 0, 1,
-        o->weld == NORMA_WELD_DISTANCE, queue_face, &queuer};
+        o->weld == NORMA_WELD_DISTANCE, 0, queue_face, &queuer};
     work->queue_faces(&adder, begin, end, work->scale, &work->queues[queue]);
 }
 

@@ -62,9 +62,9 @@ static void add_chunk(sum_work *work, size_t range_number, position_range range,
     core_face_adder face_adder = {
         prepared, sums, range.begin, count, &work->degenerate[range_number]};
     const core_adder adder = {&work->mesh, prepared->call->options.weight, sums, range.begin, count,
-        work->ranges == 1, work->scattered, prepared->call->options.weld == NORMA_WELD_DISTANCE,
+        work->ranges == 1, work->scattered, prepared->call->options.weld == NORMA_WELD_DISTANCE, 0,
         norma_core_add_face, &face_adder};
-    work->add(&adder, begin, end);
+    norma_core_add_chunk(work->add, &adder, begin, end);
 }
 
 static position_range range_of(const sum_work *work, size_t number) {
