@@ -33,7 +33,21 @@ function buildPackage(folder) {
 function readShaders() {
   const shaders = join(here, "..", "src", "render", "shaders");
   const names = ["colour.glsl", "light.glsl", "surface.vert", "surface.frag", "line.vert", "line.frag"];
-  return `const SHADERS = ${JSON.stringify(Object.fromEntries(names.map((name) => [name, readFileSync(join(shaders, name), "utf8")])))};`;
+  const own = join(here, "page", "shaders"), texts = [...names.map((name) => [name, join(shaders, name)]), ...readdirSync(own).map((name) => [name, join(own, name)])];
+  return `const SHADERS = ${JSON.stringify(Object.fromEntries(texts.map(([name, path]) => [name, readFileSync(path, "utf8")])))};`;
+}
+
+/* An OBJ of triangles as bytes: counts of vertices and triangles (32 bits), least and step of each axis (floats), positions and indices (16 bits each). A 65,535th of a sculpture cannot be seen. */
+function packSculpture(path) {
+  const rows = readFileSync(path, "utf8").split("\n").map((line) => line.trim().split(/\s+/));
+  const points = rows.filter(([word]) => word === "v").map((row) => row.slice(1, 4).map(Number)), faces = rows.filter(([word]) => word === "f").map((row) => row.slice(1, 4).map((corner) => parseInt(corner, 10) - 1));
+  const least = [0, 1, 2].map((i) => Math.min(...points.map((p) => p[i]))), step = [0, 1, 2].map((i) => (Math.max(...points.map((p) => p[i])) - least[i]) / 65535);
+  const bytes = Buffer.alloc(32 + 6 * points.length + 6 * faces.length);
+  [points.length, faces.length].forEach((count, i) => bytes.writeUInt32LE(count, 4 * i));
+  [...least, ...step].forEach((x, i) => bytes.writeFloatLE(x, 8 + 4 * i));
+  points.flatMap((p) => p.map((x, i) => Math.round((x - least[i]) / step[i]))).forEach((x, i) => bytes.writeUInt16LE(x, 32 + 2 * i));
+  faces.flat().forEach((corner, i) => bytes.writeUInt16LE(corner, 32 + 6 * points.length + 2 * i));
+  return bytes.toString("base64");
 }
 
 function buildPage(folder) {
@@ -43,11 +57,12 @@ function buildPage(folder) {
   const parts = {
     STYLE: readFileSync(join(page, "style.css"), "utf8"),
     WASM: readFileSync(join(folder, "page.wasm")).toString("base64"),
-    SCRIPT: guard(`${readShaders()}\n${bundle(join(page, "main.js"))}`),
+    WORKER: guard(bundle(join(page, "worker.js"), ["--minify"])),
+    SCRIPT: guard(`${readShaders()}\n${bundle(join(page, "main.js"), ["--minify"])}`),
   };
-  const text = readFileSync(join(page, "index.html"), "utf8").replace(/\/\*(STYLE|WASM|SCRIPT)\*\//g, (_, name) => parts[name]);
-  writeFileSync(join(folder, "page.html"), text);
-  writeFileSync(join(folder, "norma.html"), text.replace("/*NAME*/", "").replace("/*MODEL*/", ""));
+  const text = readFileSync(join(page, "index.html"), "utf8").replace(/\/\*(STYLE|WASM|WORKER|SCRIPT)\*\//g, (_, name) => parts[name]);
+  writeFileSync(join(folder, "page.html"), text.replace("/*SCULPTURE*/", ""));
+  writeFileSync(join(folder, "norma.html"), text.replace("/*NAME*/", "").replace("/*MODEL*/", "").replace("/*SCULPTURE*/", packSculpture(join(here, "..", "assets", "goathead.obj"))));
 }
 
 const [what, folder] = process.argv.slice(2);

@@ -37,7 +37,7 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
     child.stdio[3].write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
   });
 
-  const open = async (url, { dark = false, before = "", mobile = false, size = [width, height] } = {}) => {
+  const open = async (url, { dark = false, calm = false, before = "", mobile = false, size = [width, height] } = {}) => {
     const { targetId } = await send("Target.createTarget", { url: "about:blank" });
     const { sessionId } = await send("Target.attachToTarget", { targetId, flatten: true });
     const ask = (method, params) => send(method, params, sessionId);
@@ -53,7 +53,7 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
     for (const domain of ["Page", "Runtime", "Log", "Network", "DOM"]) await ask(`${domain}.enable`);
     await ask("Emulation.setDeviceMetricsOverride", { width: size[0], height: size[1], deviceScaleFactor: 1, mobile });
     if (mobile) await ask("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 2 });
-    await ask("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }] });
+    await ask("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }, { name: "prefers-reduced-motion", value: calm ? "reduce" : "no-preference" }] });
     if (before) await ask("Page.addScriptToEvaluateOnNewDocument", { source: before });
     await ask("Page.navigate", { url });
 

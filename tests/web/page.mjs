@@ -20,13 +20,15 @@ const near = (a, b, tolerance = 0.0051) => Math.abs(a - b) <= tolerance;
 /* A page with what the checks do to it. */
 async function visit(url, options = {}) {
   const page = await browser.open(url, { size: SIZE, ...options });
-  await page.until("document.body?.dataset.drawn > 0 || document.getElementById('fallback')?.hidden === false", 40);
+  await page.until("document.body?.dataset.drawn > 0 || document.getElementById('fallback')?.hidden === false", 60);
   const drawn = () => page.evaluate("Number(document.body.dataset.drawn)");
-  /* Does something, and waits until the picture has followed. */
+  const settled = () => page.until("document.body.dataset.busy === '' || document.getElementById('moving-section').hidden === false", 60);
+  /* Does something, and waits until the picture has followed, and the worker has answered. */
   const after = async (act) => {
     const before = await drawn();
     await act();
     await page.until(`Number(document.body.dataset.drawn) > ${before}`);
+    await settled();
   };
   const set = (id, value) => after(() => page.evaluate(`(() => { const e = document.getElementById("${id}"); e.value = ${JSON.stringify(String(value))}; e.dispatchEvent(new Event("input", { bubbles: true })); })()`));
   const pick = (id, value) => after(() => page.evaluate(`(() => { const e = document.getElementById("${id}"); e.value = ${JSON.stringify(value)}; e.dispatchEvent(new Event("change", { bubbles: true })); })()`));
@@ -34,7 +36,13 @@ async function visit(url, options = {}) {
   const text = (id) => page.evaluate(`document.getElementById("${id}").textContent`);
   const angle = async (id) => Number((await text(id)).replace("°", ""));
   const picture = async (name) => readPng(await page.screenshot(name && join(shots, `${name}.png`)));
-  return { ...page, drawn, after, set, pick, click, text, angle, picture };
+  const made = { ...page, drawn, settled, after, set, pick, click, text, angle, picture };
+  /* The first seconds have a test of their own. */
+  if (!options.intro && (await page.evaluate("document.getElementById('fallback').hidden && !document.getElementById('intro').hidden"))) {
+    await set("scale-x", 2);
+    await pick("sides", "split");
+  }
+  return made;
 }
 
 /* The surface has a hue or is far from the paper; words and lines are few. */
@@ -42,9 +50,32 @@ const isModel = ([r, g, b]) => Math.max(r, g, b) - Math.min(r, g, b) > 22 && !(g
 const differences = (a, b, box = STAGE) => countPixels(a, box, (colour, x, y) => b.at(x, y).some((part, i) => Math.abs(part - colour[i]) > 12));
 const worst = (a) => (Math.asin((a * a - 1) / (a * a + 1)) * 180) / Math.PI;
 
+await attempt("the first seconds: a sculpture breathes, wrong beside right, the angle between them, one sentence; a press stops it", async () => {
+  const first = await visit(home, { intro: true }), scale = () => first.evaluate("Number(document.getElementById('scale-x').value)"), seen = [];
+  for (const end = Date.now() + 8000; Date.now() < end; await new Promise((done) => setTimeout(done, 60))) seen.push(await scale());
+  expect(Math.min(...seen) >= 1 && Math.max(...seen) <= 2 && Math.min(...seen) < 1.1 && Math.max(...seen) > 1.9, `the scale went from ${Math.min(...seen)} to ${Math.max(...seen)}`);
+  expect(await first.evaluate("['side-wrong', 'side-right', 'side-angle', 'intro', 'legend'].every((id) => document.getElementById(id).offsetParent)"), "a part is missing");
+  expect((await first.text("intro-words")).split(".").filter((part) => part.trim()).length === 1, "more than one sentence");
+  expect((await first.text("said")) === "", "it talks while it moves");
+  await first.evaluate("document.getElementById('breathe').click()");
+  const still = await scale();
+  await new Promise((done) => setTimeout(done, 300));
+  expect((await scale()) === still, "it does not pause");
+  await first.picture("intro");
+  await first.set("scale-x", 2);
+  expect((await first.text("worst")) === "36.87°" && (await first.evaluate("document.getElementById('intro').hidden")), `after a change: ${await first.text("worst")}`);
+  expect(first.said.length === 0, first.said.join("\n"));
+  await first.close();
+  const calm = await visit(home, { intro: true, calm: true }), before = await calm.evaluate("document.getElementById('scale-x').value");
+  await new Promise((done) => setTimeout(done, 500));
+  expect(before === "2" && (await calm.evaluate("document.getElementById('scale-x').value")) === "2", "it moves where that is not wished");
+  await calm.close();
+});
+
 const page = await visit(home);
 
 await attempt("the playground draws a model", async () => {
+  await page.pick("model", "vase");
   const png = await page.picture("playground");
   const pixels = countPixels(png, STAGE, isModel);
   expect(pixels > 8000, `${pixels} pixels of a model`);
@@ -58,11 +89,13 @@ await attempt("the two sides of the split differ, and do not when M is the ident
   await page.pick("sides", "right");
   const right = await page.picture();
   expect(differences(left, right) > 1500, "wrong and right look the same");
-  await page.click("reset-matrix");
-  const same = await page.picture();
-  await page.pick("sides", "wrong");
-  expect(differences(same, await page.picture()) < 200, "they differ where M is the identity");
   await page.pick("sides", "split");
+  expect(await page.evaluate("!document.getElementById('divider').hidden && !document.getElementById('side-wrong').hidden"), "no split while M is a scale");
+  for (const act of [() => page.click("reset-matrix"), () => page.set("turn", 30), () => page.pick("mirror", "x")]) {
+    await act();
+    expect(await page.evaluate("document.getElementById('divider').hidden && document.getElementById('side-wrong').hidden && document.getElementById('side-right').hidden"), "a split while M changes no angle");
+  }
+  await page.click("reset-matrix");
 });
 
 await attempt("half way to the rim of an ellipsoid the normal is that of the ellipsoid on the right, and is not on the wrong side", async () => {
@@ -149,8 +182,8 @@ await attempt("the angle at the cursor is that of the point under it", async () 
   await page.pick("sides", "split");
 });
 
-await attempt("the split is dragged by its grip and by the keyboard", async () => {
-  const [x, y] = await page.evaluate("[canvas.clientWidth / 2, canvas.clientHeight / 2]");
+await attempt("the split is dragged anywhere on its line and by the keyboard", async () => {
+  const [x, height] = await page.evaluate("[canvas.clientWidth / 2, canvas.clientHeight]"), y = height * 0.8;
   await page.mouse("mouseMoved", x, y);
   await page.mouse("mousePressed", x, y, { button: "left", buttons: 1, clickCount: 1 });
   await page.after(() => page.mouse("mouseMoved", x / 2, y, { button: "left", buttons: 1 }));
@@ -184,7 +217,6 @@ await attempt("mouse, wheel and keys move the camera", async () => {
 
 await attempt("creases, weights and shadings change the picture", async () => {
   await page.click("reset-matrix");
-  await page.pick("sides", "right");
   let before = await page.picture("box-smooth");
   const changes = async (id, value, least = 800) => {
     await page.pick(id, value);
@@ -211,14 +243,11 @@ await attempt("creases, weights and shadings change the picture", async () => {
 
 await attempt("200,000 triangles are computed anew as the slider moves", async () => {
   await page.pick("model", "fine");
-  let least = Infinity;
-  for (const crease of [30, 45, 60, 75, 90, 60, 45]) {
-    await page.set("crease", crease);
-    const words = await page.text("compute-facts");
-    least = Math.min(least, Number(/in ([0-9.]+) ms/.exec(words)[1]));
-  }
-  console.log(`# 200,000 triangles: ${least} ms`);
-  expect(least < 200, `${least} ms`);
+  for (const crease of [30, 45, 60, 75, 90, 60, 45]) await page.set("crease", crease);
+  const words = await page.until("/median of 5 runs/.test(document.getElementById('compute-facts').textContent) && document.getElementById('compute-facts').textContent");
+  const milliseconds = Number(/in ([0-9.]+) ms/.exec(words)[1]);
+  console.log(`# 200,000 triangles: ${milliseconds} ms`);
+  expect(/^200,000 triangles/.test(words) && milliseconds < 200, words);
 });
 
 /* ---- files */
@@ -335,10 +364,10 @@ await attempt("every control has a label, and the Tab key reaches each", async (
   await page.pick("model", "vase");
   const unlabelled = await page.evaluate(`[...document.querySelectorAll("input, select, button")].filter((e) => e.tagName !== "BUTTON" ? !e.labels.length : !e.textContent).map((e) => e.id).join(" ")`);
   expect(unlabelled === "", unlabelled);
-  const wanted = await page.evaluate(`[...document.querySelectorAll("canvas, input, select, button")].filter((e) => !e.disabled && e.offsetParent).map((e) => e.id).join(" ")`);
+  const wanted = await page.evaluate(`[...document.querySelectorAll("canvas, input, select, button")].filter((e) => !e.disabled && e.checkVisibility({ contentVisibilityAuto: true })).map((e) => e.id).join(" ")`);
   await page.evaluate("document.body.tabIndex = -1; document.body.focus(); document.body.removeAttribute('tabindex')");
   const reached = new Set();
-  for (let i = 0; i < 60 && reached.size < wanted.split(" ").length; i++) {
+  for (let i = 0; i < 100 && reached.size < wanted.split(" ").length; i++) {
     await page.press("Tab");
     reached.add(await page.evaluate("document.activeElement.id"));
   }
@@ -347,12 +376,15 @@ await attempt("every control has a label, and the Tab key reaches each", async (
 });
 
 check("no error and no warning on the console", page.said.length === 0, page.said.join("\n"));
-const beyond = page.requests.filter((url) => url !== home && !url.startsWith("data:"));
+/* blob: is the worker, out of the page itself. */
+const isInside = (url) => /^(data|blob):/.test(url);
+const beyond = page.requests.filter((url) => url !== home && !isInside(url));
 check("nothing is asked of any network, nor of the disk", beyond.length === 0, beyond.join("\n"));
 await page.close();
 
 await attempt("dark where the system is dark", async () => {
   const dark = await visit(home, { dark: true });
+  await dark.pick("model", "vase");
   const png = await dark.picture("playground-dark"), [r, g, b] = png.at(2, 430);
   expect(r + g + b < 150, `the paper is ${r} ${g} ${b}`);
   expect(countPixels(png, STAGE, isModel) > 5000, "no model");
@@ -384,7 +416,8 @@ await attempt("touch: one finger orbits, two zoom and move, and the page itself 
   await small.after(() => small.press("0"));
   for (let i = 0; i < 8; i++) await small.after(() => small.press("ArrowRight"));
   for (let i = 0; i < 2; i++) await small.after(() => small.press("ArrowDown"));
-  const byKeys = differences(turned, await small.picture(), box);
+  await small.evaluate("canvas.blur()");      /* without the ring of the keyboard */
+  const byKeys = differences(turned, await small.picture("touch-keys"), box);
   expect(byKeys < 60, `100 pixels to the left and 25 up are not 40 and 10 degrees: ${byKeys} pixels differ`);
   expect(await small.evaluate(still), "the page scrolled");
 
@@ -444,7 +477,7 @@ await attempt("norma view: the page of a model, its name spelled as it is", asyn
   await view.set("scale-x", 3);
   expect(near(await view.angle("worst"), worst(3)), await view.text("worst"));
   expect(view.said.length === 0, view.said.join("\n"));
-  expect(view.requests.every((url) => url.startsWith("file:") && url.endsWith("view.html") || url.startsWith("data:")), view.requests.join("\n"));
+  expect(view.requests.every((url) => (url.startsWith("file:") && url.endsWith("view.html")) || isInside(url)), view.requests.join("\n"));
   await view.close();
 });
 

@@ -29,7 +29,7 @@ export function makeCamera() {
   /* reach: everything lies within this distance of the origin. */
   const viewToClip = (reach) => {
     const [x, y] = tangents(), away = Math.hypot(...eye());
-    const near = Math.max(away - reach, camera.distance * 0.01), far = away + reach + near;
+    const near = Math.max(away - reach, camera.distance * 0.02), far = away + reach + near;
     return [1 / x, 0, 0, 0, 0, 1 / y, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, (2 * far * near) / (near - far), 0];
   };
 
@@ -48,7 +48,7 @@ export function makeCamera() {
     const { right, up } = axes(), size = 2 * camera.distance * tangents()[1];
     for (let i = 0; i < 3; i++) camera.centre[i] -= (right[i] * x + up[i] * y) * size;
   };
-  const zoom = (factor) => { camera.distance = Math.max(0.05, Math.min(100, camera.distance * factor)); };
+  const zoom = (factor) => { camera.distance = Math.max(0.002, Math.min(100, camera.distance * factor)); };
   /* Takes hold of what lies at a point, from the picture's middle by parts of its height; what it returns puts that there and zooms, counted from the beginning. */
   const grasp = (x, y) => {
     const { right, up } = axes(), { centre: [...begin], distance } = camera, height = () => 2 * camera.distance * tangents()[1], size = height();
@@ -76,7 +76,6 @@ export function steer(canvas, camera, { changed, hover, taken }) {
   };
 
   canvas.addEventListener("pointerdown", (event) => {
-    canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     if (pointers.size === 2) {

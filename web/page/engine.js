@@ -1,4 +1,4 @@
-/* The page's module: the package's calls, and models: files or packs read by the library's own readers. */
+/* The page's module: the package's calls; models, which are packs; documents, which are files read, fixed and written by the library's own code. */
 import { bindCalls } from "../package/calls.js";
 
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
@@ -83,6 +83,8 @@ export async function startEngine(bytes) {
         const [x, y, z, u, v, w, size] = doubles(at, 7);
         return { point: [x, y, z], direction: [u, v, w], size };
       }),
+      /* Where all of it is, at most so many points, in the space of positions(). */
+      pointsOf: (finding, most = 300) => lend([24 * most], (at) => Array.from(doubles(at, 3 * wasm.model_finding_points(address, finding, most, at)))),
       /* Degrees between stored and computed, per corner in values(); the largest is returned, null where nothing is stored. */
       errors: (mesh) => { const worst = wasm.model_errors(address, mesh); return worst < 0 ? null : worst; },
       /* The largest angle between a normal through one 3x3 and through another, in degrees. */
@@ -105,24 +107,63 @@ export async function startEngine(bytes) {
 
   const openBytes = (pack, name) => openPack(copyIn(pack), pack.byteLength, name);
 
-  const openFile = (bytes, name) => {
-    const file = copyIn(bytes), title = copyIn(new TextEncoder().encode(`${name}\0`));
-    try {
-      return lend([8, wasm.model_error_size()], (size, error) => {
-        const pack = wasm.model_pack_file(file, bytes.byteLength, title, size, error) >>> 0;
-        if (!pack) throw new Error(textAt(wasm.model_error_text(error)) || `${name}: out of memory`);
-        return openPack(pack, new Uint32Array(memory(), size, 1)[0], name);
-      });
-    } finally {
-      wasm.web_release(file);
-      wasm.web_release(title);
-    }
+  /* ---- files and documents */
+  const withText = (text, work) => {
+    const at = copyIn(new TextEncoder().encode(`${text}\0`));
+    try { return work(at); } finally { wasm.web_release(at); }
   };
+  /* The files that there are from now on: [{ path, bytes }]. */
+  const setFiles = (files) => {
+    wasm.files_clear();
+    for (const { path, bytes } of files)
+      withText(path, (at) => { if (!wasm.files_add(at, copyIn(bytes), bytes.byteLength)) throw new Error(`${path}: out of memory`); });
+  };
+  /* What was written, taken out of the module. */
+  const takeWritten = () => {
+    const written = Array.from({ length: wasm.files_count() }, (_, i) => i).filter((i) => wasm.files_written(i))
+      .map((i) => ({ path: longTextAt(wasm.files_path(i)), bytes: new Uint8Array(memory(), wasm.files_bytes(i) >>> 0, wasm.files_size(i)).slice() }));
+    wasm.files_drop_written();
+    return written;
+  };
+  /* Calls with room for an error, whose text is thrown where the call says so. */
+  const orError = (path, call, failed) => lend([wasm.model_error_size()], (error) => {
+    const result = call(error);
+    if (failed(result)) throw new Error(textAt(wasm.model_error_text(error)) || `${path}: out of memory`);
+    return result;
+  });
+  const isSet = (result) => result !== 0, isNull = (result) => !result;
 
-  return { norma, openBytes, openFile };
+  /* Opens one of the files, for as long as work takes. */
+  const withDocument = (path, work) => {
+    const document = orError(path, (error) => withText(path, (at) => wasm.document_open(at, error)), isNull);
+    try { return work(document); } finally { wasm.document_close(document); }
+  };
+  const packOf = (document, path, name) => lend([8], (size) => {
+    const pack = orError(path, (error) => wasm.document_pack(document, size, error), isNull) >>> 0;
+    return openPack(pack, new Uint32Array(memory(), size, 1)[0], name);
+  });
+  const openFile = (path, name) => withDocument(path, (document) => packOf(document, path, name));
+  const notesOf = (document, from = 0) => [...new Set(Array.from({ length: wasm.document_note_count(document) - from }, (_, i) => longTextAt(wasm.document_note(document, from + i))))];
+
+  /* A changed copy of one of the files: its model, and the files that it consists of. change(document, numbers) fills the numbers, of which the first says whether anything changed. */
+  const changed = (path, name, change) => withDocument(path, (document) => lend([24], (numbers) => {
+    const before = wasm.document_note_count(document);
+    orError(path, (error) => change(document, numbers, error), isSet);
+    const [isChanged, verticesBefore, verticesAfter] = doubles(numbers, 3), to = `norma/${path.split("/").pop()}`;
+    if (!isChanged) return { changed: false, notes: notesOf(document, before) };
+    const model = packOf(document, path, name);
+    orError(path, (error) => withText(to, (at) => wasm.document_save(document, at, error)), isSet);
+    return { changed: true, model, files: takeWritten().map((file) => ({ ...file, path: file.path.replace(/^norma\//, "") })), verticesBefore, verticesAfter, notes: notesOf(document, before) };
+  }));
+  const fixFile = (path, name, { unsafe = false } = {}) => changed(path, name, (document, numbers, error) => wasm.document_fix(document, unsafe ? 1 : 0, numbers, error));
+  /* crease: degrees; null: as norma compute does it unasked. */
+  const computeFile = (path, name, { weight, weld, crease }) =>
+    changed(path, name, (document, numbers, error) => wasm.document_compute(document, WEIGHTS.indexOf(weight), WELDS.indexOf(weld), crease ?? NaN, numbers, error));
+
+  return { norma, openBytes, setFiles, openFile, fixFile, computeFile };
 }
 
-/* Triangles as a pack: web/page/model/model_pack.h. */
+/* Triangles as a pack: web/page/model/model_pack.h. indices: four bytes each. */
 export function packTriangles(positions, indices, colour = [0.8, 0.8, 0.8]) {
   const HEAD = 40, MESH = 72, DRAW = 136, NONE = 0xffffffff;
   const eight = (size) => Math.ceil(size / 8) * 8;

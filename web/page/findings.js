@@ -1,17 +1,15 @@
 /* The list of what norma check found: buttons, the gravest first. One that is pressed shows its faces alone and takes the camera there; pressed once more, all are shown. */
-import { count } from "./readouts.js";
+import { count, counted } from "./readouts.js";
 
 /* A list that nobody reads to its end would only make the page slow. */
 const MOST_LISTED = 200;
 
-const counted = (number, one, many = `${one}s`) => `${count(number)} ${number === 1 ? one : many}`;
-
 const measured = ({ worst, unit }) => (Number.isFinite(worst) ? `, worst ${Number(worst.toPrecision(4))}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}` : "");
 
 function summary(findings) {
-  if (!findings.length) return "norma check finds nothing wrong.";
+  if (!findings.length) return "Nothing is wrong with this model's normals.";
   const of = (grade) => findings.filter((finding) => finding.grade === grade).length;
-  return `${counted(of("error"), "error")}, ${counted(of("warning"), "warning")}, ${counted(of("info"), "info", "info")}. Press one to go there.`;
+  return `${counted(of("error"), "error")}, ${counted(of("warning"), "warning")}, ${counted(of("info"), "info", "info")}. Press one to see it.`;
 }
 
 function element(tag, text, name) {

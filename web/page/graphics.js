@@ -1,11 +1,13 @@
-/* WebGL 2. Programs are made of the texts of src/render/shaders, the same as natively; light is computed in view space, so that it stays with the camera. */
-import { apply3, multiply3, upper } from "./matrix.js";
+/* WebGL 2. Programs are made of the texts of src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
+import { multiply3, upper } from "./matrix.js";
 
 const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR" };
 const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3;
-const LIGHTS = [{ from: [-0.62, 0.5, 0.6], strength: 1 }, { from: [0.85, -0.1, 0.5], strength: 0.16 }];
+const LIGHTS = [{ from: [-0.66, 0.62, 0.42], strength: 1.05 }, { from: [0.9, 0, 0.3], strength: 0.1 }];
 /* WebGL's longest stride, in floats. */
 const MOST_STRIDE = 63;
+/* How much of what is not marked is seen, where it would hide what is. */
+const FAINT = 0.14;
 
 function compile(gl, kind, text) {
   const shader = gl.createShader(kind);
@@ -95,6 +97,8 @@ export function makeGraphics(canvas, texts) {
   };
 
   const lines = gl.createVertexArray();
+  /* The part of the picture that is drawn into, in pixels from below. */
+  let box = { x: 0, y: 0, width: canvas.width, height: canvas.height };
 
   /* ---- drawing */
   const setCamera = (place, camera) => {
@@ -107,30 +111,63 @@ export function makeGraphics(canvas, texts) {
     gl.uniform1i(place("light_count"), LIGHTS.length);
     gl.uniform3fv(place("light_direction"), LIGHTS.flatMap(({ from }) => from.map((x) => x / Math.hypot(...from))));
     gl.uniform3fv(place("light_colour"), LIGHTS.flatMap(({ strength }) => [strength, strength, strength]));
-    gl.uniform4f(place("phong"), 0.07, 0.93, 0.3, 36);
+    gl.uniform4f(place("phong"), 0.06, 0.94, 0.16, 26);
   };
 
-  /* item: { surface, normals (a buffer), localToWorld, normalMatrix (to world space), mirrored, colour }; look: { colours, shading, errorTop } */
+  const drawTriangles = (item, marks) => {
+    gl.frontFace(item.mirrored ? gl.CW : gl.CCW);
+    item.surface.use(item.normals);
+    item.surface.colour(marks);
+    if (item.surface.indices) gl.drawElements(gl.TRIANGLES, item.surface.count, gl.UNSIGNED_INT, 0);
+    else gl.drawArrays(gl.TRIANGLES, 0, item.surface.count);
+  };
+
+  /* item: { surface, normals (a buffer), localToWorld, normalMatrix, plain, right (to world space), mirrored, colour }; look: { colours, shading, errorTop, angleTop, faint } */
   const drawSurface = (item, camera, look) => {
-    const marked = look.colours === "findings" && item.surface.marks;
+    if (look.colours === "angle") { drawAngle(item, camera, look); return; }
+    if (look.colours === "findings" && item.surface.marks) { drawMarked(item, camera, look.faint ? "MARKED_ONLY" : null); return; }
     const place = programOf("surface", "LIGHT_IN_VIEW", SURFACES[look.colours === "lit" || look.colours === "findings" ? look.shading : look.colours]);
     setCamera(place, camera);
     setLight(place);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
     gl.uniformMatrix3fv(place("normal_matrix"), false, multiply3(upper(camera.worldToView), item.normalMatrix));
-    gl.uniform3fv(place("base_colour"), marked ? [1, 1, 1] : item.colour);
+    gl.uniform3fv(place("base_colour"), item.colour);
     gl.uniform1f(place("two_sided"), look.colours === "normals" ? 0 : 1);
     gl.uniform1f(place("scale_top"), look.errorTop);
-    gl.frontFace(item.mirrored ? gl.CW : gl.CCW);
-    item.surface.use(item.normals);
-    item.surface.colour(marked);
-    if (item.surface.indices) gl.drawElements(gl.TRIANGLES, item.surface.count, gl.UNSIGNED_INT, 0);
-    else gl.drawArrays(gl.TRIANGLES, 0, item.surface.count);
+    drawTriangles(item, null);
+  };
+
+  const drawAngle = (item, camera, look) => {
+    const place = programOf("angle");
+    setCamera(place, camera);
+    gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
+    gl.uniformMatrix3fv(place("plain_matrix"), false, item.plain);
+    gl.uniformMatrix3fv(place("normal_matrix"), false, item.right);
+    gl.uniform1f(place("scale_top"), look.angleTop);
+    drawTriangles(item, null);
+  };
+
+  const drawMarked = (item, camera, define) => {
+    const place = programOf("marked", ...(define ? [define] : []));
+    setCamera(place, camera);
+    gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
+    gl.uniform1f(place("rest_alpha"), FAINT);
+    drawTriangles(item, item.surface.marks);
+  };
+
+  /* What is not marked, over what is, after all of that was drawn. */
+  const drawRest = (items, camera) => {
+    gl.enable(gl.BLEND);
+    gl.depthMask(false);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    for (const item of items) if (item.surface.marks) drawMarked(item, camera, "REST_ONLY");
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
   };
 
   const startLines = (place, camera, width, head, lift = 0.002) => {
     setCamera(place, camera);
-    gl.uniform2f(place("viewport"), canvas.width, canvas.height);
+    gl.uniform2f(place("viewport"), box.width, box.height);
     gl.uniform1f(place("width"), width);
     gl.uniform1f(place("head"), head);
     gl.uniform1f(place("lift"), lift);
@@ -175,6 +212,87 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.BLEND);
   };
 
+  /* Discs in world space, over everything: [x, y, z, ...], of so many pixels. */
+  const drawPins = (points, camera, colour, size) => {
+    const place = programOf("line");
+    gl.disable(gl.DEPTH_TEST);
+    gl.uniformMatrix4fv(place("local_to_world"), false, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    startLines(place, camera, size, 0, 0.01);
+    for (let i = 0; i < points.length; i += 3) {
+      fillBuffer(arrowBuffer, Float32Array.of(points[i], points[i + 1], points[i + 2], points[i], points[i + 1], points[i + 2], ...colour));
+      gl.bindVertexArray(lines);
+      attribute(0, arrowBuffer, 3, 40, 0, 1);
+      attribute(1, arrowBuffer, 3, 40, 12, 1);
+      attribute(2, arrowBuffer, 4, 40, 24, 1);
+      gl.disableVertexAttribArray(3);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, 1);
+    }
+    gl.disable(gl.BLEND);
+    gl.enable(gl.DEPTH_TEST);
+  };
+
+  /* ---- counting what is marked */
+  const TILE = 192, ACROSS = 4;
+  let counting = null;
+  const countingTarget = (tiles, height) => {
+    const size = [TILE * Math.min(ACROSS, tiles), height * Math.ceil(tiles / ACROSS)];
+    if (counting && counting.size.join() === size.join()) return counting;
+    if (counting) { gl.deleteFramebuffer(counting.frame); counting.buffers.forEach((buffer) => gl.deleteRenderbuffer(buffer)); }
+    const frame = gl.createFramebuffer(), buffers = [gl.createRenderbuffer(), gl.createRenderbuffer()];
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]].forEach(([format, at], i) => {
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffers[i]);
+      gl.renderbufferStorage(gl.RENDERBUFFER, format, ...size);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, at, gl.RENDERBUFFER, buffers[i]);
+    });
+    counting = { size, frame, buffers };
+    return counting;
+  };
+  const passed = (sync) => new Promise((done, fail) => {
+    const look = () => {
+      const state = gl.clientWaitSync(sync, 0, 0);
+      if (state === gl.WAIT_FAILED || gl.isContextLost()) fail(new Error("The graphics card lost the picture."));
+      else if (state === gl.TIMEOUT_EXPIRED) setTimeout(look, 4);
+      else { gl.deleteSync(sync); done(); }
+    };
+    look();
+  });
+  /* Of a picture from each camera, which part shows what is marked; through: as if the rest were not there. Nothing waits for the card meanwhile. */
+  const countMarked = async (items, cameras, aspect, through) => {
+    const height = Math.max(16, Math.round(TILE / aspect)), target = countingTarget(cameras.length, height), [width, all] = target.size;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
+    gl.viewport(0, 0, width, all);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    cameras.forEach((camera, i) => {
+      gl.viewport(TILE * (i % ACROSS), height * Math.floor(i / ACROSS), TILE, height);
+      for (const item of items) if (item.surface.marks) drawMarkedFor(item, camera, through);
+    });
+    const pixels = gl.createBuffer();
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, pixels);
+    gl.bufferData(gl.PIXEL_PACK_BUFFER, 4 * width * all, gl.STREAM_READ);
+    gl.readPixels(0, 0, width, all, gl.RGBA, gl.UNSIGNED_BYTE, 0);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    await passed(sync);
+    const read = new Uint8Array(4 * width * all), counts = cameras.map(() => 0);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, pixels);
+    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, read);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    gl.deleteBuffer(pixels);
+    for (let y = 0; y < all; y++)
+      for (let x = 0; x < width; x++) if (read[4 * (y * width + x)] > 127) counts[ACROSS * Math.floor(y / height) + Math.floor(x / TILE)]++;
+    return counts.map((count) => count / (TILE * height));
+  };
+  const drawMarkedFor = (item, camera, through) => {
+    const place = programOf("marked", "COUNT", ...(through ? ["MARKED_ONLY"] : []));
+    setCamera(place, camera);
+    gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
+    drawTriangles(item, item.surface.marks);
+  };
+
   const clear = () => {
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.disable(gl.SCISSOR_TEST);
@@ -182,14 +300,16 @@ export function makeGraphics(canvas, texts) {
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   };
-  /* Draws between two columns of pixels only. */
-  const within = (left, right, draw) => {
-    if (right <= left) return;
+  /* Draws into a part of the picture: a box in pixels from below; cut: the columns of it that are drawn. */
+  const within = (part, draw, cut = { x: part.x, width: part.width }) => {
+    if (part.width <= 0 || part.height <= 0 || cut.width <= 0) return;
+    box = part;
+    gl.viewport(part.x, part.y, part.width, part.height);
     gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(left, 0, right - left, canvas.height);
+    gl.scissor(cut.x, part.y, cut.width, part.height);
     draw();
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, makeSurface, drawSurface, drawHedgehog, drawArrows, clear, within, toWorld: apply3 };
+  return { gl, makeBuffer, fillBuffer, makeSurface, drawSurface, drawRest, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
 }

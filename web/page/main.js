@@ -1,109 +1,103 @@
-/* The page: what its controls say is computed and drawn. Nothing is drawn but when something changed; what moves, moves by itself. */
+/* The page: what its controls say is computed (in a worker) and drawn (here). Nothing is drawn but when something changed; what moves, moves by itself. */
+import { bindCalls } from "../package/calls.js";
+import { applyAddress, makeAddress, readAddress } from "./address.js";
 import { makeCamera, steer } from "./camera.js";
-import { packTriangles, startEngine } from "./engine.js";
+import { MATRIX, RANGES, byId, isChecked, modelMatrix, numberOf, setMatrix, setRange, spell, value } from "./controls.js";
+import { EXPECTED, bytesFor, downloadLink, filesOfDrop, filesOfInput, gather, hintFor } from "./files.js";
 import { listFindings, releaseFindings } from "./findings.js";
 import { makeGraphics } from "./graphics.js";
-import { apply3, degreesBetween, IDENTITY, invert, length, multiply, point, scaling, translation, unit, upper } from "./matrix.js";
+import { makeIntro } from "./intro.js";
+import { STEPS, showFormula } from "./lesson.js";
+import { apply3, degreesBetween, IDENTITY, invert, length, multiply, point, unit, upper } from "./matrix.js";
 import { makeMoving } from "./moving.js";
-import { degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
+import { panelAt, panelsOf } from "./panels.js";
+import { savePicture } from "./picture.js";
+import { count, counted, degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
+import { startRemote } from "./remote.js";
+import { fitOf, itemsOf, makeScene, meanColumn } from "./scene.js";
+import { CREDIT, unpackSculpture } from "./sculpture.js";
+import { posesOf, seek } from "./seek.js";
 import { SHAPES } from "./shapes.js";
 
-const byId = (id) => document.getElementById(id);
 const canvas = byId("canvas"), stage = byId("stage");
 const camera = makeCamera();
-const WRONG = [0.75, 0.03, 0.02, 1], RIGHT = [0.02, 0.45, 0.12, 1];
-const MOST_LINES = 60000;
-const DEFAULT_CURSOR = { x: 0.08, y: 0.12 };
+const COLOURS = { light: { wrong: [0.75, 0.03, 0.02, 1], right: [0.02, 0.45, 0.12, 1], before: [0.2, 0.2, 0.2, 1] }, dark: { wrong: [1, 0.25, 0.18, 1], right: [0.2, 0.85, 0.45, 1], before: [0.8, 0.8, 0.8, 1] } };
+const PIN_COLOURS = { error: [0.37, 0.002, 0.002, 1], warning: [0.55, 0.085, 0.001, 1], info: [0.002, 0.037, 0.27, 1] };
+const MOST_LINES = 60000, WARM_RUNS = 5, QUIET = 600;
+const DEFAULT_CURSOR = { x: 0.5, y: 0.47, itself: true };
+const ANGLE_TOPS = [1, 2, 5, 10, 15, 30, 45, 60, 90, 180];
+const REACH = 2.2;
 
-let engine, graphics, scene = null, moving = null, embedded = null, chosen = null;
-let cursor = DEFAULT_CURSOR, errorTop = 1, dirty = { compute: true, draw: true }, timer = { last: 0, frames: 0 };
+let norma, remote, graphics, intro, remember = () => undefined;
+/* What is shown: a scene, and the one before it was changed; or the surface that moves; and where its file came from. */
+let scene = null, before = null, moving = null, source = null, sculpture = null;
+let chosen = null, look = { faint: false, pins: null, errorTop: 1, angleTop: 45 };
+let cursor = DEFAULT_CURSOR, panels = [], found = null;
+let dirty = { compute: true, draw: true }, calls = 0, computing = false, picking = false, measuring = false, seeking = 0, computed = 0, opening = 0;
+const timer = { last: 0, frames: 0 };
 
 const isDark = () => matchMedia("(prefers-color-scheme: dark)").matches;
+const isCalm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
-/* ---- controls */
+/* ---- models */
 
-const value = (id) => byId(id).value;
-const numberOf = (id) => Number(byId(id).value);
-const SPELLED = { crease: (x) => `${x}°`, split: (x) => `${x} %` };
-const RANGES = ["scale-x", "scale-y", "scale-z", "shear", "split", "crease", "height"];
+const option = (select, kind) => byId(select).querySelector(`[value="${kind}"]`);
 
-function setRange(id, to) {
-  byId(id).value = to;
-  spell(id);
-}
-function spell(id) { byId(`${id}-value`).textContent = SPELLED[id] ? SPELLED[id](numberOf(id)) : numberOf(id).toFixed(2); }
-
-/* M: mirror, then shear, then scales. */
-function modelMatrix() {
-  const mirror = value("mirror"), sign = (axis) => (mirror === axis ? -1 : 1);
-  const shear = [...IDENTITY];
-  shear[4] = numberOf("shear");
-  return multiply(scaling(numberOf("scale-x"), numberOf("scale-y"), numberOf("scale-z")), multiply(shear, scaling(sign("x"), sign("y"), sign("z"))));
-}
-
-/* ---- scenes */
-
-const largestOf = (list, measure) => list.reduce((most, element) => Math.max(most, measure(element)), -Infinity);
-const largestColumn = (m) => Math.max(length(m.slice(0, 3)), length(m.slice(4, 7)), length(m.slice(8, 11)));
-const meanColumn = (m) => (length(m.slice(0, 3)) + length(m.slice(4, 7)) + length(m.slice(8, 11))) / 3;
-
-/* The whole of a model in the unit ball: the middle of the box round the balls of what is drawn, and how far from it they reach. */
-function frameOf(model) {
-  const balls = model.draws.map(({ mesh, world }) => ({ centre: point(world, model.meshes[mesh].ball), radius: model.meshes[mesh].ball[3] * largestColumn(world) }));
-  const most = (sign) => [0, 1, 2].map((i) => largestOf(balls, ({ centre, radius }) => sign * centre[i] + radius));
-  const high = most(1), low = most(-1).map((x) => -x), middle = high.map((x, i) => (x + low[i]) / 2);
-  const radius = largestOf(balls, (ball) => length(ball.centre.map((x, i) => x - middle[i])) + ball.radius);
-  if (!isFinite(radius)) return IDENTITY;
-  const scale = 1 / (radius || 1);
-  return multiply(scaling(scale, scale, scale), translation(...middle.map((x) => -x)));
-}
-
-function showModel(model, keep) {
-  if (scene?.model && scene.model !== model && scene.model !== keep) scene.model.free();
-  scene?.surfaces?.forEach((surface) => surface.free());
-  const frame = frameOf(model);
-  scene = {
-    model, frame,
-    surfaces: model.meshes.map((mesh) => graphics.makeSurface({ positions: mesh.positions(), normals: mesh.normals(), reach: mesh.reach() })),
-    faces: [],
-    draws: model.draws.map(({ mesh, world }) => {
-      const [x, y, z, radius] = model.meshes[mesh].ball;
-      return { mesh, world, local: multiply(multiply(frame, world), multiply(translation(x, y, z), scaling(radius, radius, radius))) };
-    }),
-  };
+function dropScenes() {
+  for (const old of [scene, before]) if (old) { old.free(); if (old.model) remote.free(old.model.number); }
   moving?.free();
-  moving = null;
+  scene = before = moving = chosen = found = null;
+  look = { ...look, faint: false, pins: null };
+}
+
+/* Shows a model instead of what was there; or, changed, beside it. */
+function showModel(model, { changed = false } = {}) {
+  if (changed) {
+    const original = before ?? scene;
+    if (before) { scene.free(); remote.free(scene.model.number); }
+    before = original;
+    scene = makeScene(graphics, model, original.frame);
+    chosen = null;
+    look = { ...look, faint: false, pins: null };
+  } else {
+    dropScenes();
+    scene = makeScene(graphics, model);
+  }
   const stored = model.meshes.some((mesh) => mesh.stored);
-  byId("source").querySelector('[value="stored"]').disabled = !stored;
-  byId("colours").querySelector('[value="error"]').disabled = !stored;
+  option("source", "stored").disabled = option("colours", "error").disabled = !stored;
   byId("source").value = stored ? "stored" : "computed";
-  chosen = null;
   listFindings(model.findings, chooseFinding);
-  byId("colours").querySelector('[value="findings"]').disabled = !model.findings?.length;
-  if (!model.findings?.length && value("colours") === "findings") byId("colours").value = "lit";
-  if (!stored && value("colours") === "error") byId("colours").value = "lit";
+  byId("finding-seen").textContent = "";
+  option("colours", "findings").disabled = !model.findings?.length;
+  if (byId("colours").selectedOptions[0].disabled) byId("colours").value = "lit";
   showModelFacts(model);
   showSections();
   dirty.compute = dirty.draw = true;
 }
 
-function showShape(name) {
-  const shape = SHAPES[name], { positions, indices } = shape.make();
-  showModel(engine.openBytes(packTriangles(positions, indices, shape.colour), shape.title));
-  setRange("crease", shape.crease ?? 60);
+/* Asks for a model; what is asked for last is shown. */
+async function show(ask, then = () => undefined) {
+  const mine = ++opening;
+  try {
+    const model = await ask();
+    if (mine !== opening) { remote.free(model.number); return; }
+    if (!model.triangles) { remote.free(model.number); throw new Error(`${model.name}: there is nothing in it to draw.`); }
+    showModel(model);
+    then(model);
+  } catch (error) {
+    if (mine === opening) notice(hintFor(error.message));
+  }
 }
 
 function showMoving() {
-  scene?.model?.free();
-  scene?.surfaces?.forEach((surface) => surface.free());
-  moving?.free();
-  moving = makeMoving(engine.norma);
+  opening++;
+  dropScenes();
+  moving = makeMoving(norma);
   const surface = graphics.makeSurface({ positions: moving.positions(), normals: moving.normals(), indices: moving.indices });
-  scene = { model: null, surfaces: [surface], still: graphics.makeBuffer(moving.still), frame: IDENTITY };
-  byId("model-facts").textContent = `${moving.triangles.toLocaleString("en-US")} triangles, made anew for every picture.`;
-  if (["error", "findings"].includes(value("colours"))) byId("colours").value = "lit";
+  scene = { model: null, surfaces: [surface], still: graphics.makeBuffer(moving.still), free: () => surface.free() };
+  byId("model-facts").textContent = `${count(moving.triangles)} triangles, computed anew for every picture.`;
+  if (["error", "findings", "angle"].includes(value("colours"))) byId("colours").value = "lit";
   if (value("shading") === "flat") byId("shading").value = "phong";
-  chosen = null;
   listFindings(null);
   moving.wave(0, numberOf("height"));
   uploadMoving();
@@ -115,208 +109,350 @@ function showSections() {
   const live = moving !== null;
   byId("matrix-section").hidden = byId("normals-section").hidden = live;
   byId("moving-section").hidden = !live;
-  byId("shading").querySelector('[value="flat"]').disabled = live;
-  byId("hedgehog").querySelector('[value="face"]').disabled = live;
-  if (live) for (const kind of ["error", "findings"]) byId("colours").querySelector(`[value="${kind}"]`).disabled = true;
-  byId("side-wrong-text").innerHTML = live ? "normals left as they were" : "normals through <i>M</i>";
-  byId("side-right-text").textContent = live ? "normals kept right" : "through the normal matrix";
-  canvas.classList.toggle("brush", live && byId("brush").checked);
+  option("shading", "flat").disabled = option("hedgehog", "face").disabled = option("colours", "angle").disabled = live;
+  if (live) for (const kind of ["error", "findings"]) option("colours", kind).disabled = true;
+  byId("fixing").hidden = byId("computing").hidden = !source;
+  byId("model-credit").hidden = value("model") !== "sculpture";
+  canvas.classList.toggle("brush", live && isChecked("brush"));
 }
 
 /* ---- findings */
 
+const userMatrix = () => (moving ? IDENTITY : modelMatrix());
+
 /* The finding's mesh where it is drawn, and its place there. */
-function placeOf(finding) {
-  const place = finding.mesh >= 0 && scene.model.placeOf(finding.index), draw = scene.draws[finding.draw] ?? scene.draws.find(({ mesh }) => mesh === finding.mesh);
-  if (!place || !draw) return null;
-  const user = modelMatrix(), toWorld = multiply(fitOf(user), multiply(user, draw.local)), at = point(toWorld, place.point);
-  let normal = place.direction;
-  try { normal = apply3(Array.from(engine.norma.normalMatrix(toWorld)), place.direction); } catch { /* a node that is not finite */ }
-  return { at, normal: length(normal) > 0 ? unit(normal) : camera.axes().back, size: place.size * meanColumn(toWorld) };
+function placeIn(finding, { point: at, direction, size, points }) {
+  const draw = scene.draws[finding.draw] ?? scene.draws.find(({ mesh }) => mesh === finding.mesh);
+  if (!at || !draw) return null;
+  const user = userMatrix(), toWorld = multiply(fitOf(user), multiply(user, draw.local));
+  let normal = direction;
+  try { normal = apply3(Array.from(norma.normalMatrix(toWorld)), direction); } catch { /* a node that is not finite */ }
+  const pins = Array.from({ length: points.length / 3 }, (_, i) => point(toWorld, points.slice(3 * i, 3 * i + 3))), where = point(toWorld, at);
+  return { at: where, normal: length(normal) > 0 ? unit(normal) : camera.axes().back, size: size * meanColumn(toWorld), pins: pins.length ? pins : [where] };
 }
 
-/* Looks at its place along the normals there, from two dozen times as far as its edges are long; what has no place, or is nearly everywhere, is looked at as a whole. */
-function goTo(finding) {
-  const place = placeOf(finding), everywhere = finding.mesh >= 0 && finding.places > scene.model.meshes[finding.mesh].faces / 2;
-  if (!place || everywhere) { camera.reset(); return; }
-  const start = (side) => place.at.map((x, i) => x + 0.02 * side * place.size * place.normal[i]);
-  const [front, behind] = [1, -1].map((side) => freeFrom(start(side), place.normal.map((x) => side * x)));
-  /* Within a hollow the other side may be the one that is seen. */
-  const side = behind > front ? -1 : 1, free = Math.max(front, behind);
-  const back = unit(place.normal.map((x) => side * x).map((x, i) => x + 0.35 * camera.axes().up[i] * (Math.abs(x) < 0.9 ? 1 : 0)));
-  camera.reset({ azimuth: (Math.atan2(back[0], back[2]) * 180) / Math.PI, elevation: (Math.asin(Math.max(-1, Math.min(1, back[1]))) * 180) / Math.PI,
-                 distance: Math.max(0.15, Math.min(3.4, 24 * place.size, 0.9 * free)) });
-  camera.centre.splice(0, 3, ...place.at);
-}
+const poseView = (pose, aspect) => {
+  const other = makeCamera();
+  other.reset(pose);
+  other.aspect = aspect;
+  return { worldToView: other.worldToView(), viewToClip: other.viewToClip(REACH) };
+};
 
-/* How far one sees from a place before something stands in the way; there may be nothing. */
-function freeFrom(from, along) {
-  const user = modelMatrix(), ahead = scene.draws.map(({ mesh, local }) => {
-    const inverse = invert(multiply(fitOf(user), multiply(user, local)));
-    return (inverse && scene.model.pick(mesh, point(inverse, from), apply3(upper(inverse), along)))?.at ?? Infinity;
-  });
-  return Math.min(...ahead);
-}
-
-function chooseFinding(finding) {
+/* Marks a finding alone, and takes the camera where enough of it is seen. */
+async function chooseFinding(finding) {
+  const mine = ++seeking, shown = scene;
   chosen = finding;
   byId("colours").value = "findings";
-  if (finding) {
-    byId("sides").value = "right";      /* the divider would stand in front of the place */
-    goTo(finding);
+  byId("finding-seen").textContent = "";
+  look = { ...look, faint: false, pins: null };
+  try {
+    await uploadMarks(shown, finding?.index);
+    const place = finding && placeIn(finding, await remote.place(shown.model.number, finding.index));
+    if (mine !== seeking || shown !== scene) return;
+    if (!finding) return;
+    if (!place) { camera.reset(); return; }
+    const everywhere = finding.places > shown.model.meshes[finding.mesh].faces / 2, aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
+    const items = itemsOf(norma, shown, userMatrix(), "right"), counts = (poses, through) => graphics.countMarked(items, poses.map((pose) => poseView(pose, aspect)), aspect, through);
+    const best = await seek(posesOf(place, camera.axes().up, everywhere), counts);
+    if (mine !== seeking || shown !== scene) return;
+    camera.reset({ ...best.pose, centre: [...best.pose.centre] });
+    look = { ...look, faint: best.faint, pins: best.pinned ? place.pins : null, place };
+    byId("finding-seen").textContent = best.pinned ? "What is meant is too thin to be seen: discs show where it is." : best.faint ? "The rest of the model stands in front, so it is drawn faint." : "";
+  } catch (error) {
+    notice(error.message);
+  } finally {
+    if (mine === seeking) { seeking = 0; placeStage(); }
+    dirty.draw = true;
   }
-  placeDivider();
-  dirty.compute = dirty.draw = true;
 }
 
-function uploadMarks() {
-  scene.model.meshes.forEach((mesh, i) => {
-    const surface = scene.surfaces[i], marks = scene.model.marks(i, chosen?.index);
-    if (surface.marks) graphics.fillBuffer(surface.marks, marks);
-    else surface.marks = graphics.makeBuffer(marks, graphics.gl.DYNAMIC_DRAW);
+async function uploadMarks(shown, index) {
+  const marks = await remote.marks(shown.model.number, index);
+  shown.surfaces.forEach((surface, i) => {
+    if (surface.marks) graphics.fillBuffer(surface.marks, marks[i]);
+    else surface.marks = graphics.makeBuffer(marks[i], graphics.gl.DYNAMIC_DRAW);
   });
 }
 
-/* An arrow that points at the place of the finding that is chosen. */
-function drawChosen(view, pixels) {
-  const place = value("colours") === "findings" && chosen && placeOf(chosen), reach = 0.09 * camera.distance, { right, up } = camera.axes();
-  if (place) graphics.drawArrows([{ from: place.at.map((x, i) => x + reach * (place.normal[i] + right[i] + up[i])), to: place.at, colour: isDark() ? [1, 1, 1, 1] : [0, 0, 0, 1] }], view, pixels);
+/* How many of the points are in the picture and not over each other. */
+function apart(points, { worldToView, viewToClip }) {
+  const toClip = multiply(viewToClip, worldToView), cells = new Set();
+  for (const p of points) {
+    const [x, y] = point(toClip, p), w = toClip[3] * p[0] + toClip[7] * p[1] + toClip[11] * p[2] + toClip[15];
+    if (w > 0 && Math.abs(x) < w && Math.abs(y) < w) cells.add(`${Math.round((25 * x) / w)} ${Math.round((25 * y) / w)}`);
+  }
+  return Math.max(1, cells.size);
 }
+
+/* An arrow that points at the place of the finding that is chosen; discs where it has no area. */
+function drawChosen(view, pixels) {
+  if (value("colours") !== "findings" || !chosen || !look.place) return;
+  const { place, pins } = look, reach = 0.09 * camera.distance, { right, up } = camera.axes(), ink = isDark() ? [1, 1, 1, 1] : [0, 0, 0, 1];
+  if (pins) {
+    const size = Math.max(9 * pixels, Math.min(80 * pixels, 2 * Math.sqrt((0.006 * canvas.width * canvas.height) / Math.PI / apart(pins, view))));
+    graphics.drawPins(pins.flat(), view, ink, size + 3 * pixels);
+    graphics.drawPins(pins.flat(), view, PIN_COLOURS[chosen.grade], size);
+    return;
+  }
+  graphics.drawArrows([{ from: place.at.map((x, i) => x + reach * (place.normal[i] + right[i] + up[i])), to: place.at, colour: ink }], view, pixels);
+}
+
+/* ---- changed copies of the file: fixed, computed */
+
+function listFiles(id, files) {
+  byId(id).replaceChildren(...files.map((file) => {
+    const item = document.createElement("li");
+    item.append(downloadLink(file));
+    return item;
+  }));
+}
+
+const countGrade = (findings, grade) => (findings ?? []).filter((finding) => finding.grade === grade).length;
+const sum = (findings) => `${counted(countGrade(findings, "error"), "error")} and ${counted(countGrade(findings, "warning"), "warning")}`;
+
+/* Asks for a changed copy, shows it beside the file as it is, and offers it. */
+async function change(facts, links, ask, words) {
+  const mine = opening;
+  byId(facts).textContent = "Working …";
+  listFiles(links, []);
+  try {
+    const result = await ask(), notes = result.notes.length ? ` ${result.notes.join(". ")}.` : "";
+    if (mine !== opening) { if (result.model) remote.free(result.model.number); return; }
+    byId(facts).textContent = words(result) + notes;
+    if (!result.changed) return;
+    showModel(result.model, { changed: true });
+    listFiles(links, result.files);
+  } catch (error) {
+    byId(facts).textContent = error.message;
+  }
+}
+
+const fix = () => change("fix-facts", "fixed-files", () => remote.fix(source.path, source.name, { unsafe: isChecked("fix-unsafe") }), ({ changed, model }) => (changed
+  ? `Before: ${sum((before ?? scene).model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : "Nothing here can be fixed by a program."));
+
+/* Per vertex in PLY and per facet in STL there are no creases. */
+const computeCopy = () => change("computed-facts", "computed-files",
+  () => remote.computeFile(source.path, source.name, { weight: value("weight"), weld: value("weld"), crease: ["PLY", "STL"].includes(scene.model.format) ? null : numberOf("crease") }),
+  ({ changed, verticesBefore, verticesAfter }) => (changed ? `Computed${verticesAfter > verticesBefore ? `; ${counted(verticesAfter - verticesBefore, "vertex was", "vertices were")} added at creases` : ""}. The line in the picture divides before from after.` : "The file has these normals already."));
 
 /* ---- computing */
 
 function wanted() {
   if (value("colours") === "error") return "computed";
-  return value("shading") === "flat" && ["lit", "findings"].includes(value("colours")) ? "flat" : value("source");
+  return value("shading") === "flat" && value("colours") === "lit" ? "flat" : value("source");
+}
+const wishes = () => ({ wanted: wanted(), weight: value("weight"), weld: value("weld"), crease: numberOf("crease"), errors: value("colours") === "error" });
+
+async function compute() {
+  const options = wishes(), shown = [scene, before].filter(Boolean);
+  computing = true;
+  dirty.compute = false;
+  try {
+    for (const one of shown) {
+      const { normals, errors } = await remote.compute(one.model.number, options);
+      if (one !== scene && one !== before) continue;
+      normals.forEach((list, i) => graphics.fillBuffer(one.surfaces[i].normals, list));
+      if (errors) uploadErrors(one, errors);
+    }
+    if (scene === shown[0] && value("colours") === "findings") for (const one of shown) await uploadMarks(one, one === scene ? chosen?.index : undefined);
+  } catch (error) {
+    if (shown[0] === scene) notice(error.message);
+  }
+  computing = false;
+  computed++;
+  dirty.draw = true;
+  if (shown[0] === scene) warmUp(options);
 }
 
-function compute() {
-  const options = { wanted: wanted(), weight: value("weight"), weld: value("weld"), crease: numberOf("crease") };
-  const { model } = scene, begin = performance.now();
-  /* What is stored per facet is held against the facet's own direction. */
-  const wantedOf = (mesh) => (value("colours") === "error" && mesh.stored === "per facet" ? "flat" : options.wanted);
-  model.meshes.forEach((mesh, i) => model.compute(i, { ...options, wanted: wantedOf(mesh) }));
-  const took = performance.now() - begin;
-  model.meshes.forEach((mesh, i) => graphics.fillBuffer(scene.surfaces[i].normals, mesh.normals()));
-  if (value("colours") === "error") uploadErrors();
-  if (value("colours") === "findings") uploadMarks();
-  showComputeFacts(took, model.triangles, options.wanted);
+/* Times what was computed once it has been quiet for a while: nothing was warm before. */
+async function warmUp(options) {
+  const mine = computed, { model } = scene, times = [];
+  showComputeFacts(times, model.triangles, options.wanted);
+  await new Promise((done) => setTimeout(done, QUIET));
+  while (times.length < WARM_RUNS && mine === computed && !dirty.compute && scene?.model === model && options.wanted !== "stored") times.push(await remote.time(model.number, options));
+  if (times.length === WARM_RUNS && mine === computed && scene?.model === model) showComputeFacts(times, model.triangles, options.wanted);
 }
 
-function uploadErrors() {
-  let worst = 0;
-  scene.model.meshes.forEach((mesh, i) => {
-    const surface = scene.surfaces[i], here = scene.model.errors(i);
-    if (here !== null) worst = Math.max(worst, here);
-    if (surface.values) graphics.fillBuffer(surface.values, mesh.values());
-    else surface.values = graphics.makeBuffer(mesh.values(), graphics.gl.DYNAMIC_DRAW);
+function uploadErrors(one, { worst, values }) {
+  one.surfaces.forEach((surface, i) => {
+    if (surface.values) graphics.fillBuffer(surface.values, values[i]);
+    else surface.values = graphics.makeBuffer(values[i], graphics.gl.DYNAMIC_DRAW);
   });
-  errorTop = topOfScale(scene.model.meshes.map((mesh) => mesh.values()), worst);
-  byId("legend-top").textContent = `${errorTop < worst ? "≥ " : ""}${degrees(errorTop)}`;
-  byId("legend-worst").textContent = `worst ${degrees(worst)}`;
+  if (one !== scene) return;
+  look.errorTop = topOfScale(values, worst);
+  look.errorWorst = worst;
 }
 
 /* The scale ends where 99 of 100 corners lie below, so that a single bad one does not make all others look right. */
 function topOfScale(lists, worst) {
-  const sample = [], total = lists.reduce((sum, list) => sum + list.length, 0), step = Math.max(1, Math.floor(total / 20000));
+  const sample = [], total = lists.reduce((most, list) => most + list.length, 0), step = Math.max(1, Math.floor(total / 20000));
   for (const list of lists) for (let i = 0; i < list.length; i += step) sample.push(list[i]);
   sample.sort((a, b) => a - b);
   return Math.max(0.01, Math.min(worst, 1.05 * (sample[Math.floor(0.99 * sample.length)] ?? 0)));
 }
 
-/* Points and normals of faces, for their hedgehog. */
-function faceLines(index) {
-  const mesh = scene.model.meshes[index], positions = mesh.positions(), reach = mesh.reach(), triangles = mesh.triangles;
-  const from = new Float32Array(3 * triangles), to = new Float32Array(3 * triangles), length_ = new Float32Array(triangles);
-  const normals = engine.norma.faceNormals(positions);
-  for (let t = 0; t < triangles; t++) {
-    for (let i = 0; i < 3; i++) from[3 * t + i] = (positions[9 * t + i] + positions[9 * t + 3 + i] + positions[9 * t + 6 + i]) / 3;
-    length_[t] = (reach[3 * t] + reach[3 * t + 1] + reach[3 * t + 2]) / 3;
+/* ---- the stage */
+
+const differs = () => !(norma.matrixInfo(modelMatrix()).worstErrorDeg < 0.005);
+
+/* What is compared: nothing while M changes no angle. */
+function comparison() {
+  if (moving) return "moving";
+  if (chosen) return null;
+  if (intro.isShown() || differs()) return "matrix";
+  return before ? "change" : null;
+}
+
+function panelKind(compared) {
+  if (!compared) return "right";
+  if (intro.isShown()) return "beside";
+  return compared !== "matrix" && value("sides") === "beside" ? "split" : value("sides");
+}
+
+const WORDS = {
+  matrix: ["Wrong", "normals through <i>M</i>", "Right", "through the normal matrix"],
+  moving: ["Wrong", "normals left as they were", "Right", "normals kept right"],
+  change: ["Before", "as the file is", "After", "the changed copy"],
+};
+
+/* Words, divider and legend where the panels are. */
+function placeStage() {
+  const compared = comparison(), kind = panelKind(compared), sides = panels.map(({ side }) => side), angle = panels.find(({ side }) => side === "angle"), colours = value("colours");
+  const [left, leftText, right, rightText] = WORDS[compared ?? "matrix"];
+  byId("divider").hidden = kind !== "split";
+  byId("divider").style.left = `${numberOf("split")}%`;
+  byId("side-wrong").hidden = !compared || !sides.includes("wrong");
+  byId("side-right").hidden = !compared || !sides.includes("right");
+  byId("side-angle").hidden = !angle;
+  if (angle) byId("side-angle").style.top = `${angle.box.y + 6}px`;
+  byId("intro").style.top = angle ? `${angle.box.y + 6}px` : "";
+  byId("side-wrong-name").textContent = left;
+  byId("side-right-name").textContent = right;
+  byId("side-wrong").classList.toggle("plain", compared === "change");
+  byId("side-right").classList.toggle("plain", compared === "change");
+  if (byId("side-wrong-text").innerHTML !== leftText) byId("side-wrong-text").innerHTML = leftText;
+  byId("side-right-text").textContent = rightText;
+  byId("split").disabled = kind !== "split";
+  stage.classList.toggle("beside", Boolean(angle));
+  showLegend(colours === "error" ? "error" : colours === "angle" || angle ? "angle" : null);
+}
+
+function showLegend(of) {
+  byId("legend").hidden = of === null;
+  if (of === "error") {
+    byId("legend-top").textContent = `${look.errorTop < look.errorWorst ? "≥ " : ""}${degrees(look.errorTop)}`;
+    byId("legend-worst").textContent = `worst ${degrees(look.errorWorst ?? 0)}`;
+  } else if (of === "angle") {
+    byId("legend-top").textContent = `${look.angleTop}°`;
+    byId("legend-worst").textContent = "";
   }
-  to.set(normals);
-  return { from: graphics.makeBuffer(from), to: graphics.makeBuffer(to), reach: graphics.makeBuffer(length_), points: triangles };
 }
 
 /* ---- drawing */
 
-/* What is drawn on one side: each with its matrices. */
-function itemsOf(user, fit, side) {
-  if (moving) {
-    const surface = scene.surfaces[0];
-    return [{ surface, normals: side === "wrong" ? scene.still : surface.normals, localToWorld: IDENTITY, normalMatrix: upper(IDENTITY), mirrored: false, colour: [0.16, 0.42, 0.55], mesh: 0, size: 0.02 }];
-  }
-  return scene.draws.map(({ mesh, world, local }) => {
-    const through = multiply(user, world), plain = upper(through);
-    let right = plain;
-    try { right = Array.from(engine.norma.normalMatrix(through)); } catch { /* a node that is not finite: nothing is right there */ }
-    return { surface: scene.surfaces[mesh], normals: scene.surfaces[mesh].normals, localToWorld: multiply(fit, multiply(user, local)), normalMatrix: side === "wrong" ? plain : right,
-             plain, right, mirrored: determinant(plain) < 0, colour: scene.model.meshes[mesh].colour.slice(0, 3), mesh, size: meanColumn(local) * fit[0] };
-  });
+function movingItems(side) {
+  const surface = scene.surfaces[0];
+  return [{ surface, normals: side === "wrong" ? scene.still : surface.normals, localToWorld: IDENTITY, normalMatrix: upper(IDENTITY), mirrored: false, colour: [0.16, 0.42, 0.55], mesh: 0, size: 0.02 }];
 }
-const determinant = (m) => m[0] * (m[4] * m[8] - m[5] * m[7]) + m[3] * (m[7] * m[2] - m[8] * m[1]) + m[6] * (m[1] * m[5] - m[2] * m[4]);
 
-/* A large scale is shown smaller as a whole, so that the model stays in the picture: that turns no normal. By how far the matrix takes a ball, and a little by how far a cube: most models are neither. */
-function fitOf(user) {
-  const signs = [[1, 1, 1], [1, 1, -1], [1, -1, 1], [-1, 1, 1]], cube = Math.max(...signs.map((corner) => length(apply3(upper(user), corner)))) / Math.sqrt(3);
-  const scale = 1 / Math.max(1, (cube + 3 * largestColumn(user)) / 4);
-  return scaling(scale, scale, scale);
+function sideItems(side, user, compared) {
+  if (moving) return movingItems(side);
+  return side === "wrong" && compared === "change" ? itemsOf(norma, before, user, "right") : itemsOf(norma, scene, user, side);
+}
+
+/* Faces' lines come from the worker, once. */
+function faceLinesOf(item) {
+  const lines = scene.faces;
+  if (lines[item.mesh] === undefined) {
+    const shown = scene;
+    lines[item.mesh] = null;
+    remote.faceLines(shown.model.number, item.mesh).then(({ from, to, lengths }) => {
+      lines[item.mesh] = { from: graphics.makeBuffer(from), to: graphics.makeBuffer(to), reach: graphics.makeBuffer(lengths), points: lengths.length };
+      dirty.draw = true;
+    }, (error) => notice(error.message));
+  }
+  return lines[item.mesh];
 }
 
 function drawHedgehog(item, view, pixels, colour) {
   const kind = value("hedgehog");
   if (!kind) return;
   const { surface } = item, common = { colour, pixels, most: MOST_LINES, scale: item.size };
-  if (moving) graphics.drawHedgehog(item, view, { ...common, from: surface.positions, to: item.normals, reachConstant: 1, points: surface.points });
-  else if (kind === "vertex") graphics.drawHedgehog(item, view, { ...common, from: surface.positions, to: item.normals, reach: surface.reach, points: surface.points });
-  else graphics.drawHedgehog(item, view, { ...common, ...(scene.faces[item.mesh] ??= faceLines(item.mesh)) });
+  const lines = moving ? { from: surface.positions, to: item.normals, reachConstant: 1, points: surface.points }
+    : kind === "vertex" ? { from: surface.positions, to: item.normals, reach: surface.reach, points: surface.points } : faceLinesOf(item);
+  if (lines) graphics.drawHedgehog(item, view, { ...common, ...lines });
+}
+
+function drawPanel({ side, box, from, to }, pixels, draw) {
+  const part = { x: Math.round(box.x * pixels), y: Math.round((canvas.clientHeight - box.y - box.height) * pixels), width: Math.round(box.width * pixels), height: Math.round(box.height * pixels) };
+  const cut = from === undefined ? undefined : { x: Math.round(from * pixels), width: Math.round(to * pixels) - Math.round(from * pixels) };
+  camera.aspect = box.width / box.height;
+  graphics.within(part, () => draw(side, { worldToView: camera.worldToView(), viewToClip: camera.viewToClip(REACH + Math.abs(moving ? 0 : numberOf("move"))) }), cut);
 }
 
 function draw() {
-  const pixels = canvas.width / (canvas.clientWidth || 1);
-  const user = moving ? IDENTITY : modelMatrix(), fit = fitOf(user);
-  camera.aspect = canvas.width / canvas.height;
-  const view = { worldToView: camera.worldToView(), viewToClip: camera.viewToClip(2.2) };
-  const look = { colours: value("colours"), shading: value("shading"), errorTop };
-  const sides = value("sides"), middle = Math.round(canvas.width * (sides === "split" ? numberOf("split") / 100 : sides === "wrong" ? 1 : 0));
-  const right = itemsOf(user, fit, "right"), wrong = itemsOf(user, fit, "wrong");
-  const lineColours = isDark() ? { wrong: [1, 0.25, 0.18, 1], right: [0.2, 0.85, 0.45, 1] } : { wrong: WRONG, right: RIGHT };
-  const found = find(right);
+  const pixels = canvas.width / (canvas.clientWidth || 1), user = userMatrix(), compared = comparison();
+  const info = norma.matrixInfo(user), colours = isDark() ? COLOURS.dark : COLOURS.light;
+  panels = panelsOf(panelKind(compared), canvas.clientWidth, canvas.clientHeight, numberOf("split") / 100);
+  look.angleTop = intro.isShown() ? 45 : ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
   graphics.clear();
-  const paint = (items, colour) => {
-    for (const item of items) graphics.drawSurface(item, view, look);
-    for (const item of items) drawHedgehog(item, view, pixels, colour);
-  };
-  graphics.within(0, middle, () => paint(wrong, lineColours.wrong));
-  graphics.within(middle, canvas.width, () => paint(right, lineColours.right));
-  if (!moving) drawChosen(view, pixels);
-  if (found && !chosen) {
-    const tip = (direction) => found.point.map((x, i) => x + 0.3 * direction[i]);
-    const arrows = [{ from: found.point, to: tip(found.wrong), colour: lineColours.wrong }, { from: found.point, to: tip(found.right), colour: lineColours.right }];
-    graphics.drawArrows(degreesBetween(found.wrong, found.right) < 0.05 ? arrows.slice(1) : arrows, view, pixels);
-  }
-  showReadouts(user, right, found);
+  for (const panel of panels) drawPanel(panel, pixels, (side, view) => {
+    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, colours: angle ? "angle" : value("colours"), shading: value("shading") };
+    for (const item of items) graphics.drawSurface(item, view, how);
+    if (how.colours === "findings" && look.faint) graphics.drawRest(items, view);
+    if (!angle) for (const item of items) drawHedgehog(item, view, pixels, compared === "change" ? colours.before : colours[side]);
+    if (!moving) drawChosen(view, pixels);
+    if (found && !chosen && compared && compared !== "change" && !angle) drawFound(view, pixels, colours);
+  });
+  placeStage();
+  showReadouts(info, user, compared);
+  remember();
+}
+
+/* The two normals at the cursor. */
+function drawFound(view, pixels, colours) {
+  const tip = (direction) => found.point.map((x, i) => x + 0.3 * direction[i]), arrow = (kind) => ({ from: found.point, to: tip(found[kind]), colour: colours[kind] });
+  graphics.drawArrows(degreesBetween(found.wrong, found.right) < 0.05 ? [arrow("right")] : [arrow("wrong"), arrow("right")], view, pixels);
 }
 
 /* ---- what lies under the cursor */
 
-function find(items) {
+/* The ray under it, through the panel that it is in. */
+function cursorRay() {
   if (!cursor) return null;
-  const ray = camera.ray(cursor.x, cursor.y);
-  if (moving) {
-    const at = pointOnPlane(ray), hit = at && moving.at(at[0], at[2]);
-    return hit && { point: hit.point, right: hit.normal, wrong: [0, 1, 0] };
-  }
-  let best = null;
-  for (const item of items) {
-    const inverse = invert(item.localToWorld);
-    const hit = inverse && scene.model.pick(item.mesh, point(inverse, ray.from), apply3(upper(inverse), ray.along));
-    if (hit && (!best || hit.at < best.hit.at)) best = { hit, item };
-  }
-  if (!best) return null;
-  const normals = scene.model.meshes[best.item.mesh].normals(), { hit, item } = best, at = 9 * hit.triangle;
-  const normal = [0, 1, 2].map((i) => hit.weights[0] * normals[at + i] + hit.weights[1] * normals[at + 3 + i] + hit.weights[2] * normals[at + 6 + i]);
-  const right = unit(apply3(item.right, normal)), wrong = unit(apply3(item.plain, normal));
-  return { point: ray.from.map((x, i) => x + hit.at * ray.along[i]), right, wrong };
+  const seen = cursor.itself ? { panel: panels.find(({ side }) => side === "right") ?? panels[0], x: 0.08, y: 0.12 } : panelAt(panels, cursor.x * canvas.clientWidth, cursor.y * canvas.clientHeight);
+  if (!seen) return null;
+  camera.aspect = seen.panel.box.width / seen.panel.box.height;
+  return camera.ray(seen.x, seen.y);
+}
+
+/* Asks the worker, unless it was asked the same before. */
+async function pick(user) {
+  const ray = cursorRay(), shown = scene, key = [user, shown.model.number, computed, ray ? [...ray.from, ...ray.along] : ""].join();
+  if (picking || shown.picked === key) return;
+  shown.picked = key;
+  picking = true;
+  try {
+    const items = ray ? itemsOf(norma, shown, user, "right") : [], rays = [];
+    for (const item of items) {
+      const inverse = invert(item.localToWorld);
+      if (inverse) rays.push({ mesh: item.mesh, from: point(inverse, ray.from), along: apply3(upper(inverse), ray.along), item });
+    }
+    const hit = rays.length ? await remote.pick(shown.model.number, rays.map(({ mesh, from, along }) => ({ mesh, from, along }))) : null;
+    if (shown === scene) found = hit && hitOf(hit, rays[hit.ray].item, ray);
+  } catch { found = null; }
+  picking = false;
+  dirty.draw = true;
+}
+
+function hitOf({ at, weights, normals }, item, ray) {
+  const normal = [0, 1, 2].map((i) => weights[0] * normals[i] + weights[1] * normals[3 + i] + weights[2] * normals[6 + i]);
+  return { point: ray.from.map((x, i) => x + at * ray.along[i]), normal, right: unit(apply3(item.right, normal)), wrong: unit(apply3(item.plain, normal)) };
+}
+
+function pickMoving() {
+  const ray = cursorRay(), at = ray && pointOnPlane(ray), hit = at && moving.at(at[0], at[2]);
+  found = hit && { point: hit.point, right: hit.normal, wrong: [0, 1, 0] };
 }
 
 function pointOnPlane({ from, along }) {
@@ -324,22 +460,44 @@ function pointOnPlane({ from, along }) {
   return at > 0 && isFinite(at) ? from.map((x, i) => x + at * along[i]) : null;
 }
 
-function showReadouts(user, items, found) {
-  byId("under").textContent = found ? degrees(degreesBetween(found.wrong, found.right)) : "–";
+/* ---- numbers */
+
+/* By how much the normals of this model err, from the worker. */
+async function measure(user) {
+  const shown = scene, key = [...user, computed].join();
+  if (measuring || shown.worstKey === key || intro.isPlaying()) return;
+  shown.worstKey = key;
+  measuring = true;
+  const items = itemsOf(norma, shown, user, "right").map(({ mesh, plain, right }) => ({ mesh, plain, right }));
+  shown.worst = await remote.worst(shown.model.number, items).catch(() => null);
+  measuring = false;
+  dirty.draw = true;
+}
+
+let saying = null;
+/* To those who listen, once it stands still. */
+function say(text) {
+  clearTimeout(saying);
+  if (!intro.isPlaying()) saying = setTimeout(() => { if (byId("said").textContent !== text) byId("said").textContent = text; }, 900);
+}
+
+function showReadouts(info, user, compared) {
   if (moving) {
+    pickMoving();
     byId("worst").textContent = degrees(moving.worst());
+    byId("under").textContent = found ? degrees(degreesBetween(found.wrong, found.right)) : "–";
     return;
   }
-  const info = engine.norma.matrixInfo(user);
+  byId("under").textContent = found && cursor ? degrees(degreesBetween(found.wrong, found.right)) : "–";
+  byId("under-box").hidden = byId("readouts").hidden = false;
   byId("worst").textContent = degrees(info.worstErrorDeg);
+  if (compared === "matrix") say(`Worst angle ${degrees(info.worstErrorDeg)}`);
   showMatrix("matrix-plain", upper(user));
-  showMatrix("matrix-normal", engine.norma.normalMatrix(user));
-  const key = [...user, items.length, scene.computed].join();
-  if (scene.worstKey !== key) {
-    scene.worstKey = key;
-    scene.worst = largestOf(items, (item) => scene.model.worst(item.mesh, item.plain, item.right));
-  }
-  showMatrixFacts(info, scene.worst);
+  showMatrix("matrix-normal", norma.normalMatrix(user));
+  showMatrixFacts(info, scene.worst ?? null);
+  if (byId("lesson").open) showFormula(upper(user), Array.from(norma.normalMatrix(user)), found?.normal);
+  pick(user);
+  measure(user);
 }
 
 /* ---- the loop */
@@ -353,7 +511,7 @@ function moveOn(now) {
   const seconds = timer.last ? Math.min(0.05, (now - timer.last) / 1000) : 0.016;
   if (timer.last) timer.frames = timer.frames * 0.9 + (1000 / Math.max(1, now - timer.last)) * 0.1;
   timer.last = now;
-  if (byId("waves").checked) {
+  if (isChecked("waves")) {
     const took = moving.wave(seconds, numberOf("height"));
     uploadMoving();
     showMovingFacts(took, moving.touched(), timer.frames);
@@ -370,64 +528,103 @@ function resize() {
   }
 }
 
+/* Whether something is still to come, for those who wait. */
+function showBusy() {
+  const busy = calls > 0 || computing || picking || measuring || seeking > 0 || dirty.compute || dirty.draw ? "1" : "";
+  if (document.body.dataset.busy !== busy) document.body.dataset.busy = busy;
+}
+
 function frame(now) {
   requestAnimationFrame(frame);
-  if (graphics.gl.isContextLost() || !scene) return;
+  if (graphics.gl.isContextLost() || !scene) { showBusy(); return; }
   try {
     resize();
-    if (moving) moveOn(now);
-    else if (dirty.compute) { compute(); scene.computed = now; dirty.draw = true; }
-    dirty.compute = false;
-    if (dirty.draw) { dirty.draw = false; draw(); document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1); }
+    intro.tick(now);
+    if (moving) { moveOn(now); dirty.compute = false; }
+    else if (dirty.compute && !computing) compute();
+    if (dirty.draw && (moving || computed)) { dirty.draw = false; draw(); document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1); }
   } catch (error) {
     notice(error.message);
     dirty = { compute: false, draw: false };
   }
+  showBusy();
 }
 
 /* ---- files */
 
-async function openFile(file) {
+async function openGiven(given) {
   notice("");
+  stopIntro();
+  if (!given.length) return;
   try {
-    const model = engine.openFile(new Uint8Array(await file.arrayBuffer()), file.name);
-    if (!model.triangles) { model.free(); throw new Error(`${file.name}: there is nothing in it to draw.`); }
-    addModelOption("file", file.name);
-    showModel(model);
-    setRange("crease", 60);
-    document.title = `${file.name} · Norma`;
+    const { files, models } = await gather(given);
+    addFileOptions(files, models);
+    openFile(files, models[0]);
   } catch (error) {
     notice(error.message);
   }
 }
 
-function addModelOption(key, title) {
+function openFile(files, path) {
+  return show(async () => {
+    const needed = await bytesFor(files, path), name = path.split("/").pop(), model = await remote.openFiles(needed.files, needed.path, name);
+    model.source = { path: needed.path, name };
+    return model;
+  }, (model) => {
+    source = model.source;
+    for (const id of ["fix-facts", "computed-facts"]) byId(id).textContent = "";
+    for (const id of ["fixed-files", "computed-files"]) listFiles(id, []);
+    setMatrix();
+    if (value("sides") === "beside") byId("sides").value = "split";
+    byId("colours").value = "lit";
+    setRange("crease", 60);
+    camera.reset();
+    document.title = `${source.name} · Norma`;
+    showSections();
+  });
+}
+
+let fileChoices = [];
+function addFileOptions(files, models) {
   const select = byId("model");
-  let option = select.querySelector(`[value="${key}"]`);
-  if (!option) { option = new Option(title, key); select.prepend(option); }
-  option.textContent = title;
-  select.value = key;
+  select.querySelectorAll('[value^="file"]').forEach((old) => old.remove());
+  fileChoices = models.map((path) => ({ files, path }));
+  models.slice().reverse().forEach((path, i) => select.prepend(new Option(models.length > 1 ? path : path.split("/").pop(), `file${models.length - 1 - i}`)));
+  select.value = "file0";
 }
 
 /* What is shown now is not the file that was chosen before. */
-function forgetChosen() { byId("file").value = ""; }
+function forgetChosen() { byId("file").value = byId("folder").value = ""; }
 
+const VIEWS = { moving: { azimuth: 20, elevation: 34, distance: 3.3 }, sculpture: { azimuth: 22, elevation: 12, distance: 2.45 } };
+let embedded = null;
 function pickModel() {
   const key = value("model");
   notice("");
-  if (key !== "file") forgetChosen();
+  if (!key.startsWith("file")) { forgetChosen(); source = null; byId("model").querySelectorAll('[value^="file"]').forEach((old) => old.remove()); }
   if (key === "moving") showMoving();
-  else if (key === "embedded") showModel(engine.openBytes(embedded.bytes, embedded.name));
-  else if (SHAPES[key]) showShape(key);
-  if (key !== "file") byId("model").querySelector('[value="file"]')?.remove();
-  camera.reset(key === "moving" ? { azimuth: 20, elevation: 34, distance: 3.3 } : {});
+  else if (key === "embedded") show(() => remote.openText(embedded.text, embedded.name));
+  else if (key === "sculpture") show(() => remote.openTriangles({ ...sculpture, positions: sculpture.positions.slice(), indices: sculpture.indices.slice() }), () => setRange("crease", 180));
+  else if (key.startsWith("file")) { const { files, path } = fileChoices[Number(key.slice(4))]; openFile(files, path); }
+  else if (SHAPES[key]) show(() => remote.openShape(key), () => setRange("crease", SHAPES[key].crease ?? 60));
+  camera.reset(VIEWS[key] ?? {});
 }
 
 /* ---- wiring */
 
+/* Whoever does something has seen enough of the first seconds. */
+function stopIntro() {
+  if (!intro.isShown()) return;
+  intro.end();
+  byId("sides").value = "beside";
+  cursor = DEFAULT_CURSOR;
+  dirty.draw = true;
+}
+
 function brushAt(event) {
-  if (!moving || !byId("brush").checked) return false;
-  const at = event ? (placeCursor(event), pointOnPlane(camera.ray(cursor.x, cursor.y))) : pointOnPlane(camera.ray(0, 0));
+  if (!moving || !isChecked("brush")) return false;
+  if (event) placeCursor(event);
+  const ray = event ? cursorRay() : camera.ray(0, 0), at = ray && pointOnPlane(ray);
   if (!at || !moving.at(at[0], at[2])) return false;
   const took = moving.push(at[0], at[2]);
   uploadMoving();
@@ -438,12 +635,12 @@ function brushAt(event) {
 
 function placeCursor(event) {
   const box = canvas.getBoundingClientRect();
-  cursor = { x: (2 * (event.clientX - box.left)) / box.width - 1, y: 1 - (2 * (event.clientY - box.top)) / box.height };
+  cursor = { x: (event.clientX - box.left) / box.width, y: (event.clientY - box.top) / box.height };
 }
 
 function wireCanvas() {
   steer(canvas, camera, {
-    changed: () => { dirty.draw = true; },
+    changed: () => { intro.pause(); dirty.draw = true; },
     hover: (event) => { if (event) placeCursor(event); else cursor = DEFAULT_CURSOR; dirty.draw = true; },
     taken: (event, phase) => (phase === "up" ? true : brushAt(event)),
   });
@@ -455,54 +652,73 @@ function wireCanvas() {
   new ResizeObserver(() => { dirty.draw = true; }).observe(canvas);
 }
 
-function placeDivider() {
-  const sides = value("sides");
-  byId("divider").hidden = sides !== "split";
-  byId("side-wrong").hidden = sides === "right";
-  byId("side-right").hidden = sides === "wrong";
-  byId("divider").style.left = `${numberOf("split")}%`;
-  byId("legend").hidden = value("colours") !== "error";
-}
-
+/* The divider is dragged wherever on its line it is taken. */
 function wireDivider() {
-  const grip = byId("grip");
-  grip.addEventListener("pointerdown", (event) => { grip.setPointerCapture(event.pointerId); event.preventDefault(); });
-  grip.addEventListener("pointermove", (event) => {
-    if (!grip.hasPointerCapture(event.pointerId)) return;
+  const divider = byId("divider");
+  divider.addEventListener("pointerdown", (event) => { divider.setPointerCapture(event.pointerId); event.preventDefault(); });
+  divider.addEventListener("pointermove", (event) => {
+    if (!divider.hasPointerCapture(event.pointerId)) return;
     const box = stage.getBoundingClientRect();
     setRange("split", Math.max(0, Math.min(100, (100 * (event.clientX - box.left)) / box.width)));
-    placeDivider();
     dirty.draw = true;
   });
+}
+
+const RECOMPUTED = new Set(["source", "crease", "weight", "weld", "shading", "colours"]);
+/* Who turns these wants to see what they do. */
+const OF_COMPUTED = new Set(["crease", "weight", "weld"]);
+
+function controlChanged(control) {
+  if (control.id in MATRIX || control.id === "sides") stopIntro();
+  if (RANGES.includes(control.id)) spell(control.id);
+  if (OF_COMPUTED.has(control.id)) byId("source").value = "computed";
+  if (RECOMPUTED.has(control.id)) dirty.compute = true;
+  if (control.id === "colours") letGo();
+  canvas.classList.toggle("brush", moving !== null && isChecked("brush"));
+  dirty.draw = true;
+}
+
+/* No finding is chosen any more. */
+function letGo() {
+  chosen = null;
+  look = { ...look, faint: false, pins: null };
+  byId("finding-seen").textContent = "";
+  releaseFindings();
 }
 
 function wireControls() {
-  const recompute = new Set(["source", "crease", "weight", "weld", "shading", "colours"]);
   for (const control of document.querySelectorAll("#panel input:not([type=file]), #panel select:not(#model)")) {
-    const changed = () => {
-      if (RANGES.includes(control.id)) spell(control.id);
-      /* Who turns these wants to see what they do. */
-      if (["crease", "weight", "weld"].includes(control.id)) byId("source").value = "computed";
-      if (recompute.has(control.id)) dirty.compute = true;
-      if (control.id === "colours") { chosen = null; releaseFindings(); }
-      canvas.classList.toggle("brush", moving !== null && byId("brush").checked);
-      placeDivider();
-      dirty.draw = true;
-    };
-    control.addEventListener("input", changed);
-    control.addEventListener("change", changed);
+    control.addEventListener("input", () => controlChanged(control));
+    control.addEventListener("change", () => controlChanged(control));
   }
-  byId("model").addEventListener("change", pickModel);
-  byId("file").addEventListener("change", (event) => { if (event.target.files[0]) openFile(event.target.files[0]); });
-  byId("reset-matrix").addEventListener("click", () => {
-    for (const id of ["scale-x", "scale-y", "scale-z"]) setRange(id, 1);
-    setRange("shear", 0);
-    byId("mirror").value = "";
-    dirty.draw = true;
-  });
-  byId("reset-view").addEventListener("click", () => { camera.reset(moving ? { azimuth: 0, elevation: 34, distance: 3.3 } : { azimuth: 0, elevation: 0 }); dirty.draw = true; });
-  byId("flatten").addEventListener("click", () => { if (moving) { moving.flatten(); uploadMoving(); dirty.draw = true; } });
+  byId("model").addEventListener("change", () => { stopIntro(); pickModel(); });
+  for (const id of ["file", "folder"]) byId(id).addEventListener("change", () => openGiven(filesOfInput(byId(id))));
+  const onClick = (id, act) => byId(id).addEventListener("click", () => { act(); dirty.draw = true; });
+  onClick("reset-matrix", () => { stopIntro(); setMatrix(); });
+  onClick("reset-view", () => camera.reset(moving ? { azimuth: 0, elevation: 34, distance: 3.3 } : { azimuth: 0, elevation: 0 }));
+  onClick("flatten", () => { if (moving) { moving.flatten(); uploadMoving(); } });
+  onClick("intro-open", () => byId("file").click());
+  onClick("fix", fix);
+  onClick("compute", computeCopy);
+  onClick("save-picture", () => { draw(); savePicture(canvas, panels, { title: document.title, words: WORDS[comparison() ?? "matrix"], compared: comparison() !== null, angle: byId("worst").textContent }); });
+  byId("lesson").addEventListener("toggle", () => { dirty.draw = true; });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { dirty.draw = true; });
+}
+
+function wireLesson() {
+  STEPS.forEach(({ title, matrix, words }, i) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.id = `step-${i + 1}`;
+    button.textContent = `${i + 1} ${title}`;
+    button.addEventListener("click", () => {
+      stopIntro();
+      setMatrix(matrix);
+      byId("step-words").textContent = words;
+      dirty.draw = true;
+    });
+    byId("steps").append(button);
+  });
 }
 
 function wireDrop() {
@@ -514,29 +730,31 @@ function wireDrop() {
     event.preventDefault();
     drop.hidden = true;
     forgetChosen();
-    if (event.dataTransfer.files[0]) openFile(event.dataTransfer.files[0]);
+    filesOfDrop(event.dataTransfer).then((given) => (given.length ? openGiven(given) : notice(`That is no file. Drop ${EXPECTED}.`)), (error) => notice(error.message));
   });
 }
 
 /* ---- start */
 
-function bytesOf(id) {
-  const text = byId(id).textContent, characters = atob(text), bytes = new Uint8Array(characters.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
+function textOf(id) {
+  const text = byId(id).textContent;
   byId(id).textContent = "";
-  return bytes;
+  return text;
 }
+const bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
 function fallBack(reason) {
   byId("fallback").hidden = false;
   byId("fallback-reason").textContent = reason;
-  byId("readouts").hidden = byId("divider").hidden = byId("side-wrong").hidden = byId("side-right").hidden = true;
+  for (const id of ["readouts", "divider", "side-wrong", "side-right", "intro"]) byId(id).hidden = true;
 }
 
 function fillModels() {
   const select = byId("model");
+  if (sculpture) select.append(new Option(sculpture.name, "sculpture"));
   for (const [key, { title }] of Object.entries(SHAPES)) select.append(new Option(title, key));
-  select.append(new Option("A surface that moves, 200,000 triangles", "moving"));
+  select.append(new Option("A surface that moves", "moving"));
+  byId("model-credit").textContent = CREDIT;
 }
 
 /* The colour scale of surface.frag, for its legend. */
@@ -545,29 +763,50 @@ function paintLegend(texts) {
   byId("legend-bar").style.background = `linear-gradient(90deg, ${stops.map((stop) => `rgb(${stop.join(" ")})`).join(", ")})`;
 }
 
+async function startEngines() {
+  const bytes = bytesOf(textOf("wasm"));
+  const [{ instance }, started] = await Promise.all([WebAssembly.instantiate(bytes), startRemote(textOf("worker"), bytes, (now) => { calls = now; })]);
+  norma = bindCalls(instance.exports);
+  remote = started;
+}
+
+/* What is shown first: what the address asks for, the model of norma view, or the sculpture. */
+function showFirst(asked) {
+  const wantedModel = asked?.get("model"), known = wantedModel && option("model", CSS.escape(wantedModel));
+  if (known) byId("model").value = wantedModel;
+  pickModel();
+  if (!embedded && !asked && value("model") === "sculpture") intro.begin(!isCalm());
+  if (asked) applyAddress(asked, camera);
+  if (asked?.has("crease")) { const crease = asked.get("crease"), later = () => (computed ? setRange("crease", crease) : setTimeout(later, 30)); later(); }
+}
+
 export async function startPage(texts) {
   RANGES.forEach(spell);
   graphics = makeGraphics(canvas, texts);
   if (!graphics) { fallBack(""); return; }
-  engine = await startEngine(bytesOf("wasm"));
-  byId("version").textContent = engine.norma.version;
+  await startEngines();
+  byId("version").textContent = norma.version;
+  sculpture = unpackSculpture(bytesOf(textOf("sculpture")));
   paintLegend(texts);
   fillModels();
+  intro = makeIntro(() => { dirty.draw = true; });
   wireCanvas();
   wireDivider();
   wireControls();
+  wireLesson();
   wireDrop();
-  if (matchMedia("(prefers-reduced-motion: reduce)").matches) byId("waves").checked = false;
-  const pack = bytesOf("pack");
-  if (pack.length) {
-    embedded = { bytes: pack, name: byId("pack").dataset.name };
-    addModelOption("embedded", embedded.name);
+  if (isCalm()) byId("waves").checked = false;
+  const pack = textOf("pack");
+  if (pack) {
+    embedded = { text: pack, name: byId("pack").dataset.name };
+    byId("model").prepend(new Option(embedded.name, "embedded"));
+    byId("model").value = "embedded";
     document.title = `${embedded.name} · Norma`;
-  } else {
-    setRange("scale-x", 2);
   }
-  pickModel();
-  placeDivider();
+  const asked = readAddress();
+  const kept = makeAddress(camera);
+  showFirst(asked);
+  remember = () => { if (!intro.isPlaying() && !intro.isShown()) kept(); };
   requestAnimationFrame(frame);
 }
 

@@ -108,5 +108,5 @@ export const SHAPES = {
   box: { title: "Bevelled box", colour: [0.14, 0.27, 0.42], crease: 60, make: bevelledBox },
   gear: { title: "Gear", colour: [0.36, 0.37, 0.4], crease: 30, make: gear },
   sphere: { title: "Sphere", colour: [0.42, 0.42, 0.45], make: sphere },
-  fine: { title: "Fine knot, 200,000 triangles", colour: [0.56, 0.2, 0.06], make: () => knot(1000, 100) },
+  fine: { title: "Fine knot", colour: [0.56, 0.2, 0.06], make: () => knot(1000, 100) },
 };

@@ -5,22 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A pack from the bytes of a file. NULL: error says why. */
-unsigned char *WEB_EXPORT(model_pack_file)(const void *bytes, size_t size, const char *name,
-    size_t *pack_size, norma_document_error *error) {
-    norma_document *document;
-    const norma_document_options options = {.struct_size = sizeof options, .lenient = 1};
-    view_pack pack = {0};
-    *error = (norma_document_error){0};
-    if (norma_document_open_memory(bytes, size, name, &options, &document, error) !=
-        NORMA_DOCUMENT_OK)
-        return NULL;
-    const norma_document_result result = view_pack_document(document, 1, &pack, error);
-    norma_document_close(document);
-    *pack_size = pack.size;
-    return result == NORMA_DOCUMENT_OK ? pack.bytes : NULL;
-}
-
 size_t WEB_EXPORT(model_error_size)(void) { return sizeof(norma_document_error); }
 const char *WEB_EXPORT(model_error_text)(const norma_document_error *error) {
     return error->message;

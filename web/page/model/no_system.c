@@ -1,47 +1,10 @@
-/* no_system.c: a browser has no files. What io asks of the system, and what wasi-libc would ask of
- * its host, answers that there is none: so that the module imports nothing. Compressed glTF buffers
- * are refused here, for want of their decoder. */
-#include "io/file/file.h"
+/* no_system.c: a browser is no system. What wasi-libc would ask of its host answers that there is
+ * none, so that the module imports nothing. Compressed glTF buffers are refused here, for want of
+ * their decoder. */
 #include "io/gltf/read/asset.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-int norma_file_open(const char *path, const file_reading *how, file_bytes *bytes) {
-    (void)path;
-    (void)how;
-    *bytes = (file_bytes){0};
-    return ENOSYS;
-}
-void norma_file_close(file_bytes *bytes) { *bytes = (file_bytes){0}; }
-int norma_file_has_changed(const char *path, const file_stamp *stamp) {
-    return (void)path, (void)stamp, 0;
-}
-int norma_file_same(const char *a, const char *b) { return strcmp(a, b) == 0; }
-int norma_file_is_stream(const char *path) { return (void)path, 0; }
-int norma_file_is_regular(const char *path) { return (void)path, 0; }
-int norma_file_is_link(const char *path) { return (void)path, 0; }
-int norma_file_is_unchanged(const char *path, const file_stamp *stamp) {
-    return (void)path, (void)stamp, 1;
-}
-int norma_file_writer_open(const char *path, file_writer **writer) {
-    return (void)path, *writer = NULL, ENOSYS;
-}
-int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size) {
-    return (void)writer, (void)bytes, (void)size, ENOSYS;
-}
-int norma_file_writer_prepare(file_writer *writer) { return (void)writer, ENOSYS; }
-void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) { (void)writer, (void)stamp; }
-int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) {
-    return (void)writers, (void)count, *failed = 0, ENOSYS;
-}
-void norma_file_writer_abandon(file_writer *writer) { (void)writer; }
-int norma_folder_make(const char *path, int *made) { return (void)path, *made = 0, ENOSYS; }
-int norma_folder_visit(const char *path, int (*visit)(void *user, const char *name), void *user) {
-    return (void)path, (void)visit, (void)user, ENOSYS;
-}
-void norma_folder_remove(const char *path) { (void)path; }
 
 int norma_gltf_reads_meshopt(void) { return 1; } /* the reason is given below, when one is met */
 
@@ -57,14 +20,6 @@ unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *b
 }
 
 /* ---- wasi-libc */
-
-int stat(const char *restrict path, struct stat *restrict status) {
-    return (void)path, (void)status, errno = ENOSYS, -1;
-}
-int lstat(const char *restrict path, struct stat *restrict status) { return stat(path, status); }
-char *realpath(const char *restrict path, char *restrict resolved) {
-    return (void)path, (void)resolved, errno = ENOSYS, NULL;
-}
 
 /* assert and the streams of the C library end here. */
 _Noreturn void abort(void) { __builtin_trap(); }

@@ -10,9 +10,9 @@
 enum { MOST_SEVERITY = NORMA_SEVERITY_ERROR };
 
 /* Red, green, blue, alpha, linear: those of norma render --show findings; what is not meant is
- * grey. */
+ * nothing. */
 static const uint8_t colours[MOST_SEVERITY + 1][4] = {
-    {92, 92, 90, 255}, {7, 54, 141, 255}, {196, 82, 3, 255}, {163, 6, 6, 255}};
+    {0, 0, 0, 0}, {7, 54, 141, 255}, {196, 82, 3, 255}, {163, 6, 6, 255}};
 
 static const view_pack_finding *finding_at(const model *m, uint32_t index) {
     return (const view_pack_finding *)(const void *)(m->pack + m->head->findings) + index;
@@ -86,18 +86,26 @@ typedef struct marks {
     uint8_t *faces, *vertices, *normals;
 } marks;
 
-static void mark_samples(
+static int raise_one(uint8_t *severities, size_t number, size_t count, uint32_t to) {
+    if (number < count) raise(&severities[number], to);
+    return number < count;
+}
+
+/* How many elements it names. */
+static size_t mark_samples(
     const model *m, const model_mesh *mesh, const view_pack_finding *f, marks *to) {
     const view_pack_sample *samples =
         (const view_pack_sample *)(const void *)(m->pack + f->samples);
+    int named = 0;
+    size_t count = 0;
     for (uint32_t i = 0; i < f->sample_count; ++i) {
-        if (samples[i].face < mesh->record->face_count)
-            raise(&to->faces[samples[i].face], f->severity);
-        if (samples[i].vertex < mesh->record->position_count)
-            raise(&to->vertices[samples[i].vertex], f->severity);
-        if (samples[i].normal < mesh->stored.count)
-            raise(&to->normals[samples[i].normal], f->severity);
+        named = raise_one(to->faces, samples[i].face, mesh->record->face_count, f->severity);
+        named |=
+            raise_one(to->vertices, samples[i].vertex, mesh->record->position_count, f->severity);
+        named |= raise_one(to->normals, samples[i].normal, mesh->stored.count, f->severity);
+        count += (size_t)named;
     }
+    return count;
 }
 
 /* An info that names most of a mesh says something of the mesh; among others it would only hide
@@ -132,8 +140,10 @@ const uint8_t *WEB_EXPORT(model_marks)(model *m, uint32_t index, uint32_t which)
     for (uint32_t i = 0;
          good && m->head->finding_count != VIEW_PACK_NONE && i < m->head->finding_count; ++i) {
         const view_pack_finding *f = finding_at(m, i);
-        if (f->mesh == index && (all ? !is_of_the_whole(mesh, f) : i == which))
-            mark_samples(m, mesh, f, &made);
+        if (f->mesh != index || (all ? is_of_the_whole(mesh, f) : i != which)) continue;
+        /* One that names no part of its mesh is about all of it. */
+        if (!mark_samples(m, mesh, f, &made) && !all)
+            memset(made.faces, (int)f->severity, mesh->record->face_count);
     }
     if (good) colour_corners(mesh, &made);
     free(made.faces);
@@ -193,4 +203,37 @@ int WEB_EXPORT(model_finding_place)(const model *m, uint32_t index, double out[7
             add_triangle(mesh->draw_positions + 9 * t, out + 3, out + 6);
     }
     return isfinite(out[0] + out[1] + out[2]);
+}
+
+/* ---- points to show, where faces have no area or are too small to be seen */
+
+static int point_of(const model_mesh *mesh, const view_pack_sample *sample, double out[3]) {
+    double p[3];
+    size_t count = 0;
+    memset(out, 0, 3 * sizeof *out);
+    if (sample->vertex < mesh->record->position_count) {
+        model_position(mesh, sample->vertex, out);
+        count = 1;
+    } else if (sample->face < mesh->record->face_count) {
+        const size_t start = sample->face ? face_end(mesh, sample->face - 1) : 0;
+        for (size_t corner = start; corner < face_end(mesh, sample->face); ++corner, ++count) {
+            model_position(mesh, model_corner_position(mesh, corner), p);
+            for (int axis = 0; axis < 3; ++axis) out[axis] += p[axis];
+        }
+    }
+    for (int axis = 0; axis < 3 && count; ++axis)
+        out[axis] = (out[axis] / (double)count - mesh->centre[axis]) / mesh->radius;
+    return count && isfinite(out[0] + out[1] + out[2]);
+}
+
+/* points: room for most; where its samples are, in the space of draw_positions. How many. */
+uint32_t WEB_EXPORT(model_finding_points)(
+    const model *m, uint32_t index, uint32_t most, double *points) {
+    const view_pack_finding *f = finding_at(m, index);
+    const view_pack_sample *samples =
+        (const view_pack_sample *)(const void *)(m->pack + f->samples);
+    uint32_t count = 0;
+    for (uint32_t i = 0; f->mesh != VIEW_PACK_NONE && i < f->sample_count && count < most; ++i)
+        count += (uint32_t)point_of(&m->meshes[f->mesh], &samples[i], points + 3 * count);
+    return count;
 }

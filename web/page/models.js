@@ -1,0 +1,88 @@
+/* What the page asks of models, as calls whose arguments and results may travel to a worker and back. Models go by number. */
+import { packTriangles, startEngine } from "./engine.js";
+import { SHAPES } from "./shapes.js";
+
+/* What a page knows of a model; its arrays follow by themselves. */
+function describe(number, model) {
+  const meshes = model.meshes.map(({ triangles, faces, vertices, stored, colour, ball }) => ({ triangles, faces, vertices, stored, colour, ball }));
+  return { number, name: model.name, format: model.format, unread: model.unread, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes,
+           arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice() })) };
+}
+
+export async function startModels(wasm) {
+  const engine = await startEngine(wasm), models = new Map();
+  let next = 1;
+  const add = (model) => {
+    models.set(next, model);
+    return describe(next++, model);
+  };
+  const addChanged = ({ model, ...rest }) => ({ ...rest, model: model ? add(model) : null });
+
+  const run = (model, options) => {
+    const begin = performance.now();
+    /* What is stored per facet is held against the facet's own direction. */
+    const wantedOf = (mesh) => (options.errors && mesh.stored === "per facet" ? "flat" : options.wanted);
+    model.meshes.forEach((mesh, i) => model.compute(i, { ...options, wanted: wantedOf(mesh) }));
+    return performance.now() - begin;
+  };
+  const errorsOf = (model) => ({ worst: Math.max(0, ...model.meshes.map((_, i) => model.errors(i) ?? 0)), values: model.meshes.map((mesh) => mesh.values().slice()) });
+
+  return {
+    openShape: (name) => {
+      const { positions, indices } = SHAPES[name].make();
+      return add(engine.openBytes(packTriangles(positions, indices, SHAPES[name].colour), SHAPES[name].title));
+    },
+    openTriangles: ({ positions, indices, colour, name }) => add(engine.openBytes(packTriangles(positions, indices, colour), name)),
+    /* A pack in base64. */
+    openText: (text, name) => add(engine.openBytes(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), name)),
+    openFiles: (files, path, name) => {
+      engine.setFiles(files);
+      return add(engine.openFile(path, name));
+    },
+    fix: (path, name, options) => addChanged(engine.fixFile(path, name, options)),
+    computeFile: (path, name, options) => addChanged(engine.computeFile(path, name, options)),
+    free: (number) => {
+      models.get(number)?.free();
+      models.delete(number);
+    },
+
+    /* Normals as the page wants them; errors: by how much the stored ones differ from them. */
+    compute: (number, options) => {
+      const model = models.get(number), milliseconds = run(model, options);
+      return { milliseconds, normals: model.meshes.map((mesh) => mesh.normals().slice()), errors: options.errors ? errorsOf(model) : null };
+    },
+    /* The time alone. */
+    time: (number, options) => run(models.get(number), options),
+    marks: (number, finding) => models.get(number).meshes.map((_, i) => models.get(number).marks(i, finding ?? undefined).slice()),
+    place: (number, finding) => ({ ...(models.get(number).placeOf(finding) ?? { point: null }), points: models.get(number).pointsOf(finding) }),
+    /* items: [{ mesh, plain, right }], matrices. */
+    worst: (number, items) => items.reduce((most, { mesh, plain, right }) => Math.max(most, models.get(number).worst(mesh, plain, right)), 0),
+    /* rays: [{ mesh, from, along }]. The nearest hit, with the normals at its corners. */
+    pick: (number, rays) => {
+      const model = models.get(number);
+      let best = null;
+      rays.forEach(({ mesh, from, along }, ray) => {
+        const hit = model.pick(mesh, from, along);
+        if (hit && (!best || hit.at < best.at)) best = { ...hit, ray, normals: Array.from(model.meshes[mesh].normals().subarray(9 * hit.triangle, 9 * hit.triangle + 9)) };
+      });
+      return best;
+    },
+    /* Middles and normals of faces, and how long their lines are. */
+    faceLines: (number, index) => {
+      const { positions: read, reach: readReach, triangles } = models.get(number).meshes[index], to = engine.norma.faceNormals(read()).slice(), positions = read(), reach = readReach();
+      const from = new Float32Array(3 * triangles), lengths = new Float32Array(triangles);
+      for (let t = 0; t < triangles; t++) {
+        for (let i = 0; i < 3; i++) from[3 * t + i] = (positions[9 * t + i] + positions[9 * t + 3 + i] + positions[9 * t + 6 + i]) / 3;
+        lengths[t] = (reach[3 * t] + reach[3 * t + 1] + reach[3 * t + 2]) / 3;
+      }
+      return { from, to, lengths };
+    },
+  };
+}
+
+/* The buffers of all arrays within a value: a worker gives them away instead of copying them. */
+export function buffersIn(value, found = new Set()) {
+  if (ArrayBuffer.isView(value)) found.add(value.buffer);
+  else if (value && typeof value === "object") for (const part of Object.values(value)) buffersIn(part, found);
+  return [...found];
+}

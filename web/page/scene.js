@@ -1,0 +1,49 @@
+/* A model on the graphics card: a surface for each of its meshes, and where each is drawn. */
+import { IDENTITY, apply3, length, multiply, point, scaling, translation, upper } from "./matrix.js";
+
+const largestOf = (list, measure) => list.reduce((most, element) => Math.max(most, measure(element)), -Infinity);
+export const largestColumn = (m) => Math.max(length(m.slice(0, 3)), length(m.slice(4, 7)), length(m.slice(8, 11)));
+export const meanColumn = (m) => (length(m.slice(0, 3)) + length(m.slice(4, 7)) + length(m.slice(8, 11))) / 3;
+const determinant = (m) => m[0] * (m[4] * m[8] - m[5] * m[7]) + m[3] * (m[7] * m[2] - m[8] * m[1]) + m[6] * (m[1] * m[5] - m[2] * m[4]);
+
+/* The whole of a model in the unit ball: the middle of the box round the balls of what is drawn, and how far from it they reach. */
+function frameOf(model) {
+  const balls = model.draws.map(({ mesh, world }) => ({ centre: point(world, model.meshes[mesh].ball), radius: model.meshes[mesh].ball[3] * largestColumn(world) }));
+  const most = (sign) => [0, 1, 2].map((i) => largestOf(balls, ({ centre, radius }) => sign * centre[i] + radius));
+  const high = most(1), low = most(-1).map((x) => -x), middle = high.map((x, i) => (x + low[i]) / 2);
+  const radius = largestOf(balls, (ball) => length(ball.centre.map((x, i) => x - middle[i])) + ball.radius);
+  if (!isFinite(radius)) return IDENTITY;
+  const scale = 1 / (radius || 1);
+  return multiply(scaling(scale, scale, scale), translation(...middle.map((x) => -x)));
+}
+
+/* frame: that of another model, to stand where that does. */
+export function makeScene(graphics, model, frame = frameOf(model)) {
+  const surfaces = model.arrays.map((arrays) => graphics.makeSurface(arrays));
+  model.arrays = null;
+  const draws = model.draws.map(({ mesh, world }) => {
+    const [x, y, z, radius] = model.meshes[mesh].ball;
+    return { mesh, world, local: multiply(multiply(frame, world), multiply(translation(x, y, z), scaling(radius, radius, radius))) };
+  });
+  return { model, frame, surfaces, draws, faces: [], free: () => surfaces.forEach((surface) => surface.free()) };
+}
+
+/* A large scale is shown smaller as a whole, so that the model stays in the picture: that turns no normal. By how far the matrix takes a ball, and a little by how far a cube: most models are neither. */
+export function fitOf(user) {
+  const signs = [[1, 1, 1], [1, 1, -1], [1, -1, 1], [-1, 1, 1]], cube = Math.max(...signs.map((corner) => length(apply3(upper(user), corner)))) / Math.sqrt(3);
+  const scale = 1 / Math.max(1, (cube + 3 * largestColumn(user)) / 4);
+  return scaling(scale, scale, scale);
+}
+
+/* What is drawn on one side, wrong or right: each with its matrices. */
+export function itemsOf(norma, scene, user, side) {
+  const fit = fitOf(user);
+  return scene.draws.map(({ mesh, world, local }, draw) => {
+    const through = multiply(user, world), plain = upper(through);
+    let right = plain;
+    try { right = Array.from(norma.normalMatrix(through)); } catch { /* a node that is not finite: nothing is right there */ }
+    const surface = scene.surfaces[mesh];
+    return { surface, normals: surface.normals, localToWorld: multiply(fit, multiply(user, local)), normalMatrix: side === "wrong" ? plain : right, plain, right,
+             mirrored: determinant(plain) < 0, colour: scene.model.meshes[mesh].colour.slice(0, 3), mesh, draw, size: meanColumn(local) * fit[0] };
+  });
+}
