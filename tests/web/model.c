@@ -90,7 +90,8 @@ int main(int count, char **files) {
         const norma_document_options options = {.struct_size = sizeof options, .lenient = 1};
         view_pack pack = {0};
         if (norma_document_open(files[i], &options, &document, &error) == NORMA_DOCUMENT_OK &&
-            view_pack_document(document, 1, &pack, &error) == NORMA_DOCUMENT_OK) {
+            view_pack_document(document, &(view_pack_options){.threads = 1}, &pack, &error) ==
+                NORMA_DOCUMENT_OK) {
             model *m = model_open(copy_of(&pack), pack.size);
             if (!m) {
                 fprintf(stderr, "%s: its own pack is refused\n", files[i]);

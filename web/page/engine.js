@@ -49,7 +49,7 @@ export async function startEngine(bytes) {
     const meshes = Array.from({ length: wasm.model_mesh_count(address) }, (_, i) => {
       const triangles = wasm.model_triangles(address, i);
       return {
-        triangles, corners: 3 * triangles, faces: wasm.model_faces(address, i), vertices: wasm.model_vertices(address, i), stored: STORAGE[wasm.model_storage(address, i)],
+        triangles, corners: 3 * triangles, faces: wasm.model_faces(address, i), vertices: wasm.model_vertices(address, i), decimated: wasm.model_is_decimated(address, i) !== 0, stored: STORAGE[wasm.model_storage(address, i)],
         colour: Array.from(floats(wasm.model_colour(address, i), 4)), ball: lend([32], (at) => (wasm.model_ball(address, i, at), Array.from(doubles(at, 4)))),
         positions: () => floats(wasm.model_draw_positions(address, i), 9 * triangles), normals: () => floats(wasm.model_draw_normals(address, i), 9 * triangles),
         reach: () => floats(wasm.model_draw_reach(address, i), 3 * triangles), values: () => floats(wasm.model_draw_values(address, i), 3 * triangles),

@@ -1,48 +1,57 @@
 /* WebGL 2. Programs are made of the texts of src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
 import { multiply3, upper } from "./matrix.js";
 
-const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR" };
+const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR", matcap: "SHOW_MATCAP", zebra: "SHOW_ZEBRA" };
 const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3;
 const LIGHTS = [{ from: [-0.66, 0.62, 0.42], strength: 1.05 }, { from: [0.9, 0, 0.3], strength: 0.1 }];
 /* WebGL's longest stride, in floats. */
 const MOST_STRIDE = 63;
+/* Bytes that are handed over at once. */
+const SLICE = 1 << 19;
 /* How much of what is not marked is seen, where it would hide what is. */
 const FAINT = 0.14;
 
-function compile(gl, kind, text) {
-  const shader = gl.createShader(kind);
-  gl.shaderSource(shader, text);
-  gl.compileShader(shader);
-  if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(`A shader does not compile: ${gl.getShaderInfoLog(shader)}`);
-  return shader;
+/* Begins a program; nothing is asked of the card until it is used first, as every question would wait for all that was drawn before. */
+function begin(gl, texts, stage, defines) {
+  const head = ["#version 300 es", "precision highp float; precision highp int;", ...defines.map((name) => `#define ${name}`), texts["colour.glsl"], texts["light.glsl"]].join("\n");
+  const program = gl.createProgram(), shaders = [[gl.VERTEX_SHADER, "vert"], [gl.FRAGMENT_SHADER, "frag"]].map(([kind, ending]) => {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, `${head}\n${texts[`${stage}.${ending}`]}`);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+    return shader;
+  });
+  gl.linkProgram(program);
+  return { program, shaders, place: null };
 }
 
-function link(gl, texts, stage, defines) {
-  const head = ["#version 300 es", "precision highp float; precision highp int;", ...defines.map((name) => `#define ${name}`), texts["colour.glsl"], texts["light.glsl"]].join("\n");
-  const program = gl.createProgram();
-  gl.attachShader(program, compile(gl, gl.VERTEX_SHADER, `${head}\n${texts[`${stage}.vert`]}`));
-  gl.attachShader(program, compile(gl, gl.FRAGMENT_SHADER, `${head}\n${texts[`${stage}.frag`]}`));
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(`Shaders do not link: ${gl.getProgramInfoLog(program)}`);
+function finish(gl, made) {
+  if (!gl.getProgramParameter(made.program, gl.LINK_STATUS) && !gl.isContextLost())
+    throw new Error(`Shaders do not compile: ${made.shaders.map((shader) => gl.getShaderInfoLog(shader)).join(" ")} ${gl.getProgramInfoLog(made.program)}`);
   const uniforms = new Map();
-  const place = (name) => {
-    if (!uniforms.has(name)) uniforms.set(name, gl.getUniformLocation(program, name));
+  made.place = (name) => {
+    if (!uniforms.has(name)) uniforms.set(name, gl.getUniformLocation(made.program, name));
     return uniforms.get(name);
   };
-  return { program, place };
 }
 
 export function makeGraphics(canvas, texts) {
   const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: true });
   if (!gl) return null;
   const programs = new Map();
-  const programOf = (stage, ...defines) => {
+  const prepare = (stage, ...defines) => {
     const key = [stage, ...defines].join(" ");
-    if (!programs.has(key)) programs.set(key, link(gl, texts, stage, defines));
-    const made = programs.get(key);
+    if (!programs.has(key)) programs.set(key, begin(gl, texts, stage, defines));
+    return programs.get(key);
+  };
+  const programOf = (stage, ...defines) => {
+    const made = prepare(stage, ...defines);
+    if (!made.place) finish(gl, made);
     gl.useProgram(made.program);
     return made.place;
   };
+  for (const define of Object.values(SURFACES)) prepare("surface", "LIGHT_IN_VIEW", define);
+  for (const [stage, ...defines] of [["angle"], ["marked"], ["marked", "MARKED_ONLY"], ["marked", "REST_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"]]) prepare(stage, ...defines);
 
   /* ---- buffers */
   const makeBuffer = (data, usage = gl.STATIC_DRAW, target = gl.ARRAY_BUFFER) => {
@@ -56,6 +65,38 @@ export function makeGraphics(canvas, texts) {
     gl.bindVertexArray(null);
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, data);
+  };
+  const passed = (sync) => new Promise((done, fail) => {
+    const look = () => {
+      const state = gl.clientWaitSync(sync, 0, 0);
+      if (state === gl.WAIT_FAILED || gl.isContextLost()) fail(new Error("The graphics card lost the picture."));
+      else if (state === gl.TIMEOUT_EXPIRED) setTimeout(look, 4);
+      else { gl.deleteSync(sync); done(); }
+    };
+    look();
+  });
+  /* The same bit by bit: the page goes on meanwhile. */
+  const fillSlowly = async (buffer, data) => {
+    const bytes = new Uint8Array(data.buffer, data.byteOffset, data.byteLength);
+    for (let at = 0; at < bytes.length; at += SLICE) {
+      gl.bindVertexArray(null);
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.bufferSubData(gl.ARRAY_BUFFER, at, bytes, at, Math.min(SLICE, bytes.length - at));
+      if (bytes.length > SLICE) await drained();
+    }
+  };
+  const reserve = (size) => {
+    const buffer = gl.createBuffer();
+    gl.bindVertexArray(null);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, size, gl.DYNAMIC_DRAW);
+    return buffer;
+  };
+  /* When all is done that the card was told so far. */
+  const drained = () => {
+    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    return passed(sync);
   };
   const attribute = (index, buffer, size, stride = 0, offset = 0, divisor = 0, kind = gl.FLOAT) => {
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
@@ -248,15 +289,6 @@ export function makeGraphics(canvas, texts) {
     counting = { size, frame, buffers };
     return counting;
   };
-  const passed = (sync) => new Promise((done, fail) => {
-    const look = () => {
-      const state = gl.clientWaitSync(sync, 0, 0);
-      if (state === gl.WAIT_FAILED || gl.isContextLost()) fail(new Error("The graphics card lost the picture."));
-      else if (state === gl.TIMEOUT_EXPIRED) setTimeout(look, 4);
-      else { gl.deleteSync(sync); done(); }
-    };
-    look();
-  });
   /* Of a picture from each camera, which part shows what is marked; through: as if the rest were not there. Nothing waits for the card meanwhile. */
   const countMarked = async (items, cameras, aspect, through) => {
     const height = Math.max(16, Math.round(TILE / aspect)), target = countingTarget(cameras.length, height), [width, all] = target.size;
@@ -274,9 +306,7 @@ export function makeGraphics(canvas, texts) {
     gl.readPixels(0, 0, width, all, gl.RGBA, gl.UNSIGNED_BYTE, 0);
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
-    await passed(sync);
+    await drained();
     const read = new Uint8Array(4 * width * all), counts = cameras.map(() => 0);
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, pixels);
     gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, read);
@@ -311,5 +341,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, makeSurface, drawSurface, drawRest, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, makeSurface, drawSurface, drawRest, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
 }

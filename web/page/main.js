@@ -33,7 +33,7 @@ let norma, remote, graphics, intro, remember = () => undefined;
 let scene = null, before = null, moving = null, source = null, sculpture = null;
 let chosen = null, look = { faint: false, pins: null, errorTop: 1, angleTop: 45 };
 let cursor = DEFAULT_CURSOR, panels = [], found = null;
-let dirty = { compute: true, draw: true }, calls = 0, computing = false, picking = false, measuring = false, seeking = 0, computed = 0, opening = 0;
+let dirty = { compute: true, draw: true }, calls = 0, drawing = false, computing = false, picking = false, measuring = false, seeking = 0, computed = 0, opening = 0;
 const timer = { last: 0, frames: 0 };
 
 const isDark = () => matchMedia("(prefers-color-scheme: dark)").matches;
@@ -168,10 +168,10 @@ async function chooseFinding(finding) {
 
 async function uploadMarks(shown, index) {
   const marks = await remote.marks(shown.model.number, index);
-  shown.surfaces.forEach((surface, i) => {
-    if (surface.marks) graphics.fillBuffer(surface.marks, marks[i]);
-    else surface.marks = graphics.makeBuffer(marks[i], graphics.gl.DYNAMIC_DRAW);
-  });
+  for (const [i, surface] of shown.surfaces.entries()) {
+    surface.marks ??= graphics.reserve(marks[i].byteLength);
+    await graphics.fillSlowly(surface.marks, marks[i]);
+  }
 }
 
 /* How many of the points are in the picture and not over each other. */
@@ -228,7 +228,7 @@ async function change(facts, links, ask, words) {
 }
 
 const fix = () => change("fix-facts", "fixed-files", () => remote.fix(source.path, source.name, { unsafe: isChecked("fix-unsafe") }), ({ changed, model }) => (changed
-  ? `Before: ${sum((before ?? scene).model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : "Nothing here can be fixed by a program."));
+  ? `Before: ${sum((before ?? scene).model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : isChecked("fix-unsafe") ? "Nothing here can be fixed by a program." : "Nothing can be fixed without changing how it looks: tick the box to allow that."));
 
 /* Per vertex in PLY and per facet in STL there are no creases. */
 const computeCopy = () => change("computed-facts", "computed-files",
@@ -251,7 +251,7 @@ async function compute() {
     for (const one of shown) {
       const { normals, errors } = await remote.compute(one.model.number, options);
       if (one !== scene && one !== before) continue;
-      normals.forEach((list, i) => graphics.fillBuffer(one.surfaces[i].normals, list));
+      for (const [i, list] of normals.entries()) await graphics.fillSlowly(one.surfaces[i].normals, list);
       if (errors) uploadErrors(one, errors);
     }
     if (scene === shown[0] && value("colours") === "findings") for (const one of shown) await uploadMarks(one, one === scene ? chosen?.index : undefined);
@@ -530,7 +530,7 @@ function resize() {
 
 /* Whether something is still to come, for those who wait. */
 function showBusy() {
-  const busy = calls > 0 || computing || picking || measuring || seeking > 0 || dirty.compute || dirty.draw ? "1" : "";
+  const busy = calls > 0 || drawing || computing || picking || measuring || seeking > 0 || dirty.compute || dirty.draw ? "1" : "";
   if (document.body.dataset.busy !== busy) document.body.dataset.busy = busy;
 }
 
@@ -542,7 +542,13 @@ function frame(now) {
     intro.tick(now);
     if (moving) { moveOn(now); dirty.compute = false; }
     else if (dirty.compute && !computing) compute();
-    if (dirty.draw && (moving || computed)) { dirty.draw = false; draw(); document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1); }
+    if (dirty.draw && (moving || computed) && !drawing) {
+      dirty.draw = false;
+      draw();
+      drawing = true;
+      graphics.drained().catch(() => undefined).then(() => { drawing = false; });
+      document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
+    }
   } catch (error) {
     notice(error.message);
     dirty = { compute: false, draw: false };

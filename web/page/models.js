@@ -4,7 +4,7 @@ import { SHAPES } from "./shapes.js";
 
 /* What a page knows of a model; its arrays follow by themselves. */
 function describe(number, model) {
-  const meshes = model.meshes.map(({ triangles, faces, vertices, stored, colour, ball }) => ({ triangles, faces, vertices, stored, colour, ball }));
+  const meshes = model.meshes.map(({ triangles, faces, vertices, stored, decimated, colour, ball }) => ({ triangles, faces, vertices, stored, decimated, colour, ball }));
   return { number, name: model.name, format: model.format, unread: model.unread, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes,
            arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice() })) };
 }

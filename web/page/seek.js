@@ -4,7 +4,8 @@ import { cross, length, unit } from "./matrix.js";
 
 /* Parts of the picture; thin marks lose some to smoothed edges. */
 const FIRST = 0.01, ENOUGH = 0.008, LEAST = 0.005;
-const NEAREST = 0.003, WHOLE = 3.4;
+/* Distances of the camera; UNKNOWN: to what has a place, but no size. */
+const NEAREST = 0.003, WHOLE = 3.4, UNKNOWN = 0.8;
 const MOST_TRIED = 16;
 
 const angles = (back) => ({ azimuth: (Math.atan2(back[0], back[2]) * 180) / Math.PI, elevation: (Math.asin(Math.max(-1, Math.min(1, back[1]))) * 180) / Math.PI });
@@ -20,7 +21,7 @@ function directionsOf(normal, up) {
 /* Poses of the camera for a place: { at, normal, size } in the world. */
 export function posesOf({ at, normal, size }, up, everywhere) {
   const wholes = [[38, 18], [-142, 18], [128, -20], [-52, 50]].map(([azimuth, elevation]) => ({ azimuth, elevation, distance: WHOLE, centre: [0, 0, 0] }));
-  const near = Math.max(NEAREST, Math.min(WHOLE, 9 * size)), directions = directionsOf(normal, up);
+  const near = size > 0 ? Math.max(NEAREST, Math.min(WHOLE, 9 * size)) : UNKNOWN, directions = directionsOf(normal, up);
   const poses = directions.map((back, i) => ({ ...angles(back), distance: i === 0 ? near : Math.max(NEAREST, near * (i % 2 ? 0.5 : 0.8)), centre: at }));
   return (everywhere ? [...wholes, ...poses] : [...poses, ...wholes]).slice(0, MOST_TRIED);
 }

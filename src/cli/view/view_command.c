@@ -8,6 +8,7 @@
 #include "cli/process/progress.h"
 #include "cli/text/report_text.h"
 #include "web/page/model/model_pack.h"
+#include "cli/view/decimate.h"
 #include "cli/view/embedded_page.h"
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +28,9 @@ static const char help[] =
     "through plain M beside those\n"
     "through the normal matrix, under the scale, shear and mirror that you choose. It lists what "
     "norma check finds: press\n"
-    "a finding to go there. Other files may be dropped on it.\n"
+    "a finding to go there. Other files may be dropped on it. A model of more than a million "
+    "triangles is decimated for\n"
+    "display; what norma check finds is that of the whole file.\n"
     "\n"
     "Options\n"
     "  -o, --output OUT.html the page; - is standard output\n"
@@ -40,6 +43,9 @@ static const char help[] =
     "  --quiet               prints nothing but errors\n"
     "\n"
     "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+
+/* More make pages that browsers open slowly or not at all. */
+enum { MOST_TRIANGLES = 1000000 };
 
 typedef struct view_work {
     cli_common common;
@@ -109,7 +115,10 @@ static norma_document_result read_pack(const view_work *work, const char *input,
     if (result) return result;
     cli_progress_start(&progress, "packing", input, work->common.quiet, 0);
     cli_progress_tick(&progress);
-    result = view_pack_document(*document, work->common.threads, pack, error);
+    const view_pack_options packing = {.threads = work->common.threads,
+        .most_triangles = MOST_TRIANGLES,
+        .decimate = view_decimate};
+    result = view_pack_document(*document, &packing, pack, error);
     cli_progress_stop(&progress);
     return result;
 }
@@ -128,16 +137,36 @@ static size_t count_triangles(const norma_document *document) {
     return triangles;
 }
 
-static void report(
-    const view_work *work, const char *input, const char *to, const norma_document *document) {
+/* How many triangles of decimated meshes the page has; 0: none was decimated. */
+static size_t count_decimated(const view_pack *pack, size_t *all) {
+    const view_pack_head *head = (const view_pack_head *)(const void *)pack->bytes;
+    const view_pack_mesh *meshes =
+        (const view_pack_mesh *)(const void *)(pack->bytes + head->meshes);
+    size_t decimated = 0;
+    *all = 0;
+    for (uint32_t i = 0; i < head->mesh_count; ++i) {
+        *all += meshes[i].face_count;
+        decimated += meshes[i].decimated ? meshes[i].face_count : 0;
+    }
+    return decimated;
+}
+
+static void report(const view_work *work, const char *input, const char *to,
+    const norma_document *document, const view_pack *pack) {
     const size_t triangles = count_triangles(document),
                  meshes = norma_document_mesh_count(document);
+    size_t shown;
+    const int decimated = count_decimated(pack, &shown) > 0;
+    if (decimated && !work->common.quiet)
+        cli_error("%s: %zu triangles are too many for a page; it shows the surface with %zu",
+            cli_input_name(input), triangles, shown);
     if (work->common.json) {
         cli_json json = {.out = stdout};
         cli_json_open(&json, NULL, '{');
         cli_json_string(&json, "input", input);
         cli_json_string(&json, "output", to);
         cli_json_size(&json, "triangles", triangles);
+        cli_json_size(&json, "shown", decimated ? shown : triangles);
         cli_json_size(&json, "meshes", meshes);
         cli_json_notes(&json, document);
         cli_json_close(&json, '}');
@@ -195,7 +224,7 @@ static int run_file(const view_work *work, const char *input, const char *to) {
         cli_print_error(&error);
     } else {
         status = write_to(work, input, to, &pack);
-        if (!status) report(work, input, to, document);
+        if (!status) report(work, input, to, document, &pack);
     }
     free(pack.bytes);
     norma_document_close(document);

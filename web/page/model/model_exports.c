@@ -36,6 +36,9 @@ uint32_t WEB_EXPORT(model_vertices)(const model *m, uint32_t mesh) {
 uint32_t WEB_EXPORT(model_storage)(const model *m, uint32_t mesh) {
     return m->meshes[mesh].stored.count ? m->meshes[mesh].record->storage : NORMA_NORMALS_NONE;
 }
+int WEB_EXPORT(model_is_decimated)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].record->decimated != 0;
+}
 const float *WEB_EXPORT(model_colour)(const model *m, uint32_t mesh) {
     return m->meshes[mesh].record->colour;
 }

@@ -27,7 +27,9 @@ typedef struct view_pack_mesh {
         corner_normals; /* storage: norma_normal_storage; corner_normals: VIEW_PACK_NONE, or one
                            number for each corner */
     float colour[4];    /* linear, alpha last */
-    uint32_t double_sided, reserved;
+    uint32_t double_sided;
+    uint32_t
+        decimated; /* nonzero: not all of the file's faces; what is found in it has places only */
 } view_pack_mesh;
 
 typedef struct view_pack_draw {
@@ -55,15 +57,29 @@ typedef struct view_pack {
     int failed; /* out of memory, or beyond 2^32 bytes */
 } view_pack;
 
-/* Everything in the document that can be drawn, and what norma check says of it. threads as in
- * norma_options. */
-norma_document_result view_pack_document(
-    norma_document *document, uint32_t threads, view_pack *pack, norma_document_error *error);
+/* Fewer triangles of a mesh: which of its vertices stay, and the corners among those. */
+typedef struct view_decimated {
+    uint32_t *vertices, *corners; /* the caller frees them */
+    size_t vertex_count, corner_count;
+} view_decimated;
+
+typedef struct view_pack_options {
+    uint32_t threads; /* as in norma_options */
+    /* Where the meshes have more triangles together, those made of triangles alone are decimated.
+     * 0: never. decimate returns 0 if memory is out. */
+    size_t most_triangles;
+    int (*decimate)(const norma_mesh *mesh, size_t most_triangles, view_decimated *decimated);
+} view_pack_options;
+
+/* Everything in the document that can be drawn, and what norma check says of it. */
+norma_document_result view_pack_document(norma_document *document, const view_pack_options *options,
+    view_pack *pack, norma_document_error *error);
 
 /* Copies count elements into the pack; where they lie. What fails is remembered there. */
 uint32_t view_pack_append(view_pack *pack, const void *bytes, size_t count, size_t size);
 /* pack_findings.c: the part that norma check has. record_of: of each mesh of the document its
- * record, or VIEW_PACK_NONE. */
+ * record, draw_of_node: of each node its first draw; or VIEW_PACK_NONE. meshes: the records. */
 norma_document_result view_pack_findings(norma_document *document, const uint32_t *record_of,
-    uint32_t threads, view_pack *pack, view_pack_head *head, norma_document_error *error);
+    const uint32_t *draw_of_node, const view_pack_mesh *meshes, uint32_t threads, view_pack *pack,
+    view_pack_head *head, norma_document_error *error);
 #endif

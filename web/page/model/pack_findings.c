@@ -20,32 +20,10 @@ static uint32_t number_of(size_t number) {
     return number < VIEW_PACK_NONE ? (uint32_t)number : VIEW_PACK_NONE;
 }
 
-/* Where a node's mesh is among what is drawn: its first record and its first draw. Nodes are drawn
- * in their order, as model_pack.c does it. */
-static finding_place *place_nodes(norma_document *document, const uint32_t *record_of) {
-    const size_t meshes = norma_document_mesh_count(document),
-                 nodes = norma_document_node_count(document);
-    finding_place *places = malloc((nodes + 1) * sizeof *places);
-    uint32_t draws = 0;
-    for (size_t n = 0; n < nodes && places; ++n) {
-        norma_node_info node;
-        uint32_t parts = 0;
-        places[n] = (finding_place){VIEW_PACK_NONE, VIEW_PACK_NONE};
-        if (norma_document_node_info(document, n, &node) != NORMA_DOCUMENT_OK) continue;
-        for (size_t i = 0; i < meshes; ++i) {
-            norma_mesh_info mesh;
-            if (record_of[i] != VIEW_PACK_NONE &&
-                norma_document_mesh_info(document, i, &mesh) == NORMA_DOCUMENT_OK &&
-                mesh.mesh == node.mesh && !parts++)
-                places[n] = (finding_place){record_of[i], node.instances ? draws : VIEW_PACK_NONE};
-        }
-        draws += parts * (uint32_t)node.instances;
-    }
-    return places;
-}
-
+/* Where a finding is: a mesh by its record, a node by the first of what it draws. */
 static finding_place find_place(norma_document *document, const uint32_t *record_of,
-    const finding_place *of_node, const char *where) {
+    const uint32_t *draw_of_node, const view_pack *pack, const view_pack_head *head,
+    const char *where) {
     norma_mesh_info mesh;
     norma_node_info node;
     for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
@@ -54,8 +32,11 @@ static finding_place find_place(norma_document *document, const uint32_t *record
             return (finding_place){record_of[i], VIEW_PACK_NONE};
     for (size_t n = 0; n < norma_document_node_count(document); ++n)
         if (norma_document_node_info(document, n, &node) == NORMA_DOCUMENT_OK &&
-            strcmp(node.where, where) == 0)
-            return of_node[n];
+            strcmp(node.where, where) == 0 && draw_of_node[n] != VIEW_PACK_NONE) {
+            const view_pack_draw *draws =
+                (const view_pack_draw *)(const void *)(pack->bytes + head->draws);
+            return (finding_place){draws[draw_of_node[n]].mesh, draw_of_node[n]};
+        }
     return (finding_place){VIEW_PACK_NONE, VIEW_PACK_NONE};
 }
 
@@ -82,7 +63,7 @@ static uint32_t append_samples(view_pack *pack, const norma_finding *finding, ui
 }
 
 static view_pack_finding pack_finding(
-    view_pack *pack, const norma_finding *finding, finding_place place) {
+    view_pack *pack, const norma_finding *finding, finding_place place, int whole) {
     const norma_sample *at =
         finding->worst.has_position || !finding->sample_count ? &finding->worst : finding->samples;
     view_pack_finding record = {.severity = (uint32_t)finding->severity,
@@ -97,12 +78,13 @@ static view_pack_finding pack_finding(
     record.unit = append_text(pack, finding->unit);
     record.label = append_text(pack, finding->label);
     record.message = append_text(pack, finding->message);
-    record.samples = append_samples(pack, finding, &record.sample_count);
+    if (whole) record.samples = append_samples(pack, finding, &record.sample_count);
     return record;
 }
 
 norma_document_result view_pack_findings(norma_document *document, const uint32_t *record_of,
-    uint32_t threads, view_pack *pack, view_pack_head *head, norma_document_error *error) {
+    const uint32_t *draw_of_node, const view_pack_mesh *meshes, uint32_t threads, view_pack *pack,
+    view_pack_head *head, norma_document_error *error) {
     const norma_check_options options = {
         .struct_size = sizeof options, .max_samples = MOST_SAMPLES, .threads = threads};
     norma_findings *findings = NULL;
@@ -112,19 +94,19 @@ norma_document_result view_pack_findings(norma_document *document, const uint32_
     if (result) return NORMA_DOCUMENT_OK; /* what cannot be judged can be drawn */
     const size_t count = norma_findings_count(findings);
     view_pack_finding *records = calloc(count + 1, sizeof *records);
-    finding_place *of_node = place_nodes(document, record_of);
-    for (size_t i = 0; i < count && records && of_node && !pack->failed; ++i) {
+    for (size_t i = 0; i < count && records && !pack->failed; ++i) {
         const norma_finding *finding = norma_findings_get(findings, i);
-        records[i] =
-            pack_finding(pack, finding, find_place(document, record_of, of_node, finding->where));
+        const finding_place place =
+            find_place(document, record_of, draw_of_node, pack, head, finding->where);
+        records[i] = pack_finding(
+            pack, finding, place, place.mesh == VIEW_PACK_NONE || !meshes[place.mesh].decimated);
     }
-    if (records && of_node) {
+    if (records) {
         head->finding_count = number_of(count);
         head->findings = view_pack_append(pack, records, count, sizeof *records);
     } else
         pack->failed = 1;
     free(records);
-    free(of_node);
     norma_findings_free(findings);
     return NORMA_DOCUMENT_OK;
 }

@@ -142,7 +142,7 @@ const uint8_t *WEB_EXPORT(model_marks)(model *m, uint32_t index, uint32_t which)
         const view_pack_finding *f = finding_at(m, i);
         if (f->mesh != index || (all ? is_of_the_whole(mesh, f) : i != which)) continue;
         /* One that names no part of its mesh is about all of it. */
-        if (!mark_samples(m, mesh, f, &made) && !all)
+        if (!mark_samples(m, mesh, f, &made) && !all && !mesh->record->decimated)
             memset(made.faces, (int)f->severity, mesh->record->face_count);
     }
     if (good) colour_corners(mesh, &made);
@@ -181,6 +181,26 @@ static int is_named(
     return 0;
 }
 
+/* Where a sample is drawn, which a skin may have moved. */
+static int point_of(const model_mesh *mesh, const view_pack_sample *sample, double out[3]) {
+    double p[3];
+    size_t count = 0;
+    memset(out, 0, 3 * sizeof *out);
+    if (sample->vertex < mesh->record->position_count) {
+        model_position(mesh, sample->vertex, out);
+        count = 1;
+    } else if (sample->face < mesh->record->face_count) {
+        const size_t start = sample->face ? face_end(mesh, sample->face - 1) : 0;
+        for (size_t corner = start; corner < face_end(mesh, sample->face); ++corner, ++count) {
+            model_position(mesh, model_corner_position(mesh, corner), p);
+            for (int axis = 0; axis < 3; ++axis) out[axis] += p[axis];
+        }
+    }
+    for (int axis = 0; axis < 3 && count; ++axis)
+        out[axis] = (out[axis] / (double)count - mesh->centre[axis]) / mesh->radius;
+    return count && isfinite(out[0] + out[1] + out[2]);
+}
+
 /* out: a point, a direction (of any length) from which its faces are seen, and how long their edges
  * are, in the space of draw_positions. 0: the finding has no place. */
 int WEB_EXPORT(model_finding_place)(const model *m, uint32_t index, double out[7]) {
@@ -202,29 +222,12 @@ int WEB_EXPORT(model_finding_place)(const model *m, uint32_t index, double out[7
         if (is_named(mesh, t, face, sample))
             add_triangle(mesh->draw_positions + 9 * t, out + 3, out + 6);
     }
+    double drawn[3];
+    if (point_of(mesh, sample, drawn)) memcpy(out, drawn, sizeof drawn);
     return isfinite(out[0] + out[1] + out[2]);
 }
 
 /* ---- points to show, where faces have no area or are too small to be seen */
-
-static int point_of(const model_mesh *mesh, const view_pack_sample *sample, double out[3]) {
-    double p[3];
-    size_t count = 0;
-    memset(out, 0, 3 * sizeof *out);
-    if (sample->vertex < mesh->record->position_count) {
-        model_position(mesh, sample->vertex, out);
-        count = 1;
-    } else if (sample->face < mesh->record->face_count) {
-        const size_t start = sample->face ? face_end(mesh, sample->face - 1) : 0;
-        for (size_t corner = start; corner < face_end(mesh, sample->face); ++corner, ++count) {
-            model_position(mesh, model_corner_position(mesh, corner), p);
-            for (int axis = 0; axis < 3; ++axis) out[axis] += p[axis];
-        }
-    }
-    for (int axis = 0; axis < 3 && count; ++axis)
-        out[axis] = (out[axis] / (double)count - mesh->centre[axis]) / mesh->radius;
-    return count && isfinite(out[0] + out[1] + out[2]);
-}
 
 /* points: room for most; where its samples are, in the space of draw_positions. How many. */
 uint32_t WEB_EXPORT(model_finding_points)(

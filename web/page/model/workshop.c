@@ -21,7 +21,8 @@ unsigned char *WEB_EXPORT(document_pack)(
     norma_document *document, size_t *size, norma_document_error *error) {
     view_pack pack = {0};
     *error = (norma_document_error){0};
-    const norma_document_result result = view_pack_document(document, 1, &pack, error);
+    const view_pack_options options = {.threads = 1};
+    const norma_document_result result = view_pack_document(document, &options, &pack, error);
     *size = pack.size;
     return result ? NULL : pack.bytes;
 }
