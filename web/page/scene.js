@@ -6,6 +6,9 @@ export const largestColumn = (m) => Math.max(length(m.slice(0, 3)), length(m.sli
 export const meanColumn = (m) => (length(m.slice(0, 3)) + length(m.slice(4, 7)) + length(m.slice(8, 11))) / 3;
 const determinant = (m) => m[0] * (m[4] * m[8] - m[5] * m[7]) + m[3] * (m[7] * m[2] - m[8] * m[1]) + m[6] * (m[1] * m[5] - m[2] * m[4]);
 
+/* White files as mid-grey clay: light shows no shape on white. */
+const CLAY = 0.5;
+
 /* The whole of a model in the unit ball: the middle of the box round the balls of what is drawn, and how far from it they reach. */
 function frameOf(model) {
   const balls = model.draws.map(({ mesh, world }) => ({ centre: point(world, model.meshes[mesh].ball), radius: model.meshes[mesh].ball[3] * largestColumn(world) }));
@@ -44,6 +47,6 @@ export function itemsOf(norma, scene, user, side) {
     try { right = Array.from(norma.normalMatrix(through)); } catch { /* a node that is not finite: nothing is right there */ }
     const surface = scene.surfaces[mesh];
     return { surface, normals: surface.normals, localToWorld: multiply(fit, multiply(user, local)), normalMatrix: side === "wrong" ? plain : right, plain, right,
-             mirrored: determinant(plain) < 0, colour: scene.model.meshes[mesh].colour.slice(0, 3), mesh, draw, size: meanColumn(local) * fit[0] };
+             mirrored: determinant(plain) < 0, colour: scene.model.meshes[mesh].colour.slice(0, 3).map((part) => (scene.model.format ? CLAY * part : part)), mesh, draw, size: meanColumn(local) * fit[0] };
   });
 }
