@@ -104,9 +104,20 @@ extern const uint32_t render_finding_colours[4]; /* by severity */
 void render_file_set_up(
     const render_settings *settings, render_scene_file *file, const render_scene *scene);
 const char *render_up_name(enum render_up up);
-/* Appends what a picture of the file does not show, in words; text holds room bytes. */
+/* Adds what a picture of the file does not show; and all of it in words. */
+enum {
+    RENDER_NO_POINTS,
+    RENDER_NO_LINES,
+    RENDER_NO_COMPRESSION,
+    RENDER_NO_MESHES,
+    RENDER_NO_NODES,
+    RENDER_NO_IMAGES,
+    RENDER_NO_PLACE,
+    RENDER_LEFT_OUT
+};
 void render_file_left_out(
-    const render_settings *settings, const render_scene_file *file, char *text, size_t room);
+    const render_settings *settings, const render_scene_file *file, size_t counts[RENDER_LEFT_OUT]);
+void render_left_out_words(const size_t counts[RENDER_LEFT_OUT], char *text, size_t room);
 
 /* ---- panels */
 
@@ -115,7 +126,7 @@ typedef struct render_plan { /* of one picture */
     size_t count, files;
     char above[RENDER_MOST_PANELS][160], below[RENDER_MOST_PANELS][160], footer[200];
     char left_out[320], keys[4][40]; /* keys: of findings, by severity */
-    size_t found_counts[4];
+    size_t found_counts[4], left_out_counts[RENDER_LEFT_OUT];
     const render_settings *settings;
     int difference; /* largest between panels of shadings, of 255; -1: none */
 } render_plan;

@@ -239,7 +239,7 @@ int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_
         if (!status && !settings->views) add_panel(plan, file, scene, title);
     }
     if (status) return status;
-    render_file_left_out(settings, file, plan->left_out, sizeof plan->left_out);
+    render_file_left_out(settings, file, plan->left_out_counts);
     for (int i = 0; i < 4; ++i) plan->found_counts[i] += file->found_counts[i];
     if (settings->show == RENDER_SHOW_MARKS && !settings->compare) {
         snprintf(plan->below[first], sizeof plan->below[first], "%.150s", file->found);
@@ -258,6 +258,7 @@ int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_
 void render_plan_legend(render_plan *plan, render_sheet *sheet) {
     static const char *const names[4][2] = {
         [1] = {"info", "infos"}, [2] = {"warning", "warnings"}, [3] = {"error", "errors"}};
+    render_left_out_words(plan->left_out_counts, plan->left_out, sizeof plan->left_out);
     if (plan->left_out[0]) sheet->left_out = plan->left_out;
     for (int i = 3; i > 0; --i) {
         if (!plan->found_counts[i]) continue;

@@ -22,50 +22,40 @@ void render_file_set_up(
 
 /* ---- what is left out */
 
-typedef struct sentence {
-    char *text;
-    size_t room;
-} sentence;
-
-static void add(sentence *s, size_t count, const char *one, const char *many) {
-    const size_t length = strlen(s->text);
-    if (count == 0 || length + 1 >= s->room) return;
-    snprintf(s->text + length, s->room - length, "%s%zu %s", length ? ", " : "", count,
-        count == 1 ? one : many);
-}
-
 static int is_of(const char *reason, const char *word) {
     return strncmp(reason, word, strlen(word)) == 0;
 }
 
-static void add_meshes(sentence *s, const norma_document *document) {
-    size_t points = 0, lines = 0, compressed = 0, others = 0;
-    for (size_t i = 0; i < norma_document_mesh_count(document); ++i) {
+void render_file_left_out(const render_settings *settings, const render_scene_file *file,
+    size_t counts[RENDER_LEFT_OUT]) {
+    for (size_t i = 0; i < norma_document_mesh_count(file->document); ++i) {
         norma_mesh_info info;
-        if (norma_document_mesh_info(document, i, &info)) continue;
-        if (!info.not_read) continue;
-        if (is_of(info.not_read, "points"))
-            ++points;
-        else if (is_of(info.not_read, "lines"))
-            ++lines;
-        else if (info.compression)
-            ++compressed;
-        else
-            ++others;
+        if (norma_document_mesh_info(file->document, i, &info) || !info.not_read) continue;
+        ++counts[is_of(info.not_read, "points")  ? RENDER_NO_POINTS
+                 : is_of(info.not_read, "lines") ? RENDER_NO_LINES
+                 : info.compression              ? RENDER_NO_COMPRESSION
+                                                 : RENDER_NO_MESHES];
     }
-    add(s, points, "mesh of points", "meshes of points");
-    add(s, lines, "mesh of lines", "meshes of lines");
-    add(s, compressed, "mesh with a compression that is not read",
-        "meshes with a compression that is not read");
-    add(s, others, "mesh that is not read", "meshes that are not read");
+    counts[RENDER_NO_NODES] += file->not_shown;
+    counts[RENDER_NO_IMAGES] += file->images_left_out;
+    if (settings->show == RENDER_SHOW_MARKS) counts[RENDER_NO_PLACE] += file->found_nowhere;
 }
 
-void render_file_left_out(
-    const render_settings *settings, const render_scene_file *file, char *text, size_t room) {
-    sentence s = {text, room};
-    add_meshes(&s, file->document);
-    add(&s, file->not_shown, "mesh outside the scene", "meshes outside the scene");
-    add(&s, file->images_left_out, "image that cannot be read", "images that cannot be read");
-    if (settings->show == RENDER_SHOW_MARKS)
-        add(&s, file->found_nowhere, "finding without a place", "findings without a place");
+void render_left_out_words(const size_t counts[RENDER_LEFT_OUT], char *text, size_t room) {
+    static const char *const words[RENDER_LEFT_OUT][2] = {
+        [RENDER_NO_POINTS] = {"mesh of points", "meshes of points"},
+        [RENDER_NO_LINES] = {"mesh of lines", "meshes of lines"},
+        [RENDER_NO_COMPRESSION] = {"mesh with a compression that is not read",
+            "meshes with a compression that is not read"},
+        [RENDER_NO_MESHES] = {"mesh that is not read", "meshes that are not read"},
+        [RENDER_NO_NODES] = {"mesh outside the scene", "meshes outside the scene"},
+        [RENDER_NO_IMAGES] = {"image that cannot be read", "images that cannot be read"},
+        [RENDER_NO_PLACE] = {"finding without a place", "findings without a place"}};
+    text[0] = '\0';
+    for (int i = 0; i < RENDER_LEFT_OUT; ++i) {
+        const size_t length = strlen(text);
+        if (counts[i])
+            snprintf(text + length, room - length, "%s%zu %s", length ? ", " : "", counts[i],
+                words[i][counts[i] > 1]);
+    }
 }

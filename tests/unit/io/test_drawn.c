@@ -1,5 +1,6 @@
 /* Meshes as viewers draw them at rest: morph targets by the weights of node or mesh, skins, the
- * scene that is shown, normalised positions. Assets are written here, each expected number by hand.
+ * scene that is shown, normalised positions, images of materials. Assets are written here, each
+ * expected number by hand.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -162,6 +163,86 @@ static void test_joint_out_of_range(void **state) {
     asset_free(&a);
 }
 
+/* ---- images of materials */
+
+static const char materials[] =
+    "\"images\":[{\"uri\":\"data:image/png;base64,AQID\"},{\"bufferView\":0,\"mimeType\":\"image/"
+    "png\"},{\"uri\":\"../outside.png\"},{\"uri\":\"missing.png\"}],"
+    "\"samplers\":[{\"wrapS\":33071,\"wrapT\":33648,\"magFilter\":9728,\"minFilter\":9987}],"
+    "\"textures\":[{\"source\":0,\"sampler\":0},{\"source\":1},{\"source\":2},{\"source\":3},{}],"
+    "\"materials\":[{\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25,\"pbrMetallicRoughness\":{"
+    "\"baseColorTexture\":{\"index\":0,\"texCoord\":3,\"extensions\":{\"KHR_texture_transform\":{"
+    "\"offset\":[0.5,0.25],\"scale\":[2,4],\"rotation\":1,\"texCoord\":1}}}},"
+    "\"normalTexture\":{\"index\":1,\"scale\":0.5}},"
+    "{\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":2}},"
+    "\"normalTexture\":{\"index\":3}},"
+    "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":4}},\"normalTexture\":{\"index\":9}"
+    "},"
+    "{}]";
+
+static norma_material_maps maps_of(norma_document *document, size_t index) {
+    norma_material_maps maps;
+    norma_document_error error;
+    if (norma_document_material_maps(document, index, &maps, &error)) fail_msg("%s", error.message);
+    return maps;
+}
+
+static void test_maps(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    asset_view(&a, "an image", 8, "");
+    add_triangle(&a);
+    norma_document *document = asset_open(&a, materials, 0);
+    const norma_material_maps first = maps_of(document, 0), second = maps_of(document, 1),
+                              third = maps_of(document, 2), plain = maps_of(document, 3);
+    const norma_texture_info *base = &first.base_color, *normal = &first.normal;
+    assert_true(first.alpha_mode == NORMA_ALPHA_MASK && first.alpha_cutoff == 0.25F);
+    assert_true(base->there && base->size == 3 && memcmp(base->bytes, "\1\2\3", 3) == 0);
+    assert_true(base->texcoord == 1 && base->offset[0] == 0.5F && base->offset[1] == 0.25F &&
+                base->scale[0] == 2 && base->scale[1] == 4 && base->rotation == 1);
+    assert_true(base->wrap_s == 33071 && base->wrap_t == 33648 && base->mag_filter == 9728 &&
+                base->min_filter == 9987);
+    assert_true(normal->size == 8 && memcmp(normal->bytes, "an image", 8) == 0);
+    assert_true(normal->strength == 0.5F && normal->wrap_s == 10497 && normal->min_filter == 0 &&
+                normal->image == 1 && normal->scale[1] == 1);
+    assert_true(second.alpha_mode == NORMA_ALPHA_BLEND && second.alpha_cutoff == 0.5F);
+    assert_true(second.base_color.there && !second.base_color.bytes && second.normal.there);
+    assert_non_null(strstr(second.base_color.not_read, "not a file in the asset's folder"));
+    assert_true(!second.normal.bytes && second.normal.not_read);
+    assert_true(third.base_color.not_read && third.normal.not_read && !third.normal.bytes);
+    assert_non_null(strstr(third.base_color.not_read, "format")); /* a texture without a source */
+    assert_true(plain.alpha_mode == NORMA_ALPHA_OPAQUE && !plain.base_color.there &&
+                !plain.normal.there && plain.base_color.image == SIZE_MAX);
+    norma_material_maps maps;
+    assert_int_equal(
+        norma_document_material_maps(document, 4, &maps, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_material_maps(document, 0, NULL, NULL), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+static void test_texcoords(void **state) {
+    (void)state;
+    static const float coordinates[3][2] = {{0, 1}, {0.5F, 0.25F}, {2, -3}};
+    gltf_asset a = {0};
+    const float *found;
+    size_t count;
+    add_triangle(&a);
+    asset_floats(&a, &coordinates[0][0], 3, 2);
+    norma_document *document = asset_open(&a, PRIMITIVE("") ",\"TEXCOORD_1\":3}}]}]", 0);
+    assert_int_equal(
+        norma_document_texcoords(document, 0, 1, &found, &count, NULL), NORMA_DOCUMENT_OK);
+    assert_true(count == 3 && memcmp(found, coordinates, sizeof coordinates) == 0);
+    assert_int_equal(
+        norma_document_texcoords(document, 0, 0, &found, &count, NULL), NORMA_DOCUMENT_OK);
+    assert_true(count == 0 && !found);
+    assert_int_equal(norma_document_texcoords(document, 1, 0, &found, &count, NULL),
+        NORMA_DOCUMENT_ERROR_ARGUMENT);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
 /* ---- places */
 
 static void test_scene(void **state) {
@@ -223,6 +304,8 @@ int main(void) {
         cmocka_unit_test(test_skin),
         cmocka_unit_test(test_mirrored_skin),
         cmocka_unit_test(test_joint_out_of_range),
+        cmocka_unit_test(test_maps),
+        cmocka_unit_test(test_texcoords),
         cmocka_unit_test(test_scene),
         cmocka_unit_test(test_normalised),
         cmocka_unit_test(test_arguments),
