@@ -293,6 +293,44 @@ NORMA_API norma_document_result norma_fix_document(norma_document *document,
 NORMA_API norma_result norma_explain_normals(const norma_mesh_data *data,
     norma_normal_storage storage, const norma_options *options, norma_deviation *deviation);
 
+/* A way to make tangents. */
+typedef enum norma_tangent_source {
+    NORMA_TANGENTS_UNCOMPARED = 0,   /* there is nothing to compare */
+    NORMA_TANGENTS_BY_MIKK,          /* MikkTSpace (Mikkelsen 2008) on the triangles */
+    NORMA_TANGENTS_BY_MIKK_ON_QUADS, /* on quads: neighbours in the list put together again */
+    NORMA_TANGENTS_BY_VERTEX_SUMS    /* sums over the triangles at each vertex (Lengyel 2001) */
+} norma_tangent_source;
+
+/* The way that explains stored tangents best, and how well it does. */
+typedef struct norma_tangent_deviation {
+    norma_tangent_source source;
+    int negated;        /* nonzero: most signs are the opposite of what this way gives for the
+                         * texture coordinates as stored, as glTF needs it; 0: most are the same */
+    int transformed;    /* nonzero: through the KHR_texture_transform of the normal map */
+    size_t signs_other; /* corners whose sign is not that of most */
+    size_t corners;     /* corners compared: those with both tangents */
+    size_t explained;   /* corners within a tenth of a degree, and what the encoding rounds */
+    double mean_rad, p50_rad, p99_rad, max_rad; /* of the angles between the two */
+} norma_tangent_deviation;
+
+/* Finds the way to make tangents that explains those of a surface best: the one whose tangents are
+ * nearest to the stored ones by mean angle, angles above 5 degrees counting as 5.
+ *
+ *   data         the surface with its normals
+ *   attributes   its tangents and texture coordinates, as norma_document_mesh_attributes returns
+ *                them
+ *   options      uses threads and allocator; NULL for the defaults
+ *   deviation    written; corners is 0 if there is nothing to compare
+ *
+ * Cost: up to three times that of norma_corner_tangents. Errors: those of norma_corner_normals. */
+NORMA_API norma_result norma_explain_tangents(const norma_mesh_data *data,
+    const norma_mesh_attributes *attributes, const norma_options *options,
+    norma_tangent_deviation *deviation);
+
+/* Returns a name for people, "MikkTSpace on quads"; NULL for NORMA_TANGENTS_UNCOMPARED and unknown
+ * ways. */
+NORMA_API const char *norma_tangent_source_name(norma_tangent_source source);
+
 /* Returns the upper bound of a bin of the histogram in radians. In degrees: .01, .02, .05, .1, .2,
  * .5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 120, 180 (180 itself lies in the last bin). */
 NORMA_API double norma_deviation_bound_rad(size_t bin);

@@ -265,6 +265,10 @@ typedef struct norma_material_info {
     int normal_map;         /* nonzero: it has a normal texture, possibly of its clear coat */
     size_t normal_texcoord; /* the set of UVs of the normal texture */
     const char *ignore;     /* silenced rules, "N201,N3"; "": none */
+
+    /* glTF: how the normal texture turns and scales its UVs (KHR_texture_transform, offsets left
+     * out): u' = t[0] u + t[1] v, v' = t[2] u + t[3] v. All zero: not at all. */
+    float normal_turn[4];
 } norma_material_info;
 
 /* Returns the number of materials. */
@@ -357,6 +361,8 @@ typedef struct norma_mesh_attributes {
      * NULL: all are 0. */
     const uint8_t *face_faults;
     const char *ignore; /* rules silenced by extras of the root, the mesh or the primitive */
+
+    float texcoord_turn[4]; /* normal_turn of the material whose normal map uses texcoords */
 } norma_mesh_attributes;
 
 /* Returns the attributes of a mesh that norma_mesh_data does not contain.

@@ -21,6 +21,9 @@ said=$("$norma" tangents "$charts" -o "$scratch/out.gltf" 2>&1)
 check "a turned map, two mirrored charts: the two vertices between them are split" grep -q "vertices 6 -> 8" <<<"$said"
 judged=$(node "$validator/corners.mjs" --tangents "$modules" "$charts" "$scratch/out.gltf")
 check "a turned map: tangents and differences of three.js" grep -q "1 pairs, 0 wrong, 0 primitives passed over; tangents of 1 primitives and 1 morph targets, 12 corners, at 0" <<<"$judged"
+check "info: how these tangents were made" grep -q "MikkTSpace on triangles through the texture transform, sign negated: .*12 of 12 corners explained" <(
+    "$norma" info "$scratch/out.gltf" --deep
+)
 "$norma" tangents "$scratch/out.gltf" -o "$scratch/again.gltf" --quiet
 check "tangents of tangents: the same file" cmp "$scratch/out.gltf" "$scratch/again.gltf"
 "$norma" tangents "$scratch/out.gltf" -o "$scratch/missing.gltf" --quiet --only missing

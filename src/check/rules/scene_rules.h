@@ -14,7 +14,8 @@ norma_result norma_check_missing_normals(check_mesh *m); /* missing_normals.c: N
 norma_result norma_check_tangents(check_mesh *m);        /* tangents.c: N801 to N806 */
 norma_result norma_check_tangent_signs(
     check_mesh *m); /* tangent_signs.c: N804, where there are tangents */
-norma_result norma_check_morphs(check_mesh *m); /* morphs.c: N901 to N903 */
+norma_result norma_check_tangent_deviation(check_mesh *m); /* tangent_deviation.c: N807 */
+norma_result norma_check_morphs(check_mesh *m);            /* morphs.c: N901 to N903 */
 
 /* nodes.c: N601 to N605, with the materials of the meshes that nodes draw (info.mesh and material
  * of scene->meshes). world_of gives the world matrix of one instance of a node by its index in

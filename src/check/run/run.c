@@ -121,6 +121,7 @@ norma_result norma_check_run_mesh(
         norma_check_precision,
         norma_check_missing_normals,
         norma_check_tangents,
+        norma_check_tangent_deviation,
         norma_check_morphs,
     };
     char label[CHECK_MESSAGE];

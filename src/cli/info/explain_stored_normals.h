@@ -1,7 +1,7 @@
-/* explain_stored_normals.h: how the normals of a file were probably made. */
+/* explain_stored_normals.h: how the normals and tangents of a file were probably made. */
 #ifndef NORMA_CLI_EXPLAIN_STORED_NORMALS_H
 #define NORMA_CLI_EXPLAIN_STORED_NORMALS_H
-#include <norma/document.h>
+#include <norma/check.h>
 
 typedef struct cli_explained {
     norma_weight weight;
@@ -12,4 +12,12 @@ typedef struct cli_explained {
 /* 1 if there were normals to explain. */
 int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads,
     cli_explained *explained, norma_document_result *result, norma_document_error *error);
+
+typedef struct cli_explained_tangents {
+    norma_tangent_deviation deviation;
+    double p50_deg, p99_deg, max_deg;
+} cli_explained_tangents;
+/* 1 if there were tangents to explain. */
+int cli_explain_tangents(norma_document *document, size_t mesh, uint32_t threads,
+    cli_explained_tangents *explained, norma_document_result *result, norma_document_error *error);
 #endif

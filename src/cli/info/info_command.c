@@ -22,8 +22,9 @@ static const char help[] =
     "  cat a.stl | norma info - --input-format stl\n"
     "\n"
     "Options\n"
-    "  --deep                reads everything: open or closed, and which weight and crease explain "
-    "the stored normals\n"
+    "  --deep                reads everything: open or closed, which weight and crease explain the "
+    "stored normals,\n"
+    "                        and how stored tangents were made\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
     "  --threads N           how many threads may work (all)\n"
@@ -39,8 +40,9 @@ static const char help[] =
 typedef struct mesh_part {
     norma_mesh_info info;
     int closed; /* with --deep: 1 closed, 0 open; -1: not known */
-    int is_explained;
+    int is_explained, has_explained_tangents;
     cli_explained explained;
+    cli_explained_tangents tangents;
 } mesh_part;
 
 typedef struct contents {
@@ -131,6 +133,27 @@ static void write_explained(cli_json *json, const cli_explained *explained) {
     cli_json_close(json, '}');
 }
 
+static const char *way_word(norma_tangent_source source) {
+    return source == NORMA_TANGENTS_BY_MIKK            ? "mikktspace-triangles"
+           : source == NORMA_TANGENTS_BY_MIKK_ON_QUADS ? "mikktspace-quads"
+                                                       : "vertex-sums";
+}
+
+static void write_explained_tangents(cli_json *json, const cli_explained_tangents *explained) {
+    const norma_tangent_deviation *deviation = &explained->deviation;
+    cli_json_open(json, "tangents_explained_by", '{');
+    cli_json_string(json, "way", way_word(deviation->source));
+    cli_json_bool(json, "texture_transform", deviation->transformed);
+    cli_json_string(json, "sign", deviation->negated ? "negated" : "as-is");
+    cli_json_size(json, "signs_other", deviation->signs_other);
+    cli_json_size(json, "corners", deviation->corners);
+    cli_json_size(json, "explained", deviation->explained);
+    cli_json_number(json, "p50_deg", explained->p50_deg);
+    cli_json_number(json, "p99_deg", explained->p99_deg);
+    cli_json_number(json, "max_deg", explained->max_deg);
+    cli_json_close(json, '}');
+}
+
 static void write_part(cli_json *json, const mesh_part *part) {
     const norma_mesh_info *info = &part->info;
     cli_json_open(json, NULL, '{');
@@ -147,6 +170,7 @@ static void write_part(cli_json *json, const mesh_part *part) {
     cli_json_string(json, "not_read", info->not_read);
     if (part->closed >= 0) cli_json_bool(json, "closed", part->closed);
     if (part->is_explained) write_explained(json, &part->explained);
+    if (part->has_explained_tangents) write_explained_tangents(json, &part->tangents);
     cli_json_close(json, '}');
 }
 
@@ -259,6 +283,23 @@ static void print_explained(const cli_explained *explained) {
     printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most\n", p50, p99, most);
 }
 
+static void print_explained_tangents(const cli_explained_tangents *explained) {
+    const norma_tangent_deviation *deviation = &explained->deviation;
+    char p50[32], p99[32], most[32];
+    cli_decimals(p50, explained->p50_deg, 3);
+    cli_decimals(p99, explained->p99_deg, 3);
+    cli_decimals(most, explained->max_deg, 3);
+    printf("      stored tangents are best explained by %s%s, sign %s: off by %s\302\260 at p50, "
+           "%s\302\260 at p99, %s\302\260 at most; ",
+        norma_tangent_source_name(deviation->source),
+        deviation->transformed ? " through the texture transform" : "",
+        deviation->negated ? "negated" : "as it is", p50, p99, most);
+    cli_count(stdout, deviation->explained);
+    fputs(" of ", stdout);
+    cli_counted(stdout, deviation->corners, "corner", "corners");
+    fputs(" explained\n", stdout);
+}
+
 static void print_part(const mesh_part *part) {
     const norma_mesh_info *info = &part->info;
     cli_counted(stdout, info->vertices, "vertex", "vertices");
@@ -287,6 +328,7 @@ static void print_part(const mesh_part *part) {
         fputs("\n", stdout);
     }
     if (part->is_explained) print_explained(&part->explained);
+    if (part->has_explained_tangents) print_explained_tangents(&part->tangents);
 }
 
 /* Of a glTF file. */
@@ -400,6 +442,9 @@ static norma_document_result collect(const info_work *work, int whole, norma_doc
         if (work->deep)
             part->is_explained = cli_explain_normals(
                 document, i, work->common.threads, &part->explained, &result, error);
+        if (work->deep && !result)
+            part->has_explained_tangents = cli_explain_tangents(
+                document, i, work->common.threads, &part->tangents, &result, error);
         if (!result) result = norma_document_mesh_info(document, i, &part->info);
         found->vertices += part->info.vertices;
         found->faces += part->info.faces;

@@ -118,8 +118,9 @@ static norma_document_result read_attributes(norma_document *document, size_t in
     size_t set = 0;
     if (p->material < document->scene->material_count) {
         attributes->material = p->material;
-        if (document->scene->materials[p->material].normal_map)
-            set = document->scene->materials[p->material].normal_texcoord;
+        const norma_material_info *material = &document->scene->materials[p->material];
+        if (material->normal_map) set = material->normal_texcoord;
+        memcpy(attributes->texcoord_turn, material->normal_turn, sizeof material->normal_turn);
     }
     count_normals(g, p, attributes);
     attributes->ignore = ignored_by_primitive(g, p);

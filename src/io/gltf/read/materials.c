@@ -2,6 +2,7 @@
  * not, a normal map or none; and the colour for who draws them. A member of a wrong type is as one
  * that is not there: what a material says is never a reason to refuse a mesh. */
 #include "io/gltf/read/gltf_scene.h"
+#include "io/gltf/read/sine.h"
 #include <string.h>
 
 static void read_floats(const gltf *g, uint32_t list, size_t count, float *out) {
@@ -93,6 +94,13 @@ static void read_normal_map(const gltf *g, uint32_t material, norma_material_inf
     const gltf_map_place place = norma_gltf_normal_map(g, material);
     info->normal_map = place.there;
     info->normal_texcoord = place.set;
+    if (!place.moves) return;
+    double c, s;
+    norma_gltf_turn((double)place.rotation, &c, &s);
+    info->normal_turn[0] = (float)(c * (double)place.scale[0]);
+    info->normal_turn[1] = (float)(s * (double)place.scale[1]);
+    info->normal_turn[2] = (float)(-s * (double)place.scale[0]);
+    info->normal_turn[3] = (float)(c * (double)place.scale[1]);
 }
 
 /* Whether nothing of the light reaches it. What is unlit for readers that know no better, and lit
