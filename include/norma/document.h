@@ -562,6 +562,7 @@ typedef struct norma_tangent_options {
     uint32_t threads;
     norma_progress *progress;
     void *progress_user;
+    const uint8_t *meshes; /* nonzero for each mesh that gets tangents; NULL: all do */
 } norma_tangent_options;
 
 typedef struct norma_tangent_summary {

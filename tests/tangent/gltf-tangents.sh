@@ -35,6 +35,9 @@ sed 's/"NORMAL":1,"TEXCOORD_0"/"NORMAL":5,"TEXCOORD_0"/' "$charts" >"$scratch/le
 "$norma" compute "$scratch/stale.gltf" -o "$scratch/renewed.gltf" --quiet --flat --tangents regenerate
 judged=$(node "$validator/corners.mjs" --tangents "$modules" "$scratch/flat.gltf" "$scratch/renewed.gltf")
 check "--tangents regenerate: tangents and differences of three.js" grep -q "1 pairs, 0 wrong, 0 primitives passed over; tangents of 1 primitives and 1 morph targets, 12 corners, at 0" <<<"$judged"
+"$norma" check "$charts" --fix-unsafe --select N805 -o "$scratch/fixed.gltf" >/dev/null 2>&1
+judged=$(node "$validator/corners.mjs" --tangents "$modules" "$charts" "$scratch/fixed.gltf")
+check "check --fix-unsafe: a normal map gets tangents of three.js" grep -q "1 pairs, 0 wrong, 0 primitives passed over; tangents of 1 primitives and 1 morph targets, 12 corners, at 0" <<<"$judged"
 "$norma" tangents "$root/assets/goathead.obj" -o "$scratch/a.obj" 2>"$scratch/err"
 check "an OBJ is a usage error" test $? -eq 2
 

@@ -25,6 +25,7 @@ typedef struct fix_plan {
     norma_mesh_edit *edits;
     size_t mesh_count;
     uint8_t *recentred; /* marks of meshes, or NULL */
+    uint8_t *tangents;  /* the same: broken and missing tangents are computed */
     int replaces, computes, morphs, bakes;
     uint8_t asked[CHECK_RULE_COUNT]; /* rules whose fixes these are */
     size_t by_rays, undecided;       /* as in norma_fix_summary */

@@ -153,6 +153,7 @@ void norma_fix_plan_free(fix_plan *plan) {
     free(plan->notes);
     free(plan->edits);
     free(plan->recentred);
+    free(plan->tangents);
     *plan = (fix_plan){0};
 }
 
@@ -163,12 +164,12 @@ static int has_edit(const fix_plan *plan) {
 }
 
 int norma_fix_plan_is_empty(const fix_plan *plan) {
-    return !has_edit(plan) && !plan->recentred && !plan->replaces && !plan->computes &&
-           !plan->bakes;
+    return !has_edit(plan) && !plan->recentred && !plan->tangents && !plan->replaces &&
+           !plan->computes && !plan->bakes;
 }
 
 int norma_fix_plan_moves(const fix_plan *plan) {
-    int moves = plan->recentred || plan->bakes;
+    int moves = plan->recentred || plan->tangents || plan->bakes;
     for (size_t i = 0; i < plan->mesh_count; i++)
         moves |= plan->edits[i].drop_faces || plan->edits[i].cut_faces ||
                  plan->edits[i].set_positions || plan->edits[i].source_vertices;
@@ -272,6 +273,20 @@ static norma_document_result compute(norma_document *document, const norma_compu
     return result;
 }
 
+static norma_document_result compute_tangents(norma_document *document, const fix_plan *plan,
+    uint32_t threads, int *changed, norma_document_error *error) {
+    norma_tangent_summary summary;
+    const norma_tangent_options options = {.struct_size = sizeof options,
+        .mode = NORMA_TANGENTS_MIKK,
+        .only = NORMA_ONLY_BROKEN,
+        .threads = threads,
+        .meshes = plan->tangents};
+    const norma_document_result result =
+        norma_document_tangents(document, &options, &summary, error);
+    *changed |= !result && summary.changed;
+    return result;
+}
+
 /* The caller gave no matrix, so numbers that do not fit are the file's own fault. */
 static norma_document_result bake(
     norma_document *document, uint32_t threads, int *changed, norma_document_error *error) {
@@ -293,7 +308,10 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
                                 missing = {.struct_size = sizeof missing,
                                     .only = NORMA_ONLY_MISSING,
                                     .morphs = plan->morphs,
-                                    .threads = threads};
+                                    .threads = threads,
+                                    .tangents = plan->asked[RULE_N806]
+                                                    ? NORMA_STORED_TANGENTS_REGENERATE
+                                                    : NORMA_STORED_TANGENTS_ORTHOGONALISE};
     norma_document_result result = NORMA_DOCUMENT_OK;
     int moved = 0;
     if (has_edit(plan)) {
@@ -305,5 +323,7 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
     *changed |= moved;
     if (!result && plan->replaces) result = compute(document, &all, changed, error);
     if (!result && plan->computes) result = compute(document, &missing, changed, error);
+    if (!result && plan->tangents)
+        result = compute_tangents(document, plan, threads, changed, error);
     return result || !plan->bakes ? result : bake(document, threads, changed, error);
 }

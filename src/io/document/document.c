@@ -133,7 +133,8 @@ static norma_document_result renew_tangents(norma_document *document,
         .mode = NORMA_TANGENTS_MIKK,
         .threads = compute->threads,
         .progress = compute->progress,
-        .progress_user = compute->progress_user};
+        .progress_user = compute->progress_user,
+        .meshes = document->renew};
     norma_tangent_summary made = {0};
     norma_document_result result = norma_document_flush(document, error);
     if (!result) result = document->functions->tangents(document, &options, &made, error);
@@ -196,7 +197,8 @@ norma_document_result norma_document_tangents(norma_document *document,
     if (result) return result;
     norma_tangent_options options;
     norma_tangent_summary unwanted;
-    norma_document_copy_options(&options, sizeof options, sizeof options, given);
+    norma_document_copy_options(
+        &options, sizeof options, offsetof(norma_tangent_options, meshes), given);
     const char *bad = document->functions->tangents ? bad_tangent_option(&options)
                                                     : "this format holds no tangents; glTF does";
     if (bad)

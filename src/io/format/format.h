@@ -52,9 +52,10 @@ struct norma_document {
     int failed;   /* a change went wrong half-way and could not be taken back: it can only be closed
                    */
     int had_edit; /* a change waited already when the last one began */
-    uint8_t *renew; /* NULL, or while tangents are computed: nonzero for each mesh that gets them */
-    int copied;     /* files are read into memory, for a summary too */
-    int lenient;    /* what norma check judges is read instead of refused */
+    uint8_t
+        *renew; /* NULL, or of normals just computed: the meshes whose tangents stood on old ones */
+    int copied; /* files are read into memory, for a summary too */
+    int lenient;               /* what norma check judges is read instead of refused */
     struct norma_scene *scene; /* what else is told of it (scene.h) */
 };
 

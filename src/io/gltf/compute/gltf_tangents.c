@@ -5,9 +5,9 @@
 
 /* Each primitive of a set must have what tangents need: they share their vertices. */
 static int is_possible(const tangent_job *job, const gltf_set *set) {
-    const uint8_t *renew = job->sets.g->document->renew;
+    const uint8_t *meshes = job->options->meshes;
     for (uint32_t i = set->lead; i != GLTF_NONE; i = job->sets.next_in_set[i])
-        if ((renew && !renew[i]) || !norma_gltf_takes_tangents(job, &job->sets.g->primitives[i]))
+        if ((meshes && !meshes[i]) || !norma_gltf_takes_tangents(job, &job->sets.g->primitives[i]))
             return 0;
     return 1;
 }
