@@ -937,8 +937,9 @@ typedef enum norma_tangent_mode {
  * Errors: those of norma_corner_normals; NORMA_ERROR_ARGUMENT also for an unknown mode or format
  * and for fewer values than positions or corners; NORMA_ERROR_INDEX for a corner whose value does
  * not exist.
- * Cost: O(corners + positions), whatever the valence. The bits are the same for any number of
- * threads. */
+ * Cost: O(corners + positions), whatever the valence. In MikkTSpace mode, a corner whose tangent is
+ * opposed to another one of its group at the same vertex also costs O(corners there): as in the
+ * reference, its sum is its own. The bits are the same for any number of threads. */
 NORMA_API norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report);

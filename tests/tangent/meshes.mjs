@@ -75,3 +75,10 @@ export function fan(count, turns = 1) {
     }
   return Object.fromEntries(Object.entries(out).map(([k, v]) => [k, Float32Array.from(v)]));
 }
+
+// The same fan, u once round it: the tangents at its middle are opposed to each other.
+export function swirl(count) {
+  const out = fan(count);
+  for (let i = 0; i < count; i++) out.texcoords.set([0.5, 0, i / count, 1, (i + 1) / count, 1], 6 * i);
+  return out;
+}

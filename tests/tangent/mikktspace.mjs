@@ -5,7 +5,7 @@
 import { spawn } from "node:child_process";
 import { pathToFileURL } from "node:url";
 import { createRequire } from "node:module";
-import { fan, madeMesh } from "./meshes.mjs";
+import { fan, madeMesh, swirl } from "./meshes.mjs";
 import { Native } from "./native.mjs";
 import { check, finish, skip } from "../web/tap.mjs";
 
@@ -53,7 +53,7 @@ async function madeMeshes() {
   const one = new Native(program, "mikk", 1), two = new Native(program, "mikk", 2);
   const addon = new Tally(), package_ = new Tally(), threads = new Tally();
   for (let seed = 1; seed <= made; seed++) {
-    const m = seed % 500 === 0 ? fan(50 + (seed % 700)) : madeMesh(seed);
+    const m = seed % 500 === 0 ? fan(50 + (seed % 700)) : seed % 500 === 250 ? swirl(3 + (seed % 900)) : madeMesh(seed);
     const ours = await one.tangents(m.positions, m.normals, m.texcoords);
     addon.add(`seed ${seed}`, generateTangents(...fresh(m)), ours);
     if (seed % 10 === 0) threads.add(`seed ${seed}`, (await two.tangents(m.positions, m.normals, m.texcoords)).tangents, ours);

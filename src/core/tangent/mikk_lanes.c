@@ -101,8 +101,27 @@ CORE_INLINE void contribute(const mikk_batch *b, mikk_corners *out) {
     for (int l = 0; l < MIKK_LANES; l++) out->angle[l] = acos_of(cosines[l]);
 }
 
+/* Of two corners whose cosines are -1 or less in floats neither is in the other's sum. A sum is
+ * never -0, so that adding 0 changes nothing. */
+CORE_INLINE void add_others(const mikk_other *others, size_t count, mikk_apart *a) {
+    for (size_t i = 0; i < count; i++) {
+        const mikk_other o = others[i];
+        for (int l = 0; l < MIKK_LANES; l++) {
+            const float s = a->s[0][l] * o.s[0] + a->s[1][l] * o.s[1] + a->s[2][l] * o.s[2],
+                        t = a->t[0][l] * o.t[0] + a->t[1][l] * o.t[1] + a->t[2][l] * o.t[2];
+            const int joined = (s > -1) & (t > -1);
+            a->sum[0][l] += joined ? o.weighted[0] : 0;
+            a->sum[1][l] += joined ? o.weighted[1] : 0;
+            a->sum[2][l] += joined ? o.weighted[2] : 0;
+        }
+    }
+}
+
 static void derive_portable(const mikk_batch *b, mikk_derivative *out) { derive(b, out); }
 static void contribute_portable(const mikk_batch *b, mikk_corners *out) { contribute(b, out); }
+static void add_others_portable(const mikk_other *others, size_t count, mikk_apart *a) {
+    add_others(others, count, a);
+}
 
 #if defined(CORE_HAS_X86)
 CORE_FOR_AVX2 static void derive_avx2(const mikk_batch *b, mikk_derivative *out) { derive(b, out); }
@@ -115,14 +134,21 @@ CORE_FOR_AVX512 static void derive_avx512(const mikk_batch *b, mikk_derivative *
 CORE_FOR_AVX512 static void contribute_avx512(const mikk_batch *b, mikk_corners *out) {
     contribute(b, out);
 }
+CORE_FOR_AVX2 static void add_others_avx2(const mikk_other *others, size_t count, mikk_apart *a) {
+    add_others(others, count, a);
+}
+CORE_FOR_AVX512 static void add_others_avx512(
+    const mikk_other *others, size_t count, mikk_apart *a) {
+    add_others(others, count, a);
+}
 #endif
 
 const mikk_kernels *norma_core_mikk_kernels(norma_isa isa) {
     static const mikk_kernels kernels[] = {
-        {derive_portable, contribute_portable},
+        {derive_portable, contribute_portable, add_others_portable},
 #if defined(CORE_HAS_X86)
-        {derive_avx2, contribute_avx2},
-        {derive_avx512, contribute_avx512},
+        {derive_avx2, contribute_avx2, add_others_avx2},
+        {derive_avx512, contribute_avx512, add_others_avx512},
 #endif
     };
     return &kernels[norma_core_level(isa)];

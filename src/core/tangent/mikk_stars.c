@@ -247,6 +247,7 @@ typedef struct large_stars {
     size_t most, blocks;
     mikk_corners *contributions;
     uint32_t *numbers; /* seven for each corner */
+    uint8_t *marks;
     mikk_space *spaces;
     mikk_edge_table table;
 } large_stars;
@@ -266,6 +267,8 @@ static void finish_large(
         .previous = out.previous,
         .contributions = s->contributions,
         .table = &table,
+        .kernels = w->kernels,
+        .marks = s->marks,
         .links = {s->numbers + 2 * most, s->numbers + 3 * most},
         .space = s->numbers + 4 * most,
         .sequence = s->numbers + 5 * most,
@@ -284,14 +287,16 @@ static norma_result run_large(const star_work *w, core_tally *tally) {
     s.contributions = norma_core_allocate(call, s.blocks, sizeof *s.contributions);
     s.numbers = norma_core_allocate(call, 7 * s.most, sizeof *s.numbers);
     s.spaces = norma_core_allocate(call, 2 * s.most, sizeof *s.spaces);
+    s.marks = norma_core_allocate(call, s.most, 1);
     norma_result result = norma_core_mikk_table_open(call, s.most, &s.table);
-    if (!s.contributions || !s.numbers || !s.spaces) result = NORMA_ERROR_MEMORY;
+    if (!s.contributions || !s.numbers || !s.spaces || !s.marks) result = NORMA_ERROR_MEMORY;
     for (size_t v = 0; v < w->mesh->vertex_count && result == NORMA_OK; v++)
         if (star_count(w->mesh, v) > MIKK_SMALL_STAR) finish_large(w, &s, v, tally);
     norma_core_mikk_table_close(call, s.most, &s.table);
     norma_core_release(call, s.contributions, s.blocks, sizeof *s.contributions);
     norma_core_release(call, s.numbers, 7 * s.most, sizeof *s.numbers);
     norma_core_release(call, s.spaces, 2 * s.most, sizeof *s.spaces);
+    norma_core_release(call, s.marks, s.most, 1);
     return result;
 }
 
