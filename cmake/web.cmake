@@ -65,7 +65,7 @@ web_module(norma.wasm ${web_core_objects} ${web_call_objects})
 
 # The readers and the rules, without what a browser lacks.
 set(web_file_sources ${io_sources})
-list(FILTER web_file_sources EXCLUDE REGEX "/(file/read_file|file/atomic_write|file/folder|meshopt_views|meshopt_left_out)\\.c$")
+list(FILTER web_file_sources EXCLUDE REGEX "/(file/read_file|file/window|file/atomic_write|file/folder|large/[a-z_]+|meshopt_views|meshopt_left_out)\\.c$")
 list(APPEND web_file_sources ${check_sources})
 list(TRANSFORM web_file_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")
 set(web_fix_sources ${web_file_sources})

@@ -66,6 +66,8 @@ typedef struct compute_work {
     norma_compute_options options;
     norma_compute_summary summary;
     int crease_given, smooth_given, flat_given;
+    norma_file_format format; /* of the file at hand */
+    size_t passes;            /* over it; 0: it fits into memory */
 } compute_work;
 
 /* ---- options */
@@ -174,7 +176,21 @@ static norma_document_result change(void *user, norma_document *document, norma_
     compute_work *work = user;
     work->options.progress = progress;
     work->options.progress_user = progress_user;
+    work->format = norma_document_format(document);
+    work->passes = 0;
     return norma_document_compute(document, &work->options, &work->summary, error);
+}
+
+static norma_document_result in_passes(void *user, const char *input, const char *output,
+    const norma_large_options *large, norma_progress *progress, void *progress_user,
+    norma_document_error *error) {
+    compute_work *work = user;
+    work->options.progress = progress;
+    work->options.progress_user = progress_user;
+    work->format = large->format ? large->format : norma_file_format_of_path(input);
+    norma_large_options counting = *large;
+    counting.passes = &work->passes;
+    return norma_large_compute(input, output, &counting, &work->options, &work->summary, error);
 }
 
 /* If edges were not looked at, zero would claim that none are hard. */
@@ -232,6 +248,7 @@ static void write_json(const void *user, cli_json *json) {
     cli_json_size(json, "orthogonalised", summary->tangents_orthogonalised);
     cli_json_size(json, "regenerated", summary->tangents_regenerated);
     cli_json_close(json, '}');
+    if (work->passes) cli_json_size(json, "passes", work->passes);
 }
 
 static void write_choices(const compute_work *work, norma_file_format format, FILE *out) {
@@ -335,13 +352,14 @@ static void write_tangents(const norma_compute_summary *summary, FILE *out) {
 
 static void write_text(const void *user, const norma_document *document, FILE *out) {
     const compute_work *work = user;
+    (void)document;
     const norma_compute_summary *summary = &work->summary;
     cli_counted(out, summary->faces, "face", "faces");
     if (!summary->changed) {
         fputs(", nothing to do: the output is the input, byte for byte", out);
         return;
     }
-    write_choices(work, norma_document_format(document), out);
+    write_choices(work, work->format, out);
     write_edge_counts(work, out);
     if (summary->vertices_after == summary->vertices_before) {
         fputs("; ", out);
@@ -353,8 +371,12 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         fputs(" -> ", out);
         cli_count(out, summary->vertices_after);
     }
-    write_filled(summary, norma_document_format(document), out);
+    write_filled(summary, work->format, out);
     write_tangents(summary, out);
+    if (work->passes) {
+        fputs("; in ", out);
+        cli_counted(out, work->passes, "pass", "passes");
+    }
 }
 
 /* ---- the verb */
@@ -370,7 +392,7 @@ static int prepare(const cli_subcommand *verb, void *user, uint32_t threads) {
 static int run(const cli_subcommand *verb, int count, char **arguments) {
     compute_work work = {.options = {.struct_size = sizeof work.options}};
     const cli_table table = {options, CLI_COUNT(options), &work};
-    const cli_changer changer = {&work, change, write_json, write_text, prepare};
+    const cli_changer changer = {&work, change, write_json, write_text, in_passes, prepare};
     return cli_run_changer(verb, &changer, &table, 1, count, arguments);
 }
 

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files/batch.h"
 #include "cli/files/find_inputs.h"
+#include "cli/files/in_passes.h"
 #include "cli/files/place_outputs.h"
 #include "cli/files/trial.h"
 #include "cli/process/errors.h"
@@ -286,7 +287,22 @@ int cli_guard_outputs(const cli_files *files) {
     return guard_each(files);
 }
 
+/* Of a file larger than memory. */
+static int run_in_passes(file_job *job) {
+    norma_document_error error = {0};
+    const int refused = guard_output(job->files, job->input, job->output);
+    if (refused) return refused;
+    add_size(&job->before, job->input);
+    error.result = cli_change_in_passes(
+        job->changer, job->common, job->files, job->input, job->output, &job->after, &error);
+    cli_name_error(&error, job->input);
+    report(job, NULL, &error);
+    return cli_status_of(error.result);
+}
+
 static int run_job(file_job *job) {
+    if (job->changer->in_passes && cli_needs_passes(job->files, job->input))
+        return run_in_passes(job);
     norma_document *document;
     void *memory;
     norma_document_error error = {0};

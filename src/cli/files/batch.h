@@ -2,6 +2,7 @@
 #ifndef NORMA_CLI_BATCH_H
 #define NORMA_CLI_BATCH_H
 #include "cli/files/input.h"
+#include <norma/large.h>
 #include <stdio.h>
 
 #define CLI_FILES_HELP                                                                             \
@@ -14,7 +15,8 @@
     "  --input-format obj|ply|stl|gltf|glb\n"                                                      \
     "                        needed for standard input, which is called -\n"                       \
     "  --threads N           how many threads may work (all); the result has the same bits\n"      \
-    "  --max-memory SIZE     512M, 2G: ends with 'out of memory' if a file needs more\n"           \
+    "  --max-memory SIZE     512M, 2G: a larger binary PLY or STL is computed in passes; other\n"  \
+    "                        files that need more end with 'out of memory'\n"                      \
     "  --json                prints a summary for programs, one object a line\n"                   \
     "  --quiet               prints nothing but errors\n"
 extern const cli_option cli_output_options[]; /* -o --out-dir --in-place */
@@ -26,8 +28,12 @@ typedef struct cli_changer {
     norma_document_result (*change)(void *work, norma_document *document, norma_progress *progress,
         void *progress_user, norma_document_error *error);
     void (*write_json)(const void *work, cli_json *json); /* the keys after "input" and "output" */
-    /* What stands after "IN -> OUT: ", without the line's end. */
+    /* What stands after "IN -> OUT: ", without the line's end. document: NULL after passes. */
     void (*write_text)(const void *work, const norma_document *document, FILE *out);
+    /* NULL, or the same from file to file, in parts that fit into the memory allowed. */
+    norma_document_result (*in_passes)(void *work, const char *input, const char *output,
+        const norma_large_options *options, norma_progress *progress, void *progress_user,
+        norma_document_error *error);
     /* Once all options are read: a status. */
     int (*prepare)(const cli_subcommand *verb, void *work, uint32_t threads);
 } cli_changer;

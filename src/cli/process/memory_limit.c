@@ -1,6 +1,6 @@
 /* memory_limit.c: --max-memory limits the memory of this process. The system refuses every block
- * beyond the limit, so an input that needs more ends with "out of memory" and status 3, as on a
- * machine without more memory. Files that are read count too; large files that info maps do not. */
+ * beyond the limit. What can be done in parts is done in parts that fit; an input that needs more
+ * in one piece ends with "out of memory" and status 3, as on a machine without more memory. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/process/memory_limit.h"
 #include <math.h>
@@ -9,6 +9,7 @@
 #include <string.h>
 #if defined(__unix__) || defined(__APPLE__)
 #include <sys/resource.h>
+#include <unistd.h>
 #endif
 
 /* Reads 512M, 1.5G or 1000000 (bytes). Returns 0 if the text is not a size. */
@@ -46,6 +47,32 @@ static void write_bytes(char *text, size_t room, unsigned long long bytes) {
     size_t unit = 0;
     for (; unit < 4 && bytes && bytes % 1024 == 0; ++unit) bytes /= 1024;
     snprintf(text, room, "%llu%s%c", bytes, unit ? "" : " bytes", units[unit]);
+}
+
+/* Without a limit, what the machine has, less what it needs itself. */
+static uint64_t machine_memory(void) {
+#if defined(_SC_PHYS_PAGES)
+    const double bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    return bytes > 0 ? (uint64_t)(bytes * 0.85) : UINT64_MAX;
+#else
+    return UINT64_MAX;
+#endif
+}
+
+uint64_t cli_memory_limit(void) {
+    const uint64_t machine = machine_memory();
+#if defined(RLIMIT_DATA)
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_DATA, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+        (uint64_t)limit.rlim_cur < machine)
+        return (uint64_t)limit.rlim_cur;
+#endif
+    return machine;
+}
+
+uint64_t cli_memory_for_data(void) {
+    const uint64_t limit = cli_memory_limit(), program = (uint64_t)32 << 20;
+    return limit > 4 * program ? limit - program - limit / 16 : limit / 2;
 }
 
 void cli_memory_limit_words(char text[CLI_LIMIT_ROOM]) {

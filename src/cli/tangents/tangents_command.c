@@ -181,7 +181,7 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     tangents_work work = {
         .options = {.struct_size = sizeof work.options, .mode = NORMA_TANGENTS_MIKK}};
     const cli_table table = {options, CLI_COUNT(options), &work};
-    const cli_changer changer = {&work, change, write_json, write_text, prepare};
+    const cli_changer changer = {&work, change, write_json, write_text, NULL, prepare};
     return cli_run_changer(verb, &changer, &table, 1, count, arguments);
 }
 

@@ -138,7 +138,7 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
         .options = {.struct_size = sizeof work.options}, .matrix = cli_matrix_identity};
     const cli_table tables[] = {{options, CLI_COUNT(options), &work},
         {cli_matrix_options, cli_matrix_option_count, &work.matrix}};
-    const cli_changer changer = {&work, change, write_json, write_text, prepare};
+    const cli_changer changer = {&work, change, write_json, write_text, NULL, prepare};
     return cli_run_changer(verb, &changer, tables, CLI_COUNT(tables), count, arguments);
 }
 

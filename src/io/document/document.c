@@ -93,7 +93,7 @@ static void end_change(norma_document *document, norma_document_result result) {
                 : !document->functions->drop_change || !document->functions->drop_change(document);
 }
 
-static const char *bad_compute_option(const norma_compute_options *options) {
+const char *norma_document_bad_compute_option(const norma_compute_options *options) {
     if ((unsigned)options->shading > NORMA_SHADING_FLAT) return "unknown shading";
     if (options->shading == NORMA_SHADING_CREASE &&
         !(options->crease_angle_rad >= 0 && options->crease_angle_rad <= 3.1425926))
@@ -171,7 +171,7 @@ norma_document_result norma_document_compute(norma_document *document,
     norma_compute_summary unwanted;
     norma_document_copy_options(
         &options, sizeof options, offsetof(norma_compute_options, tangents), given);
-    const char *bad = bad_compute_option(&options);
+    const char *bad = norma_document_bad_compute_option(&options);
     if (bad)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
     summary = summary ? summary : &unwanted;

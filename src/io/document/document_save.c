@@ -19,7 +19,7 @@ static int name_fits(const norma_document *document, const char *path) {
            norma_file_same(path, document->path) || norma_file_is_stream(path);
 }
 
-static norma_document_result check_target(
+norma_document_result norma_document_check_target(
     const norma_document *document, const char *path, int in_place, norma_document_error *error) {
     if (!path)
         return norma_document_fail(
@@ -124,7 +124,7 @@ norma_document_result norma_document_save(norma_document *document, const char *
     norma_save_options options;
     norma_document_copy_options(
         &options, sizeof options, offsetof(norma_save_options, size), given);
-    if (!result) result = check_target(document, path, options.in_place, error);
+    if (!result) result = norma_document_check_target(document, path, options.in_place, error);
     if (result) return result;
     companion_writers writers = {0};
     result = save(document, path, &options, &writers, error);

@@ -7,8 +7,9 @@
 #if defined(__linux__)
 #define _GNU_SOURCE /* O_TMPFILE */
 #endif
-#define _DEFAULT_SOURCE /* flock */
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE   /* flock */
+#define _FILE_OFFSET_BITS 64
+#define _POSIX_C_SOURCE   200809L
 #include "io/file/file.h"
 #include "io/file/file_stamp.h"
 #include <errno.h>
@@ -256,6 +257,34 @@ int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size)
     memcpy(writer->buffer + writer->used, bytes, size);
     writer->used += size;
     return 0;
+}
+
+int norma_file_writer_read(file_writer *writer, uint64_t offset, void *bytes, size_t size) {
+    if (flush_buffer(writer)) return writer->error;
+    for (unsigned char *at = bytes; size > 0;) {
+        const ssize_t got = pread(writer->descriptor, at, size, (off_t)offset);
+        if (got < 0 && errno != EINTR) return errno;
+        if (got == 0) return EIO;
+        if (got < 0) continue;
+        at += got;
+        offset += (uint64_t)got;
+        size -= (size_t)got;
+    }
+    return 0;
+}
+
+int norma_file_writer_patch(file_writer *writer, uint64_t offset, const void *bytes, size_t size) {
+    if (flush_buffer(writer)) return writer->error;
+    writer->prepared = 0;
+    for (const unsigned char *at = bytes; size > 0 && !writer->error;) {
+        const ssize_t put = pwrite(writer->descriptor, at, size, (off_t)offset);
+        if (put == 0 || (put < 0 && errno != EINTR)) writer->error = put ? errno : EIO;
+        if (put <= 0) continue;
+        at += put;
+        offset += (uint64_t)put;
+        size -= (size_t)put;
+    }
+    return writer->error;
 }
 
 static int flush_descriptor(int descriptor) {

@@ -69,6 +69,10 @@ int norma_file_writer_open(const char *path, file_writer **writer);
  * must outlive the writer. */
 void norma_file_writer_expect(file_writer *writer, file_stamp *stamp);
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size);
+/* What was written before, read again, or replaced by as many bytes. Not of a device or a pipe.
+ * Return 0 or errno. */
+int norma_file_writer_read(file_writer *writer, uint64_t offset, void *bytes, size_t size);
+int norma_file_writer_patch(file_writer *writer, uint64_t offset, const void *bytes, size_t size);
 int norma_file_writer_prepare(file_writer *writer);
 int norma_file_writer_commit(
     file_writer *writer); /* frees the writer, also on failure (then the temporary file is gone) */

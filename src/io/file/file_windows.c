@@ -1,4 +1,4 @@
-/* file_windows.c: read_file.c, atomic_write.c and folder.c for Windows. Paths are UTF-8.
+/* file_windows.c: read_file.c, window.c, atomic_write.c and folder.c for Windows. Paths are UTF-8.
  *
  * Files are read whole, never mapped: a mapped file could not be replaced. Writing goes to a
  * temporary file beside the target, which is flushed (FlushFileBuffers) and moved over it
@@ -6,6 +6,7 @@
  * is on the disk). */
 #define WIN32_LEAN_AND_MEAN
 #include "io/file/file.h"
+#include "io/file/window.h"
 #include <windows.h>
 #include <errno.h>
 #include <stdio.h>
@@ -244,8 +245,8 @@ static int open_temporary(file_writer *writer) {
             name, sizeof name, ".norma-%lu-%u.tmp", (unsigned long)GetCurrentProcessId(), number);
         char *temporary = join(writer->target, folder_length(writer->target), name);
         if (!temporary) return ENOMEM;
-        error = open_handle(temporary, GENERIC_WRITE | DELETE, FILE_SHARE_READ | FILE_SHARE_DELETE,
-            CREATE_NEW, &writer->handle);
+        error = open_handle(temporary, GENERIC_READ | GENERIC_WRITE | DELETE,
+            FILE_SHARE_READ | FILE_SHARE_DELETE, CREATE_NEW, &writer->handle);
         if (error)
             free(temporary);
         else
@@ -317,6 +318,48 @@ int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size)
     return 0;
 }
 
+static OVERLAPPED place_of(uint64_t offset) {
+    return (OVERLAPPED){.Offset = (DWORD)offset, .OffsetHigh = (DWORD)(offset >> 32)};
+}
+
+/* All of them, at an offset; 0, an error, or short_error at the end of the file. */
+static int read_at(HANDLE handle, uint64_t offset, void *bytes, size_t size, int short_error) {
+    for (unsigned char *at = bytes; size > 0;) {
+        OVERLAPPED place = place_of(offset);
+        DWORD got = 0;
+        if (!ReadFile(handle, at, (DWORD)(size < AT_ONCE ? size : AT_ONCE), &got, &place))
+            return GetLastError() == ERROR_HANDLE_EOF ? short_error : error_of(GetLastError());
+        if (got == 0) return short_error;
+        at += got;
+        offset += got;
+        size -= got;
+    }
+    return 0;
+}
+
+/* A file that is written through one handle has one place in it: what is at an offset moves that
+ * place, which then returns to the end. */
+static void return_to_end(HANDLE handle) {
+    SetFilePointerEx(handle, (LARGE_INTEGER){0}, NULL, FILE_END);
+}
+
+int norma_file_writer_read(file_writer *writer, uint64_t offset, void *bytes, size_t size) {
+    if (flush_buffer(writer)) return writer->error;
+    const int error = read_at(writer->handle, offset, bytes, size, EIO);
+    return_to_end(writer->handle);
+    return error;
+}
+
+int norma_file_writer_patch(file_writer *writer, uint64_t offset, const void *bytes, size_t size) {
+    if (flush_buffer(writer)) return writer->error;
+    OVERLAPPED place = place_of(offset);
+    DWORD written = 0;
+    if (!WriteFile(writer->handle, bytes, (DWORD)size, &written, &place) || written != size)
+        writer->error = written ? EIO : error_of(GetLastError());
+    return_to_end(writer->handle);
+    return writer->error;
+}
+
 int norma_file_writer_prepare(file_writer *writer) {
     if (!writer->error && !flush_buffer(writer) && writer->temporary &&
         !FlushFileBuffers(writer->handle))
@@ -383,6 +426,49 @@ void norma_file_writer_abandon(file_writer *writer) {
     free(writer->temporary);
     free(writer->target);
     free(writer);
+}
+
+/* ---- files read piece by piece */
+
+struct file_window {
+    HANDLE handle;
+    file_stamp stamp;
+};
+
+int norma_window_open(const char *path, file_window **window) {
+    BY_HANDLE_FILE_INFORMATION info;
+    file_window *made = calloc(1, sizeof *made);
+    *window = NULL;
+    if (!made) return ENOMEM;
+    int error = open_handle(path, GENERIC_READ,
+        FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING, &made->handle);
+    if (!error && !information(made->handle, &info)) error = FILE_NOT_REGULAR;
+    if (!error) made->stamp = stamp_of(&info);
+    if (!error && !made->stamp.known) error = EISDIR;
+    if (error)
+        norma_window_close(made);
+    else
+        *window = made;
+    return error;
+}
+
+void norma_window_close(file_window *window) {
+    if (!window) return;
+    if (window->handle != INVALID_HANDLE_VALUE) CloseHandle(window->handle);
+    free(window);
+}
+
+const file_stamp *norma_window_stamp(const file_window *window) { return &window->stamp; }
+
+int norma_window_read(const file_window *window, uint64_t offset, void *bytes, size_t size) {
+    return read_at(window->handle, offset, bytes, size, FILE_CHANGED);
+}
+
+int norma_window_has_changed(const file_window *window) {
+    BY_HANDLE_FILE_INFORMATION info;
+    if (!information(window->handle, &info)) return 1;
+    const file_stamp now = stamp_of(&info);
+    return !are_equal(&now, &window->stamp);
 }
 
 /* ---- folders */

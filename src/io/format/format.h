@@ -160,6 +160,8 @@ norma_document_result norma_document_fail_core(
  * the first version. */
 void norma_document_copy_options(void *copy, size_t size, size_t first_size, const void *given);
 void norma_document_clear(norma_document_error *error);
+/* What is wrong with them, or NULL. */
+const char *norma_document_bad_compute_option(const norma_compute_options *options);
 norma_document_result norma_document_usable(const norma_document *document,
     norma_document_error *error); /* opened whole, and no change of it has failed */
 norma_document *norma_document_make(const char *name, int has_folder,
@@ -176,6 +178,10 @@ int norma_document_up_to_date(const norma_document *document);
 norma_document_result norma_document_flush(norma_document *document, norma_document_error *error);
 norma_document_result norma_document_ready(
     norma_document *document, norma_document_error *error); /* usable, and flushed */
+
+/* Whether it may be written to this path. */
+norma_document_result norma_document_check_target(
+    const norma_document *document, const char *path, int in_place, norma_document_error *error);
 
 /* A file beside the document's own, read into memory; cancelled by the document's progress. Returns
  * what norma_file_open does. */

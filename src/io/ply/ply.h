@@ -234,6 +234,15 @@ size_t norma_ply_kept(const norma_mesh_edit *edit);
 /* ply_write.c, binary_rows.c, ascii_rows.c */
 norma_document_result norma_ply_write(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error);
+/* With normals as the only change: the header alone; the rows of the vertices that the state is
+ * told to have; the bytes of such a row, and where a normal's numbers lie in it (0: memory is out).
+ */
+norma_document_result norma_ply_write_header(
+    norma_document *document, norma_sink *sink, norma_document_error *error);
+norma_document_result norma_ply_write_vertices(
+    norma_document *document, norma_sink *sink, norma_document_error *error);
+size_t norma_ply_written_row(
+    norma_document *document, size_t normal[3], norma_document_error *error);
 int norma_ply_has_edit(const ply_state *state);
 void norma_ply_free_edit(ply_edit *edit);
 /* Forgets changes that would write the bytes that are there already; *changed: whether any are

@@ -330,6 +330,51 @@ static norma_document_result write_elements(norma_document *document, const ply_
     return NORMA_DOCUMENT_OK;
 }
 
+/* ---- parts of it, for files that are never in memory as a whole */
+
+norma_document_result norma_ply_write_header(
+    norma_document *document, norma_sink *sink, norma_document_error *error) {
+    const ply_state *state = document->state;
+    header_writer writer = {.state = state, .sink = sink};
+    ply_lists lists = {0};
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < state->header.element_count && !result; ++i) {
+        ply_plan plan = {0};
+        result = make_plan(document, i, &plan, &lists, error);
+        if (!result) write_header_part(&writer, &plan);
+        free(plan.items);
+    }
+    copy_to(&writer, state->header.body);
+    return result;
+}
+
+norma_document_result norma_ply_write_vertices(
+    norma_document *document, norma_sink *sink, norma_document_error *error) {
+    const ply_state *state = document->state;
+    ply_plan plan = {0};
+    norma_document_result result =
+        make_plan(document, (size_t)state->header.vertex, &plan, NULL, error);
+    if (!result) result = norma_ply_write_rows(document, &plan, sink, error);
+    free(plan.items);
+    return result;
+}
+
+size_t norma_ply_written_row(
+    norma_document *document, size_t normal[3], norma_document_error *error) {
+    const ply_state *state = document->state;
+    ply_plan plan = {0};
+    size_t size = 0, axis = 0;
+    if (!make_plan(document, (size_t)state->header.vertex, &plan, NULL, error))
+        for (size_t i = 0; i < plan.item_count; ++i) {
+            const ply_item *item = &plan.items[i];
+            const int own = item->source ? axis_of(state->header.normal, (int)i) : (int)axis++;
+            if (item->action == PLY_VALUE && own != PLY_NONE) normal[own] = size;
+            size += norma_ply_type_size(item->type);
+        }
+    free(plan.items);
+    return size;
+}
+
 static norma_document_result write_changed(
     norma_document *document, norma_sink *sink, norma_document_error *error) {
     const ply_state *state = document->state;

@@ -1,0 +1,363 @@
+/* ply_body.c: a binary PLY read through windows. Vertices are rows of one size, so any block of
+ * them can be read; faces are walked once, and found again by the offsets of their chunks. */
+#include "io/large/ply_body.h"
+#include <stdlib.h>
+
+/* ---- opening */
+
+static norma_document_result fail_whole(const large_file *file, const char *what) {
+    return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+        "does not fit into the memory allowed, and %s; allow more memory", what);
+}
+
+static norma_document_result fail_short(
+    const large_file *file, const ply_element *element, uint64_t row) {
+    const unsigned char *bytes = file->document->source.data;
+    return norma_ply_fail_at(file->document, file->error, (size_t)file->size,
+        "the file ends in row %llu of element \"%.*s\", which should have %llu rows",
+        (unsigned long long)row, element->name.length > 60 ? 60 : (int)element->name.length,
+        (const char *)bytes + element->name.offset, (unsigned long long)element->count);
+}
+
+static norma_document_result read_header(large_file *file, ply_state *state) {
+    norma_document *document = file->document;
+    document->functions = &norma_ply_functions;
+    state->bytes = document->source.data;
+    state->size = document->source.size;
+    return norma_ply_read_header(document, file->error);
+}
+
+static const char *why_whole(const ply_state *state) {
+    const ply_header *header = &state->header;
+    const ply_element *strips = norma_ply_element(header, header->strips);
+    if (header->encoding == PLY_ASCII) return "a PLY of text is read whole";
+    if (header->elements[header->vertex].list_count) return "its vertices have lists";
+    if (strips && strips->count && header->strip_list != PLY_NONE)
+        return "triangle strips are read whole";
+    return NULL;
+}
+
+/* Elements with lists that are not read are walked row by row. */
+static norma_document_result walk_element(large_ply *ply, ply_element *element, uint64_t *at) {
+    const ply_header *header = &ply->state->header;
+    norma_large_reader_seek(&ply->rows, *at);
+    for (uint64_t row = 0; row < element->count; ++row)
+        for (size_t i = 0; i < element->property_count; ++i) {
+            const ply_property *property = norma_ply_property(header, element, (int)i);
+            const size_t first = norma_ply_type_size(
+                norma_ply_is_list(property) ? property->count_type : property->type);
+            const unsigned char *bytes = norma_large_peek(&ply->rows, first);
+            const int64_t items =
+                bytes && norma_ply_is_list(property)
+                    ? norma_ply_get_integer(bytes, property->count_type, header->encoding)
+                    : 0;
+            const uint64_t size =
+                first + (items > 0 ? (uint64_t)items * norma_ply_type_size(property->type) : 0);
+            if (ply->rows.result) return ply->rows.result;
+            if (!bytes || size > ply->file->size - norma_large_reader_tell(&ply->rows))
+                return fail_short(ply->file, element, row);
+            norma_large_reader_seek(&ply->rows, norma_large_reader_tell(&ply->rows) + size);
+        }
+    *at = norma_large_reader_tell(&ply->rows);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Faces end where the survey of them ends; what follows is copied. */
+static norma_document_result find_elements(large_ply *ply) {
+    ply_header *header = &ply->state->header;
+    uint64_t at = header->body;
+    for (size_t i = 0; i < header->element_count; ++i) {
+        ply_element *element = &header->elements[i];
+        element->begin = (size_t)at;
+        const uint64_t left = ply->file->size - at;
+        if (element->fixed_size > 0 && element->count > left / element->fixed_size)
+            return fail_short(ply->file, element, left / element->fixed_size);
+        const int vertices_follow = (int)i < header->vertex || (int)i < header->face;
+        if (element->list_count == 0)
+            at += element->count * element->fixed_size;
+        else if (vertices_follow) {
+            norma_document_result result = walk_element(ply, element, &at);
+            if (result) return result;
+        }
+        element->end = (size_t)at;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static size_t offset_in_row(const ply_header *header, const ply_element *element, int property) {
+    size_t offset = 0;
+    for (int i = 0; i < property; ++i)
+        offset += norma_ply_type_size(norma_ply_property(header, element, i)->type);
+    return offset;
+}
+
+/* As the reader of whole files decides it. */
+static void choose_positions(large_ply *ply) {
+    const ply_header *header = &ply->state->header;
+    int plain = norma_ply_is_native(header->encoding);
+    ply->single = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const ply_type type = norma_ply_property(header, ply->vertex, header->position[axis])->type;
+        if (type == PLY_INT32 || type == PLY_UINT32 || type == PLY_DOUBLE) ply->single = 0;
+        plain &= type == PLY_FLOAT && header->position[axis] == header->position[0] + axis;
+    }
+    if (plain) ply->plain_floats = 1 + offset_in_row(header, ply->vertex, header->position[0]);
+}
+
+static norma_document_result open_parts(large_ply *ply) {
+    large_budget *budget = &ply->file->budget;
+    ply->scratch = norma_large_take(budget, LARGE_BLOCK, 3 * sizeof *ply->scratch);
+    ply->chunk.starts = norma_large_take(budget, LARGE_CHUNK + 1, sizeof *ply->chunk.starts);
+    if (!norma_large_reader_open(ply->file, &ply->rows) ||
+        !norma_large_reader_open(ply->file, &ply->blocks) || !ply->scratch || !ply->chunk.starts)
+        return norma_large_fail_memory(ply->file);
+    return find_elements(ply);
+}
+
+norma_document_result norma_large_ply_open(large_file *file, large_ply *ply) {
+    *ply = (large_ply){.file = file};
+    ply->rows.file = ply->blocks.file = file;
+    ply->state = file->document->state = norma_io_allocate(1, sizeof *ply->state);
+    if (!ply->state) return norma_large_fail_memory(file);
+    norma_document_result result = read_header(file, ply->state);
+    if (result) return result;
+    const ply_header *header = &ply->state->header;
+    const char *whole = why_whole(ply->state);
+    ply->vertex = norma_ply_element(header, header->vertex);
+    ply->face = header->face_list == PLY_NONE ? NULL : norma_ply_element(header, header->face);
+    ply->faces = ply->face ? ply->face->count : 0;
+    if (ply->vertex->count >= UINT32_MAX) whole = "it has more than 4294967294 vertices";
+    if (whole) return fail_whole(file, whole);
+    ply->vertices = ply->state->vertices = (size_t)ply->vertex->count;
+    choose_positions(ply);
+    return open_parts(ply);
+}
+
+void norma_large_ply_close(large_ply *ply) {
+    large_budget *budget = &ply->file->budget;
+    norma_large_reader_close(&ply->rows);
+    norma_large_reader_close(&ply->blocks);
+    norma_large_give(budget, ply->scratch, LARGE_BLOCK, 3 * sizeof *ply->scratch);
+    norma_large_give(budget, ply->chunk.starts, LARGE_CHUNK + 1, sizeof *ply->chunk.starts);
+    norma_large_give(budget, ply->chunk.corners, ply->chunk.capacity, sizeof *ply->chunk.corners);
+}
+
+/* ---- vertices */
+
+const unsigned char *norma_large_ply_rows(
+    large_ply *ply, size_t first, size_t count, norma_document_result *result) {
+    const size_t size = ply->vertex->fixed_size;
+    *result = NORMA_DOCUMENT_OK;
+    norma_large_reader_seek(&ply->blocks, ply->vertex->begin + (uint64_t)first * size);
+    const unsigned char *rows = norma_large_peek(&ply->blocks, count * size);
+    if (!rows)
+        *result = ply->blocks.result
+                      ? ply->blocks.result
+                      : fail_whole(ply->file, "its vertices take more than 128 bytes each");
+    return rows;
+}
+
+large_view norma_large_ply_look(large_ply *ply, const unsigned char *rows, size_t count) {
+    ply_state *state = ply->state;
+    ply_element *vertex = &state->header.elements[state->header.vertex];
+    const large_view before = {state->bytes, vertex->begin, state->vertices, vertex->count};
+    state->bytes = rows;
+    state->vertices = count;
+    vertex->begin = 0;
+    vertex->count = count;
+    return before;
+}
+
+void norma_large_ply_look_away(large_ply *ply, const large_view *before) {
+    ply_state *state = ply->state;
+    ply_element *vertex = &state->header.elements[state->header.vertex];
+    state->bytes = before->bytes;
+    state->vertices = before->vertices;
+    vertex->begin = before->begin;
+    vertex->count = before->count;
+}
+
+static void decode_positions(
+    large_ply *ply, const unsigned char *rows, size_t count, void *positions) {
+    const ply_header *header = &ply->state->header;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int property = header->position[axis];
+        const ply_type type = norma_ply_property(header, ply->vertex, property)->type;
+        const unsigned char *at = rows + offset_in_row(header, ply->vertex, property);
+        for (size_t i = 0; i < count; ++i, at += ply->vertex->fixed_size) {
+            const double value = norma_ply_get(at, type, header->encoding);
+            if (ply->single)
+                ((float *)positions)[3 * i + (size_t)axis] = (float)value;
+            else
+                ((double *)positions)[3 * i + (size_t)axis] = value;
+        }
+    }
+}
+
+norma_document_result norma_large_ply_positions(
+    large_ply *ply, size_t first, size_t count, void *positions) {
+    norma_document_result result;
+    const unsigned char *rows = norma_large_ply_rows(ply, first, count, &result);
+    if (!rows) return result;
+    if (!ply->plain_floats) {
+        decode_positions(ply, rows, count, positions);
+        return NORMA_DOCUMENT_OK;
+    }
+    const unsigned char *at = rows + ply->plain_floats - 1;
+    for (size_t i = 0; i < count; ++i, at += ply->vertex->fixed_size)
+        memcpy((unsigned char *)positions + 12 * i, at, 12);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- faces */
+
+norma_document_result norma_large_fail_face(large_ply *ply, uint64_t offset, const char *why) {
+    return norma_ply_fail_at(ply->file->document, ply->file->error, (size_t)offset, "%s", why);
+}
+
+static int make_room(large_ply *ply, size_t more) {
+    large_faces *chunk = &ply->chunk;
+    const size_t needed = chunk->corner_count + more;
+    if (needed <= chunk->capacity) return 1;
+    const size_t capacity = needed < (size_t)3 * LARGE_CHUNK ? (size_t)3 * LARGE_CHUNK : 2 * needed;
+    uint32_t *grown = norma_large_grow(
+        &ply->file->budget, chunk->corners, chunk->capacity, capacity, sizeof *grown);
+    if (!grown) return 0;
+    chunk->corners = grown;
+    chunk->capacity = capacity;
+    return 1;
+}
+
+static norma_document_result fail_index(
+    large_ply *ply, uint64_t offset, uint64_t face, int64_t index) {
+    return norma_ply_fail_at(ply->file->document, ply->file->error, (size_t)offset,
+        "face %llu names vertex %lld; vertices are numbered from 0 to %lld",
+        (unsigned long long)face, (long long)index, (long long)ply->vertices - 1);
+}
+
+/* Of the list of a row: count of them at `at`. */
+static norma_document_result take_corners(
+    large_ply *ply, const unsigned char *at, size_t count, uint64_t offset, uint64_t face) {
+    const ply_header *header = &ply->state->header;
+    const ply_type type = norma_ply_property(header, ply->face, header->face_list)->type;
+    const size_t size = norma_ply_type_size(type);
+    uint32_t *out = ply->chunk.corners + ply->chunk.corner_count;
+    for (size_t k = 0; k < count; ++k, at += size) {
+        const int64_t index = norma_ply_get_integer(at, type, header->encoding);
+        if ((uint64_t)index >= ply->vertices) return fail_index(ply, offset, face, index);
+        out[k] = (uint32_t)index;
+    }
+    ply->chunk.corner_count += count;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* A row of any kind. */
+static norma_document_result read_row(large_ply *ply, uint64_t face) {
+    const ply_header *header = &ply->state->header;
+    large_reader *reader = &ply->rows;
+    const uint64_t begin = norma_large_reader_tell(reader);
+    for (size_t i = 0; i < ply->face->property_count; ++i) {
+        const ply_property *property = norma_ply_property(header, ply->face, (int)i);
+        const int is_list = norma_ply_is_list(property);
+        const size_t first = norma_ply_type_size(is_list ? property->count_type : property->type);
+        const unsigned char *at = norma_large_peek(reader, first);
+        int64_t items =
+            at && is_list ? norma_ply_get_integer(at, property->count_type, header->encoding) : 0;
+        if (items < 0)
+            return norma_large_fail_face(
+                ply, norma_large_reader_tell(reader), "a list of negative length");
+        const uint64_t size = first + (uint64_t)items * norma_ply_type_size(property->type);
+        if (reader->result) return reader->result;
+        if (!at || size > ply->file->size - norma_large_reader_tell(reader))
+            return fail_short(ply->file, ply->face, face);
+        if ((int)i == header->face_list) {
+            at = norma_large_peek(reader, size < SMALL_BUFFER ? (size_t)size : SIZE_MAX);
+            if (!at) return fail_whole(ply->file, "a face is longer than a megabyte");
+            if (!make_room(ply, (size_t)items)) return norma_large_fail_memory(ply->file);
+            norma_document_result result =
+                take_corners(ply, at + first, (size_t)items, begin, face);
+            if (result) return result;
+        }
+        norma_large_reader_seek(reader, norma_large_reader_tell(reader) + size);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+/* The commonest rows: one list, of three, and perhaps numbers beside it. The bytes of each; 0: the
+ * rows are others. */
+static size_t even_row(const large_ply *ply) {
+    const ply_header *header = &ply->state->header;
+    if (ply->face->list_count != 1) return 0;
+    return ply->face->fixed_size +
+           3 * norma_ply_type_size(norma_ply_property(header, ply->face, header->face_list)->type);
+}
+
+static int are_triangles(
+    const large_ply *ply, const unsigned char *rows, size_t count, size_t row_size, size_t list) {
+    const ply_header *header = &ply->state->header;
+    const ply_type type = norma_ply_property(header, ply->face, header->face_list)->count_type;
+    if (norma_ply_type_size(type) == 1) {
+        unsigned differs = 0;
+        for (size_t i = 0; i < count; ++i) differs |= rows[i * row_size + list] ^ 3u;
+        return !differs;
+    }
+    for (size_t i = 0; i < count; ++i)
+        if (norma_ply_get_integer(rows + i * row_size + list, type, header->encoding) != 3)
+            return 0;
+    return 1;
+}
+
+/* Native numbers of four bytes. Nonzero: one is beyond the vertices. */
+static int copy_triangles(large_ply *ply, const unsigned char *at, size_t count, size_t row_size) {
+    uint32_t *out = ply->chunk.corners, greatest = 0;
+    for (size_t i = 0; i < count; ++i, at += row_size) {
+        memcpy(out + 3 * i, at, 12);
+        for (size_t k = 0; k < 3; ++k)
+            greatest = out[3 * i + k] > greatest ? out[3 * i + k] : greatest;
+    }
+    return greatest >= ply->vertices;
+}
+
+/* *done: whether all rows were triangles. */
+static norma_document_result read_triangles(
+    large_ply *ply, uint64_t first, size_t count, int *done) {
+    const ply_header *header = &ply->state->header;
+    const ply_property *property = norma_ply_property(header, ply->face, header->face_list);
+    const size_t row_size = even_row(ply),
+                 list = offset_in_row(header, ply->face, header->face_list),
+                 items = list + norma_ply_type_size(property->count_type);
+    const unsigned char *rows = row_size ? norma_large_peek(&ply->rows, count * row_size) : NULL;
+    const uint64_t begin = norma_large_reader_tell(&ply->rows);
+    *done = rows && are_triangles(ply, rows, count, row_size, list);
+    if (!*done) return ply->rows.result;
+    if (!make_room(ply, 3 * count)) return norma_large_fail_memory(ply->file);
+    const int native = norma_ply_is_native(header->encoding) &&
+                       (property->type == PLY_INT32 || property->type == PLY_UINT32);
+    if (!native || copy_triangles(ply, rows + items, count, row_size))
+        for (size_t i = 0; i < count; ++i) {
+            norma_document_result result =
+                take_corners(ply, rows + i * row_size + items, 3, begin + i * row_size, first + i);
+            if (result) return result;
+        }
+    ply->chunk.corner_count = 3 * count;
+    for (size_t i = 0; i <= count; ++i) ply->chunk.starts[i] = (uint32_t)(3 * i);
+    norma_large_reader_seek(&ply->rows, begin + count * row_size);
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_large_ply_chunk(
+    large_ply *ply, uint64_t first, size_t count, uint64_t *offset) {
+    large_faces *chunk = &ply->chunk;
+    int done = 0;
+    chunk->count = count;
+    chunk->corner_count = 0;
+    chunk->starts[0] = 0;
+    norma_large_reader_seek(&ply->rows, *offset);
+    norma_document_result result = read_triangles(ply, first, count, &done);
+    for (size_t i = 0; i < count && !result && !done; ++i) {
+        result = read_row(ply, first + i);
+        chunk->starts[i + 1] = (uint32_t)chunk->corner_count;
+    }
+    *offset = norma_large_reader_tell(&ply->rows);
+    return result;
+}
