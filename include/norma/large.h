@@ -67,10 +67,12 @@ typedef struct norma_large_description {
 
 /* Counts what is in a binary PLY or STL, and finds its bounds, piece by piece.
  *
- *   options       NULL for the defaults; uses max_memory and format
- *   description   written
- *   progress      as in norma_document_options; or NULL
- *   error         written on failure; or NULL
+ *   path            the file
+ *   options         NULL for the defaults; uses max_memory and format
+ *   progress        as in norma_document_options; or NULL
+ *   progress_user   passed to progress
+ *   description     written
+ *   error           written on failure; or NULL
  *
  * Errors: as norma_large_compute. Cost: one reading of the file. */
 NORMA_API norma_document_result norma_large_describe(const char *path,

@@ -2,6 +2,8 @@
  * transforms. */
 #include "cli/info/bounds.h"
 #include "cli/files/find_inputs.h"
+#include "cli/files/in_passes.h"
+#include "cli/info/describe_large.h"
 #include "cli/info/explain_stored_normals.h"
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
@@ -28,7 +30,8 @@ static const char help[] =
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
     "  --threads N           how many threads may work (all)\n"
-    "  --max-memory SIZE     512M, 2G: ends with 'out of memory' if a file needs more\n"
+    "  --max-memory SIZE     512M, 2G: a larger binary PLY or STL is read piece by piece; other\n"
+    "                        files that need more end with 'out of memory'\n"
     "  --json                for programs, on standard output\n"
     "  --quiet               no notes\n"
     "\n"
@@ -47,7 +50,8 @@ typedef struct mesh_part {
 
 typedef struct contents {
     const char *path;
-    const norma_document *document;
+    norma_file_format format;
+    const norma_document *document; /* NULL: a file that does not fit into memory */
     mesh_part *parts;
     size_t part_count, vertices, faces, triangles;
     norma_node_info *nodes;
@@ -232,8 +236,7 @@ static void write_json(const contents *found) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", found->path);
-    cli_json_string(
-        &json, "format", norma_file_format_name(norma_document_format(found->document)));
+    cli_json_string(&json, "format", norma_file_format_name(found->format));
     write_bounds(&json, &found->bounds);
     cli_json_size(&json, "vertices", found->vertices);
     cli_json_size(&json, "faces", found->faces);
@@ -376,8 +379,7 @@ static void print_bounds(const info_bounds *bounds) {
 
 static void print_text(const contents *found) {
     size_t meshes = 0;
-    cli_say(stdout, "%s: %s", cli_input_name(found->path),
-        norma_file_format_name(norma_document_format(found->document)));
+    cli_say(stdout, "%s: %s", cli_input_name(found->path), norma_file_format_name(found->format));
     if (found->part_count == 1 && !found->parts[0].info.where[0]) {
         print_name(found->parts[0].info.name);
         fputs(", ", stdout);
@@ -433,6 +435,7 @@ static norma_document_result find_open_parts(
 static norma_document_result collect(const info_work *work, int whole, norma_document *document,
     contents *found, norma_document_error *error) {
     found->document = document;
+    found->format = norma_document_format(document);
     found->part_count = norma_document_mesh_count(document);
     found->parts = calloc(found->part_count + 1, sizeof *found->parts);
     norma_document_result result = found->parts ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
@@ -478,7 +481,39 @@ static void forget(contents *found, norma_document **document, void **memory) {
     *memory = NULL;
 }
 
+/* A status. */
+static int finish_file(const info_work *work, const contents *found, norma_document_error *error) {
+    cli_name_error(error, found->path);
+    if (error->result) {
+        cli_print_error(error);
+        if (work->common.json) write_failure(found->path, error);
+    } else if (work->common.json) {
+        write_json(found);
+    } else {
+        print_text(found);
+        fflush(stdout);
+        if (!work->common.quiet) cli_print_notes(found->path, found->document);
+    }
+    return cli_status_of(error->result);
+}
+
+static int run_large_file(const info_work *work, const char *path) {
+    cli_progress progress;
+    norma_document_error error = {0};
+    mesh_part part = {.closed = -1};
+    contents found = {.path = path, .format = work->files.format, .parts = &part, .part_count = 1};
+    cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
+    error.result =
+        info_describe_large(path, &found.format, &progress, &part.info, &found.bounds, &error);
+    cli_progress_stop(&progress);
+    found.vertices = part.info.vertices;
+    found.faces = part.info.faces;
+    found.triangles = part.info.triangles;
+    return finish_file(work, &found, &error);
+}
+
 static int run_file(const info_work *work, const char *path) {
+    if (!work->deep && cli_needs_passes(&work->files, path)) return run_large_file(work, path);
     cli_progress progress;
     norma_document *document;
     norma_document_error error = {0};
@@ -505,19 +540,9 @@ static int run_file(const info_work *work, const char *path) {
     }
     cli_progress_stop(&progress);
     error.result = result;
-    cli_name_error(&error, path);
-    if (result) {
-        cli_print_error(&error);
-        if (work->common.json) write_failure(path, &error);
-    } else if (work->common.json) {
-        write_json(&found);
-    } else {
-        print_text(&found);
-        fflush(stdout);
-        if (!work->common.quiet) cli_print_notes(path, document);
-    }
+    const int status = finish_file(work, &found, &error);
     forget(&found, &document, &memory);
-    return cli_status_of(result);
+    return status;
 }
 
 /* ---- the verb */

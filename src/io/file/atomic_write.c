@@ -7,9 +7,8 @@
 #if defined(__linux__)
 #define _GNU_SOURCE /* O_TMPFILE */
 #endif
-#define _DEFAULT_SOURCE   /* flock */
-#define _FILE_OFFSET_BITS 64
-#define _POSIX_C_SOURCE   200809L
+#define _DEFAULT_SOURCE /* flock */
+#define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
 #include "io/file/file_stamp.h"
 #include <errno.h>
@@ -19,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 enum { BUFFER_SIZE = 1 << 18, MOST_LINKS = 40, MOST_NAMES = 10000, MANY_DESCRIPTORS = 100 };
@@ -273,18 +273,18 @@ int norma_file_writer_read(file_writer *writer, uint64_t offset, void *bytes, si
     return 0;
 }
 
+/* Through a map of the bytes that are there already. */
 int norma_file_writer_patch(file_writer *writer, uint64_t offset, const void *bytes, size_t size) {
+    const uint64_t alignment = 1 << 16, begin = offset / alignment * alignment;
+    const size_t before = (size_t)(offset - begin);
     if (flush_buffer(writer)) return writer->error;
     writer->prepared = 0;
-    for (const unsigned char *at = bytes; size > 0 && !writer->error;) {
-        const ssize_t put = pwrite(writer->descriptor, at, size, (off_t)offset);
-        if (put == 0 || (put < 0 && errno != EINTR)) writer->error = put ? errno : EIO;
-        if (put <= 0) continue;
-        at += put;
-        offset += (uint64_t)put;
-        size -= (size_t)put;
-    }
-    return writer->error;
+    void *map = mmap(
+        NULL, before + size, PROT_READ | PROT_WRITE, MAP_SHARED, writer->descriptor, (off_t)begin);
+    if (map == MAP_FAILED) return writer->error = errno;
+    memcpy((unsigned char *)map + before, bytes, size);
+    munmap(map, before + size);
+    return 0;
 }
 
 static int flush_descriptor(int descriptor) {

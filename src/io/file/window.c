@@ -1,8 +1,7 @@
 /* window.c: a file read piece by piece. Read, not mapped: what is read counts against memory only
  * as long as it is kept, and a file that another program cuts short is an error instead of a
  * signal. */
-#define _POSIX_C_SOURCE   200809L
-#define _FILE_OFFSET_BITS 64
+#define _POSIX_C_SOURCE 200809L
 #include "io/file/window.h"
 #include "io/file/file_stamp.h"
 #include <errno.h>

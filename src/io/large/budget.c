@@ -1,6 +1,5 @@
 /* budget.c: blocks of memory that count against a limit, so that work is cut smaller before the
  * system refuses. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/large/budget.h"
 #include <stdlib.h>
 #include <string.h>
@@ -56,8 +55,8 @@ static void *allocate(void *user, size_t size, size_t alignment) {
 #if defined(_WIN32)
     block = _aligned_malloc(bytes, alignment);
 #else
-    if (posix_memalign(&block, alignment < sizeof(void *) ? sizeof(void *) : alignment, bytes))
-        block = NULL;
+    if (bytes <= SIZE_MAX - alignment)
+        block = aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
 #endif
     if (!block) release_claim(user, 1, size);
     return block;

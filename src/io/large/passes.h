@@ -2,6 +2,7 @@
 #ifndef NORMA_IO_LARGE_PASSES_H
 #define NORMA_IO_LARGE_PASSES_H
 #include "io/format/compute_policy.h"
+#include "io/large/counts.h"
 #include "io/large/large_file.h"
 
 typedef struct large_compute {
@@ -17,11 +18,4 @@ norma_document_result norma_large_describe_ply(
     large_file *file, norma_large_description *description);
 norma_document_result norma_large_describe_stl(
     large_file *file, norma_large_description *description);
-
-/* An element without a normal: counted by its reason, with the first one's number. */
-void norma_large_count_reason(norma_report *report, uint8_t reason, size_t element);
-/* first: added to the number of the first one counted. */
-void norma_large_add_count(norma_count *sum, const norma_count *count, size_t first);
-/* A position, in the bounds. */
-void norma_large_include(norma_large_description *description, const double at[3]);
 #endif

@@ -1,0 +1,83 @@
+#!/bin/bash
+# Files larger than the memory allowed: compute and info stay within --max-memory and give the bytes that they give without it; a signal, a full disk and a kill leave the old
+# file whole; a person sees the passes.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+norma=${NORMA_BIN:-$tree/bin/norma}
+cd "$scratch" || exit 1
+cc=${CC:-cc}
+for maker in make_meshes run_best; do
+    if ! $cc -std=gnu11 -O2 "$root/bench/$maker.c" -o "$maker" -lm 2>log; then
+        fail "$maker compiles" "$(cat log)"
+        finish
+        exit
+    fi
+done
+
+# peak LIMIT-IN-MB NAME COMMAND...: its largest resident set, mapped files included.
+peak() {
+    local limit=$1 name=$2 best
+    shift 2
+    best=$(./run_best 1 "$@" 2>log | awk '{ print int($3) }')
+    if [ -n "$best" ] && [ "$best" -le "$limit" ]; then pass "$name ($best of $limit MB)"; else fail "$name" "peak ${best:-unknown} MB; expected at most $limit; $(cat log)"; fi
+}
+
+./make_meshes ply 3000000 in.ply
+./make_meshes stl 1000000 in.stl
+for kind in ply stl; do
+    "$norma" compute in.$kind -o whole.$kind --quiet
+    rm -f out.$kind
+    peak 48 "compute of a $kind stays within 48M" "$norma" compute in.$kind -o out.$kind --max-memory 48M --quiet
+    check "$kind: the bytes are those without a limit" cmp whole.$kind out.$kind
+    peak 48 "info of a $kind stays within 48M" "$norma" info in.$kind --max-memory 48M
+    "$norma" info in.$kind >expected
+    check "$kind: info says what it says without a limit" diff <("$norma" info in.$kind --max-memory 48M) expected
+done
+for weld in none exact; do
+    "$norma" compute in.ply --weld $weld --max-memory 48M --threads 1 --json -o out.ply >summary
+    check "--weld $weld: the same bytes, the surface has no seam" cmp whole.ply out.ply
+done
+if grep -qE '"passes": [0-9]+' summary; then pass "the summary counts the passes"; else fail "the summary counts the passes" "$(cat summary)"; fi
+
+status=0
+"$norma" compute in.ply --crease 30 -o no.ply --max-memory 48M 2>said || status=$?
+if [ "$status" = 3 ] && grep -q 'creases need the whole file; allow more memory' said && [ ! -e no.ply ]; then pass "a crease is refused in passes"; else fail "a crease is refused in passes" "status $status: $(cat said)"; fi
+status=0
+"$norma" compute in.ply -o - --max-memory 48M >piped 2>said || status=$?
+if [ "$status" = 3 ] && [ ! -s piped ]; then pass "standard output is refused in passes"; else fail "standard output is refused in passes" "status $status: $(cat said)"; fi
+
+# The old file stays: a limit on the size of files stands for a full disk.
+mkdir out
+head -c 1000000 in.ply >old
+set -m
+for way in full INT TERM KILL; do
+    cp old out/old.ply
+    if [ $way = full ]; then
+        status=0
+        (ulimit -f 20000; "$norma" compute in.ply -o out/old.ply --max-memory 48M >/dev/null 2>said) || status=$?
+        expected=3
+    else
+        "$norma" compute in.ply -o out/old.ply --max-memory 48M >/dev/null 2>said &
+        child=$!
+        sleep 0.15
+        kill -$way $child 2>/dev/null
+        wait $child 2>/dev/null
+        status=$?
+        case $way in INT) expected=130 ;; TERM) expected=143 ;; KILL) expected=137 ;; esac
+    fi
+    if [ "$status" = 0 ]; then skip "$way: it ended before"; continue; fi
+    if [ "$status" = $expected ] && cmp -s old out/old.ply && [ "$(ls -A out)" = old.ply ]; then pass "$way: the old file is whole, and nothing is beside it"; else fail "$way: the old file is whole" "status $status, $(ls -A out): $(cat said)"; fi
+done
+
+# In place.
+cp in.ply here.ply
+"$norma" compute here.ply --in-place --max-memory 48M --quiet
+check "in place: the same bytes" cmp whole.ply here.ply
+
+if command -v script >/dev/null; then
+    TERM=xterm script -qec "$norma compute in.ply -o out.ply --max-memory 20M" /dev/null </dev/null 2>&1 | tr '\r' '\n' >shown
+    if grep -qE '^computing, pass [0-9]+ of [0-9]+, in.ply: +[0-9]+ %' shown; then pass "a person sees the passes"; else skip "a person sees the passes (it was too quick)"; fi
+else
+    skip "script(1) is not there"
+fi
+finish
