@@ -42,7 +42,8 @@ norma_document_result norma_large_compute(const char *input, const char *output,
     if (!input || !output) return fail_argument(error, "no path was given");
     const norma_file_format format = format_of(input, options.format);
     if (format != NORMA_FILE_PLY && format != NORMA_FILE_STL) return fail_format(input, error);
-    norma_document_copy_options(&chosen, sizeof chosen, sizeof chosen, compute);
+    norma_document_copy_options(
+        &chosen, sizeof chosen, offsetof(norma_compute_options, tangents), compute);
     /* Each thread takes megabytes for its stack. */
     if (options.max_memory < MEMORY_FOR_THREADS) chosen.threads = 1;
     const char *bad = norma_document_bad_compute_option(&chosen);
