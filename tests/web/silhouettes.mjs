@@ -1,9 +1,10 @@
 /* Silhouettes of norma render against those of three.js's GLTFLoader in headless Chromium, through the same camera: every file with a skin, with morph targets or with instances.
  *   node silhouettes.mjs NORMA FOLDER PICTURES FILE...
+ * Files with skins or morph targets are compared a second time with every joint turned and every weight set: at rest, most stand as they are stored.
  * prints, for each file, the pixels that only one of the two covers, as a share of those that three.js covers. Pictures of what differs are left in PICTURES. */
 import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
-import { readFileSync, writeFileSync, existsSync, mkdirSync } from "node:fs";
+import { cpSync, readFileSync, writeFileSync, existsSync, mkdirSync } from "node:fs";
 import { createRequire } from "node:module";
 import { basename, dirname, join, normalize } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -45,11 +46,43 @@ const server = createServer((request, response) => {
   const path = decodeURIComponent(request.url.split("?")[0]);
   if (path === "/") return response.setHeader("content-type", "text/html").end("<!doctype html><meta charset=utf-8><link rel=icon href=data:,><body><script src=/page.js></script>");
   if (path === "/page.js") return response.setHeader("content-type", "text/javascript").end(outputFiles[0].text);
-  const file = join(folder, normalize(path));
+  const file = path.startsWith("/posed/") ? join(pictures, normalize(path)) : join(folder, normalize(path));
   if (!existsSync(file)) return response.writeHead(404).end();
   response.end(readFileSync(file));
 }).listen(0);
 const address = `http://127.0.0.1:${server.address().port}`;
+
+/* A copy of a file's folder in PICTURES/posed, in which joints are turned and weights set; undefined: it has neither. */
+function pose(name) {
+  const bytes = readFileSync(join(folder, name)), binary = bytes.toString("latin1", 0, 4) === "glTF", length = binary ? bytes.readUInt32LE(12) : bytes.length;
+  const asset = JSON.parse(bytes.toString("utf8", binary ? 20 : 0, (binary ? 20 : 0) + length));
+  const joints = new Set((asset.skins ?? []).flatMap((skin) => skin.joints)), half = Math.PI / 24;
+  const meshes = (asset.meshes ?? []).filter((mesh) => mesh.primitives.some((primitive) => primitive.targets?.length));
+  if (!joints.size && !meshes.length) return undefined;
+  for (const joint of joints) {
+    const node = asset.nodes[joint];
+    if (node.matrix) {
+      const m = node.matrix, s = Math.sin(2 * half), c = Math.cos(2 * half);
+      for (let i = 0; i < 3; i++) [m[i], m[4 + i]] = [c * m[i] + s * m[4 + i], c * m[4 + i] - s * m[i]];
+      continue;
+    }
+    const [x, y, z, w] = node.rotation ?? [0, 0, 0, 1], s = Math.sin(half), c = Math.cos(half);
+    node.rotation = [x * c + y * s, y * c - x * s, z * c + w * s, w * c - z * s];
+  }
+  for (const mesh of meshes) mesh.weights = mesh.primitives[0].targets.map((_, i) => 0.6 / (i + 1));
+  for (const node of asset.nodes ?? []) delete node.weights;
+  let json = Buffer.from(JSON.stringify(asset)), copy = join("posed", name);
+  cpSync(join(folder, dirname(name)), join(pictures, dirname(copy)), { recursive: true });
+  if (binary) {
+    json = Buffer.concat([json, Buffer.alloc((4 - json.length % 4) % 4, " ")]);
+    const head = Buffer.from(bytes.subarray(0, 20)), rest = bytes.subarray(20 + length);
+    head.writeUInt32LE(20 + json.length + rest.length, 8);
+    head.writeUInt32LE(json.length, 12);
+    json = Buffer.concat([head, json, rest]);
+  }
+  writeFileSync(join(pictures, copy), json);
+  return copy;
+}
 
 const covered = (at) => (x, y) => at(x, y)[0] > 127;
 mkdirSync(pictures, { recursive: true });
@@ -57,11 +90,12 @@ const chrome = await launch(findChrome(), { width: SIZE, height: SIZE });
 const page = await chrome.open(`${address}/`, { size: [SIZE, SIZE] });
 await page.until("window.ready");
 let bad = 0;
-for (const name of files) {
-  const own = join(pictures, `${basename(dirname(name))}-${basename(name)}.norma.png`), other = own.replace("norma.png", "three.png");
+for (const name of files.flatMap((file) => [file, pose(file)]).filter(Boolean)) {
+  const posed = name.startsWith("posed"), place = join(posed ? pictures : folder, name);
+  const own = join(pictures, `${posed ? "posed-" : ""}${basename(dirname(name))}-${basename(name)}.norma.png`), other = own.replace("norma.png", "three.png");
   let line;
   try {
-    const said = JSON.parse(execFileSync(norma, ["render", join(folder, name), "-o", own, "--json", "--renderer", "software", "--size", `${SIZE}x${SIZE}`, "--samples", "1", "--background", "#ff00ff"
+    const said = JSON.parse(execFileSync(norma, ["render", place, "-o", own, "--json", "--renderer", "software", "--size", `${SIZE}x${SIZE}`, "--samples", "1", "--background", "#ff00ff"
       ], { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] }));
     await page.evaluate(`draw(${JSON.stringify(`/${name}`)}, ${JSON.stringify(said.world_to_clip)})`);
     writeFileSync(other, await page.screenshot());

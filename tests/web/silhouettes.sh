@@ -25,6 +25,7 @@ while IFS= read -r line; do
     "not ok "*) fail "${line#not ok }" ;;
     esac
 done <<<"$output"
-check "all of them were compared" test "$(grep -c '^\(not \)\?ok ' <<<"$output")" = "${#files[@]}"
+check "all of them were compared" test "$(grep -c '^\(not \)\?ok [^p]' <<<"$output")" = "${#files[@]}"
+check "and some with joints turned and weights set" test "$(grep -c '^\(not \)\?ok posed/' <<<"$output")" -gt 8
 [ "$status" -le 1 ] || fail "the comparison ran to its end" "$(cat "$scratch/silhouettes.err")"
 finish
