@@ -1,6 +1,6 @@
 /* node page.mjs FOLDER-OF-THE-PAGE TOOL SCREENSHOTS: the playground and the pages of `norma view`, in headless Chromium. */
 import { execFileSync, spawnSync } from "node:child_process";
-import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { findChrome, launch } from "./chrome.mjs";
@@ -594,6 +594,21 @@ await attempt("touch: one finger orbits, two zoom and move, and the page itself 
   expect(small.said.length === 0, small.said.join("\n"));
   await small.close();
 });
+
+/* axe-core, where npm has installed it (scripts/install-deps.sh). */
+const axe = [process.env.NORMA_NPM_WEB, join(root, "build/npm-web/node_modules")].filter(Boolean).map((folder) => join(folder, "axe-core/axe.min.js")).find((path) => existsSync(path));
+if (axe)
+  for (const [size, dark] of [[[1440, 900], false], [[1440, 900], true], [[390, 844], false]])
+    await attempt(`axe has no finding at ${size.join("x")}${dark ? ", dark" : ""}`, async () => {
+      const looked = await visit(home, { size, dark, mobile: size[0] < 500, intro: true });
+      await looked.evaluate("document.getElementById('lesson').open = true");
+      await looked.evaluate(`${readFileSync(axe, "utf8")};0`);
+      const found = await looked.evaluate("axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target.join(' ')).join(', ')}`).join('\\n'))");
+      await looked.close();
+      expect(found === "", found);
+    });
+else
+  console.log("# axe-core is not installed: scripts/install-deps.sh");
 
 await attempt("without WebGL 2 the page says so", async () => {
   const without = await visit(home, { before: "HTMLCanvasElement.prototype.getContext = () => null" });
