@@ -7,10 +7,10 @@
 #include "core/mesh/input_mesh.h"
 
 enum {
-    CORE_FACES_AT_ONCE = 128,
+    CORE_FACES_AT_ONCE = 64, /* more would need more stack than a caller's jobs may have */
     CORE_MOST_CORNERS = 8,
     CORE_CORNERS_AT_ONCE = CORE_FACES_AT_ONCE * CORE_MOST_CORNERS,
-    CORE_SLOTS = 176 /* batches of eight, one of each number of corners not full */
+    CORE_SLOTS = 112 /* batches of eight, one of each number of corners not full */
 };
 
 typedef struct core_measured {

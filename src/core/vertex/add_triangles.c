@@ -12,7 +12,11 @@
 #include "core/vertex/normalize_simd.h"
 #include "core/face/measure_simd.h"
 
-enum { AHEAD = 32, BATCHES_AT_ONCE = 8 }; /* triangles between asking for memory and using it */
+enum {
+    AHEAD = 32,
+    BATCHES_AT_ONCE = 8,
+    FACES_TO_WIDEN = 256
+}; /* AHEAD: triangles between asking for memory and using it */
 
 typedef struct triangle_batch {
     core_batch measured;
@@ -312,14 +316,10 @@ static core_add_faces *const ADD[] = CORE_KERNELS(add);
 static core_queue_triangles *const QUEUE[] = CORE_KERNELS(queue);
 static core_drain_queue *const DRAIN[] = CORE_KERNELS(drain);
 
-void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t begin, size_t end) {
-    uint32_t corners[CORE_CORNERS_IN_CHUNK];
+static void add_widened(core_add_faces *add, const core_adder *adder, size_t begin, size_t end) {
+    uint32_t corners[3 * FACES_TO_WIDEN];
     core_mesh mesh = *adder->mesh;
     core_adder wide = *adder;
-    if (mesh.face_starts || mesh.corner_size == sizeof *corners) {
-        add(adder, begin, end);
-        return;
-    }
     mesh.corner_count = 3 * (end - begin);
     norma_core_read_corners(&mesh, 3 * begin, mesh.corner_count, corners);
     mesh.corners = corners;
@@ -327,6 +327,15 @@ void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t b
     wide.mesh = &mesh;
     wide.first_face = begin;
     add(&wide, 0, end - begin);
+}
+
+void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t begin, size_t end) {
+    if (adder->mesh->face_starts || adder->mesh->corner_size == sizeof(uint32_t)) {
+        add(adder, begin, end);
+        return;
+    }
+    for (size_t f = begin; f < end; f += FACES_TO_WIDEN)
+        add_widened(add, adder, f, end - f < FACES_TO_WIDEN ? end : f + FACES_TO_WIDEN);
 }
 
 core_add_faces *norma_core_choose_add(norma_isa isa) { return ADD[norma_core_level(isa)]; }

@@ -19,7 +19,7 @@ typedef struct core_adder {
 
 /* Adds the faces from begin to before end, in ascending order. */
 typedef void core_add_faces(const core_adder *adder, size_t begin, size_t end);
-/* By add; a chunk of faces at most. Corners of other than 32 bits are made so first, so that one
+/* By add. Corners of other than 32 bits are made so first, so that one
  * loop is enough. */
 void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t begin, size_t end);
 /* The normals of CORE_LANES sums. Returns whether each is one; where one has no votes, cancels, or

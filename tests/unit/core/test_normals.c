@@ -254,6 +254,45 @@ static void almost_collinear_face_has_an_exact_direction(void **state) {
     test_free(r);
 }
 
+/* Faces are measured in blocks, those of equally many corners at once: regular polygons of none to
+ * ten corners in turn, every other eleven seen from below, each get their own direction. */
+static void each_face_of_a_mixed_mesh_has_its_own_normal(void **state) {
+    enum { FACES = 300, SIZES = 11, CORNERS = FACES * SIZES };
+    static float positions[CORNERS][3];
+    static uint32_t starts[FACES + 1], corners[CORNERS];
+    uint32_t count = 0;
+    size_t degenerate = 0;
+    (void)state;
+    for (uint32_t f = 0; f < FACES; f++) {
+        const uint32_t n = f % SIZES;
+        degenerate += n < 3;
+        for (uint32_t k = 0; k < n; k++, count++) {
+            const double turn = 6.283185307179586 * k / n * (f / SIZES % 2 ? -1 : 1);
+            positions[count][0] = (float)(3 * f + cos(turn));
+            positions[count][1] = (float)sin(turn);
+            corners[count] = count;
+        }
+        starts[f + 1] = count;
+    }
+    const norma_mesh mesh = {.positions = {positions, count, 0, NORMA_FORMAT_FLOAT},
+        .corners = corners,
+        .corner_count = count,
+        .face_starts = starts,
+        .face_count = FACES};
+    result *f = faces(mesh), *v = vertices(mesh, NORMA_WEIGHT_ANGLE);
+    assert_int_equal(f->report.degenerate_faces.count, degenerate);
+    assert_int_equal(v->report.degenerate_faces.count, degenerate);
+    assert_int_equal(v->report.degenerate_faces.first, 0);
+    for (uint32_t i = 0; i < FACES; i++) {
+        const float up = i % SIZES < 3 ? 0 : i / SIZES % 2 ? -1 : 1;
+        assert_true(f->normals[3 * i + 2] == up);
+        for (uint32_t c = starts[i]; c < starts[i + 1]; c++)
+            assert_true(v->normals[3 * c + 2] == up);
+    }
+    test_free(f);
+    test_free(v);
+}
+
 static void vertex_without_a_face_gets_the_fallback(void **state) {
     (void)state;
     static const float p[] = {9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 7, 0, 1, 1};
@@ -895,6 +934,7 @@ int main(void) {
         cmocka_unit_test(tiny_and_huge),
         cmocka_unit_test(edges_of_both_extremes_in_one_face),
         cmocka_unit_test(doubles_of_any_size),
+        cmocka_unit_test(each_face_of_a_mixed_mesh_has_its_own_normal),
         cmocka_unit_test(interpolates_as_phong),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
