@@ -74,14 +74,11 @@ static void measure_faces(void *context, size_t block) {
     for (size_t f = begin; f < end; f++)
         for (size_t c = norma_core_face_begin(&s->checked, f);
              c < norma_core_face_end(&s->checked, f); c++) {
-            size_t vertex = norma_core_corner(&s->checked, c),
-                   number = pass->trial->flat                ? f
-                            : isnan(pass->trial->crease_rad) ? vertex
-                                                             : c;
-            s->angles[c] = pass->of_vertices
-                               ? pass->of_vertices[vertex]
-                               : angle_between(s->stored + 3 * (s->per_vertex ? vertex : c),
-                                     s->computed + 3 * number);
+            s->angles[c] =
+                pass->of_vertices
+                    ? pass->of_vertices[norma_core_corner(&s->checked, c)]
+                    : angle_between(s->stored + 3 * norma_explain_stored_of(s, c),
+                          s->computed + 3 * norma_explain_computed_of(s, pass->trial, f, c));
         }
 }
 
@@ -198,7 +195,7 @@ static norma_result find_best(explain_search *search) {
 
 /* ---- the angles of edges */
 
-static void count_dihedral(explain_search *search, const core_face *a, const core_face *b) {
+static void count_dihedral(size_t *below, const core_face *a, const core_face *b) {
     double cross[3];
     if (!(a->flags & b->flags & CORE_FACE_DIRECTED)) return;
     norma_core_cross(a->normal, b->normal, cross);
@@ -206,12 +203,13 @@ static void count_dihedral(explain_search *search, const core_face *a, const cor
         norma_core_angle(sqrt(norma_core_dot(cross, cross)), norma_core_dot(a->normal, b->normal)) /
             radians(1) -
         1e-4;
-    for (size_t i = degrees > 0 ? (size_t)ceil(degrees) : 0; i < DIHEDRALS; i++) search->below[i]++;
+    for (size_t i = degrees > 0 ? (size_t)ceil(degrees) : 0; i < DIHEDRALS; i++) below[i]++;
 }
 
-static norma_result count_dihedrals(explain_search *search) {
+static norma_result count_dihedrals(
+    core_call *call, const explain_surface *surface, size_t below[DIHEDRALS]) {
     core_topology t;
-    norma_result result = norma_core_topology_open(search->call, &search->surface->checked, &t);
+    norma_result result = norma_core_topology_open(call, &surface->checked, &t);
     if (result) return result;
     result = norma_core_pair_edges(&t, NULL);
     for (size_t c = 0; !result && c < t.mesh.corner_count; c++) {
@@ -219,17 +217,41 @@ static norma_result count_dihedrals(explain_search *search) {
         if (t.partners[c] >= CORE_EDGE_SPECIAL || t.partners[c] < c) continue;
         norma_core_face_geometry(&t.mesh, norma_core_topology_face(&t, c), &a);
         norma_core_face_geometry(&t.mesh, norma_core_topology_face(&t, t.partners[c]), &b);
-        count_dihedral(search, &a, &b);
+        count_dihedral(below, &a, &b);
     }
     norma_core_topology_close(&t);
     return result;
 }
 
-static norma_result search_surface(core_call *call, explain_surface *surface, explain_trial *best) {
+static norma_result search_surface(core_call *call, explain_surface *surface, void *best) {
     explain_search search = {.call = call, .surface = surface};
-    norma_result result = count_dihedrals(&search);
+    norma_result result = count_dihedrals(call, surface, search.below);
     if (!result) result = find_best(&search);
-    *best = search.best;
+    *(explain_trial *)best = search.best;
+    return result;
+}
+
+/* ---- every trial */
+
+norma_result norma_explain_each_trial(
+    core_call *call, explain_surface *surface, explain_try *visit, void *context, const int *done) {
+    size_t below[DIHEDRALS] = {0}, tried[CREASES];
+    norma_result result = count_dihedrals(call, surface, below);
+    if (!result) result = visit(&(explain_trial){.flat = 1, .crease_rad = NAN}, context);
+    for (int weight = 0; norma_weight_name((norma_weight)weight) && !result && !*done; weight++) {
+        explain_trial trial = {.weight = (norma_weight)weight, .crease_rad = NAN};
+        size_t count = 0;
+        result = visit(&trial, context);
+        for (size_t i = 0; i < CREASES && !result && !*done; i++) {
+            size_t known = 0;
+            tried[count] = below[(size_t)creases_deg[i]];
+            while (tried[known] != tried[count]) known++;
+            if (known < count) continue;
+            count++;
+            trial.crease_rad = radians(creases_deg[i]);
+            result = visit(&trial, context);
+        }
+    }
     return result;
 }
 
@@ -260,8 +282,8 @@ static void read_block(void *context, size_t block) {
             s->stored + 3 * i);
 }
 
-static norma_result search_sample(core_call *call, const norma_mesh_data *data,
-    const core_mesh *checked, const core_topology *topology, explain_trial *best) {
+static norma_result visit_sample(core_call *call, const norma_mesh_data *data,
+    const core_mesh *checked, const core_topology *topology, explain_visit *visit, void *context) {
     explain_sample sample;
     explain_surface surface;
     norma_result result = norma_explain_take_sample(call, topology, &sample);
@@ -272,22 +294,46 @@ static norma_result search_sample(core_call *call, const norma_mesh_data *data,
             if (sample.whole[c])
                 read_normal(
                     data, number_of(data, checked, sample.sources[c]), surface.stored + 3 * c);
-        result = search_surface(call, &surface, best);
+        result = visit(call, &surface, context);
         norma_explain_close(call, &surface);
     }
     norma_explain_free_sample(call, &sample);
     return result;
 }
 
-static norma_result search_large(core_call *call, const norma_mesh_data *data,
-    const core_mesh *checked, const core_topology *topology, explain_trial *best) {
+static norma_result visit_large(core_call *call, const norma_mesh_data *data,
+    const core_mesh *checked, const core_topology *topology, explain_visit *visit, void *context) {
     core_topology own;
-    if (topology) return search_sample(call, data, checked, topology, best);
+    if (topology) return visit_sample(call, data, checked, topology, visit, context);
     norma_result result = norma_core_topology_open(call, checked, &own);
     if (result) return result;
     result = norma_core_corners_of_position_build(call, &own.mesh, &own.corners_of);
-    if (!result) result = search_sample(call, data, checked, &own, best);
+    if (!result) result = visit_sample(call, data, checked, &own, visit, context);
     norma_core_topology_close(&own);
+    return result;
+}
+
+/* The surface with its normals; closed in any case where they cannot be read. */
+static norma_result open_whole(
+    core_call *call, const norma_mesh_data *data, explain_surface *surface) {
+    norma_result result = norma_explain_open(call, &data->mesh, !data->corner_normals, surface);
+    if (result) return result;
+    stored_pass pass = {data, surface};
+    result = norma_core_parallel(
+        call, norma_check_block_count(surface->stored_count, CORNERS_IN_BLOCK), read_block, &pass);
+    if (result) norma_explain_close(call, surface);
+    return result;
+}
+
+norma_result norma_explain_on_sample(core_call *call, const norma_mesh_data *data,
+    const core_mesh *checked, const core_topology *topology, explain_visit *visit, void *context) {
+    explain_surface surface;
+    if (checked->face_count > EXPLAIN_FACES)
+        return visit_large(call, data, checked, topology, visit, context);
+    norma_result result = open_whole(call, data, &surface);
+    if (result) return result;
+    result = visit(call, &surface, context);
+    norma_explain_close(call, &surface);
     return result;
 }
 
@@ -295,15 +341,11 @@ norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, norma_deviation *deviation) {
     explain_surface surface;
     explain_trial best;
-    norma_result result = norma_explain_open(call, &data->mesh, !data->corner_normals, &surface);
+    norma_result result = open_whole(call, data, &surface);
     if (result) return result;
-    stored_pass pass = {data, &surface};
-    result = norma_core_parallel(
-        call, norma_check_block_count(surface.stored_count, CORNERS_IN_BLOCK), read_block, &pass);
-    if (!result)
-        result = checked->face_count > EXPLAIN_FACES
-                     ? search_large(call, data, checked, topology, &best)
-                     : search_surface(call, &surface, &best);
+    result = checked->face_count > EXPLAIN_FACES
+                 ? visit_large(call, data, checked, topology, search_surface, &best)
+                 : search_surface(call, &surface, &best);
     if (!result) result = norma_explain_measure(call, &surface, &best);
     if (!result) result = norma_explain_summarise(call, &surface, deviation);
     norma_explain_close(call, &surface);

@@ -2,6 +2,7 @@
 #ifndef NORMA_CHECK_EXPLAIN_H
 #define NORMA_CHECK_EXPLAIN_H
 #include "check/findings/check_run.h"
+#include <math.h>
 
 typedef struct explain_trial {
     norma_weight weight;
@@ -46,9 +47,47 @@ void norma_explain_close(const core_call *call, explain_surface *surface);
 /* Computes the trial's normals and the angle at each corner that has a stored one. */
 norma_result norma_explain_measure(
     core_call *call, explain_surface *surface, const explain_trial *trial);
+/* Which of the stored and the computed normals are a corner's. */
+static inline size_t norma_explain_stored_of(const explain_surface *s, size_t corner) {
+    return s->per_vertex ? norma_core_corner(&s->checked, corner) : corner;
+}
+static inline size_t norma_explain_computed_of(
+    const explain_surface *s, const explain_trial *trial, size_t face, size_t corner) {
+    return trial->flat                ? face
+           : isnan(trial->crease_rad) ? norma_core_corner(&s->checked, corner)
+                                      : corner;
+}
 /* topology: that of the mesh, its corners sorted; NULL: made here. */
 norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, norma_deviation *deviation);
+
+/* Calls visit with the surface, its normals read; with a sample of it where it is large. */
+typedef norma_result explain_visit(core_call *call, explain_surface *surface, void *context);
+norma_result norma_explain_on_sample(core_call *call, const norma_mesh_data *data,
+    const core_mesh *checked, const core_topology *topology, explain_visit *visit, void *context);
+/* Calls visit with every weight and crease that makes a difference, the likeliest first, until
+ * *done is set. */
+typedef norma_result explain_try(const explain_trial *trial, void *context);
+norma_result norma_explain_each_trial(
+    core_call *call, explain_surface *surface, explain_try *visit, void *context, const int *done);
+
+/* find_frame.c: what all normals were turned by, so that a weight and a crease explain them. */
+typedef enum explain_frame_kind {
+    EXPLAIN_FRAME_NONE = 0, /* nothing that was tried */
+    EXPLAIN_FRAME_REVERSED,
+    EXPLAIN_FRAME_MIRROR,
+    EXPLAIN_FRAME_ROTATION,
+    EXPLAIN_FRAME_BOTH /* mirrored along the axis and rotated about it */
+} explain_frame_kind;
+typedef struct explain_frame {
+    explain_frame_kind kind;
+    double axis[3]; /* unit; not of what is reversed */
+    double angle_rad;
+    double median_rad; /* left when that is undone */
+    explain_trial trial;
+} explain_frame;
+norma_result norma_explain_find_frame(core_call *call, const norma_mesh_data *data,
+    const core_mesh *checked, const core_topology *topology, explain_frame *frame);
 
 /* summarise_angles.c */
 norma_result norma_explain_summarise(

@@ -3,7 +3,7 @@
 #ifndef NORMA_CHECK_INTERNAL_H
 #define NORMA_CHECK_INTERNAL_H
 #include <norma/check.h>
-#include "core/orient/edge_partners.h"
+#include "core/orient/orient.h"
 
 typedef enum check_rule {
 #define RULE(id, name, render, print, fix, verb, validator, what, why, how) RULE_##id,
@@ -40,6 +40,19 @@ typedef struct check_hits {
 typedef struct check_member check_member;             /* seams_joined.c */
 typedef struct check_solid_member check_solid_member; /* solids_joined.c */
 
+/* The primitives of one glTF mesh, or the one mesh of another file. */
+typedef struct check_group {
+    const norma_check_mesh *meshes;
+    size_t count;
+    const size_t *orders; /* of their places; NULL: as they come */
+    /* Made when first asked for, freed with the group (rules/sides.c). */
+    core_side_judge judge; /* of all their faces together */
+    int has_judge;
+    double *positions; /* of all of them, where they are several */
+    uint32_t *corners;
+    size_t vertices, corner_count;
+} check_group;
+
 typedef struct check_run {
     norma_check_options options; /* every field valid */
     norma_check_profile profile; /* render or print; generated models are judged as prints, which no
@@ -48,9 +61,9 @@ typedef struct check_run {
     uint8_t rules[CHECK_RULE_COUNT]; /* wanted: nonzero */
     core_call call;                  /* memory, threads, progress */
     norma_findings *findings;
-    size_t next_order;           /* places are numbered as they come */
-    const norma_mesh_info *last; /* of the mesh before; NULL: none */
-    check_member *members;       /* primitives held for N501 */
+    size_t next_order;     /* places are numbered as they come */
+    check_group *group;    /* the meshes that are looked at together now */
+    check_member *members; /* primitives held for N501 */
     size_t member_count, member_room;
     check_solid_member *solids; /* primitives held for N302 and N304 */
     size_t solid_count, solid_room;
@@ -111,6 +124,7 @@ struct check_mesh {
     const norma_check_mesh *given;
     check_place place;
     uint8_t rules[CHECK_RULE_COUNT]; /* wanted here: without those that extras silence */
+    size_t number;                   /* in run->group */
     int siblings;                    /* other primitives of the same mesh are checked too */
     int on_purpose; /* the material is double-sided or not opaque: normals and windings may be meant
                        as they are */
@@ -123,7 +137,14 @@ struct check_mesh {
     uint32_t *users; /* where corners name normals (OBJ): of each normal the first corner that does;
                         UINT32_MAX: none */
     size_t degenerate_count;
+    uint8_t *opposed;                /* of each face: whether N201 names it. NULL: not looked at */
+    size_t opposed_count, far_count; /* far: corners whose normal is far from their face (N202) */
+    double opposed_area;             /* twice */
+    int placeholder, frame;          /* CHECK_UNKNOWN, _NO or _YES: N203, N206 hold */
+    int has_deviation;
+    norma_deviation deviation;
 };
+enum { CHECK_UNKNOWN = 0, CHECK_NO, CHECK_YES };
 
 static inline int norma_check_wants(const check_mesh *m, check_rule rule) {
     return m->rules[rule] != 0;
@@ -200,6 +221,6 @@ void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]);
 /* Takes from mask the rules that a list of extras' "ignore" names. Words that name no rule are
  * skipped. */
 void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore);
-/* Whether both are primitives of one glTF mesh, in this order. Either may be NULL. */
+/* Whether both are primitives of one glTF mesh, in this order. */
 int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second);
 #endif

@@ -27,5 +27,5 @@ void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]) {
 }
 
 int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second) {
-    return first && second && first->mesh == second->mesh && second->primitive > first->primitive;
+    return first->mesh == second->mesh && second->primitive > first->primitive;
 }

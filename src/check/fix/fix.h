@@ -62,7 +62,7 @@ typedef struct fix_mesh {
     uint32_t *corners; /* positions of the corners as they will be run along: reversed where the
                           edit says so */
     int knows_deviation;
-    norma_deviation deviation; /* of the stored normals */
+    norma_deviation deviation; /* of the stored normals; of N206, once they are turned back */
     float *surface; /* normals of the corners by that weight and crease, along the corners above */
     float *face_normals; /* three of each face, along the corners above */
 } fix_mesh;
@@ -136,7 +136,7 @@ norma_result norma_fix_faces(fix_mesh *m);     /* fix_faces.c: N301, N302, N305,
 norma_result norma_fix_polygons(fix_mesh *m);  /* fix_polygons.c: N404, N405 */
 norma_result norma_fix_positions(fix_mesh *m); /* fix_positions.c: N503 */
 norma_result norma_fix_normals(
-    fix_mesh *m); /* fix_normals.c: N101 to N103, N201 to N203, N205, N501 */
+    fix_mesh *m); /* fix_normals.c: N101 to N103, N201 to N203, N205, N206, N501 */
 norma_result norma_fix_vertices(
     fix_mesh *m); /* fix_vertices.c: N403, N502; last, and only where nothing else is edited */
 norma_result norma_fix_tangents(fix_mesh *m); /* fix_tangents.c: N801 to N805 */

@@ -1,5 +1,6 @@
 /* fix_mesh.c: one mesh while it is being fixed: the elements that its findings name, its corners
  * and normals as they will be once the edit is made. */
+#include "check/explain/explain_normals.h"
 #include "check/fix/fix.h"
 #include "core/face/triangle.h"
 #include <stdlib.h>
@@ -19,7 +20,9 @@ static int is_left_out(const fix_request *request, const norma_finding *finding,
 int norma_fix_may(const fix_request *request, const norma_finding *finding) {
     size_t count;
     const check_rule rule = (check_rule)(finding->rule - norma_rules(&count));
-    const int turns = rule == RULE_N304 && request->by_rays && request->unsafe;
+    /* Of N201 and N301 it is told why nothing is changed where nothing is shown to be wrong. */
+    const int turns = request->unsafe && (rule == RULE_N201 || rule == RULE_N301 ||
+                                             (rule == RULE_N304 && request->by_rays));
     return (turns || finding->fix == NORMA_FIX_SAFE ||
                (finding->fix == NORMA_FIX_UNSAFE && request->unsafe)) &&
            !is_left_out(request, finding, rule);
@@ -97,13 +100,31 @@ norma_result norma_fix_face_normals(fix_mesh *m) {
                : NORMA_ERROR_MEMORY;
 }
 
+/* Normals of another frame show a weight and crease once they are turned. */
+static norma_result find_turned_deviation(fix_mesh *m, const norma_options *options) {
+    core_call call;
+    explain_frame frame;
+    norma_result result = norma_core_begin(&call, options);
+    if (!result) result = norma_explain_find_frame(&call, &m->data, &m->mesh, NULL, &frame);
+    if (result) return result;
+    m->deviation = (norma_deviation){.corners = frame.kind != EXPLAIN_FRAME_NONE,
+        .weight = frame.trial.weight,
+        .shading = frame.trial.flat                ? NORMA_SHADING_FLAT
+                   : isnan(frame.trial.crease_rad) ? NORMA_SHADING_SMOOTH
+                                                   : NORMA_SHADING_CREASE,
+        .crease_angle_rad = frame.trial.crease_rad};
+    return NORMA_OK;
+}
+
 /* The weight and crease that the stored normals show; the defaults of computing where they show
  * none. */
 static norma_result find_deviation(fix_mesh *m) {
     const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
-    norma_result result = m->knows_deviation ? NORMA_OK
-                                             : norma_explain_normals(&m->data, m->info.normals,
-                                                   &options, &m->deviation);
+    norma_result result =
+        m->knows_deviation ? NORMA_OK
+        : norma_fix_has(m, RULE_N206)
+            ? find_turned_deviation(m, &options)
+            : norma_explain_normals(&m->data, m->info.normals, &options, &m->deviation);
     if (result || m->knows_deviation) return result;
     m->knows_deviation = 1;
     if (m->deviation.corners == 0) {

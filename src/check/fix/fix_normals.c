@@ -66,7 +66,8 @@ static norma_result recompute_named(fix_mesh *m) {
     int bad = norma_fix_mark(m, RULE_N101, element_of(m), count, &marks);
     int zero = norma_fix_mark(m, RULE_N102, element_of(m), count, &marks);
     int far = norma_fix_mark(m, RULE_N202, element_of(m), count, &wrong);
-    int all = norma_fix_has(m, RULE_N203) && !m->data.corner_normals,
+    int all =
+            (norma_fix_has(m, RULE_N203) && !m->data.corner_normals) || norma_fix_has(m, RULE_N206),
         any = bad > 0 || zero > 0 || far > 0 || all;
     if (any && !marks) marks = calloc(count + 1, 1);
     int failed = bad < 0 || zero < 0 || far < 0 || (any && !marks);

@@ -29,27 +29,35 @@ static size_t count_normals(const check_mesh *m) {
     return m->users ? used : count;
 }
 
-norma_result norma_check_deviation(check_mesh *m) {
-    norma_deviation deviation;
-    char message[CHECK_MESSAGE];
-    if (!norma_check_wants(m, RULE_N204) || !m->mesh.corner_count || !norma_check_normal_count(m) ||
+norma_result norma_check_deviation_of(check_mesh *m, const norma_deviation **deviation) {
+    *deviation = &m->deviation;
+    if (m->has_deviation || !m->mesh.corner_count || !norma_check_normal_count(m) ||
         m->given->info.normals == NORMA_NORMALS_PER_FACET)
         return NORMA_OK;
     norma_result result = norma_check_users(m);
     if (!result) result = norma_check_around(m);
     if (!result)
-        result =
-            norma_explain_with(&m->run->call, &m->given->data, &m->mesh, &m->topology, &deviation);
-    if (result || !deviation.corners) return result;
+        result = norma_explain_with(
+            &m->run->call, &m->given->data, &m->mesh, &m->topology, &m->deviation);
+    m->has_deviation = !result;
+    return result;
+}
+
+norma_result norma_check_deviation(check_mesh *m) {
+    const norma_deviation *deviation;
+    char message[CHECK_MESSAGE];
+    if (!norma_check_wants(m, RULE_N204)) return NORMA_OK;
+    const norma_result result = norma_check_deviation_of(m, &deviation);
+    if (result || !deviation->corners) return result;
     check_hits hits = {0};
-    norma_check_hit(m->run, &hits, deviation.max_rad * (180 / NORMA_PI), CHECK_NOWHERE);
+    norma_check_hit(m->run, &hits, deviation->max_rad * (180 / NORMA_PI), CHECK_NOWHERE);
     hits.count = count_normals(m);
-    describe_deviation(&deviation, hits.count, message);
+    describe_deviation(deviation, hits.count, message);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N204,
             .severity = NORMA_SEVERITY_INFO,
             .unit = "deg",
             .hits = &hits,
             .message = message,
-            .deviation = &deviation});
+            .deviation = deviation});
 }

@@ -5,9 +5,10 @@
 #include "check/findings/check_run.h"
 
 norma_result norma_check_lengths(check_mesh *m);     /* lengths.c: N101 to N103 */
-norma_result norma_check_facing(check_mesh *m);      /* facing.c: N201, N202 */
+norma_result norma_check_facing(check_mesh *m);      /* facing.c, far_normals.c: N201, N202 */
 norma_result norma_check_placeholder(check_mesh *m); /* placeholder.c: N203 */
 norma_result norma_check_deviation(check_mesh *m);   /* deviation.c: N204 */
+norma_result norma_check_frame(check_mesh *m);       /* frame.c: N206 */
 norma_result norma_check_facets(check_mesh *m);      /* facets.c: N205 */
 norma_result norma_check_edges(check_mesh *m);       /* edges.c: N301, N303, N305, N306 */
 norma_result norma_check_solids(check_mesh *m);      /* solids.c: N302, N304 */
@@ -20,6 +21,19 @@ norma_result norma_check_precision(check_mesh *m);   /* precision.c: N502, N701,
 
 /* edges.c: fills topology.partners, and adds the findings of edges that are wanted; once a mesh. */
 norma_result norma_check_pairs(check_mesh *m);
+
+/* Each looks at what the rule is about, whether it is wanted or not, once a mesh. */
+norma_result norma_check_is_placeholder(check_mesh *m, int *is); /* placeholder.c: N203 holds */
+norma_result norma_check_deviation_of(
+    check_mesh *m, const norma_deviation **deviation); /* deviation.c: corners 0: none */
+norma_result norma_check_opposed(check_mesh *m);       /* opposed.c: fills m->opposed */
+/* frame.c: N206 holds: N201, N202 and N501 are silent then. */
+norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
+
+/* sides.c: which faces are turned, as core_side_judge says; asked: a mark for each face that
+ * matters. sides: of each face of the mesh. */
+norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides);
+void norma_check_sides_drop(check_run *run);
 
 /* Primitives of one glTF mesh that were held until the last one came: seams_joined.c,
  * solids_joined.c. */

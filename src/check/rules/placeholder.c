@@ -58,26 +58,48 @@ static int is_curved(const check_mesh *m) {
     return directed > 1 && (double)best < MOST_FLAT * (double)directed;
 }
 
-norma_result norma_check_placeholder(check_mesh *m) {
-    double normal[3] = {0};
-    size_t used;
-    char message[CHECK_MESSAGE];
-    if (!norma_check_wants(m, RULE_N203) || !norma_check_normal_count(m) ||
+typedef struct placeholder {
+    double normal[3];
+    size_t alike, used;
+} placeholder;
+
+static norma_result find_placeholder(check_mesh *m, placeholder *p) {
+    const int known = m->placeholder;
+    *p = (placeholder){.used = 0};
+    m->placeholder = CHECK_NO;
+    if (known == CHECK_NO || !norma_check_normal_count(m) ||
         m->given->info.normals == NORMA_NORMALS_PER_FACET || !m->mesh.face_count)
         return NORMA_OK;
     norma_result result = norma_check_users(m);
     if (result) return result;
-    find_majority(m, normal);
-    size_t alike = count_alike(m, normal, &used);
-    if (!used || (double)alike <= MOST_ALIKE * (double)used || !norma_core_finite(normal) ||
-        (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
+    find_majority(m, p->normal);
+    p->alike = count_alike(m, p->normal, &p->used);
+    if (!p->used || (double)p->alike <= MOST_ALIKE * (double)p->used ||
+        !norma_core_finite(p->normal) ||
+        (p->normal[0] == 0 && p->normal[1] == 0 && p->normal[2] == 0))
         return NORMA_OK;
     result = norma_check_faces(m);
-    if (result || !is_curved(m)) return result;
+    if (!result && is_curved(m)) m->placeholder = CHECK_YES;
+    return result;
+}
+
+norma_result norma_check_is_placeholder(check_mesh *m, int *is) {
+    placeholder p;
+    const norma_result result = m->placeholder ? NORMA_OK : find_placeholder(m, &p);
+    *is = m->placeholder == CHECK_YES;
+    return result;
+}
+
+norma_result norma_check_placeholder(check_mesh *m) {
+    placeholder p;
+    char message[CHECK_MESSAGE];
+    if (!norma_check_wants(m, RULE_N203)) return NORMA_OK;
+    const norma_result result = find_placeholder(m, &p);
+    if (result || m->placeholder != CHECK_YES) return result;
     norma_check_message(message,
         "%z of %z normals are (%g, %g, %g), although the mesh is curved; it is lit like a flat "
         "plate",
-        alike, used, normal[0], normal[1], normal[2]);
+        p.alike, p.used, p.normal[0], p.normal[1], p.normal[2]);
     return norma_check_add_one(m->run, &m->place, m, RULE_N203,
         m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
 }

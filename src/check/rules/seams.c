@@ -37,8 +37,13 @@ norma_result norma_check_seams(check_mesh *m) {
         m->given->info.normals == NORMA_NORMALS_PER_FACET ||
         (!m->siblings && !a->texcoords && !a->colors && !a->face_materials))
         return NORMA_OK;
-    if (m->siblings && can_be_joined(m)) return norma_check_seams_hold(m);
-    norma_result result = norma_check_faces(m);
+    int other_frame = 0;
+    norma_result result = NORMA_OK;
+    if (m->siblings && can_be_joined(m)) {
+        result = norma_check_is_of_another_frame(m, &other_frame);
+        return result || other_frame ? result : norma_check_seams_hold(m);
+    }
+    result = norma_check_faces(m);
     if (!result) result = norma_check_pairs(m);
     if (result) return result;
     size_t count = m->topology.corners_of.position_count,
@@ -51,7 +56,8 @@ norma_result norma_check_seams(check_mesh *m) {
     check_hits hits = {0};
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result && hits.count) return norma_check_add_seams(m, &hits);
+    if (!result && hits.count) result = norma_check_is_of_another_frame(m, &other_frame);
+    if (!result && hits.count && !other_frame) return norma_check_add_seams(m, &hits);
     norma_check_hits_free(&hits);
     return result;
 }

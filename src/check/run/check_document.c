@@ -13,6 +13,7 @@ typedef struct document_check {
     norma_document_error *error;
     norma_check_mesh *meshes;  /* those that were read; for the nodes that draw them */
     norma_morph_data **morphs; /* of each */
+    size_t *orders;            /* of their places */
     norma_node_info *nodes;
     norma_skin_info *skins;
     size_t mesh_count, skin_count, next_unread;
@@ -80,16 +81,8 @@ static norma_document_result read_morphs(document_check *d, size_t index, norma_
     return result;
 }
 
-/* The next that can be read; NULL: none. */
-static const norma_mesh_info *next_of(document_check *d, size_t index, norma_mesh_info *info) {
-    for (size_t i = index + 1; i < norma_document_mesh_count(d->document); i++) {
-        if (norma_document_mesh_info(d->document, i, info)) return NULL;
-        if (!info->not_read) return info;
-    }
-    return NULL;
-}
-
-static norma_document_result check_mesh_of(document_check *d, size_t index) {
+/* Reads a mesh, and numbers its place; one that cannot be read only has its place told. */
+static norma_document_result read_mesh(document_check *d, size_t index) {
     norma_check_mesh *mesh = &d->meshes[d->mesh_count];
     norma_document_result result = norma_document_mesh_info(d->document, index, &mesh->info);
     if (!result) result = tell_up_to(d, &mesh->info);
@@ -101,10 +94,26 @@ static norma_document_result check_mesh_of(document_check *d, size_t index) {
         result =
             norma_document_material_info(d->document, mesh->attributes.material, &mesh->material);
     if (!result) result = read_morphs(d, index, mesh);
-    if (result) return result;
-    norma_mesh_info next;
-    norma_result checked = norma_check_run_mesh(&d->run, mesh, next_of(d, index, &next));
-    d->mesh_count++;
+    if (!result) d->orders[d->mesh_count++] = d->run.next_order++;
+    return result;
+}
+
+/* Whether the mesh belongs to those before it: primitives that cannot be read do not part them. */
+static int continues(const document_check *d, size_t index, size_t first) {
+    norma_mesh_info info;
+    return d->mesh_count == first || norma_document_mesh_info(d->document, index, &info) ||
+           info.not_read || norma_check_siblings(&d->meshes[d->mesh_count - 1].info, &info);
+}
+
+static norma_document_result check_group_of(document_check *d, size_t *index, size_t count) {
+    const size_t first = d->mesh_count, begin = *index;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (; *index < count && !result && continues(d, *index, first); ++*index)
+        result = read_mesh(d, *index);
+    if (result || d->mesh_count == first) return result;
+    norma_core_stage(&d->run.call, (double)begin / (double)count, (double)*index / (double)count);
+    const norma_result checked =
+        norma_check_run_group(&d->run, &d->meshes[first], d->mesh_count - first, &d->orders[first]);
     return checked ? fail(d->error, checked) : NORMA_DOCUMENT_OK;
 }
 
@@ -112,12 +121,10 @@ static norma_document_result check_meshes(document_check *d) {
     size_t count = norma_document_mesh_count(d->document);
     d->meshes = calloc(count + 1, sizeof *d->meshes);
     d->morphs = calloc(count + 1, sizeof *d->morphs);
-    if (!d->meshes || !d->morphs) return fail(d->error, NORMA_ERROR_MEMORY);
+    d->orders = calloc(count + 1, sizeof *d->orders);
+    if (!d->meshes || !d->morphs || !d->orders) return fail(d->error, NORMA_ERROR_MEMORY);
     norma_document_result result = tell_up_to(d, NULL);
-    for (size_t i = 0; i < count && !result; i++) {
-        norma_core_stage(&d->run.call, (double)i / (double)count, (double)(i + 1) / (double)count);
-        result = check_mesh_of(d, i);
-    }
+    for (size_t i = 0; i < count && !result;) result = check_group_of(d, &i, count);
     return result;
 }
 
@@ -207,7 +214,7 @@ norma_document_result norma_check_document(norma_document *document,
     for (size_t i = 0; d.morphs && i <= d.mesh_count && i < norma_document_mesh_count(document);
          i++)
         free(d.morphs[i]);
-    void *const blocks[] = {d.meshes, (void *)d.morphs, d.nodes, d.skins};
+    void *const blocks[] = {d.meshes, (void *)d.morphs, d.orders, d.nodes, d.skins};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free(blocks[i]);
     return result;
 }

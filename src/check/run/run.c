@@ -97,19 +97,20 @@ static norma_result open_mesh(check_run *run, const norma_check_mesh *given, che
 static void close_mesh(check_mesh *m) {
     const core_call *call = &m->run->call;
     norma_core_release(call, m->faces, m->mesh.face_count, sizeof *m->faces);
+    norma_core_release(call, m->opposed, m->mesh.face_count, 1);
     norma_core_release(call, m->users, norma_check_normal_count(m), sizeof *m->users);
     if (m->has_topology) norma_core_topology_close(&m->topology);
 }
 
 typedef norma_result check_family(check_mesh *m);
 
-norma_result norma_check_run_mesh(
-    check_run *run, const norma_check_mesh *given, const norma_mesh_info *next) {
+static norma_result run_mesh(check_run *run, size_t number) {
     static check_family *const families[] = {
         norma_check_lengths,
-        norma_check_facing,
         norma_check_placeholder,
         norma_check_deviation,
+        norma_check_frame,
+        norma_check_facing,
         norma_check_facets,
         norma_check_edges,
         norma_check_solids,
@@ -126,21 +127,39 @@ norma_result norma_check_run_mesh(
     };
     char label[CHECK_MESSAGE];
     check_mesh m;
+    const norma_check_mesh *given = &run->group->meshes[number];
     norma_result result = open_mesh(run, given, &m);
     if (result) return result;
-    m.siblings =
-        norma_check_siblings(run->last, &given->info) || norma_check_siblings(&given->info, next);
+    m.number = number;
+    m.siblings = run->group->count > 1;
     norma_check_label(&given->info, label);
-    m.place = (check_place){.order = run->next_order++,
-        .where = given->info.where ? given->info.where : "",
-        .label = label};
+    m.place =
+        (check_place){.order = run->group->orders ? run->group->orders[number] : run->next_order++,
+            .where = given->info.where ? given->info.where : "",
+            .label = label};
     for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++)
         result = families[i](&m);
     close_mesh(&m);
-    run->last = &given->info;
-    if (result || norma_check_siblings(&given->info, next)) return result;
-    result = norma_check_seams_joined(run);
-    return result ? result : norma_check_solids_joined(run);
+    return result;
+}
+
+norma_result norma_check_run_group(
+    check_run *run, const norma_check_mesh *meshes, size_t count, const size_t *orders) {
+    check_group group = {.meshes = meshes, .count = count, .orders = orders};
+    norma_result result = NORMA_OK;
+    run->group = &group;
+    for (size_t i = 0; i < count && !result; i++) result = run_mesh(run, i);
+    if (!result) result = norma_check_seams_joined(run);
+    if (!result) result = norma_check_solids_joined(run);
+    norma_check_sides_drop(run);
+    run->group = NULL;
+    return result;
+}
+
+size_t norma_check_group_size(const norma_check_mesh *meshes, size_t count) {
+    size_t size = count > 0;
+    while (size < count && norma_check_siblings(&meshes[size - 1].info, &meshes[size].info)) size++;
+    return size;
 }
 
 norma_result norma_check_scene_run(
@@ -151,11 +170,11 @@ norma_result norma_check_scene_run(
         return NORMA_ERROR_ARGUMENT;
     norma_result result = norma_check_begin(&run, options, scene->format);
     if (result) return result;
-    for (size_t i = 0; i < scene->mesh_count && !result; i++) {
+    for (size_t i = 0, size; i < scene->mesh_count && !result; i += size) {
+        size = norma_check_group_size(&scene->meshes[i], scene->mesh_count - i);
         norma_core_stage(&run.call, (double)i / (double)scene->mesh_count,
-            (double)(i + 1) / (double)scene->mesh_count);
-        result = norma_check_run_mesh(
-            &run, &scene->meshes[i], i + 1 < scene->mesh_count ? &scene->meshes[i + 1].info : NULL);
+            (double)(i + size) / (double)scene->mesh_count);
+        result = norma_check_run_group(&run, &scene->meshes[i], size, NULL);
     }
     if (!result) result = norma_check_nodes(&run, scene, NULL, NULL);
     if (result)

@@ -55,7 +55,8 @@ static void visit_edges(search *s, core_component *component, uint32_t number, s
             component->flags |= COMPONENT_OPEN;
         } else if (partner == CORE_EDGE_CONFLICT) {
             component->flags |= COMPONENT_CONFLICT;
-            reach(s, component, number, t->others[corner], face, 1);
+            if (s->joining != CORE_JOIN_ALIKE)
+                reach(s, component, number, t->others[corner], face, 1);
         } else if (partner == CORE_EDGE_MANY) {
             component->flags |= COMPONENT_MANY;
             if (s->joining == CORE_JOIN_ALL_EDGES)
@@ -141,11 +142,11 @@ norma_result norma_core_find_components(
     c->faces = norma_core_allocate(t->call, c->face_count, sizeof *c->faces);
     c->starts = norma_core_allocate(t->call, FEW + 1, sizeof *c->starts);
     c->each = norma_core_allocate(t->call, FEW, sizeof *c->each);
-    if (joining == CORE_JOIN_CUT) c->reverse = norma_core_allocate(t->call, c->face_count, 1);
-    norma_result result =
-        c->of && c->faces && c->starts && c->each && (c->reverse || joining != CORE_JOIN_CUT)
-            ? NORMA_OK
-            : NORMA_ERROR_MEMORY;
+    const int reverses = joining != CORE_JOIN_ALL_EDGES;
+    if (reverses) c->reverse = norma_core_allocate(t->call, c->face_count, 1);
+    norma_result result = c->of && c->faces && c->starts && c->each && (c->reverse || !reverses)
+                              ? NORMA_OK
+                              : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         search s = {t, c, joining, 0};
         memset(c->of, 0xff, c->face_count * sizeof *c->of);

@@ -46,8 +46,9 @@ typedef struct core_components {
 
 typedef enum core_joining {
     CORE_JOIN_ALL_EDGES = 0, /* an edge joins all its faces, and each keeps its winding */
-    CORE_JOIN_CUT /* edges of more than two faces join none; across conflicts one of the two is
-                     reversed, so that reverse is made */
+    CORE_JOIN_CUT,  /* edges of more than two faces join none; across conflicts one of the two is
+                       reversed, so that reverse is made */
+    CORE_JOIN_ALIKE /* neither those nor conflicts join; reverse is made, all zero */
 } core_joining;
 
 /* In order of their least faces. O(corners). MEMORY leaves nothing to release. topology: its edges

@@ -67,17 +67,8 @@ static norma_result orient_parts(
     return result;
 }
 
-static uint8_t side_of(const core_components *c, size_t face) {
-    const uint8_t turned = c->reverse[face] ? CORE_SIDE_TURNED : 0;
-    if (c->of[face] == UINT32_MAX) return turned | CORE_SIDE_UNDECIDED;
-    const uint8_t flags = c->each[c->of[face]].flags;
-    if (flags & (COMPONENT_ONE_SIDED | COMPONENT_UNDECIDED)) return turned | CORE_SIDE_UNDECIDED;
-    return flags & NOT_CLOSED ? turned | CORE_SIDE_BY_RAYS : turned;
-}
-
-/* reverse: for each face whether it is turned; or, with sides, what is known of that. */
-static norma_result orient(core_topology *t, norma_orient_open open, int sides, uint8_t *reverse,
-    norma_orient_report *report) {
+static norma_result orient(
+    core_topology *t, norma_orient_open open, uint8_t *reverse, norma_orient_report *report) {
     core_components components;
     norma_core_stage(t->call, 0.3, 0.6);
     norma_result result = pair_and_count(t, report);
@@ -86,8 +77,8 @@ static norma_result orient(core_topology *t, norma_orient_open open, int sides, 
     norma_core_stage(t->call, 0.6, 1);
     result = orient_parts(t, open, &components, report);
     for (size_t f = 0; result == NORMA_OK && f < t->mesh.face_count; f++) {
-        reverse[f] = sides ? side_of(&components, f) : components.reverse[f] != 0;
-        report->reversed_faces += reverse[f] & CORE_SIDE_TURNED;
+        reverse[f] = components.reverse[f] != 0;
+        report->reversed_faces += reverse[f];
     }
     norma_core_release_components(t->call, &components);
     return result;
@@ -113,26 +104,9 @@ norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
         norma_core_stage(&call, 0.1, 0.3);
         result = norma_core_topology_open(&call, &checked, &topology);
         if (result != NORMA_OK) return result;
-        result = orient(&topology, open, 0, reverse, &counted);
+        result = orient(&topology, open, reverse, &counted);
         norma_core_topology_close(&topology);
     }
     if (result == NORMA_OK && report) *report = counted;
-    return result;
-}
-
-norma_result norma_core_judge_sides(
-    const norma_mesh *mesh, const norma_options *options, uint8_t *sides) {
-    core_call call;
-    core_mesh checked;
-    core_topology topology;
-    norma_orient_report counted = {.least_confidence = 1};
-    norma_result result = norma_core_begin(&call, options);
-    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
-    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    if (result != NORMA_OK || !checked.face_count) return result;
-    result = norma_core_topology_open(&call, &checked, &topology);
-    if (result != NORMA_OK) return result;
-    result = orient(&topology, NORMA_ORIENT_OPEN_BY_RAYS, 1, sides, &counted);
-    norma_core_topology_close(&topology);
     return result;
 }

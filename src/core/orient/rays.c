@@ -29,7 +29,8 @@ typedef struct ray_triangle { /* a corner, and the edges from there */
     uint32_t face;
 } ray_triangle;
 
-typedef struct rays {
+typedef core_ray_scene rays;
+struct core_ray_scene {
     const core_topology *topology;
     core_components *components;
     core_box_tree tree;
@@ -39,7 +40,7 @@ typedef struct rays {
     uint8_t open_flags;
     uint64_t budget; /* of each part, in steps */
     poll *polls;     /* of each part */
-} rays;
+};
 
 /* ---- a ray */
 
@@ -332,23 +333,50 @@ static void follow_votes(rays *all, core_ray_votes *votes) {
     }
 }
 
-norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components,
-    uint8_t open_flags, core_ray_votes *votes) {
+norma_result norma_core_ray_scene_open(
+    const core_topology *topology, core_components *components, core_ray_scene **scene) {
     const core_call *call = topology->call;
     const size_t parts = components->count;
-    rays all = {.topology = topology, .components = components, .open_flags = open_flags};
+    rays *all = norma_core_allocate(call, 1, sizeof *all);
+    if (!all) return NORMA_ERROR_MEMORY;
+    *all = (rays){.topology = topology, .components = components};
+    all->polls = norma_core_allocate(call, parts, sizeof *all->polls);
+    const norma_result result = all->polls ? build_tree(all) : NORMA_ERROR_MEMORY;
+    for (size_t count = all->count; count > 0; count /= 2)
+        all->budget += 2 * RAYS * STEPS_OF_RAY * ((all->count + parts - 1) / parts);
+    if (result == NORMA_OK)
+        *scene = all;
+    else
+        norma_core_ray_scene_close(all);
+    return result;
+}
+
+norma_result norma_core_ray_scene_vote(
+    core_ray_scene *scene, uint8_t open_flags, core_ray_votes *votes) {
+    const size_t parts = scene->components->count;
     *votes = (core_ray_votes){.least_confidence = 1};
-    all.polls = norma_core_allocate(call, parts, sizeof *all.polls);
-    norma_result result = all.polls ? build_tree(&all) : NORMA_ERROR_MEMORY;
-    for (size_t count = all.count; count > 0; count /= 2)
-        all.budget += 2 * RAYS * STEPS_OF_RAY * ((all.count + parts - 1) / parts);
-    if (result == NORMA_OK) {
-        memset(all.polls, 0, parts * sizeof *all.polls);
-        result = norma_core_parallel(topology->call, parts, poll_part, &all);
-    }
-    if (result == NORMA_OK) follow_votes(&all, votes);
-    norma_core_box_tree_release(call, &all.tree);
-    norma_core_release(call, all.triangles, all.room, sizeof *all.triangles);
-    norma_core_release(call, all.polls, parts, sizeof *all.polls);
+    scene->open_flags = open_flags;
+    memset(scene->polls, 0, parts * sizeof *scene->polls);
+    const norma_result result = norma_core_parallel(scene->topology->call, parts, poll_part, scene);
+    if (result == NORMA_OK) follow_votes(scene, votes);
+    return result;
+}
+
+void norma_core_ray_scene_close(core_ray_scene *scene) {
+    if (!scene) return;
+    const core_call *call = scene->topology->call;
+    norma_core_box_tree_release(call, &scene->tree);
+    norma_core_release(call, scene->triangles, scene->room, sizeof *scene->triangles);
+    norma_core_release(call, scene->polls, scene->components->count, sizeof *scene->polls);
+    norma_core_release(call, scene, 1, sizeof *scene);
+}
+
+norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components,
+    uint8_t open_flags, core_ray_votes *votes) {
+    core_ray_scene *scene = NULL;
+    *votes = (core_ray_votes){.least_confidence = 1};
+    norma_result result = norma_core_ray_scene_open(topology, components, &scene);
+    if (result == NORMA_OK) result = norma_core_ray_scene_vote(scene, open_flags, votes);
+    norma_core_ray_scene_close(scene);
     return result;
 }

@@ -78,7 +78,7 @@ static void what_is_wrong_is_turned(void **state) {
     char text[1500];
     for (int sides = SIDES - 1; sides <= SIDES; sides++) {
         becomes(open_box(text, sides, "tttttt", 1), "N201", sides, "......", 1);
-        becomes(open_box(text, sides, "......", -1), "N201", sides, "......", 1);
+        becomes(open_box(text, sides, "......", -1), "N201,N206", sides, "......", 1);
         becomes(open_box(text, sides, "tttttt", 1), "N201,N302", sides, "......", 1);
         becomes(open_box(text, sides, "......", 1), "N201,N301,N302", sides, "......", 1);
     }
@@ -146,7 +146,7 @@ static void a_double_sided_material_stays(void **state) {
             "\"material\":0}]}]",
             double_sided ? "true" : "false", p, n, i);
         norma_document *document = asset_open(&a, rest, 1);
-        assert_int_equal(fix(document, "N201"), !double_sided);
+        assert_int_equal(fix(document, "N201,N206"), !double_sided);
         assert_int_equal(says_undecided(document), double_sided);
         norma_document_close(document);
         asset_free(&a);

@@ -1,0 +1,266 @@
+/* find_frame.c: what all normals of a surface have been turned by: reversed, mirrored or rotated.
+ * For each weight and crease, the mirror and the rotations that bring stored normals nearest to
+ * computed ones (Horn 1987: unit quaternions; the sum of angles rather than of their squares, by
+ * weights that are found again and again, so that a minority that was not turned does not matter).
+ */
+#include "core/face/triangle.h"
+#include "check/explain/explain_normals.h"
+#include <stdlib.h>
+
+static const double NEAR = 0.017453292519943295; /* 1 degree */
+enum { ROUNDS = 10 };
+
+typedef double matrix3[3][3];
+
+typedef struct frame_pair {
+    double stored[3], computed[3]; /* unit */
+} frame_pair;
+
+typedef struct frame_search {
+    core_call *call;
+    explain_surface *surface;
+    frame_pair *pairs;
+    double *angles;
+    size_t count;
+    int done;
+    explain_frame *best;
+} frame_search;
+
+/* ---- eigenvectors of symmetric matrices (Jacobi 1846) */
+
+typedef struct symmetric {
+    int size;                      /* at most 4 */
+    double a[4][4], vectors[4][4]; /* vectors: in columns */
+} symmetric;
+
+static void rotate(double *x, double *y, double c, double s) {
+    const double a = *x, b = *y;
+    *x = c * a - s * b;
+    *y = s * a + c * b;
+}
+
+static void annihilate(symmetric *m, int p, int q) {
+    if (fabs(m->a[p][q]) < 1e-300) return;
+    const double theta = (m->a[q][q] - m->a[p][p]) / (2 * m->a[p][q]),
+                 t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1)),
+                 c = 1 / sqrt(t * t + 1), s = t * c;
+    for (int k = 0; k < m->size; k++) rotate(&m->a[k][p], &m->a[k][q], c, s);
+    for (int k = 0; k < m->size; k++) rotate(&m->a[p][k], &m->a[q][k], c, s);
+    for (int k = 0; k < m->size; k++) rotate(&m->vectors[k][p], &m->vectors[k][q], c, s);
+}
+
+static void diagonalise(symmetric *m) {
+    enum { SWEEPS = 12 };
+    for (int i = 0; i < m->size; i++)
+        for (int k = 0; k < m->size; k++) m->vectors[i][k] = i == k;
+    for (int sweep = 0; sweep < SWEEPS; sweep++)
+        for (int p = 0; p < m->size; p++)
+            for (int q = p + 1; q < m->size; q++) annihilate(m, p, q);
+}
+
+static int extreme(const symmetric *m, double sign) {
+    int best = 0;
+    for (int i = 1; i < m->size; i++)
+        if (sign * m->a[i][i] > sign * m->a[best][best]) best = i;
+    return best;
+}
+
+/* ---- fits; sums: of weight * stored * computed */
+
+static void about_axis(const double axis[3], double angle, double sign, matrix3 out) {
+    const double c = cos(angle), s = sin(angle);
+    const matrix3 cross = {{0, -axis[2], axis[1]}, {axis[2], 0, -axis[0]}, {-axis[1], axis[0], 0}};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            out[i][k] = sign * ((i == k) * c + s * cross[i][k] + (1 - c) * axis[i] * axis[k]);
+}
+
+static void fit_mirror(matrix3 sums, explain_frame *frame) {
+    symmetric m = {.size = 3};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) m.a[i][k] = sums[i][k] + sums[k][i];
+    diagonalise(&m);
+    const int least = extreme(&m, -1);
+    for (int k = 0; k < 3; k++) frame->axis[k] = m.vectors[k][least];
+    frame->angle_rad = 0;
+}
+
+/* All normals much the same, before and after: the smallest rotation does it. */
+static int fit_single(const frame_search *s, double sign, explain_frame *frame) {
+    double from[3] = {0}, to[3] = {0};
+    for (size_t i = 0; i < s->count; i++)
+        for (int k = 0; k < 3; k++) {
+            from[k] += sign * s->pairs[i].stored[k];
+            to[k] += s->pairs[i].computed[k];
+        }
+    const double alike = .9999 * (double)s->count;
+    if (norma_core_length(from) < alike || norma_core_length(to) < alike) return 0;
+    norma_core_cross(from, to, frame->axis);
+    const double across = norma_core_length(frame->axis), along = norma_core_dot(from, to);
+    for (int k = 0; k < 3; k++) frame->axis[k] /= across > 0 ? across : 1;
+    frame->angle_rad = norma_core_angle(across, along);
+    return across > 0;
+}
+
+static void fit_rotation(matrix3 sums, double sign, explain_frame *frame) {
+    symmetric m = {.size = 4};
+    const double trace = sums[0][0] + sums[1][1] + sums[2][2];
+    m.a[0][0] = sign * trace;
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        m.a[0][i + 1] = m.a[i + 1][0] = sign * (sums[j][k] - sums[k][j]);
+        for (int l = 0; l < 3; l++)
+            m.a[i + 1][l + 1] = sign * (sums[i][l] + sums[l][i] - (i == l) * trace);
+    }
+    diagonalise(&m);
+    const int most = extreme(&m, 1);
+    double sine = 0, cosine = m.vectors[0][most];
+    for (int k = 0; k < 3; k++) {
+        frame->axis[k] = m.vectors[k + 1][most];
+        sine += frame->axis[k] * frame->axis[k];
+    }
+    sine = sqrt(sine);
+    for (int k = 0; k < 3; k++) frame->axis[k] = sine > 0 ? frame->axis[k] / sine : k == 0;
+    frame->angle_rad = 2 * norma_core_angle(sine, cosine);
+}
+
+static void matrix_of(const explain_frame *frame, matrix3 out) {
+    if (frame->kind == EXPLAIN_FRAME_REVERSED)
+        about_axis((const double[3]){1, 0, 0}, 0, -1, out);
+    else if (frame->kind == EXPLAIN_FRAME_MIRROR)
+        about_axis(frame->axis, NORMA_PI, -1, out);
+    else
+        about_axis(frame->axis, frame->angle_rad, frame->kind == EXPLAIN_FRAME_BOTH ? -1 : 1, out);
+}
+
+/* The angle that is left at each pair. */
+static void measure_pairs(frame_search *s, const explain_frame *frame) {
+    matrix3 m;
+    matrix_of(frame, m);
+    for (size_t i = 0; i < s->count; i++) {
+        double turned[3], cross[3];
+        for (int k = 0; k < 3; k++) turned[k] = norma_core_dot(m[k], s->pairs[i].stored);
+        norma_core_cross(turned, s->pairs[i].computed, cross);
+        s->angles[i] = norma_core_angle(
+            norma_core_length(cross), norma_core_dot(turned, s->pairs[i].computed));
+    }
+}
+
+static void fit(const frame_search *s, const double *angles, explain_frame *frame) {
+    matrix3 sums = {{0}};
+    const double sign = frame->kind == EXPLAIN_FRAME_BOTH ? -1 : 1;
+    for (size_t i = 0; i < s->count; i++) {
+        const double weight = angles ? 1 / (angles[i] + 1e-4) : 1;
+        for (int k = 0; k < 3; k++)
+            for (int l = 0; l < 3; l++)
+                sums[k][l] += weight * s->pairs[i].stored[k] * s->pairs[i].computed[l];
+    }
+    if (frame->kind == EXPLAIN_FRAME_MIRROR)
+        fit_mirror(sums, frame);
+    else if (!fit_single(s, sign, frame))
+        fit_rotation(sums, sign, frame);
+}
+
+/* ---- one trial */
+
+static int number_is_less(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median_of(frame_search *s) {
+    qsort(s->angles, s->count, sizeof *s->angles, number_is_less);
+    return s->angles[(s->count - 1) / 2];
+}
+
+static void try_kind(frame_search *s, const explain_trial *trial, explain_frame_kind kind) {
+    explain_frame frame = {.kind = kind, .trial = *trial};
+    if (s->best->kind && s->best->kind < kind) return; /* in this order */
+    if (kind != EXPLAIN_FRAME_REVERSED) fit(s, NULL, &frame);
+    measure_pairs(s, &frame);
+    for (int i = 0; i < ROUNDS && kind != EXPLAIN_FRAME_REVERSED; i++) {
+        fit(s, s->angles, &frame);
+        measure_pairs(s, &frame);
+    }
+    frame.median_rad = median_of(s);
+    if (frame.median_rad >= NEAR ||
+        (s->best->kind == kind && frame.median_rad >= s->best->median_rad - 1e-6))
+        return;
+    *s->best = frame;
+    s->done |= frame.median_rad < 2e-6 && kind == EXPLAIN_FRAME_REVERSED;
+}
+
+static int make_unit(const float *from, double to[3]) {
+    for (int k = 0; k < 3; k++) to[k] = (double)from[k];
+    const double length = norma_core_length(to);
+    for (int k = 0; k < 3; k++) to[k] /= length > 0 ? length : 1;
+    return length > 0 && length < INFINITY;
+}
+
+static void gather_pairs(frame_search *s, const explain_trial *trial) {
+    const explain_surface *surface = s->surface;
+    s->count = 0;
+    for (size_t f = 0; f < surface->checked.face_count; f++)
+        for (size_t c = norma_core_face_begin(&surface->checked, f);
+             c < norma_core_face_end(&surface->checked, f); c++) {
+            frame_pair *pair = &s->pairs[s->count];
+            const size_t stored = norma_explain_stored_of(surface, c),
+                         computed = norma_explain_computed_of(surface, trial, f, c);
+            s->count += surface->angles[c] >= 0 &&
+                        make_unit(surface->stored + 3 * stored, pair->stored) &&
+                        make_unit(surface->computed + 3 * computed, pair->computed);
+        }
+}
+
+static norma_result try_trial(const explain_trial *trial, void *context) {
+    frame_search *s = context;
+    const norma_result result = norma_explain_measure(s->call, s->surface, trial);
+    if (result) return result;
+    gather_pairs(s, trial);
+    for (int kind = EXPLAIN_FRAME_REVERSED; kind <= EXPLAIN_FRAME_BOTH && s->count; kind++)
+        try_kind(s, trial, (explain_frame_kind)kind);
+    return NORMA_OK;
+}
+
+static norma_result search_surface(core_call *call, explain_surface *surface, void *best) {
+    const size_t corners = surface->checked.corner_count;
+    frame_search s = {.call = call,
+        .surface = surface,
+        .best = best,
+        .pairs = norma_core_allocate(call, corners + 1, sizeof *s.pairs),
+        .angles = norma_core_allocate(call, corners, sizeof *s.angles)};
+    norma_result result = s.pairs && s.angles ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result) result = norma_explain_each_trial(call, surface, try_trial, &s, &s.done);
+    norma_core_release(call, s.angles, corners, sizeof *s.angles);
+    norma_core_release(call, s.pairs, corners + 1, sizeof *s.pairs);
+    return result;
+}
+
+/* ---- in words: a rotation by at most half a turn, its axis the way that reads better */
+
+static void tidy(explain_frame *frame) {
+    double *axis = frame->axis;
+    double turn = fmod(frame->angle_rad, 2 * NORMA_PI);
+    if (frame->kind == EXPLAIN_FRAME_BOTH) turn += NORMA_PI; /* -R: along the axis, about it */
+    if (turn > NORMA_PI) turn -= 2 * NORMA_PI;
+    if (turn < -NORMA_PI) turn += 2 * NORMA_PI;
+    int first = 0, turns = turn < 0;
+    for (int k = 0; k < 3; k++)
+        if (fabs(axis[k]) < 5e-4) axis[k] = 0;
+    while (first < 2 && axis[first] == 0) first++;
+    if (NORMA_PI - fabs(turn) < 1e-3 || frame->kind == EXPLAIN_FRAME_MIRROR) {
+        turn = fabs(turn);
+        turns = axis[first] < 0;
+    }
+    for (int k = 0; k < 3; k++) axis[k] = (turns ? -axis[k] : axis[k]) + 0.0;
+    frame->angle_rad = fabs(turn);
+}
+
+norma_result norma_explain_find_frame(core_call *call, const norma_mesh_data *data,
+    const core_mesh *checked, const core_topology *topology, explain_frame *frame) {
+    *frame = (explain_frame){.trial = {.crease_rad = NAN}};
+    const norma_result result =
+        norma_explain_on_sample(call, data, checked, topology, search_surface, frame);
+    tidy(frame);
+    return result;
+}
