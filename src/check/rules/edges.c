@@ -62,18 +62,33 @@ static int twins_explain(const core_topology *t, const core_edge_run *runs, size
 
 enum { MOST_RUNS = 256 }; /* an edge of more faces is not looked at for twins */
 
+/* Faces without area are no third ones: those that have one are gathered. */
+static size_t gather_faces(
+    const check_mesh *m, const core_edge_run *runs, size_t count, core_edge_run *directed) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++)
+        if (norma_check_directed(
+                &m->faces[norma_core_topology_face(&m->topology, runs[i].corner)])) {
+            if (kept < MOST_RUNS) directed[kept] = runs[i];
+            kept++;
+        }
+    return kept;
+}
+
 static void see_edge(
     void *context, size_t block, uint32_t position, const core_edge_run *runs, size_t count) {
     const edge_pass *pass = context;
     edge_part *part = &pass->parts[block];
     const check_mesh *m = pass->m;
     if (count == 2) keep_conflict(part, runs[0].corner, runs[1].corner);
-    if (count <= 2 || !norma_check_wants(m, RULE_N303) ||
-        (count <= MOST_RUNS && twins_explain(&m->topology, runs, count)))
-        return;
+    core_edge_run directed[MOST_RUNS];
+    if (count <= 2 || !norma_check_wants(m, RULE_N303)) return;
+    const size_t kept = gather_faces(m, runs, count, directed);
+    if (kept <= 2 || (kept <= MOST_RUNS && twins_explain(&m->topology, directed, kept))) return;
     part->many_edges++;
-    norma_check_hit(m->run, &part->many, (double)count,
-        (check_spot){position, norma_core_topology_face(&m->topology, runs[0].corner), SIZE_MAX});
+    norma_check_hit(m->run, &part->many, (double)kept,
+        (check_spot){
+            position, norma_core_topology_face(&m->topology, directed[0].corner), SIZE_MAX});
 }
 
 static void see_bow_tie(void *context, size_t block, uint32_t position, size_t fans) {
@@ -91,6 +106,7 @@ static void see_twins(void *context, size_t block, const core_twin *twins, size_
             norma_check_hit(
                 pass->m->run, &part->duplicates, (double)count, norma_check_face(twins[i].face));
     size_t pairs = ways[0] < ways[1] ? ways[0] : ways[1], told = 0;
+    if (!norma_check_directed(&pass->m->faces[twins[0].face])) return; /* nor have its twins */
     for (size_t i = 0; i < count && told < pairs; i++)
         if (twins[i].way != twins[0].way) {
             norma_check_hit(
@@ -115,16 +131,6 @@ static void count_conflicts(const check_mesh *m, const edge_part *part, uint8_t 
     }
 }
 
-/* Whether the two faces have a vertex of the edge in common, rather than only its positions. */
-static int share_vertex(const check_mesh *m, const conflict *c) {
-    const core_topology *t = &m->topology;
-    size_t first_end = norma_core_topology_next(t, norma_core_topology_face(t, c->first), c->first);
-    size_t second_end =
-        norma_core_topology_next(t, norma_core_topology_face(t, c->second), c->second);
-    return norma_core_corner(&m->mesh, c->first) == norma_core_corner(&m->mesh, c->second) ||
-           norma_core_corner(&m->mesh, first_end) == norma_core_corner(&m->mesh, second_end);
-}
-
 /* Of the two faces the one with more such edges is the likelier to be wound wrongly: a single face
  * turned over has one at each side. */
 static check_spot conflict_spot(const check_mesh *m, const conflict *c, const uint8_t *edges) {
@@ -135,49 +141,90 @@ static check_spot conflict_spot(const check_mesh *m, const conflict *c, const ui
         norma_core_topology_face(&m->topology, corner), SIZE_MAX};
 }
 
-static norma_result add_conflicts_of(check_mesh *m, norma_severity severity, check_hits *hits) {
-    char message[CHECK_MESSAGE];
-    if (severity == NORMA_SEVERITY_WARNING)
+/* What is shown of the faces along such an edge. */
+typedef enum conflict_kind {
+    CONFLICT_TURNED,
+    CONFLICT_UNDECIDED,
+    CONFLICT_RIGHT,
+    CONFLICT_KINDS
+} conflict_kind;
+
+static conflict_kind kind_of(const check_mesh *m, const conflict *c, const uint8_t *sides) {
+    const uint8_t first = sides[norma_core_topology_face(&m->topology, c->first)],
+                  second = sides[norma_core_topology_face(&m->topology, c->second)];
+    return norma_core_is_turned(first) || norma_core_is_turned(second) ? CONFLICT_TURNED
+           : (first | second) & CORE_SIDE_UNDECIDED                    ? CONFLICT_UNDECIDED
+                                                                       : CONFLICT_RIGHT;
+}
+
+static void describe_conflicts(
+    conflict_kind kind, size_t edges, size_t turned, char message[CHECK_MESSAGE]) {
+    if (kind == CONFLICT_TURNED)
         norma_check_message(message,
-            "%z edge%s between faces wound against each other; the faces share positions but no "
-            "vertices, as touching parts do",
-            hits->count, norma_check_plural(hits->count));
+            "%z edge%s between faces wound against each other: %z face%s to turn, seen from behind "
+            "as wound now",
+            edges, norma_check_plural(edges), turned, norma_check_plural(turned));
+    else if (kind == CONFLICT_UNDECIDED)
+        norma_check_message(message,
+            "%z edge%s between faces wound against each other; neither volume nor rays show which "
+            "faces to turn",
+            edges, norma_check_plural(edges));
     else
         norma_check_message(message,
-            "%z edge%s between faces wound against each other; one of the two faces is seen from "
-            "behind",
-            hits->count, norma_check_plural(hits->count));
+            "%z edge%s between faces wound against each other, where parts touch: the faces on "
+            "both "
+            "sides are right",
+            edges, norma_check_plural(edges));
+}
+
+/* Where the material shows both sides, all of it only informs. */
+static norma_result add_conflicts_of(
+    check_mesh *m, conflict_kind kind, size_t turned, check_hits *hits) {
+    static const norma_severity severities[CONFLICT_KINDS] = {
+        NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_INFO};
+    const int meant = m->on_purpose && m->run->profile == NORMA_CHECK_PROFILE_RENDER;
+    char message[CHECK_MESSAGE];
+    describe_conflicts(kind, hits->count, turned, message);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N301,
-            .severity = severity,
+            .severity = meant ? NORMA_SEVERITY_INFO : severities[kind],
             .no_value = 1,
+            .no_fix = kind != CONFLICT_TURNED,
             .hits = hits,
             .message = message});
 }
 
-static norma_result add_conflicts(check_mesh *m, const edge_part *parts, size_t blocks) {
-    check_hits joined = {0}, touching = {0};
-    size_t faces = m->mesh.face_count;
-    int render = m->run->profile == NORMA_CHECK_PROFILE_RENDER;
-    uint8_t *edges = norma_core_allocate(&m->run->call, faces, 1);
-    if (!edges) return NORMA_ERROR_MEMORY;
-    memset(edges, 0, faces);
-    for (size_t i = 0; i < blocks; i++) count_conflicts(m, &parts[i], edges);
+static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blocks,
+    const uint8_t *edges, const uint8_t *sides) {
+    check_hits kinds[CONFLICT_KINDS] = {{0}};
     for (size_t i = 0; i < blocks; i++)
         for (size_t k = 0; k < parts[i].conflict_count; k++) {
             const conflict *c = &parts[i].conflicts[k];
-            int touch = render && !m->on_purpose && !share_vertex(m, c);
-            norma_check_hit(m->run, touch ? &touching : &joined, 0, conflict_spot(m, c, edges));
+            norma_check_hit(m->run, &kinds[kind_of(m, c, sides)], 0, conflict_spot(m, c, edges));
         }
+    const size_t turned = norma_check_count_turned(m, edges, sides);
+    norma_result result = NORMA_OK;
+    for (int kind = 0; kind < CONFLICT_KINDS; kind++) {
+        if (!result && kinds[kind].count)
+            result = add_conflicts_of(m, (conflict_kind)kind, turned, &kinds[kind]);
+        norma_check_hits_free(&kinds[kind]);
+    }
+    return result;
+}
+
+static norma_result add_conflicts(check_mesh *m, const edge_part *parts, size_t blocks) {
+    const size_t faces = m->mesh.face_count;
+    uint8_t *edges = norma_core_allocate(&m->run->call, faces, 1),
+            *sides = norma_core_allocate(&m->run->call, faces, 1);
+    norma_result result = edges && sides ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result) {
+        memset(edges, 0, faces);
+        for (size_t i = 0; i < blocks; i++) count_conflicts(m, &parts[i], edges);
+        result = norma_check_sides(m, edges, sides);
+    }
+    if (!result) result = add_judged(m, parts, blocks, edges, sides);
+    norma_core_release(&m->run->call, sides, faces, 1);
     norma_core_release(&m->run->call, edges, faces, 1);
-    norma_result result =
-        joined.count
-            ? add_conflicts_of(
-                  m, render && m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_ERROR, &joined)
-            : NORMA_OK;
-    if (!result && touching.count) result = add_conflicts_of(m, NORMA_SEVERITY_WARNING, &touching);
-    norma_check_hits_free(&joined);
-    norma_check_hits_free(&touching);
     return result;
 }
 
@@ -276,7 +323,7 @@ static void free_parts(const check_mesh *m, edge_part *parts, size_t blocks) {
 }
 
 norma_result norma_check_pairs(check_mesh *m) {
-    norma_result result = norma_check_weld(m);
+    norma_result result = norma_check_faces(m);
     if (result || m->topology.partners || !m->mesh.face_count) return result;
     size_t blocks = norma_core_topology_blocks(&m->topology);
     edge_pass pass = {m, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};

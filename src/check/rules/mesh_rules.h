@@ -12,6 +12,7 @@ norma_result norma_check_frame(check_mesh *m);       /* frame.c: N206 */
 norma_result norma_check_facets(check_mesh *m);      /* facets.c: N205 */
 norma_result norma_check_edges(check_mesh *m);       /* edges.c: N301, N303, N305, N306 */
 norma_result norma_check_solids(check_mesh *m);      /* solids.c: N302, N304 */
+norma_result norma_check_open_edges(check_mesh *m);  /* open_edges.c: N307 */
 norma_result norma_check_shapes(check_mesh *m);      /* face_shapes.c: N401, N402 */
 norma_result norma_check_cancelled(check_mesh *m);   /* cancelled.c: N403 */
 norma_result norma_check_polygons(check_mesh *m);    /* polygons.c: N404, N405 */
@@ -34,6 +35,9 @@ norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
  * matters. sides: of each face of the mesh. */
 norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides);
 void norma_check_sides_drop(check_run *run);
+/* After that: how many faces are shown to be turned, of those and of all in components whose faces
+ * do not agree. */
+size_t norma_check_count_turned(const check_mesh *m, const uint8_t *asked, const uint8_t *sides);
 
 /* Primitives of one glTF mesh that were held until the last one came: seams_joined.c,
  * solids_joined.c. */

@@ -7,12 +7,18 @@
 #include <string.h>
 
 enum { FACES_IN_BLOCK = 1 << 12, MOST_CROSSING = 2000 };
-static const double FOLD = 1e-6; /* of the polygon's area: what rounding may turn over */
+static const double FOLD = 1e-6;  /* of the polygon's area: what rounding may turn over */
+static const double SLIGHT = .01; /* of its area: as much facing away hardly shows */
 static const double OUT_OF_PLANE_SINE = 0.0174524064; /* of 1 degree */
 
+typedef struct folded {
+    check_hits hits;
+    size_t crossing; /* of them: their edges cross */
+} folded;
+
 typedef struct polygon_part {
-    check_hits folded, bent;
-    size_t crossing; /* of the folded: their edges cross */
+    folded folds, slight; /* slight: what faces away is next to nothing of the polygon */
+    check_hits bent;
 } polygon_part;
 
 typedef struct polygon_pass {
@@ -27,21 +33,25 @@ static void corner_from(
     norma_core_subtract(p, origin, out);
 }
 
-/* The least share of the polygon's area that a triangle of its fan has: negative where it faces
- * away. */
-static double least_share(const core_mesh *mesh, size_t face, const double normal[3]) {
+/* The least share of the polygon's area that a triangle of its fan has, negative where it faces
+ * away, and the sum of all that face away. */
+static double least_share(
+    const core_mesh *mesh, size_t face, const double normal[3], double *away) {
     size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
     double origin[3], a[3], b[3], cross[3], sum = 0, least = INFINITY;
     norma_core_position(mesh, norma_core_corner(mesh, begin), origin);
     corner_from(mesh, begin + 1, origin, a);
+    *away = 0;
     for (size_t c = begin + 2; c < end; c++) {
         corner_from(mesh, c, origin, b);
         norma_core_cross(a, b, cross);
         double area = norma_core_dot(cross, normal);
         sum += area;
+        *away += area < 0 ? -area : 0;
         least = fmin(least, area);
         memcpy(a, b, sizeof a);
     }
+    *away /= sum;
     return least / sum;
 }
 
@@ -121,13 +131,15 @@ static void judge_polygon(const polygon_pass *pass, polygon_part *part, size_t f
     const core_mesh *mesh = &m->topology.mesh;
     size_t corners = norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face), at = 0;
     if (corners < 4 || !norma_check_directed(&m->faces[face])) return;
+    double away;
     const double normal[3] = {(double)m->faces[face].normal[0], (double)m->faces[face].normal[1],
         (double)m->faces[face].normal[2]};
-    double share = least_share(mesh, face, normal),
+    double share = least_share(mesh, face, normal, &away),
            sine = most_out_of_plane(mesh, face, normal, &at);
-    if (share < -FOLD) {
-        norma_check_hit(m->run, &part->folded, -share, norma_check_face(face));
-        part->crossing += crosses_itself(mesh, face, normal) != 0;
+    if (share < -FOLD && !norma_check_is_sliver(&m->faces[face])) {
+        folded *to = away < SLIGHT ? &part->slight : &part->folds;
+        norma_check_hit(m->run, &to->hits, -share, norma_check_face(face));
+        to->crossing += crosses_itself(mesh, face, normal) != 0;
     }
     if (sine > OUT_OF_PLANE_SINE)
         norma_check_hit(m->run, &part->bent, norma_check_arc_sine(fmin(sine, 1)) * (180 / NORMA_PI),
@@ -139,37 +151,47 @@ static void judge_polygons(void *context, size_t block, size_t begin, size_t end
     for (size_t f = begin; f < end; f++) judge_polygon(pass, &pass->parts[block], f);
 }
 
+static norma_result add_folded(check_mesh *m, norma_severity severity, folded *f) {
+    char message[CHECK_MESSAGE];
+    if (!f->hits.count || !norma_check_wants(m, RULE_N404)) return NORMA_OK;
+    norma_check_message(message,
+        f->crossing ? "%z of %z polygons %s over if a reader cuts them into a fan from their first "
+                      "corner; %z of them cross%s itself"
+                    : "%z of %z polygons %s over if a reader cuts them into a fan from their first "
+                      "corner",
+        f->hits.count, m->mesh.face_count, f->hits.count == 1 ? "folds" : "fold", f->crossing,
+        f->crossing == 1 ? "es" : "");
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N404,
+            .severity = severity,
+            .unit = "ratio",
+            .no_fix = f->crossing == f->hits.count,
+            .hits = &f->hits,
+            .message = message});
+}
+
 static norma_result add_findings(check_mesh *m, polygon_part *sum) {
     char message[CHECK_MESSAGE];
-    norma_result result = NORMA_OK;
-    if (sum->folded.count && norma_check_wants(m, RULE_N404)) {
-        norma_check_message(message,
-            sum->crossing
-                ? "%z of %z polygons fold over if a reader cuts them into a fan from their first "
-                  "corner; %z cross themselves"
-                : "%z of %z polygons fold over if a reader cuts them into a fan from their first "
-                  "corner",
-            sum->folded.count, m->mesh.face_count, sum->crossing);
-        result = norma_check_add(m->run, &m->place, m,
-            &(check_report){.rule = RULE_N404,
-                .severity = NORMA_SEVERITY_WARNING,
-                .unit = "ratio",
-                .no_fix = sum->crossing == sum->folded.count,
-                .hits = &sum->folded,
-                .message = message});
-    }
-    if (!result && sum->bent.count && norma_check_wants(m, RULE_N405)) {
-        norma_check_message(message,
-            "%z of %z polygons are not flat, by up to %g degrees; readers cut them differently",
-            sum->bent.count, m->mesh.face_count, sum->bent.worst);
-        result = norma_check_add(m->run, &m->place, m,
-            &(check_report){.rule = RULE_N405,
-                .severity = NORMA_SEVERITY_INFO,
-                .unit = "deg",
-                .hits = &sum->bent,
-                .message = message});
-    }
-    return result;
+    norma_result result = add_folded(m, NORMA_SEVERITY_WARNING, &sum->folds);
+    if (!result) result = add_folded(m, NORMA_SEVERITY_INFO, &sum->slight);
+    if (result || !sum->bent.count || !norma_check_wants(m, RULE_N405)) return result;
+    norma_check_message(message,
+        "%z of %z polygons %s not flat, by up to %g degrees; readers cut them differently",
+        sum->bent.count, m->mesh.face_count, sum->bent.count == 1 ? "is" : "are", sum->bent.worst);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N405,
+            .severity = NORMA_SEVERITY_INFO,
+            .unit = "deg",
+            .hits = &sum->bent,
+            .message = message});
+}
+
+static void add_part(const check_run *run, polygon_part *sum, polygon_part *part) {
+    norma_check_hits_merge(run, &sum->folds.hits, &part->folds.hits);
+    norma_check_hits_merge(run, &sum->slight.hits, &part->slight.hits);
+    norma_check_hits_merge(run, &sum->bent, &part->bent);
+    sum->folds.crossing += part->folds.crossing;
+    sum->slight.crossing += part->slight.crossing;
 }
 
 norma_result norma_check_polygons(check_mesh *m) {
@@ -182,15 +204,12 @@ norma_result norma_check_polygons(check_mesh *m) {
     if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_polygons, &pass);
-    polygon_part sum = {.crossing = 0};
-    for (size_t i = 0; i < blocks; i++) {
-        norma_check_hits_merge(m->run, &sum.folded, &pass.parts[i].folded);
-        norma_check_hits_merge(m->run, &sum.bent, &pass.parts[i].bent);
-        sum.crossing += pass.parts[i].crossing;
-    }
+    polygon_part sum = {.bent = {0}};
+    for (size_t i = 0; i < blocks; i++) add_part(m->run, &sum, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     if (!result) result = add_findings(m, &sum);
-    norma_check_hits_free(&sum.folded);
+    norma_check_hits_free(&sum.folds.hits);
+    norma_check_hits_free(&sum.slight.hits);
     norma_check_hits_free(&sum.bent);
     return result;
 }

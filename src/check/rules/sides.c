@@ -55,11 +55,27 @@ void norma_check_sides_drop(check_run *run) {
     *g = (check_group){.meshes = g->meshes, .count = g->count, .orders = g->orders};
 }
 
-norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides) {
-    const check_group *g = m->run->group;
+/* Of the mesh's faces among all of the group. */
+static size_t first_face(const check_mesh *m) {
     size_t first = 0;
+    for (size_t i = 0; i < m->number; i++)
+        first += m->run->group->meshes[i].data.mesh.corner_count / 3;
+    return first;
+}
+
+size_t norma_check_count_turned(const check_mesh *m, const uint8_t *asked, const uint8_t *sides) {
+    const core_components *parts = &m->run->group->judge.parts;
+    const size_t first = first_face(m);
+    size_t count = 0;
+    for (size_t f = 0; f < m->mesh.face_count; f++)
+        count += norma_core_is_turned(sides[f]) && parts->of[first + f] != UINT32_MAX &&
+                 (asked[f] || parts->each[parts->of[first + f]].flags & COMPONENT_CONFLICT);
+    return count;
+}
+
+norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides) {
+    const size_t first = first_face(m);
     norma_result result = open_judge(m->run);
-    for (size_t i = 0; i < m->number; i++) first += g->meshes[i].data.mesh.corner_count / 3;
     if (!result && m->on_purpose) { /* nothing asks rays, which would say nothing */
         memset(sides, 0, m->mesh.face_count);
         asked = sides;

@@ -7,7 +7,8 @@ norma_result norma_check_solids(check_mesh *m) {
     const int nesting = norma_check_wants(m, RULE_N302), sides = norma_check_wants(m, RULE_N304);
     if (!m->mesh.face_count ||
         !(nesting || sides ||
-            (m->siblings && (m->run->rules[RULE_N302] || m->run->rules[RULE_N304]))))
+            (m->siblings && (m->run->rules[RULE_N302] || m->run->rules[RULE_N304] ||
+                                norma_check_wants_open(m->run, m->run->rules)))))
         return NORMA_OK;
     norma_result result = norma_check_pairs(m);
     if (!result)

@@ -17,6 +17,10 @@ norma_result norma_check_judge_solids(
     const core_topology *topology, core_components *components, int nesting, int sides);
 norma_result norma_check_tell_solids(const check_solids *solids);
 
+/* open_edges.c: N307. first: of the mesh's corners in the topology. */
+norma_result norma_check_add_open(check_mesh *m, const core_topology *topology, size_t first);
+int norma_check_wants_open(const check_run *run, const uint8_t *rules);
+
 /* solids_joined.c: of a mesh that has siblings, until the last one has come. */
 norma_result norma_check_solids_hold(check_mesh *m, const core_components *components);
 #endif

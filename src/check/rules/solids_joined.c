@@ -1,7 +1,7 @@
-/* solids_joined.c: N302 and N304 over the primitives of one glTF mesh together: a body of several
- * materials is closed although each of its parts is open, and a cavity of one material lies in a
- * shell of another. A component that is closed within its own primitive is a body by itself, even
- * if others touch it; open parts are joined at equal positions. A component is reported at the
+/* solids_joined.c: N302, N304 and N307 over the primitives of one glTF mesh together: a body of
+ * several materials is closed although each of its parts is open, and a cavity of one material lies
+ * in a shell of another. A component that is closed within its own primitive is a body by itself,
+ * even if others touch it; open parts are joined at equal positions. A component is reported at the
  * primitive of its first face. */
 #include "check/rules/solids.h"
 #include <stdlib.h>
@@ -120,7 +120,8 @@ static norma_result join_loose(joined *j) {
 
 /* ---- judging */
 
-static norma_result tell_members(check_run *run, const core_components *components) {
+static norma_result tell_members(
+    check_run *run, const core_topology *topology, const core_components *components) {
     norma_result result = NORMA_OK;
     size_t face = 0;
     for (size_t i = 0; i < run->solid_count && !result; i++) {
@@ -134,6 +135,8 @@ static norma_result tell_members(check_run *run, const core_components *componen
             .label = label};
         result = norma_check_tell_solids(
             &(check_solids){&m, components, face, face + member->mesh.face_count});
+        if (!result && norma_check_wants_open(run, m.rules))
+            result = norma_check_add_open(&m, topology, 3 * face);
         face += member->mesh.face_count;
     }
     return result;
@@ -157,7 +160,7 @@ static norma_result judge_joined(joined *j) {
     if (!result) {
         result = norma_check_judge_solids(
             &topology, &components, j->run->rules[RULE_N302], j->run->rules[RULE_N304]);
-        if (!result) result = tell_members(j->run, &components);
+        if (!result) result = tell_members(j->run, &topology, &components);
         norma_core_release_components(&call, &components);
     }
     norma_core_topology_close(&topology);

@@ -114,6 +114,7 @@ static norma_result run_mesh(check_run *run, size_t number) {
         norma_check_facets,
         norma_check_edges,
         norma_check_solids,
+        norma_check_open_edges,
         norma_check_shapes,
         norma_check_cancelled,
         norma_check_polygons,

@@ -88,6 +88,21 @@ static void has_only(norma_document *document, const expected *wanted, size_t co
     norma_findings_free(findings);
 }
 
+/* How many edges are open (N307) in all primitives together. */
+static void has_open_edges(norma_document *document, norma_check_profile profile, size_t count) {
+    uint8_t mask[128] = {0};
+    norma_findings *findings;
+    size_t sum = 0;
+    assert_int_equal(norma_rules_select("N307", mask, NULL), NORMA_OK);
+    const norma_check_options options = {
+        .struct_size = sizeof options, .rules = mask, .profile = profile};
+    assert_int_equal(norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
+    for (size_t i = 0; i < norma_findings_count(findings); i++)
+        sum += norma_findings_get(findings, i)->count;
+    assert_int_equal(sum, count);
+    norma_findings_free(findings);
+}
+
 /* Mended by N302, then clean, and every corner of every face where it was but for the reversed
  * ones; again: nothing. rays: open ones too. */
 static void mends(norma_document *document, int rays, const char *rules, uint8_t (*turned)[MOST],
@@ -139,6 +154,7 @@ static void test_cut(void **state) {
         has_only(document,
             &(expected){"N302", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_WARNING},
             (size_t)inward);
+        has_open_edges(document, NORMA_CHECK_PROFILE_PRINT, 0);
         if (inward) mends(document, 0, "N302", all, parts, 3);
         norma_document_close(document);
         asset_free(&a);
@@ -154,6 +170,8 @@ static void test_open(void **state) {
     for (int side = 0; side < 5; side++) add_side(&parts[side > 1], low, high, side, 0);
     norma_document *document = open_parts(&a, parts, 2);
     has_only(document, &(expected){"N304", "/meshes/0/primitives/0", 1, 0, NORMA_SEVERITY_INFO}, 1);
+    has_open_edges(document, NORMA_CHECK_PROFILE_PRINT, 4);
+    has_open_edges(document, NORMA_CHECK_PROFILE_RENDER, 0);
     norma_document_close(document);
     asset_free(&a);
 }

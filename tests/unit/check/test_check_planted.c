@@ -286,14 +286,97 @@ static void one_face_turned_in_a_hundred_thousand(void **state) {
     surface_free(&s);
 }
 
-/* Without a vertex in common the pieces only touch. */
-static void pieces_that_touch(void **state) {
+/* Without a vertex in common as well: positions make the surface. */
+static void one_face_turned_in_a_soup(void **state) {
     (void)state;
     surface s = surface_soup(surface_torus(AROUND, ACROSS));
     surface_turn_face(&s, 777);
-    assert_found(in_render(&s, "N301", NORMA_SEVERITY_WARNING), 3);
-    assert_null(finding_of(found, "N301", NORMA_SEVERITY_ERROR));
+    const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_ERROR);
+    assert_found(f, 3);
+    assert_non_null(strstr(f->message, ": 1 face to turn"));
+    assert_int_equal(f->fix, NORMA_FIX_UNSAFE);
     assert_found(in_print(&s, "N301", NORMA_SEVERITY_ERROR), 3);
+    surface_free(&s);
+}
+
+enum { RING = 32 };
+
+/* Vertices on a circle; returns the first. */
+static uint32_t add_ring(surface *s, double radius, double z) {
+    const uint32_t first = (uint32_t)s->vertices;
+    for (int i = 0; i < RING; i++) {
+        const double a = 2 * 3.141592653589793 * i / RING;
+        const float p[3] = {(float)(radius * cos(a)), (float)(radius * sin(a)), (float)z},
+                    n[3] = {(float)cos(a), (float)sin(a), 0};
+        surface_add_vertex(s, p, n);
+    }
+    return first;
+}
+
+/* A band between two rings, wound from the one to the other as their angle grows. */
+static void add_band(surface *s, uint32_t one, uint32_t other) {
+    for (uint32_t i = 0; i < RING; i++) {
+        const uint32_t next = (i + 1) % RING;
+        surface_add_face(s, (const uint32_t[3]){one + i, one + next, other + next});
+        surface_add_face(s, (const uint32_t[3]){one + i, other + next, other + i});
+    }
+}
+
+/* A tube, its outside outside, with a brim around its upper end that looks up: along the rim both
+ * run the same way, and both are right. */
+static void pieces_that_touch(void **state) {
+    (void)state;
+    surface s = surface_box(origin, 1, 0);
+    s.vertices = s.faces = 0;
+    const uint32_t bottom = add_ring(&s, 1, 0), top = add_ring(&s, 1, 2),
+                   brim = add_ring(&s, 1.3, 1.95);
+    add_band(&s, bottom, top);
+    add_band(&s, brim, top);
+    const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_INFO);
+    assert_found(f, RING);
+    assert_int_equal(f->fix, NORMA_FIX_NONE);
+    assert_null(finding_of(found, "N301", NORMA_SEVERITY_WARNING));
+    assert_null(finding_of(found, "N301", NORMA_SEVERITY_ERROR));
+    assert_found(in_print(&s, "N301", NORMA_SEVERITY_INFO), RING);
+    for (size_t face = 4; face < 12; face += 4) surface_turn_face(&s, face); /* not at the rim */
+    f = in_render(&s, "N301", NORMA_SEVERITY_ERROR);
+    assert_non_null(f);
+    assert_non_null(strstr(f->message, ": 2 faces to turn"));
+    surface_free(&s);
+}
+
+/* A flat sheet is seen from both sides alike: that one of its faces is turned is sure, which one is
+ * not. */
+static void a_sheet_is_undecided(void **state) {
+    (void)state;
+    surface s = surface_box(origin, 1, 0);
+    s.vertices = s.faces = 0;
+    for (int i = 0; i < 6; i++) {
+        const float p[3] = {(float)(i % 2), (float)(i / 2), 0}, n[3] = {0, 0, 1};
+        surface_add_vertex(&s, p, n);
+    }
+    static const uint32_t faces[4][3] = {{0, 1, 3}, {0, 3, 2}, {2, 5, 3}, {2, 4, 5}};
+    for (int i = 0; i < 4; i++) surface_add_face(&s, faces[i]);
+    const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_WARNING);
+    assert_non_null(f);
+    assert_int_equal(f->fix, NORMA_FIX_NONE);
+    assert_non_null(strstr(f->message, "neither volume nor rays"));
+    assert_null(finding_of(found, "N301", NORMA_SEVERITY_ERROR));
+    surface_free(&s);
+}
+
+/* ---- N307 */
+
+static void open_edges(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    assert_null(in_print(&s, "N307", NORMA_SEVERITY_NONE));
+    s.faces--;
+    assert_found(in_print(&s, "N307", NORMA_SEVERITY_WARNING), 3);
+    assert_null(in_render(&s, "N307", NORMA_SEVERITY_NONE));
+    const norma_finding *f = look(&s, "N307", NORMA_SEVERITY_ERROR,
+        &(norma_check_options){.profile = NORMA_CHECK_PROFILE_GENERATED}, NORMA_FILE_GLB);
+    assert_found(f, 3);
     surface_free(&s);
 }
 
@@ -662,7 +745,7 @@ static void lists_of_rules(void **state) {
     const norma_rule *rules = norma_rules(&count);
     uint8_t mask[128] = {0};
     char unknown[64] = "";
-    assert_int_equal(count, 44);
+    assert_int_equal(count, 45);
     for (size_t i = 0; i < count; i++) {
         assert_true(i == 0 || strcmp(rules[i - 1].id, rules[i].id) < 0);
         assert_true(*rules[i].what && *rules[i].why && *rules[i].how);
@@ -721,7 +804,10 @@ int main(void) {
         cmocka_unit_test(explained),
         cmocka_unit_test(facets),
         cmocka_unit_test(one_face_turned_in_a_hundred_thousand),
+        cmocka_unit_test(one_face_turned_in_a_soup),
         cmocka_unit_test(pieces_that_touch),
+        cmocka_unit_test(a_sheet_is_undecided),
+        cmocka_unit_test(open_edges),
         cmocka_unit_test(turned_inside_out),
         cmocka_unit_test(shells_in_shells),
         cmocka_unit_test(open_surfaces),
