@@ -81,6 +81,7 @@ typedef enum explain_frame_kind {
 } explain_frame_kind;
 typedef struct explain_frame {
     explain_frame_kind kind;
+    double turn[4]; /* a unit quaternion; of all but a rotation, what it turns is then reversed */
     double axis[3]; /* unit; not of what is reversed */
     double angle_rad;
     double median_rad; /* left when that is undone */

@@ -67,22 +67,24 @@ static int extreme(const symmetric *m, double sign) {
 
 /* ---- fits; sums: of weight * stored * computed */
 
-static void about_axis(const double axis[3], double angle, double sign, matrix3 out) {
-    const double c = cos(angle), s = sin(angle);
-    const matrix3 cross = {{0, -axis[2], axis[1]}, {axis[2], 0, -axis[0]}, {-axis[1], axis[0], 0}};
+/* The matrix of a unit quaternion, times sign. */
+static void matrix_of_turn(const double q[4], double sign, matrix3 out) {
+    const matrix3 cross = {{0, -q[3], q[2]}, {q[3], 0, -q[1]}, {-q[2], q[1], 0}};
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
-            out[i][k] = sign * ((i == k) * c + s * cross[i][k] + (1 - c) * axis[i] * axis[k]);
+            out[i][k] = sign * ((i == k) * (2 * q[0] * q[0] - 1) + 2 * q[0] * cross[i][k] +
+                                   2 * q[i + 1] * q[k + 1]);
 }
 
+/* Half a turn about the axis, reversed. */
 static void fit_mirror(matrix3 sums, explain_frame *frame) {
     symmetric m = {.size = 3};
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) m.a[i][k] = sums[i][k] + sums[k][i];
     diagonalise(&m);
     const int least = extreme(&m, -1);
-    for (int k = 0; k < 3; k++) frame->axis[k] = m.vectors[k][least];
-    frame->angle_rad = 0;
+    frame->turn[0] = 0;
+    for (int k = 0; k < 3; k++) frame->turn[k + 1] = m.vectors[k][least];
 }
 
 /* All normals much the same, before and after: the smallest rotation does it. */
@@ -95,11 +97,12 @@ static int fit_single(const frame_search *s, double sign, explain_frame *frame) 
         }
     const double alike = .9999 * (double)s->count;
     if (norma_core_length(from) < alike || norma_core_length(to) < alike) return 0;
-    norma_core_cross(from, to, frame->axis);
-    const double across = norma_core_length(frame->axis), along = norma_core_dot(from, to);
-    for (int k = 0; k < 3; k++) frame->axis[k] /= across > 0 ? across : 1;
-    frame->angle_rad = norma_core_angle(across, along);
-    return across > 0;
+    norma_core_cross(from, to, frame->turn + 1);
+    frame->turn[0] = norma_core_length(from) * norma_core_length(to) + norma_core_dot(from, to);
+    const double length =
+        sqrt(frame->turn[0] * frame->turn[0] + norma_core_dot(frame->turn + 1, frame->turn + 1));
+    for (int k = 0; k < 4; k++) frame->turn[k] /= length > 0 ? length : 1;
+    return length > 0;
 }
 
 static void fit_rotation(matrix3 sums, double sign, explain_frame *frame) {
@@ -114,29 +117,13 @@ static void fit_rotation(matrix3 sums, double sign, explain_frame *frame) {
     }
     diagonalise(&m);
     const int most = extreme(&m, 1);
-    double sine = 0, cosine = m.vectors[0][most];
-    for (int k = 0; k < 3; k++) {
-        frame->axis[k] = m.vectors[k + 1][most];
-        sine += frame->axis[k] * frame->axis[k];
-    }
-    sine = sqrt(sine);
-    for (int k = 0; k < 3; k++) frame->axis[k] = sine > 0 ? frame->axis[k] / sine : k == 0;
-    frame->angle_rad = 2 * norma_core_angle(sine, cosine);
-}
-
-static void matrix_of(const explain_frame *frame, matrix3 out) {
-    if (frame->kind == EXPLAIN_FRAME_REVERSED)
-        about_axis((const double[3]){1, 0, 0}, 0, -1, out);
-    else if (frame->kind == EXPLAIN_FRAME_MIRROR)
-        about_axis(frame->axis, NORMA_PI, -1, out);
-    else
-        about_axis(frame->axis, frame->angle_rad, frame->kind == EXPLAIN_FRAME_BOTH ? -1 : 1, out);
+    for (int k = 0; k < 4; k++) frame->turn[k] = m.vectors[k][most];
 }
 
 /* The angle that is left at each pair. */
 static void measure_pairs(frame_search *s, const explain_frame *frame) {
     matrix3 m;
-    matrix_of(frame, m);
+    matrix_of_turn(frame->turn, frame->kind == EXPLAIN_FRAME_ROTATION ? 1 : -1, m);
     for (size_t i = 0; i < s->count; i++) {
         double turned[3], cross[3];
         for (int k = 0; k < 3; k++) turned[k] = norma_core_dot(m[k], s->pairs[i].stored);
@@ -174,7 +161,7 @@ static double median_of(frame_search *s) {
 }
 
 static void try_kind(frame_search *s, const explain_trial *trial, explain_frame_kind kind) {
-    explain_frame frame = {.kind = kind, .trial = *trial};
+    explain_frame frame = {.kind = kind, .trial = *trial, .turn = {1, 0, 0, 0}};
     if (s->best->kind && s->best->kind < kind) return; /* in this order */
     if (kind != EXPLAIN_FRAME_REVERSED) fit(s, NULL, &frame);
     measure_pairs(s, &frame);
@@ -240,20 +227,21 @@ static norma_result search_surface(core_call *call, explain_surface *surface, vo
 
 static void tidy(explain_frame *frame) {
     double *axis = frame->axis;
-    double turn = fmod(frame->angle_rad, 2 * NORMA_PI);
-    if (frame->kind == EXPLAIN_FRAME_BOTH) turn += NORMA_PI; /* -R: along the axis, about it */
-    if (turn > NORMA_PI) turn -= 2 * NORMA_PI;
-    if (turn < -NORMA_PI) turn += 2 * NORMA_PI;
-    int first = 0, turns = turn < 0;
-    for (int k = 0; k < 3; k++)
+    const double sine = norma_core_length(frame->turn + 1);
+    double angle = 2 * norma_core_angle(sine, frame->turn[0]);
+    for (int k = 0; k < 3; k++) {
+        axis[k] = sine > 0 ? frame->turn[k + 1] / sine : k == 0;
         if (fabs(axis[k]) < 5e-4) axis[k] = 0;
-    while (first < 2 && axis[first] == 0) first++;
-    if (NORMA_PI - fabs(turn) < 1e-3 || frame->kind == EXPLAIN_FRAME_MIRROR) {
-        turn = fabs(turn);
-        turns = axis[first] < 0;
     }
+    /* -R is a mirror along the axis, and half a turn about it more. */
+    if (frame->kind == EXPLAIN_FRAME_BOTH || frame->kind == EXPLAIN_FRAME_MIRROR) angle += NORMA_PI;
+    if (angle > 2 * NORMA_PI) angle -= 2 * NORMA_PI;
+    int first = 0, turns = angle > NORMA_PI;
+    if (turns) angle = 2 * NORMA_PI - angle;
+    while (first < 2 && axis[first] == 0) first++;
+    if (NORMA_PI - angle < 1e-3 || frame->kind == EXPLAIN_FRAME_MIRROR) turns = axis[first] < 0;
     for (int k = 0; k < 3; k++) axis[k] = (turns ? -axis[k] : axis[k]) + 0.0;
-    frame->angle_rad = fabs(turn);
+    frame->angle_rad = angle;
 }
 
 norma_result norma_explain_find_frame(core_call *call, const norma_mesh_data *data,
