@@ -1,6 +1,7 @@
 /* seam_angle.c: the angle between the normals on both sides of a seam of UVs, colours or materials,
  * at positions where the surface itself is smooth; and the finding about them (N501). */
 #include "check/rules/seams.h"
+#include "check/findings/angle.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <string.h>
@@ -83,17 +84,22 @@ static double widest_seam(const check_mesh *m, const seam_vertex *vertices, size
     return widest;
 }
 
+static double bend_cosine(const check_face *a, const check_face *b) {
+    return (double)a->normal[0] * (double)b->normal[0] +
+           (double)a->normal[1] * (double)b->normal[1] +
+           (double)a->normal[2] * (double)b->normal[2];
+}
+
+static const check_face *face_at(const check_mesh *m, size_t corner) {
+    return &m->faces[norma_core_topology_face(&m->topology, corner)];
+}
+
+/* Shared by two faces that have a direction, and bent by less than 30 degrees. */
 static int edge_is_smooth(const check_mesh *m, size_t corner) {
-    const core_topology *t = &m->topology;
-    uint32_t partner = t->partners[corner];
-    if (partner == CORE_EDGE_NONE) return 1;
-    if (partner >= CORE_EDGE_SPECIAL) return 0;
-    const check_face *a = &m->faces[norma_core_topology_face(t, corner)],
-                     *b = &m->faces[norma_core_topology_face(t, partner)];
-    double cosine = (double)a->normal[0] * (double)b->normal[0] +
-                    (double)a->normal[1] * (double)b->normal[1] +
-                    (double)a->normal[2] * (double)b->normal[2];
-    return cosine > BEND_COSINE || !norma_check_directed(a) || !norma_check_directed(b);
+    const uint32_t partner = m->topology.partners[corner];
+    if (partner >= CORE_EDGE_SPECIAL) return partner == CORE_EDGE_NONE;
+    const check_face *a = face_at(m, corner), *b = face_at(m, partner);
+    return norma_check_directed(a) && norma_check_directed(b) && bend_cosine(a, b) > BEND_COSINE;
 }
 
 /* Every edge at the position: those that begin there, and those that end there, in the same faces.
@@ -114,14 +120,84 @@ double norma_check_seam_least(const char *encoding) {
     return fmax(LEAST_RAD, 2 * norma_check_encoding_bound(encoding));
 }
 
-double norma_check_seam_angle(const check_mesh *m, size_t position, double least) {
+/* ---- the file's own crease */
+
+static double bend_deg(const check_mesh *m, size_t corner, size_t partner) {
+    return norma_check_arc_cosine(
+               fmax(-1, fmin(1, bend_cosine(face_at(m, corner), face_at(m, partner))))) *
+           (180 / NORMA_PI);
+}
+
+/* The other face's corner at the position where an edge that is shared begins. */
+static size_t across(const check_mesh *m, size_t corner) {
+    const core_topology *t = &m->topology;
+    const uint32_t partner = t->partners[corner];
+    return norma_core_topology_next(t, norma_core_topology_face(t, partner), partner);
+}
+
+typedef struct edge_end {
+    int seam, split;
+} edge_end;
+
+static edge_end end_of(const check_mesh *m, size_t one, size_t other, double least) {
+    const seam_vertex a = vertex_of(m, one), b = vertex_of(m, other);
+    return (edge_end){differ(m, &a, &b), angle_between(m, a.normal, b.normal) > least};
+}
+
+void norma_check_seam_creases(const check_mesh *m, double least, seam_creases *creases) {
+    const core_topology *t = &m->topology;
+    *creases = (seam_creases){{0}, {0}};
+    for (size_t c = 0; c < t->mesh.corner_count; c++) {
+        const uint32_t partner = t->partners[c];
+        if (partner >= CORE_EDGE_SPECIAL || partner < c || !norma_check_directed(face_at(m, c)) ||
+            !norma_check_directed(face_at(m, partner)))
+            continue;
+        const double bend = bend_deg(m, c, partner);
+        if (bend >= SEAM_BENDS || bend < least * (180 / NORMA_PI))
+            continue; /* even flat shading
+                     parts nothing there */
+        const edge_end begin = end_of(m, c, across(m, c), least),
+                       end = end_of(m, across(m, partner), partner, least);
+        if (begin.seam || end.seam) continue;
+        creases->all[(size_t)bend]++;
+        creases->split[(size_t)bend] += begin.split || end.split;
+    }
+}
+
+/* The most that an edge at the position bends along which a seam runs. */
+static double seam_bend(const check_mesh *m, const uint32_t *corners, size_t count, double least) {
+    double most = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (m->topology.partners[corners[i]] >= CORE_EDGE_SPECIAL) continue;
+        const edge_end end = end_of(m, corners[i], across(m, corners[i]), least);
+        if (end.seam && end.split)
+            most = fmax(most, bend_deg(m, corners[i], m->topology.partners[corners[i]]));
+    }
+    return most;
+}
+
+/* Most edges that bend as much are split although no seam runs along them. */
+static int is_crease(const seam_creases *creases, double bend) {
+    enum { AROUND = 5 };
+    const size_t middle = (size_t)bend, from = middle > AROUND ? middle - AROUND : 0;
+    size_t all = 0, split = 0;
+    for (size_t i = from; i <= middle + AROUND && i < SEAM_BENDS; i++) {
+        all += creases->all[i];
+        split += creases->split[i];
+    }
+    return 2 * split > all;
+}
+
+double norma_check_seam_angle(
+    const check_mesh *m, size_t position, double least, const seam_creases *creases) {
     const core_corners_of_position *around = &m->topology.corners_of;
     seam_vertex vertices[MOST_CORNERS];
     size_t count = around->starts[position + 1] - around->starts[position];
     const uint32_t *corners = &around->corners[around->starts[position]];
     if (count < 4 || count > MOST_CORNERS) return 0;
-    double angle = widest_seam(m, vertices, list_vertices(m, corners, count, vertices));
-    return angle > least && surface_is_smooth(m, corners, count) ? angle : 0;
+    const double angle = widest_seam(m, vertices, list_vertices(m, corners, count, vertices));
+    if (!(angle > least) || !surface_is_smooth(m, corners, count)) return 0;
+    return creases && is_crease(creases, seam_bend(m, corners, count, least)) ? 0 : angle;
 }
 
 norma_result norma_check_add_seams(check_mesh *m, check_hits *hits) {

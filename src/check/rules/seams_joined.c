@@ -7,7 +7,6 @@
 #include <string.h>
 
 enum { POSITIONS_IN_BLOCK = 1 << 13 };
-static const double FLAT_COSINE = 0.99939082701909576; /* of 2 degrees */
 
 struct check_member {
     const norma_check_mesh *given;
@@ -25,6 +24,7 @@ typedef struct joined {
     float *texcoords, *colors;
     uint32_t *corners, *materials, *members; /* members: of each vertex */
     double least;
+    const seam_creases *creases; /* NULL: not known yet */
 } joined;
 
 /* Those that are held are judged by norma_check_seams_joined. */
@@ -108,7 +108,6 @@ static void copy_member(joined *j, size_t number, size_t corner) {
 
 static norma_result fill_joined(joined *j) {
     size_t corner = 0;
-    memset(j->angles, 0, j->vertices * sizeof *j->angles);
     for (size_t i = 0; i < j->run->member_count; i++) {
         copy_member(j, i, corner);
         corner += j->run->members[i].mesh.corner_count;
@@ -130,43 +129,12 @@ static norma_result fill_joined(joined *j) {
 
 /* ---- judging */
 
-/* Of one primitive two vertices have quite different normals there: its own edges are hard, and its
- * border may be. */
-static int is_split(const joined *j, size_t position) {
-    const core_corners_of_position *around = &j->m.topology.corners_of;
-    for (size_t i = around->starts[position] + 1; i < around->starts[position + 1]; i++) {
-        const size_t a = norma_core_corner(&j->m.mesh, around->corners[i - 1]),
-                     b = norma_core_corner(&j->m.mesh, around->corners[i]);
-        const double *m = &j->normals[3 * a], *n = &j->normals[3 * b];
-        if (a != b && j->members[a] == j->members[b] &&
-            norma_core_dot(m, n) < FLAT_COSINE * norma_core_length(m) * norma_core_length(n))
-            return 1;
-    }
-    return 0;
-}
-
-/* Every face at the position has its own direction for a normal: parts shaded flat, whose border is
- * a hard edge on purpose. */
-static int is_flat(const joined *j, size_t position) {
-    const core_corners_of_position *around = &j->m.topology.corners_of;
-    for (size_t i = around->starts[position]; i < around->starts[position + 1]; i++) {
-        const check_face *face =
-            &j->m.faces[norma_core_topology_face(&j->m.topology, around->corners[i])];
-        const double *normal =
-            &j->normals[3 * (size_t)norma_core_corner(&j->m.mesh, around->corners[i])];
-        if (norma_check_directed(face) &&
-            norma_check_dot(face->normal, normal) < FLAT_COSINE * norma_core_length(normal))
-            return 0;
-    }
-    return 1;
-}
-
 static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
     joined *j = context;
     const core_corners_of_position *around = &j->m.topology.corners_of;
     (void)block;
     for (size_t p = begin; p < end; p++) {
-        double angle = norma_check_seam_angle(&j->m, p, j->least);
+        double angle = norma_check_seam_angle(&j->m, p, j->least, j->creases);
         if (angle <= j->least) continue;
         size_t spot = 0, first = SIZE_MAX;
         for (size_t i = around->starts[p]; i < around->starts[p + 1]; i++) {
@@ -176,8 +144,7 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
                 (j->members[v] == j->members[spot] && v < spot))
                 spot = v;
         }
-        const int border = j->members[first] != j->members[spot];
-        j->angles[spot] = border && (is_flat(j, p) || is_split(j, p)) ? 0 : angle;
+        j->angles[spot] = angle;
     }
 }
 
@@ -197,13 +164,29 @@ static norma_result add_member(joined *j, size_t number) {
     return norma_check_add_seams(&m, &hits);
 }
 
+static norma_result judge_all(joined *j) {
+    memset(j->angles, 0, j->vertices * sizeof *j->angles);
+    return norma_check_blocks(
+        j->run, j->m.topology.corners_of.position_count, POSITIONS_IN_BLOCK, judge_positions, j);
+}
+
+static int has_any(const joined *j) {
+    for (size_t v = 0; v < j->vertices; v++)
+        if (j->angles[v] > 0) return 1;
+    return 0;
+}
+
 static norma_result judge_joined(joined *j) {
+    seam_creases creases;
     norma_result result = fill_joined(j);
     if (!result) result = norma_check_faces(&j->m);
     if (!result) result = norma_check_pairs(&j->m);
-    if (!result)
-        result = norma_check_blocks(j->run, j->m.topology.corners_of.position_count,
-            POSITIONS_IN_BLOCK, judge_positions, j);
+    if (!result) result = judge_all(j);
+    if (!result && has_any(j)) {
+        norma_check_seam_creases(&j->m, j->least, &creases);
+        j->creases = &creases;
+        result = judge_all(j);
+    }
     for (size_t i = 0; i < j->run->member_count && !result; i++) result = add_member(j, i);
     return result;
 }

@@ -616,6 +616,82 @@ static void a_seam_two_degrees_apart(void **state) {
     surface_free(&s);
 }
 
+/* Each quad with vertices and a normal of its own: the seam of UVs is a hard edge like all others.
+ */
+static void a_seam_of_a_flat_file(void **state) {
+    (void)state;
+    surface smooth = surface_torus(48, 32), s = surface_box(origin, 1, 0);
+    s.vertices = s.faces = 0;
+    for (size_t q = 0; q < smooth.faces / 2; q++) {
+        const uint32_t *c = &smooth.corners[6 * q], quad[4] = {c[0], c[1], c[2], c[5]},
+                       first = (uint32_t)s.vertices;
+        float normal[3] = {0, 0, 0};
+        for (int k = 0; k < 4; k++)
+            for (int d = 0; d < 3; d++) normal[d] += smooth.normals[3 * quad[k] + (uint32_t)d] / 4;
+        const float length =
+            sqrtf(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+        for (int d = 0; d < 3; d++) normal[d] /= length;
+        for (int k = 0; k < 4; k++) {
+            const uint32_t v = surface_add_vertex(&s, &smooth.positions[3 * quad[k]], normal);
+            memcpy(&s.texcoords[2 * v], &smooth.texcoords[2 * quad[k]], 8);
+        }
+        surface_add_face(&s, (const uint32_t[3]){first, first + 1, first + 2});
+        surface_add_face(&s, (const uint32_t[3]){first, first + 2, first + 3});
+    }
+    assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
+    assert_null(finding_of(found, "N201", NORMA_SEVERITY_NONE));
+    surface_free(&s);
+    surface_free(&smooth);
+}
+
+enum { SIDE = 6 };
+
+/* A flat sheet of two halves with UVs of their own, whose normals at the seam are 3 degrees apart.
+ */
+static surface parted_sheet(void) {
+    surface s = surface_box(origin, 1, 0);
+    s.vertices = s.faces = 0;
+    for (int half = 0; half < 2; half++) {
+        const uint32_t first = (uint32_t)s.vertices;
+        for (int y = 0; y <= SIDE; y++)
+            for (int x = 0; x <= SIDE / 2; x++) {
+                const double a = half && x == 0 ? 3 / DEGREES : 0;
+                const float p[3] = {(float)(x + half * SIDE / 2), (float)y, 0},
+                            n[3] = {(float)sin(a), 0, (float)cos(a)};
+                const uint32_t v = surface_add_vertex(&s, p, n);
+                s.texcoords[2 * v] = (float)(x + 10 * half);
+            }
+        for (uint32_t y = 0; y < SIDE; y++)
+            for (uint32_t x = 0; x < SIDE / 2; x++) {
+                const uint32_t at = first + y * (SIDE / 2 + 1) + x, above = at + SIDE / 2 + 1;
+                surface_add_face(&s, (const uint32_t[3]){at, at + 1, above});
+                surface_add_face(&s, (const uint32_t[3]){at + 1, above + 1, above});
+            }
+    }
+    return s;
+}
+
+/* A face without area between two of them says nothing of how the surface bends. */
+static void a_seam_at_a_degenerate_face(void **state) {
+    (void)state;
+    surface s = parted_sheet();
+    const uint32_t stride = SIDE / 2 + 1, first = stride * (SIDE + 1);
+    assert_found(in_render(&s, "N501", NORMA_SEVERITY_WARNING), SIDE - 1);
+    /* The edge from (3, 3) to (4, 3), of the face above it, gets a vertex in its middle. */
+    const uint32_t a = first + 3 * stride, b = a + 1, above = a + stride,
+                   middle = surface_add_vertex(
+                       &s, (const float[3]){3.5f, 3, 0}, (const float[3]){0, 0, 1});
+    for (size_t f = 0; f < s.faces; f++) {
+        uint32_t *c = &s.corners[3 * f];
+        if (c[0] == a && c[1] == b && c[2] == above) c[1] = middle;
+    }
+    surface_add_face(&s, (const uint32_t[3]){middle, b, above});
+    surface_add_face(&s, (const uint32_t[3]){a, b, middle});
+    assert_found(in_render(&s, "N501", NORMA_SEVERITY_WARNING), SIDE - 2);
+    assert_found(finding_of(found, "N401", NORMA_SEVERITY_INFO), 1);
+    surface_free(&s);
+}
+
 /* A torus cut into two primitives of one mesh, the second half with a material of its own: vertices
  * on the border are in both, some turned there. */
 static void a_seam_between_primitives(void **state) {
@@ -745,7 +821,7 @@ static void lists_of_rules(void **state) {
     const norma_rule *rules = norma_rules(&count);
     uint8_t mask[128] = {0};
     char unknown[64] = "";
-    assert_int_equal(count, 45);
+    assert_int_equal(count, 46);
     for (size_t i = 0; i < count; i++) {
         assert_true(i == 0 || strcmp(rules[i - 1].id, rules[i].id) < 0);
         assert_true(*rules[i].what && *rules[i].why && *rules[i].how);
@@ -817,6 +893,8 @@ int main(void) {
         cmocka_unit_test(cancelled),
         cmocka_unit_test(polygons),
         cmocka_unit_test(a_seam_two_degrees_apart),
+        cmocka_unit_test(a_seam_of_a_flat_file),
+        cmocka_unit_test(a_seam_at_a_degenerate_face),
         cmocka_unit_test(a_seam_between_primitives),
         cmocka_unit_test(soups_and_cracks),
         cmocka_unit_test(far_away),
