@@ -28,7 +28,7 @@ function begin(gl, texts, stage, defines) {
 function finish(gl, made) {
   if (!gl.getProgramParameter(made.program, gl.LINK_STATUS) && !gl.isContextLost())
     throw new Error(`Shaders do not compile: ${made.shaders.map((shader) => gl.getShaderInfoLog(shader)).join(" ")} ${gl.getProgramInfoLog(made.program)}`);
-  const uniforms = new Map();
+  const uniforms = new Map([["local_to_world", gl.getUniformLocation(made.program, "local_to_world")]]);
   made.place = (name) => {
     if (!uniforms.has(name)) uniforms.set(name, gl.getUniformLocation(made.program, name));
     return uniforms.get(name);
@@ -323,6 +323,14 @@ export function makeGraphics(canvas, texts) {
     drawTriangles(item, item.surface.marks);
   };
 
+  /* Asks after all programs while the card has nothing else to do. */
+  const warmUp = async () => {
+    for (const made of programs.values()) {
+      await drained();
+      if (!made.place) finish(gl, made);
+    }
+  };
+
   const clear = () => {
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.disable(gl.SCISSOR_TEST);
@@ -341,5 +349,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, makeSurface, drawSurface, drawRest, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, drawSurface, drawRest, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
 }

@@ -814,6 +814,7 @@ export async function startPage(texts) {
   showFirst(asked);
   remember = () => { if (!intro.isPlaying() && !intro.isShown()) kept(); };
   requestAnimationFrame(frame);
+  graphics.warmUp().catch((error) => notice(error.message));
 }
 
 startPage(SHADERS).catch((error) => fallBack(error.message));
