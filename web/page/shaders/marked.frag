@@ -23,6 +23,10 @@ void main() {
     face *= sign(dot(face, to_eye));
     float light = 0.3 + 0.4 * max(dot(face, to_eye), 0.0) + 0.3 * max(dot(face, unit(vec3(-0.6, 0.7, 0.5))), 0.0);
     vec3 base = marked ? mark.rgb / mark.a * (0.55 + 0.45 * light) : vec3(0.42) * light;
-    pixel = vec4(encode(base), marked ? 1.0 : rest_alpha);
+#if defined(REST_ONLY)
+    pixel = vec4(encode(base), rest_alpha);
+#else
+    pixel = vec4(encode(base), 1.0);
+#endif
 #endif
 }
