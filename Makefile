@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz judges dist web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz clean
+.PHONY: all help deps demo figures fuzz judges dist mpi web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -30,6 +30,7 @@ help:
 	@echo "make tsan      runs the tests that use threads with the thread sanitizer only (clang)"
 	@echo "make fuzz      runs every fuzz target for MINUTES (15) of processor time (clang)"
 	@echo "make judges    fixes every file of the data set by each rule and has the results judged by admesh, the glTF validator and a reader of our own"
+	@echo "make mpi       installs Open MPI and MPICH, builds libnorma-mpi and norma-mpi with each, and tests them on 1 to 16 ranks"
 	@echo "make coverage  shows which lines and branches of core and io the tests run (gcov)"
 	@echo "make portable  checks that results have the same bits with other compilers, as WebAssembly, on 64-bit ARM (qemu) and Windows (Wine)"
 	@echo "make bench     measures Norma against memcpy and other libraries, which it installs (more than a gigabyte); ten minutes"
@@ -106,6 +107,10 @@ judges:
 	@scripts/install-deps.sh || true
 	@$(MAKE) --no-print-directory all
 	@NORMA_TREE=$(abspath $(BUILD)) tests/cli/judges.sh --all
+
+mpi:
+	@scripts/install-deps.sh mpi
+	@NORMA_MPI_LONG=1 tests/mpi/mpi.sh
 
 analyse:
 	@scripts/install-deps.sh analyse

@@ -8,6 +8,7 @@
 #   scripts/install-deps.sh bench   that, and the libraries that `make bench` compares with (more than a gigabyte)
 #   scripts/install-deps.sh portable    and cross compilers for 64-bit ARM and Windows with what runs their programs
 #   scripts/install-deps.sh analyse     and clang-tidy
+#   scripts/install-deps.sh mpi     what `make mpi` needs: Open MPI and MPICH
 #   scripts/install-deps.sh deb     what `make deb` needs
 #   scripts/install-deps.sh         what building and `make test` need
 set -eu
@@ -26,6 +27,7 @@ if [ "$what" = portable ]; then
     packages="$packages $web_packages llvm dpkg-dev gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine wine64"
 fi
 [ "$what" != analyse ] || packages="$packages clang clang-tidy"
+[ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ]; then
     # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint; admesh: a judge of fixed STL files; curl: fetches a release in the test of the action.
@@ -45,7 +47,7 @@ $package installed"*) ;;
     *) missing="$missing $package" ;;
     esac
 done
-[ "$what" = build ] || command -v node >/dev/null || missing="$missing nodejs"
+[ "$what" = build ] || [ "$what" = mpi ] || command -v node >/dev/null || missing="$missing nodejs"
 if [ "$what" = all ] || [ "$what" = bench ]; then
     command -v npm >/dev/null || missing="$missing npm"
 fi

@@ -85,9 +85,10 @@ none "no headers include each other in a circle" "$(circles <(grep -E '\.h [^ ]*
 core_system='system/(stddef|stdint|stdbool|stdlib|string|math|float|limits|stdalign|stdatomic|assert|errno|pthread|sched|threads|unistd|[a-z]*intrin|arm_neon|wasm_simd128|cpuid|sys/mman|sys/auxv)\.h'
 none "the core includes of others only norma.h and a C library without input and output" \
     "$(grep '^core/' "$scratch/includes" | grep -vE " (core/[a-z0-9_/]+\.h|norma/norma\.h|$core_system)\$")"
+none "MPI is called in src/mpi only" "$(grep ' system/mpi\.h$' "$scratch/includes" | grep -v '^mpi/')"
 none "render includes only the core's public header" "$(grep '^render/' "$scratch/includes" | grep ' norma/' | grep -v ' norma/norma\.h$')"
-none "public headers include only each other and the freestanding C library" \
-    "$(includes include/norma | grep -vE ' (norma/[a-z]+\.h|system/(stddef|stdint)\.h)$')"
+none "public headers include only each other and the freestanding C library, and mpi.h that of MPI" \
+    "$(includes include/norma | grep -vE ' (norma/[a-z]+\.h|system/(stddef|stdint)\.h)$' | grep -vx 'mpi\.h system/mpi\.h')"
 none "nothing outside the tool reaches into src/cli" "$(grep -rlE '#[[:space:]]*include[[:space:]]*"[^"]*cli/' src web --include='*.[ch]' | grep -v '^src/cli/')"
 
 # ---- calls

@@ -195,9 +195,7 @@ static norma_result check_corners(core_call *call, const core_mesh *mesh, core_r
     return atomic_load_explicit(&check.wrong, memory_order_relaxed) ? NORMA_ERROR_INDEX : NORMA_OK;
 }
 
-/* Products of four lengths must fit a double: beyond 2^200 or below 2^-200 all positions are read
- * times a power of two. */
-static double scale_of_doubles(const core_mesh *mesh) {
+double norma_core_largest_coordinate(const core_mesh *mesh) {
     const unsigned char *at = mesh->positions.data;
     double largest = 0;
     for (size_t i = 0; i < mesh->positions.count; i++, at += mesh->positions.stride) {
@@ -207,6 +205,12 @@ static double scale_of_doubles(const core_mesh *mesh) {
                      most = xy > z ? xy : z;
         if (most > largest && norma_core_finite(p)) largest = most;
     }
+    return largest;
+}
+
+/* Products of four lengths must fit a double: beyond 2^200 or below 2^-200 all positions are read
+ * times a power of two. */
+double norma_core_scale_for(double largest) {
     if (largest == 0 || (largest > 0x1p-200 && largest < 0x1p200)) return 1;
     const int exponent = ilogb(largest);
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
@@ -222,6 +226,6 @@ norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range
     if (mesh->face_starts && all_are_triangles(mesh)) mesh->face_starts = NULL;
     const norma_result result = check_corners(call, mesh, ranges);
     if (result == NORMA_OK && mesh->positions.format == NORMA_FORMAT_DOUBLE)
-        mesh->scale = scale_of_doubles(mesh);
+        mesh->scale = norma_core_scale_for(norma_core_largest_coordinate(mesh));
     return result;
 }

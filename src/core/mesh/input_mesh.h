@@ -35,6 +35,11 @@ typedef struct core_range {
 } core_range;
 norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges);
 
+/* Of positions in doubles: the largest coordinate of those that are finite, 0 without any; and the
+ * scale for it. */
+double norma_core_largest_coordinate(const core_mesh *mesh);
+double norma_core_scale_for(double largest);
+
 /* Out of line, so that the common cases stay short. */
 uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner);
 void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]);

@@ -1,0 +1,162 @@
+/* exchange.c: all of MPI that the computation of normals needs. */
+#include "mpi/exchange/exchange.h"
+#include <limits.h>
+#include <string.h>
+
+norma_result norma_mpi_begin(mpi_call *call, MPI_Comm comm, core_call *core) {
+    *call = (mpi_call){.core = core};
+    if (MPI_Comm_dup(comm, &call->comm) != MPI_SUCCESS) return NORMA_ERROR_ARGUMENT;
+    MPI_Comm_rank(call->comm, &call->rank);
+    MPI_Comm_size(call->comm, &call->ranks);
+    return NORMA_OK;
+}
+
+void norma_mpi_end(mpi_call *call) { MPI_Comm_free(&call->comm); }
+
+/* ---- agreeing */
+
+/* Cancelled is less than any error. */
+static int gravity(norma_result result) { return result > 0 ? 1 : result < 0 ? 1 - result : 0; }
+
+norma_result norma_mpi_agree(const mpi_call *call, norma_result mine) {
+    int worst = gravity(mine), all = 0;
+    MPI_Allreduce(&worst, &all, 1, MPI_INT, MPI_MAX, call->comm);
+    return (norma_result)(all > 1 ? 1 - all : all);
+}
+
+norma_result norma_mpi_step(mpi_call *call, double fraction, norma_result mine) {
+    if (mine == NORMA_OK && norma_core_progress(call->core, fraction)) mine = NORMA_CANCELLED;
+    return norma_mpi_agree(call, mine);
+}
+
+static uint64_t reduce(const mpi_call *call, uint64_t mine, MPI_Op op) {
+    uint64_t all = 0;
+    MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, op, call->comm);
+    return all;
+}
+
+uint64_t norma_mpi_sum(const mpi_call *call, uint64_t mine) { return reduce(call, mine, MPI_SUM); }
+uint64_t norma_mpi_largest(const mpi_call *call, uint64_t mine) {
+    return reduce(call, mine, MPI_MAX);
+}
+
+uint64_t norma_mpi_sum_before(const mpi_call *call, uint64_t mine) {
+    uint64_t before = 0;
+    MPI_Exscan(&mine, &before, 1, MPI_UINT64_T, MPI_SUM, call->comm);
+    return call->rank ? before : 0; /* the first rank's is undefined */
+}
+
+int norma_mpi_all_equal(const mpi_call *call, const uint64_t *numbers, size_t count) {
+    int equal = 1;
+    for (size_t i = 0; i < count; i++) {
+        const uint64_t mine[2] = {numbers[i], ~numbers[i]};
+        uint64_t most[2];
+        MPI_Allreduce(mine, most, 2, MPI_UINT64_T, MPI_MAX, call->comm);
+        equal &= most[0] == ~most[1];
+    }
+    return equal;
+}
+
+/* ---- lists */
+
+static norma_result allocate_lists(const mpi_call *call, uint64_t total, mpi_lists *lists) {
+    const size_t ranks = (size_t)call->ranks;
+    if (total > INT_MAX || total * lists->record > SIZE_MAX / 2) return NORMA_ERROR_OVERFLOW;
+    lists->capacity = (size_t)total * lists->record;
+    lists->bytes = norma_core_allocate(call->core, lists->capacity, 1);
+    lists->counts = norma_core_allocate(call->core, ranks, sizeof *lists->counts);
+    lists->starts = norma_core_allocate(call->core, ranks + 1, sizeof *lists->starts);
+    if (lists->bytes && lists->counts && lists->starts) return NORMA_OK;
+    norma_mpi_lists_close(call, lists);
+    return NORMA_ERROR_MEMORY;
+}
+
+norma_result norma_mpi_lists_open(
+    const mpi_call *call, const uint64_t *room, size_t record, mpi_lists *lists) {
+    uint64_t total = 0;
+    *lists = (mpi_lists){.record = record};
+    for (int r = 0; r < call->ranks; r++) {
+        if (room[r] > INT_MAX) return NORMA_ERROR_OVERFLOW;
+        total += room[r];
+    }
+    const norma_result result = allocate_lists(call, total, lists);
+    if (result != NORMA_OK) return result;
+    lists->starts[0] = 0;
+    for (int r = 0; r < call->ranks; r++) {
+        lists->counts[r] = 0;
+        lists->starts[r + 1] = lists->starts[r] + (int)room[r];
+    }
+    return NORMA_OK;
+}
+
+norma_result norma_mpi_lists_like(
+    const mpi_call *call, const mpi_lists *shape, size_t record, mpi_lists *lists) {
+    const size_t ranks = (size_t)call->ranks;
+    *lists = (mpi_lists){.record = record};
+    const norma_result result = allocate_lists(call, (uint64_t)shape->starts[ranks], lists);
+    if (result != NORMA_OK) return result;
+    memcpy(lists->counts, shape->counts, ranks * sizeof *lists->counts);
+    memcpy(lists->starts, shape->starts, (ranks + 1) * sizeof *lists->starts);
+    return NORMA_OK;
+}
+
+void norma_mpi_lists_close(const mpi_call *call, mpi_lists *lists) {
+    const size_t ranks = (size_t)call->ranks;
+    norma_core_release(call->core, lists->bytes, lists->capacity, 1);
+    norma_core_release(call->core, lists->counts, ranks, sizeof *lists->counts);
+    norma_core_release(call->core, lists->starts, ranks + 1, sizeof *lists->starts);
+    *lists = (mpi_lists){0};
+}
+
+/* ---- exchanging */
+
+static void count_sent(mpi_call *call, const mpi_lists *out) {
+    const uint64_t records = norma_mpi_lists_total(call, out) - (uint64_t)out->counts[call->rank];
+    call->messages += records;
+    call->sent += records * out->record;
+}
+
+static void pass(mpi_call *call, const mpi_lists *out, mpi_lists *in) {
+    MPI_Datatype record;
+    MPI_Type_contiguous((int)out->record, MPI_BYTE, &record);
+    MPI_Type_commit(&record);
+    MPI_Alltoallv(out->bytes, out->counts, out->starts, record, in->bytes, in->counts, in->starts,
+        record, call->comm);
+    MPI_Type_free(&record);
+    count_sent(call, out);
+}
+
+static norma_result open_received(
+    const mpi_call *call, const int *counts, size_t record, mpi_lists *in) {
+    const size_t ranks = (size_t)call->ranks;
+    uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
+    if (!room) return NORMA_ERROR_MEMORY;
+    for (size_t r = 0; r < ranks; r++) room[r] = (uint64_t)counts[r];
+    const norma_result result = norma_mpi_lists_open(call, room, record, in);
+    if (result == NORMA_OK) memcpy(in->counts, counts, ranks * sizeof *counts);
+    norma_core_release(call->core, room, ranks, sizeof *room);
+    return result;
+}
+
+norma_result norma_mpi_exchange(
+    mpi_call *call, norma_result mine, const mpi_lists *out, mpi_lists *in) {
+    const size_t ranks = (size_t)call->ranks;
+    int *counts = norma_core_allocate(call->core, ranks, sizeof *counts);
+    *in = (mpi_lists){0};
+    if (mine == NORMA_OK && !counts) mine = NORMA_ERROR_MEMORY;
+    norma_result result = norma_mpi_agree(call, mine);
+    if (result == NORMA_OK) {
+        MPI_Alltoall(out->counts, 1, MPI_INT, counts, 1, MPI_INT, call->comm);
+        result = norma_mpi_agree(call, open_received(call, counts, out->record, in));
+        if (result == NORMA_OK)
+            pass(call, out, in);
+        else
+            norma_mpi_lists_close(call, in);
+    }
+    norma_core_release(call->core, counts, ranks, sizeof *counts);
+    return result;
+}
+
+void norma_mpi_answer(mpi_call *call, const mpi_lists *answers, mpi_lists *in) {
+    pass(call, answers, in);
+}

@@ -1,0 +1,298 @@
+/* sums.c: each rank goes through its faces in ascending number. Votes for positions of its own are
+ * added at once; those for shared ones go to their homes, which add them in ascending number of
+ * faces over all ranks. They go in rounds, each for a range of the slots of every home: a round
+ * brings all votes for its slots, so that no vote waits for a later one. */
+#include "mpi/vertex/sums.h"
+#include "core/call/output.h"
+#include "mpi/vertex/home_sums.h"
+#include "mpi/vertex/votes.h"
+
+enum { LEAST_VOTES = 1 << 16 };
+
+typedef struct sum_rounds {
+    mpi_call *call;
+    mpi_sums *sums;
+    uint64_t round, rounds;
+    mpi_lists *out;
+} sum_rounds;
+
+/* ---- which votes go in which round */
+
+static uint64_t round_of(const sum_rounds *r, mpi_place place) {
+    return norma_mpi_slot(place) * r->rounds / r->sums->sharing->slots[norma_mpi_home(place)];
+}
+static int is_now(const sum_rounds *r, mpi_place place) {
+    return norma_mpi_kind(place) == MPI_SHARED && round_of(r, place) == r->round;
+}
+
+static mpi_place place_of_corner(const mpi_sums *sums, size_t corner) {
+    const uint32_t v = norma_core_corner(&sums->prepared->mesh, corner);
+    return sums->sharing->places[sums->merge ? sums->merge[v] : v];
+}
+
+/* The first round adds up what is summed here, too, and counts degenerate faces. */
+static int wants_face(const void *context, size_t f) {
+    const sum_rounds *r = context;
+    const core_mesh *mesh = &r->sums->prepared->mesh;
+    if (!r->round && r->sums->degenerate) return 1;
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
+        const mpi_place place = place_of_corner(r->sums, c);
+        if (is_now(r, place) || (!r->round && norma_mpi_kind(place) == MPI_OWN)) return 1;
+    }
+    return 0;
+}
+
+static void send_vote(const sum_rounds *r, mpi_place place, uint64_t face, const double vote[4]) {
+    norma_mpi_write_vote(norma_mpi_lists_add(r->out, norma_mpi_home(place)), r->sums->numbered,
+        (uint32_t)norma_mpi_slot(place), face, vote);
+}
+
+static void take_vote(
+    void *context, size_t face, size_t corner, double weight, const double normal[3]) {
+    const sum_rounds *r = context;
+    const mpi_place place = place_of_corner(r->sums, corner);
+    if (is_now(r, place)) {
+        const double vote[4] = {weight * normal[0], weight * normal[1], weight * normal[2], weight};
+        send_vote(r, place, norma_mpi_face_id(r->sums->faces, face), vote);
+    } else if (!r->round && norma_mpi_kind(place) == MPI_OWN) {
+        norma_core_add_vote(&r->sums->own[norma_mpi_slot(place)], weight, normal);
+    }
+}
+
+static void take_degenerate(void *context, size_t face) {
+    const sum_rounds *r = context;
+    if (!r->round && r->sums->degenerate)
+        norma_core_count_one(r->sums->degenerate, (size_t)norma_mpi_face_id(r->sums->faces, face));
+}
+
+/* Their sums are complete after the first round's faces; nobody else votes where they go. */
+static void send_loans(const sum_rounds *r) {
+    const mpi_sharing *sharing = r->sums->sharing;
+    for (size_t i = 0; i < sharing->loan_count; i++) {
+        const vertex_sum *sum = &r->sums->own[sharing->loans[i].sum];
+        if (!is_now(r, sharing->loans[i].place) || !norma_core_has_votes(sum)) continue;
+        send_vote(r, sharing->loans[i].place, UINT64_MAX,
+            (const double[4]){sum->x, sum->y, sum->z, sum->weight});
+    }
+}
+
+/* ---- rounds */
+
+typedef int count_filter(const sum_rounds *r, mpi_place place);
+static int is_shared(const sum_rounds *r, mpi_place place) {
+    (void)r;
+    return norma_mpi_kind(place) == MPI_SHARED;
+}
+
+/* Of each home, at most: degenerate faces vote for nothing. */
+static void count_votes(const sum_rounds *r, count_filter *filter, uint64_t *counts) {
+    const mpi_sharing *sharing = r->sums->sharing;
+    memset(counts, 0, (size_t)r->call->ranks * sizeof *counts);
+    for (size_t c = 0; c < r->sums->prepared->mesh.corner_count; c++) {
+        const mpi_place place = place_of_corner(r->sums, c);
+        if (filter(r, place)) counts[norma_mpi_home(place)]++;
+    }
+    for (size_t i = 0; i < sharing->loan_count; i++)
+        if (filter(r, sharing->loans[i].place)) counts[norma_mpi_home(sharing->loans[i].place)]++;
+}
+
+/* So many that neither what a rank sends in one nor what it receives is beyond the budget. */
+static norma_result choose_rounds(sum_rounds *r, size_t budget) {
+    const size_t ranks = (size_t)r->call->ranks;
+    uint64_t *counts = norma_core_allocate(r->call->core, ranks, sizeof *counts), sent = 0;
+    const norma_result result = norma_mpi_agree(r->call, counts ? NORMA_OK : NORMA_ERROR_MEMORY);
+    if (result == NORMA_OK) {
+        size_t most = budget / (2 * norma_mpi_vote_size(r->sums->numbered));
+        if (most < LEAST_VOTES) most = LEAST_VOTES;
+        count_votes(r, is_shared, counts);
+        for (size_t i = 0; i < ranks; i++) sent += counts[i];
+        MPI_Allreduce(MPI_IN_PLACE, counts, r->call->ranks, MPI_UINT64_T, MPI_SUM, r->call->comm);
+        if (counts[r->call->rank] > sent) sent = counts[r->call->rank];
+        r->rounds = norma_mpi_largest(r->call, sent / most + 1);
+    }
+    norma_core_release(r->call->core, counts, ranks, sizeof *counts);
+    return result;
+}
+
+static norma_result list_votes(sum_rounds *r, mpi_lists *out) {
+    const core_call *core = r->call->core;
+    const size_t ranks = (size_t)r->call->ranks;
+    uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
+    if (!room) return NORMA_ERROR_MEMORY;
+    count_votes(r, is_now, room);
+    const norma_result result =
+        norma_mpi_lists_open(r->call, room, norma_mpi_vote_size(r->sums->numbered), out);
+    norma_core_release(core, room, ranks, sizeof *room);
+    if (result != NORMA_OK) return result;
+    const mpi_visit visit = {
+        r->sums->prepared, r->sums->faces, wants_face, take_vote, take_degenerate, r};
+    r->out = out;
+    norma_mpi_visit_votes(&visit);
+    send_loans(r);
+    return NORMA_OK;
+}
+
+/* The first slot of a round, by the same rounding as round_of. */
+static uint64_t first_slot(const sum_rounds *r, uint64_t round) {
+    const uint64_t slots = r->sums->sharing->slots[r->call->rank];
+    return (round * slots + r->rounds - 1) / r->rounds;
+}
+
+static norma_result run_round(sum_rounds *r) {
+    mpi_call *call = r->call;
+    mpi_lists out = {0}, in = {0};
+    norma_result result = norma_mpi_exchange(call, list_votes(r, &out), &out, &in);
+    norma_mpi_lists_close(call, &out);
+    if (result != NORMA_OK) return result;
+    const mpi_home home = {.call = call,
+        .in = &in,
+        .numbered = r->sums->numbered,
+        .first = first_slot(r, r->round),
+        .count = (size_t)(first_slot(r, r->round + 1) - first_slot(r, r->round)),
+        .outcomes = r->sums->outcomes};
+    result = norma_mpi_sum_at_home(&home);
+    norma_mpi_lists_close(call, &in);
+    return norma_mpi_step(call, (double)(r->round + 1) / (double)r->rounds, result);
+}
+
+static norma_result open_sums(const mpi_call *call, mpi_sums *sums) {
+    const mpi_sharing *sharing = sums->sharing;
+    const size_t slots = (size_t)sharing->slots[call->rank];
+    sums->own = norma_core_allocate(call->core, (size_t)sharing->own, sizeof *sums->own);
+    sums->outcomes = norma_core_allocate(call->core, slots, sizeof *sums->outcomes);
+    if (!sums->own || !sums->outcomes) return NORMA_ERROR_MEMORY;
+    norma_core_clear_sums(sums->own, (size_t)sharing->own);
+    return NORMA_OK;
+}
+
+norma_result norma_mpi_sum_all(mpi_call *call, size_t budget, mpi_sums *sums) {
+    sum_rounds r = {.call = call, .sums = sums};
+    sums->own = NULL;
+    sums->outcomes = NULL;
+    norma_result result = norma_mpi_agree(call, open_sums(call, sums));
+    if (result == NORMA_OK) result = choose_rounds(&r, budget);
+    for (; r.round < r.rounds && result == NORMA_OK; r.round++) result = run_round(&r);
+    if (result != NORMA_OK) norma_mpi_sums_close(call, sums);
+    return result;
+}
+
+void norma_mpi_sums_close(const mpi_call *call, mpi_sums *sums) {
+    norma_core_release(call->core, sums->own, (size_t)sums->sharing->own, sizeof *sums->own);
+    norma_core_release(call->core, sums->outcomes, (size_t)sums->sharing->slots[call->rank],
+        sizeof *sums->outcomes);
+    sums->own = NULL;
+    sums->outcomes = NULL;
+}
+
+/* ---- handing out */
+
+typedef struct hand_out {
+    mpi_call *call;
+    const mpi_sums *sums;
+    size_t begin, end; /* the positions of this round */
+} hand_out;
+
+enum { OUTCOME_SIZE = 3 * sizeof(float) + 1 };
+
+static int is_at_home(mpi_place place) {
+    return norma_mpi_kind(place) == MPI_SHARED || norma_mpi_kind(place) == MPI_ASKED;
+}
+
+static mpi_place place_of(const mpi_sums *sums, size_t v) {
+    return sums->sharing->places[sums->merge ? sums->merge[v] : v];
+}
+
+static norma_result list_questions(const hand_out *h, mpi_lists *out) {
+    const core_call *core = h->call->core;
+    const size_t ranks = (size_t)h->call->ranks;
+    uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
+    if (!room) return NORMA_ERROR_MEMORY;
+    memset(room, 0, ranks * sizeof *room);
+    for (size_t v = h->begin; v < h->end; v++)
+        if (is_at_home(place_of(h->sums, v))) room[norma_mpi_home(place_of(h->sums, v))]++;
+    const norma_result result = norma_mpi_lists_open(h->call, room, sizeof(uint32_t), out);
+    norma_core_release(core, room, ranks, sizeof *room);
+    for (size_t v = h->begin; v < h->end && result == NORMA_OK; v++) {
+        const mpi_place place = place_of(h->sums, v);
+        const uint32_t slot = (uint32_t)norma_mpi_slot(place);
+        if (is_at_home(place))
+            memcpy(norma_mpi_lists_add(out, norma_mpi_home(place)), &slot, sizeof slot);
+    }
+    return result;
+}
+
+static norma_result list_outcomes(const hand_out *h, const mpi_lists *in, mpi_lists *answers) {
+    const norma_result result = norma_mpi_lists_like(h->call, in, OUTCOME_SIZE, answers);
+    const size_t count = norma_mpi_lists_total(h->call, in);
+    for (size_t i = 0; i < count && result == NORMA_OK; i++) {
+        uint32_t slot;
+        memcpy(&slot, norma_mpi_record(in, i), sizeof slot);
+        const mpi_outcome *outcome = &h->sums->outcomes[slot];
+        unsigned char *record = norma_mpi_record(answers, i);
+        memcpy(record, outcome->normal, sizeof outcome->normal);
+        record[sizeof outcome->normal] = (unsigned char)outcome->reason;
+    }
+    return result;
+}
+
+static void receive_one(const hand_out *h, size_t v, const mpi_lists *back, int *next,
+    mpi_receiver *receive, void *context) {
+    const mpi_place place = place_of(h->sums, v);
+    float normal[3] = {0, 0, 0};
+    int reason = NORMA_REASON_UNREFERENCED;
+    if (norma_mpi_kind(place) == MPI_NOWHERE) return;
+    if (is_at_home(place)) {
+        const unsigned char *record = norma_mpi_record(back, (size_t)next[norma_mpi_home(place)]++);
+        memcpy(normal, record, sizeof normal);
+        reason = record[sizeof normal];
+    } else {
+        reason = norma_mpi_resolve(&h->sums->own[norma_mpi_slot(place)], normal);
+    }
+    receive(context, v, reason, normal);
+}
+
+static norma_result receive_some(
+    const hand_out *h, const mpi_lists *back, mpi_receiver *receive, void *context) {
+    const size_t ranks = (size_t)h->call->ranks;
+    int *next = norma_core_allocate(h->call->core, ranks, sizeof *next);
+    if (!next) return NORMA_ERROR_MEMORY;
+    memcpy(next, back->starts, ranks * sizeof *next);
+    for (size_t v = h->begin; v < h->end; v++) receive_one(h, v, back, next, receive, context);
+    norma_core_release(h->call->core, next, ranks, sizeof *next);
+    return NORMA_OK;
+}
+
+static norma_result hand_out_some(const hand_out *h, mpi_receiver *receive, void *context) {
+    mpi_call *call = h->call;
+    mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
+    norma_result result = norma_mpi_exchange(call, list_questions(h, &out), &out, &in);
+    if (result == NORMA_OK) {
+        norma_result mine = list_outcomes(h, &in, &answers);
+        if (mine == NORMA_OK) mine = norma_mpi_lists_like(call, &out, OUTCOME_SIZE, &back);
+        result = norma_mpi_agree(call, mine);
+    }
+    if (result == NORMA_OK) {
+        norma_mpi_answer(call, &answers, &back);
+        result = norma_mpi_agree(call, receive_some(h, &back, receive, context));
+    }
+    norma_mpi_lists_close(call, &in);
+    norma_mpi_lists_close(call, &out);
+    norma_mpi_lists_close(call, &answers);
+    norma_mpi_lists_close(call, &back);
+    return result;
+}
+
+norma_result norma_mpi_hand_out(
+    mpi_call *call, const mpi_sums *sums, size_t budget, mpi_receiver *receive, void *context) {
+    const size_t count = sums->sharing->count,
+                 some = budget / (2 * (sizeof(uint32_t) + OUTCOME_SIZE)) + 1;
+    hand_out h = {.call = call, .sums = sums};
+    const uint64_t rounds = norma_mpi_largest(call, count / some + 1);
+    norma_result result = NORMA_OK;
+    for (uint64_t round = 0; round < rounds && result == NORMA_OK; round++) {
+        h.begin = h.end;
+        h.end = count - h.begin < some ? count : h.begin + some;
+        result = hand_out_some(&h, receive, context);
+    }
+    return result;
+}
