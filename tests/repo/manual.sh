@@ -11,7 +11,7 @@ for page in docs/man/*.[1-9]; do
 done
 
 # Every prototype: result, name and parameters, spaces aside, as in the header.
-declared=$(for header in include/norma/*.h; do gcc -fpreprocessed -dD -E -P "$header" 2>/dev/null; done | grep -v '^ *#' | tr '\n' ' ' | tr ';' '\n' | grep -vE 'typedef|\{' | grep -oE '[a-z0-9_ ]+[ *]norma_[a-z0-9_]+\(.*\)' | tr -d ' ' | sort -u)
+declared=$(for header in include/norma/*.h; do gcc -fpreprocessed -dD -E -P "$header" 2>/dev/null; done | grep -v '^ *#' | tr '\n' ' ' | tr ';' '\n' | sed 's/extern "C" {//' | grep -vE 'typedef|\{' | grep -oE '[a-z0-9_ ]+[ *]norma_[a-z0-9_]+\(.*\)' | tr -d ' ' | sort -u)
 shown=$(awk '
     function flush() { if (name != "") print type name "(" list ")"; name = ""; list = "" }
     { gsub(/,$/, "") }
