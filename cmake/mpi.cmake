@@ -2,8 +2,8 @@
 # static one links libnorma-core.a, or libnorma.a, as well.
 file(GLOB_RECURSE mpi_sources CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} src/mpi/*.c)
 set(mpi_tool_sources ${mpi_sources})
-list(FILTER mpi_tool_sources INCLUDE REGEX "^src/mpi/tool/")
-list(FILTER mpi_sources EXCLUDE REGEX "^src/mpi/tool/")
+list(FILTER mpi_tool_sources INCLUDE REGEX "^src/mpi/(file|tool)/")
+list(FILTER mpi_sources EXCLUDE REGEX "^src/mpi/(file|tool)/")
 set_source_files_properties(${mpi_sources} PROPERTIES COMPILE_OPTIONS "-fno-math-errno;-fno-trapping-math")
 
 norma_objects(norma-mpi-objects ${mpi_sources})
@@ -29,7 +29,7 @@ foreach(target ${norma-mpi_targets})
   add_library(norma::${name} ALIAS ${target})
 endforeach()
 
-if(mpi_tool_sources)
+if(NORMA_TOOL)
   add_executable(norma-mpi-cli ${mpi_tool_sources} $<TARGET_OBJECTS:norma-mpi-objects>)
   set_target_properties(norma-mpi-cli PROPERTIES OUTPUT_NAME norma-mpi)
   target_include_directories(norma-mpi-cli PRIVATE src)
@@ -37,6 +37,13 @@ if(mpi_tool_sources)
 endif()
 
 add_custom_target(norma-mpi-all DEPENDS ${norma-mpi_targets} $<TARGET_NAME_IF_EXISTS:norma-mpi-cli>)
+
+if(NORMA_EXAMPLES)
+  add_executable(example-solver_seams examples/mpi/solver_seams.c)
+  target_link_libraries(example-solver_seams PRIVATE norma-mpi-static m)
+  set_target_properties(example-solver_seams PROPERTIES OUTPUT_NAME solver_seams RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/examples)
+  add_dependencies(norma-mpi-all example-solver_seams)
+endif()
 
 # Programs that tests/mpi runs under mpirun.
 if(NORMA_TESTS)

@@ -25,6 +25,59 @@ test_tree() {
     done
 }
 
+# as_rank RANK VALUE OTHER: in a shell that is one of the ranks: VALUE on that rank, OTHER elsewhere.
+export AS_RANK='as_rank() { if [ "${OMPI_COMM_WORLD_RANK:-${PMI_RANK:-0}}" = "$1" ]; then echo "$2"; else echo "$3"; fi; }'
+
+same_file() { # NAME MPI TREE RANKS FILE OPTIONS...: norma-mpi writes what norma does
+    local name=$1 mpi=$2 tree=$3 n=$4 file=$5 out=$scratch/out.${5##*.}
+    shift 5
+    rm -f "$out"
+    check "$mpi, $n ranks, $name: the file that norma compute writes" bash -c '. tests/mpi/launch.sh; file=$2; tree=$0; n=$1; out=$3; shift 3; "$tree/bin/norma" compute "$file" -o "$out.alone" --quiet "$@" && ranks "$tree" "$n" "$tree/bin/norma-mpi" compute "$file" -o "$out" --quiet "$@" && cmp "$out.alone" "$out"' \
+        "$tree" "$n" "$file" "$out" "$@"
+}
+
+# refused NAME MPI TREE WORDS SCRIPT: the script, run by each of 3 ranks, ends with status 3 and the words; the old output stays, and nothing else is left.
+refused() {
+    local folder=$scratch/refused status=0
+    rm -rf "$folder"
+    mkdir -p "$folder/here" "$folder/there"
+    cp "$scratch/a.ply" "$folder/here"
+    head -c 20000 "$scratch/a.ply" >"$folder/there/a.ply"
+    echo old >"$folder/here/out.ply"
+    (cd "$folder/here" && PATH=$3/bin:$PATH LIMIT=60 ranks "$3" 3 bash -c "$AS_RANK; $5") >"$folder/log" 2>&1 || status=$?
+    if [ "$status" = 3 ] && grep -q "$4" "$folder/log" && [ "$(cat "$folder/here/out.ply")" = old ] && [ "$(find "$folder" -type f | wc -l)" = 4 ]; then
+        pass "$2: $1"
+    else
+        fail "$2: $1" "status $status, $(find "$folder" -type f | tr '\n' ' ')$(cat "$folder/log")"
+    fi
+}
+
+test_tool() { # TREE MPI RANKS...
+    local tree=$1 mpi=$2 words n
+    shift 2
+    for n; do
+        for words in "" "big number tail" "double shuffled before" "polygons normals" "codes polygons tail" "nan big polygons normals"; do
+            # shellcheck disable=SC2086  # a list of words
+            python3 tests/mpi/make_file.py "$scratch/made.ply" 40 $words
+            same_file "PLY ${words:-plain}" "$mpi" "$tree" "$n" "$scratch/made.ply"
+        done
+        same_file "PLY by area, not welded" "$mpi" "$tree" "$n" "$scratch/made.ply" --weight area --weld none
+        same_file "PLY, within a distance" "$mpi" "$tree" "$n" "$scratch/made.ply" --weld 0.2
+        for words in stl "stl nan"; do
+            # shellcheck disable=SC2086
+            python3 tests/mpi/make_file.py "$scratch/made.stl" 40 $words
+            same_file "$words" "$mpi" "$tree" "$n" "$scratch/made.stl"
+        done
+    done
+    python3 tests/mpi/make_file.py "$scratch/a.ply" 60
+    refused "a file that is shorter on one rank" "$mpi" "$tree" "all ranks must see one file" 'cd "$(as_rank 2 ../there .)"; norma-mpi compute a.ply -o out.ply'
+    refused "a file that is too short" "$mpi" "$tree" "too short" 'norma-mpi compute ../there/a.ply -o out.ply'
+    refused "ranks that disagree on the weight" "$mpi" "$tree" "a.ply: " 'norma-mpi compute a.ply -o out.ply --weight "$(as_rank 1 area angle)"'
+    refused "ranks that disagree on the output" "$mpi" "$tree" "other paths" 'norma-mpi compute a.ply -o "$(as_rank 1 other.ply out.ply)"'
+    refused "a rank that cannot write all of its slice" "$mpi" "$tree" "out.ply: cannot be written" 'trap "" XFSZ; ulimit -f "$(as_rank 1 20 unlimited)"; exec norma-mpi compute a.ply -o out.ply'
+    check "$mpi: the example of a solver's seams" bash -c '. tests/mpi/launch.sh; ranks "$0" 4 "$0/examples/solver_seams" | tee "$1" | grep -q "norma_mpi_vertex_normals: *0.0 %" && ! grep -q "by itself: *0.0 %" "$1"' "$tree" "$scratch/seams"
+}
+
 if [ -n "${NORMA_MPI_LONG:-}" ]; then
     for mpi in openmpi mpich; do
         if ! command -v "mpicc.$mpi" >/dev/null; then
@@ -35,9 +88,14 @@ if [ -n "${NORMA_MPI_LONG:-}" ]; then
         mkdir -p "$made"
         check "$mpi: builds without a warning" bash -c 'cmake -S . -B "$0" -G Ninja -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_WITH_RENDER=OFF -DNORMA_WITH_MPI=ON -DMPI_C_COMPILER="mpicc.$1" -DMPIEXEC_EXECUTABLE="$(command -v mpirun."$1")" -DCMAKE_BUILD_TYPE=Release && cmake --build "$0" --target norma-cli norma-mpi-all' "$made" "$mpi"
         test_tree "$made" "$mpi" 400 1 2 3 4 5 8 13 16
+        test_tool "$made" "$mpi" 1 2 5 16
+        for way in slices random; do
+            for n in 1 2 4 16; do ranks "$made" "$n" "$made/tests/mpi_table" "$way" 1000000 | sed "s/^/# $mpi: /"; done
+        done
     done
 elif [ -x "$tree/tests/mpi_bits" ]; then
     test_tree "$tree" MPI 60 1 2 5
+    test_tool "$tree" MPI 3
 else
     skip "MPI (the tree was built without it: Debian's libopenmpi-dev)"
 fi

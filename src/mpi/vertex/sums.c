@@ -13,16 +13,27 @@ typedef struct sum_rounds {
     mpi_call *call;
     mpi_sums *sums;
     uint64_t round, rounds;
+    uint64_t *first, *count; /* of each home: the slots of this round */
     mpi_lists *out;
 } sum_rounds;
 
 /* ---- which votes go in which round */
 
-static uint64_t round_of(const sum_rounds *r, mpi_place place) {
-    return norma_mpi_slot(place) * r->rounds / r->sums->sharing->slots[norma_mpi_home(place)];
+/* The first slot of a round at a home. */
+static uint64_t first_slot(const sum_rounds *r, int home, uint64_t round) {
+    const uint64_t slots = r->sums->sharing->slots[home];
+    return slots / r->rounds * round + slots % r->rounds * round / r->rounds;
+}
+static void begin_round(sum_rounds *r) {
+    for (int home = 0; home < r->call->ranks; home++) {
+        r->first[home] = first_slot(r, home, r->round);
+        r->count[home] = first_slot(r, home, r->round + 1) - r->first[home];
+    }
 }
 static int is_now(const sum_rounds *r, mpi_place place) {
-    return norma_mpi_kind(place) == MPI_SHARED && round_of(r, place) == r->round;
+    const int home = norma_mpi_home(place);
+    return norma_mpi_kind(place) == MPI_SHARED &&
+           norma_mpi_slot(place) - r->first[home] < r->count[home];
 }
 
 static mpi_place place_of_corner(const mpi_sums *sums, size_t corner) {
@@ -132,23 +143,18 @@ static norma_result list_votes(sum_rounds *r, mpi_lists *out) {
     return NORMA_OK;
 }
 
-/* The first slot of a round, by the same rounding as round_of. */
-static uint64_t first_slot(const sum_rounds *r, uint64_t round) {
-    const uint64_t slots = r->sums->sharing->slots[r->call->rank];
-    return (round * slots + r->rounds - 1) / r->rounds;
-}
-
 static norma_result run_round(sum_rounds *r) {
     mpi_call *call = r->call;
     mpi_lists out = {0}, in = {0};
+    begin_round(r);
     norma_result result = norma_mpi_exchange(call, list_votes(r, &out), &out, &in);
     norma_mpi_lists_close(call, &out);
     if (result != NORMA_OK) return result;
     const mpi_home home = {.call = call,
         .in = &in,
         .numbered = r->sums->numbered,
-        .first = first_slot(r, r->round),
-        .count = (size_t)(first_slot(r, r->round + 1) - first_slot(r, r->round)),
+        .first = r->first[call->rank],
+        .count = (size_t)r->count[call->rank],
         .outcomes = r->sums->outcomes};
     result = norma_mpi_sum_at_home(&home);
     norma_mpi_lists_close(call, &in);
@@ -166,12 +172,19 @@ static norma_result open_sums(const mpi_call *call, mpi_sums *sums) {
 }
 
 norma_result norma_mpi_sum_all(mpi_call *call, size_t budget, mpi_sums *sums) {
-    sum_rounds r = {.call = call, .sums = sums};
+    const size_t ranks = (size_t)call->ranks;
+    sum_rounds r = {.call = call,
+        .sums = sums,
+        .first = norma_core_allocate(call->core, ranks, sizeof *r.first),
+        .count = norma_core_allocate(call->core, ranks, sizeof *r.count)};
     sums->own = NULL;
     sums->outcomes = NULL;
-    norma_result result = norma_mpi_agree(call, open_sums(call, sums));
+    norma_result result = open_sums(call, sums);
+    result = norma_mpi_agree(call, r.first && r.count ? result : NORMA_ERROR_MEMORY);
     if (result == NORMA_OK) result = choose_rounds(&r, budget);
     for (; r.round < r.rounds && result == NORMA_OK; r.round++) result = run_round(&r);
+    norma_core_release(call->core, r.first, ranks, sizeof *r.first);
+    norma_core_release(call->core, r.count, ranks, sizeof *r.count);
     if (result != NORMA_OK) norma_mpi_sums_close(call, sums);
     return result;
 }

@@ -1,0 +1,65 @@
+"""Writes a PLY or STL for tests/mpi: a bumpy grid with repeated positions, vertices of no face and
+degenerate faces.  make_file.py PATH SIDE WORD...: big, double, shuffled, polygons, normals, codes
+(normals as chars), before (an element before the vertices), number (a property before the list),
+tail (an element with lists behind), nan, stl."""
+
+import random
+import struct
+import sys
+
+path, side, words = sys.argv[1], int(sys.argv[2]), sys.argv[3:]
+random.seed(side)
+order = ">" if "big" in words else "<"
+count = side * side + 3
+points = [[v % side + 0.3 * random.random(), v // side + 0.3 * random.random(), random.random()] for v in range(count)]
+for _ in range(count // 10):
+    points[random.randrange(count)] = list(points[random.randrange(count)])
+if "nan" in words:
+    points[5][1] = float("nan")
+faces = []
+for y in range(side - 1):
+    for x in range(side - 1):
+        a = y * side + x
+        faces += [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]]
+faces += [[1, 1, 2]] * 5
+if "shuffled" in words:
+    random.shuffle(faces)
+if "polygons" in words:
+    faces = [f + [random.randrange(count) for _ in range(random.randrange(4))] if random.random() < 0.4 else f for f in faces]
+
+with open(path, "wb") as out:
+    if "stl" in words:
+        out.write(b"made".ljust(80) + struct.pack("<I", len(faces)))
+        for face in faces:
+            out.write(struct.pack("<12f", 0, 0, -0.0, *[c for v in face for c in points[v]]) + b"ab")
+        sys.exit()
+    kind = "double" if "double" in words else "float"
+    header = "ply\nformat binary_%s_endian 1.0\ncomment made\n" % ("big" if order == ">" else "little")
+    if "before" in words:
+        header += "element camera 2\nproperty float q\n"
+    header += "element vertex %d\n" % count + "".join("property %s %s\n" % (kind, axis) for axis in "xyz")
+    if "normals" in words or "codes" in words:
+        header += "".join("property %s n%s\n" % ("char" if "codes" in words else "float", axis) for axis in "xyz")
+    header += "property uchar red\nelement face %d\n" % len(faces)
+    if "number" in words:
+        header += "property int id\n"
+    header += "property list uchar int vertex_indices\n"
+    if "tail" in words:
+        header += "element edge 2\nproperty int a\nproperty list uchar float b\n"
+    out.write((header + "end_header\n").encode())
+    if "before" in words:
+        out.write(struct.pack(order + "2f", 1, 2))
+    for number, point in enumerate(points):
+        out.write(struct.pack(order + ("3d" if kind == "double" else "3f"), *point))
+        if "codes" in words:
+            out.write(struct.pack("3b", 1, 2, 3))
+        elif "normals" in words:
+            out.write(struct.pack(order + "3f", 0, 0, -0.0))
+        out.write(bytes([number % 256]))
+    for number, face in enumerate(faces):
+        if "number" in words:
+            out.write(struct.pack(order + "i", number))
+        out.write(struct.pack(order + "B%di" % len(face), len(face), *face))
+    if "tail" in words:
+        for number in range(2):
+            out.write(struct.pack(order + "iB2f", number, 2, 1.5, 2.5))
