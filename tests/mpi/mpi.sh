@@ -32,7 +32,7 @@ same_file() { # NAME MPI TREE RANKS FILE OPTIONS...: norma-mpi writes what norma
     local name=$1 mpi=$2 tree=$3 n=$4 file=$5 out=$scratch/out.${5##*.}
     shift 5
     rm -f "$out"
-    check "$mpi, $n ranks, $name: the file that norma compute writes" bash -c '. tests/mpi/launch.sh; file=$2; tree=$0; n=$1; out=$3; shift 3; "$tree/bin/norma" compute "$file" -o "$out.alone" --quiet "$@" && ranks "$tree" "$n" "$tree/bin/norma-mpi" compute "$file" -o "$out" --quiet "$@" && cmp "$out.alone" "$out"' \
+    check "$mpi, $n ranks, $name: the file that norma compute writes" bash -c '. tests/mpi/launch.sh; file=$2; tree=$0; n=$1; out=$3; shift 3; "$tree/bin/norma" compute "$file" -o "${out%.*}.alone.${out##*.}" --quiet "$@" && ranks "$tree" "$n" "$tree/bin/norma-mpi" compute "$file" -o "$out" --quiet "$@" && cmp "${out%.*}.alone.${out##*.}" "$out"' \
         "$tree" "$n" "$file" "$out" "$@"
 }
 
