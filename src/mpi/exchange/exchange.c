@@ -29,15 +29,10 @@ norma_result norma_mpi_step(mpi_call *call, double fraction, norma_result mine) 
     return norma_mpi_agree(call, mine);
 }
 
-static uint64_t reduce(const mpi_call *call, uint64_t mine, MPI_Op op) {
+uint64_t norma_mpi_sum(const mpi_call *call, uint64_t mine) {
     uint64_t all = 0;
-    MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, op, call->comm);
+    MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, call->comm);
     return all;
-}
-
-uint64_t norma_mpi_sum(const mpi_call *call, uint64_t mine) { return reduce(call, mine, MPI_SUM); }
-uint64_t norma_mpi_largest(const mpi_call *call, uint64_t mine) {
-    return reduce(call, mine, MPI_MAX);
 }
 
 uint64_t norma_mpi_sum_before(const mpi_call *call, uint64_t mine) {
@@ -46,14 +41,46 @@ uint64_t norma_mpi_sum_before(const mpi_call *call, uint64_t mine) {
     return call->rank ? before : 0; /* the first rank's is undefined */
 }
 
+/* MPICH 4.0 compares numbers without a sign as if they had one: they go as numbers with a sign, in
+ * the same order. */
+static int64_t with_sign(uint64_t number) {
+    int64_t result;
+    number ^= UINT64_C(1) << 63;
+    memcpy(&result, &number, sizeof result);
+    return result;
+}
+
+static uint64_t without_sign(int64_t number) {
+    uint64_t result;
+    memcpy(&result, &number, sizeof result);
+    return result ^ UINT64_C(1) << 63;
+}
+
+static uint64_t extreme(const mpi_call *call, uint64_t mine, MPI_Op op) {
+    const int64_t number = with_sign(mine);
+    int64_t all = 0;
+    MPI_Allreduce(&number, &all, 1, MPI_INT64_T, op, call->comm);
+    return without_sign(all);
+}
+
+uint64_t norma_mpi_largest(const mpi_call *call, uint64_t mine) {
+    return extreme(call, mine, MPI_MAX);
+}
+uint64_t norma_mpi_least(const mpi_call *call, uint64_t mine) {
+    return extreme(call, mine, MPI_MIN);
+}
+
+uint64_t norma_mpi_largest_before(const mpi_call *call, uint64_t mine) {
+    const int64_t number = with_sign(mine);
+    int64_t before = 0;
+    MPI_Exscan(&number, &before, 1, MPI_INT64_T, MPI_MAX, call->comm);
+    return call->rank ? without_sign(before) : 0;
+}
+
 int norma_mpi_all_equal(const mpi_call *call, const uint64_t *numbers, size_t count) {
     int equal = 1;
-    for (size_t i = 0; i < count; i++) {
-        const uint64_t mine[2] = {numbers[i], ~numbers[i]};
-        uint64_t most[2];
-        MPI_Allreduce(mine, most, 2, MPI_UINT64_T, MPI_MAX, call->comm);
-        equal &= most[0] == ~most[1];
-    }
+    for (size_t i = 0; i < count; i++)
+        equal &= norma_mpi_largest(call, numbers[i]) == norma_mpi_least(call, numbers[i]);
     return equal;
 }
 

@@ -22,11 +22,13 @@ norma_result norma_mpi_agree(const mpi_call *call, norma_result mine);
 /* The same, and each rank's progress is told: one that cancels cancels all. */
 norma_result norma_mpi_step(mpi_call *call, double fraction, norma_result mine);
 
-/* Collective sums, and the largest, over all ranks. */
+/* Collective sums, and the largest and the least, over all ranks. */
 uint64_t norma_mpi_sum(const mpi_call *call, uint64_t mine);
 uint64_t norma_mpi_largest(const mpi_call *call, uint64_t mine);
-/* Collective: of the ranks before this one. */
+uint64_t norma_mpi_least(const mpi_call *call, uint64_t mine);
+/* Collective: of the ranks before this one; 0 for the first. */
 uint64_t norma_mpi_sum_before(const mpi_call *call, uint64_t mine);
+uint64_t norma_mpi_largest_before(const mpi_call *call, uint64_t mine);
 /* Collective: whether count numbers are the same everywhere. */
 int norma_mpi_all_equal(const mpi_call *call, const uint64_t *numbers, size_t count);
 

@@ -62,9 +62,8 @@ norma_result norma_mpi_count_missing(
 /* ---- the whole mesh */
 
 static void add_up(const mpi_call *call, norma_count *count) {
-    uint64_t first = count->count ? count->first : UINT64_MAX, least = 0;
-    MPI_Allreduce(&first, &least, 1, MPI_UINT64_T, MPI_MIN, call->comm);
-    *count = (norma_count){(size_t)norma_mpi_sum(call, count->count), (size_t)least};
+    const uint64_t first = norma_mpi_least(call, count->count ? count->first : UINT64_MAX);
+    *count = (norma_count){(size_t)norma_mpi_sum(call, count->count), (size_t)first};
 }
 
 void norma_mpi_add_tallies(const mpi_call *call, core_tally *tally) {

@@ -55,11 +55,11 @@ static norma_result agree_on_scale(const mpi_call *call, core_mesh *mesh, int *d
 
 /* Whether each rank's faces all come after those of the ranks before. */
 static int ranks_ascend(const mpi_call *call, const mpi_face_order *faces) {
-    uint64_t last = 0, before = 0;
+    uint64_t last = 0;
     const int some = faces->count != 0;
     if (some) last = faces->ids[norma_mpi_face(faces, faces->count - 1)];
-    MPI_Exscan(&last, &before, 1, MPI_UINT64_T, MPI_MAX, call->comm);
-    const uint64_t others = norma_mpi_sum_before(call, (uint64_t)some);
+    const uint64_t before = norma_mpi_largest_before(call, last),
+                   others = norma_mpi_sum_before(call, (uint64_t)some);
     const int fine = !some || !others || before < faces->ids[norma_mpi_face(faces, 0)];
     return norma_mpi_largest(call, (uint64_t)!fine) == 0;
 }
