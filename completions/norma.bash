@@ -6,11 +6,11 @@ _norma() {
     local values="" options=""
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(compgen -W "compute tangents transform matrix check explain info render view help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "compute tangents transform matrix check report explain info render view help --help --version" -- "$word")
         return
     fi
     case $before in
-    help) values="compute tangents transform matrix check explain info render view" ;;
+    help) values="compute tangents transform matrix check report explain info render view" ;;
     --format) values="text line json sarif html" ;;
     --profile) values="render print generated" ;;
     --color) values="auto always never" ;;
@@ -48,8 +48,9 @@ _norma() {
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
     render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --select --clay --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
-    check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --info --color --fail-on --max-samples --fix --fix-unsafe --open-by-rays --dry-run --files-from $files" ;;
-    explain) options="--json --help" ;;
+    check) options="--select --ignore --profile --strict --config --no-config --baseline --write-baseline --format --info --color --fail-on --max-samples --fix --fix-unsafe --open-by-rays --dry-run --files-from --shard $files" ;;
+    report) options="--merge --format -o --output --info --help" ;;
+    explain) options="-o --output --json --help" ;;
     view) options="-o --output --out-dir --input-format --threads --max-memory --json --quiet --help" ;;
     info) options="--deep --input-format --threads --max-memory --json --quiet --help" ;;
     esac

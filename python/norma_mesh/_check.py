@@ -173,6 +173,7 @@ class Report:
             "infos": len(self.infos),
             "files": 1,
             "not_checked": int(self.status != "checked"),
+            "exit_status": 3 if self.status == "unreadable" else int(bool(self.errors)),
         }
         entry = {
             "path": self.path,

@@ -116,4 +116,67 @@ for form in json sarif html; do
 done
 norma check wide.obj --format text -o text.html >/dev/null 2>&1
 if head -n 1 text.html | grep -q '^wide.obj: error N102'; then pass "--format goes before the name"; else fail "--format goes before the name" "$(head -n 3 text.html)"; fi
+
+# ---- shards and their merge: every file once, the report and the status of one run
+mkdir farm farm/sub
+for i in $(seq 1 13); do printf "$bad" >"farm/$i.obj"; done
+for i in $(seq 1 5); do printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"farm/sub/clean $i.obj"; done
+printf 'f 1 2 3\n' >farm/broken.obj
+for form in json sarif; do
+    norma check farm -o "whole.$form" >/dev/null 2>&1
+    whole=$?
+    parts=()
+    for i in 1 2 3 4; do
+        norma check farm --shard $i/4 -o "part$i.$form" >/dev/null 2>&1
+        parts=("part$i.$form" "${parts[@]}")
+    done
+    norma report --merge "${parts[@]}" -o "merged.$form"
+    merged=$?
+    # The whole run keeps the order of its folders; paths are sorted here.
+    same=$(node -e '
+        const [whole, merged] = process.argv.slice(1).map((name) => JSON.parse(require("fs").readFileSync(name)));
+        const order = (list, key) => list.sort((a, b) => Buffer.compare(Buffer.from(key(a)), Buffer.from(key(b))));
+        const path = (result) => result.locations[0].physicalLocation.artifactLocation.uri;
+        if (whole.files) order(whole.files, (file) => file.path); else order(whole.runs[0].results, path);
+        const paths = merged.files ? merged.files.map((file) => file.path) : merged.runs[0].results.map(path);
+        console.log(require("util").isDeepStrictEqual(whole, merged) && paths.length >= 14);' "whole.$form" "merged.$form")
+    if [ "$same" = true ] && [ $whole -eq 3 ] && [ $merged -eq 3 ]; then pass "four shards in $form, merged: as one run"; else fail "four shards in $form, merged: as one run" "$same, $whole, $merged"; fi
+done
+for status in 0 1; do
+    fail_on=$([ $status -eq 1 ] && echo info || echo never)
+    norma check farm/sub --shard 1/2 --fail-on $fail_on -o a.json >/dev/null
+    norma check farm/sub --shard 2/2 --fail-on $fail_on -o b.json >/dev/null
+    norma report --merge a.json b.json -o ab.json
+    merged=$?
+    if [ $merged -eq $status ]; then pass "--fail-on $fail_on is kept: status $status"; else fail "--fail-on $fail_on is kept: status $status" "$merged"; fi
+done
+norma check farm/sub --shard 9/9 -o empty.json >/dev/null 2>&1
+status=$?
+norma report --merge a.json b.json empty.json -o abc.json >/dev/null 2>&1
+if [ $status -eq 0 ] && cmp -s ab.json abc.json; then pass "a shard without files is a report like others"; else fail "a shard without files is a report like others" "$status"; fi
+for wrong in 0/3 4/3 3 1/0 a/b 1/2/3; do
+    norma check farm --shard $wrong >/dev/null 2>err
+    status=$?
+    if [ $status -eq 2 ] && grep -q 'expected I/N' err; then pass "--shard $wrong is a usage error"; else fail "--shard $wrong is a usage error" "$(cat err)"; fi
+done
+norma report --merge part1.json part1.sarif -o mixed.json 2>err
+status=$?
+if [ $status -eq 3 ] && [ ! -e mixed.json ]; then pass "reports of two kinds are refused, and nothing is written"; else fail "reports of two kinds are refused, and nothing is written" "$status: $(cat err)"; fi
+norma report --merge part?.json --format line >merged.txt
+norma check farm --format line >whole.txt 2>/dev/null
+if [ -s merged.txt ] && cmp -s <(sort merged.txt) <(sort whole.txt); then pass "JSON becomes lines"; else fail "JSON becomes lines" "$(diff <(sort merged.txt) <(sort whole.txt))"; fi
+
+# ---- the page, and the manual of rules
+norma check farm -o farm.html >/dev/null 2>&1
+if [ "$(grep -c '<section class="file"' farm.html)" -eq 19 ] && [ "$(grep -c "class='m'" farm.html)" -ge 1 ] && [ "$(stat -c %s farm.html)" -lt 1000000 ] && grep -q '<article class="meaning" id="N102">' farm.html && grep -q 'href="#N102"' farm.html; then
+    pass "the page has each file, marked faces and what the rules mean"
+else
+    fail "the page has each file, marked faces and what the rules mean" "$(grep -c '<section class="file"' farm.html) files, $(stat -c %s farm.html) bytes"
+fi
+norma explain -o rules.html
+without=""
+for id in $(norma explain | cut -d ' ' -f 1); do
+    [ "$(sed -n "/ id=\"$id\"/,/<\/article>/p" rules.html | grep -c '<svg .*<path')" -eq 2 ] || without+=" $id"
+done
+if [ -z "$without" ]; then pass "the manual has a picture of wrong and one of right for every rule"; else fail "the manual has a picture of wrong and one of right for every rule" "$without"; fi
 finish

@@ -69,8 +69,9 @@ export function bindCheck(wasm) {
   const readReport = (file, path, unreadable) => {
     const findings = Array.from({ length: wasm.check_count(file) }, (_, i) => readFinding(file, i, path));
     const status = unreadable ? "unreadable" : wasm.check_is_partly(file) ? "partly" : "checked";
-    const summary = { errors: 0, warnings: 0, infos: 0, files: 1, not_checked: status === "checked" ? 0 : 1 };
+    const summary = { errors: 0, warnings: 0, infos: 0, files: 1, not_checked: status === "checked" ? 0 : 1, exit_status: 0 };
     for (const { severity } of findings) summary[TOTALS[severity]]++;
+    summary.exit_status = unreadable ? 3 : summary.errors ? 1 : 0;
     return { schema: "norma-check/1", files: [{ path, profile: PROFILES[wasm.check_profile(file)], status, findings }], summary };
   };
 

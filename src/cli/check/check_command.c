@@ -73,6 +73,8 @@ static const char help[] =
     "  --files-from FILE     reads names from FILE, one a line; - is standard input. Names that "
     "do\n"
     "                        not exist and files of other kinds are left out and counted\n"
+    "  --shard I/N           checks each N-th file, from the I-th on: one of N jobs; norma report\n"
+    "                        --merge puts their reports together\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
     "  --threads N           how many threads may work (all)\n"
@@ -87,6 +89,8 @@ typedef struct check_work {
     const char *config, *baseline, *new_baseline;
     int no_config;
     cli_color_mode color;
+    size_t shard, shards; /* shards 0: all files */
+    size_t found;         /* files, of all shards */
     cli_files files; /* the words, --input-format, and where the report or what is mended goes */
     cli_common common;
     char expected[160]; /* what a wrong list of rules may mean */
@@ -157,24 +161,14 @@ static const char *set_new_baseline(void *settings, const char *value) {
     return value[0] ? NULL : "the name of a file";
 }
 
-static const check_format *const formats[] = {&check_format_text, &check_format_line,
-    &check_format_json, &check_format_sarif, &check_format_html};
-
 static const char *set_format(void *settings, const char *value) {
-    for (size_t i = 0; i < CLI_COUNT(formats); ++i)
-        if (strcmp(value, formats[i]->name) == 0) {
-            ((check_work *)settings)->format = formats[i];
-            return NULL;
-        }
-    return "text, line, json, sarif or html";
+    ((check_work *)settings)->format = check_find_format(value);
+    return ((check_work *)settings)->format ? NULL : CHECK_FORMAT_NAMES;
 }
 
-/* The form that the name of a report ends with; text if it says nothing. */
-static const check_format *format_of_name(const char *name) {
-    const char *ending = name ? strrchr(name, '.') : NULL;
-    for (size_t i = 0; ending && i < CLI_COUNT(formats); ++i)
-        if (strcmp(ending + 1, formats[i]->name) == 0) return formats[i];
-    return ending && strcmp(ending, ".htm") == 0 ? &check_format_html : &check_format_text;
+static const char *set_shard(void *settings, const char *value) {
+    check_work *work = settings;
+    return check_read_shard(value, &work->shard, &work->shards);
 }
 
 static const char *set_info(void *settings, const char *value) {
@@ -262,6 +256,7 @@ static const cli_option options[] = {
     {"fail-on", 0, 1, set_fail_on},
     {"max-samples", 0, 1, set_max_samples},
     {"files-from", 0, 1, set_files_from},
+    {"shard", 0, 1, set_shard},
 };
 
 /* ---- the verb */
@@ -290,8 +285,9 @@ static int read_options(
     if (work->common.json && work->format && work->format != &check_format_json)
         return cli_usage(verb, "--json and --format %s exclude each other", work->format->name);
     if (work->common.json) work->format = &check_format_json;
-    if (!work->format)
-        work->format = work->settings.fix ? &check_format_text : format_of_name(work->files.output);
+    if (!work->format && work->files.output && !work->settings.fix)
+        work->format = check_format_of_name(work->files.output);
+    if (!work->format) work->format = &check_format_text;
     if (work->config && work->no_config)
         return cli_usage(verb, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)
@@ -404,8 +400,12 @@ static int check_places(const cli_subcommand *verb, check_work *work) {
 }
 
 static int find_inputs(const cli_subcommand *verb, check_work *work) {
-    const int status = cli_find_listed(verb, &work->files);
-    return status == CLI_USAGE ? status : cli_worse(status, cli_find_inputs(verb, &work->files));
+    int status = cli_find_listed(verb, &work->files);
+    if (status == CLI_USAGE) return status;
+    status = cli_worse(status, cli_find_inputs(verb, &work->files));
+    work->found = work->files.inputs.count;
+    if (work->shards) check_keep_shard(&work->files.inputs, work->shard, work->shards);
+    return status;
 }
 
 static int check_all(const cli_subcommand *verb, check_work *work) {
@@ -414,7 +414,7 @@ static int check_all(const cli_subcommand *verb, check_work *work) {
     int status = !configs              ? cli_out_of_memory()
                  : open_baseline(work) ? find_inputs(verb, work)
                                        : CLI_FILE;
-    const size_t inputs = work->files.inputs.count;
+    const size_t inputs = work->found;
     int placed = CLI_OK;
     if (status != CLI_USAGE && inputs && work->settings.fix && !work->settings.dry_run)
         placed = check_places(verb, work);

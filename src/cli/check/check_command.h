@@ -122,9 +122,18 @@ typedef struct check_format {
 extern const check_format check_format_text, check_format_quiet, check_format_line,
     check_format_json, check_format_sarif, check_format_html;
 
+/* report_formats.c */
+#define CHECK_FORMAT_NAMES "text, line, json, sarif or html"
+const check_format *check_find_format(const char *name);    /* NULL: none is called so */
+const check_format *check_format_of_name(const char *path); /* by its ending; NULL: none */
+
 void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
 
 /* ---- what the forms ask (report_facts.c) */
+
+/* Writes the part of a file, and adds it to the totals. */
+void check_write_file(
+    check_report *report, const check_format *format, FILE *out, check_totals *totals);
 
 size_t check_rule_number(const norma_rule *rule); /* in norma_rules */
 const char *check_profile_name(norma_check_profile profile);
@@ -140,6 +149,12 @@ const char *check_node_path(norma_document *document, const char *where);
 /* Checks one of settings->files->inputs and writes its part of the report; adds to totals. */
 void check_one_file(const check_settings *settings, const check_config *config,
     const check_format *format, size_t index, FILE *out, check_totals *totals);
+
+/* ---- a part of them (shard.c) */
+
+/* "2/8": each eighth file, from the second on. NULL, or what was expected. */
+const char *check_read_shard(const char *text, size_t *number, size_t *count);
+void check_keep_shard(cli_inputs *inputs, size_t number, size_t count);
 
 /* ---- all of them (thread_pool.c): so many at once as threads says; their parts go to out in the
  * order of inputs. */

@@ -187,21 +187,6 @@ static char *command_of(const file_check *check, const norma_finding *finding) {
     return command;
 }
 
-static void count_item(const file_check *check, const check_item *item, check_totals *totals) {
-    check_rule_total *total =
-        &totals->by_rule[check_rule_number(item->finding->rule)][item->severity];
-    ++total->places;
-    total->files = 1; /* totals are those of one file here */
-    if (item->severity == NORMA_SEVERITY_ERROR)
-        ++totals->errors;
-    else if (item->severity == NORMA_SEVERITY_WARNING)
-        ++totals->warnings;
-    else
-        ++totals->infos;
-    if ((int)item->severity >= fail_on(check))
-        totals->status = cli_worse(totals->status, CLI_FINDINGS);
-}
-
 /* items has room for all findings. */
 static size_t weigh(const file_check *check, check_item *items, check_totals *totals) {
     size_t count = 0;
@@ -218,31 +203,9 @@ static size_t weigh(const file_check *check, check_item *items, check_totals *to
             continue;
         }
         items[count] = (check_item){finding, (norma_severity)severity, command_of(check, finding)};
-        count_item(check, &items[count], totals);
         ++count;
     }
     return count;
-}
-
-static void count_places(
-    const check_report *report, size_t places[][CHECK_SEVERITIES], check_totals *totals) {
-    for (size_t i = 0; i < report->count; ++i) {
-        ++places[check_rule_number(report->items[i].finding->rule)][report->items[i].severity];
-        totals->hidden += !check_is_listed(report, &report->items[i]);
-    }
-}
-
-/* Writes the file's part, its totals counted. */
-static void finish_report(
-    check_report *report, const check_format *format, FILE *out, check_totals *totals) {
-    size_t places[CHECK_RULES][CHECK_SEVERITIES] = {{0}};
-    totals->files = 1;
-    totals->files_with_trouble = totals->errors + totals->warnings > 0;
-    totals->not_checked = strcmp(report->status, "checked") != 0;
-    totals->clean = (size_t)check_is_clean(report);
-    count_places(report, places, totals);
-    report->places = (const size_t(*)[CHECK_SEVERITIES])places;
-    format->file(out, report);
 }
 
 /* "PATH: " and "PATH:" say again what the report says first; "PATH:12: " becomes "line 12: ". */
@@ -283,8 +246,7 @@ static void report_unreadable(
         .items = &item,
         .count = 1,
         .fail_on = fail_on(check)};
-    count_item(check, &item, totals);
-    finish_report(&report, format, out, totals);
+    check_write_file(&report, format, out, totals);
 }
 
 static void report_findings(
@@ -308,7 +270,7 @@ static void report_findings(
         .undecided = check->mended.summary.undecided,
         .least_confidence = check->mended.summary.least_confidence};
     totals->status = cli_worse(totals->status, check->fix_status);
-    finish_report(&report, format, out, totals);
+    check_write_file(&report, format, out, totals);
     for (size_t i = 0; i < report.count; ++i) free(items[i].command);
     free(items);
 }

@@ -1,13 +1,14 @@
 /* finding_picture.c: the surface round a finding's worst place, as SVG: its nearest faces seen
  * along the normals of those that are meant, from far to near (the painter's algorithm; Newell,
- * Newell, Sancha 1972), grey by their slope to the light, those that are named red, the stored
- * normals of vertices that are named as lines. */
+ * Newell, Sancha 1972), grey by their slope to the light. Those that are named are drawn once more
+ * over all others, so that they are seen wherever they lie, and ringed if they are small; stored
+ * normals of vertices that are named are lines. */
 #include "cli/check/finding_picture.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 220, MOST_FACES = 400, MOST_SAMPLES = 10 };
+enum { SIDE = 220, MOST_FACES = 140, MOST_SAMPLES = 10, SMALL = 14 };
 
 typedef struct near_face {
     size_t face;
@@ -152,13 +153,22 @@ static int gather(picture *drawn) {
 
 /* ---- the view: along what is meant, a little from the side, so that depth shows */
 
-static void look(picture *drawn) {
-    double sum[3] = {0, 0, 0}, normal[3], helper[3] = {0, 1, 0};
+/* The nearest faces count most, and those that are meant alone if there are any: they then face the
+ * eye. */
+static void sum_normals(const picture *drawn, int meant_only, double sum[3]) {
+    double normal[3];
     for (size_t i = 0; i < drawn->count; ++i) {
-        if (!face_normal(&drawn->data->mesh, drawn->faces[i].face, normal)) continue;
-        double weight = 1.0 / (1.0 + (double)i);
-        for (int axis = 0; axis < 3; ++axis) sum[axis] += weight * normal[axis];
+        const size_t face = drawn->faces[i].face;
+        if (meant_only && !is_meant(drawn, face)) continue;
+        if (!face_normal(&drawn->data->mesh, face, normal)) continue;
+        for (int axis = 0; axis < 3; ++axis) sum[axis] += normal[axis] / (1.0 + (double)i);
     }
+}
+
+static void look(picture *drawn) {
+    double sum[3] = {0, 0, 0}, helper[3] = {0, 1, 0};
+    sum_normals(drawn, 1, sum);
+    if (dot(sum, sum) < 1e-6) sum_normals(drawn, 0, sum);
     if (!normalise(sum)) sum[0] = sum[1] = 0, sum[2] = 1;
     if (fabs(sum[1]) > 0.9) helper[1] = 0, helper[2] = 1;
     cross(helper, sum, drawn->right);
@@ -218,22 +228,51 @@ static void sort_by_depth(picture *drawn) {
     qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
 }
 
-static void draw_face(FILE *out, const picture *drawn, size_t face) {
+/* Corners as whole points, each from the last: a page holds many faces. */
+static void draw_outline(FILE *out, const picture *drawn, size_t face) {
     const norma_mesh *mesh = &drawn->data->mesh;
-    size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
-    double normal[3] = {0, 0, 0}, at[3], x, y, depth;
-    double slope = face_normal(mesh, face, normal) ? fabs(dot(normal, drawn->view)) : 1;
-    int grey = (int)(90 + 140 * slope), meant = is_meant(drawn, face);
-    if (meant)
-        fprintf(out, "<path class='m' fill='rgb(%d,%d,%d)' d='M", grey, grey / 4, grey / 4);
-    else
-        fprintf(out, "<path fill='rgb(%d,%d,%d)' d='M", grey, grey, grey);
-    for (size_t corner = begin; corner < end; ++corner) {
+    long last[2] = {0, 0};
+    int count = 0;
+    for (size_t corner = face_begin(mesh, face); corner < face_end(mesh, face); ++corner) {
+        double at[3], x, y, depth;
         if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) continue;
         project(drawn, at, &x, &y, &depth);
-        fprintf(out, "%s%.1f %.1f", corner > begin ? "L" : "", x, y);
+        const long point[2] = {lround(x), lround(y)};
+        fprintf(out, count++ ? "l%ld %ld" : "M%ld %ld", point[0] - last[0], point[1] - last[1]);
+        last[0] = point[0], last[1] = point[1];
     }
     fputs("z'/>\n", out);
+}
+
+static void draw_face(FILE *out, const picture *drawn, size_t face) {
+    static const char digits[] = "0123456789abcdef";
+    double normal[3] = {0, 0, 0};
+    const double slope =
+        face_normal(&drawn->data->mesh, face, normal) ? fabs(dot(normal, drawn->view)) : 1;
+    const char grey = digits[(int)(6 + 8.9 * fmin(slope, 1))];
+    fprintf(out, "<path fill='#%c%c%c' d='", grey, grey, grey);
+    draw_outline(out, drawn, face);
+}
+
+/* Over all others; the extent of all of them is what a ring is drawn around. */
+static void draw_meant(FILE *out, const picture *drawn) {
+    const norma_mesh *mesh = &drawn->data->mesh;
+    double least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY}, at[3], x, y, depth;
+    for (size_t i = 0; i < drawn->count; ++i) {
+        const size_t face = drawn->faces[i].face;
+        if (!is_meant(drawn, face)) continue;
+        fputs("<path class='m' d='", out);
+        draw_outline(out, drawn, face);
+        for (size_t corner = face_begin(mesh, face); corner < face_end(mesh, face); ++corner)
+            if (read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) {
+                project(drawn, at, &x, &y, &depth);
+                least[0] = fmin(least[0], x), least[1] = fmin(least[1], y);
+                most[0] = fmax(most[0], x), most[1] = fmax(most[1], y);
+            }
+    }
+    const int is_seen = fmin(most[0] - least[0], most[1] - least[1]) >= SMALL;
+    project(drawn, drawn->place, &x, &y, &depth);
+    if (!is_seen) fprintf(out, "<circle class='r' cx='%.0f' cy='%.0f' r='%d'/>\n", x, y, SMALL);
 }
 
 /* Stored normals of the vertices that are named, a quarter of the picture long. */
@@ -251,8 +290,9 @@ static void draw_normals(FILE *out, const picture *drawn) {
         project(drawn, from, &x0, &y0, &depth);
         project(drawn, to, &x1, &y1, &depth);
         fprintf(out,
-            "<path class='n' d='M%.1f %.1fL%.1f %.1f'/><circle cx='%.1f' cy='%.1f' r='2.5'/>\n", x0,
-            y0, x1, y1, x0, y0);
+            "<path class='n' d='M%.0f %.0fL%.0f %.0f'/><circle class='d' cx='%.0f' cy='%.0f' "
+            "r='3'/>\n",
+            x0, y0, x1, y1, x0, y0);
     }
 }
 
@@ -274,9 +314,11 @@ void check_draw_finding(FILE *out, norma_document *document, const norma_finding
         if (drawn.radius > 0 && isfinite(drawn.radius)) {
             sort_by_depth(&drawn);
             fprintf(out,
-                "<svg viewBox='0 0 %d %d' role='img' aria-label='the place of the worst'>\n", SIDE,
-                SIDE);
+                "<svg viewBox='0 0 %d %d' role='img' aria-label='%s: the worst place, marked in "
+                "red'>\n",
+                SIDE, SIDE, finding->rule->name);
             for (size_t i = 0; i < drawn.count; ++i) draw_face(out, &drawn, drawn.faces[i].face);
+            draw_meant(out, &drawn);
             draw_normals(out, &drawn);
             fputs("</svg>\n", out);
         }

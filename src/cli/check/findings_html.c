@@ -1,103 +1,117 @@
-/* findings_html.c: findings as one HTML file that needs nothing else: a table that is sorted by its
- * heads, filtered by severity and words, with a drawing of each place. */
+/* findings_html.c: findings as one HTML file that needs nothing else: a summary, then each file
+ * with its rules, a picture of the worst place of each, and what the rules mean. Information is
+ * folded. Pictures share a budget, so that the page of a folder stays small enough to send. */
+#define _POSIX_C_SOURCE 200809L
 #include "cli/check/finding_picture.h"
 #include "cli/process/errors.h"
+#include "cli/text/memory_stream.h"
 #include "cli/text/report_text.h"
+#include "cli/text/rule_page.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-static const char head[] =
-    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-    "content=\"width=device-width\">\n"
-    "<title>norma check</title>\n<style>\n"
-    ":root{color-scheme:light "
-    "dark;--line:#8884;--soft:#8882;--error:#c62828;--warning:#b26a00;--info:#2a6db0}\n"
-    "@media(prefers-color-scheme:dark){:root{--error:#ff8a80;--warning:#ffc46b;--info:#8cc2ff}}\n"
-    "body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:78rem;padding:0 1rem}\n"
-    "h1{font-size:1.4rem;margin:0 0 .3rem}p{margin:.3rem 0}\n"
-    "form{display:flex;gap:1rem;flex-wrap:wrap;align-items:center;margin:1rem 0}\n"
-    "table{border-collapse:collapse;width:100%}th,td{text-align:left;vertical-align:top;padding:."
-    "5rem .6rem;border-bottom:1px solid var(--line)}\n"
-    "th button{all:unset;cursor:pointer;font-weight:600}th button:focus-visible{outline:2px solid "
-    "currentColor}\n"
-    "th[aria-sort=ascending] button::after{content:\" \\2191\"}th[aria-sort=descending] "
-    "button::after{content:\" \\2193\"}\n"
-    "td.number{text-align:right;font-variant-numeric:tabular-nums}\n"
-    ".error{color:var(--error)}.warning{color:var(--warning)}.info{color:var(--info)}.severity{"
-    "font-weight:600}\n"
-    ".place{color:GrayText;font-size:.9em;overflow-wrap:anywhere}code{font-size:.92em;background:"
-    "var(--soft);padding:0 .25em;border-radius:3px}\n"
-    "svg{width:180px;height:180px;background:var(--soft);border-radius:6px;overflow:hidden}\n"
-    "svg path{stroke:#0006;stroke-width:.5;stroke-linejoin:round}svg .m{stroke:#800}svg "
-    ".n{stroke:#0b57d0;stroke-width:2;fill:none}svg circle{fill:#0b57d0}\n"
-    ".bins td{padding:0 .4rem;border:0;font-size:.85em;white-space:nowrap}.bins "
+enum {
+    PAGE_BYTES = 600000, /* of pictures, shared by the files */
+    LEAST_BYTES = 5000,  /* of a file: one picture */
+    MOST_BYTES = 200000,
+    PLACES_OF_PROBLEM = 10,
+    PLACES_OF_INFO = 3,
+    FILES_WITH_INFO_PICTURES = 4
+};
+
+static const char style[] =
+    ":root{color-scheme:light dark;--ground:#fff;--ink:#1b1c1e;--line:#8886;--soft:#8881;"
+    "--error:#b3261e;--warning:#855300;--info:#1a5fb4}\n"
+    "@media(prefers-color-scheme:dark){:root{--ground:#15171a;--ink:#e4e6e8;--error:#ffb4ab;"
+    "--warning:#ffcc80;--info:#a8c7fa}}\n"
+    "*{box-sizing:border-box}body{font:16px/1.5 "
+    "system-ui,sans-serif;margin:0;background:var(--ground);color:var(--ink)}\n"
+    "main{max-width:64rem;margin:0 auto;padding:1rem;display:flex;flex-direction:column}\n"
+    "main>*{order:1;min-width:0}header,#summary{order:0}\n"
+    "h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.15rem;margin:2rem 0 "
+    "0;overflow-wrap:anywhere}"
+    "h3{font-size:1rem;margin:0}p{margin:.3rem 0}\n"
+    "a{color:var(--info)}.error{color:var(--error)}.warning{color:var(--warning)}.info{color:var("
+    "--info)}.severity{font-weight:700}\n"
+    ".verdict{font-size:1.15rem;font-weight:600}\n"
+    "table{border-collapse:collapse;width:100%;margin:.8rem 0}th,td{text-align:left;padding:.25rem "
+    ".6rem .25rem 0;border-bottom:1px solid var(--line)}.number{text-align:right;"
+    "font-variant-numeric:tabular-nums}\n"
+    "form{display:flex;gap:.6rem 1.2rem;flex-wrap:wrap;align-items:center;margin:.6rem 0}"
+    "select,input{font:inherit;max-width:100%}\n"
+    ".rule{border-left:4px solid var(--line);padding:.2rem 0 .2rem .8rem;margin:.9rem "
+    "0;display:grid;grid-template-columns:1fr 220px;gap:0 1rem;align-items:start}"
+    ".rule.is-error{border-color:var(--error)}.rule.is-warning{border-color:var(--warning)}\n"
+    ".rule>*{grid-column:1;min-width:0}.rule>figure{grid-column:2;grid-row:1/9;margin:0}"
+    "figcaption{font-size:.85rem}\n"
+    "ul{margin:.3rem 0;padding-left:1.2rem}li{overflow-wrap:anywhere}.place{font-size:.9rem}\n"
+    "code{font-size:.9em;background:var(--soft);padding:.1em .3em;border-radius:3px;"
+    "overflow-wrap:anywhere}.fix code{user-select:all}\n"
+    "details{margin:.6rem 0}summary{cursor:pointer;padding:.2rem 0}\n"
+    "figure svg{width:220px;max-width:100%;height:auto;background:#dfe3e8;border-radius:6px}\n"
+    "figure path{stroke:#0005;stroke-width:.5;stroke-linejoin:round}figure .m{stroke:#a00;"
+    "stroke-width:1.5;fill:#e00;fill-opacity:.45}figure .r{stroke:#d00;stroke-width:2.5;fill:none}"
+    "figure .n{stroke:#0b57d0;stroke-width:2;fill:none}figure .d{fill:#0b57d0;stroke:none}\n"
+    ".bins{width:auto;font-size:.85rem}.bins td{border:0;padding:0 .5rem 0 "
+    "0;white-space:nowrap}.bins "
     "i{display:inline-block;height:.7em;background:var(--info)}\n"
-    "tr[hidden]{display:none}\n"
-    "</style></head><body>\n<h1>norma check</h1>\n<p id=\"verdict\"></p>\n"
-    "<form><label>Show <select id=\"least\"><option value=\"1\">everything</option><option "
-    "value=\"2\">warnings and errors</option>"
-    "<option value=\"3\">errors</option></select></label>\n"
-    "<label>with the words <input id=\"words\" type=\"search\"></label> <span id=\"shown\" "
-    "role=\"status\"></span></form>\n"
-    "<table><thead><tr><th><button type=\"button\">Severity</button></th><th><button "
-    "type=\"button\">Rule</button></th>"
-    "<th><button type=\"button\">File and place</button></th><th><button "
-    "type=\"button\">Count</button></th><th><button type=\"button\">Worst</button></th>"
-    "<th>What</th><th>Where it is</th></tr></thead>\n<tbody>\n";
+    "@media(max-width:640px){.rule{display:block}.rule>figure{margin:.5rem 0}main{padding:.7rem}"
+    ".wide{display:none}}\n"
+    "[hidden]{display:none!important}\n";
 
 static const char script[] =
     "<script>\n"
-    "const body=document.querySelector('table>tbody'),heads=[...document.querySelectorAll('thead "
-    "th')];\n"
-    "const key=(row,i)=>{const cell=row.cells[i];return "
-    "cell.dataset.key!==undefined?+cell.dataset.key:cell.textContent};\n"
-    "heads.forEach((th,i)=>th.querySelector('button')?.addEventListener('click',()=>{\n"
-    "  const down=th.getAttribute('aria-sort')==='ascending';\n"
-    "  "
-    "heads.forEach(other=>other.removeAttribute('aria-sort'));th.setAttribute('aria-sort',down?'"
-    "descending':'ascending');\n"
-    "  const rows=[...body.children].sort((a,b)=>{const x=key(a,i),y=key(b,i);return "
-    "(x<y?-1:x>y?1:0)*(down?-1:1)});\n"
-    "  body.append(...rows)}));\n"
-    "const show=()=>{const "
-    "least=+document.getElementById('least').value,words=document.getElementById('words').value."
-    "toLowerCase();let n=0;\n"
-    "  for(const row of "
-    "body.children){row.hidden=+row.cells[0].dataset.key<least||!row.textContent.toLowerCase()."
-    "includes(words);n+=!row.hidden}\n"
-    "  document.getElementById('shown').textContent=n+' of '+body.children.length};\n"
+    "const main=document.querySelector('main'),summary=document.getElementById('summary');\n"
+    "document.querySelector('header').after(summary);\n"
+    "const least=document.getElementById('least'),words=document.getElementById('words'),shown="
+    "document.getElementById('shown');\n"
+    "const show=()=>{const text=words.value.toLowerCase();let n=0,all=0;\n"
+    "  for(const file of document.querySelectorAll('.file')){let any=false;\n"
+    "    for(const rule of file.querySelectorAll('.rule')){const "
+    "seen=+rule.dataset.severity>=+least."
+    "value&&(file.dataset.path+' "
+    "'+rule.textContent).toLowerCase().includes(text);rule.hidden=!seen;"
+    "any||=seen;n+=seen;all++}\n"
+    "    const "
+    "infos=file.querySelector('.infos');if(infos)infos.hidden=!infos.querySelector('.rule:not("
+    "[hidden])');\n"
+    "    file.hidden=!any&&(text!==''||+least.value>0)}\n"
+    "  shown.textContent=n+' of '+all+' shown'};\n"
+    "document.querySelector('form').hidden=false;\n"
     "document.querySelector('form').addEventListener('input',show);document.querySelector('form')."
-    "addEventListener('submit',e=>e.preventDefault());\n"
-    "document.getElementById('verdict').textContent=document.getElementById('last').textContent;"
-    "show();\n"
-    "const gravest=heads[0].querySelector('button');gravest.click();gravest.click();\n"
-    "</script>\n</body></html>\n";
+    "addEventListener('submit',e=>e.preventDefault());show();\n"
+    "</script>\n";
 
 static void begin(FILE *out, const check_settings *settings) {
     (void)settings;
-    fputs(head, out);
+    fputs(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+        "content=\"width=device-width,initial-scale=1\">\n<title>norma check</title>\n<style>\n",
+        out);
+    fputs(style, out);
+    cli_write_rule_style(out);
+    fputs("</style></head><body>\n<main>\n<header><h1>norma check</h1></header>\n", out);
 }
 
-static void write_worst(FILE *out, const norma_finding *finding) {
-    char text[32];
-    if (!isfinite(finding->worst_value)) {
-        fputs("<td class=\"number\" data-key=\"-1\"></td>", out);
-        return;
-    }
-    snprintf(text, sizeof text, "%.4g", finding->worst_value);
-    fprintf(out, "<td class=\"number\" data-key=\"%.9g\">%s%s%s</td>", finding->worst_value, text,
-        finding->unit[0] ? " " : "", finding->unit);
-}
+/* ---- one rule in one file */
 
-static void write_place(FILE *out, const norma_finding *finding) {
+static void write_worst(FILE *out, const check_report *report, const norma_finding *finding) {
     const norma_sample *worst = &finding->worst;
-    fputs("<p class=\"place\">", out);
+    if (worst->vertex == SIZE_MAX && worst->face == SIZE_MAX && !worst->has_position) return;
+    fputs(" <span class=\"place\">Worst: ", out);
     if (worst->vertex != SIZE_MAX) fprintf(out, "vertex %zu ", worst->vertex);
-    if (worst->face != SIZE_MAX) fprintf(out, "face %zu ", worst->face);
+    if (worst->vertex == SIZE_MAX && worst->face != SIZE_MAX)
+        fprintf(out, "face %zu ", worst->face);
     if (worst->has_position)
         fprintf(out, "at (%.6g, %.6g, %.6g)", worst->position[0], worst->position[1],
             worst->position[2]);
-    fputs("</p>", out);
+    const char *node = check_node_path(report->document, finding->where);
+    if (node) {
+        fputs(" in node ", out);
+        cli_write_outside_html(out, node);
+    }
+    fputs("</span>", out);
 }
 
 /* Bars of how many corners are how far off; empty bins at the end are left out. */
@@ -107,56 +121,248 @@ static void write_histogram(FILE *out, const norma_deviation *deviation) {
         most = deviation->histogram[bin] > most ? deviation->histogram[bin] : most;
         last = deviation->histogram[bin] ? bin : last;
     }
-    fputs("<table class=\"bins\">", out);
+    fputs("<table class=\"bins\"><tbody>", out);
     for (size_t bin = 0; bin <= last; ++bin)
         fprintf(out,
             "<tr><td>below %g\302\260</td><td><i style=\"width:%.1fem\"></i> %zu</td></tr>",
             cli_given_degrees(norma_deviation_bound_rad(bin)),
             8.0 * (double)deviation->histogram[bin] / (double)most, deviation->histogram[bin]);
-    fputs("</table>", out);
+    fputs("</tbody></table>", out);
 }
 
-static void write_item(FILE *out, const check_report *report, const check_item *item) {
+static void write_place(FILE *out, const check_report *report, const check_item *item) {
     const norma_finding *finding = item->finding;
-    const char *severity = check_severity_name(item->severity);
-    fprintf(out, "<tr><td class=\"severity %s\" data-key=\"%d\">%s</td><td>%s<br>%s</td><td>",
-        severity, (int)item->severity, severity, finding->rule->id, finding->rule->name);
-    cli_write_outside_html(out, cli_input_name(report->path));
-    fputs("<p class=\"place\">", out);
-    cli_write_outside_html(out, finding->label);
-    if (finding->where[0]) {
-        fputs("<br><code>", out);
-        cli_write_outside_html(out, finding->where);
-        fputs("</code>", out);
+    fputs("<li>", out);
+    if (finding->label[0]) {
+        cli_write_outside_html(out, finding->label);
+        fputs(": ", out);
     }
-    fprintf(out, "</p></td><td class=\"number\" data-key=\"%zu\">", finding->count);
-    cli_count(out, finding->count);
-    fputs("</td>", out);
-    write_worst(out, finding);
-    fputs("<td>", out);
     cli_write_outside_html(out, finding->message);
-    if (item->command) {
-        fputs("<p>Fix: <code>", out);
-        cli_write_outside_html(out, item->command);
-        fputs("</code></p>", out);
+    const size_t length = strlen(finding->message);
+    if (length && !strchr(".!?", finding->message[length - 1])) fputc('.', out);
+    write_worst(out, report, finding);
+    fputs("</li>\n", out);
+}
+
+static int is_same(const check_item *item, const check_item *other) {
+    return item->finding->rule == other->finding->rule && item->severity == other->severity;
+}
+
+static size_t places_of(const check_report *report, const check_item *item) {
+    return report->places[check_rule_number(item->finding->rule)][item->severity];
+}
+
+static void write_places(FILE *out, const check_report *report, const check_item *first) {
+    const size_t most = first->severity == NORMA_SEVERITY_INFO ? PLACES_OF_INFO : PLACES_OF_PROBLEM;
+    const size_t places = places_of(report, first);
+    size_t written = 0;
+    fputs("<ul>\n", out);
+    for (const check_item *item = first; written < places && written < most; ++item) {
+        if (!is_same(first, item)) continue;
+        write_place(out, report, item);
+        ++written;
     }
-    fputs("</td><td>", out);
-    if (finding->deviation) write_histogram(out, finding->deviation);
-    check_draw_finding(out, report->document, finding);
-    write_place(out, finding);
-    fputs("</td></tr>\n", out);
+    if (places > written) fprintf(out, "<li>and %zu more places</li>\n", places - written);
+    fputs("</ul>\n", out);
+}
+
+/* A picture that does not fit in what is left of the file's budget is left out. */
+static void write_picture(
+    FILE *out, const check_report *report, const check_item *item, size_t *budget) {
+    cli_memory_stream picture;
+    if (*budget == 0) return;
+    if (cli_memory_open(&picture)) check_draw_finding(picture.out, report->document, item->finding);
+    if (cli_memory_close(&picture) && picture.size && picture.size <= *budget) {
+        fprintf(out, "<figure>%s<figcaption>%s</figcaption></figure>\n", picture.text,
+            item->finding->label[0] ? "The worst place of the first" : "The worst place");
+        *budget -= picture.size;
+    }
+    free(picture.text);
+}
+
+static void write_rule(
+    FILE *out, const check_report *report, const check_item *item, size_t *budget) {
+    const norma_rule *rule = item->finding->rule;
+    const char *severity = check_severity_name(item->severity);
+    const size_t places = places_of(report, item);
+    fprintf(out,
+        "<section class=\"rule is-%s\" data-severity=\"%d\"><h3><span class=\"severity "
+        "%s\">%s</span> "
+        "<a href=\"#%s\">%s %s</a>",
+        severity, (int)item->severity, severity, severity, rule->id, rule->id, rule->name);
+    if (places > 1) fprintf(out, ", %zu places", places);
+    fputs("</h3>\n", out);
+    write_places(out, report, item);
+    if (item->finding->deviation && places == 1) write_histogram(out, item->finding->deviation);
+    if (item->command) {
+        fputs("<p class=\"fix\">Fix: <code>", out);
+        cli_write_outside_html(out, item->command);
+        fputs("</code></p>\n", out);
+    }
+    write_picture(out, report, item, budget);
+    fputs("</section>\n", out);
+}
+
+/* ---- one file */
+
+static int is_first(const check_report *report, size_t index) {
+    for (size_t i = 0; i < index; ++i)
+        if (is_same(&report->items[i], &report->items[index])) return 0;
+    return 1;
+}
+
+static size_t write_rules(
+    FILE *out, const check_report *report, norma_severity severity, size_t *budget) {
+    size_t written = 0;
+    for (size_t i = 0; i < report->count; ++i)
+        if (report->items[i].severity == severity && is_first(report, i)) {
+            write_rule(out, report, &report->items[i], budget);
+            ++written;
+        }
+    return written;
+}
+
+static size_t count_of(const check_report *report, norma_severity severity) {
+    size_t count = 0;
+    for (size_t i = 0; i < report->count; ++i) count += report->items[i].severity == severity;
+    return count;
+}
+
+static size_t budget_of(const check_report *report) {
+    const size_t files = report->settings->files->inputs.count,
+                 share = files ? PAGE_BYTES / files : PAGE_BYTES;
+    return share < LEAST_BYTES ? LEAST_BYTES : share > MOST_BYTES ? MOST_BYTES : share;
+}
+
+static void write_infos(FILE *out, const check_report *report, size_t *budget) {
+    const size_t infos = count_of(report, NORMA_SEVERITY_INFO);
+    if (!infos) return;
+    fputs("<details class=\"infos\"", out);
+    if (report->settings->list_infos) fputs(" open", out);
+    fputs("><summary>", out);
+    cli_counted(out, infos, "info", "infos");
+    fputs("</summary>\n", out);
+    if (report->settings->files->inputs.count > FILES_WITH_INFO_PICTURES) *budget = 0;
+    write_rules(out, report, NORMA_SEVERITY_INFO, budget);
+    fputs("</details>\n", out);
+}
+
+static void write_counts(FILE *out, const check_report *report) {
+    fputs("<p>", out);
+    if (check_is_clean(report)) {
+        fputs("No problems found", out);
+    } else {
+        cli_counted(out, count_of(report, NORMA_SEVERITY_ERROR), "error", "errors");
+        fputs(", ", out);
+        cli_counted(out, count_of(report, NORMA_SEVERITY_WARNING), "warning", "warnings");
+    }
+    fprintf(out, ". Profile %s", check_profile_name(report->profile));
+    if (strcmp(report->status, "checked") != 0)
+        fprintf(out, "; %s",
+            strcmp(report->status, "partly") == 0 ? "checked in part" : "could not be read");
+    fputs(".</p>\n", out);
 }
 
 static void write_file(FILE *out, const check_report *report) {
-    for (size_t i = 0; i < report->count; ++i) write_item(out, report, &report->items[i]);
+    size_t budget = budget_of(report);
+    fputs("<section class=\"file\" data-path=\"", out);
+    cli_write_outside_html(out, cli_input_name(report->path));
+    fputs("\"><h2>", out);
+    cli_write_outside_html(out, cli_input_name(report->path));
+    fputs("</h2>\n", out);
+    write_counts(out, report);
+    if (report->mended) {
+        fputs("<p>Fixed:</p><pre tabindex=\"0\">", out);
+        fputs(report->mended, out);
+        fputs("</pre>\n", out);
+    }
+    write_rules(out, report, NORMA_SEVERITY_ERROR, &budget);
+    write_rules(out, report, NORMA_SEVERITY_WARNING, &budget);
+    write_infos(out, report, &budget);
+    fputs("</section>\n", out);
+}
+
+/* ---- the summary, and the rules */
+
+static void write_total(
+    FILE *out, const norma_rule *rule, norma_severity severity, const check_rule_total *total) {
+    const char *name = check_severity_name(severity);
+    fprintf(out,
+        "<tr><td><span class=\"severity %s\">%s</span></td><td><a href=\"#%s\">%s <span "
+        "class=\"wide\">%s</span></a></td><td class=\"number\">%zu</td><td "
+        "class=\"number\">%zu</td></tr>\n",
+        name, name, rule->id, rule->id, rule->name, total->places, total->files);
+}
+
+static size_t rules_of(const check_totals *totals, norma_severity severity) {
+    size_t found = 0;
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        found += totals->by_rule[rule][severity].places > 0;
+    return found;
+}
+
+static void write_totals(
+    FILE *out, const check_totals *totals, norma_severity gravest, norma_severity least) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    fputs("<table><thead><tr><th scope=\"col\">Severity</th><th scope=\"col\">Rule</th><th "
+          "scope=\"col\" class=\"number\">Places</th><th scope=\"col\" "
+          "class=\"number\">Files</th></tr></thead><tbody>\n",
+        out);
+    for (norma_severity severity = gravest; severity >= least; --severity)
+        for (size_t rule = 0; rule < count; ++rule)
+            if (totals->by_rule[rule][severity].places)
+                write_total(out, &rules[rule], severity, &totals->by_rule[rule][severity]);
+    fputs("</tbody></table>\n", out);
+}
+
+static void write_all_totals(FILE *out, const check_totals *totals) {
+    const size_t infos = rules_of(totals, NORMA_SEVERITY_INFO);
+    if (totals->errors + totals->warnings)
+        write_totals(out, totals, NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING);
+    if (!infos) return;
+    fputs("<details><summary>", out);
+    cli_counted(out, totals->infos, "info", "infos");
+    fputs(" of ", out);
+    cli_counted(out, infos, "rule", "rules");
+    fputs("</summary>\n", out);
+    write_totals(out, totals, NORMA_SEVERITY_INFO, NORMA_SEVERITY_INFO);
+    fputs("</details>\n", out);
+}
+
+static void write_explanations(FILE *out, const check_totals *totals) {
+    size_t count, written = 0;
+    const norma_rule *rules = norma_rules(&count);
+    for (size_t rule = 0; rule < count; ++rule) {
+        const check_rule_total *total = totals->by_rule[rule];
+        if (!total[NORMA_SEVERITY_INFO].places && !total[NORMA_SEVERITY_WARNING].places &&
+            !total[NORMA_SEVERITY_ERROR].places)
+            continue;
+        if (!written++) {
+            fputs("<section><h2>What the rules mean</h2>\n", out);
+            cli_write_rule_marks(out);
+        }
+        cli_write_rule_html(out, &rules[rule], 3);
+    }
+    if (written) fputs("</section>\n", out);
 }
 
 static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
     (void)settings;
-    fputs("</tbody></table>\n<p id=\"last\">", out);
+    write_explanations(out, totals);
+    fputs("<section id=\"summary\" aria-label=\"Summary\"><p class=\"verdict\">", out);
+    if (totals->errors + totals->warnings + totals->not_checked == 0)
+        fputs("No problems found. ", out);
     check_write_verdict(out, totals);
     fputs("</p>\n", out);
+    write_all_totals(out, totals);
+    fputs("<form hidden><label>Show <select id=\"least\"><option value=\"0\">everything</option>"
+          "<option value=\"2\">errors and warnings</option><option value=\"3\">errors</option>"
+          "</select></label> <label>with the words <input id=\"words\" type=\"search\"></label> "
+          "<span id=\"shown\" role=\"status\"></span></form>\n</section>\n</main>\n",
+        out);
     fputs(script, out);
+    fputs("</body></html>\n", out);
 }
 
 const check_format check_format_html = {"html", begin, write_file, "", end};

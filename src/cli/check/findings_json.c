@@ -121,6 +121,7 @@ static void end(FILE *out, const check_totals *totals, const check_settings *set
     cli_json_size(&json, "infos", totals->infos);
     cli_json_size(&json, "files", totals->files);
     cli_json_size(&json, "not_checked", totals->not_checked);
+    cli_json_size(&json, "exit_status", (size_t)totals->status);
     cli_json_close(&json, '}');
     fputs("}\n", out);
 }

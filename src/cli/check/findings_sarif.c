@@ -114,8 +114,8 @@ static void write_file(FILE *out, const check_report *report) {
 
 static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
     (void)settings;
-    fprintf(out, "\n], \"invocations\": [{\"executionSuccessful\": %s}]}]}\n",
-        totals->status == CLI_FILE ? "false" : "true");
+    fprintf(out, "\n], \"invocations\": [{\"exitCode\": %d, \"executionSuccessful\": %s}]}]}\n",
+        totals->status, totals->status == CLI_FILE ? "false" : "true");
 }
 
 const check_format check_format_sarif = {"sarif", begin, write_file, ",\n", end};

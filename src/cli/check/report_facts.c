@@ -1,5 +1,6 @@
 /* report_facts.c: what all forms of the report ask of a finding or a file. */
 #include "cli/check/check_command.h"
+#include "cli/process/errors.h"
 #include <string.h>
 
 size_t check_rule_number(const norma_rule *rule) { return (size_t)(rule - norma_rules(NULL)); }
@@ -23,6 +24,48 @@ int check_is_clean(const check_report *report) {
         if (is_problem(report, &report->items[i])) return 0;
     return strcmp(report->status, "checked") == 0;
 }
+
+/* ---- totals */
+
+static void count_items(
+    const check_report *report, size_t places[][CHECK_SEVERITIES], check_totals *totals) {
+    for (size_t i = 0; i < report->count; ++i) {
+        const check_item *item = &report->items[i];
+        ++places[check_rule_number(item->finding->rule)][item->severity];
+        totals->hidden += !check_is_listed(report, item);
+        if ((int)item->severity >= report->fail_on)
+            totals->status = cli_worse(totals->status, CLI_FINDINGS);
+    }
+}
+
+/* Of one file: the places of each rule and severity. */
+static void add_places(size_t places[][CHECK_SEVERITIES], check_totals *totals) {
+    size_t of[CHECK_SEVERITIES] = {0};
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
+            of[severity] += places[rule][severity];
+            totals->by_rule[rule][severity].places += places[rule][severity];
+            totals->by_rule[rule][severity].files += places[rule][severity] > 0;
+        }
+    totals->errors += of[NORMA_SEVERITY_ERROR];
+    totals->warnings += of[NORMA_SEVERITY_WARNING];
+    totals->infos += of[NORMA_SEVERITY_INFO];
+    totals->files_with_trouble += of[NORMA_SEVERITY_ERROR] + of[NORMA_SEVERITY_WARNING] > 0;
+}
+
+void check_write_file(
+    check_report *report, const check_format *format, FILE *out, check_totals *totals) {
+    size_t places[CHECK_RULES][CHECK_SEVERITIES] = {{0}};
+    count_items(report, places, totals);
+    add_places(places, totals);
+    ++totals->files;
+    totals->not_checked += strcmp(report->status, "checked") != 0;
+    totals->clean += (size_t)check_is_clean(report);
+    report->places = (const size_t(*)[CHECK_SEVERITIES])places;
+    format->file(out, report);
+}
+
+/* ---- nodes */
 
 /* The number of the mesh in "/meshes/12/primitives/3". */
 static size_t mesh_number(const char *where) {

@@ -1,23 +1,30 @@
-/* explain_command.c: norma explain N501: what a rule measures, why it matters, what to do. */
+/* explain_command.c: norma explain N501: what a rule measures, why it matters, what to do; as text,
+ * or as a page with pictures. */
+#include "cli/files/report_output.h"
 #include "cli/options/options.h"
 #include "cli/options/suggest.h"
 #include "cli/process/errors.h"
 #include "cli/text/report_json.h"
+#include "cli/text/rule_page.h"
 #include <norma/check.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] = "norma explain RULE...: explains what a rule of norma check measures, "
-                           "why it matters and what to do\n"
-                           "\n"
-                           "Examples\n"
-                           "  norma explain N501\n"
-                           "  norma explain inconsistent-winding\n"
-                           "  norma explain                  lists all rules, one a line\n"
-                           "\n"
-                           "RULE is an id (N301), the beginning of several (N3) or a name.\n"
-                           "--json prints one object a line, for programs.\n"
-                           "Exit status: 0 fine, 2 unknown rule.\n";
+static const char help[] =
+    "norma explain RULE...: explains what a rule of norma check measures, "
+    "why it matters and what to do\n"
+    "\n"
+    "Examples\n"
+    "  norma explain N501\n"
+    "  norma explain inconsistent-winding\n"
+    "  norma explain                  lists all rules, one a line\n"
+    "  norma explain -o rules.html    the manual of all rules, with pictures\n"
+    "\n"
+    "RULE is an id (N301), the beginning of several (N3) or a name.\n"
+    "--json prints one object a line, for programs.\n"
+    "-o, --output FILE writes a page, HTML, with a picture of wrong and one of "
+    "right for each rule.\n"
+    "Exit status: 0 fine, 2 unknown rule.\n";
 
 static const char *severity_name(norma_severity severity) {
     static const char *const names[] = {"none", "info", "warning", "error"};
@@ -103,42 +110,98 @@ static int fail_unknown(const cli_subcommand *verb, const char *word) {
         word, meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "");
 }
 
-static int explain(const cli_subcommand *verb, const cli_words *words, int json) {
-    size_t count, told = 0;
-    const norma_rule *rules = norma_rules(&count);
+/* The rules that words name; without any all. calloc'd, NULL: *status says why. */
+static uint8_t *choose_rules(
+    const cli_subcommand *verb, const cli_words *words, size_t count, int *status) {
     uint8_t *mask = calloc(count + 1, 1);
-    int status = CLI_OK;
-    if (!mask) return cli_out_of_memory();
-    for (size_t i = 0; i < words->count && !status; ++i) {
+    if (!mask) *status = cli_out_of_memory();
+    if (mask && !words->count) memset(mask, 1, count);
+    for (size_t i = 0; mask && i < words->count && !*status; ++i) {
         char unknown[64] = "";
         if (norma_rules_select(words->words[i], mask, unknown) != NORMA_OK)
-            status = fail_unknown(verb, unknown);
+            *status = fail_unknown(verb, unknown);
     }
-    for (size_t i = 0; i < count && !status; ++i) {
-        if (words->count && !mask[i]) continue;
+    return mask;
+}
+
+static void write_text(const uint8_t *mask, int is_list, int json) {
+    size_t count, told = 0;
+    const norma_rule *rules = norma_rules(&count);
+    for (size_t i = 0; i < count; ++i) {
+        if (!mask[i]) continue;
         if (json)
             write_rule_json(&rules[i]);
-        else if (words->count) {
+        else if (is_list)
+            list_rule(&rules[i]);
+        else {
             fputs(told++ ? "\n\n" : "", stdout);
             write_rule(&rules[i]);
-        } else
-            list_rule(&rules[i]);
+        }
     }
+}
+
+static int write_page(const uint8_t *mask, const char *path) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    cli_output output;
+    const int status = cli_output_begin(&output, path, NULL);
+    if (status) return status;
+    fputs(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+        "content=\"width=device-width,initial-scale=1\">\n<title>Rules of norma check</title>\n"
+        "<style>\n:root{color-scheme:light dark;--ground:#fff;--ink:#1b1c1e}@media(prefers-color-"
+        "scheme:dark){:root{--ground:#15171a;--ink:#e4e6e8}}\n"
+        "body{font:16px/1.5 system-ui,sans-serif;max-width:48rem;margin:0 auto;padding:1rem;"
+        "background:var(--ground);color:var(--ink)}h2{font-size:1rem;margin:0}\n",
+        output.out);
+    cli_write_rule_style(output.out);
+    fputs("</style></head><body><main>\n<h1>Rules of norma check</h1>\n", output.out);
+    cli_write_rule_marks(output.out);
+    for (size_t i = 0; i < count; ++i)
+        if (mask[i]) cli_write_rule_html(output.out, &rules[i], 2);
+    fputs("</main></body></html>\n", output.out);
+    return cli_output_end(&output);
+}
+
+typedef struct explain_work {
+    const char *output;
+} explain_work;
+
+static const char *set_output(void *settings, const char *value) {
+    ((explain_work *)settings)->output = value;
+    return value[0] ? NULL : "the name of a file, or -";
+}
+
+static const cli_option options[] = {{"output", 'o', 1, set_output}};
+
+static int explain(
+    const cli_subcommand *verb, const cli_words *words, const char *output, int json) {
+    size_t count;
+    (void)norma_rules(&count);
+    int status = CLI_OK;
+    uint8_t *mask = choose_rules(verb, words, count, &status);
+    if (!status && output)
+        status =
+            json ? cli_usage(verb, "--json and -o exclude each other") : write_page(mask, output);
+    else if (!status)
+        write_text(mask, words->count == 0, json);
     free(mask);
     return status;
 }
 
 static int run(const cli_subcommand *verb, int count, char **arguments) {
     cli_common common = {0};
+    explain_work work = {0};
     cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
-    const cli_table tables[] = {{cli_common_options, cli_common_option_count, &common}};
+    const cli_table tables[] = {{options, CLI_COUNT(options), &work},
+        {cli_common_options, cli_common_option_count, &common}};
     int wants_help = 0, status = words.words ? cli_parse(verb, tables, CLI_COUNT(tables), count,
                                                    arguments, &words, &wants_help)
                                              : cli_out_of_memory();
     if (wants_help)
         fputs(verb->help, stdout);
     else if (!status)
-        status = explain(verb, &words, common.json);
+        status = explain(verb, &words, work.output, common.json);
     free(words.words);
     return cli_finish(status);
 }

@@ -25,6 +25,9 @@ static inline int json_is_object(const json_t *json) { return (void)json, 0; }
 static inline int json_is_string(const json_t *json) { return (void)json, 0; }
 static inline int json_is_boolean(const json_t *json) { return (void)json, 0; }
 static inline int json_is_true(const json_t *json) { return (void)json, 0; }
+static inline int json_is_integer(const json_t *json) { return (void)json, 0; }
+static inline int json_is_number(const json_t *json) { return (void)json, 0; }
+static inline double json_number_value(const json_t *json) { return (void)json, 0; }
 static inline const char *json_string_value(const json_t *json) { return (void)json, NULL; }
 static inline json_int_t json_integer_value(const json_t *json) { return (void)json, 0; }
 static inline size_t json_array_size(const json_t *json) { return (void)json, 0; }
