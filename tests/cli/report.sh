@@ -162,6 +162,19 @@ done
 norma report --merge part1.json part1.sarif -o mixed.json 2>err
 status=$?
 if [ $status -eq 3 ] && [ ! -e mixed.json ]; then pass "reports of two kinds are refused, and nothing is written"; else fail "reports of two kinds are refused, and nothing is written" "$status: $(cat err)"; fi
+norma check farm -o whole.html >/dev/null 2>&1
+for i in 1 2 3 4; do norma check farm --shard $i/4 -o "part$i.html" >/dev/null 2>&1; done
+norma report --merge part4.html part?.html -o twice.html
+norma report --merge part?.html -o merged.html
+status=$?
+sections() { grep -o '<section class="file" data-path="[^"]*"' "$1" | LC_ALL=C sort; }
+totals() { sed -n 's/.*id="totals">//p' "$1"; }
+if [ $status -eq 3 ] && [ "$(sections merged.html)" = "$(sections whole.html)" ] && [ "$(totals merged.html)" = "$(totals whole.html)" ] && [ "$(sections merged.html | wc -l)" -eq 19 ] &&
+    [ "$(grep -c '<svg' merged.html)" -eq "$(grep -c '<svg' whole.html)" ] && [ "$(sections twice.html | wc -l)" -gt 19 ]; then
+    pass "four pages, merged: as one run, with pictures"
+else
+    fail "four pages, merged: as one run, with pictures" "$status; $(totals merged.html); $(totals whole.html)"
+fi
 norma report --merge part?.json --format line >merged.txt
 norma check farm --format line >whole.txt 2>/dev/null
 if [ -s merged.txt ] && cmp -s <(sort merged.txt) <(sort whole.txt); then pass "JSON becomes lines"; else fail "JSON becomes lines" "$(diff <(sort merged.txt) <(sort whole.txt))"; fi

@@ -90,7 +90,6 @@ typedef struct check_work {
     int no_config;
     cli_color_mode color;
     size_t shard, shards; /* shards 0: all files */
-    size_t found;         /* files, of all shards */
     cli_files files; /* the words, --input-format, and where the report or what is mended goes */
     cli_common common;
     char expected[160]; /* what a wrong list of rules may mean */
@@ -403,7 +402,7 @@ static int find_inputs(const cli_subcommand *verb, check_work *work) {
     int status = cli_find_listed(verb, &work->files);
     if (status == CLI_USAGE) return status;
     status = cli_worse(status, cli_find_inputs(verb, &work->files));
-    work->found = work->files.inputs.count;
+    work->settings.file_count = work->files.inputs.count;
     if (work->shards) check_keep_shard(&work->files.inputs, work->shard, work->shards);
     return status;
 }
@@ -414,7 +413,7 @@ static int check_all(const cli_subcommand *verb, check_work *work) {
     int status = !configs              ? cli_out_of_memory()
                  : open_baseline(work) ? find_inputs(verb, work)
                                        : CLI_FILE;
-    const size_t inputs = work->found;
+    const size_t inputs = work->settings.file_count;
     int placed = CLI_OK;
     if (status != CLI_USAGE && inputs && work->settings.fix && !work->settings.dry_run)
         placed = check_places(verb, work);

@@ -62,7 +62,8 @@ typedef struct check_settings {
     int open_by_rays;       /* of --fix-unsafe */
     const cli_files *files; /* where mended files go */
     int quiet;
-    int list_infos; /* else they are only counted, in reports for people */
+    size_t file_count; /* of all shards */
+    int list_infos;    /* else they are only counted, in reports for people */
     check_style style;
     const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */
     norma_progress *progress;                     /* of whatever takes long */
@@ -127,6 +128,12 @@ extern const check_format check_format_text, check_format_quiet, check_format_li
 const check_format *check_find_format(const char *name);    /* NULL: none is called so */
 const check_format *check_format_of_name(const char *path); /* by its ending; NULL: none */
 
+/* How a page can be taken apart again: each file begins with CHECK_HTML_FILE and its path, and the
+ * totals are JSON between CHECK_HTML_TOTALS and the end of that script. */
+#define CHECK_HTML_FILE     "<section class=\"file\" data-path=\""
+#define CHECK_HTML_FILE_END "</section><!-- end of file -->\n"
+#define CHECK_HTML_TOTALS   "<script type=\"application/json\" id=\"totals\">"
+
 void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
 
 /* ---- what the forms ask (report_facts.c) */
@@ -178,6 +185,8 @@ void check_baseline_free(check_baseline *baseline);
 /* ---- JSON that someone wrote (load_json.c) */
 
 struct json_t;
+/* A regular file as text that ends with a zero, the caller's to free. NULL: reported already. */
+char *check_load_text(const char *path);
 /* expected: what it should be, for messages. NULL: reported already. */
 struct json_t *check_load_json(const char *path, const char *expected);
 

@@ -229,7 +229,7 @@ static size_t count_of(const check_report *report, norma_severity severity) {
 }
 
 static size_t budget_of(const check_report *report) {
-    const size_t files = report->settings->files->inputs.count,
+    const size_t files = report->settings->file_count,
                  share = files ? PAGE_BYTES / files : PAGE_BYTES;
     return share < LEAST_BYTES ? LEAST_BYTES : share > MOST_BYTES ? MOST_BYTES : share;
 }
@@ -242,7 +242,7 @@ static void write_infos(FILE *out, const check_report *report, size_t *budget) {
     fputs("><summary>", out);
     cli_counted(out, infos, "info", "infos");
     fputs("</summary>\n", out);
-    if (report->settings->files->inputs.count > FILES_WITH_INFO_PICTURES) *budget = 0;
+    if (report->settings->file_count > FILES_WITH_INFO_PICTURES) *budget = 0;
     write_rules(out, report, NORMA_SEVERITY_INFO, budget);
     fputs("</details>\n", out);
 }
@@ -265,7 +265,7 @@ static void write_counts(FILE *out, const check_report *report) {
 
 static void write_file(FILE *out, const check_report *report) {
     size_t budget = budget_of(report);
-    fputs("<section class=\"file\" data-path=\"", out);
+    fputs(CHECK_HTML_FILE, out);
     cli_write_outside_html(out, cli_input_name(report->path));
     fputs("\"><h2>", out);
     cli_write_outside_html(out, cli_input_name(report->path));
@@ -279,7 +279,7 @@ static void write_file(FILE *out, const check_report *report) {
     write_rules(out, report, NORMA_SEVERITY_ERROR, &budget);
     write_rules(out, report, NORMA_SEVERITY_WARNING, &budget);
     write_infos(out, report, &budget);
-    fputs("</section>\n", out);
+    fputs(CHECK_HTML_FILE_END, out);
 }
 
 /* ---- the summary, and the rules */
@@ -347,6 +347,37 @@ static void write_explanations(FILE *out, const check_totals *totals) {
     if (written) fputs("</section>\n", out);
 }
 
+/* For norma report, which puts pages together. */
+static void write_machine_totals(FILE *out, const check_totals *totals) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    cli_json json = {.out = out};
+    fputs(CHECK_HTML_TOTALS, out);
+    cli_json_open(&json, NULL, '{');
+    cli_json_size(&json, "errors", totals->errors);
+    cli_json_size(&json, "warnings", totals->warnings);
+    cli_json_size(&json, "infos", totals->infos);
+    cli_json_size(&json, "files", totals->files);
+    cli_json_size(&json, "files_with_trouble", totals->files_with_trouble);
+    cli_json_size(&json, "not_checked", totals->not_checked);
+    cli_json_size(&json, "known", totals->known);
+    cli_json_size(&json, "exit_status", (size_t)totals->status);
+    cli_json_open(&json, "rules", '[');
+    for (size_t rule = 0; rule < count; ++rule)
+        for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
+            if (!totals->by_rule[rule][severity].places) continue;
+            cli_json_open(&json, NULL, '{');
+            cli_json_string(&json, "rule", rules[rule].id);
+            cli_json_string(&json, "severity", check_severity_name((norma_severity)severity));
+            cli_json_size(&json, "places", totals->by_rule[rule][severity].places);
+            cli_json_size(&json, "files", totals->by_rule[rule][severity].files);
+            cli_json_close(&json, '}');
+        }
+    cli_json_close(&json, ']');
+    cli_json_close(&json, '}');
+    fputs("</script>\n", out);
+}
+
 static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
     (void)settings;
     write_explanations(out, totals);
@@ -361,6 +392,7 @@ static void end(FILE *out, const check_totals *totals, const check_settings *set
           "</select></label> <label>with the words <input id=\"words\" type=\"search\"></label> "
           "<span id=\"shown\" role=\"status\"></span></form>\n</section>\n</main>\n",
         out);
+    write_machine_totals(out, totals);
     fputs(script, out);
     fputs("</body></html>\n", out);
 }

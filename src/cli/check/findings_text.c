@@ -170,7 +170,7 @@ static void write_file(FILE *out, const check_report *report) {
     }
     write_rays(out, report);
     write_items(out, report);
-    if (check_is_clean(report) && report->settings->files->inputs.count <= MOST_CLEAN) {
+    if (check_is_clean(report) && report->settings->file_count <= MOST_CLEAN) {
         cli_say(out, "%s: No problems found", cli_input_name(report->path));
         fputc('\n', out);
     }
@@ -221,7 +221,7 @@ static void end_quietly(FILE *out, const check_totals *totals, const check_setti
 
 static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
     const size_t all = totals->errors + totals->warnings + totals->infos;
-    if (totals->clean && settings->files->inputs.count > MOST_CLEAN) {
+    if (totals->clean && settings->file_count > MOST_CLEAN) {
         fputs("No problems found in ", out);
         cli_counted(out, totals->clean, "file", "files");
         fputc('\n', out);

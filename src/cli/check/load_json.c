@@ -2,9 +2,12 @@
  * pipe or a device in its place would be waited for without end, so it is refused. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
+#include "cli/process/errors.h"
+#include "cli/text/memory_stream.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <jansson.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -21,6 +24,34 @@ static int open_regular(const char *path) {
         cli_error("%s: is not a regular file; expected one", path);
     if (file >= 0) close(file);
     return -1;
+}
+
+static void copy_all(FILE *from, FILE *to) {
+    char block[65536];
+    for (size_t size; (size = fread(block, 1, sizeof block, from)) > 0;) fwrite(block, 1, size, to);
+}
+
+char *check_load_text(const char *path) {
+    const int number = open_regular(path);
+    FILE *file = number < 0 ? NULL : fdopen(number, "r");
+    cli_memory_stream text;
+    if (number < 0) return NULL;
+    if (!file || !cli_memory_open(&text)) {
+        cli_out_of_memory();
+        if (file)
+            fclose(file);
+        else
+            close(number);
+        return NULL;
+    }
+    copy_all(file, text.out);
+    const int failed = ferror(file);
+    fclose(file);
+    if (!cli_memory_close(&text)) cli_out_of_memory();
+    if (!failed) return text.text;
+    cli_error("%s: cannot be read", path);
+    free(text.text);
+    return NULL;
 }
 
 json_t *check_load_json(const char *path, const char *expected) {

@@ -9,7 +9,7 @@ static int refuse(const char *path, const char *why) {
     return CLI_FILE;
 }
 
-static int add_part(report_merge *merged, const char *path, const json_t *value) {
+int report_add_part(report_merge *merged, report_part part) {
     if (merged->part_count == merged->part_room) {
         const size_t room = merged->part_room ? 2 * merged->part_room : 64;
         report_part *parts = realloc(merged->parts, room * sizeof *parts);
@@ -17,9 +17,13 @@ static int add_part(report_merge *merged, const char *path, const json_t *value)
         merged->parts = parts;
         merged->part_room = room;
     }
-    merged->parts[merged->part_count] = (report_part){path, value, merged->part_count};
-    ++merged->part_count;
+    part.number = merged->part_count;
+    merged->parts[merged->part_count++] = part;
     return CLI_OK;
+}
+
+static int add_part(report_merge *merged, const char *path, const json_t *value) {
+    return report_add_part(merged, (report_part){.path = path, .value = value});
 }
 
 /* ---- JSON */
@@ -151,10 +155,6 @@ int report_add(report_merge *merged, const char *path, json_t *report) {
     if (kind == REPORT_UNKNOWN)
         return refuse(
             path, "is no report of norma check; expected what --format json or sarif writes");
-    if (merged->kind && kind != merged->kind)
-        return refuse(path, kind == REPORT_SARIF
-                                ? "is SARIF, and those before it are JSON; expected one kind"
-                                : "is JSON, and those before it are SARIF; expected one kind");
     merged->kind = kind;
     return kind == REPORT_SARIF ? add_sarif(merged, path, report) : add_json(merged, path, report);
 }
@@ -173,6 +173,9 @@ void report_sort(report_merge *merged) {
 
 void report_merge_free(report_merge *merged) {
     for (size_t i = 0; i < merged->report_count; ++i) json_decref(merged->reports[i]);
+    for (size_t i = 0; i < merged->text_count; ++i) free(merged->texts[i]);
+    for (size_t i = 0; i < merged->part_count; ++i) free(merged->parts[i].owned);
     free(merged->reports);
+    free(merged->texts);
     free(merged->parts);
 }

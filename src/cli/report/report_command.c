@@ -16,10 +16,10 @@ static const char help[] =
     "  norma report --merge 1.json 2.json -o all.html  a page, without pictures\n"
     "  norma report --merge *.sarif -o all.sarif\n"
     "\n"
-    "REPORT is what norma check wrote as JSON, or as SARIF: all of one kind.\n"
+    "REPORT is what norma check wrote as JSON, SARIF or HTML: all of one kind.\n"
     "  --format text|line|json|sarif|html\n"
-    "                        what JSON becomes: as the ending of -o says, else JSON; SARIF stays\n"
-    "                        SARIF\n"
+    "                        what JSON becomes: as the ending of -o says, else JSON; SARIF and\n"
+    "                        HTML stay what they are\n"
     "  -o, --output FILE     where the report goes (standard output)\n"
     "  --info                lists informations too, in text and line\n"
     "Files are sorted by path.\n"
@@ -64,28 +64,53 @@ static const cli_option options[] = {
 
 /* ---- reading */
 
+/* By its content: a page, or JSON. */
+static int read_report(report_merge *merged, const char *path) {
+    char *text = check_load_text(path);
+    if (!text) return CLI_FILE;
+    if (report_is_html(text)) {
+        merged->kind = REPORT_HTML;
+        return report_add_html(merged, path, text);
+    }
+    free(text);
+    json_t *report = check_load_json(path, "a report as norma check writes it");
+    return report ? report_add(merged, path, report) : CLI_FILE;
+}
+
+static const char *kind_name(report_kind kind) {
+    return kind == REPORT_HTML ? "HTML" : kind == REPORT_SARIF ? "SARIF" : "JSON";
+}
+
 static int read_reports(report_merge *merged, const cli_words *words, cli_guard *guard) {
     int status = CLI_OK;
     merged->reports = calloc(words->count, sizeof(json_t *));
-    if (!merged->reports) return cli_out_of_memory();
+    merged->texts = calloc(words->count, sizeof(char *));
+    if (!merged->reports || !merged->texts) return cli_out_of_memory();
     for (size_t i = 0; i < words->count && !status; ++i) {
+        const report_kind before = merged->kind;
         cli_guard_read(guard, words->words[i]);
-        json_t *report = check_load_json(words->words[i], "a report as norma check writes it");
-        status = report ? report_add(merged, words->words[i], report) : CLI_FILE;
+        status = read_report(merged, words->words[i]);
+        if (status || !before || before == merged->kind) continue;
+        cli_error("%s: is %s, and the reports before it are %s; expected one kind", words->words[i],
+            kind_name(merged->kind), kind_name(before));
+        status = CLI_FILE;
     }
     return status;
 }
 
 /* ---- writing */
 
+/* Only JSON can become another form. */
 static int choose_format(const cli_subcommand *verb, report_work *work) {
     const report_kind kind = work->merged.kind;
-    const check_format *own = kind == REPORT_SARIF ? &check_format_sarif : &check_format_json;
+    const check_format *own = kind == REPORT_SARIF  ? &check_format_sarif
+                              : kind == REPORT_HTML ? &check_format_html
+                                                    : &check_format_json;
     if (!work->format) work->format = check_format_of_name(work->output);
     if (!work->format) work->format = own;
-    return kind == REPORT_SARIF && work->format != own
-               ? cli_usage(verb, "reports in SARIF stay SARIF; expected JSON for --format %s",
-                     work->format->name)
+    return kind != REPORT_JSON && work->format != own
+               ? cli_usage(verb, "reports in %s stay %s; expected JSON for --format %s",
+                     kind_name(kind), kind_name(kind), work->format->name)
                : CLI_OK;
 }
 
@@ -96,11 +121,14 @@ static int write_merged(const report_work *work, cli_guard *guard) {
     if (status) return status;
     if (work->merged.kind == REPORT_SARIF)
         report_write_sarif(&work->merged, output.out);
+    else if (work->merged.kind == REPORT_HTML)
+        report_write_html(&work->merged, output.out);
     else if (work->format == &check_format_json)
         report_write_json(&work->merged, output.out, &totals);
     else
         report_write_as(&work->merged, work->format, output.out, &totals);
-    return cli_worse(cli_worse(work->merged.status, totals.status), cli_output_end(&output));
+    const int run = cli_worse(work->merged.status, work->merged.totals.status);
+    return cli_worse(cli_worse(run, totals.status), cli_output_end(&output));
 }
 
 static int merge(const cli_subcommand *verb, report_work *work, const cli_words *words) {
@@ -108,12 +136,10 @@ static int merge(const cli_subcommand *verb, report_work *work, const cli_words 
     if (!words->count) return cli_usage(verb, "no report was given");
     cli_guard *guard = cli_guard_new(verb);
     if (!guard) return CLI_FILE;
-    cli_files files = {.inputs.count = 0};
     int status = read_reports(&work->merged, words, guard);
     if (!status) status = choose_format(verb, work);
     if (!status) {
-        files.inputs.count = work->merged.part_count;
-        work->merged.settings.files = &files;
+        work->merged.settings.file_count = work->merged.part_count;
         report_sort(&work->merged);
         status = write_merged(work, guard);
     }
