@@ -109,6 +109,6 @@ draw wrong-right assets/goathead.obj --compare=plain,right --scale 1,0.4,1 --siz
 # The report of norma check as a browser shows it; without Chromium the old picture stays.
 if command -v chromium >/dev/null; then
     "$norma" check assets/spider.stl --format html -o "$models/report.html" --quiet --fail-on never
-    chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1100,470 --screenshot="$models/report.png" "file://$models/report.html" >/dev/null 2>&1
+    chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1040,930 --screenshot="$models/report.png" "file://$models/report.html" >/dev/null 2>&1
     cp "$models/report.png" "$out/report.png"
 fi
