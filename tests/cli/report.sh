@@ -64,6 +64,9 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nf 1 2 3\nf 1 2 4\n' >conflict.obj
 before=$(norma check conflict.obj --select N301) after=$(norma check conflict.obj --select N301 --fix-unsafe --dry-run 2>&1)
 if [[ $before == *"Fix: norma"* && $after != *"Fix: "* ]]; then pass "a fix that was tried is not offered again"; else fail "a fix that was tried is not offered again" "$before / $after"; fi
 
+reason=$(norma check conflict.obj --select N301 --fix-unsafe --dry-run --json 2>err | sed -n 's/.*"not_fixed": \["N301 [a-z-]* \([^"]*\)"\].*/\1/p')
+if [ -n "$reason" ] && grep -qF "$reason" err; then pass "what could not be fixed is reported with the reason"; else fail "what could not be fixed is reported with the reason" "$reason / $(cat err)"; fi
+
 # ---- a pipe and a terminal
 printf "$bad" >wide.obj
 if [ "$(norma check wide.obj --quiet | wc -l)" -eq 1 ] && [ "$(norma check wide.obj | grep -c '^wide.obj: error N102 .* Fix: norma check wide.obj --fix --select N102 -o wide.fixed.obj$')" -eq 1 ] && ! norma check wide.obj | grep -q $'\033'; then

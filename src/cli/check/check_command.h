@@ -92,6 +92,7 @@ typedef struct check_report {
     int fail_on;                              /* for this file */
     const size_t (*places)[CHECK_SEVERITIES]; /* how many items of each rule and severity */
     norma_document *document;                 /* for pictures; NULL: unreadable */
+    size_t first_note;         /* reasons why a fix was left out are its notes from there on */
     const char *mended;        /* a table of counts before and after; NULL: nothing was mended */
     size_t by_rays, undecided; /* open components that rays decided on, or did not; 0 where that was
                                   not asked for */
@@ -149,6 +150,8 @@ const char *check_profile_name(norma_check_profile profile);
 int check_is_listed(const check_report *report, const check_item *item);
 /* Checked, and without errors, warnings and whatever fails the check. */
 int check_is_clean(const check_report *report);
+/* Whether note i of a document differs from those before it, from the first on. */
+int check_is_new_note(const norma_document *document, size_t first, size_t i);
 /* Names from the root of the scene to the first node that draws the mesh of a finding, or to the
  * node that it is about. NULL: none. */
 const char *check_node_path(norma_document *document, const char *where);

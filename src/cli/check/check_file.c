@@ -265,6 +265,7 @@ static void report_findings(
         .count = weigh(check, items, totals),
         .fail_on = fail_on(check),
         .document = document_of(check),
+        .first_note = check->mended.document ? check->mended.first_note : SIZE_MAX,
         .mended = check->mended.table,
         .by_rays = check->mended.summary.by_rays,
         .undecided = check->mended.summary.undecided,

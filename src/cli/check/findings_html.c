@@ -263,6 +263,17 @@ static void write_counts(FILE *out, const check_report *report) {
     fputs(".</p>\n", out);
 }
 
+/* What could not be fixed, and why. */
+static void write_reasons(FILE *out, const check_report *report) {
+    if (!report->document) return;
+    for (size_t i = report->first_note; i < norma_document_note_count(report->document); ++i) {
+        if (!check_is_new_note(report->document, report->first_note, i)) continue;
+        fputs("<p>Not fixed: ", out);
+        cli_write_outside_html(out, norma_document_note(report->document, i));
+        fputs("</p>\n", out);
+    }
+}
+
 static void write_file(FILE *out, const check_report *report) {
     size_t budget = budget_of(report);
     fputs(CHECK_HTML_FILE, out);
@@ -276,6 +287,7 @@ static void write_file(FILE *out, const check_report *report) {
         fputs(report->mended, out);
         fputs("</pre>\n", out);
     }
+    write_reasons(out, report);
     write_rules(out, report, NORMA_SEVERITY_ERROR, &budget);
     write_rules(out, report, NORMA_SEVERITY_WARNING, &budget);
     write_infos(out, report, &budget);

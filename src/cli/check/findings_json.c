@@ -86,6 +86,16 @@ static void write_item(cli_json *json, const check_item *item) {
     cli_json_close(json, '}');
 }
 
+/* Why fixes were left out. Without --fix there is no such key. */
+static void write_reasons(cli_json *json, const check_report *report) {
+    if (!report->document || report->first_note == SIZE_MAX) return;
+    cli_json_open(json, "not_fixed", '[');
+    for (size_t i = report->first_note; i < norma_document_note_count(report->document); ++i)
+        if (check_is_new_note(report->document, report->first_note, i))
+            cli_json_string(json, NULL, norma_document_note(report->document, i));
+    cli_json_close(json, ']');
+}
+
 static void begin(FILE *out, const check_settings *settings) {
     (void)settings;
     fputs("{\"schema\": \"norma-check/1\", \"files\": [\n", out);
@@ -100,6 +110,7 @@ static void write_file(FILE *out, const check_report *report) {
     cli_json_open(&json, "findings", '[');
     for (size_t i = 0; i < report->count; ++i) write_item(&json, &report->items[i]);
     cli_json_close(&json, ']');
+    write_reasons(&json, report);
     if (report->by_rays + report->undecided) {
         cli_json_open(&json, "open_by_rays", '{');
         cli_json_size(&json, "decided", report->by_rays);

@@ -40,12 +40,9 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
 
 /* What could not be mended, and why: each reason once. */
 static void tell_notes(const char *path, const norma_document *document, size_t before) {
-    for (size_t i = before; i < norma_document_note_count(document); ++i) {
-        size_t first = before;
-        while (strcmp(norma_document_note(document, first), norma_document_note(document, i)) != 0)
-            ++first;
-        if (first == i) cli_error("%s: %s", cli_input_name(path), norma_document_note(document, i));
-    }
+    for (size_t i = before; i < norma_document_note_count(document); ++i)
+        if (check_is_new_note(document, before, i))
+            cli_error("%s: %s", cli_input_name(path), norma_document_note(document, i));
 }
 
 static norma_document_result save(const check_settings *settings, const char *output,
@@ -88,6 +85,7 @@ norma_document_result check_fix(const check_settings *settings, norma_document *
     }
     mended->document = document;
     const size_t notes = norma_document_note_count(document);
+    mended->first_note = notes;
     if (!result)
         result = norma_fix_document(
             document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->summary, error);

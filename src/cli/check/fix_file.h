@@ -10,6 +10,8 @@ typedef struct check_fixed {
     int written;
     char *table; /* counts before and after, lines of text; NULL: nothing changed */
     norma_fix_summary summary;
+    size_t
+        first_note; /* of the document: what could not be fixed, and why, is noted from there on */
 } check_fixed;
 
 /* before: findings of document with options, which rules the report has. 0: error says why. */

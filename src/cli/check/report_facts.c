@@ -25,6 +25,12 @@ int check_is_clean(const check_report *report) {
     return strcmp(report->status, "checked") == 0;
 }
 
+int check_is_new_note(const norma_document *document, size_t first, size_t i) {
+    while (strcmp(norma_document_note(document, first), norma_document_note(document, i)) != 0)
+        ++first;
+    return first == i;
+}
+
 /* ---- totals */
 
 static void count_items(
