@@ -156,11 +156,11 @@ static norma_result add_folded(check_mesh *m, norma_severity severity, folded *f
     if (!f->hits.count || !norma_check_wants(m, RULE_N404)) return NORMA_OK;
     norma_check_message(message,
         f->crossing ? "%z of %z polygons %s over if a reader cuts them into a fan from their first "
-                      "corner; %z of them cross%s itself"
+                      "corner; %z of them cross%s"
                     : "%z of %z polygons %s over if a reader cuts them into a fan from their first "
                       "corner",
         f->hits.count, m->mesh.face_count, f->hits.count == 1 ? "folds" : "fold", f->crossing,
-        f->crossing == 1 ? "es" : "");
+        f->crossing == 1 ? "es itself" : " themselves");
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N404,
             .severity = severity,

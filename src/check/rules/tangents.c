@@ -1,5 +1,7 @@
-/* tangents.c: N801 to N803, N805, N806: tangents that are no unit vectors, signs that are none,
- * tangents that lean on their normals, tangents without a part that they need. */
+/* tangents.c: N801 to N803, N805, N806, N813: tangents that are no unit vectors, signs that are
+ * none, tangents that lean on their normals, tangents and normal maps without a part that they
+ * need.
+ */
 #include "check/rules/scene_rules.h"
 #include "check/findings/angle.h"
 #include "core/face/unit_length.h"
@@ -130,6 +132,19 @@ static norma_result judge_values(check_mesh *m) {
     return result;
 }
 
+static norma_result judge_map(check_mesh *m) {
+    const norma_material_info *material = &m->given->material;
+    if (!material->normal_map || m->given->attributes.texcoords || !m->mesh.face_count ||
+        !norma_check_wants(m, RULE_N813))
+        return NORMA_OK;
+    char message[CHECK_MESSAGE];
+    norma_check_message(message,
+        "the normal map uses TEXCOORD_%z, which is not among the primitive's attributes",
+        material->normal_texcoord);
+    return norma_check_add_one(
+        m->run, &m->place, m, RULE_N813, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, message);
+}
+
 norma_result norma_check_tangents(check_mesh *m) {
     const norma_check_mesh *given = m->given;
     int tangents = given->attributes.tangents != NULL || given->info.has_tangents,
@@ -137,6 +152,7 @@ norma_result norma_check_tangents(check_mesh *m) {
     norma_result result = judge_values(m);
     if (!result && given->attributes.tangents && norma_check_wants(m, RULE_N804))
         result = norma_check_tangent_signs(m);
+    if (!result) result = judge_map(m);
     int usable = tangents && normals; /* without normals readers must ignore them */
     if (!result && !usable && given->material.normal_map && !given->material.unlit &&
         m->mesh.face_count && norma_check_wants(m, RULE_N805))

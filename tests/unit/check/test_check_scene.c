@@ -30,7 +30,7 @@ static norma_findings *check(norma_document *document, const char *rules) {
 }
 
 /* N807, like N204, has something to report of every mesh. */
-#define MINE "N001,N002,N104,N105,N106,N6,N801,N802,N803,N804,N805,N806,N9"
+#define MINE "N001,N002,N104,N105,N106,N6,N801,N802,N803,N804,N805,N806,N813,N9"
 
 typedef struct expected {
     const char *rule, *where;
@@ -422,6 +422,7 @@ static norma_findings *check_surface(const char *attributes, const char *materia
 }
 
 #define MAPPED "{\"normalTexture\":{\"index\":0}}"
+#define SET_1  "{\"normalTexture\":{\"index\":0,\"texCoord\":1}}"
 #define UNLIT  "{\"extensions\":{\"KHR_materials_unlit\":{}}}"
 
 static void test_parts_of_tangents(void **state) {
@@ -434,6 +435,18 @@ static void test_parts_of_tangents(void **state) {
     FOUND(check_surface("\"POSITION\":0,\"TANGENT\":3,\"TEXCOORD_0\":4", "{}"),
         {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"},
         {"N806", PRIMITIVE, W, 1, NAN, ""});
+}
+
+/* The set that the map names, not any set. */
+static void test_map_without_texcoords(void **state) {
+    (void)state;
+    FOUND(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4", SET_1),
+        {"N813", PRIMITIVE, NORMA_SEVERITY_ERROR, 1, NAN, ""});
+    FOUND(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3", MAPPED),
+        {"N813", PRIMITIVE, NORMA_SEVERITY_ERROR, 1, NAN, ""});
+    assert_clean(check_surface(
+        "\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4,\"TEXCOORD_1\":4", SET_1));
+    assert_clean(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3", "{}"));
 }
 
 /* ---- normals there or not */
@@ -727,6 +740,7 @@ int main(void) {
         cmocka_unit_test(test_tangent_windings),
         cmocka_unit_test(test_tangent_at_a_mirror_line),
         cmocka_unit_test(test_parts_of_tangents),
+        cmocka_unit_test(test_map_without_texcoords),
         cmocka_unit_test(test_presence),
         cmocka_unit_test(test_counts),
         cmocka_unit_test(test_obj_faces),
