@@ -177,14 +177,27 @@ static norma_fix offered_fix(const file_check *check, const norma_finding *findi
     return tried ? NORMA_FIX_NONE : finding->fix;
 }
 
-/* NULL: no fix is offered, or memory is out. */
-static char *command_of(const file_check *check, const norma_finding *finding) {
+/* NULL where no fix is offered; 0: memory is out. */
+static int make_command(const file_check *check, const norma_finding *finding, char **command) {
     const char *const *options = check->settings->command_options;
-    if (offered_fix(check, finding) == NORMA_FIX_NONE) return NULL;
+    if (offered_fix(check, finding) == NORMA_FIX_NONE) return 1;
     const size_t length = norma_finding_command(finding, check->path, options, NULL, 0);
-    char *command = length ? malloc(length + 1) : NULL;
-    if (command) norma_finding_command(finding, check->path, options, command, length + 1);
-    return command;
+    if (!length) return 1;
+    *command = malloc(length + 1);
+    if (*command) norma_finding_command(finding, check->path, options, *command, length + 1);
+    return *command != NULL;
+}
+
+static int make_commands(const file_check *check, check_item *items, size_t count) {
+    int made = 1;
+    for (size_t i = 0; i < count && made; ++i)
+        made = make_command(check, items[i].finding, &items[i].command);
+    return made;
+}
+
+static void free_items(check_item *items, size_t count) {
+    for (size_t i = 0; i < count; ++i) free(items[i].command);
+    free(items);
 }
 
 /* items has room for all findings. */
@@ -202,7 +215,7 @@ static size_t weigh(const file_check *check, check_item *items, check_totals *to
             ++totals->known;
             continue;
         }
-        items[count] = (check_item){finding, (norma_severity)severity, command_of(check, finding)};
+        items[count] = (check_item){finding, (norma_severity)severity, NULL};
         ++count;
     }
     return count;
@@ -252,7 +265,9 @@ static void report_unreadable(
 static void report_findings(
     file_check *check, const check_format *format, FILE *out, check_totals *totals) {
     check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
-    if (!items) {
+    const size_t count = items ? weigh(check, items, totals) : 0;
+    if (!items || !make_commands(check, items, count)) {
+        free_items(items, count);
         check->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         report_unreadable(check, format, out, totals);
         return;
@@ -262,7 +277,7 @@ static void report_findings(
         .profile = norma_findings_profile(findings_of(check)),
         .status = norma_findings_partly(findings_of(check)) ? "partly" : "checked",
         .items = items,
-        .count = weigh(check, items, totals),
+        .count = count,
         .fail_on = fail_on(check),
         .document = document_of(check),
         .first_note = check->mended.document ? check->mended.first_note : SIZE_MAX,
@@ -272,8 +287,7 @@ static void report_findings(
         .least_confidence = check->mended.summary.least_confidence};
     totals->status = cli_worse(totals->status, check->fix_status);
     check_write_file(&report, format, out, totals);
-    for (size_t i = 0; i < report.count; ++i) free(items[i].command);
-    free(items);
+    free_items(items, count);
 }
 
 void check_one_file(const check_settings *settings, const check_config *config,
