@@ -350,6 +350,7 @@ static int draw_sheet(picture_job *job) {
 static int draw_all(const cli_subcommand *verb, const render_settings *settings) {
     picture_job *job = calloc(1, sizeof *job);
     render_error error = {.message = "out of memory"};
+    render_watch_driver();
     if (!job || render_device_open(settings->software, &job->device, &error)) {
         char limit[CLI_LIMIT_ROOM]; /* within which a driver may not fit */
         cli_memory_limit_words(limit);

@@ -141,4 +141,7 @@ void render_plan_legend(render_plan *plan, render_sheet *sheet);
 void render_plan_tell(void *user, render_sheet *sheet, const render_picture *picture);
 /* The words of --compare and --views are checked before a file is opened. */
 int render_plan_check(const cli_subcommand *verb, const render_settings *settings);
+/* render_driver.c: under --max-memory a driver that ends the program for want of memory is told of,
+ * with status 3. */
+void render_watch_driver(void);
 #endif
