@@ -28,7 +28,7 @@ set(web_dir ${PROJECT_BINARY_DIR}/web)
 set(web_objects_dir ${web_dir}/objects)
 file(MAKE_DIRECTORY ${web_objects_dir} ${web_dir}/npm)
 # No SLP vectoriser: clang 14's, for WebAssembly, stores a product into its own factor before that is read (norma_gltf_matrix_multiply in place, nodes at wrong places).
-set(web_flags --target=wasm32-wasi -std=c11 -O3 -DNDEBUG -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math
+set(web_flags --target=wasm32-wasi -std=c11 -DNDEBUG -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${PROJECT_SOURCE_DIR}/include -I${PROJECT_SOURCE_DIR}/src)
 if(NORMA_WERROR)
   list(APPEND web_flags -Werror)
@@ -41,8 +41,16 @@ function(web_objects list)
     file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${source})
     string(REPLACE "/" "_" name ${name})
     set(object ${web_objects_dir}/${name}.o)
+    # Pages and packages are downloaded: kernels are made fast, where more code is faster; the readers and the rules small.
+    if(name MATCHES "^src_core_(corner|face)_")
+      set(optimise -O3)
+    elseif(name MATCHES "^src_core_")
+      set(optimise -O2)
+    else()
+      set(optimise -Os)
+    endif()
     add_custom_command(OUTPUT ${object}
-      COMMAND ${NORMA_WASM_CC} ${web_flags} ${web_flags_here} -MD -MF ${object}.d -c ${source} -o ${object}
+      COMMAND ${NORMA_WASM_CC} ${web_flags} ${optimise} ${web_flags_here} -MD -MF ${object}.d -c ${source} -o ${object}
       DEPENDS ${source} DEPFILE ${object}.d COMMENT "WebAssembly ${name}" VERBATIM)
     list(APPEND objects ${object})
   endforeach()

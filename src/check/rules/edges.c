@@ -152,9 +152,9 @@ typedef enum conflict_kind {
 static conflict_kind kind_of(const check_mesh *m, const conflict *c, const uint8_t *sides) {
     const uint8_t first = sides[norma_core_topology_face(&m->topology, c->first)],
                   second = sides[norma_core_topology_face(&m->topology, c->second)];
-    return norma_core_is_turned(first) || norma_core_is_turned(second) ? CONFLICT_TURNED
-           : (first | second) & CORE_SIDE_UNDECIDED                    ? CONFLICT_UNDECIDED
-                                                                       : CONFLICT_RIGHT;
+    return norma_check_is_turned(first) || norma_check_is_turned(second) ? CONFLICT_TURNED
+           : (first | second) & CORE_SIDE_UNDECIDED                      ? CONFLICT_UNDECIDED
+                                                                         : CONFLICT_RIGHT;
 }
 
 static void describe_conflicts(

@@ -38,10 +38,15 @@ static void describe_sides(const opposed_sides *s, char text[CHECK_MESSAGE]) {
     else if (!s->right && !s->turned)
         norma_check_message(
             text, "neither volume nor rays show whether the normals or the winding are wrong");
+    else if (!s->undecided)
+        norma_check_message(text,
+            "the normals are wrong at %z of them, the winding of %z %s is wrong", s->right,
+            s->turned, turn);
     else
         norma_check_message(text,
-            "the normals are wrong at %z of them, the winding at %z (%s to turn), and for %z "
-            "neither volume nor rays show which",
+            "the normals are wrong at %z of them, the winding of %z %s is wrong, and for %z "
+            "neither "
+            "volume nor rays show which",
             s->right, s->turned, turn, s->undecided);
 }
 

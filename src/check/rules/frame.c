@@ -6,8 +6,9 @@
 
 static const double FAR_OFF = 0.52359877559829882; /* 30 degrees */
 
-/* The winding is shown to be wrong, or that is undecided, for at least half of the area where
- * normals and winding disagree: then that is what N201 says. */
+/* The winding is shown to be wrong, or that is undecided, for more than a hundredth of the area
+ * where normals and winding disagree: then N201 says so, and to compute all normals again would
+ * reverse some that are right. */
 static norma_result is_winding_in_doubt(check_mesh *m, int *in_doubt) {
     *in_doubt = 0;
     norma_result result = norma_check_opposed(m);
@@ -18,7 +19,7 @@ static norma_result is_winding_in_doubt(check_mesh *m, int *in_doubt) {
     for (size_t f = 0; !result && f < m->mesh.face_count; f++)
         if (m->opposed[f] && !(sides[f] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)))
             right += norma_check_twice_area(m, f);
-    *in_doubt = !(2 * right > m->opposed_area);
+    *in_doubt = !(right > 0.99 * m->opposed_area);
     norma_core_release(&m->run->call, sides, m->mesh.face_count, 1);
     return result;
 }

@@ -35,6 +35,7 @@ norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
  * matters. sides: of each face of the mesh. */
 norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides);
 void norma_check_sides_drop(check_run *run);
+int norma_check_is_turned(uint8_t side); /* shown to be, not only different from most */
 /* After that: how many faces are shown to be turned, of those and of all in components whose faces
  * do not agree. */
 size_t norma_check_count_turned(const check_mesh *m, const uint8_t *asked, const uint8_t *sides);

@@ -23,13 +23,13 @@ static norma_result add_missing(check_mesh *m) {
         return NORMA_OK;
     for (size_t f = 0; f < m->mesh.face_count; f++)
         if (!some || lacks_normals(m, f)) norma_check_hit(m->run, &hits, 0, norma_check_face(f));
-    int gltf = m->run->format != NORMA_FILE_OBJ && m->run->format != NORMA_FILE_PLY;
+    int obj = m->run->format == NORMA_FILE_OBJ, gltf = !obj && m->run->format != NORMA_FILE_PLY;
     norma_check_message(message, "%z face%s without normals; %s", hits.count,
         norma_check_plural(hits.count),
         gltf ? "readers make them flat" : "each reader chooses flat or smooth");
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N104,
-            .severity = NORMA_SEVERITY_INFO,
+            .severity = obj && some ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .no_value = 1,
             .hits = &hits,
             .message = message});

@@ -63,12 +63,16 @@ static size_t first_face(const check_mesh *m) {
     return first;
 }
 
+int norma_check_is_turned(uint8_t side) {
+    return (side & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
+}
+
 size_t norma_check_count_turned(const check_mesh *m, const uint8_t *asked, const uint8_t *sides) {
     const core_components *parts = &m->run->group->judge.parts;
     const size_t first = first_face(m);
     size_t count = 0;
     for (size_t f = 0; f < m->mesh.face_count; f++)
-        count += norma_core_is_turned(sides[f]) && parts->of[first + f] != UINT32_MAX &&
+        count += norma_check_is_turned(sides[f]) && parts->of[first + f] != UINT32_MAX &&
                  (asked[f] || parts->each[parts->of[first + f]].flags & COMPONENT_CONFLICT);
     return count;
 }

@@ -132,6 +132,20 @@ static norma_result judge_values(check_mesh *m) {
     return result;
 }
 
+/* Tangents are computed from texture coordinates. */
+static norma_result add_no_tangents(check_mesh *m) {
+    check_hits one = {0};
+    norma_check_hit(m->run, &one, 0, CHECK_NOWHERE);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N805,
+            .severity = NORMA_SEVERITY_WARNING,
+            .no_value = 1,
+            .no_fix = !m->given->attributes.texcoords,
+            .hits = &one,
+            .message = "a normal map but no tangents; renderers compute their own, and not all in "
+                       "the same way"});
+}
+
 static norma_result judge_map(check_mesh *m) {
     const norma_material_info *material = &m->given->material;
     if (!material->normal_map || m->given->attributes.texcoords || !m->mesh.face_count ||
@@ -156,10 +170,7 @@ norma_result norma_check_tangents(check_mesh *m) {
     int usable = tangents && normals; /* without normals readers must ignore them */
     if (!result && !usable && given->material.normal_map && !given->material.unlit &&
         m->mesh.face_count && norma_check_wants(m, RULE_N805))
-        result = norma_check_add_one(m->run, &m->place, m, RULE_N805, NORMA_SEVERITY_WARNING,
-            CHECK_NOWHERE,
-            "a normal map but no tangents; renderers compute their own, and not all in the same "
-            "way");
+        result = add_no_tangents(m);
     if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
         result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING,
             CHECK_NOWHERE, "tangents but no normals; readers must ignore the tangents");

@@ -263,6 +263,8 @@ static const cli_option options[] = {
 /* Without these words the command of a fix would judge differently. */
 static void choose_command_options(check_work *work) {
     const char **option = work->settings.command_options;
+    if (work->settings.profile)
+        *option++ = "--profile", *option++ = check_profile_name(work->settings.profile);
     if (work->settings.strict) *option++ = "--strict";
     if (work->no_config) *option++ = "--no-config";
     if (work->config) *option++ = "--config", *option++ = work->config;

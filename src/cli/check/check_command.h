@@ -44,7 +44,7 @@ typedef struct check_style { /* of a report for people */
     size_t width; /* 0: nothing is wrapped */
 } check_style;
 
-enum { COMMAND_OPTIONS = 8 };
+enum { COMMAND_OPTIONS = 10 };
 
 typedef struct check_settings {
     norma_check_profile profile;

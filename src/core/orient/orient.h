@@ -28,9 +28,6 @@ void norma_core_ray_scene_close(core_ray_scene *scene); /* NULL is fine */
  * nothing, and there the bit of what is turned means the faces that differ from most of their part.
  */
 enum { CORE_SIDE_TURNED = 1, CORE_SIDE_UNDECIDED = 2, CORE_SIDE_BY_RAYS = 4 };
-static inline int norma_core_is_turned(uint8_t side) {
-    return (side & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
-}
 
 /* mesh: stays as it is until the judge is released. The judge is kept by address. */
 typedef struct core_side_judge {

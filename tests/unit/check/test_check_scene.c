@@ -504,7 +504,7 @@ static void test_obj_faces(void **state) {
         "%sf 1//1 2//1 3//1\nf 1 2 3\nf 1//1 2 3//1\nf 1//0 2//0 3//0\nf 1//1 2//1 3//7\nf 1/1/ "
         "2// 3 4\nf 1//1 3//1 4//1\nf -4//-1 -2//-1 -1//-2\n",
         head);
-    FOUND(check(open_text(text, "a.obj"), MINE), {"N104", "", I, 2, NAN, "f1 f5"},
+    FOUND(check(open_text(text, "a.obj"), MINE), {"N104", "", W, 2, NAN, "f1 f5"},
         {"N106", "", E, 4, NAN, "f2 f3 f4 f7"});
     snprintf(text, sizeof text, "%sf 1//1 2//1 3//1 4//1\n", head);
     assert_clean(check(open_text(text, "a.obj"), MINE));
