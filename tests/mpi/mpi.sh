@@ -74,6 +74,9 @@ test_tool() { # TREE MPI RANKS...
     refused "a file that is too short" "$mpi" "$tree" "too short" 'norma-mpi compute ../there/a.ply -o out.ply'
     refused "ranks that disagree on the weight" "$mpi" "$tree" "a.ply: " 'norma-mpi compute a.ply -o out.ply --weight "$(as_rank 1 area angle)"'
     refused "ranks that disagree on the output" "$mpi" "$tree" "other paths" 'norma-mpi compute a.ply -o "$(as_rank 1 other.ply out.ply)"'
+    python3 -c 'import sys; data = open(sys.argv[1], "rb").read(); open(sys.argv[2], "wb").write(data.replace(b"element vertex", b"element empty 5\nelement\tbare 2\nelement vertex", 1))' "$scratch/a.ply" "$scratch/made.ply"
+    same_file "PLY with elements without properties, and a tab" "$mpi" "$tree" 2 "$scratch/made.ply"
+    check "$mpi: the source is no output" bash -c '. tests/mpi/launch.sh; cp "$1" "$2" && ln -f "$2" "$3" && ! ranks "$0" 2 "$0/bin/norma-mpi" compute "$2" -o "$3" 2>"$4" && grep -q "this is the input" "$4" && cmp "$1" "$2"' "$tree" "$scratch/a.ply" "$scratch/source.ply" "$scratch/link.ply" "$scratch/log"
     python3 tests/mpi/make_file.py "$scratch/a.ply" 480 # so large that MPI's own files stay below the limit
     refused "a rank that cannot write all of its slice" "$mpi" "$tree" "out.ply: cannot be written" 'trap "" XFSZ; ulimit -f "$(as_rank 2 6000 unlimited)"; exec norma-mpi compute a.ply -o out.ply'
     check "$mpi: the example of a solver's seams" bash -c '. tests/mpi/launch.sh; ranks "$0" 4 "$0/examples/solver_seams" | tee "$1" | grep -q "norma_mpi_vertex_normals: *0.0 %" && ! grep -q "by itself: *0.0 %" "$1"' "$tree" "$scratch/seams"

@@ -13,7 +13,7 @@ norma_result norma_check_add_open(check_mesh *m, const core_topology *topology, 
                     m->run, &hits, 0, (check_spot){norma_core_corner(&m->mesh, c), f, SIZE_MAX});
     if (hits.count)
         norma_check_message(message,
-            "%z open edge%s (of one face only); a print cannot tell inside from outside there",
+            "%z open edge%s (of one face only); nothing separates inside from outside there",
             hits.count, norma_check_plural(hits.count));
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N307,

@@ -109,10 +109,11 @@ static norma_result tell_undecidable(const check_solids *s) {
     }
     if (hits.count) {
         norma_check_message(message,
-            one_sided ? "%z of %z components are open or one-sided (%z): which side is outward "
+            one_sided ? "%z of %z component%s %s open or one-sided (%z): which side is outward "
                         "cannot be decided"
-                      : "%z of %z components are open: which side is outward cannot be decided",
-            hits.count, count_here(s), one_sided);
+                      : "%z of %z component%s %s open: which side is outward cannot be decided",
+            hits.count, count_here(s), norma_check_plural(count_here(s)),
+            hits.count == 1 ? "is" : "are", one_sided);
         return norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N304,
                 .severity = NORMA_SEVERITY_INFO,

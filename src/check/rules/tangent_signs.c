@@ -73,14 +73,14 @@ static norma_result add(check_mesh *m, const uint8_t *verdicts, size_t with, siz
         if (verdicts[v] == side) norma_check_hit(m->run, &hits, 0, norma_check_vertex(v));
     if (!mixed)
         norma_check_message(message,
-            "%z tangent%s (all whose UVs have an area) with the opposite of the sign that the UVs "
+            "%z tangent%s (all whose UVs have an area) %s the opposite of the sign that the UVs "
             "give; correct if the normal map was made for it",
-            against, norma_check_plural(against));
+            against, norma_check_plural(against), against == 1 ? "has" : "have");
     else if (side == AGAINST)
         norma_check_message(message,
-            "%z tangent%s with the opposite of the sign that the UVs give, %z with that sign; "
-            "bumps become dents in one of the two groups",
-            against, norma_check_plural(against), with);
+            "%z tangent%s %s the opposite of the sign that the UVs give, and %z that sign; bumps "
+            "become dents in one of the two groups",
+            against, norma_check_plural(against), against == 1 ? "has" : "have", with);
     else
         norma_check_message(message,
             "%z tangent%s with the sign that the UVs give, %z with the opposite; bumps become "

@@ -170,7 +170,8 @@ static void write_file(FILE *out, const check_report *report) {
     }
     write_rays(out, report);
     write_items(out, report);
-    if (check_is_clean(report) && report->settings->file_count <= MOST_CLEAN) {
+    const int listed = report->settings->list_infos && report->count;
+    if (check_is_clean(report) && !listed && report->settings->file_count <= MOST_CLEAN) {
         cli_say(out, "%s: No problems found", cli_input_name(report->path));
         fputc('\n', out);
     }

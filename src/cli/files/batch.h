@@ -15,8 +15,8 @@
     "  --input-format obj|ply|stl|gltf|glb\n"                                                      \
     "                        needed for standard input, which is called -\n"                       \
     "  --threads N           how many threads may work (all); the result has the same bits\n"      \
-    "  --max-memory SIZE     512M, 2G: compute takes larger binary PLY and STL files in\n"         \
-    "                        passes; other files that need more end with 'out of memory'\n"        \
+    "  --max-memory SIZE     512M, 2G: files that need more end with 'out of memory', except\n"    \
+    "                        that compute and info take binary PLY and STL in passes\n"            \
     "  --json                prints a summary for programs, one object a line\n"                   \
     "  --quiet               prints nothing but errors\n"
 extern const cli_option cli_output_options[]; /* -o --out-dir --in-place */

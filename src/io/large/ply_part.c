@@ -76,6 +76,7 @@ size_t norma_large_part_count(const large_parts *parts) {
 static int make_room(const large_parts *parts, large_part *part, size_t corners) {
     large_budget *budget = &parts->ply->file->budget;
     const size_t needed = part->corner_count + corners;
+    if (needed > UINT32_MAX) return 0; /* starts of faces are 32 bits: a smaller part */
     if (needed > part->corner_capacity) {
         const size_t more = part->corner_capacity / 4 + (size_t)6 * LARGE_CHUNK + corners;
         uint32_t *grown = norma_large_grow(budget, part->corners, part->corner_capacity,

@@ -40,10 +40,12 @@ static void store_floats(unsigned char *at, const float *values, size_t count) {
     }
 }
 
+/* Of a file that is read in parts no more than its beginning is there. */
 static int begins_with_solid(const stl_state *state) {
+    enum { MOST_BLANKS = 1 << 16 };
     static const char word[] = "solid";
     size_t at = 0;
-    while (at < state->size &&
+    while (at < state->size && at < MOST_BLANKS &&
            (state->bytes[at] == ' ' || (state->bytes[at] >= '\t' && state->bytes[at] <= '\r')))
         ++at;
     for (size_t i = 0; i < 5; ++i)

@@ -13,13 +13,15 @@ static const char END[] = "end_header\n";
 
 static const char *line_end(const char *line) { return strchr(line, '\n') + 1; }
 
+static int is_blank(char letter) { return letter == ' ' || letter == '\t'; }
+
 /* Of "element NAME COUNT" the count, else NULL. */
 static const char *count_in(const char *line) {
     const char *end = line_end(line), *at;
-    if (strncmp(line, "element ", 8) != 0) return NULL;
-    for (at = line + 8; *at == ' '; at++) continue;
-    while (at < end && *at != ' ') at++;
-    while (at < end && *at == ' ') at++;
+    if (strncmp(line, "element", 7) != 0 || !is_blank(line[7])) return NULL;
+    for (at = line + 8; is_blank(*at); at++) continue;
+    while (at < end && !is_blank(*at)) at++;
+    while (at < end && is_blank(*at)) at++;
     return at < end ? at : NULL;
 }
 
@@ -84,8 +86,8 @@ static int element_index(const char *header, const char *name) {
     for (const char *line = header; *line; line = line_end(line)) {
         if (!count_in(line)) continue;
         const char *at = line + 8;
-        while (*at == ' ') at++;
-        if (strncmp(at, name, strlen(name)) == 0 && at[strlen(name)] == ' ') return index;
+        while (is_blank(*at)) at++;
+        if (strncmp(at, name, strlen(name)) == 0 && is_blank(at[strlen(name)])) return index;
         index++;
     }
     return -1;
@@ -220,7 +222,7 @@ static int place_elements(mpi_job *job, ply_layout *layout) {
                 "%s: norma-mpi reads PLY files in which vertices come before faces and nothing "
                 "before faces has lists; use norma compute",
                 job->input);
-        if (layout->counts[e] && layout->counts[e] > (job->size - at) / element->fixed_size)
+        if (element->fixed_size && layout->counts[e] > (job->size - at) / element->fixed_size)
             return norma_mpi_fail(job, "%s: is too short for what its header announces (byte %llu)",
                 job->input, (unsigned long long)job->size);
         at += layout->counts[e] * element->fixed_size;

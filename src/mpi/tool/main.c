@@ -1,9 +1,12 @@
 /* main.c: norma-mpi compute: normals of one large file, by all ranks together. */
+#define _XOPEN_SOURCE 700
 #include "mpi/file/formats.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
 
 static const char HELP[] =
     "mpirun -n RANKS norma-mpi compute IN -o OUT: computes normals and writes them into a copy of "
@@ -92,6 +95,19 @@ static int set_flag(settings *s, const char *word) {
     return 1;
 }
 
+/* The source is never replaced, nor what is no file. */
+static int check_output(settings *s) {
+    struct stat in, out;
+    const char *from = strrchr(s->job.input, '.'), *to = strrchr(s->job.output, '.');
+    if (!from || !to || strcasecmp(from, to) != 0)
+        return refuse(
+            s, s->job.output, "the output has the input's format; give it the same ending");
+    if (lstat(s->job.output, &out) != 0) return 1;
+    if (stat(s->job.input, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
+        return refuse(s, s->job.output, "this is the input; norma-mpi writes another file");
+    return S_ISREG(out.st_mode) || refuse(s, s->job.output, "this exists and is no regular file");
+}
+
 static int read_arguments(settings *s, int argc, char **argv) {
     for (int i = 2; i < argc; i++) {
         if (takes_value(argv[i])) {
@@ -109,7 +125,7 @@ static int read_arguments(settings *s, int argc, char **argv) {
         return refuse(s, argc < 2 ? "norma-mpi" : argv[1], "expected: norma-mpi compute IN -o OUT");
     if (!s->job.input || !s->job.output)
         return refuse(s, "compute", "expected an input, and -o with an output");
-    return 1;
+    return check_output(s);
 }
 
 /* ---- the summary */

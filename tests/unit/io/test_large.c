@@ -348,6 +348,24 @@ static void test_described(void **state) {
     free_mesh(&m);
 }
 
+/* Only its beginning is read when it is asked what an STL takes: what looks for "solid" behind
+ * blanks stays within that. */
+static void test_blanks(void **state) {
+    (void)state;
+    enum { BLANKS = 700000 };
+    char path[sizeof input + 8];
+    uint64_t need;
+    int possible;
+    snprintf(path, sizeof path, "%s.stl", input);
+    FILE *out = fopen(path, "wb");
+    assert_non_null(out);
+    for (size_t i = 0; i < BLANKS; ++i) putc(' ', out);
+    assert_int_equal(fclose(out), 0);
+    possible = norma_large_need(path, NORMA_FILE_UNKNOWN, &need);
+    assert_true(possible == 0 || need >= BLANKS);
+    remove(path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rows),
@@ -358,6 +376,7 @@ int main(void) {
         cmocka_unit_test(test_again),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_described),
+        cmocka_unit_test(test_blanks),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
