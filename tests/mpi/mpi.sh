@@ -3,8 +3,8 @@
 # `make mpi` sets NORMA_MPI_LONG and builds and tests with Open MPI and MPICH, on 1 to 16 ranks.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
-# shellcheck source=tests/mpi/launch.sh
-source "$(dirname "$0")/launch.sh"
+# shellcheck source=tests/mpi/launch.bash
+source "$(dirname "$0")/launch.bash"
 cd "$root" || exit 1
 
 # test_tree TREE MPI COUNT RANKS...: COUNT meshes on each number of ranks.
@@ -32,7 +32,7 @@ same_file() { # NAME MPI TREE RANKS FILE OPTIONS...: norma-mpi writes what norma
     local name=$1 mpi=$2 tree=$3 n=$4 file=$5 out=$scratch/out.${5##*.}
     shift 5
     rm -f "$out"
-    check "$mpi, $n ranks, $name: the file that norma compute writes" bash -c '. tests/mpi/launch.sh; file=$2; tree=$0; n=$1; out=$3; shift 3; "$tree/bin/norma" compute "$file" -o "${out%.*}.alone.${out##*.}" --quiet "$@" && ranks "$tree" "$n" "$tree/bin/norma-mpi" compute "$file" -o "$out" --quiet "$@" && cmp "${out%.*}.alone.${out##*.}" "$out"' \
+    check "$mpi, $n ranks, $name: the file that norma compute writes" bash -c '. tests/mpi/launch.bash; file=$2; tree=$0; n=$1; out=$3; shift 3; "$tree/bin/norma" compute "$file" -o "${out%.*}.alone.${out##*.}" --quiet "$@" && ranks "$tree" "$n" "$tree/bin/norma-mpi" compute "$file" -o "$out" --quiet "$@" && cmp "${out%.*}.alone.${out##*.}" "$out"' \
         "$tree" "$n" "$file" "$out" "$@"
 }
 
@@ -76,10 +76,10 @@ test_tool() { # TREE MPI RANKS...
     refused "ranks that disagree on the output" "$mpi" "$tree" "other paths" 'norma-mpi compute a.ply -o "$(as_rank 1 other.ply out.ply)"'
     python3 -c 'import sys; data = open(sys.argv[1], "rb").read(); open(sys.argv[2], "wb").write(data.replace(b"element vertex", b"element empty 5\nelement\tbare 2\nelement vertex", 1))' "$scratch/a.ply" "$scratch/made.ply"
     same_file "PLY with elements without properties, and a tab" "$mpi" "$tree" 2 "$scratch/made.ply"
-    check "$mpi: the source is no output" bash -c '. tests/mpi/launch.sh; cp "$1" "$2" && ln -f "$2" "$3" && ! ranks "$0" 2 "$0/bin/norma-mpi" compute "$2" -o "$3" 2>"$4" && grep -q "this is the input" "$4" && cmp "$1" "$2"' "$tree" "$scratch/a.ply" "$scratch/source.ply" "$scratch/link.ply" "$scratch/log"
+    check "$mpi: the source is no output" bash -c '. tests/mpi/launch.bash; cp "$1" "$2" && ln -f "$2" "$3" && ! ranks "$0" 2 "$0/bin/norma-mpi" compute "$2" -o "$3" 2>"$4" && grep -q "this is the input" "$4" && cmp "$1" "$2"' "$tree" "$scratch/a.ply" "$scratch/source.ply" "$scratch/link.ply" "$scratch/log"
     python3 tests/mpi/make_file.py "$scratch/a.ply" 480 # so large that MPI's own files stay below the limit
     refused "a rank that cannot write all of its slice" "$mpi" "$tree" "out.ply: cannot be written" 'trap "" XFSZ; ulimit -f "$(as_rank 2 6000 unlimited)"; exec norma-mpi compute a.ply -o out.ply'
-    check "$mpi: the example of a solver's seams" bash -c '. tests/mpi/launch.sh; ranks "$0" 4 "$0/examples/solver_seams" | tee "$1" | grep -q "norma_mpi_vertex_normals: *0.0 %" && ! grep -q "by itself: *0.0 %" "$1"' "$tree" "$scratch/seams"
+    check "$mpi: the example of a solver's seams" bash -c '. tests/mpi/launch.bash; ranks "$0" 4 "$0/examples/solver_seams" | tee "$1" | grep -q "norma_mpi_vertex_normals: *0.0 %" && ! grep -q "by itself: *0.0 %" "$1"' "$tree" "$scratch/seams"
 }
 
 if [ -n "${NORMA_MPI_LONG:-}" ]; then
