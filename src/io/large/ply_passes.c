@@ -400,6 +400,7 @@ static norma_document_result compute(ply_passes *p) {
 
 norma_document_result norma_large_compute_ply(large_compute *job) {
     ply_passes p = {.job = job, .file = job->file};
+    p.ply.file = p.ply.rows.file = p.ply.blocks.file = job->file; /* closed even if not opened */
     norma_compute_summary *summary = job->policy.summary;
     norma_document_result result = check_options(job);
     if (!result) result = norma_large_ply_open(job->file, &p.ply);
