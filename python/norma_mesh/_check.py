@@ -259,13 +259,14 @@ def _finding_json(finding: Finding) -> Dict[str, Any]:
     return result
 
 
-def _command(path: str, rule: str, fix: Optional[str]) -> Optional[str]:
+def _command(path: str, rule: str, fix: Optional[str], profile: str) -> Optional[str]:
     if fix is None:
         return None
     stem, ending = os.path.splitext(path)
     flag = "--fix" if fix == "safe" else "--fix-unsafe"
     output = shlex.quote(f"{stem}.fixed{ending}")
-    return f"norma check {shlex.quote(path)} {flag} --select {rule} -o {output}"
+    alike = "" if profile == "auto" else f" --profile {profile}"
+    return f"norma check {shlex.quote(path)} {flag} --select {rule}{alike} -o {output}"
 
 
 def _without_path(message: str, path: str) -> str:
@@ -277,7 +278,7 @@ def _without_path(message: str, path: str) -> str:
     return "line " + rest if line else rest.lstrip()
 
 
-def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool) -> Finding:
+def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str) -> Finding:
     rule, name, severity, where, label, count, value, unit, worst, samples, fix, message, deviation = parts
     if unreadable:
         message = _without_path(message, path)
@@ -294,7 +295,7 @@ def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool) -> Finding:
         tuple(_sample(sample) for sample in samples),
         _FIXES[fix],
         message,
-        _command(path, rule, _FIXES[fix]),
+        _command(path, rule, _FIXES[fix], profile),
         _deviation(deviation),
     )
 
@@ -352,7 +353,7 @@ def check(
         raise_document(answer)
     (applied, partly, findings), unreadable = answer
     status = "unreadable" if unreadable else "partly" if partly else "checked"
-    found = tuple(_finding(f, shown, bool(unreadable)) for f in findings)
+    found = tuple(_finding(f, shown, bool(unreadable), profile) for f in findings)
     return Report(shown, _PROFILE_NAMES[applied], status, found, time)
 
 

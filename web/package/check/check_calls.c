@@ -10,6 +10,7 @@ typedef struct checked_file {
     norma_document *document;
     norma_findings *findings;
     norma_document_error error;
+    norma_check_profile asked; /* which commands name, so that they judge alike */
 } checked_file;
 
 void *WEB_EXPORT(check_allocate)(size_t bytes) { return malloc(bytes ? bytes : 1); }
@@ -34,6 +35,7 @@ checked_file *WEB_EXPORT(check_file)(const void *bytes, size_t size, const char 
     norma_file_format format, norma_check_profile profile) {
     const norma_check_options options = {.struct_size = sizeof options, .profile = profile};
     checked_file *file = calloc(1, sizeof *file);
+    if (file) file->asked = profile;
     if (file) (void)open_and_check(file, bytes, size, name, format, &options);
     return file;
 }
@@ -85,8 +87,10 @@ const char *WEB_EXPORT(check_text)(const checked_file *file, size_t index, int w
 /* The command that fixes it; its length, 0 without a fix. */
 size_t WEB_EXPORT(check_command)(
     const checked_file *file, size_t index, const char *path, char *command, size_t capacity) {
-    return norma_finding_command(
-        norma_findings_get(file->findings, index), path, NULL, command, capacity);
+    static const char *const names[] = {"auto", "render", "print", "generated"};
+    const char *const options[] = {"--profile", names[file->asked], NULL};
+    return norma_finding_command(norma_findings_get(file->findings, index), path,
+        file->asked ? options : NULL, command, capacity);
 }
 
 /* Numbers that do not apply are NaN. */
