@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz judges dist mpi web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz clean
+.PHONY: all help deps demo figures fuzz judges marks dist mpi web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -20,9 +20,10 @@ help:
 	@echo "make install   builds and installs into PREFIX ($(PREFIX)), below DESTDIR if that is set"
 	@echo "make web       builds the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
 	@echo "make python    builds the Python wheel, $(BUILD)/python/*.whl, installs it into a bare environment and tests it there"
+	@echo "make blender   builds the Blender add-on, $(BUILD)/blender/*.zip, installs Blender if it is missing, and tests the add-on in it without a window"
 	@echo "make python-fuzz   calls the Python package with random arguments under the address sanitizer for MINUTES (15)"
 	@echo "make single    writes the core as two files to copy: $(BUILD)/single/norma.c and norma.h"
-	@echo "make dist      builds what a release consists of into $(BUILD)/dist: source, tools for Linux, npm package, wheel, single file, checksums"
+	@echo "make dist      builds what a release consists of into $(BUILD)/dist: source, tools for Linux, npm package, wheel, Blender add-on, single file, checksums"
 	@echo "make deb       builds Debian packages into $(BUILD)/deb and checks them with lintian"
 	@echo
 	@echo "make test      installs what is missing, then runs all tests (two compilers, sanitizers, install, examples, README)"
@@ -30,6 +31,7 @@ help:
 	@echo "make tsan      runs the tests that use threads with the thread sanitizer only (clang)"
 	@echo "make fuzz      runs every fuzz target for MINUTES (15) of processor time (clang)"
 	@echo "make judges    fixes every file of the data set by each rule and has the results judged by admesh, the glTF validator and a reader of our own"
+	@echo "make marks     presses every error and warning of the data set's large files in the page, and counts what is marked in the picture (an hour)"
 	@echo "make mpi       installs Open MPI and MPICH, builds libnorma-mpi and norma-mpi with each, and tests them on 1 to 16 ranks"
 	@echo "make coverage  shows which lines and branches of core and io the tests run (gcov)"
 	@echo "make portable  checks that results have the same bits with other compilers, as WebAssembly, on 64-bit ARM (qemu) and Windows (Wine)"
@@ -86,6 +88,11 @@ python:
 	@tests/python/wheel.sh
 	@ls build/python/*.whl
 
+blender: all
+	@scripts/install-deps.sh blender
+	@NORMA_TREE=$(abspath $(BUILD)) NORMA_BIN=$(abspath $(BUILD))/bin/norma tests/blender/blender.sh
+	@ls build/blender/*.zip
+
 # The extension and the library with gcc's address sanitizer, in an interpreter that preloads it.
 python-fuzz:
 	@scripts/install-deps.sh python
@@ -107,6 +114,11 @@ judges:
 	@scripts/install-deps.sh || true
 	@$(MAKE) --no-print-directory all
 	@NORMA_TREE=$(abspath $(BUILD)) tests/cli/judges.sh --all
+
+marks:
+	@scripts/install-deps.sh web || true
+	@$(MAKE) --no-print-directory all
+	@NORMA_TREE=$(abspath $(BUILD)) tests/web/marks.sh --all
 
 mpi:
 	@scripts/install-deps.sh mpi

@@ -34,6 +34,10 @@ if(NORMA_WERROR)
   list(APPEND web_flags -Werror)
 endif()
 
+# Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
+set(web_seldom "call_|orient_|mesh_(weld_distance|kdtree|nearest|scattered)|plan_(overflow|normal_groups|plan_|morph|position|face_block_build)")
+string(APPEND web_seldom "|tangent_(split|tangent_vertices|mikk_(left_out|opposed|divide|copies|flags))")
+
 # web_objects(LIST SOURCES...): one object file for each source, with the headers it was seen to include.
 function(web_objects list)
   set(objects "")
@@ -44,7 +48,7 @@ function(web_objects list)
     # Pages and packages are downloaded: kernels are made fast, where more code is faster; the readers and the rules small.
     if(name MATCHES "^src_core_(corner|face)_")
       set(optimise -O3)
-    elseif(name MATCHES "^src_core_")
+    elseif(name MATCHES "^src_core_" AND NOT name MATCHES "^src_core_(${web_seldom})")
       set(optimise -O2)
     else()
       set(optimise -Os)
@@ -73,7 +77,9 @@ web_module(norma.wasm ${web_core_objects} ${web_call_objects})
 
 # The readers and the rules, without what a browser lacks.
 set(web_file_sources ${io_sources})
-list(FILTER web_file_sources EXCLUDE REGEX "/(file/read_file|file/window|file/atomic_write|file/folder|large/[a-z_]+|meshopt_views|meshopt_left_out)\\.c$")
+list(FILTER web_file_sources EXCLUDE REGEX "/image/(read_[a-z]+|image_left_out)\\.c$") # in a browser no image is read
+list(FILTER web_file_sources EXCLUDE REGEX "/(file/read_file|file/window|file/atomic_write|file/folder|large/[a-z_]+|together/[a-z_]+|meshopt_views|meshopt_left_out|draco_left_out)\\.c$")
+list(APPEND web_file_sources src/io/image/image_left_out.c)
 list(APPEND web_file_sources ${check_sources})
 list(TRANSFORM web_file_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")
 set(web_fix_sources ${web_file_sources})
@@ -87,7 +93,7 @@ set(web_flags_here -isystem ${PROJECT_SOURCE_DIR}/web/page/model/posix -include 
 web_objects(web_file_objects ${web_file_sources})
 web_objects(web_fix_objects ${web_fix_sources})
 web_objects(web_check_objects ${web_check_sources} ${PROJECT_SOURCE_DIR}/web/page/model/no_files.c)
-web_objects(web_model_objects ${web_model_sources})
+web_objects(web_model_objects ${web_model_sources} ${PROJECT_SOURCE_DIR}/src/render/camera/guess_up.c)
 web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_check_objects})
 web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_model_objects})
 

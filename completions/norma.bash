@@ -27,12 +27,12 @@ _norma() {
     --space) values="world view" ;;
     --normals) values="stored computed" ;;
     --lines) values="vertices faces edges" ;;
-    --up) values="y z" ;;
+    --up) values="x y z -x -y -z" ;;
     --views) values="front right back left top bottom three-quarter" ;;
     --background) values="paper white black grey transparent" ;;
     --renderer) values="auto software" ;;
     --input-format) values="obj ply stl gltf glb" ;;
-    --select | --ignore | --max-samples | --crease | --texcoord | --threads | --max-memory | --scale | --rotate | --translate | --matrix) return ;;
+    --select | --ignore | --max-samples | --lock | --crease | --texcoord | --threads | --max-memory | --scale | --rotate | --translate | --matrix) return ;;
     --out-dir)
         mapfile -t COMPREPLY < <(compgen -d -- "$word")
         return
@@ -43,7 +43,7 @@ _norma() {
         return
     fi
     case $verb in
-    compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs --tangents $files" ;;
+    compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs --tangents --together --lock --levels $files" ;;
     tangents) options="--mode --texcoord --weight --only $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;

@@ -50,6 +50,9 @@ complete -c norma -n "$compute" -l groups -x -a 'auto ignore' -d 'OBJ smoothing 
 complete -c norma -n "$compute" -l weld -x -a 'exact none' -d 'Which vertices share a normal'
 complete -c norma -n "$compute" -l non-manifold -x -a 'hard smooth' -d 'Edges of three faces and more'
 complete -c norma -n "$compute" -l only -x -a 'all missing broken' -d 'What is computed'
+complete -c norma -n "$compute" -l together -d 'Equal positions of all files share a normal'
+complete -c norma -n "$compute" -l lock -x -d 'Names that keep their normals'
+complete -c norma -n "$compute" -l levels -d 'Files are levels of detail, the finest first'
 complete -c norma -n "$compute" -l morphs -d 'Normal deltas for all morph targets'
 complete -c norma -n "$compute" -l tangents -x -a 'keep orthogonalise regenerate' -d 'What happens to stored tangents'
 

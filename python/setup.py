@@ -1,5 +1,5 @@
-"""Builds the extension against the libnorma.a that scripts/python.sh made (NORMA_LIBRARY, with what
-it links in NORMA_LINKS). The wheel serves every Python from 3.9 on."""
+"""Builds the extension against the shared libnorma that scripts/python.sh made (NORMA_LIBRARY), which
+lies in lib/ of the package. The wheel serves every Python from 3.9 on."""
 import os
 import re
 from pathlib import Path
@@ -28,7 +28,7 @@ setup(
             include_dirs=[str(root / "include")],
             extra_objects=[os.environ["NORMA_LIBRARY"]],
             extra_compile_args=["-std=c11", "-O2", "-Wall", "-Wextra", "-fvisibility=hidden"],
-            extra_link_args=["-Wl,--exclude-libs,ALL", *os.environ.get("NORMA_LINKS", "").split()],
+            extra_link_args=["-Wl,-rpath,$ORIGIN/lib"],
             py_limited_api=True,
         )
     ],

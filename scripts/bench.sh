@@ -1,18 +1,18 @@
 #!/bin/bash
 # make bench: Norma beside memcpy of the same bytes and beside the other libraries that are installed, on the same meshes, in one run. Everything is printed and left in
-# build/bench: core.txt, rivals.tsv, rivals.md (the README's table), files.txt, web.txt.
+# build/bench: core.txt, rivals.tsv, rivals.md (the README's table), files.txt, web.txt, python.txt.
 #   scripts/bench.sh             everything (about ten minutes)
-#   scripts/bench.sh core web    some of: core, rivals, files, web
+#   scripts/bench.sh core web    some of: core, rivals, files, web, python
 # NORMA_BENCH_TRIANGLES: of the meshes made (2000000; core: 10000000).
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
 out=$root/build/bench
-sections=${*:-core rivals files web}
+sections=${*:-core rivals files web python}
 triangles=${NORMA_BENCH_TRIANGLES:-2000000}
 mkdir -p "$out"
 
-case " $sections " in *" rivals "* | *" files "* | *" web "*) scripts/install-deps.sh bench || echo "some libraries could not be installed; those that are there are measured" ;; esac
+case " $sections " in *" rivals "* | *" files "* | *" web "* | *" python "*) scripts/install-deps.sh bench || echo "some libraries could not be installed; those that are there are measured" ;; esac
 cmake -S . -B "$out/tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_BENCH=ON -DNORMA_TESTS=OFF -DNORMA_WEB=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF >"$out/build.log" 2>&1 &&
     cmake --build "$out/tree" >>"$out/build.log" 2>&1 || { tail -20 "$out/build.log"; exit 1; }
 bin=$out/tree/bin
@@ -49,6 +49,13 @@ run_files() {
 run_web() {
     if [ ! -d build/web/npm ]; then make --no-print-directory web >"$out/web.log" 2>&1 || { tail -5 "$out/web.log"; return; }; fi
     NODE_PATH=$root/build/npm-web/node_modules node bench/bench_web.mjs | tee "$out/web.txt"
+}
+
+run_python() {
+    scripts/python.sh >/dev/null || return
+    rm -rf "$out/venv"
+    /usr/bin/python3 -m venv --system-site-packages "$out/venv" && "$out/venv/bin/pip" install --quiet --no-index --no-deps build/python/*.whl &&
+        "$out/venv/bin/python" bench/bench_python.py | tee "$out/python.txt"
 }
 
 for section in $sections; do

@@ -1,5 +1,5 @@
 #!/bin/bash
-# What a release consists of, into build/dist: source archive, static Linux binary, npm package, Python wheel, single file, bill of materials, checksums.
+# What a release consists of, into build/dist: source archive, Linux binaries, npm package, Python wheel, Blender add-on, single file, bill of materials, checksums.
 #   scripts/dist.sh           from the last commit
 #   scripts/dist.sh --twice   twice, from two folders, and compares: the same commit gives the same bytes
 # Everything is built from the commit's own files, in a folder of its own; times inside archives are the commit's.
@@ -53,8 +53,8 @@ binary() {
     local name=$1 tree=$source/build/$1
     shift
     cmake -S "$source" -B "$tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PROJECT_INCLUDE="$source/cmake/static.cmake" -DNORMA_WITH_JANSSON=ON -DNORMA_WEB=ON \
-        -DNORMA_SHARED=OFF -DNORMA_TESTS=OFF -DNORMA_BITS=OFF -DNORMA_EXAMPLES=OFF "$@"
-    cmake --build "$tree"
+        -DNORMA_SHARED=OFF -DNORMA_INSTALL=OFF -DNORMA_TESTS=OFF -DNORMA_BITS=OFF -DNORMA_EXAMPLES=OFF "$@"
+    cmake --build "$tree" --target norma-cli
     mkdir -p "$tree/$name/man" "$tree/$name/completions"
     install -m 755 "$tree/bin/norma" "$tree/$name/norma"
     strip "$tree/$name/norma"
@@ -63,25 +63,30 @@ binary() {
     cp "$source/LICENSE" "$source/README.md" "$source/CHANGELOG.md" "$tree/$name/"
 }
 
+# Where a program looks for libraries. An empty place is the folder that somebody happens to be in: a libm.so.6 there would be run.
+# (CMake pads the path with colons where there are rules to install the program.)
+places() { readelf -d "$1" | sed -nE 's/.*\((RPATH|RUNPATH)\).*\[(.*)\]/\2/p'; }
+
 needed() { readelf -d "$1" | sed -nE 's/.*\(NEEDED\).*\[(.*)\]/\1/p'; }
 
 # For machines with glibc, as nearly all are: libEGL is opened when a picture is drawn; Debian has meshoptimizer as a shared library only, so that lies beside the tool.
 make_binary() {
     local name=norma-$version-linux-$machine
     local made=$source/build/$name/$name meshoptimizer
-    binary "$name" -DNORMA_WITH_RENDER=ON -DNORMA_WITH_MESHOPTIMIZER=ON "-DCMAKE_BUILD_RPATH=\$ORIGIN/lib"
+    binary "$name" -DNORMA_WITH_RENDER=ON -DNORMA_WITH_MESHOPTIMIZER=ON -DNORMA_WITH_DRACO=ON "-DCMAKE_BUILD_RPATH=\$ORIGIN/lib"
     mkdir -p "$made/lib"
     meshoptimizer=$(ldd "$source/build/$name/bin/norma" | sed -nE 's/.*libmeshoptimizer[^ ]* => ([^ ]+).*/\1/p')
     cp -L "$meshoptimizer" "$made/lib/"
+    [ "$(places "$made/norma")" = "\$ORIGIN/lib" ] || { echo "the tool looks for libraries in: $(places "$made/norma")"; return 1; }
     needed "$made/norma" | grep -vxE 'lib(c|m|stdc\+\+|gcc_s|meshoptimizer)\.so\..*|ld-linux.*' && { echo "libraries that a system may lack"; return 1; }
     archive "$source/build/$name" "$name"
 }
 
-# For all others: it needs the kernel alone. A static program cannot open libEGL (Mesa's drivers crash in one), so it draws no pictures, and reads no files that meshoptimizer compressed;
-# it says so.
+# For all others: it needs the kernel alone. A static program cannot open libEGL (Mesa's drivers crash in one), so it draws no pictures, and reads no files that meshoptimizer compressed
+# (Debian has an archive of draco, none of meshoptimizer); it says so.
 make_static() {
     local name=norma-$version-linux-$machine-static
-    binary "$name" -DNORMA_WITH_RENDER=OFF -DNORMA_WITH_MESHOPTIMIZER=OFF -DCMAKE_EXE_LINKER_FLAGS=-static-pie -DCMAKE_C_LINK_PIE_SUPPORTED=NO
+    binary "$name" -DNORMA_WITH_RENDER=OFF -DNORMA_WITH_MESHOPTIMIZER=OFF -DNORMA_WITH_DRACO=ON -DCMAKE_EXE_LINKER_FLAGS=-static-pie -DCMAKE_C_LINK_PIE_SUPPORTED=NO
     [ -z "$(needed "$source/build/$name/$name/norma")" ] || { echo "the static binary needs shared libraries"; return 1; }
     archive "$source/build/$name" "$name"
 }

@@ -5,6 +5,7 @@
 #   scripts/install-deps.sh build   what `make` needs
 #   scripts/install-deps.sh web     what the page, the npm package and so `norma view` need to be built
 #   scripts/install-deps.sh python  what `make python` needs
+#   scripts/install-deps.sh blender that, and Blender, for `make blender`
 #   scripts/install-deps.sh bench   that, and the libraries that `make bench` compares with (more than a gigabyte)
 #   scripts/install-deps.sh portable    and cross compilers for 64-bit ARM and Windows with what runs their programs
 #   scripts/install-deps.sh analyse     and clang-tidy
@@ -15,13 +16,15 @@ set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
-packages="gcc libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libjansson-dev libpng-dev libjpeg-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
+# g++: the one file that calls libdraco.
+packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libdraco-dev libjansson-dev libpng-dev libjpeg-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
 python_packages="python3-dev python3-numpy python3-setuptools python3-wheel python3-venv"
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 esbuild"
 [ "$what" != web ] || packages=$web_packages
 [ "$what" != python ] || packages="$packages $python_packages mypy python3-pytest"
+[ "$what" != blender ] || packages="$packages $python_packages blender"
 if [ "$what" = bench ]; then
-    packages="$packages $web_packages g++ libvtk9-dev libopen3d-dev libopenmesh-dev libcgal-dev libassimp-dev libglm-dev libcglm-dev libeigen3-dev"
+    packages="$packages $web_packages $python_packages g++ libvtk9-dev libopen3d-dev python3-open3d libopenmesh-dev libcgal-dev libassimp-dev libglm-dev libcglm-dev libeigen3-dev"
 fi
 if [ "$what" = portable ]; then
     packages="$packages $web_packages llvm dpkg-dev gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine wine64"
@@ -30,8 +33,8 @@ fi
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ]; then
-    # g++: the headers as C++17 and the C++ consumer; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint; admesh: a judge of fixed STL files; curl: fetches a release in the test of the action.
-    packages="$packages g++ clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format admesh curl"
+    # clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint; admesh: a judge of fixed STL files; curl: fetches a release in the test of the action.
+    packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format admesh curl"
     # chromium: the page's tests; mypy and pytest: those of the Python package.
     packages="$packages $web_packages chromium $python_packages mypy python3-pytest"
 fi

@@ -46,7 +46,7 @@ native() { # COMPILER FLAGS WAYS
     place=$out/$(tr -c 'a-zA-Z0-9\n' _ <<<"$name")
     mkdir -p "$place"
     command -v "$1" >/dev/null || { left "$name: no compiler"; return; }
-    if cmake -S . -B "$place" -G Ninja -DCMAKE_C_COMPILER="$1" -DCMAKE_BUILD_TYPE=None -DCMAKE_C_FLAGS="$2" -DNORMA_TOOL=OFF -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF \
+    if cmake -S . -B "$place" -G Ninja -DCMAKE_C_COMPILER="$1" -DCMAKE_BUILD_TYPE=None -DCMAKE_C_FLAGS="$2" -DNORMA_WITH_DRACO=OFF -DNORMA_TOOL=OFF -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF \
         -DNORMA_BITS=ON >"$place/build.log" 2>&1 && cmake --build "$place" -j "$jobs" --target norma_bits >>"$place/build.log" 2>&1; then
         bits=$place/tests/norma_bits hashes "$name" "$3" "$place" here
     else
@@ -81,7 +81,7 @@ cross() { # NAME SYSTEM PROCESSOR PREFIX SUFFIX FLAGS LINK
     mkdir -p "$place"
     decoder "$place" "$4g++$5" "$4ar" >"$place/build.log" 2>&1 || { bad "$1: no decoder: $place/build.log, $out/source.log"; return 1; }
     cmake -S . -B "$place" -G Ninja -DCMAKE_SYSTEM_NAME="$2" -DCMAKE_SYSTEM_PROCESSOR="$3" -DCMAKE_C_COMPILER="$4gcc$5" -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS="$6" \
-        -DCMAKE_EXE_LINKER_FLAGS="$7" -DNORMA_MESHOPTIMIZER="$place/libmeshoptimizer.a" -DNORMA_MESHOPTIMIZER_INCLUDE="$place" -DNORMA_TOOL=OFF -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF \
+        -DCMAKE_EXE_LINKER_FLAGS="$7" -DNORMA_MESHOPTIMIZER="$place/libmeshoptimizer.a" -DNORMA_MESHOPTIMIZER_INCLUDE="$place" -DNORMA_WITH_DRACO=OFF -DNORMA_TOOL=OFF -DNORMA_TESTS=OFF -DNORMA_EXAMPLES=OFF \
         -DNORMA_SHARED=OFF -DNORMA_BITS=ON >>"$place/build.log" 2>&1 && cmake --build "$place" -j "$jobs" >>"$place/build.log" 2>&1 || { bad "$1: does not build: $place/build.log"; return 1; }
 }
 
@@ -119,7 +119,7 @@ wasm() {
     decoder "$place" clang++ true --target=wasm32-wasi -msimd128 -fno-exceptions -fno-rtti -nostdinc++ >"$place/build.log" 2>&1 || { bad "wasm: no decoder: $place/build.log"; return; }
     flags="--target=wasm32-wasi -std=c11 -O2 -DNDEBUG -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_GETPID -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno
         -fno-trapping-math -Iinclude -Isrc -I$place -isystem web/page/model/posix -include tests/bits/wasi/missing.h"
-    sources=$(find src/core src/check src/io tests/bits -name '*.c' ! -name file_windows.c ! -name meshopt_left_out.c)
+    sources=$(find src/core src/check src/io tests/bits -name '*.c' ! -name file_windows.c ! -name meshopt_left_out.c ! -path '*/image/read_*')
     # shellcheck disable=SC2086,SC2016  # lists of words
     printf '%s\n' $sources | PLACE=$place FLAGS="$(tr '\n' ' ' <<<"$flags")" xargs -P "$jobs" -I{} sh -c 'clang $FLAGS -c {} -o "$PLACE/$(echo {} | tr / _).o"' >>"$place/build.log" 2>&1 &&
         clang --target=wasm32-wasi -Wl,-z,stack-size=8388608 -o "$place/norma_bits.wasm" "$place"/*.o -lm -lwasi-emulated-mman -lwasi-emulated-getpid >>"$place/build.log" 2>&1 ||

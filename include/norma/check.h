@@ -33,8 +33,8 @@ typedef enum norma_check_profile {
     NORMA_CHECK_PROFILE_RENDER,
     NORMA_CHECK_PROFILE_PRINT,
 
-    /* Models made by a program, to be accepted or sent back: the higher severity of the two, and
-     * errors for what such a model must not have (N203, N206, N302, N303, N305, N306, N307). */
+    /* Models made by a program, to be accepted or sent back: the higher severity of render and
+     * print, and always errors for N203, N206, N302, N303, N305, N306 and N307. */
     NORMA_CHECK_PROFILE_GENERATED
 } norma_check_profile;
 
@@ -307,14 +307,14 @@ typedef struct norma_tangent_deviation {
     int negated;        /* nonzero: most signs are the opposite of what this way gives for the
                          * texture coordinates as stored, as glTF needs it; 0: most are the same */
     int transformed;    /* nonzero: through the KHR_texture_transform of the normal map */
-    size_t signs_other; /* corners whose sign is not that of most */
+    size_t signs_other; /* corners whose sign differs from that of the majority */
     size_t corners;     /* corners compared: those with both tangents */
-    size_t explained;   /* corners within a tenth of a degree, and what the encoding rounds */
+    size_t explained;   /* corners within a tenth of a degree plus the encoding's rounding */
     double mean_rad, p50_rad, p99_rad, max_rad; /* of the angles between the two */
 } norma_tangent_deviation;
 
-/* Finds the way to make tangents that explains those of a surface best: the one whose tangents are
- * nearest to the stored ones by mean angle, angles above 5 degrees counting as 5.
+/* Finds the way of making tangents that explains the stored ones best: the one with the smallest
+ * mean angle between its tangents and the stored ones. Angles above 5 degrees count as 5.
  *
  *   data         the surface with its normals
  *   attributes   its tangents and texture coordinates, as norma_document_mesh_attributes returns

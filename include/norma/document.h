@@ -8,9 +8,9 @@
  *
  * A document takes any number of changes, and may be changed further after it was saved. Mesh data
  * and infos follow the changes; pointers and strings from before a change, even one that failed,
- * are no longer valid. A change that fails leaves the document as it was. Only if memory runs out,
- * or the computing of an STL's normals is cancelled, may it be left so that it can only be closed;
- * calls then say so.
+ * are no longer valid. A change that fails leaves the document as it was, with two exceptions:
+ * if memory runs out, or computing the normals of an STL is cancelled, it may be possible only to
+ * close the document; other calls then return an error that says so.
  *
  * Different threads may use different documents at the same time; only one thread at a time may use
  * a document. A zero-initialised option struct means the documented defaults. Strings are UTF-8,
@@ -322,6 +322,17 @@ typedef struct norma_material_maps {
 NORMA_API norma_document_result norma_document_material_maps(
     norma_document *document, size_t index, norma_material_maps *maps, norma_document_error *error);
 
+/* Returns the normal map alone, that of the clear coat if the material has no other. Its image is
+ * read on first use and belongs to the document; other images are not read.
+ *
+ *   index   below norma_document_material_count
+ *   map     written
+ *   error   written on failure; or NULL
+ *
+ * Formats other than glTF have none. */
+NORMA_API norma_document_result norma_document_normal_map(
+    norma_document *document, size_t index, norma_texture_info *map, norma_document_error *error);
+
 /* Returns one set of texture coordinates of a glTF mesh, two numbers for each vertex.
  *
  *   mesh        below norma_document_mesh_count
@@ -417,9 +428,9 @@ NORMA_API norma_document_result norma_document_skin_info(
  * otherwise the mesh's) and its skin applied. */
 typedef struct norma_drawn_mesh {
     double world[16]; /* from these positions to the scene; column-major */
-    int shown;        /* 0: the node is not in the scene that the file asks to be shown */
+    int shown;        /* 0: the node is not in the scene that the file asks viewers to show */
     int moved;        /* nonzero: morph targets or a skin moved the vertices */
-    int skinned;      /* nonzero: a skin did, so every instance is drawn at the same place */
+    int skinned;      /* nonzero: a skin moved them; all instances are then at the same place */
 
     /* Moved: three doubles for each vertex. Otherwise those of norma_mesh_data, whose integers
      * world scales if they are normalised. */
@@ -492,8 +503,9 @@ typedef enum norma_groups { NORMA_GROUPS_AUTO = 0, NORMA_GROUPS_IGNORE } norma_g
 
 /* What happens to the tangents that a glTF stores when its normals are computed. */
 typedef enum norma_stored_tangents {
-    /* A tangent whose normal is the old one keeps its bits, unless it leans against that normal by
-     * more than its encoding explains. All others are made perpendicular to their new normals. */
+    /* If its normal did not change, a tangent keeps its bits, unless it is further from
+     * perpendicular than its encoding explains. All others are made perpendicular to their new
+     * normals. */
     NORMA_STORED_TANGENTS_ORTHOGONALISE = 0,
     NORMA_STORED_TANGENTS_KEEP, /* all keep their bits */
 
@@ -633,7 +645,7 @@ NORMA_API norma_document_result norma_document_transform(norma_document *documen
  *
  * glTF: each node that drew the mesh gets a child that draws it instead, moved back, so nothing
  * moves in the scene. Meshes with a skin, with instancing, with animated weights, without a node,
- * or with positions that are not floats stay as they are, and a note says so. OBJ, PLY and STL
+ * or with positions that are not floats stay as they are, and a note reports them. OBJ, PLY and STL
  * cannot compensate: the mesh really moves.
  * Errors: those of norma_document_transform. Cost: O(file). */
 NORMA_API norma_document_result norma_document_recentre(
@@ -661,7 +673,7 @@ typedef struct norma_mesh_edit {
     const uint8_t *cut_faces;
     const uint32_t *cut_corners;
 
-    /* Three numbers for each stored normal, of unit length: of a vertex (glTF, PLY), a vn (OBJ) or
+    /* A unit vector of three numbers for each stored normal: of a vertex (glTF, PLY), a vn (OBJ) or
      * a facet (STL). set_normals marks those that replace the stored ones. */
     const float *normals;
     const uint8_t *set_normals;
@@ -670,8 +682,8 @@ typedef struct norma_mesh_edit {
     const double *positions;
     const uint8_t *set_positions;
 
-    /* glTF: x, y, z, sign for each vertex, and marks. A primitive that has no tangents yet takes
-     * all of them, whatever the marks. */
+    /* glTF: x, y, z, sign for each vertex, and marks. For a primitive without tangents the marks
+     * are ignored and all are written. */
     const float *tangents;
     const uint8_t *set_tangents;
 
@@ -710,8 +722,8 @@ NORMA_API norma_document_result norma_document_edit(
  *
  * glTF compares attributes and morph targets, PLY the whole row (in a text file its words), OBJ the
  * words of the v line.
- * Errors: an argument error for other formats; unsupported if a glTF's vertices share their bytes
- * so much that they would need far more memory than the file.
+ * Errors: an argument error for other formats; unsupported if so many of a glTF's vertices share
+ * bytes that they would need far more memory than the file.
  * Cost: O(vertices), expected. */
 NORMA_API norma_document_result norma_document_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);

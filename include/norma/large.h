@@ -1,10 +1,13 @@
-/* large.h: files that are larger than memory. They are read piece by piece, in several passes, and
- * the results have the bits that norma_document_compute gives to a file that fits.
+/* large.h: files that are larger than memory, and one surface that lies in many files.
  *
- * Binary PLY (smooth normals) and binary STL (facet normals) can be computed so. A PLY takes one
- * pass over its faces to look at them, and one for each range of vertices that fits into the memory
- * allowed; faces that do not touch a range are skipped, so a file whose faces and vertices are in
- * about the same order is read about three times however many passes it takes. An STL is read once.
+ * Files larger than memory are read piece by piece, in several passes. The results have the same
+ * bits as those of norma_document_compute for a file that fits into memory.
+ *
+ * Binary PLY (smooth normals) and binary STL (facet normals) can be computed in this way. A PLY
+ * takes one pass over its faces to find the vertices they use, and one for each range of vertices
+ * that fits into the memory allowed. Faces that do not touch a range are skipped, so a file whose
+ * faces and vertices are in about the same order is read about three times, however many passes it
+ * takes. An STL is read once.
  *
  * Memory is counted as it is allocated. Nothing is mapped. */
 #ifndef NORMA_LARGE_H
@@ -16,7 +19,7 @@ extern "C" {
 
 typedef struct norma_large_options {
     size_t struct_size;       /* sizeof(norma_large_options) of the caller; 0: the first version */
-    uint64_t max_memory;      /* bytes that the call may allocate; 0: half of 1 GiB */
+    uint64_t max_memory;      /* bytes that the call may allocate; 0: 512 MiB */
     norma_file_format format; /* unknown: by the path's extension */
     int in_place;             /* nonzero: the output may be the input */
 
@@ -48,8 +51,8 @@ NORMA_API int norma_large_need(const char *path, norma_file_format format, uint6
  *   summary   written; or NULL
  *   error     written on failure; or NULL
  *
- * Errors: NORMA_DOCUMENT_ERROR_UNSUPPORTED for what needs the whole file in memory: creases,
- * welding by distance, text, triangle strips; NORMA_DOCUMENT_ERROR_MEMORY if even small parts do
+ * Errors: NORMA_DOCUMENT_ERROR_UNSUPPORTED if the whole file is needed in memory: for creases,
+ * welding by distance, text and triangle strips; NORMA_DOCUMENT_ERROR_MEMORY if even small parts do
  * not fit. */
 NORMA_API norma_document_result norma_large_compute(const char *input, const char *output,
     const norma_large_options *options, const norma_compute_options *compute,
@@ -78,6 +81,67 @@ typedef struct norma_large_description {
 NORMA_API norma_document_result norma_large_describe(const char *path,
     const norma_large_options *options, norma_progress *progress, void *progress_user,
     norma_large_description *description, norma_document_error *error);
+
+/* ---- one surface in many files */
+
+typedef struct norma_together_file {
+    const char *input, *output;     /* may be equal only with in_place */
+    norma_file_format format;       /* unknown: by the path's extension */
+    norma_compute_summary *summary; /* written; or NULL */
+    uint64_t *size; /* written on success: bytes of the output and of the files beside
+                       it that it names; or NULL */
+} norma_together_file;
+
+typedef struct norma_together_options {
+    size_t struct_size; /* sizeof(norma_together_options) of the caller; 0: the first version */
+
+    /* Meshes, materials, objects and groups (PLY: files) whose name matches one of these patterns
+     * (*, ? and [] as in a shell) keep their normals, and what meets them takes those. */
+    const char *const *lock;
+    size_t lock_count;
+
+    int levels;   /* nonzero: each file is a level of detail, the finest is the first */
+    int in_place; /* nonzero: outputs may be inputs */
+    uint32_t threads;
+    uint64_t max_memory; /* bytes that joining may take; 0: half of 1 GiB */
+
+    /* The folder of a temporary file of some hundred bytes for each vertex; NULL: that of the first
+     * output. */
+    const char *temporary_folder;
+
+    /* Called when a file's output is complete, before any output is put in place; or NULL. */
+    void (*file_done)(void *user, size_t file, const norma_document *document);
+    void *file_done_user;
+} norma_together_options;
+
+/* Computes the normals of one surface that lies in several files, or in several meshes of one:
+ * vertices at equal places in the world share their normal, whatever mesh, node or file they are
+ * in.
+ *
+ *   files     OBJ, PLY, glTF or GLB
+ *   count     of files
+ *   options   NULL for the defaults
+ *   compute   NULL for the defaults. shading: default or smooth; weld: exact, or a distance; only:
+ *             all; progress is told the share of all files
+ *   error     written on failure; or NULL
+ *
+ * The outputs are written all or none: a failure before the first is put in place leaves everything
+ * as it was, a later one puts back what was replaced. Each sum is exact enough to be the same in
+ * any order, so the files may be given in any order, and the surface may be cut in any way, and
+ * each vertex still gets the same bits.
+ *
+ * Places in a glTF are those of its nodes, rounded to floats; if one of the files is a glTF, all
+ * positions are. Otherwise positions are compared as they are. A mesh with a skin is compared as it
+ * was bound. Levels of detail are known by names that end in LOD and a number (of a mesh, a node or
+ * a file), by MSFT_lod, or by levels: a vertex takes the normal of the finest level that has one
+ * there.
+ * Memory: that of the largest file, and max_memory. All files are read twice. With a weld distance,
+ * 28 bytes for each vertex of all files.
+ * Errors: NORMA_DOCUMENT_ERROR_UNSUPPORTED for a mesh that is drawn at several places where it
+ * would need different normals. */
+NORMA_API norma_document_result norma_together_compute(const norma_together_file *files,
+    size_t count, const norma_together_options *options, const norma_compute_options *compute,
+    norma_document_error *error);
 
 #ifdef __cplusplus
 }

@@ -10,15 +10,15 @@
 extern "C" {
 #endif
 
-/* Computes the unit normal of each position of a mesh that is distributed over ranks: the bits that
- * norma_vertex_normals gives for the whole mesh, however its faces are distributed and however many
- * ranks there are.
+/* Computes the unit normal of each position of a mesh that is distributed over ranks. The result
+ * has the same bits as norma_vertex_normals for the whole mesh, for any number of ranks and any
+ * distribution of the faces.
  *
  *   comm         the ranks that hold parts; all of them must call
  *   part         the faces that this rank owns (each face is on one rank) and the positions that
- *                they name; also positions that no face of this part names. It may be empty
+ *                they use; other positions are allowed too. It may be empty
  *   vertex_ids   the global number of each position of part. A position may be on several ranks
- *   face_ids     the global number of each face of part; or NULL on all ranks, and faces are then
+ *   face_ids     the global number of each face of part; or NULL on all ranks: faces are then
  *                numbered in the order of ranks. Sums run over faces in ascending number
  *   options      as for norma_vertex_normals. weight, weld, weld_distance, non_manifold and the
  *                fallback must be the same on every rank, the rest may differ
@@ -27,17 +27,16 @@ extern "C" {
  *   report       written: of the whole mesh, the same on every rank, each face and each global
  *                vertex counted once; first is a global number. Or NULL
  *
- * Returns the same result on every rank, also if only one of them is at fault. Ranks that disagree
- * on options, or of which only some give face_ids (a rank without faces may do either), get
+ * Returns the same result on every rank, also if only one of them is at fault. If ranks disagree
+ * on options, or only some of them give face_ids (ranks without faces may do either), the result is
  * NORMA_ERROR_ARGUMENT. If a global number stands for two different positions, the normals are
  * undefined. vertex_ids must not be NULL if there are positions.
  *
- * Positions that only one rank uses are summed there. Contributions to the others cross the wire
- * once, 36 bytes each (44 with face_ids), to the rank that a hash of the position chooses. They do
- * so in as many rounds as keep scratch memory small. With NORMA_WELD_DISTANCE all positions are
- * gathered on one rank to find which are one. With NORMA_FALLBACK_NEAREST, normals that were
- * written are read again. MPI must be initialized; the calling thread is the only one that calls
- * it. */
+ * Positions that only one rank uses are summed there. Contributions to other positions are sent
+ * once, 36 bytes each (44 with face_ids), to the rank that a hash of the position chooses. This
+ * happens in rounds, to keep scratch memory small. With NORMA_WELD_DISTANCE, all positions are
+ * gathered on one rank to be joined. With NORMA_FALLBACK_NEAREST, normals that were written are
+ * read again. MPI must be initialized; only the calling thread calls it. */
 NORMA_API norma_result norma_mpi_vertex_normals(MPI_Comm comm, const norma_mesh *part,
     const uint64_t *vertex_ids, const uint64_t *face_ids, const norma_options *options,
     float *normals, size_t capacity, norma_report *report);

@@ -416,14 +416,13 @@ NORMA_API norma_result norma_interpolate_normal(const float a[3], const float b[
  * A plan keeps everything that depends on topology alone, so that an update only has to measure
  * faces and sum. Fans and shared positions are those of the mesh at creation: no edge flickers
  * between hard and soft as it bends. A face that had no direction at creation takes part as soon as
- * it has one, in the fan it lay in.
+ * it has one, in the fan that it was in.
  *
  * - Thread safety. An update does not change the plan. Any number of updates of one plan may run at
  *   once, each with its own output.
  * - Memory. An update allocates nothing, except with NORMA_FALLBACK_NEAREST when a normal is
  *   missing: then scratch memory from the allocator of its options. With threads above 1 it starts
- *   and joins threads. Each of its tasks needs at most 32 KiB of stack, the call itself as much
- *   again. */
+ *   and joins threads. Each task needs at most 32 KiB of stack, and so does the call itself. */
 
 typedef enum norma_element {
     NORMA_PER_VERTEX = 0,
@@ -537,7 +536,7 @@ NORMA_API norma_result norma_morph_normals(const norma_mesh *base,
  *   NORMA_ERROR_OVERFLOW: count * stride exceeds a size_t. NORMA_ERROR_CAPACITY: capacity is below
  *   count. They are found before anything is written. If count is 0, the result is NORMA_OK and
  *   buffers may be NULL.
- * - Memory. None is allocated.
+ * - Memory. The calls allocate none.
  * - Models. Only the upper 3x3 of a model ([0..2], [4..6], [8..10]) affects normals. Translation
  *   and last row are ignored and need not be finite.
  * - Thread safety. The calls are pure functions: any number may run at once.
@@ -681,7 +680,7 @@ NORMA_API norma_result norma_normal_matrix_double(const double model[16], norma_
  *   winding         as for norma_normal_matrix
  *   normal_matrix   written: nine floats, column-major
  *   info            written: that of the product; or NULL. The kind is translation if the product
- *                   moves the origin by more than 1e-5 of the terms it is made of */
+ *                   moves the origin by more than 1e-5 of the terms that are summed */
 NORMA_API norma_result norma_normal_matrix_model_view(const float model[16], const float view[16],
     norma_winding winding, float normal_matrix[9], norma_matrix_info *info);
 
@@ -795,7 +794,7 @@ typedef struct norma_orient_report {
     size_t parts;
     /* One-sided: no winding is consistent (a Moebius band); the faces are left as they are. */
     size_t closed, open, one_sided;
-    size_t inward; /* closed parts that faced inward after their faces were made to agree */
+    size_t inward; /* closed parts that faced inward after their winding was made consistent */
     size_t nested; /* solids directly inside a solid, left as they are: cavities with the wrong
                     * winding, or bodies of their own */
 
@@ -938,11 +937,122 @@ typedef enum norma_tangent_mode {
  * and for fewer values than positions or corners; NORMA_ERROR_INDEX for a corner whose value does
  * not exist.
  * Cost: O(corners + positions), whatever the valence. In MikkTSpace mode, a corner whose tangent is
- * opposed to another one of its group at the same vertex also costs O(corners there): as in the
- * reference, its sum is its own. The bits are the same for any number of threads. */
+ * opposed to others at the same vertex has a sum of its own, as in the reference: that costs
+ * O(opposed pairs), and up to O(corners there) each if faces follow each other in no order. The
+ * bits are the same for any number of threads. */
 NORMA_API norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report);
+
+/* ---- an indexed mesh out of values per corner
+ *
+ * Normals, texture coordinates, tangents and colours often come one for each corner. Vertex
+ * buffers need an index for each corner instead: the number of its vertex. Corners whose values
+ * agree in every byte become one vertex. */
+
+/* An array with a value for each corner, of any type: its bytes are compared and copied as they
+ * are, so 0 and -0 differ, and equal NaNs do not. */
+typedef struct norma_stream {
+    const void *data;
+    size_t count;            /* values */
+    size_t size;             /* bytes of one value */
+    size_t stride;           /* bytes from one value to the next; 0: tightly packed */
+    const uint32_t *corners; /* the value of each corner; NULL: corner c has value c */
+} norma_stream;
+
+/* Output buffers for an indexed mesh. The caller owns both arrays. */
+typedef struct norma_indexed {
+    void *corners;          /* written: the new vertex of each corner; or NULL */
+    size_t corner_size;     /* bytes of one of them: 4 (or 0), 2 */
+    size_t corner_capacity; /* corners that fit */
+    /* Written: for each new vertex the first corner that uses it, from which to copy other values;
+     * or NULL. */
+    uint32_t *source_corners;
+    size_t vertex_capacity; /* elements that fit in source_corners */
+    size_t vertex_count;    /* written on success: the number of new vertices */
+} norma_indexed;
+
+/* Returns the bytes of an index: 2 if 16 bits are enough for this many vertices, otherwise 4. The
+ * 16-bit index 65535 is never used, because graphics interfaces restart primitives at it.
+ *
+ *   vertex_count   any number */
+NORMA_API size_t norma_index_size(size_t vertex_count);
+
+/* Finds the corners that agree in all streams and numbers them as vertices. Call it with corners
+ * and source_corners NULL to learn vertex_count, and with it the size of the indices.
+ *
+ *   streams        at least one; each with a value for each corner
+ *   stream_count   number of streams
+ *   corner_count   number of corners
+ *   options        uses threads, allocator, parallel_for and progress; may be NULL
+ *   indexed        read and written
+ *
+ * New vertices are numbered in the order in which corners first use them, whatever the number of
+ * threads.
+ * Errors: NORMA_ERROR_ARGUMENT if something is NULL that has to be read, if a size is 0, if a
+ * stream without corners has fewer values than there are corners or if corner_size is neither 4, 0
+ * nor 2; NORMA_ERROR_INDEX if a corner names no value; NORMA_ERROR_OVERFLOW if a size does not fit,
+ * also if there are more vertices than indices of 16 bits can number; NORMA_ERROR_CAPACITY,
+ * NORMA_ERROR_MEMORY and NORMA_CANCELLED. norma_find_stream_fault names the argument and the
+ * element. After an error nothing has been written.
+ * Cost: O(bytes of all corners' values), by hashing; 12 to 24 bytes of scratch memory for each
+ * corner. */
+NORMA_API norma_result norma_index_corners(const norma_stream *streams, size_t stream_count,
+    size_t corner_count, const norma_options *options, norma_indexed *indexed);
+
+/* Finds out why norma_index_corners returned an error.
+ *
+ *   streams        as given to the call
+ *   stream_count   as given to the call
+ *   corner_count   as given to the call
+ *   options        as given to the call; may be NULL
+ *   fault          written; or NULL. index: the stream; for "streams->corners" the first corner
+ *                  that names no value, in the first stream that has one
+ *
+ * Returns what the call would return for these arguments. If it returns NORMA_OK and the call
+ * failed, the output buffers were at fault. Cost: O(corners), on the calling thread. Allocates
+ * nothing. */
+NORMA_API norma_result norma_find_stream_fault(const norma_stream *streams, size_t stream_count,
+    size_t corner_count, const norma_options *options, norma_fault *fault);
+
+/* Copies a stream's values to new vertices.
+ *
+ *   stream       the values
+ *   sources      for each new vertex the corner (or, for a stream without corners, the value) that
+ *                it takes: source_corners of norma_indexed, or source_vertices of norma_split
+ *   count        number of new vertices
+ *   out          written: count values of stream->size bytes. Must not overlap the stream
+ *   out_stride   bytes from one value to the next, at least stream->size; 0: tightly packed.
+ *                Nothing is written between them
+ *   capacity     values that fit
+ *
+ * Errors: NORMA_ERROR_ARGUMENT, NORMA_ERROR_CAPACITY, NORMA_ERROR_OVERFLOW; NORMA_ERROR_INDEX if a
+ * source names no value; all found before anything is written. If stream->corners is given, every
+ * source must be below the number of its corners, which is not checked.
+ * Cost: O(count). */
+NORMA_API norma_result norma_copy_values(const norma_stream *stream, const uint32_t *sources,
+    size_t count, void *out, size_t out_stride, size_t capacity);
+
+/* Computes the tangents of norma_corner_tangents and the indexed mesh that carries them: corners
+ * with the same bytes of position, normal, texture coordinates and tangent are one vertex. Call it
+ * with corners, source_corners and tangents NULL to learn vertex_count.
+ *
+ *   mesh, normals, texcoords, mode   as for norma_corner_tangents
+ *   options    as for norma_corner_tangents; reasons: one for each corner
+ *   tangents   written: four floats for each new vertex, options->normal_stride bytes apart (0:
+ *              16), as many as indexed->vertex_capacity says; or NULL
+ *   indexed    read and written as by norma_index_corners; not mesh->corners
+ *   report     written, counting corners; or NULL
+ *
+ * Take the other values of a new vertex from its source corner with norma_copy_values. Where other
+ * streams differ too, compute tangents per corner and give them to norma_index_corners as one more
+ * stream.
+ * Errors: those of norma_corner_tangents and of norma_index_corners. reasons and report are written
+ * even if an output buffer turns out to be too small.
+ * Cost: that of both, and 16 bytes of scratch memory for each corner. */
+NORMA_API norma_result norma_split_tangents(const norma_mesh *mesh, const norma_attribute *normals,
+    const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
+    float *tangents, norma_indexed *indexed, norma_report *report);
 
 /* ---- the library */
 

@@ -55,6 +55,7 @@ class NormaConan(ConanFile):
         variables["NORMA_TOOL"] = False
         variables["NORMA_WITH_MESHOPTIMIZER"] = "ON" if self.options.get_safe("meshopt") else "OFF"
         variables["NORMA_MESHOPTIMIZER_PACKAGE"] = bool(self.options.get_safe("meshopt"))
+        variables["NORMA_WITH_DRACO"] = "OFF"
         variables["NORMA_TESTS"] = "OFF"
         variables["NORMA_BITS"] = "OFF"
         variables["NORMA_EXAMPLES"] = "OFF"

@@ -23,7 +23,7 @@ from ._calls import (
     vertex_normals,
 )
 from ._check import Deviation, Finding, Report, Rule, Sample, check, rules
-from ._files import ComputeSummary, Document, FileError, FileMesh, open
+from ._files import ComputeSummary, Document, FileError, FileMesh, FixSummary, open
 from ._norma import version as _version
 from ._results import MatrixInfo, NormalReport, OrientReport, Split, TangentReport
 
@@ -35,6 +35,7 @@ __all__ = [
     "FileError",
     "FileMesh",
     "Finding",
+    "FixSummary",
     "MatrixInfo",
     "NormalReport",
     "OrientReport",

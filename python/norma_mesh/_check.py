@@ -9,14 +9,14 @@ import re
 import shlex
 import subprocess
 from dataclasses import dataclass, field
-from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from . import _norma
 from ._arguments import WEIGHTS, choice, given_degrees, thread_count
 from ._files import Path, bytes_of, raise_document
+from ._selection import PROFILES, Names, mask_of
 from ._tool import tool_path
 
-_PROFILES = {"auto": 0, "render": 1, "print": 2, "generated": 3}
 _PROFILE_NAMES = ("auto", "render", "print")
 _SEVERITIES = ("none", "info", "warning", "error")
 _SHADINGS = ("default", "crease", "smooth", "flat")
@@ -300,26 +300,6 @@ def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str) 
     )
 
 
-Names = Union[str, Sequence[str], None]
-
-
-def _mask(select: Names, ignore: Names) -> Optional[bytes]:
-    if select is None and ignore is None:
-        return None
-    count = len(_norma.rules())
-    chosen = _marked("select", select, count) if select is not None else bytes([1]) * count
-    left_out = _marked("ignore", ignore, count) if ignore is not None else bytes(count)
-    return bytes(a & (1 - b) for a, b in zip(chosen, left_out))
-
-
-def _marked(name: str, names: Names, count: int) -> bytes:
-    words = names if isinstance(names, str) else ",".join(names or ())
-    answer = _norma.rules_select(words, bytes(count))
-    if isinstance(answer, str):
-        raise ValueError(f"{name}: no rule is called {answer!r}")
-    return bytes(answer)
-
-
 def check(
     path: Path,
     *,
@@ -346,9 +326,9 @@ def check(
         raise FileNotFoundError(2, os.strerror(2), shown)
     if samples < 1:
         raise ValueError(f"samples: 1 or more are needed, not {samples}")
-    kind = choice("profile", profile, _PROFILES)
+    kind = choice("profile", profile, PROFILES)
     time = os.stat(encoded).st_mtime_ns
-    answer = _norma.check(encoded, kind, bool(strict), samples, _mask(select, ignore), thread_count(threads))
+    answer = _norma.check(encoded, kind, bool(strict), samples, mask_of(select, ignore), thread_count(threads))
     if isinstance(answer[0], int):
         raise_document(answer)
     (applied, partly, findings), unreadable = answer

@@ -23,6 +23,7 @@ from ._arguments import (
     weld_of,
 )
 from ._results import NormalReport, report_of
+from ._selection import PROFILES, Names, mask_of
 
 Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 
@@ -90,8 +91,17 @@ class ComputeSummary:
     report: NormalReport
 
 
+@dataclass(frozen=True)
+class FixSummary:
+    """What `Document.fix` did."""
+
+    changed: bool
+    left_out: int  #: fixes that would have done harm; `notes` say why
+    notes: Tuple[str, ...]
+
+
 class Document:
-    """An open file. `meshes` are its meshes; `compute` changes it; `save` writes it, and every byte
+    """An open file. `meshes` are its meshes; `compute` and `fix` change it; `save` writes it, and every byte
     that has nothing to do with normals is kept."""
 
     def __init__(self, path: Path, *, threads: Optional[int] = None) -> None:
@@ -190,6 +200,33 @@ class Document:
             given_degrees(angle) if shade == 1 else None,
             None if hard < 0 else hard, filled, report_of(counts),
         )
+
+    def fix(
+        self,
+        *,
+        unsafe: bool = False,
+        select: Names = None,
+        ignore: Names = None,
+        profile: str = "auto",
+        open_by_rays: bool = False,
+        threads: Optional[int] = None,
+    ) -> FixSummary:
+        """Fixes what `check` finds, as `norma check --fix` does; `unsafe` as `--fix-unsafe` does. A
+        fix after which some rule would find more is left out. The other arguments are those of
+        `check`; open_by_rays turns open surfaces (N304) as most rays suggest.
+
+        >>> import norma_mesh as norma
+        >>> norma.open("assets/goathead.obj").fix().changed
+        False
+        """
+        kind = choice("profile", profile, PROFILES)
+        mask = mask_of(select, ignore)
+        with self._lock:
+            answer = _norma.document_fix(self._document, kind, mask, bool(unsafe), bool(open_by_rays), thread_count(threads))
+        if len(answer) == 2:
+            raise_document(answer)
+        changed, left_out, notes = answer
+        return FixSummary(bool(changed), left_out, tuple(notes))
 
     def save(self, path: Path, *, in_place: bool = False) -> None:
         """Writes the document, whole or not at all. `in_place` allows the source as `path`."""

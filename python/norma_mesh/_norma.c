@@ -718,6 +718,48 @@ static PyObject *check(PyObject *self, PyObject *arguments) {
     return list ? Py_BuildValue("Ni", list, unreadable) : NULL;
 }
 
+/* The notes of a document from the given one on, as texts. */
+static PyObject *notes_since(const norma_document *document, size_t first) {
+    PyObject *list = PyList_New(0);
+    for (size_t i = first; list && i < norma_document_note_count(document); i++) {
+        PyObject *note = text(norma_document_note(document, i));
+        if (!note || PyList_Append(list, note)) Py_CLEAR(list);
+        Py_XDECREF(note);
+    }
+    return list;
+}
+
+/* document_fix(document, profile, mask of rules in bytes or None, unsafe, open by rays, threads) ->
+ * (changed, fixes left out, [notes]), or why it was refused */
+static PyObject *document_fix(PyObject *self, PyObject *arguments) {
+    PyObject *capsule;
+    const char *mask;
+    int profile, unsafe, open_by_rays;
+    Py_ssize_t mask_size;
+    unsigned int threads;
+    norma_fix_summary s;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "Oiz#ppI", &capsule, &profile, &mask, &mask_size, &unsafe,
+            &open_by_rays, &threads))
+        return NULL;
+    norma_document *document = PyCapsule_GetPointer(capsule, DOCUMENT);
+    if (!document) return NULL;
+    const size_t known = norma_document_note_count(document);
+    watch w = give_up_lock();
+    const norma_check_options options = {.struct_size = sizeof options,
+        .profile = (norma_check_profile)profile,
+        .rules = (const uint8_t *)mask,
+        .threads = threads,
+        .progress = let_signals_in,
+        .progress_user = &w,
+        .open_by_rays = open_by_rays};
+    const norma_document_result result = norma_fix_document(document, &options, unsafe, &s, &error);
+    if (take_lock(&w)) return NULL;
+    if (result != NORMA_DOCUMENT_OK) return document_refusal(result, &error);
+    return Py_BuildValue("inN", s.changed, (Py_ssize_t)s.left_out, notes_since(document, known));
+}
+
 /* rules() -> [(id, name, render, print, fix, verb, what, why, how)] */
 static PyObject *rules(PyObject *self, PyObject *unused) {
     size_t count;
@@ -795,9 +837,10 @@ static PyMethodDef methods[] = {{"normals", normals, METH_VARARGS, NULL},
     {"document_arrays", document_arrays, METH_VARARGS, NULL},
     {"document_compute", document_compute, METH_VARARGS, NULL},
     {"document_save", document_save, METH_VARARGS, NULL}, {"check", check, METH_VARARGS, NULL},
-    {"rules", rules, METH_NOARGS, NULL}, {"rules_select", rules_select, METH_VARARGS, NULL},
-    {"weights", weights, METH_NOARGS, NULL}, {"bounds", bounds, METH_NOARGS, NULL},
-    {"version", version, METH_NOARGS, NULL}, {NULL, NULL, 0, NULL}};
+    {"document_fix", document_fix, METH_VARARGS, NULL}, {"rules", rules, METH_NOARGS, NULL},
+    {"rules_select", rules_select, METH_VARARGS, NULL}, {"weights", weights, METH_NOARGS, NULL},
+    {"bounds", bounds, METH_NOARGS, NULL}, {"version", version, METH_NOARGS, NULL},
+    {NULL, NULL, 0, NULL}};
 
 static struct PyModuleDef module = {
     PyModuleDef_HEAD_INIT, "_norma", NULL, 0, methods, NULL, NULL, NULL, NULL};

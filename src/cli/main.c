@@ -1,5 +1,5 @@
-/* main.c: finds the verb. Every verb has a file of its own, with its options, its help and its
- * report. */
+/* main.c: finds the command. Every command has a file of its own, with its options, its help and
+ * its report. */
 #include "cli/options/options.h"
 #include "cli/options/suggest.h"
 #include "cli/process/errors.h"
@@ -8,7 +8,7 @@
 #include <locale.h>
 #include <string.h>
 
-static const cli_subcommand *const verbs[] = {&cli_subcommand_compute, &cli_subcommand_tangents,
+static const cli_subcommand *const commands[] = {&cli_subcommand_compute, &cli_subcommand_tangents,
     &cli_subcommand_transform, &cli_subcommand_matrix, &cli_subcommand_check,
     &cli_subcommand_report, &cli_subcommand_explain, &cli_subcommand_info, &cli_subcommand_render,
     &cli_subcommand_view};
@@ -25,34 +25,35 @@ static const char introduction[] =
     "matrix\n"
     "  norma check models/                              every mesh file of a folder\n"
     "\n"
-    "Verbs\n";
+    "Commands\n";
 
 static const char ending[] =
     "\n"
-    "'norma help VERB' or 'norma VERB --help' explains a verb. 'norma --version' prints the "
+    "'norma help COMMAND' or 'norma COMMAND --help' explains a command. 'norma --version' prints "
+    "the "
     "version.\n"
     "Exit status: 0 fine, 1 findings (check), 2 usage, 3 a file could not be read or written,\n"
     "130 interrupted, 143 terminated.\n";
 
 static void print_help(FILE *out) {
     fputs(introduction, out);
-    for (size_t i = 0; i < CLI_COUNT(verbs); ++i)
-        fprintf(out, "  %-11s %s\n", verbs[i]->name, verbs[i]->summary);
+    for (size_t i = 0; i < CLI_COUNT(commands); ++i)
+        fprintf(out, "  %-11s %s\n", commands[i]->name, commands[i]->summary);
     fputs(ending, out);
 }
 
 static const cli_subcommand *find_subcommand(const char *name) {
-    for (size_t i = 0; i < CLI_COUNT(verbs); ++i)
-        if (strcmp(verbs[i]->name, name) == 0) return verbs[i];
+    for (size_t i = 0; i < CLI_COUNT(commands); ++i)
+        if (strcmp(commands[i]->name, name) == 0) return commands[i];
     return NULL;
 }
 
 static int unknown_subcommand(const char *name) {
-    const char *names[CLI_COUNT(verbs)], *meant;
-    for (size_t i = 0; i < CLI_COUNT(verbs); ++i) names[i] = verbs[i]->name;
+    const char *names[CLI_COUNT(commands)], *meant;
+    for (size_t i = 0; i < CLI_COUNT(commands); ++i) names[i] = commands[i]->name;
     meant = cli_suggest(name, names, CLI_COUNT(names), sizeof *names);
-    if (meant) return cli_usage(NULL, "unknown verb '%s'; did you mean %s?", name, meant);
-    return cli_usage(NULL, "unknown verb '%s'", name);
+    if (meant) return cli_usage(NULL, "unknown command '%s'; did you mean %s?", name, meant);
+    return cli_usage(NULL, "unknown command '%s'", name);
 }
 
 static int help_about(int count, char **names) {
@@ -60,9 +61,9 @@ static int help_about(int count, char **names) {
         print_help(stdout);
         return cli_finish(CLI_OK);
     }
-    const cli_subcommand *verb = find_subcommand(names[0]);
-    if (!verb) return unknown_subcommand(names[0]);
-    fputs(verb->help, stdout);
+    const cli_subcommand *command = find_subcommand(names[0]);
+    if (!command) return unknown_subcommand(names[0]);
+    fputs(command->help, stdout);
     return cli_finish(CLI_OK);
 }
 
@@ -81,7 +82,7 @@ int main(int count, char **arguments) {
         printf("norma %s\n", norma_version());
         return cli_finish(CLI_OK);
     }
-    if (word[0] == '-') return cli_usage(NULL, "unknown option '%s'; a verb comes first", word);
-    const cli_subcommand *verb = find_subcommand(word);
-    return verb ? verb->run(verb, count - 2, arguments + 2) : unknown_subcommand(word);
+    if (word[0] == '-') return cli_usage(NULL, "unknown option '%s'; a command comes first", word);
+    const cli_subcommand *command = find_subcommand(word);
+    return command ? command->run(command, count - 2, arguments + 2) : unknown_subcommand(word);
 }

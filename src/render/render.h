@@ -19,6 +19,7 @@ enum render_result {
 typedef struct render_error {
     enum render_result result;
     char message[400]; /* one line, without the name of a file */
+    size_t panel;      /* of a sheet, from 1: the one that cannot be drawn; 0: none in particular */
 } render_error;
 
 /* ---- what is drawn */
@@ -113,7 +114,15 @@ enum render_show {
     RENDER_SHOW_ZEBRA,   /* stripes of light, mirrored: a crease parts them, a seam bends them */
     RENDER_SHOW_TANGENTS /* as colours, 0.5 + 0.5 t; darker where the sign is -1 */
 };
-enum render_up { RENDER_UP_Y = 0, RENDER_UP_Z, RENDER_UP_X };
+enum render_up {
+    RENDER_UP_Y = 0,
+    RENDER_UP_Z,
+    RENDER_UP_X,
+    RENDER_UP_MINUS_Y,
+    RENDER_UP_MINUS_Z,
+    RENDER_UP_MINUS_X,
+    RENDER_UPS
+};
 enum render_space { RENDER_SPACE_WORLD = 0, RENDER_SPACE_VIEW };
 enum render_lines {
     RENDER_VERTEX_LINES = 1,

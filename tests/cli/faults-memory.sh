@@ -53,6 +53,7 @@ cases() {
     echo "info --json|$NORMA info cube.obj roof.gltf --json"
     echo "compute to standard output|$NORMA compute cube.obj -o - --threads 1"
     echo "compute to a folder|$NORMA compute cube.obj roof.ply --out-dir out --threads 1"
+    echo "compute of what Draco packed|$NORMA compute packed/draco.glb -o out.glb --smooth --quiet --threads 1"
     echo "matrix|$NORMA matrix --scale 2,0.5,1 --rotate 0,1,0,30"
     echo "explain|$NORMA explain N501"
     [ -z "$has_renderer" ] || echo "render|$NORMA render cube.obj -o picture.png --size 16x16 --renderer software --threads 1"
@@ -71,6 +72,8 @@ has_renderer=$("$NORMA" render "$root/tests/cli/golden/files/cube.obj" -o "$scra
 cp "$root"/tests/cli/golden/files/* "$fast/from/"
 cp "$root/tests/tangent/charts.gltf" "$fast/from/"
 rm "$fast/from/malformed.obj"
+mkdir "$fast/from/packed"
+cp "$root/tests/fuzz/corpus/glb/draco" "$fast/from/packed/draco.glb"
 chmod u+w "$fast/from"/*
 cases | grep -E -- "${1:-.}" >"$scratch/cases"
 FAULT_PLACE=$fast xargs -P "${JOBS:-$(nproc)}" -d '\n' -n 1 bash "$0" --one <"$scratch/cases" >"$scratch/verdicts" 2>"$scratch/errors"

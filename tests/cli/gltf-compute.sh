@@ -6,7 +6,8 @@ source "$(dirname "$0")/../support/gltf_judges.sh"
 needs_data
 
 is_judged() { true; }
-is_sound() { [[ $1 != bad/* ]]; }
+# What Draco packed is written without it, so its JSON changes; tests/cli/draco.sh judges such files.
+is_sound() { [[ $1 != bad/* && $1 != *draco* ]]; }
 may_refuse() { [ "$2" != ok ] && [ "$2" != lint ]; }
 
 run_all crease compute

@@ -43,7 +43,7 @@ for s in 1.5 2 4 10; do
 done
 said=$("$norma" render "$scratch/ball.obj" -o "$scratch/a.png" --compare --scale 3 --rotate 1,2,3,40 --size 64x64 --json | value worst_error_deg)
 if near "$said" 0; then pass "and by nothing under a uniform scale and a rotation"; else fail "a uniform scale and a rotation" "$said"; fi
-check "two panels side by side, words above and below" test "$(size "$scratch/a.png")" = 128x108
+check "two panels side by side, words above and below" test "$(size "$scratch/a.png")" = 128x141
 
 "$norma" render "$scratch/ball.obj" -o "$scratch/b.png" --compare=gouraud,phong --size 64x64 --json >"$scratch/json"
 difference=$(value largest_difference <"$scratch/json")
@@ -82,9 +82,39 @@ for name in z-up=z y-up=y foot=z; do
 done
 "$norma" render "$scratch/z-up.obj" -o "$scratch/u.png" --size 32x32 --up x --json >"$scratch/json"
 check "--up is taken where it is given" test "$(value up <"$scratch/json") $(value up_guessed <"$scratch/json")" = '"x" false'
+# Seen from the side, the apex of the stool is below its foot where the axis is turned round: the two silhouettes are mirrored top to bottom.
+for axis in x y z; do
+    "$norma" render "$scratch/foot.obj" -o "$scratch/u.png" --size 64x64 --up "$axis" --fov 0 --camera 0,0 --json >"$scratch/json"
+    "$norma" render "$scratch/foot.obj" -o "$scratch/w.png" --size 64x64 --up "-$axis" --fov 0 --camera 0,0 --json >"$scratch/json-"
+    check "--up -$axis is the other way round than $axis" awk 'function up(file,  line, m) { getline line <file; sub(/.*"world_to_clip": \[/, "", line); split(line, m, /[],] */); return sprintf("%.4f %.4f %.4f", m[2], m[6], m[10]) }
+        BEGIN { split(up(ARGV[1]), a); split(up(ARGV[2]), b); exit !(a[1] == -b[1] && a[2] == -b[2] && a[3] == -b[3] && a[1] a[2] a[3] != "0.00000.00000.0000") }' "$scratch/json" "$scratch/json-"
+done
 "$norma" render assets/box-rotated.obj -o "$scratch/f.png" --size 100x100 --show findings --quiet
 "$norma" render assets/box-rotated.obj -o "$scratch/g.png" --size 100x100 --show findings --select N5 --quiet
 check "--select leaves findings of other rules out" bash -c '! cmp -s "$0" "$1"' "$scratch/f.png" "$scratch/g.png"
+
+printf 'v 0 0 0\nv 1 0 0\nl 1 2\n' >"$scratch/lines.obj"
+status=0
+"$norma" render "$scratch/square.obj" "$scratch/lines.obj" assets/spider.stl "$scratch/nothing.obj" -o "$scratch/s.png" --sheet --size 40x30 --json >"$scratch/json" 2>"$scratch/stderr" || status=$?
+check "a sheet draws the others, names the ones that it cannot, and ends with 3" test "$status" = 3 -a "$(size "$scratch/s.png" | cut -dx -f1)" = 80 -a "$(grep -c 'lines.obj\|nothing.obj' "$scratch/stderr")" = 2
+check "also in its summary" grep -q '"inputs": \["[^"]*square.obj", "assets/spider.stl"\].*"not_drawn": "2 files that cannot be drawn (lines, nothing)"' "$scratch/json"
+"$norma" render "$scratch/square.obj" -o "$scratch/e.png" --show error --size 64x64 --samples 1 >"$scratch/stdout"
+check "errors without stored normals: said plainly" grep -q 'no normals are stored: there is nothing to compare' "$scratch/stdout"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n' >"$scratch/stored.obj"
+"$norma" render "$scratch/stored.obj" -o "$scratch/e.png" --crease 30 --size 32x32 >/dev/null 2>"$scratch/stderr"
+check "--crease without an effect is noted" grep -q 'note: no effect: --crease' "$scratch/stderr"
+"$norma" render "$scratch/square.obj" -o "$scratch/e.png" --crease 30 --size 32x32 >/dev/null 2>"$scratch/stderr"
+check "and with one it is not" test ! -s "$scratch/stderr"
+cat >"$scratch/images.gltf" <<'END'
+{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],
+"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":1}],"images":[{"uri":"a.png"},{"uri":"nowhere.png"}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
+"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/"}]}
+END
+"$norma" render "$scratch/images.gltf" -o "$scratch/e.png" --size 64x64 >"$scratch/stdout" 2>"$scratch/stderr"
+check "an image that cannot be read is named" grep -q 'not drawn: 1 image that cannot be read (/images/1)' "$scratch/stdout"
+check "with the reason" grep -q 'note: /images/1 is not drawn: .' "$scratch/stderr"
 
 # refused STATUS NAME COMMAND...: its exit status, one line of error, and no picture left.
 refused() {
@@ -95,11 +125,14 @@ refused() {
     if [ "$status" = "$wanted" ] && [ "$(wc -l <"$scratch/stderr")" = 1 ] && [ -z "$(ls "$scratch"/no.png* 2>/dev/null)" ]; then pass "$name"
     else fail "$name" "status $status; $(cat "$scratch/stderr")"; fi
 }
-printf 'v 0 0 0\nv 1 0 0\nl 1 2\n' >"$scratch/lines.obj"
 refused 3 "a file without a surface is told of" "$norma" render "$scratch/lines.obj" -o "$scratch/no.png"
 refused 3 "a file that is not there" "$norma" render "$scratch/nothing.obj" -o "$scratch/no.png"
 refused 3 "a folder that is not there" "$norma" render "$scratch/square.obj" -o "$scratch/nowhere/no.png"
 refused 2 "--select without findings" "$norma" render "$scratch/square.obj" -o "$scratch/no.png" --select N3
+for idle in "--line-length 2" "--most-lines 9" "--line-width 2" "--error-top 9" "--show error --normals computed"; do
+    # shellcheck disable=SC2086  # words
+    refused 2 "$idle, which nothing looks at" "$norma" render "$scratch/square.obj" -o "$scratch/no.png" $idle
+done
 refused 3 "a full disk" "$norma" render "$scratch/square.obj" -o /dev/full
 refused 2 "more pixels than the renderer draws" "$norma" render "$scratch/square.obj" -o "$scratch/no.png" --size 16000x16 --samples 4
 refused 3 "no EGL that could start: one clear error" env __EGL_VENDOR_LIBRARY_DIRS="$scratch/none" "$norma" render "$scratch/square.obj" -o "$scratch/no.png"

@@ -1,7 +1,8 @@
 """Writes a PLY or STL for tests/mpi: a bumpy grid with repeated positions, vertices of no face and
 degenerate faces.  make_file.py PATH SIDE WORD...: big, double, shuffled, polygons, normals, codes
 (normals as chars), before (an element before the vertices), number (a property before the list),
-tail (an element with lists behind), nan, stl."""
+tail (an element with lists behind), nan, stl, flat (faces without area, which borrow a direction),
+fins (edges of three faces, faces turned round), short (corners of 16 bits)."""
 
 import random
 import struct
@@ -14,14 +15,24 @@ count = side * side + 3
 points = [[v % side + 0.3 * random.random(), v // side + 0.3 * random.random(), random.random()] for v in range(count)]
 for _ in range(count // 10):
     points[random.randrange(count)] = list(points[random.randrange(count)])
-if "nan" in words:
-    points[5][1] = float("nan")
 faces = []
 for y in range(side - 1):
     for x in range(side - 1):
         a = y * side + x
         faces += [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]]
 faces += [[1, 1, 2]] * 5
+if "flat" in words:
+    points = [[round(c * 256) / 256 for c in point] for point in points]  # exact midpoints
+    for a in random.sample(range(side, side * side - 1), side * 2):
+        b = a - side + 1
+        points[a - 1] = [(p + q) / 2 for p, q in zip(points[a], points[b])]
+        faces.append([b, a, a - 1] if a % 2 else [a, b, a - 1])
+if "nan" in words:
+    points[5][1] = float("nan")
+if "fins" in words:
+    for face in random.sample(faces, len(faces) // 8):
+        faces.append([face[1], face[0], random.randrange(count)])
+        random.choice(faces).reverse()
 if "shuffled" in words:
     random.shuffle(faces)
 if "polygons" in words:
@@ -43,7 +54,7 @@ with open(path, "wb") as out:
     header += "property uchar red\nelement face %d\n" % len(faces)
     if "number" in words:
         header += "property int id\n"
-    header += "property list uchar int vertex_indices\n"
+    header += "property list uchar %s vertex_indices\n" % ("ushort" if "short" in words else "int")
     if "tail" in words:
         header += "element edge 2\nproperty int a\nproperty list uchar float b\n"
     out.write((header + "end_header\n").encode())
@@ -59,7 +70,7 @@ with open(path, "wb") as out:
     for number, face in enumerate(faces):
         if "number" in words:
             out.write(struct.pack(order + "i", number))
-        out.write(struct.pack(order + "B%di" % len(face), len(face), *face))
+        out.write(struct.pack(order + "B%d%s" % (len(face), "H" if "short" in words else "i"), len(face), *face))
     if "tail" in words:
         for number in range(2):
             out.write(struct.pack(order + "iB2f", number, 2, 1.5, 2.5))

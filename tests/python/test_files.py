@@ -153,6 +153,31 @@ class Documents(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "only one of"):
             norma.open("assets/goathead.obj").compute(smooth=True, crease=3)
 
+    def test_fixing_writes_what_the_tool_writes(self):
+        changed = 0
+        with tempfile.TemporaryDirectory() as folder:
+            for path in files(20000):
+                ending = os.path.splitext(path)[1]
+                if ending == ".gltf":
+                    continue  # its buffers are named after the output
+                theirs, ours = os.path.join(folder, "theirs" + ending), os.path.join(folder, "ours" + ending)
+                if tool("check", "--no-config", "--fix-unsafe", path, "-o", theirs).returncode not in (0, 1):
+                    continue
+                document = norma.open(path)
+                changed += document.fix(unsafe=True).changed
+                document.save(ours)
+                with open(theirs, "rb") as a, open(ours, "rb") as b:
+                    self.assertEqual(a.read(), b.read(), path)
+        self.assertGreater(changed, 0)
+
+    def test_fixing_selected_rules(self):
+        goat = norma.open("assets/goathead.obj")
+        self.assertFalse(goat.fix(unsafe=True, ignore="N104").changed)
+        self.assertTrue(goat.fix(unsafe=True, select=["missing-normals"]).changed)
+        self.assertEqual(goat.meshes[0].stored, "corner")
+        with self.assertRaisesRegex(ValueError, "select: no rule is called 'N999'"):
+            goat.fix(select="N999")
+
     def test_the_module_is_the_tool(self):
         self.assertIn(norma.__version__, tool("--version").stdout)
         self.assertEqual(tool("check", "assets/goathead.obj").returncode, 0)

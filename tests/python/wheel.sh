@@ -19,10 +19,10 @@ fi
 pass "the wheel is built"
 check "it is for every Python from 3.9 on" grep -q 'cp39-abi3' <<<"$wheel"
 check "it is of 2 MB at most" test "$(stat -c %s "$wheel")" -le 2000000
-# What the extension is linked with: the C library, and meshoptimizer, which lies beside it.
+# What the extension and the library are linked with: the C library, and what lies beside them.
 "$python" -m zipfile -e "$wheel" "$scratch/unpacked"
-needed=$(readelf -d "$scratch/unpacked/norma_mesh/_norma.abi3.so" | sed -nE 's/.*\(NEEDED\).*\[([^]]+)\].*/\1/p')
-others=$(grep -vE '^lib(c|m|pthread|meshoptimizer)\.so' <<<"$needed")
+needed=$(readelf -d "$scratch/unpacked/norma_mesh/_norma.abi3.so" "$scratch"/unpacked/norma_mesh/lib/libnorma.so.* | sed -nE 's/.*\(NEEDED\).*\[([^]]+)\].*/\1/p')
+others=$(grep -vE '^lib(c|m|pthread|norma|meshoptimizer|png16|jpeg)\.so' <<<"$needed")
 if [ -n "$needed" ] && [ -z "$others" ]; then pass "it needs the C library and what it carries"; else fail "it needs the C library and what it carries" "${others:-nothing was read}"; fi
 
 bare=$scratch/bare
@@ -54,4 +54,13 @@ for module in _calls _files _check; do
     check "the examples in $module's documentation say what they print" "$bare/bin/python" -c "import doctest, sys, norma_mesh.$module as m; r = doctest.testmod(m); sys.exit(bool(r.failed) or not r.attempted)"
 done
 check "random arguments are served or refused" "$bare/bin/python" -W ignore tests/python/fuzz_arguments.py 5
+# The Blender add-on is made of this wheel; what of it needs Blender is tested by make blender.
+if zip=$(scripts/blender.sh 2>"$scratch/addon.err" | tail -n 1) && [ -e "$zip" ]; then
+    pass "the Blender add-on is built"
+    check "the add-on is smaller than the wheel: it leaves the tool out" test "$(stat -c %s "$zip")" -lt "$(stat -c %s "$wheel")"
+    if "$python" tests/blender/test_pure.py "$zip" -v >"$scratch/pure.out" 2>&1; then pass "the parts of the add-on that need no Blender"; else fail "the parts of the add-on that need no Blender" "$(tail -n 40 "$scratch/pure.out")"; fi
+else
+    fail "the Blender add-on is built" "$(cat "$scratch/addon.err")"
+fi
+skip "the Blender add-on in Blender: make blender"
 finish

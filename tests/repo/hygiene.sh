@@ -7,8 +7,20 @@ library=$tree/lib/libnorma.a
 
 # ---- names
 
+# The one object of C++ (draco_decoder.o, where libdraco was found) is looked at by itself; all that is said of the rest holds as if it were not there, but for its norma_ names.
+whole=$library
+library=$scratch/libnorma.a
+cp "$whole" "$library"
+if ar t "$whole" | grep -qx draco_decoder.o; then
+    (cd "$scratch" && ar x "$whole" draco_decoder.o && ar d "$library" draco_decoder.o)
+    strangers=$(nm -u "$scratch/draco_decoder.o" | awk '{ print $2 }' | grep -vE '^(_Z(TI|TV|TVN|TIN|N|NK)?N?5draco|_ZN5draco|_ZNK5draco|_ZTI(St9bad_alloc|St9exception|St12length_error)$|_ZNSt12length_errorC1|_ZNSt12length_errorD1|_ZSt20__throw_length_error|_ZTVN10__cxxabiv1|_ZNSt8ios_base4Init|_Zdl|_Znw|__cxa_|__gxx_personality_v0$|_Unwind_Resume$|__dso_handle$|_GLOBAL_OFFSET_TABLE_$|__stack_chk_fail$|mem(cpy|set)$)')
+    if [ -z "$strangers" ]; then pass "its object of C++ imports only libdraco and what every program in C++ does"; else fail "its object of C++ imports only libdraco and what every program in C++ does" "$strangers"; fi
+    # Weak ones are templates of libdraco's headers, which any other object may have as well.
+    foreign=$(nm --defined-only "$scratch/draco_decoder.o" | awk 'NF == 3 && $2 ~ /[ABCDGRST]/ && $3 !~ /^norma_/ { print $3 }')
+    if [ -z "$foreign" ]; then pass "its object of C++ defines no name without norma_ but weak ones"; else fail "its object of C++ defines no name without norma_ but weak ones" "$foreign"; fi
+fi
 nm -u "$library" 2>/dev/null | awk 'NF == 2 && $1 ~ /^[Uw]$/ { print $2 }' | sort -u >"$scratch/undefined"
-nm --defined-only "$library" 2>/dev/null | awk 'NF == 3 { print $3 }' | sort -u >"$scratch/defined"
+nm --defined-only "$whole" 2>/dev/null | awk 'NF == 3 { print $3 }' | sort -u >"$scratch/defined"
 comm -23 "$scratch/undefined" "$scratch/defined" >"$scratch/imports"
 check "the library imports something" test -s "$scratch/imports"
 grep -v '^#' tests/repo/hygiene/allowed-imports.txt | LC_ALL=C sort -u >"$scratch/allowed"
@@ -38,7 +50,7 @@ if [ -z "$writable" ]; then pass "the library has no data that could be written:
 if command -v localedef >/dev/null && [ -e /usr/share/i18n/locales/de_DE ]; then
     mkdir -p "$scratch/locales"
     check "a German locale is made" localedef -i de_DE -f UTF-8 "$scratch/locales/de_DE.UTF-8"
-    check "a program for it builds" gcc -std=c11 -Wall -Wextra -Werror -Iinclude tests/repo/hygiene/locale.c -o "$scratch/locale" "$library" -lmeshoptimizer -lm -pthread
+    check "a program for it builds" gcc -std=c11 -Wall -Wextra -Werror -Iinclude tests/repo/hygiene/locale.c -o "$scratch/locale" "$whole" -lmeshoptimizer -ldraco -lstdc++ -lpng -ljpeg -lm -pthread
     files=$(find assets tests/cli/golden/files -name '*.obj' -o -name '*.stl' -o -name '*.ply' -o -name '*.gltf' -o -name '*.glb' | LC_ALL=C sort)
     # shellcheck disable=SC2086  # a list of words
     check "it runs with a decimal point" bash -c 'LC_ALL=C "$0" . "${@:2}" >"$1"' "$scratch/locale" "$scratch/with-point" $files

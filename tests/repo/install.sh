@@ -31,8 +31,8 @@ check "libnorma.so has the soname libnorma.so.0" bash -c 'readelf -d "$0" | grep
 visible=$(readelf -sW "$lib/libnorma.a" 2>/dev/null | awk '$5 == "GLOBAL" && $6 == "DEFAULT" && $7 != "UND" { print $8 }' | sort -u)
 difference=$(diff <(printf '%s\n' "$visible") <(printf '%s\n' "$declared"))
 if [ -z "$difference" ]; then pass "libnorma.a hides what the public headers do not declare"; else fail "libnorma.a hides what the public headers do not declare" "$difference"; fi
-# In a static library all names meet those of the program.
-strangers=$(nm --defined-only "$lib/libnorma.a" 2>/dev/null | awk 'NF == 3 && $2 ~ /[A-Z]/ && $3 !~ /^norma_/ { print $3 }')
+# In a static library all names meet those of the program; but for weak ones of C++ (templates of libdraco's headers), of which any number may meet.
+strangers=$(nm --defined-only "$lib/libnorma.a" 2>/dev/null | awk 'NF == 3 && $2 ~ /[A-Z]/ && $3 !~ /^norma_/ && !($2 ~ /[VW]/ && $3 ~ /^(DW\.ref\.)?_(Z|_gxx_personality_v0$)/) { print $3 }')
 if [ -z "$strangers" ]; then pass "every symbol of libnorma.a begins with norma_"; else fail "every symbol of libnorma.a begins with norma_" "$strangers"; fi
 hardened=$(readelf -lW "$prefix/bin/norma"; readelf -dW "$prefix/bin/norma"; readelf -hW "$prefix/bin/norma")
 check "the tool is position independent, with relro and bindings resolved at once" bash -c 'grep -q "DYN" <<<"$0" && grep -q GNU_RELRO <<<"$0" && grep -qE "BIND_NOW|Flags:.*NOW" <<<"$0"' "$hardened"

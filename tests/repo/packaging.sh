@@ -9,7 +9,7 @@ check "debian/changelog is of version $version" bash -c 'head -n 1 debian/change
 check "vcpkg.json is of version $version" grep -qF "\"version\": \"$version\"" packaging/vcpkg/norma/vcpkg.json
 check "conanfile.py is of version $version" grep -qF "version = \"$version\"" packaging/conan/conanfile.py
 for file in debian/rules packaging/vcpkg/norma/portfile.cmake packaging/conan/conanfile.py; do
-    unknown=$(grep -oE 'NORMA_[A-Z_]*[A-Z]' $file | sort -u | while read -r name; do grep -qE "^ *(option\(|set\()$name " CMakeLists.txt || echo "$name"; done)
+    unknown=$(grep -oE 'NORMA_[A-Z_]*[A-Z]' $file | sort -u | while read -r name; do grep -qE "^ *(option\(|set\(|find_library\()$name " CMakeLists.txt cmake/dependencies.cmake || echo "$name"; done)
     if [ -z "$unknown" ]; then pass "$file names only options that exist"; else fail "$file names only options that exist" "$unknown"; fi
 done
 if command -v python3 >/dev/null; then

@@ -77,8 +77,23 @@ export function fan(count, turns = 1) {
 }
 
 // The same fan, u once round it: the tangents at its middle are opposed to each other.
-export function swirl(count) {
-  const out = fan(count);
+export function swirl(count, turns = 1) {
+  const out = fan(count, turns);
   for (let i = 0; i < count; i++) out.texcoords.set([0.5, 0, i / count, 1, (i + 1) / count, 1], 6 * i);
   return out;
+}
+
+// Its triangles in any order; gaps: now and then a number that is none.
+export function shuffledSwirl(count, turns, gaps, seed) {
+  const r = new Random(seed), m = swirl(count, turns);
+  const swap = (values, size, i, j) => {
+    for (let k = 0; k < size; k++) [values[size * i + k], values[size * j + k]] = [values[size * j + k], values[size * i + k]];
+  };
+  for (let i = count; i > 1; i--) {
+    const j = r.below(i);
+    swap(m.positions, 9, i - 1, j);
+    swap(m.texcoords, 6, i - 1, j);
+  }
+  for (let i = 0; i < gaps; i++) m.positions[9 * r.below(count) + 3 + r.below(6)] = NaN;
+  return m;
 }

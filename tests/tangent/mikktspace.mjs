@@ -5,7 +5,7 @@
 import { spawn } from "node:child_process";
 import { pathToFileURL } from "node:url";
 import { createRequire } from "node:module";
-import { fan, madeMesh, swirl } from "./meshes.mjs";
+import { fan, madeMesh, shuffledSwirl, swirl } from "./meshes.mjs";
 import { Native } from "./native.mjs";
 import { check, finish, skip } from "../web/tap.mjs";
 
@@ -49,11 +49,20 @@ export class Tally {
 const fresh = (m) => [m.positions.slice(), m.normals.slice(), m.texcoords.slice()];
 const exact = (t) => t.meshes > 0 && t.differing === 0 && t.unreasonable === 0;
 
+function meshOf(seed) {
+  const kind = seed % 500;
+  if (kind === 0) return fan(50 + (seed % 700));
+  if (kind === 125) return shuffledSwirl(60 + (seed % 1300), 1 + (seed % 3), 0, seed);
+  if (kind === 250) return swirl(3 + (seed % 900));
+  if (kind === 375) return shuffledSwirl(60 + (seed % 500), 1, 1 + (seed % 4), seed);
+  return madeMesh(seed);
+}
+
 async function madeMeshes() {
   const one = new Native(program, "mikk", 1), two = new Native(program, "mikk", 2);
   const addon = new Tally(), package_ = new Tally(), threads = new Tally();
   for (let seed = 1; seed <= made; seed++) {
-    const m = seed % 500 === 0 ? fan(50 + (seed % 700)) : seed % 500 === 250 ? swirl(3 + (seed % 900)) : madeMesh(seed);
+    const m = meshOf(seed);
     const ours = await one.tangents(m.positions, m.normals, m.texcoords);
     addon.add(`seed ${seed}`, generateTangents(...fresh(m)), ours);
     if (seed % 10 === 0) threads.add(`seed ${seed}`, (await two.tangents(m.positions, m.normals, m.texcoords)).tangents, ours);

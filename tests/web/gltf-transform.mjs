@@ -155,7 +155,9 @@ for (const file of files)
     const { files: [{ findings: expected }] } = JSON.parse(spawnSync(tool, ["check", "--format", "json", path], { encoding: "utf8", maxBuffer: 1 << 28 }).stdout);
     let report = null;
     await document.transform(checkTransform({ onReport: (given) => { report = given; } }));
-    const short = (findings) => JSON.stringify(findings.map(({ rule, where, count, message }) => [rule, where, count, message]));
+    // WebAssembly decodes no pictures and says so (N002); the tool looks into them (N811, N812).
+    const ofPictures = ({ rule, where }) => rule === "N811" || rule === "N812" || (rule === "N002" && where.startsWith("/images/"));
+    const short = (findings) => JSON.stringify(findings.filter((finding) => !ofPictures(finding)).map(({ rule, where, count, message }) => [rule, where, count, message]));
     if (short(report.files[0].findings) !== short(expected)) throw new Error(`${short(report.files[0].findings)}\n${short(expected)}`);
   });
 

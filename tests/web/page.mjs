@@ -3,6 +3,7 @@ import { execFileSync, spawnSync } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
+import { deflateSync } from "node:zlib";
 import { findChrome, launch } from "./chrome.mjs";
 import { countPixels, readPng } from "./png.mjs";
 import { attempt, check, finish } from "./tap.mjs";
@@ -663,6 +664,69 @@ await attempt("norma view: glTF nodes stand where they stand, polygons are whole
   expect((await polygon.text("model-facts")).startsWith("64 triangles"), await polygon.text("model-facts"));
   await polygon.picture("view-polygon");
   await polygon.close();
+});
+
+/* A model for artists: a square whose image is red on its left and blue on its right, and whose normal map leans everything over; beside it another mesh, without either. */
+const crc32 = (bytes) => ~bytes.reduce((crc, byte) => { for (let bit = 0, next = crc ^ byte; bit < 8; bit++) { next = next & 1 ? (next >>> 1) ^ 0xedb88320 : next >>> 1; if (bit === 7) return next; } return crc; }, -1);
+const pngChunk = (kind, data) => {
+  const body = Buffer.concat([Buffer.from(kind, "latin1"), data]), head = Buffer.alloc(4), tail = Buffer.alloc(4);
+  head.writeUInt32BE(data.length);
+  tail.writeUInt32BE(crc32(body) >>> 0);
+  return Buffer.concat([head, body, tail]);
+};
+const pngOf = (width, pixels) => Buffer.concat([Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]), pngChunk("IHDR", Buffer.from([0, 0, 0, width, 0, 0, 0, 1, 8, 2, 0, 0, 0])), pngChunk("IDAT", deflateSync(Buffer.from([0, ...pixels.flat()]))), pngChunk("IEND", Buffer.alloc(0))]);
+function artistsModel() {
+  const floats = Float32Array.of(-2, 0, 0, 0, 0, 0, 0, 2, 0, -2, 2, 0, /* uv */ 0, 1, 1, 1, 1, 0, 0, 0, /* other */ 1, 0, 0, 3, 0, 0, 3, 2, 0, 1, 2, 0), parts = [Buffer.from(floats.buffer), Buffer.from(Uint16Array.of(0, 1, 2, 0, 2, 3).buffer), pngOf(2, [[220, 0, 0], [0, 0, 220]]), pngOf(1, [[255, 128, 140]])];
+  const uri = (kind, bytes) => `data:${kind};base64,${bytes.toString("base64")}`, nearest = { magFilter: 9728, minFilter: 9728, wrapS: 33071, wrapT: 33071 };
+  const view = (byteOffset, byteLength) => ({ buffer: 0, byteOffset, byteLength }), accessor = (bufferView, count, type, componentType = 5126) => ({ bufferView, count, type, componentType, ...(type === "VEC3" ? { min: [-9, -9, -9], max: [9, 9, 9] } : {}) });
+  return JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0, 1] }], nodes: [{ mesh: 0 }, { mesh: 1 }],
+    meshes: [{ name: "Poster", primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1 }, indices: 3, material: 0 }] }, { name: "Plain", primitives: [{ attributes: { POSITION: 2 }, indices: 3 }] }],
+    materials: [{ name: "Print", pbrMetallicRoughness: { baseColorTexture: { index: 0 } }, normalTexture: { index: 1 } }], textures: [{ source: 0, sampler: 0 }, { source: 1 }], samplers: [nearest],
+    images: [{ uri: uri("image/png", parts[2]) }, { uri: uri("image/png", parts[3]) }], accessors: [accessor(0, 4, "VEC3"), accessor(1, 4, "VEC2"), accessor(2, 4, "VEC3"), accessor(3, 6, "SCALAR", 5123)],
+    bufferViews: [view(0, 48), view(48, 32), view(80, 48), view(128, 12)], buffers: [{ byteLength: 140, uri: uri("application/octet-stream", Buffer.concat(parts.slice(0, 2))) }] });
+}
+
+await attempt("for artists: images, normal maps, tangents, wireframe, parts, the axis that points up", async () => {
+  const from = join(shots, "artists.gltf"), out = join(shots, "view-artists.html");
+  writeFileSync(from, artistsModel());
+  execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
+  const view = await visit(pathToFileURL(out).href), near = (a, b, much) => a.every((part, i) => Math.abs(part - b[i]) < much);
+  await view.click("reset-view");
+  const all = await view.picture("view-artists"), reds = (png) => countPixels(png, STAGE, ([r, g, b]) => r > 60 && r > 3 * g && r > 3 * b), blues = (png) => countPixels(png, STAGE, ([r, g, b]) => b > 60 && b > 3 * g && b > 2 * r);
+  expect(reds(all) > 4000 && blues(all) > 4000 && Math.abs(reds(all) - blues(all)) < 0.3 * reds(all), `${reds(all)} red and ${blues(all)} blue pixels`);
+  const [red] = [[...Array(STAGE[2]).keys()].find((x) => { const [r, g, b] = all.at(x, Math.round(STAGE[3] / 2)); return r > 60 && r > 3 * g && r > 3 * b; })], middle = Math.round(STAGE[3] / 2);
+  expect(all.at(red + 4, middle)[0] > 60, "red is not on the left");
+  await view.click("normal-maps");
+  const flat = await view.picture();
+  expect(!near(flat.at(red + 4, middle), all.at(red + 4, middle), 8), "the normal map changes nothing");
+  await view.click("textures");
+  expect(reds(await view.picture()) === 0, "the image stays");
+  await view.click("textures");
+  await view.click("wireframe");
+  expect(differences(flat, await view.picture("view-artists-wireframe")) > 300, "no wireframe");
+  await view.click("wireframe");
+  expect((await view.evaluate("[...document.querySelectorAll('#parts label')].map((label) => label.textContent.trim()).join('; ')")) === "Poster, Print; Plain", "the parts have other names");
+  await view.after(() => view.evaluate("document.querySelector('#parts input').click()"));
+  expect(reds(await view.picture()) === 0, "a hidden part is drawn");
+  await view.click("all-parts");
+  await view.pick("colours", "tangents");
+  /* Along x, which is where u grows: (1, 0.5, 0.5) in every direction of light. */
+  const tangents = await view.picture("view-artists-tangents");
+  expect(near(tangents.at(red + 4, middle), [255, 128, 128], 6), `tangents: ${tangents.at(red + 4, middle)}`);
+  await view.pick("colours", "lit");
+  await view.pick("up", "z");
+  expect(reds(await view.picture()) < 400, "with z up the square lies on the ground, and is seen edge-on");
+  expect(view.said.length === 0, view.said.join("\n"));
+  await view.close();
+});
+
+await attempt("OBJ, PLY and STL: the axis that points up is a guess, and said to be one", async () => {
+  const from = join(shots, "ground.obj"), out = join(shots, "view-ground.html");
+  writeFileSync(from, ["v 0 0 0", "v 9 0 0.2", "v 9 9 0", "v 0 9 0.3", "f 1 2 3", "f 1 3 4"].join("\n"));
+  execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
+  const view = await visit(pathToFileURL(out).href);
+  expect((await view.evaluate("document.getElementById('up').value")) === "z" && (await view.text("up-facts")) === "guessed", await view.evaluate("document.getElementById('up').value"));
+  await view.close();
 });
 
 await browser.close();

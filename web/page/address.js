@@ -1,7 +1,7 @@
 /* What is shown, in the address behind the #: the controls that differ from how they stand at first, and the camera. So that a link shows the same again. */
 import { byId, RANGES, spell } from "./controls.js";
 
-const KEPT = ["model", "scale-x", "scale-y", "scale-z", "shear", "turn", "move", "mirror", "sides", "split", "source", "crease", "weight", "weld", "shading", "colours", "hedgehog", "wireframe"];
+const KEPT = ["model", "scale-x", "scale-y", "scale-z", "shear", "turn", "move", "mirror", "sides", "split", "source", "crease", "weight", "weld", "shading", "colours", "hedgehog", "wireframe", "textures", "normal-maps", "up"];
 const CAMERA = ["azimuth", "elevation", "distance"];
 const PAUSE = 300;
 

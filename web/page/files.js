@@ -45,9 +45,9 @@ export async function gather(given) {
   throw new Error(`${named} Drop ${EXPECTED}.`);
 }
 
-/* What a model needs to be read: itself and, for a .gltf, what lies in its folder but other models and pictures. */
+/* What a model needs to be read: itself and, for a .gltf, what lies in its folder but other models. */
 export async function bytesFor(files, model) {
-  const inFolder = ({ path }) => path.startsWith(folderOf(model)) && !MODELS.includes(ending(path)) && !/^(png|jpe?g|webp|ktx2|zip|txt|md)$/.test(ending(path));
+  const inFolder = ({ path }) => path.startsWith(folderOf(model)) && !MODELS.includes(ending(path)) && !/^(webp|ktx2|zip|txt|md)$/.test(ending(path));
   const needed = files.filter((file) => file.path === model || (ending(model) === "gltf" && inFolder(file)));
   /* A GLB by another name. */
   const nameOf = (path) => (ending(path) === "vrm" ? path.replace(/\.vrm$/i, ".glb") : path);

@@ -1,13 +1,15 @@
 /* WebGL 2. Programs are made of the texts of src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
 import { multiply3, upper } from "./matrix.js";
 
-const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR", matcap: "SHOW_MATCAP", zebra: "SHOW_ZEBRA" };
-const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3;
+const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR", matcap: "SHOW_MATCAP", zebra: "SHOW_ZEBRA", tangents: "SHOW_TANGENTS" };
+const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3, TEXCOORD = 4, TANGENT = 5;
 const LIGHTS = [{ from: [-0.66, 0.62, 0.42], strength: 1.05 }, { from: [0.9, 0, 0.3], strength: 0.1 }];
 /* WebGL's longest stride, in floats. */
 const MOST_STRIDE = 63;
 /* Bytes that are handed over at once. */
 const SLICE = 1 << 19;
+/* Of a colour with an image: white is not blown out. Of images, more texels each way only cost time. */
+const FULL = 0.85, MOST_TEXELS = 2048;
 /* How much of what is not marked is seen, where it would hide what is. */
 const FAINT = 0.14;
 
@@ -109,7 +111,7 @@ export function makeGraphics(canvas, texts) {
   const makeSurface = ({ positions, normals, reach, indices }) => {
     const surface = {
       positions: makeBuffer(positions, indices ? gl.DYNAMIC_DRAW : gl.STATIC_DRAW), normals: makeBuffer(normals, gl.DYNAMIC_DRAW), reach: reach && makeBuffer(reach),
-      values: null, marks: null, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
+      values: null, marks: null, texcoords: null, tangents: null, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
     };
     const arrays = new Map();
     surface.use = (normalsBuffer) => {
@@ -123,6 +125,8 @@ export function makeGraphics(canvas, texts) {
       }
       gl.bindVertexArray(arrays.get(normalsBuffer));
       if (surface.values) attribute(VALUE, surface.values, 1);
+      if (surface.texcoords) attribute(TEXCOORD, surface.texcoords, 4);
+      if (surface.tangents) attribute(TANGENT, surface.tangents, 4);
     };
     /* Colours of the corners, or none; of the array that is in use. */
     surface.colour = (buffer) => {
@@ -131,7 +135,7 @@ export function makeGraphics(canvas, texts) {
       gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
     };
     surface.free = () => {
-      for (const name of ["positions", "normals", "reach", "values", "marks", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      for (const name of ["positions", "normals", "reach", "values", "marks", "texcoords", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
       arrays.forEach((array) => gl.deleteVertexArray(array));
     };
     return surface;
@@ -172,11 +176,60 @@ export function makeGraphics(canvas, texts) {
     setLight(place);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
     gl.uniformMatrix3fv(place("normal_matrix"), false, multiply3(upper(camera.worldToView), item.normalMatrix));
-    gl.uniform3fv(place("base_colour"), item.colour);
+    gl.uniform3fv(place("base_colour"), setMaps(place, item, look) ? item.full.map((x) => FULL * x) : item.colour);
     gl.uniform1f(place("two_sided"), look.colours === "normals" ? 0 : 1);
     gl.uniform1f(place("scale_top"), look.errorTop);
     drawTriangles(item, null);
   };
+
+  /* The images of a surface, as far as they are wanted and loaded; whether its base map is among them. */
+  const setMaps = (place, item, { colours, textures, normalMaps, images }) => {
+    const { material, surface } = item, lit = colours === "lit" && images && surface.texcoords;
+    const [base, normal] = [["baseMap", textures], ["normalMap", normalMaps]].map(([map, wanted], unit) => {
+      const image = lit && wanted && material[map] ? images[material[map].image] : null;
+      if (image) bindTexture(image, unit, material[map].wrap);
+      return image;
+    });
+    gl.uniform1i(place("base_map"), 0);
+    gl.uniform1i(place("normal_map"), 1);
+    gl.uniform4f(place("maps"), base ? 1 : 0, normal ? material.strength : 0, base && material.cutoff ? material.cutoff : 0, 0);
+    return Boolean(base);
+  };
+
+  const WRAPS = new Set([gl.CLAMP_TO_EDGE, gl.MIRRORED_REPEAT]);
+  const bindTexture = ({ colour, other }, unit, wrap) => {
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, unit ? other : colour);
+    [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T].forEach((side, i) => gl.texParameteri(gl.TEXTURE_2D, side, WRAPS.has(wrap[i]) ? wrap[i] : gl.REPEAT));
+  };
+  const makeTexture = async (bitmap, format) => {
+    const texture = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, format, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
+    await drained();
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    await drained();
+    return texture;
+  };
+  /* files: PNG or JPEG, as bytes; uses: of each what it is used for. One that cannot be read is null. */
+  const makeImages = async (files, uses) => {
+    const images = [];
+    for (const [i, bytes] of files.entries()) {
+      try {
+        const plain = { premultiplyAlpha: "none", colorSpaceConversion: "none" }, blob = new Blob([bytes]);
+        let bitmap = await createImageBitmap(blob, plain);
+        const shrink = MOST_TEXELS / Math.max(bitmap.width, bitmap.height);
+        if (shrink < 1) bitmap = await createImageBitmap(blob, { ...plain, resizeWidth: Math.round(shrink * bitmap.width), resizeHeight: Math.round(shrink * bitmap.height), resizeQuality: "medium" });
+        images.push({ colour: uses[i].colour ? await makeTexture(bitmap, gl.SRGB8_ALPHA8) : null, other: uses[i].other ? await makeTexture(bitmap, gl.RGBA8) : null });
+      } catch { images.push(null); }
+    }
+    return images;
+  };
+  const freeImages = (images) => { for (const image of images) for (const texture of [image?.colour, image?.other]) if (texture) gl.deleteTexture(texture); };
 
   const drawAngle = (item, camera, look) => {
     const place = programOf("angle");
@@ -232,6 +285,20 @@ export function makeGraphics(canvas, texts) {
     if (reach) attribute(3, reach, 1, 4 * step, 0, 1);
     else { gl.disableVertexAttribArray(3); gl.vertexAttrib1f(3, reachConstant); }
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, Math.ceil(points / step));
+    gl.disable(gl.BLEND);
+  };
+
+  /* Edges: from, to (buffers), count. */
+  const drawWire = (item, camera, { from, to, count }, pixels, colour) => {
+    const place = programOf("line");
+    startLines(place, camera, pixels, 0, 0.0015);
+    gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
+    attribute(0, from, 3, 0, 0, 1);
+    attribute(1, to, 3, 0, 0, 1);
+    gl.disableVertexAttribArray(2);
+    gl.vertexAttrib4f(2, ...colour);
+    gl.disableVertexAttribArray(3);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
     gl.disable(gl.BLEND);
   };
 
@@ -349,5 +416,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, drawSurface, drawRest, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, makeImages, freeImages, drawSurface, drawRest, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
 }

@@ -10,6 +10,7 @@ import { makeIntro } from "./intro.js";
 import { STEPS, showFormula } from "./lesson.js";
 import { apply3, degreesBetween, IDENTITY, invert, length, multiply, point, unit, upper } from "./matrix.js";
 import { makeMoving } from "./moving.js";
+import { listParts, showMaterialControls, showPart, usesOf } from "./parts.js";
 import { panelAt, panelsOf } from "./panels.js";
 import { savePicture } from "./picture.js";
 import { count, counted, degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
@@ -33,7 +34,7 @@ let norma, remote, graphics, intro, remember = () => undefined;
 let scene = null, before = null, moving = null, source = null, sculpture = null;
 let chosen = null, look = { faint: false, pins: null, errorTop: 1, angleTop: 45 };
 let cursor = DEFAULT_CURSOR, panels = [], found = null;
-let dirty = { compute: true, draw: true }, calls = 0, drawing = false, computing = false, picking = false, measuring = false, seeking = 0, computed = 0, opening = 0;
+let dirty = { compute: true, draw: true }, calls = 0, drawing = false, computing = false, picking = false, measuring = false, loading = 0, seeking = 0, computed = 0, opening = 0;
 const timer = { last: 0, frames: 0 };
 
 const isDark = () => matchMedia("(prefers-color-scheme: dark)").matches;
@@ -56,7 +57,8 @@ function showModel(model, { changed = false } = {}) {
     const original = before ?? scene;
     if (before) { scene.free(); remote.free(scene.model.number); }
     before = original;
-    scene = makeScene(graphics, model, original.frame);
+    scene = makeScene(graphics, model, original.up, original.frame);
+    scene.hidden = original.hidden;
     chosen = null;
     look = { ...look, faint: false, pins: null };
   } else {
@@ -70,9 +72,45 @@ function showModel(model, { changed = false } = {}) {
   byId("finding-seen").textContent = "";
   option("colours", "findings").disabled = !model.findings?.length;
   if (byId("colours").selectedOptions[0].disabled) byId("colours").value = "lit";
+  if (!changed) showMaterialControls(model);
   showModelFacts(model);
+  listParts(scene, () => { dirty.draw = true; });
+  loadImages(scene);
   showSections();
   dirty.compute = dirty.draw = true;
+}
+
+/* Images follow by themselves. */
+async function loadImages(shown) {
+  const { model } = shown;
+  if (!model.images.length) return;
+  loading++;
+  try {
+    const texcoords = await remote.texcoords(model.number), images = await graphics.makeImages(model.images, usesOf(model)), unread = images.filter((image) => !image).length;
+    model.images = [];
+    if (shown !== scene && shown !== before) { graphics.freeImages(images); return; }
+    shown.textures = { images, free: () => graphics.freeImages(images) };
+    for (const [i, list] of texcoords.entries()) if (list) { shown.surfaces[i].texcoords = graphics.reserve(list.byteLength); await graphics.fillSlowly(shown.surfaces[i].texcoords, list); }
+    if (unread) byId("model-facts").append(` ${counted(unread, "image")} cannot be read.`);
+    if (wantsTangents(shown)) dirty.compute = true;
+  } catch (error) {
+    notice(error.message);
+  } finally {
+    loading--;
+    dirty.draw = true;
+  }
+}
+
+const wantsTangents = (shown) => value("colours") === "tangents" || (shown.textures && isChecked("normal-maps") && shown.model.meshes.some(({ normalMap }) => normalMap));
+
+/* Of the normals that are shown. */
+async function uploadTangents(shown) {
+  const lists = await remote.tangents(shown.model.number);
+  for (const [i, list] of lists.entries()) {
+    if (!list || (shown !== scene && shown !== before)) continue;
+    shown.surfaces[i].tangents ??= graphics.reserve(list.byteLength);
+    await graphics.fillSlowly(shown.surfaces[i].tangents, list);
+  }
 }
 
 /* Asks for a model; what is asked for last is shown. */
@@ -94,11 +132,13 @@ function showMoving() {
   dropScenes();
   moving = makeMoving(norma);
   const surface = graphics.makeSurface({ positions: moving.positions(), normals: moving.normals(), indices: moving.indices });
-  scene = { model: null, surfaces: [surface], still: graphics.makeBuffer(moving.still), free: () => surface.free() };
+  scene = { model: null, hidden: new Set(), surfaces: [surface], still: graphics.makeBuffer(moving.still), free: () => surface.free() };
   byId("model-facts").textContent = `${count(moving.triangles)} triangles, computed anew for every picture.`;
-  if (["error", "findings", "angle"].includes(value("colours"))) byId("colours").value = "lit";
+  if (["error", "findings", "angle", "tangents"].includes(value("colours"))) byId("colours").value = "lit";
   if (value("shading") === "flat") byId("shading").value = "phong";
   listFindings(null);
+  listParts(scene);
+  showMaterialControls(null);
   moving.wave(0, numberOf("height"));
   uploadMoving();
   showSections();
@@ -146,11 +186,12 @@ async function chooseFinding(finding) {
   byId("finding-seen").textContent = "";
   look = { ...look, faint: false, pins: null };
   try {
+    if (finding) showPart(shown, finding.mesh);
     await uploadMarks(shown, finding?.index);
     const place = finding && placeIn(finding, await remote.place(shown.model.number, finding.index));
     if (mine !== seeking || shown !== scene) return;
     if (!finding) return;
-    if (!place) { camera.reset(); return; }
+    if (!place) { camera.reset(); byId("finding-seen").textContent = "This is about the file, not about a place on its surface."; return; }
     const everywhere = finding.places > shown.model.meshes[finding.mesh].faces / 2, aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
     const items = itemsOf(norma, shown, userMatrix(), "right"), counts = (poses, through) => graphics.countMarked(items, poses.map((pose) => poseView(pose, aspect)), aspect, through);
     const best = await seek(posesOf(place, camera.axes().up, everywhere), counts);
@@ -253,6 +294,7 @@ async function compute() {
       if (one !== scene && one !== before) continue;
       for (const [i, list] of normals.entries()) await graphics.fillSlowly(one.surfaces[i].normals, list);
       if (errors) uploadErrors(one, errors);
+      if (wantsTangents(one)) await uploadTangents(one);
     }
     if (scene === shown[0] && value("colours") === "findings") for (const one of shown) await uploadMarks(one, one === scene ? chosen?.index : undefined);
   } catch (error) {
@@ -374,6 +416,22 @@ function faceLinesOf(item) {
   return lines[item.mesh];
 }
 
+/* Edges come from the worker, once. */
+function drawWire(item, view, pixels, shown) {
+  const { wires } = shown;
+  if (wires[item.mesh] === undefined) {
+    wires[item.mesh] = null;
+    remote.wire(shown.model.number, item.mesh).then(async ({ from, to, count }) => {
+      const made = { from: graphics.reserve(from.byteLength), to: graphics.reserve(to.byteLength), count };
+      await graphics.fillSlowly(made.from, from);
+      await graphics.fillSlowly(made.to, to);
+      wires[item.mesh] = made;
+      dirty.draw = true;
+    }, (error) => notice(error.message));
+  }
+  if (wires[item.mesh]) graphics.drawWire(item, view, wires[item.mesh], 1.1 * pixels, [0.02, 0.02, 0.02, 0.75]);
+}
+
 function drawHedgehog(item, view, pixels, colour) {
   const kind = value("hedgehog");
   if (!kind) return;
@@ -397,9 +455,10 @@ function draw() {
   look.angleTop = intro.isShown() ? 45 : ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
   graphics.clear();
   for (const panel of panels) drawPanel(panel, pixels, (side, view) => {
-    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, colours: angle ? "angle" : value("colours"), shading: value("shading") };
+    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, textures: isChecked("textures"), normalMaps: isChecked("normal-maps"), images: (side === "wrong" && compared === "change" ? before : scene).textures?.images, colours: angle ? "angle" : value("colours"), shading: value("shading") };
     for (const item of items) graphics.drawSurface(item, view, how);
     if (how.colours === "findings" && look.faint) graphics.drawRest(items, view);
+    if (!angle && isChecked("wireframe") && !moving) for (const item of items) drawWire(item, view, pixels, side === "wrong" && compared === "change" ? before : scene);
     if (!angle) for (const item of items) drawHedgehog(item, view, pixels, compared === "change" ? colours.before : colours[side]);
     if (!moving) drawChosen(view, pixels);
     if (found && !chosen && compared && compared !== "change" && !angle) drawFound(view, pixels, colours);
@@ -530,7 +589,7 @@ function resize() {
 
 /* Whether something is still to come, for those who wait. */
 function showBusy() {
-  const busy = calls > 0 || drawing || computing || picking || measuring || seeking > 0 || dirty.compute || dirty.draw ? "1" : "";
+  const busy = calls > 0 || drawing || computing || picking || measuring || loading > 0 || seeking > 0 || dirty.compute || dirty.draw ? "1" : "";
   if (document.body.dataset.busy !== busy) document.body.dataset.busy = busy;
 }
 
@@ -670,7 +729,7 @@ function wireDivider() {
   });
 }
 
-const RECOMPUTED = new Set(["source", "crease", "weight", "weld", "shading", "colours"]);
+const RECOMPUTED = new Set(["source", "crease", "weight", "weld", "shading", "colours", "normal-maps"]);
 /* Who turns these wants to see what they do. */
 const OF_COMPUTED = new Set(["crease", "weight", "weld"]);
 
@@ -680,8 +739,18 @@ function controlChanged(control) {
   if (OF_COMPUTED.has(control.id)) byId("source").value = "computed";
   if (RECOMPUTED.has(control.id)) dirty.compute = true;
   if (control.id === "colours") letGo();
+  if (control.id === "up") turnUp();
   canvas.classList.toggle("brush", moving !== null && isChecked("brush"));
   dirty.draw = true;
+}
+
+function turnUp() {
+  if (!scene?.place) return;
+  letGo();
+  before?.place(value("up"));
+  scene.place(value("up"), before?.frame);
+  scene.worstKey = scene.picked = null;
+  byId("up-facts").textContent = "";
 }
 
 /* No finding is chosen any more. */

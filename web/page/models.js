@@ -4,8 +4,8 @@ import { SHAPES } from "./shapes.js";
 
 /* What a page knows of a model; its arrays follow by themselves. */
 function describe(number, model) {
-  const meshes = model.meshes.map(({ triangles, faces, vertices, stored, decimated, colour, ball }) => ({ triangles, faces, vertices, stored, decimated, colour, ball }));
-  return { number, name: model.name, format: model.format, unread: model.unread, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes,
+  const meshes = model.meshes.map(({ triangles, faces, vertices, stored, decimated, colour, ball, title, baseMap, normalMap, cutoff, seeThrough, strength, hasTexcoords, hasTangents }) => ({ triangles, faces, vertices, stored, decimated, colour, ball, title, baseMap, normalMap, cutoff, seeThrough, strength, hasTexcoords, hasTangents }));
+  return { number, name: model.name, format: model.format, unread: model.unread, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up, images: model.images(),
            arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice() })) };
 }
 
@@ -66,6 +66,22 @@ export async function startModels(wasm) {
         if (hit && (!best || hit.at < best.at)) best = { ...hit, ray, normals: Array.from(model.meshes[mesh].normals().subarray(9 * hit.triangle, 9 * hit.triangle + 9)) };
       });
       return best;
+    },
+    /* Where the images of a mesh are looked up; null: it has none. */
+    texcoords: (number) => models.get(number).meshes.map((mesh) => (mesh.baseMap || mesh.normalMap ? mesh.texcoords().slice() : null)),
+    /* Those of the file, otherwise as MikkTSpace makes them of the normals that were computed last; null: there is nothing to make them of. */
+    tangents: (number) => models.get(number).meshes.map((mesh) => (mesh.hasTangents || mesh.hasTexcoords ? mesh.tangents().slice() : null)),
+    /* Both ends of every edge of the file's polygons. */
+    wire: (number, index) => {
+      const { positions, edges: read, triangles } = models.get(number).meshes[index], edges = read(), p = positions(), from = new Float32Array(9 * triangles), to = new Float32Array(9 * triangles);
+      let count = 0;
+      for (let i = 0; i < 3 * triangles; i++) {
+        if (!edges[i]) continue;
+        const next = i % 3 === 2 ? i - 2 : i + 1;
+        for (let k = 0; k < 3; k++) { from[3 * count + k] = p[3 * i + k]; to[3 * count + k] = p[3 * next + k]; }
+        count++;
+      }
+      return { from: from.slice(0, 3 * count), to: to.slice(0, 3 * count), count };
     },
     /* Middles and normals of faces, and how long their lines are. */
     faceLines: (number, index) => {

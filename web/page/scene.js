@@ -10,8 +10,8 @@ const determinant = (m) => m[0] * (m[4] * m[8] - m[5] * m[7]) + m[3] * (m[7] * m
 const CLAY = 0.5;
 
 /* The whole of a model in the unit ball: the middle of the box round the balls of what is drawn, and how far from it they reach. */
-function frameOf(model) {
-  const balls = model.draws.map(({ mesh, world }) => ({ centre: point(world, model.meshes[mesh].ball), radius: model.meshes[mesh].ball[3] * largestColumn(world) }));
+function frameOf(model, draws) {
+  const balls = draws.map(({ mesh, world }) => ({ centre: point(world, model.meshes[mesh].ball), radius: model.meshes[mesh].ball[3] * largestColumn(world) }));
   const most = (sign) => [0, 1, 2].map((i) => largestOf(balls, ({ centre, radius }) => sign * centre[i] + radius));
   const high = most(1), low = most(-1).map((x) => -x), middle = high.map((x, i) => (x + low[i]) / 2);
   const radius = largestOf(balls, (ball) => length(ball.centre.map((x, i) => x - middle[i])) + ball.radius);
@@ -20,15 +20,27 @@ function frameOf(model) {
   return multiply(scaling(scale, scale, scale), translation(...middle.map((x) => -x)));
 }
 
-/* frame: that of another model, to stand where that does. */
-export function makeScene(graphics, model, frame = frameOf(model)) {
+/* Turns what the file calls up to y; the front is where norma render has it. */
+const TURNED = { y: [1, 0, 0, 0, 1, 0, 0, 0, 1], z: [1, 0, 0, 0, 0, -1, 0, 1, 0], x: [0, 1, 0, -1, 0, 0, 0, 0, 1], "-y": [1, 0, 0, 0, -1, 0, 0, 0, -1], "-z": [1, 0, 0, 0, 0, 1, 0, -1, 0], "-x": [0, -1, 0, 1, 0, 0, 0, 0, 1] };
+const turning = (up) => { const m = TURNED[up]; return [m[0], m[1], m[2], 0, m[3], m[4], m[5], 0, m[6], m[7], m[8], 0, 0, 0, 0, 1]; };
+
+/* fixed: the frame of another model, to stand where that does. */
+export function makeScene(graphics, model, up = model.up ?? "y", fixed = null) {
   const surfaces = model.arrays.map((arrays) => graphics.makeSurface(arrays));
   model.arrays = null;
-  const draws = model.draws.map(({ mesh, world }) => {
-    const [x, y, z, radius] = model.meshes[mesh].ball;
-    return { mesh, world, local: multiply(multiply(frame, world), multiply(translation(x, y, z), scaling(radius, radius, radius))) };
-  });
-  return { model, frame, surfaces, draws, faces: [], free: () => surfaces.forEach((surface) => surface.free()) };
+  const scene = { model, surfaces, faces: [], wires: [], hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.textures?.free(); } };
+  /* Where everything stands, with this axis up. */
+  scene.place = (axis, frame = null) => {
+    const turned = model.draws.map(({ mesh, world }) => ({ mesh, world: multiply(turning(axis), world) }));
+    scene.up = axis;
+    scene.frame = frame ?? frameOf(model, turned);
+    scene.draws = turned.map(({ mesh, world }) => {
+      const [x, y, z, radius] = model.meshes[mesh].ball;
+      return { mesh, world, local: multiply(multiply(scene.frame, world), multiply(translation(x, y, z), scaling(radius, radius, radius))) };
+    });
+  };
+  scene.place(up, fixed);
+  return scene;
 }
 
 /* A large scale is shown smaller as a whole, so that the model stays in the picture: that turns no normal. By how far the matrix takes a ball, and a little by how far a cube: most models are neither. */
@@ -41,12 +53,13 @@ export function fitOf(user) {
 /* What is drawn on one side, wrong or right: each with its matrices. */
 export function itemsOf(norma, scene, user, side) {
   const fit = fitOf(user);
-  return scene.draws.map(({ mesh, world, local }, draw) => {
+  return scene.draws.flatMap(({ mesh, world, local }, draw) => {
+    if (scene.hidden.has(mesh)) return [];
     const through = multiply(user, world), plain = upper(through);
     let right = plain;
     try { right = Array.from(norma.normalMatrix(through)); } catch { /* a node that is not finite: nothing is right there */ }
     const surface = scene.surfaces[mesh];
     return { surface, normals: surface.normals, localToWorld: multiply(fit, multiply(user, local)), normalMatrix: side === "wrong" ? plain : right, plain, right,
-             mirrored: determinant(plain) < 0, colour: scene.model.meshes[mesh].colour.slice(0, 3).map((part) => (scene.model.format ? CLAY * part : part)), mesh, draw, size: meanColumn(local) * fit[0] };
+             mirrored: determinant(plain) < 0, colour: scene.model.meshes[mesh].colour.slice(0, 3).map((part) => (scene.model.format ? CLAY * part : part)), mesh, draw, material: scene.model.meshes[mesh], full: scene.model.meshes[mesh].colour.slice(0, 3), size: meanColumn(local) * fit[0] };
   });
 }

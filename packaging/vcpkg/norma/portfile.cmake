@@ -6,6 +6,7 @@ vcpkg_check_features(OUT_FEATURE_OPTIONS options
     files NORMA_FILES
     tool NORMA_TOOL
     tool NORMA_WITH_JANSSON
+    tool NORMA_WITH_IMAGES
     tool NORMA_WITH_RENDER
     meshopt NORMA_WITH_MESHOPTIMIZER
     meshopt NORMA_MESHOPTIMIZER_PACKAGE)
@@ -20,6 +21,7 @@ vcpkg_cmake_configure(
     -DNORMA_BITS=OFF
     -DNORMA_EXAMPLES=OFF
     -DNORMA_WEB=OFF
+    -DNORMA_WITH_DRACO=OFF
     -DNORMA_INSTALL=ON)
 vcpkg_cmake_install()
 vcpkg_cmake_config_fixup(PACKAGE_NAME norma CONFIG_PATH lib/cmake/norma)

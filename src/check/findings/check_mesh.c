@@ -74,6 +74,38 @@ static double longest_of_polygon(const core_mesh *mesh, size_t face) {
 
 static const double DEGENERATE = 1e-6;
 
+/* How far a polygon's corners lie from the line through its first corner and the one farthest from
+ * that, over its longest edge: where its area cancels, as in a bow tie, it may be broad all the
+ * same. */
+static double breadth_of_polygon(const core_mesh *mesh, size_t face) {
+    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+    double first[3], line[3] = {0}, most = 0, breadth = 0;
+    norma_core_position(mesh, norma_core_corner(mesh, begin), first);
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t c = begin + 1; c < end; c++) {
+            double p[3], cross[3];
+            norma_core_position(mesh, norma_core_corner(mesh, c), p);
+            norma_core_subtract(p, first, p);
+            const double square = norma_core_dot(p, p);
+            if (pass == 0 && square > most) {
+                most = square;
+                memcpy(line, p, sizeof line);
+            }
+            if (pass == 0) continue;
+            norma_core_cross(line, p, cross);
+            breadth = larger(breadth, norma_core_length(cross));
+        }
+    return most > 0x1p-900 && most < 0x1p900 ? breadth / longest_of_polygon(mesh, face) : 0;
+}
+
+static void judge_cancelled(const core_mesh *mesh, size_t f, check_face *judged) {
+    if (!((double)judged->height < DEGENERATE) || !mesh->face_starts ||
+        norma_core_face_end(mesh, f) - norma_core_face_begin(mesh, f) < 4)
+        return;
+    const double breadth = breadth_of_polygon(mesh, f);
+    judged->height = breadth < 1 ? (float)breadth : 1;
+}
+
 static check_face judge_face(const core_mesh *mesh, size_t f, const core_face *face) {
     check_face judged = {.height = 1};
     if (!(face->flags & CORE_FACE_FINITE)) return judged;
@@ -106,6 +138,7 @@ static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
         norma_core_faces_geometry(&m->run->call, mesh, f, count, faces);
         for (size_t i = 0; i < count; i++) {
             m->faces[f + i] = judge_face(mesh, f + i, &faces[i]);
+            judge_cancelled(mesh, f + i, &m->faces[f + i]);
             pass->degenerate[block] += (double)m->faces[f + i].height < DEGENERATE;
         }
     }

@@ -79,10 +79,11 @@ typedef struct check_mesh check_mesh;
 typedef struct check_report { /* one finding to be added */
     check_rule rule;
     norma_severity severity;
-    const char *unit; /* NULL: "" */
-    int no_value;     /* worst_value is NaN */
-    int no_fix;       /* else the rule's own */
-    check_hits *hits; /* count 0: nothing is added. Emptied */
+    const char *unit;  /* NULL: "" */
+    int no_value;      /* worst_value is NaN */
+    int no_fix;        /* else the rule's own */
+    int fix_is_unsafe; /* though the rule's own is safe */
+    check_hits *hits;  /* count 0: nothing is added. Emptied */
     const char *message;
     const norma_deviation *deviation;
 } check_report;
@@ -116,7 +117,8 @@ static inline const char *norma_check_plural(size_t count) { return count == 1 ?
 typedef struct check_face {
     float normal[3]; /* unit; zero: the face is degenerate, or not finite */
     float height;    /* over its longest edge: twice the area / longest edge squared; 1 where a
-                        position is not finite */
+                        position is not finite; its breadth where a polygon's area cancels, which
+                        has no direction */
 } check_face;
 
 struct check_mesh {

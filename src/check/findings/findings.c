@@ -149,7 +149,9 @@ static norma_result fill_finding(norma_finding *finding, const check_place *plac
         .sample_count = hits->sample_count,
         .message = copy_text(report->message),
     };
-    finding->fix = report->no_fix ? NORMA_FIX_NONE : finding->rule->fix;
+    finding->fix = report->no_fix          ? NORMA_FIX_NONE
+                   : report->fix_is_unsafe ? NORMA_FIX_UNSAFE
+                                           : finding->rule->fix;
     if (report->deviation) finding->deviation = copy_deviation(report->deviation);
     int complete = finding->where && finding->label && finding->samples && finding->message &&
                    (!report->deviation || finding->deviation);

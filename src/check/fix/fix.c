@@ -214,6 +214,54 @@ static void note_left_out(fixing *f) {
         if (f->request.left_out[rule]) note_harm(f, (check_rule)rule, NULL);
 }
 
+/* ---- fixes that changed nothing */
+
+static size_t count_of(const norma_findings *findings, const norma_rule *rule) {
+    size_t sum = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (finding->rule == rule && finding->fix != NORMA_FIX_NONE) sum += finding->count;
+    }
+    return sum;
+}
+
+/* Whether some note tells already why. */
+static int is_told(const fixing *f, const norma_rule *rule) {
+    for (size_t i = 0; i < f->request.place_count; i++)
+        if (&norma_rules(NULL)[f->places[i].rule] == rule) return 1;
+    for (size_t i = 0; i < f->best.count; i++)
+        for (size_t k = 0; k < f->best.plans[i].note_count; k++)
+            if (strstr(f->best.plans[i].notes[k], rule->id)) return 1;
+    return 0;
+}
+
+static const char *why_idle(check_rule rule) {
+    return rule == RULE_N502 ? "no two of its corners are equal in all attributes"
+           : rule == RULE_N701
+               ? "the mesh is as large as it is far from the origin, so moving it does not help"
+           : rule == RULE_N201 || rule == RULE_N202 || rule == RULE_N206
+               ? "no normal at these vertices would fix it: the faces at them face opposite ways, "
+                 "are degenerate, or occur twice"
+               : "the fix can change nothing that would help";
+}
+
+static void note_idle(fixing *f, const uint8_t *asked) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++) {
+        char text[CHECK_MESSAGE];
+        const size_t after = count_of(f->best.after.findings, &rules[rule]);
+        if (!asked[rule] || rule == RULE_N304 || /* of it by_rays tells */
+            f->request.left_out[rule] || is_told(f, &rules[rule]) ||
+            (f->best.after.findings && after < count_of(f->before.findings, &rules[rule])))
+            continue;
+        norma_check_message(text, "%s %s is not fixed: %s", rules[rule].id, rules[rule].name,
+            why_idle((check_rule)rule));
+        norma_document_add_note(f->document, "%s", text);
+        f->summary->left_out++;
+    }
+}
+
 static norma_document_result carry_out(fixing *f) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     const fix_trial *best = &f->best;
@@ -230,6 +278,7 @@ static norma_document_result carry_out(fixing *f) {
         f->summary->least_confidence = first->least_confidence;
     }
     note_left_out(f);
+    if (best->count) note_idle(f, best->plans[0].asked);
     return result;
 }
 

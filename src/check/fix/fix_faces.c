@@ -47,13 +47,16 @@ static int is_shown(const fix_mesh *m, size_t face) {
     return (m->sides[face] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
 }
 
-/* A part that is turned as a whole is not what N301 asks for. */
+/* A part that is turned as a whole is not what N301 asks for, unless it names one of its faces:
+ * then it is wound against another primitive. */
 static void leave_whole_parts(const fix_mesh *m, const uint32_t *parts, uint8_t *reverse) {
-    uint8_t *stays = calloc(m->mesh.face_count + 1, 1);
+    uint8_t *stays = calloc(m->mesh.face_count + 1, 1), *named = NULL;
+    const int any = norma_fix_mark(m, RULE_N301, MEND_FACE, m->mesh.face_count, &named);
     for (size_t face = 0; stays && face < m->mesh.face_count; face++)
-        if (!reverse[face]) stays[parts[face]] = 1;
+        if (!reverse[face] || (any > 0 && named[face])) stays[parts[face]] = 1;
     for (size_t face = 0; stays && face < m->mesh.face_count; face++)
         reverse[face] &= stays[parts[face]];
+    free(named);
     free(stays);
 }
 

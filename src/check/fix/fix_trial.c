@@ -4,6 +4,7 @@
 #include "core/orient/edge_partners.h"
 #include "io/document/document_copy.h"
 #include <stdlib.h>
+#include <string.h>
 
 static norma_document_result fail(
     norma_document_error *error, norma_document_result result, const char *text) {
@@ -79,10 +80,14 @@ static norma_document_result count_loose(norma_document *document, const fix_req
 
 /* ---- better or worse */
 
+/* All rules but those that look into images, which no fix touches. */
 norma_document_result norma_fix_measure(norma_document *document, const fix_request *request,
     fix_measure *measure, norma_document_error *error) {
     norma_check_options options = request->options;
-    options.rules = NULL;
+    uint8_t rules[CHECK_RULE_COUNT];
+    memset(rules, 1, sizeof rules);
+    rules[RULE_N811] = rules[RULE_N812] = 0;
+    options.rules = rules;
     options.max_samples = 1;
     *measure = (fix_measure){0};
     norma_document_result result =

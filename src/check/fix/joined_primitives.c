@@ -33,6 +33,7 @@ void norma_fix_close_whole(fix_whole *whole) {
 
 int norma_fix_join(fix_whole *whole) {
     size_t vertex = 0, corner = 0, face = 0;
+    if (whole->mesh.face_starts) return 1; /* it is done */
     whole->positions = malloc((whole->vertices + 1) * 3 * sizeof *whole->positions);
     whole->corners = malloc((whole->corner_count + 1) * sizeof *whole->corners);
     whole->starts = malloc((whole->face_count + 1) * sizeof *whole->starts);

@@ -2,6 +2,7 @@
  * inward (N302), and, where that is asked for, open ones (N304) as a majority of rays has it. The
  * primitives of a glTF mesh are looked at together, as those rules do. */
 #include "check/fix/fix.h"
+#include "core/orient/components.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,12 +56,69 @@ static norma_result ask_rays(fix_whole *t, uint8_t *marks) {
     return result;
 }
 
+/* ---- whole bodies; and those of which every shell has the wrong sign: what lies right inside one
+ * that looks inward is turned with it, if all of it looks outward */
+
+static void mark_bodies(const core_components *c, uint8_t *marks) {
+    for (size_t i = 0; i < c->count; i++) {
+        int any = 0;
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) any |= marks[c->faces[k]];
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) marks[c->faces[k]] = (uint8_t)any;
+    }
+}
+
+static void mark_shells(const core_components *c, uint8_t *marks, uint8_t *keeps) {
+    for (size_t i = 0; i < c->count; i++)
+        if (c->each[i].parent != UINT32_MAX && c->each[i].verdict != COMPONENT_NESTED)
+            keeps[c->each[i].parent] = 1;
+    for (size_t i = 0; i < c->count; i++) {
+        const uint32_t parent = c->each[i].parent;
+        if (parent == UINT32_MAX || keeps[parent] || c->each[parent].verdict != COMPONENT_INWARD ||
+            !marks[c->faces[c->starts[parent]]])
+            continue;
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) marks[c->faces[k]] = 1;
+    }
+}
+
+static norma_result judge_shells(core_topology *topology, uint8_t *marks) {
+    static const uint8_t not_closed = COMPONENT_OPEN | COMPONENT_CONFLICT | COMPONENT_UNBALANCED;
+    const core_topology_visitor nobody = {NULL, NULL, NULL, NULL};
+    core_components c;
+    norma_result result = norma_core_pair_edges(topology, &nobody);
+    if (!result) result = norma_core_find_components(topology, CORE_JOIN_BODIES, &c);
+    if (result) return result;
+    uint8_t *keeps = calloc(c.count + 1, 1);
+    result = keeps ? norma_core_measure_components(topology, &c, not_closed) : NORMA_ERROR_MEMORY;
+    if (!result) result = norma_core_judge_nesting(topology, &c, not_closed);
+    if (!result) mark_bodies(&c, marks);
+    if (!result) mark_shells(&c, marks, keeps);
+    free(keeps);
+    norma_core_release_components(topology->call, &c);
+    return result;
+}
+
+static norma_result turn_shells(fix_whole *t, uint8_t *marks) {
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = t->group->request->options.threads};
+    core_call call;
+    core_mesh checked;
+    core_topology topology;
+    norma_result result = norma_core_begin(&call, &options);
+    if (!result && !norma_fix_join(t)) result = NORMA_ERROR_MEMORY;
+    if (!result) result = norma_core_mesh_shape(&t->mesh, &checked);
+    if (!result) result = norma_core_mesh_content(&call, &checked);
+    if (!result) result = norma_core_topology_open(&call, &checked, &topology);
+    if (result) return result;
+    result = judge_shells(&topology, marks);
+    norma_core_topology_close(&topology);
+    return result;
+}
+
 /* ---- all of it */
 
 static norma_result turn(fix_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
-    if (mark_named(t, RULE_N302, inward))
-        result = norma_fix_whole_bodies(t->meshes, t->group->count, inward);
+    if (mark_named(t, RULE_N302, inward)) result = turn_shells(t, inward);
     if (result || !mark_named(t, RULE_N304, open)) return result;
     result = norma_fix_whole_bodies(t->meshes, t->group->count, open);
     return result ? result : ask_rays(t, open);

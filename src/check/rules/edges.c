@@ -1,6 +1,6 @@
 /* edges.c: N301, N303, N305 and N306: faces wound against each other, edges of more than two faces,
  * faces that are there twice. */
-#include "check/rules/mesh_rules.h"
+#include "check/rules/conflicts.h"
 #include "core/face/twin_key.h"
 #include <math.h>
 #include <stdlib.h>
@@ -141,29 +141,26 @@ static check_spot conflict_spot(const check_mesh *m, const conflict *c, const ui
         norma_core_topology_face(&m->topology, corner), SIZE_MAX};
 }
 
-/* What is shown of the faces along such an edge. */
-typedef enum conflict_kind {
-    CONFLICT_TURNED,
-    CONFLICT_UNDECIDED,
-    CONFLICT_RIGHT,
-    CONFLICT_KINDS
-} conflict_kind;
-
-static conflict_kind kind_of(const check_mesh *m, const conflict *c, const uint8_t *sides) {
-    const uint8_t first = sides[norma_core_topology_face(&m->topology, c->first)],
-                  second = sides[norma_core_topology_face(&m->topology, c->second)];
+conflict_kind norma_check_conflict_kind(uint8_t first, uint8_t second) {
     return norma_check_is_turned(first) || norma_check_is_turned(second) ? CONFLICT_TURNED
            : (first | second) & CORE_SIDE_UNDECIDED                      ? CONFLICT_UNDECIDED
                                                                          : CONFLICT_RIGHT;
+}
+
+static conflict_kind kind_of(const check_mesh *m, const conflict *c, const uint8_t *sides) {
+    return norma_check_conflict_kind(sides[norma_core_topology_face(&m->topology, c->first)],
+        sides[norma_core_topology_face(&m->topology, c->second)]);
 }
 
 static void describe_conflicts(
     conflict_kind kind, size_t edges, size_t turned, char message[CHECK_MESSAGE]) {
     if (kind == CONFLICT_TURNED)
         norma_check_message(message,
-            "%z edge%s between faces wound against each other: %z face%s to turn, seen from behind "
-            "as wound now",
-            edges, norma_check_plural(edges), turned, norma_check_plural(turned));
+            "%z edge%s between faces wound against each other: %z face%s to turn, which %s seen "
+            "from "
+            "behind at present",
+            edges, norma_check_plural(edges), turned, norma_check_plural(turned),
+            turned == 1 ? "is" : "are");
     else if (kind == CONFLICT_UNDECIDED)
         norma_check_message(message,
             "%z edge%s between faces wound against each other; neither volume nor rays show which "
@@ -178,16 +175,15 @@ static void describe_conflicts(
 }
 
 /* Where the material shows both sides, all of it only informs. */
-static norma_result add_conflicts_of(
+norma_result norma_check_add_conflicts(
     check_mesh *m, conflict_kind kind, size_t turned, check_hits *hits) {
     static const norma_severity severities[CONFLICT_KINDS] = {
         NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_INFO};
-    const int meant = m->on_purpose && m->run->profile == NORMA_CHECK_PROFILE_RENDER;
     char message[CHECK_MESSAGE];
     describe_conflicts(kind, hits->count, turned, message);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N301,
-            .severity = meant ? NORMA_SEVERITY_INFO : severities[kind],
+            .severity = m->on_purpose ? NORMA_SEVERITY_INFO : severities[kind],
             .no_value = 1,
             .no_fix = kind != CONFLICT_TURNED,
             .hits = hits,
@@ -206,7 +202,7 @@ static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blo
     norma_result result = NORMA_OK;
     for (int kind = 0; kind < CONFLICT_KINDS; kind++) {
         if (!result && kinds[kind].count)
-            result = add_conflicts_of(m, (conflict_kind)kind, turned, &kinds[kind]);
+            result = norma_check_add_conflicts(m, (conflict_kind)kind, turned, &kinds[kind]);
         norma_check_hits_free(&kinds[kind]);
     }
     return result;
@@ -294,7 +290,7 @@ static norma_result add_findings(check_mesh *m, edge_part *parts, size_t blocks)
         conflicts += parts[i].conflict_count;
     }
     norma_result result = sum.failed ? NORMA_ERROR_MEMORY : NORMA_OK;
-    if (!result && conflicts && norma_check_wants(m, RULE_N301))
+    if (!result && conflicts && norma_check_wants(m, RULE_N301) && !m->siblings)
         result = add_conflicts(m, parts, blocks);
     if (!result && sum.many.count + sum.bow_ties.count && norma_check_wants(m, RULE_N303))
         result = add_many(m, &sum);

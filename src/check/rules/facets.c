@@ -18,11 +18,13 @@ typedef struct facet_part {
 typedef struct facet_pass {
     const check_mesh *m;
     facet_part *parts;
+    uint8_t *behind; /* of each face: its normal is on the other side */
 } facet_pass;
 
 /* A facet that is degenerate has no direction to compare with; its zero normal is as right as any.
  */
-static void judge_facet(const check_mesh *m, facet_part *part, size_t facet) {
+static void judge_facet(const facet_pass *pass, facet_part *part, size_t facet) {
+    const check_mesh *m = pass->m;
     double n[3], length;
     norma_check_normal(m, facet, n);
     const core_length is = norma_core_judge_length(n, 0, &length);
@@ -36,6 +38,7 @@ static void judge_facet(const check_mesh *m, facet_part *part, size_t facet) {
         part->zeros++;
         norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {
+        pass->behind[facet] = cosine < 0;
         norma_check_hit(m->run, &part->hits,
             norma_check_arc_cosine(fmax(cosine, -1)) * (180 / 3.141592653589793),
             norma_check_face(facet));
@@ -44,10 +47,25 @@ static void judge_facet(const check_mesh *m, facet_part *part, size_t facet) {
 
 static void judge_facets(void *context, size_t block, size_t begin, size_t end) {
     const facet_pass *pass = context;
-    for (size_t f = begin; f < end; f++) judge_facet(pass->m, &pass->parts[block], f);
+    for (size_t f = begin; f < end; f++) judge_facet(pass, &pass->parts[block], f);
 }
 
-static norma_result add_facets(check_mesh *m, check_hits *hits, size_t zeros, double twice_area) {
+/* How many facets are wound wrongly while their normals are right: no fix of normals is for them.
+ */
+static norma_result count_turned(check_mesh *m, const uint8_t *behind, size_t *count) {
+    const size_t faces = m->mesh.face_count;
+    *count = 0;
+    if (!memchr(behind, 1, faces)) return NORMA_OK;
+    uint8_t *sides = norma_core_allocate(&m->run->call, faces, 1);
+    const norma_result result = sides ? norma_check_sides(m, behind, sides) : NORMA_ERROR_MEMORY;
+    for (size_t f = 0; !result && f < faces; f++)
+        *count += behind[f] && norma_check_is_turned(sides[f]);
+    norma_core_release(&m->run->call, sides, faces, 1);
+    return result;
+}
+
+static norma_result add_facets(
+    check_mesh *m, check_hits *hits, size_t zeros, double twice_area, size_t turned) {
     char message[CHECK_MESSAGE];
     const int matters = twice_area >= LEAST_SHARE * norma_check_whole_area(m);
     if (zeros == hits->count)
@@ -59,6 +77,11 @@ static norma_result add_facets(check_mesh *m, check_hits *hits, size_t zeros, do
             "%z of %z facet normals disagree with the winding, by up to %g degrees; %z of them are "
             "zero",
             hits->count, m->mesh.face_count, hits->worst, zeros);
+    else if (turned == hits->count)
+        norma_check_message(message,
+            "%z of %z facet normals disagree with the winding, by up to %g degrees; there the "
+            "winding is wrong and the normals are right (N301, N302)",
+            hits->count, m->mesh.face_count, hits->worst);
     else
         norma_check_message(message,
             "%z of %z facet normals disagree with the winding, by up to %g degrees; some readers "
@@ -69,32 +92,48 @@ static norma_result add_facets(check_mesh *m, check_hits *hits, size_t zeros, do
             .severity = matters ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "deg",
             .no_value = zeros == hits->count,
+            .no_fix = turned == hits->count,
             .hits = hits,
             .message = message});
 }
 
+/* Gathers what the blocks found, in their order. */
+static void merge_parts(check_mesh *m, facet_part *parts, size_t blocks, facet_part *sum) {
+    for (size_t i = 0; i < blocks; i++) {
+        norma_check_hits_merge(m->run, &sum->hits, &parts[i].hits);
+        sum->zeros += parts[i].zeros;
+        sum->twice_area += parts[i].twice_area;
+    }
+}
+
+static norma_result judge_all(check_mesh *m, size_t count, facet_pass *pass, size_t blocks) {
+    facet_part sum = {.zeros = 0};
+    size_t turned = 0;
+    memset(pass->parts, 0, blocks * sizeof *pass->parts);
+    memset(pass->behind, 0, m->mesh.face_count);
+    norma_result result = norma_check_blocks(m->run, count, FACETS_IN_BLOCK, judge_facets, pass);
+    merge_parts(m, pass->parts, blocks, &sum);
+    if (!result) result = count_turned(m, pass->behind, &turned);
+    if (!result && sum.hits.count)
+        return add_facets(m, &sum.hits, sum.zeros, sum.twice_area, turned);
+    norma_check_hits_free(&sum.hits);
+    return result;
+}
+
 norma_result norma_check_facets(check_mesh *m) {
-    size_t count = norma_check_normal_count(m), blocks, zeros = 0;
-    double twice_area = 0;
-    count = count < m->mesh.face_count ? count : m->mesh.face_count;
-    blocks = norma_check_block_count(count, FACETS_IN_BLOCK);
+    const core_call *call = &m->run->call;
+    const size_t normals = norma_check_normal_count(m), faces = m->mesh.face_count,
+                 count = normals < faces ? normals : faces,
+                 blocks = norma_check_block_count(count, FACETS_IN_BLOCK);
     if (m->given->info.normals != NORMA_NORMALS_PER_FACET || !count ||
         !norma_check_wants(m, RULE_N205))
         return NORMA_OK;
     norma_result result = norma_check_faces(m);
-    facet_pass pass = {
-        m, result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
-    if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result = norma_check_blocks(m->run, count, FACETS_IN_BLOCK, judge_facets, &pass);
-    check_hits hits = {0};
-    for (size_t i = 0; i < blocks; i++) {
-        norma_check_hits_merge(m->run, &hits, &pass.parts[i].hits);
-        zeros += pass.parts[i].zeros;
-        twice_area += pass.parts[i].twice_area;
-    }
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result && hits.count) return add_facets(m, &hits, zeros, twice_area);
-    norma_check_hits_free(&hits);
+    if (result) return result;
+    facet_pass pass = {m, norma_core_allocate(call, blocks, sizeof *pass.parts),
+        norma_core_allocate(call, faces, 1)};
+    result = pass.parts && pass.behind ? judge_all(m, count, &pass, blocks) : NORMA_ERROR_MEMORY;
+    norma_core_release(call, pass.behind, faces, 1);
+    norma_core_release(call, pass.parts, blocks, sizeof *pass.parts);
     return result;
 }

@@ -74,9 +74,9 @@ static norma_result add_opposed(check_mesh *m) {
     gather_hits(m, &hits);
     describe_sides(&sides, which);
     norma_check_message(message,
-        "%z of %z faces (%g %% of the area) %s normals that point to their other side at every "
-        "corner, so that light comes from behind; %s",
-        hits.count, m->mesh.face_count, 100 * part, hits.count == 1 ? "has" : "have", which);
+        "%z of %z faces (%g %% of the area) %s lit from behind, as at every corner the normal "
+        "points to the back of the face; %s",
+        hits.count, m->mesh.face_count, 100 * part, hits.count == 1 ? "is" : "are", which);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N201,
             .severity = severity,

@@ -112,7 +112,7 @@ static norma_result add_findings(check_mesh *m, length_part *sum) {
     if (!result && !facets && norma_check_wants(m, RULE_N103) && sum->non_unit.count) {
         norma_check_message(message,
             "%z normal%s whose length differs from 1, by up to %g; if a shader does not "
-            "renormalise, light is off by twice as much",
+            "renormalise, diffuse light is multiplied by the length",
             sum->non_unit.count, norma_check_plural(sum->non_unit.count), sum->non_unit.worst);
         result = norma_check_add(m->run, &m->place, m,
             &(check_report){.rule = RULE_N103,

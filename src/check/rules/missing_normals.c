@@ -75,7 +75,13 @@ static norma_result add_mismatch(check_mesh *m) {
     check_hits hits = {0};
     hit_faults(m, &hits);
     if (!hits.count) return NORMA_OK;
-    if (a->face_faults)
+    const int none = a->face_faults && !norma_check_normal_count(m);
+    if (none)
+        norma_check_message(message,
+            "%z face%s with a vn index, but the file has no vn at all; readers refuse it, or shade "
+            "it as they would without",
+            a->normals_out_of_range, norma_check_plural(a->normals_out_of_range));
+    else if (a->face_faults)
         norma_check_message(message,
             "%z face%s with a vn index that does not exist, %z with normals at some corners only; "
             "readers treat them differently",
@@ -93,6 +99,7 @@ static norma_result add_mismatch(check_mesh *m) {
         &(check_report){.rule = RULE_N106,
             .severity = NORMA_SEVERITY_ERROR,
             .no_value = 1,
+            .fix_is_unsafe = none,
             .hits = &hits,
             .message = message});
 }

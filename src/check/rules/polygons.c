@@ -126,11 +126,33 @@ static int crosses_itself(const core_mesh *mesh, size_t face, const double norma
 
 /* ---- all polygons */
 
+static int position_is_finite(const check_mesh *m, size_t face) {
+    for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
+         c++) {
+        double p[3];
+        norma_core_position(&m->mesh, norma_core_corner(&m->mesh, c), p);
+        if (!norma_core_finite(p)) return 0;
+    }
+    return 1;
+}
+
+/* Its area cancels though it is broad: one half of it faces away, whichever half that is. */
+static void judge_cancelled(const polygon_pass *pass, polygon_part *part, size_t face) {
+    const check_face *shape = &pass->m->faces[face];
+    if (norma_check_is_sliver(shape) || !position_is_finite(pass->m, face)) return;
+    norma_check_hit(pass->m->run, &part->folds.hits, 1, norma_check_face(face));
+    part->folds.crossing++;
+}
+
 static void judge_polygon(const polygon_pass *pass, polygon_part *part, size_t face) {
     const check_mesh *m = pass->m;
     const core_mesh *mesh = &m->topology.mesh;
     size_t corners = norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face), at = 0;
-    if (corners < 4 || !norma_check_directed(&m->faces[face])) return;
+    if (corners < 4) return;
+    if (!norma_check_directed(&m->faces[face])) {
+        judge_cancelled(pass, part, face);
+        return;
+    }
     double away;
     const double normal[3] = {(double)m->faces[face].normal[0], (double)m->faces[face].normal[1],
         (double)m->faces[face].normal[2]};

@@ -2,7 +2,7 @@
  * which neither can be said. */
 #include "check/rules/solids.h"
 
-static const uint8_t NOT_CLOSED = COMPONENT_OPEN | COMPONENT_CONFLICT | COMPONENT_MANY;
+static const uint8_t NOT_CLOSED = COMPONENT_OPEN | COMPONENT_CONFLICT | COMPONENT_UNBALANCED;
 
 /* Whether a component is told of here: its first face is. */
 static int is_here(const check_solids *s, size_t number) {

@@ -7,12 +7,12 @@ norma_result norma_check_solids(check_mesh *m) {
     const int nesting = norma_check_wants(m, RULE_N302), sides = norma_check_wants(m, RULE_N304);
     if (!m->mesh.face_count ||
         !(nesting || sides ||
-            (m->siblings && (m->run->rules[RULE_N302] || m->run->rules[RULE_N304] ||
-                                norma_check_wants_open(m->run, m->run->rules)))))
+            (m->siblings &&
+                (m->run->rules[RULE_N301] || m->run->rules[RULE_N302] || m->run->rules[RULE_N304] ||
+                    norma_check_wants_open(m->run, m->run->rules)))))
         return NORMA_OK;
     norma_result result = norma_check_pairs(m);
-    if (!result)
-        result = norma_core_find_components(&m->topology, CORE_JOIN_ALL_EDGES, &components);
+    if (!result) result = norma_core_find_components(&m->topology, CORE_JOIN_BODIES, &components);
     if (result) return result;
     if (m->siblings) {
         result = norma_check_solids_hold(m, &components);

@@ -1,8 +1,9 @@
-/* solids_joined.c: N302, N304 and N307 over the primitives of one glTF mesh together: a body of
- * several materials is closed although each of its parts is open, and a cavity of one material lies
- * in a shell of another. A component that is closed within its own primitive is a body by itself,
- * even if others touch it; open parts are joined at equal positions. A component is reported at the
- * primitive of its first face. */
+/* solids_joined.c: N301, N302, N304 and N307 over the primitives of one glTF mesh together: a body
+ * of several materials is closed although each of its parts is open, and a cavity of one material
+ * lies in a shell of another. A component that is closed within its own primitive is a body by
+ * itself, even if others touch it; open parts are joined at equal positions. A component is
+ * reported at the primitive of its first face. */
+#include "check/rules/conflicts.h"
 #include "check/rules/solids.h"
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 struct check_solid_member {
     const norma_check_mesh *given;
     core_mesh mesh;
-    size_t order;
+    size_t order, number; /* in its group */
     uint8_t rules[CHECK_RULE_COUNT];
     uint32_t *corners; /* positions that are one, the least of them */
     uint8_t *loose;    /* of each face: its component is not closed */
@@ -46,6 +47,7 @@ norma_result norma_check_solids_hold(check_mesh *m, const core_components *compo
     *member = (check_solid_member){.given = m->given,
         .mesh = m->mesh,
         .order = m->place.order,
+        .number = m->number,
         .loose = mark_loose(m, components)};
     memcpy(member->rules, m->rules, sizeof member->rules);
     member->corners = malloc((m->mesh.corner_count + 1) * sizeof *member->corners);
@@ -120,25 +122,82 @@ static norma_result join_loose(joined *j) {
 
 /* ---- judging */
 
+/* Without a place's label, which the caller keeps. */
+static check_mesh mesh_of_member(check_run *run, const check_solid_member *member) {
+    check_mesh m = {.run = run,
+        .given = member->given,
+        .number = member->number,
+        .on_purpose = member->given->material.double_sided || member->given->material.not_opaque,
+        .mesh = member->mesh};
+    memcpy(m.rules, member->rules, sizeof m.rules);
+    m.place = (check_place){.order = member->order,
+        .where = member->given->info.where ? member->given->info.where : ""};
+    return m;
+}
+
 static norma_result tell_members(
     check_run *run, const core_topology *topology, const core_components *components) {
     norma_result result = NORMA_OK;
     size_t face = 0;
     for (size_t i = 0; i < run->solid_count && !result; i++) {
         const check_solid_member *member = &run->solids[i];
-        check_mesh m = {.run = run, .given = member->given, .mesh = member->mesh};
+        check_mesh m = mesh_of_member(run, member);
         char label[CHECK_MESSAGE];
-        memcpy(m.rules, member->rules, sizeof m.rules);
         norma_check_label(&member->given->info, label);
-        m.place = (check_place){.order = member->order,
-            .where = member->given->info.where ? member->given->info.where : "",
-            .label = label};
+        m.place.label = label;
         result = norma_check_tell_solids(
             &(check_solids){&m, components, face, face + member->mesh.face_count});
         if (!result && norma_check_wants_open(run, m.rules))
             result = norma_check_add_open(&m, topology, 3 * face);
         face += member->mesh.face_count;
     }
+    return result;
+}
+
+/* ---- N301 */
+
+static norma_result find_sides(check_run *run, const uint8_t *edges, uint8_t *sides) {
+    norma_result result = NORMA_OK;
+    size_t face = 0;
+    for (size_t i = 0; i < run->solid_count && !result; i++) {
+        check_mesh m = mesh_of_member(run, &run->solids[i]);
+        result = norma_check_sides(&m, edges + face, sides + face);
+        face += m.mesh.face_count;
+    }
+    return result;
+}
+
+static norma_result tell_conflicts(
+    check_run *run, const core_topology *topology, const uint8_t *edges, const uint8_t *sides) {
+    norma_result result = NORMA_OK;
+    size_t face = 0;
+    for (size_t i = 0; i < run->solid_count && !result; i++) {
+        check_mesh m = mesh_of_member(run, &run->solids[i]);
+        char label[CHECK_MESSAGE];
+        norma_check_label(&run->solids[i].given->info, label);
+        m.place.label = label;
+        if (norma_check_wants(&m, RULE_N301))
+            result = norma_check_conflicts_joined(&m, topology, 3 * face, edges, sides);
+        face += m.mesh.face_count;
+    }
+    return result;
+}
+
+static norma_result judge_conflicts(check_run *run, const core_topology *topology) {
+    const size_t faces = topology->mesh.face_count;
+    if (!run->rules[RULE_N301]) return NORMA_OK;
+    uint8_t *edges = norma_core_allocate(&run->call, faces, 1),
+            *sides = norma_core_allocate(&run->call, faces, 1);
+    norma_result result = edges && sides ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result) {
+        memset(edges, 0, faces);
+        if (norma_check_count_conflicts(topology, edges)) {
+            result = find_sides(run, edges, sides);
+            if (!result) result = tell_conflicts(run, topology, edges, sides);
+        }
+    }
+    norma_core_release(&run->call, sides, faces, 1);
+    norma_core_release(&run->call, edges, faces, 1);
     return result;
 }
 
@@ -156,7 +215,8 @@ static norma_result judge_joined(joined *j) {
     if (!result) result = norma_core_topology_open(&call, &mesh, &topology);
     if (result) return result;
     result = norma_core_pair_edges(&topology, &nobody);
-    if (!result) result = norma_core_find_components(&topology, CORE_JOIN_ALL_EDGES, &components);
+    if (!result) result = judge_conflicts(j->run, &topology);
+    if (!result) result = norma_core_find_components(&topology, CORE_JOIN_BODIES, &components);
     if (!result) {
         result = norma_check_judge_solids(
             &topology, &components, j->run->rules[RULE_N302], j->run->rules[RULE_N304]);

@@ -3,7 +3,7 @@
  * (N001). */
 #include "check/findings/findings.h"
 #include "check/rules/scene_rules.h"
-#include "check/run/run.h"
+#include "check/run/run_maps.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -128,6 +128,18 @@ static norma_document_result check_meshes(document_check *d) {
     return result;
 }
 
+static norma_document_result check_maps(document_check *d) {
+    const map_job job = {.run = &d->run,
+        .document = d->document,
+        .meshes = d->meshes,
+        .orders = d->orders,
+        .mesh_count = d->mesh_count,
+        .error = d->error};
+    norma_result failed;
+    const norma_document_result result = norma_check_maps(&job, &failed);
+    return result ? result : failed ? fail(d->error, failed) : NORMA_DOCUMENT_OK;
+}
+
 /* ---- nodes and skins */
 
 static norma_result instance_world(void *context, size_t index, size_t instance, double world[16]) {
@@ -206,6 +218,7 @@ norma_document_result norma_check_document(norma_document *document,
     norma_result begun = norma_check_begin(&d.run, options, norma_document_format(document));
     if (begun) return fail(error, begun);
     norma_document_result result = check_meshes(&d);
+    if (!result) result = check_maps(&d);
     if (!result) result = check_nodes(&d);
     if (result)
         norma_check_abandon(&d.run);

@@ -77,8 +77,7 @@ norma_findings *norma_check_finish(check_run *run) {
     return findings;
 }
 
-/* ARGUMENT, INDEX, OVERFLOW: arrays that no rule may walk. */
-static norma_result open_mesh(check_run *run, const norma_check_mesh *given, check_mesh *m) {
+norma_result norma_check_open_mesh(check_run *run, const norma_check_mesh *given, check_mesh *m) {
     *m = (check_mesh){.run = run,
         .given = given,
         .on_purpose = given->material.double_sided || given->material.not_opaque};
@@ -129,7 +128,7 @@ static norma_result run_mesh(check_run *run, size_t number) {
     char label[CHECK_MESSAGE];
     check_mesh m;
     const norma_check_mesh *given = &run->group->meshes[number];
-    norma_result result = open_mesh(run, given, &m);
+    norma_result result = norma_check_open_mesh(run, given, &m);
     if (result) return result;
     m.number = number;
     m.siblings = run->group->count > 1;

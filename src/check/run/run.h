@@ -7,6 +7,9 @@
 /* format decides the profile where options do not. ARGUMENT, MEMORY: nothing to abandon. */
 norma_result norma_check_begin(
     check_run *run, const norma_check_options *options, norma_file_format format);
+/* Without a place. Owns nothing until a rule asks for its geometry. ARGUMENT, INDEX, OVERFLOW:
+ * arrays that no rule may walk. */
+norma_result norma_check_open_mesh(check_run *run, const norma_check_mesh *given, check_mesh *m);
 /* meshes: those that norma_check_group_size says belong together. orders: of their places, or NULL:
  * they are next. */
 norma_result norma_check_run_group(

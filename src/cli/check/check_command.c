@@ -41,11 +41,11 @@ static const char help[] =
     "\n"
     "Report\n"
     "  --format text|line|json|sarif|html\n"
-    "                        as the ending of -o says, else text; line is for grep and editors;\n"
+    "                        by the ending of -o, otherwise text; line is for grep and editors;\n"
     "                        --json is the same as --format json\n"
     "  -o, --output FILE     where the report goes (standard output); with --fix it names the\n"
     "                        fixed file instead\n"
-    "  --info                lists informations too, which otherwise are only counted\n"
+    "  --info                lists infos too, which otherwise are only counted\n"
     "  --color auto|always|never\n"
     "                        (auto: on a terminal, unless NO_COLOR is set)\n"
     "  --fail-on error|warning|info|never\n"
@@ -56,7 +56,7 @@ static const char help[] =
     "Fixes\n"
     "  --fix                 fixes what is safe to fix: lengths, NaN, zeros, facet normals, "
     "tangents\n"
-    "  --fix-unsafe          also fixes what may be meant as it is: windings, sides, missing\n"
+    "  --fix-unsafe          also fixes what may be intended: windings, sides, missing\n"
     "                        normals, transforms. --select limits it to some rules\n"
     "  -o, --output FILE     the fixed file; - is standard output, and the report then goes to\n"
     "                        standard error\n"
@@ -258,7 +258,7 @@ static const cli_option options[] = {
     {"shard", 0, 1, set_shard},
 };
 
-/* ---- the verb */
+/* ---- the command */
 
 /* Without these words the command of a fix would judge differently. */
 static void choose_command_options(check_work *work) {
@@ -273,7 +273,7 @@ static void choose_command_options(check_work *work) {
 }
 
 static int read_options(
-    const cli_subcommand *verb, check_work *work, int count, char **arguments, int *wants_help) {
+    const cli_subcommand *command, check_work *work, int count, char **arguments, int *wants_help) {
     const cli_table tables[] = {
         {options, CLI_COUNT(options), work},
         {cli_output_options, cli_output_option_count, &work->files},
@@ -281,30 +281,30 @@ static int read_options(
         {cli_common_options, cli_common_option_count, &work->common},
     };
     int status = cli_parse(
-        verb, tables, CLI_COUNT(tables), count, arguments, &work->files.words, wants_help);
+        command, tables, CLI_COUNT(tables), count, arguments, &work->files.words, wants_help);
     if (status || *wants_help) return status;
     if (work->common.json && work->format && work->format != &check_format_json)
-        return cli_usage(verb, "--json and --format %s exclude each other", work->format->name);
+        return cli_usage(command, "--json and --format %s exclude each other", work->format->name);
     if (work->common.json) work->format = &check_format_json;
     if (!work->format && work->files.output && !work->settings.fix)
         work->format = check_format_of_name(work->files.output);
     if (!work->format) work->format = &check_format_text;
     if (work->config && work->no_config)
-        return cli_usage(verb, "--config and --no-config exclude each other");
+        return cli_usage(command, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)
-        return cli_usage(verb, "--baseline and --write-baseline exclude each other");
+        return cli_usage(command, "--baseline and --write-baseline exclude each other");
     if (work->new_baseline && work->files.output &&
         strcmp(work->new_baseline, work->files.output) == 0)
         return cli_usage(
-            verb, "-o and --write-baseline name the same file, %s", work->new_baseline);
+            command, "-o and --write-baseline name the same file, %s", work->new_baseline);
     if (!work->settings.fix &&
         (work->files.folder || work->files.in_place || work->settings.dry_run))
-        return cli_usage(verb, "--%s needs --fix or --fix-unsafe",
+        return cli_usage(command, "--%s needs --fix or --fix-unsafe",
             work->settings.dry_run ? "dry-run"
             : work->files.folder   ? "out-dir"
                                    : "in-place");
     if (work->settings.open_by_rays && work->settings.fix != CHECK_FIX_UNSAFE)
-        return cli_usage(verb, "--open-by-rays needs --fix-unsafe");
+        return cli_usage(command, "--open-by-rays needs --fix-unsafe");
     work->settings.files = &work->files;
     work->settings.threads = work->common.threads;
     work->settings.quiet = work->common.quiet;
@@ -391,34 +391,34 @@ static int open_baseline(check_work *work) {
 }
 
 /* Where mended files are to go: of all inputs that words, folders and lists named. */
-static int check_places(const cli_subcommand *verb, check_work *work) {
+static int check_places(const cli_subcommand *command, check_work *work) {
     const cli_common common = {.json = 0};
     const char *output = work->files.output;
     if (output && strcmp(output, "-") == 0 && strcmp(work->format->name, "text") != 0)
-        return cli_usage(
-            verb, "-o - and --format %s would both write to standard output", work->format->name);
-    return cli_check_outputs(verb, &common, &work->files);
+        return cli_usage(command, "-o - and --format %s would both write to standard output",
+            work->format->name);
+    return cli_check_outputs(command, &common, &work->files);
 }
 
-static int find_inputs(const cli_subcommand *verb, check_work *work) {
-    int status = cli_find_listed(verb, &work->files);
+static int find_inputs(const cli_subcommand *command, check_work *work) {
+    int status = cli_find_listed(command, &work->files);
     if (status == CLI_USAGE) return status;
-    status = cli_worse(status, cli_find_inputs(verb, &work->files));
+    status = cli_worse(status, cli_find_inputs(command, &work->files));
     work->settings.file_count = work->files.inputs.count;
     if (work->shards) check_keep_shard(&work->files.inputs, work->shard, work->shards);
     return status;
 }
 
-static int check_all(const cli_subcommand *verb, check_work *work) {
+static int check_all(const cli_subcommand *command, check_work *work) {
     check_configs *configs = check_configs_new(work->config, work->no_config, work->files.guard);
     if (work->baseline) cli_guard_read(work->files.guard, work->baseline);
     int status = !configs              ? cli_out_of_memory()
-                 : open_baseline(work) ? find_inputs(verb, work)
+                 : open_baseline(work) ? find_inputs(command, work)
                                        : CLI_FILE;
     const size_t inputs = work->settings.file_count;
     int placed = CLI_OK;
     if (status != CLI_USAGE && inputs && work->settings.fix && !work->settings.dry_run)
-        placed = check_places(verb, work);
+        placed = check_places(command, work);
     if (!placed && configs && status != CLI_USAGE && (!status || inputs))
         status = cli_worse(status, check_files(work, configs));
     status = cli_worse(status, placed);
@@ -430,16 +430,16 @@ static int check_all(const cli_subcommand *verb, check_work *work) {
     return status;
 }
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     check_work work = {.settings = {.fail_on = -1}, .common.threads = NORMA_ALL_THREADS};
     int wants_help = 0, status;
-    if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
-    status = read_options(verb, &work, count, arguments, &wants_help);
+    if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
+    status = read_options(command, &work, count, arguments, &wants_help);
     if (wants_help) {
-        fputs(verb->help, stdout);
+        fputs(command->help, stdout);
         status = cli_finish(status);
     } else if (!status)
-        status = check_all(verb, &work);
+        status = check_all(command, &work);
     cli_files_end(&work.files);
     return status;
 }

@@ -1,7 +1,9 @@
 /* compute_command.c: norma compute: normals of the surface, written into a copy of each file. */
+#include "cli/compute/compute_together.h"
 #include "cli/files/batch.h"
 #include "cli/process/errors.h"
 #include "cli/text/report_text.h"
+#include <stdlib.h>
 #include <string.h>
 
 static const char help[] =
@@ -19,15 +21,17 @@ static const char help[] =
     "  norma compute *.glb --out-dir fixed --only missing\n"
     "                                                  only meshes without normals; the others "
     "keep theirs to the bit\n"
+    "  norma compute tiles/*.ply --together --out-dir out\n"
+    "                                                  one surface in many files: no seams\n"
     "  cat a.obj | norma compute - --input-format obj -o - > b.obj\n"
     "\n"
     "Which edges are hard\n"
     "  --crease DEG          those that bend by more than DEG degrees, 0 to 180 (60)\n"
     "  --smooth              none: one normal per position\n"
     "  --flat                all: each face is flat\n"
-    "  --groups auto|ignore  OBJ smoothing groups: they alone decide where the file uses them, "
-    "unless\n"
-    "                        --crease is given, which then cuts as well (auto)\n"
+    "  --groups auto|ignore  OBJ smoothing groups: if the file has any, they alone decide; with "
+    "--crease,\n"
+    "                        both the groups and the angle make edges hard (auto)\n"
     "  --non-manifold hard|smooth\n"
     "                        edges of three faces and more (hard)\n"
     "\n"
@@ -37,11 +41,12 @@ static const char help[] =
     "scans;\n"
     "                        area and uniform match files that were made so\n"
     "  --weld exact|none|DISTANCE\n"
-    "                        vertices share a normal where their positions are exactly equal, so "
-    "that no\n"
-    "                        seam shows (exact); only where they are the same vertex (none); or "
+    "                        vertices share a normal if their positions are exactly equal, so no "
+    "seam\n"
+    "                        shows (exact); only if they are the same vertex (none); or if they "
+    "are "
     "within\n"
-    "                        DISTANCE, in the file's unit\n"
+    "                        DISTANCE of each other, in the file's unit\n"
     "\n"
     "What is computed\n"
     "  --only all|missing|broken\n"
@@ -50,25 +55,27 @@ static const char help[] =
     "                        that are not finite, zero or not of unit length (broken)\n"
     "  --morphs              normal deltas also for glTF morph targets that have none\n"
     "  --tangents keep|orthogonalise|regenerate\n"
-    "                        what happens to tangents that a glTF stores: they stay as they are; "
-    "are\n"
-    "                        made perpendicular if their normal is new; or are computed anew with "
-    "the\n"
-    "                        bits of MikkTSpace (orthogonalise)\n"
+    "                        tangents of a glTF: kept (keep); made perpendicular where the normal "
+    "is new\n"
+    "                        (orthogonalise, the default); or computed anew by MikkTSpace "
+    "(regenerate)\n"
+    "\n"
+    "One surface in many files\n"
+    "  --together            equal positions in the world share a smooth normal, in any mesh, "
+    "node, "
+    "file;\n"
+    "                        all outputs are written, or none\n"
+    "  --lock PATTERN        meshes, materials, groups (PLY: files) with such names keep their "
+    "normals,\n"
+    "                        and surfaces that meet them take these; repeatable\n"
+    "  --levels              the files are levels of detail, the finest first; else names like\n"
+    "                        rock_LOD1 and MSFT_lod decide\n"
     "\n" CLI_FILES_HELP "\n"
     "Degenerate faces (almost no area) are ignored. Vertices that are then without a normal get "
     "the nearest one,\n"
     "and the summary counts them. Exit status: 0 fine, 2 usage, 3 a file could not be read or "
     "written, 130 "
     "interrupted.\n";
-
-typedef struct compute_work {
-    norma_compute_options options;
-    norma_compute_summary summary;
-    int crease_given, smooth_given, flat_given;
-    norma_file_format format; /* of the file at hand */
-    size_t passes;            /* over it; 0: it fits into memory */
-} compute_work;
 
 /* ---- options */
 
@@ -153,6 +160,7 @@ static const char *set_tangents(void *settings, const char *value) {
     const int choice = choose(value, words, 3);
     ((compute_work *)settings)->options.tangents =
         choice < 0 ? NORMA_STORED_TANGENTS_ORTHOGONALISE : (norma_stored_tangents)choice;
+    ((compute_work *)settings)->tangents_changed = choice != 1;
     return choice < 0 ? "keep, orthogonalise or regenerate" : NULL;
 }
 
@@ -171,6 +179,15 @@ static const cli_option options[] = {
 
 /* ---- one file */
 
+/* As norma tangents does: an option that this format cannot follow is no silent success. */
+static norma_document_result refuse_tangents(
+    const compute_work *work, norma_document_error *error) {
+    if (!work->tangents_changed || work->format >= NORMA_FILE_GLTF) return NORMA_DOCUMENT_OK;
+    snprintf(error->message, sizeof error->message,
+        ": --tangents: this format holds no tangents; glTF does");
+    return error->result = NORMA_DOCUMENT_ERROR_ARGUMENT;
+}
+
 static norma_document_result change(void *user, norma_document *document, norma_progress *progress,
     void *progress_user, norma_document_error *error) {
     compute_work *work = user;
@@ -178,6 +195,7 @@ static norma_document_result change(void *user, norma_document *document, norma_
     work->options.progress_user = progress_user;
     work->format = norma_document_format(document);
     work->passes = 0;
+    if (refuse_tangents(work, error)) return error->result;
     return norma_document_compute(document, &work->options, &work->summary, error);
 }
 
@@ -188,6 +206,7 @@ static norma_document_result in_passes(void *user, const char *input, const char
     work->options.progress = progress;
     work->options.progress_user = progress_user;
     work->format = large->format ? large->format : norma_file_format_of_path(input);
+    if (refuse_tangents(work, error)) return error->result;
     norma_large_options counting = *large;
     counting.passes = &work->passes;
     return norma_large_compute(input, output, &counting, &work->options, &work->summary, error);
@@ -379,21 +398,34 @@ static void write_text(const void *user, const norma_document *document, FILE *o
     }
 }
 
-/* ---- the verb */
+/* ---- the command */
 
-static int prepare(const cli_subcommand *verb, void *user, uint32_t threads) {
+static int prepare(const cli_subcommand *command, void *user, uint32_t threads) {
     compute_work *work = user;
     work->options.threads = threads;
     if (work->crease_given + work->smooth_given + work->flat_given > 1)
-        return cli_usage(verb, "--crease, --smooth and --flat exclude each other");
-    return CLI_OK;
+        return cli_usage(command, "--crease, --smooth and --flat exclude each other");
+    return compute_check_together(command, work);
 }
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int takes_all(const void *work) { return ((const compute_work *)work)->together; }
+
+static int run(const cli_subcommand *command, int count, char **arguments) {
     compute_work work = {.options = {.struct_size = sizeof work.options}};
-    const cli_table table = {options, CLI_COUNT(options), &work};
-    const cli_changer changer = {&work, change, write_json, write_text, in_passes, prepare};
-    return cli_run_changer(verb, &changer, &table, 1, count, arguments);
+    const cli_table tables[] = {{options, CLI_COUNT(options), &work},
+        {compute_together_options, compute_together_option_count, &work}};
+    const cli_changer changer = {.work = &work,
+        .change = change,
+        .write_json = write_json,
+        .write_text = write_text,
+        .in_passes = in_passes,
+        .prepare = prepare,
+        .all = compute_all_together,
+        .takes_all = takes_all};
+    const int status =
+        cli_run_changer(command, &changer, tables, CLI_COUNT(tables), count, arguments);
+    free((void *)work.locks);
+    return status;
 }
 
 const cli_subcommand cli_subcommand_compute = {

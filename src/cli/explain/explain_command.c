@@ -44,7 +44,7 @@ static void write_fix(const norma_rule *rule) {
     if (rule->fix == NORMA_FIX_NONE)
         fputs("Fix: by hand only.\n", stdout);
     else
-        printf("Fix: %s, by norma check %s --select %s.\n", rule->fix_verb,
+        printf("Fix (%s): norma check FILE %s --select %s -o FIXED\n", rule->fix_verb,
             rule->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", rule->id);
 }
 
@@ -102,9 +102,9 @@ static void list_rule(const norma_rule *rule) {
     putchar('\n');
 }
 
-static int fail_unknown(const cli_subcommand *verb, const char *word) {
+static int fail_unknown(const cli_subcommand *command, const char *word) {
     const char *meant = cli_suggest_rule(word);
-    return cli_usage(verb,
+    return cli_usage(command,
         "no rule is called '%s'; expected an id (N301), the beginning of several (N3) or a "
         "name%s%s%s",
         word, meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "");
@@ -112,14 +112,14 @@ static int fail_unknown(const cli_subcommand *verb, const char *word) {
 
 /* The rules that words name; without any all. calloc'd, NULL: *status says why. */
 static uint8_t *choose_rules(
-    const cli_subcommand *verb, const cli_words *words, size_t count, int *status) {
+    const cli_subcommand *command, const cli_words *words, size_t count, int *status) {
     uint8_t *mask = calloc(count + 1, 1);
     if (!mask) *status = cli_out_of_memory();
     if (mask && !words->count) memset(mask, 1, count);
     for (size_t i = 0; mask && i < words->count && !*status; ++i) {
         char unknown[64] = "";
         if (norma_rules_select(words->words[i], mask, unknown) != NORMA_OK)
-            *status = fail_unknown(verb, unknown);
+            *status = fail_unknown(command, unknown);
     }
     return mask;
 }
@@ -175,33 +175,33 @@ static const char *set_output(void *settings, const char *value) {
 static const cli_option options[] = {{"output", 'o', 1, set_output}};
 
 static int explain(
-    const cli_subcommand *verb, const cli_words *words, const char *output, int json) {
+    const cli_subcommand *command, const cli_words *words, const char *output, int json) {
     size_t count;
     (void)norma_rules(&count);
     int status = CLI_OK;
-    uint8_t *mask = choose_rules(verb, words, count, &status);
+    uint8_t *mask = choose_rules(command, words, count, &status);
     if (!status && output)
-        status =
-            json ? cli_usage(verb, "--json and -o exclude each other") : write_page(mask, output);
+        status = json ? cli_usage(command, "--json and -o exclude each other")
+                      : write_page(mask, output);
     else if (!status)
         write_text(mask, words->count == 0, json);
     free(mask);
     return status;
 }
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     cli_common common = {0};
     explain_work work = {0};
     cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {{options, CLI_COUNT(options), &work},
         {cli_common_options, cli_common_option_count, &common}};
-    int wants_help = 0, status = words.words ? cli_parse(verb, tables, CLI_COUNT(tables), count,
+    int wants_help = 0, status = words.words ? cli_parse(command, tables, CLI_COUNT(tables), count,
                                                    arguments, &words, &wants_help)
                                              : cli_out_of_memory();
     if (wants_help)
-        fputs(verb->help, stdout);
+        fputs(command->help, stdout);
     else if (!status)
-        status = explain(verb, &words, work.output, common.json);
+        status = explain(command, &words, work.output, common.json);
     free(words.words);
     return cli_finish(status);
 }

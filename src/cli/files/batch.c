@@ -68,7 +68,7 @@ static int is_stream(const char *path) {
 }
 
 /* What the library would say after the work, said before it. */
-static int check_output(const cli_subcommand *verb, const cli_files *files, const char *input) {
+static int check_output(const cli_subcommand *command, const cli_files *files, const char *input) {
     const char *output = files->output, *dot = strrchr(base_name(output), '.'),
                *input_dot = strrchr(base_name(input), '.');
     norma_file_format format = files->format ? files->format : norma_file_format_of_path(input),
@@ -76,38 +76,38 @@ static int check_output(const cli_subcommand *verb, const cli_files *files, cons
     if (is_standard(output)) return CLI_OK;
     if (is_folder(output))
         return cli_usage(
-            verb, "-o %s is a folder; expected a file, or --out-dir %s", output, output);
+            command, "-o %s is a folder; expected a file, or --out-dir %s", output, output);
     if (!is_standard(input) && same_file(input, output))
         return cli_usage(
-            verb, "-o names the input %s; expected another name, or --in-place", input);
+            command, "-o names the input %s; expected another name, or --in-place", input);
     if (!format || named == format || is_stream(output) ||
         (!named && dot && input_dot && !strcmp(dot, input_dot)))
         return CLI_OK;
     const char *name = norma_file_format_name(format);
-    return cli_usage(verb,
+    return cli_usage(command,
         "-o %s: the output has the format of its input, %s; expected a name that ends in .%s",
         output, name, name);
 }
 
-int cli_check_outputs(const cli_subcommand *verb, const cli_common *common, cli_files *files) {
+int cli_check_outputs(const cli_subcommand *command, const cli_common *common, cli_files *files) {
     int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
         standard |= is_standard(files->inputs.paths[i]);
     if (ways == 0)
         return cli_usage(
-            verb, "no output was given; expected -o OUT, --out-dir FOLDER or --in-place");
-    if (ways > 1) return cli_usage(verb, "-o, --out-dir and --in-place exclude each other");
+            command, "no output was given; expected -o OUT, --out-dir FOLDER or --in-place");
+    if (ways > 1) return cli_usage(command, "-o, --out-dir and --in-place exclude each other");
     if (files->output && files->inputs.count > 1)
-        return cli_usage(verb, "one -o for %zu inputs; expected --out-dir FOLDER or --in-place",
+        return cli_usage(command, "one -o for %zu inputs; expected --out-dir FOLDER or --in-place",
             files->inputs.count);
     if (files->output && is_standard(files->output) && common->json)
-        return cli_usage(verb, "-o - and --json would both write to standard output");
+        return cli_usage(command, "-o - and --json would both write to standard output");
     if (!files->output && standard)
-        return cli_usage(verb, "standard input has no name to write to; expected -o OUT");
-    int status = files->output ? check_output(verb, files, files->inputs.paths[0])
-                               : cli_place_outputs(verb, files, NULL);
+        return cli_usage(command, "standard input has no name to write to; expected -o OUT");
+    int status = files->output ? check_output(command, files, files->inputs.paths[0])
+                               : cli_place_outputs(command, files, NULL);
     if (!status) status = cli_guard_outputs(files);
-    return status ? status : cli_make_out_dir(verb, files);
+    return status ? status : cli_make_out_dir(command, files);
 }
 
 /* ---- one file */
@@ -266,6 +266,29 @@ static void report(
     if (job->common->json) report_json(job, document, error);
 }
 
+static file_job job_of(const cli_all_files *all, const char *input, const char *output) {
+    return (file_job){.common = all->common,
+        .files = all->files,
+        .changer = all->changer,
+        .input = input,
+        .output = output};
+}
+
+void cli_report_grown(
+    const cli_all_files *all, const char *input, const char *output, double before, double after) {
+    const norma_document_error none = {0};
+    file_job job = job_of(all, input, output);
+    job.before = before;
+    job.after = (uint64_t)after;
+    report(&job, NULL, &none);
+}
+
+void cli_report_changed(const cli_all_files *all, const char *input, const char *output,
+    const norma_document_error *error) {
+    const file_job job = job_of(all, input, output);
+    report_json(&job, NULL, error);
+}
+
 static int guard_output(const cli_files *files, const char *input, const char *output) {
     return cli_guard_output(files->guard, output, files->in_place ? input : NULL);
 }
@@ -318,13 +341,17 @@ static int run_job(file_job *job) {
     return refused ? refused : cli_status_of(result);
 }
 
-static int change_files(const cli_subcommand *verb, const cli_common *common, cli_files *files,
+static int change_files(const cli_subcommand *command, const cli_common *common, cli_files *files,
     const cli_changer *changer) {
-    int status = cli_find_inputs(verb, files);
+    int status = cli_find_inputs(command, files);
     if (status == CLI_USAGE || files->inputs.count == 0) return status;
     int placed = cli_try_formats(files, changer);
-    if (!placed) placed = cli_check_outputs(verb, common, files);
+    if (!placed) placed = cli_check_outputs(command, common, files);
     if (placed) return placed;
+    if (changer->all && changer->takes_all(changer->work)) {
+        const cli_all_files all = {command, common, files, changer};
+        return cli_finish(cli_worse(status, status ? CLI_OK : changer->all(&all, changer)));
+    }
     for (size_t i = 0; i < files->inputs.count; ++i) {
         const char *input = files->inputs.paths[i];
         char *output = cli_output_of(files, i, NULL);
@@ -337,7 +364,7 @@ static int change_files(const cli_subcommand *verb, const cli_common *common, cl
     return cli_finish(status);
 }
 
-int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, const cli_table *own,
+int cli_run_changer(const cli_subcommand *command, const cli_changer *changer, const cli_table *own,
     size_t own_count, int count, char **arguments) {
     cli_common common = {.threads = NORMA_ALL_THREADS};
     cli_files files = {0};
@@ -348,17 +375,17 @@ int cli_run_changer(const cli_subcommand *verb, const cli_changer *changer, cons
     };
     cli_table tables[CLI_OWN_TABLES + CLI_COUNT(shared)];
     int wants_help;
-    if (!cli_files_begin(verb, &files, count)) return CLI_FILE;
+    if (!cli_files_begin(command, &files, count)) return CLI_FILE;
     own_count = own_count < CLI_OWN_TABLES ? own_count : CLI_OWN_TABLES;
     memcpy(tables, own, own_count * sizeof *own);
     memcpy(tables + own_count, shared, sizeof shared);
-    int status = cli_parse(
-        verb, tables, own_count + CLI_COUNT(shared), count, arguments, &files.words, &wants_help);
+    int status = cli_parse(command, tables, own_count + CLI_COUNT(shared), count, arguments,
+        &files.words, &wants_help);
     if (wants_help)
-        fputs(verb->help, stdout), status = cli_finish(status);
+        fputs(command->help, stdout), status = cli_finish(status);
     else if (!status)
-        status = changer->prepare(verb, changer->work, common.threads);
-    if (!status && !wants_help) status = change_files(verb, &common, &files, changer);
+        status = changer->prepare(command, changer->work, common.threads);
+    if (!status && !wants_help) status = change_files(command, &common, &files, changer);
     cli_files_end(&files);
     return status;
 }

@@ -180,7 +180,7 @@ static int walk_folder(cli_inputs *inputs, const char *folder, const char *patte
 }
 
 /* The folders before the first component with a wildcard. */
-static int add_pattern(const cli_subcommand *verb, cli_inputs *inputs, const char *pattern) {
+static int add_pattern(const cli_subcommand *command, cli_inputs *inputs, const char *pattern) {
     size_t before = inputs->count, length = strcspn(pattern, "*?[");
     struct stat entry;
     while (length && pattern[length - 1] != '/') --length;
@@ -190,7 +190,7 @@ static int add_pattern(const cli_subcommand *verb, cli_inputs *inputs, const cha
     const int status = is_there ? walk_folder(inputs, folder, pattern) : CLI_OK;
     free(folder);
     if (status || inputs->count > before) return status;
-    return cli_usage(verb, "the pattern '%s' matches no file", pattern);
+    return cli_usage(command, "the pattern '%s' matches no file", pattern);
 }
 
 static size_t base_of(const char *path) {
@@ -198,9 +198,9 @@ static size_t base_of(const char *path) {
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
-static int add_word(const cli_subcommand *verb, cli_inputs *inputs, const char *word) {
+static int add_word(const cli_subcommand *command, cli_inputs *inputs, const char *word) {
     struct stat status;
-    if (!word[0]) return cli_usage(verb, "the name of an input is empty");
+    if (!word[0]) return cli_usage(command, "the name of an input is empty");
     const int is_there = strcmp(word, "-") != 0 && stat(word, &status) == 0;
     if (is_there && S_ISDIR(status.st_mode)) {
         const size_t before = inputs->count;
@@ -209,11 +209,11 @@ static int add_word(const cli_subcommand *verb, cli_inputs *inputs, const char *
         cli_error("%s: holds no OBJ, PLY, STL, glTF or GLB file", word);
         return CLI_FILE;
     }
-    if (!is_there && strpbrk(word, "*?[")) return add_pattern(verb, inputs, word);
+    if (!is_there && strpbrk(word, "*?[")) return add_pattern(command, inputs, word);
     return add_path(inputs, strdup(word), base_of(word));
 }
 
-int cli_find_inputs(const cli_subcommand *verb, cli_files *files) {
+int cli_find_inputs(const cli_subcommand *command, cli_files *files) {
     size_t standard = 0;
     int status = CLI_OK;
     for (size_t i = 0; i < files->lists.count; ++i)
@@ -223,13 +223,13 @@ int cli_find_inputs(const cli_subcommand *verb, cli_files *files) {
         const int is_standard = strcmp(word, "-") == 0;
         standard += (size_t)is_standard;
         if (is_standard && !files->format)
-            return cli_usage(verb, "standard input has no name that shows its format; expected "
-                                   "--input-format obj, ply, stl, gltf or glb");
-        if (standard > 1) return cli_usage(verb, "standard input can be read only once");
-        status = cli_worse(status, add_word(verb, &files->inputs, word));
+            return cli_usage(command, "standard input has no name that shows its format; expected "
+                                      "--input-format obj, ply, stl, gltf or glb");
+        if (standard > 1) return cli_usage(command, "standard input can be read only once");
+        status = cli_worse(status, add_word(command, &files->inputs, word));
     }
     if (files->words.count == 0 && files->lists.count == 0)
-        return cli_usage(verb, "no input file was given");
+        return cli_usage(command, "no input file was given");
     for (size_t i = 0; i < files->inputs.count; ++i)
         cli_guard_read(files->guard, files->inputs.paths[i]);
     return status;
@@ -244,21 +244,22 @@ typedef struct left_out {
 /* A list comes from another program, such as git: it names all kinds of files, and some that were
  * deleted. */
 static int add_line(
-    const cli_subcommand *verb, cli_files *files, const char *line, left_out *left) {
+    const cli_subcommand *command, cli_files *files, const char *line, left_out *left) {
     struct stat status;
     const int is_there = stat(line, &status) == 0;
-    if (is_there && S_ISDIR(status.st_mode)) return add_word(verb, &files->inputs, line);
+    if (is_there && S_ISDIR(status.st_mode)) return add_word(command, &files->inputs, line);
     if (!files->format && !norma_file_format_of_path(line))
         ++left->unknown;
     else if (!is_there && (errno == ENOENT || errno == ENOTDIR)) {
-        if (strpbrk(line, "*?[")) return add_word(verb, &files->inputs, line);
+        if (strpbrk(line, "*?[")) return add_word(command, &files->inputs, line);
         ++left->missing;
     } else
         return add_path(&files->inputs, strdup(line), base_of(line));
     return CLI_OK;
 }
 
-static int read_lines(const cli_subcommand *verb, cli_files *files, const char *list, FILE *file) {
+static int read_lines(
+    const cli_subcommand *command, cli_files *files, const char *list, FILE *file) {
     char *line = NULL;
     size_t capacity = 0;
     ssize_t length;
@@ -269,9 +270,9 @@ static int read_lines(const cli_subcommand *verb, cli_files *files, const char *
         while (length && (line[length - 1] == '\n' || line[length - 1] == '\r'))
             line[--length] = '\0';
         if (strcmp(line, "-") == 0)
-            status = cli_usage(verb, "--files-from %s names standard input", list);
+            status = cli_usage(command, "--files-from %s names standard input", list);
         else if (length)
-            status = cli_worse(status, add_line(verb, files, line, &left));
+            status = cli_worse(status, add_line(command, files, line, &left));
         errno = 0;
     }
     if (!status && !feof(file)) { /* also if memory is out */
@@ -285,7 +286,7 @@ static int read_lines(const cli_subcommand *verb, cli_files *files, const char *
     return status;
 }
 
-int cli_find_listed(const cli_subcommand *verb, cli_files *files) {
+int cli_find_listed(const cli_subcommand *command, cli_files *files) {
     int status = CLI_OK;
     for (size_t i = 0; i < files->lists.count && status != CLI_USAGE; ++i) {
         const char *list = files->lists.words[i];
@@ -296,7 +297,7 @@ int cli_find_listed(const cli_subcommand *verb, cli_files *files) {
             return CLI_FILE;
         }
         cli_guard_read(files->guard, list);
-        status = cli_worse(status, read_lines(verb, files, list, file));
+        status = cli_worse(status, read_lines(command, files, list, file));
         if (!standard) fclose(file);
     }
     return status;

@@ -16,7 +16,7 @@ typedef struct source {
 } source;
 
 struct cli_guard {
-    const cli_subcommand *verb;
+    const cli_subcommand *command;
     pthread_mutex_t lock;
     source *sources;
     size_t count, capacity;
@@ -24,13 +24,13 @@ struct cli_guard {
     int incomplete; /* memory was out: nothing that exists may be written any more */
 };
 
-cli_guard *cli_guard_new(const cli_subcommand *verb) {
+cli_guard *cli_guard_new(const cli_subcommand *command) {
     cli_guard *guard = calloc(1, sizeof *guard);
     if (!guard) {
         cli_out_of_memory();
         return NULL;
     }
-    guard->verb = verb;
+    guard->command = command;
     pthread_mutex_init(&guard->lock, NULL);
     return guard;
 }
@@ -128,11 +128,11 @@ void cli_guard_look_ahead(
 static int refuse(const cli_guard *guard, const char *output, const source *found) {
     const char *name = strcmp(output, "-") == 0 ? "standard output" : output;
     if (found->named_by)
-        return cli_usage(guard->verb,
+        return cli_usage(guard->command,
             "%s belongs to %s, which names it, and would be overwritten; expected another name for "
             "the output",
             name, found->named_by);
-    return cli_usage(guard->verb,
+    return cli_usage(guard->command,
         "%s is read by this command and would be overwritten; expected another name for the output",
         name);
 }

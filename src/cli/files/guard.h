@@ -8,7 +8,7 @@
 
 struct cli_subcommand;
 typedef struct cli_guard cli_guard;
-cli_guard *cli_guard_new(const struct cli_subcommand *verb); /* NULL: out of memory, reported */
+cli_guard *cli_guard_new(const struct cli_subcommand *command); /* NULL: out of memory, reported */
 void cli_guard_free(cli_guard *guard);
 
 /* A file that is read; "-" is standard input. Safe in any thread, as are all of these. */

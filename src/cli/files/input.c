@@ -22,10 +22,10 @@ static const char *set_input_format(void *settings, const char *value) {
 const cli_option cli_input_options[] = {{"input-format", 0, 1, set_input_format}};
 const size_t cli_input_option_count = CLI_COUNT(cli_input_options);
 
-int cli_files_begin(const cli_subcommand *verb, cli_files *files, int count) {
+int cli_files_begin(const cli_subcommand *command, cli_files *files, int count) {
     files->words.words = calloc((size_t)count + 1, sizeof(char *));
     files->lists.words = calloc((size_t)count + 1, sizeof(char *));
-    files->guard = cli_guard_new(verb);
+    files->guard = cli_guard_new(command);
     if (files->words.words && files->lists.words && files->guard) return 1;
     if (files->guard) cli_out_of_memory();
     cli_files_end(files);

@@ -23,7 +23,7 @@ extern const cli_option cli_input_options[]; /* --input-format */
 extern const size_t cli_input_option_count;
 
 /* Makes room for count words and the guard. 0: out of memory, reported. */
-int cli_files_begin(const cli_subcommand *verb, cli_files *files, int count);
+int cli_files_begin(const cli_subcommand *command, cli_files *files, int count);
 void cli_files_end(cli_files *files);
 
 /* Opens "-" or a path. *memory is what standard input held; freed after the document. */

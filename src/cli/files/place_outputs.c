@@ -109,7 +109,7 @@ static void keep_tree(cli_inputs *inputs) {
     for (size_t i = 0; i < inputs->count; ++i) inputs->tails[i] = shared;
 }
 
-int cli_place_outputs(const cli_subcommand *verb, cli_files *files, const char *ending) {
+int cli_place_outputs(const cli_subcommand *command, cli_files *files, const char *ending) {
     placed both[2];
     if (!files->folder || !files->inputs.count) return CLI_OK;
     int meeting = find_meeting(files, ending, both);
@@ -120,7 +120,7 @@ int cli_place_outputs(const cli_subcommand *verb, cli_files *files, const char *
     }
     if (meeting == 0) return CLI_OK;
     if (meeting < 0) return cli_out_of_memory();
-    const int status = cli_usage(verb, "%s and %s would both be written to %s", both[0].input,
+    const int status = cli_usage(command, "%s and %s would both be written to %s", both[0].input,
         both[1].input, both[1].output);
     free(both[1].output);
     return status;
@@ -165,11 +165,11 @@ int cli_make_folders(const cli_files *files, const char *output) {
     return result;
 }
 
-int cli_make_out_dir(const cli_subcommand *verb, const cli_files *files) {
+int cli_make_out_dir(const cli_subcommand *command, const cli_files *files) {
     struct stat status;
     if (!files->folder) return CLI_OK;
     if (mkdir(files->folder, 0777) && errno != EEXIST) return fail(files->folder);
     if (stat(files->folder, &status) || !S_ISDIR(status.st_mode))
-        return cli_usage(verb, "--out-dir %s is not a folder", files->folder);
+        return cli_usage(command, "--out-dir %s is not a folder", files->folder);
     return CLI_OK;
 }

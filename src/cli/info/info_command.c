@@ -14,7 +14,8 @@
 #include <string.h>
 
 static const char help[] =
-    "norma info IN...: what is in a file: meshes, counts, normals, transforms and their kinds\n"
+    "norma info IN...: lists what is in a file: meshes, counts, normals, transforms and their "
+    "kinds\n"
     "\n"
     "Examples\n"
     "  norma info chair.glb\n"
@@ -24,9 +25,9 @@ static const char help[] =
     "  cat a.stl | norma info - --input-format stl\n"
     "\n"
     "Options\n"
-    "  --deep                reads everything: open or closed, which weight and crease explain the "
-    "stored normals,\n"
-    "                        and how stored tangents were made\n"
+    "  --deep                reads the whole file, and reports whether meshes are closed, which "
+    "weight and\n"
+    "                        crease explain the stored normals, and how stored tangents were made\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
     "  --threads N           how many threads may work (all)\n"
@@ -545,9 +546,9 @@ static int run_file(const info_work *work, const char *path) {
     return status;
 }
 
-/* ---- the verb */
+/* ---- the command */
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     info_work work = {.common = {.threads = NORMA_ALL_THREADS}};
     const cli_table tables[] = {
         {options, CLI_COUNT(options), &work},
@@ -555,13 +556,13 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
         {cli_common_options, cli_common_option_count, &work.common},
     };
     int wants_help, status;
-    if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
+    if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
     status = cli_parse(
-        verb, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
+        command, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
     if (wants_help)
         fputs(help, stdout);
     else if (!status)
-        status = cli_find_inputs(verb, &work.files);
+        status = cli_find_inputs(command, &work.files);
     for (size_t i = 0; i < work.files.inputs.count && !wants_help && status != CLI_USAGE; ++i)
         status = cli_worse(status, run_file(&work, work.files.inputs.paths[i]));
     cli_files_end(&work.files);
@@ -569,4 +570,4 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
 }
 
 const cli_subcommand cli_subcommand_info = {
-    "info", "what is in a file: meshes, normals, transforms and their kinds", help, run};
+    "info", "lists what is in a file: meshes, normals, transforms and their kinds", help, run};

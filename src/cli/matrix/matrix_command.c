@@ -46,11 +46,11 @@ static const char *shortcut_name(norma_shortcut shortcut) {
     return "none";
 }
 
-static int answer(const cli_subcommand *verb, const double model[16], matrix_answer *found) {
+static int answer(const cli_subcommand *command, const double model[16], matrix_answer *found) {
     norma_result result =
         norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, found->normal, &found->info);
     if (!result) result = norma_cofactor_matrix(model, found->cofactor);
-    if (result) return cli_usage(verb, "%s", norma_result_text(result));
+    if (result) return cli_usage(command, "%s", norma_result_text(result));
     found->model = model;
     found->has_inverse = norma_inverse_transpose(model, found->inverse_transpose) == NORMA_OK;
     for (int i = 0; i < 9 && found->has_inverse; ++i)
@@ -246,9 +246,9 @@ static void print_text(matrix_answer *found) {
     print_shortcut(found);
 }
 
-/* ---- the verb */
+/* ---- the command */
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     cli_matrix matrix = cli_matrix_identity;
     cli_common common = {0};
     cli_words words = {0};
@@ -257,17 +257,17 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
         {cli_common_options, cli_common_option_count, &common},
     };
     matrix_answer found;
-    int wants_help,
-        status = cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help);
+    int wants_help, status = cli_parse(
+                        command, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help);
     if (status) return status;
     if (wants_help) {
         fputs(help, stdout);
         return cli_finish(CLI_OK);
     }
     if (!matrix.given)
-        return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate or "
-                               "--matrix, as in: norma matrix --scale 2,0.5,1");
-    status = answer(verb, matrix.matrix, &found);
+        return cli_usage(command, "no matrix was given; expected --scale, --rotate, --translate or "
+                                  "--matrix, as in: norma matrix --scale 2,0.5,1");
+    status = answer(command, matrix.matrix, &found);
     if (status) return status;
     if (common.json)
         write_json(&found);

@@ -1,4 +1,5 @@
-/* options.c: reads a command line by the tables of its verb: --name value, --name=value, -o value,
+/* options.c: reads a command line by the tables of its command: --name value, --name=value, -o
+ * value,
  * -- for names that begin with a dash. */
 #include "cli/options/options.h"
 #include "cli/options/suggest.h"
@@ -8,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-int cli_usage(const cli_subcommand *verb, const char *format, ...) {
+int cli_usage(const cli_subcommand *command, const char *format, ...) {
     va_list arguments;
-    fprintf(stderr, "norma%s%s: ", verb ? " " : "", verb ? verb->name : "");
+    fprintf(stderr, "norma%s%s: ", command ? " " : "", command ? command->name : "");
     va_start(arguments, format);
     cli_say_list(stderr, format, arguments);
     va_end(arguments);
-    fprintf(stderr, " (see 'norma help%s%s')\n", verb ? " " : "", verb ? verb->name : "");
+    fprintf(stderr, " (see 'norma help%s%s')\n", command ? " " : "", command ? command->name : "");
     return CLI_USAGE;
 }
 
@@ -36,8 +37,8 @@ static const cli_option *find_option(const cli_table *tables, size_t table_count
     return NULL;
 }
 
-static int unknown_option(
-    const cli_subcommand *verb, const cli_table *tables, size_t table_count, const char *argument) {
+static int unknown_option(const cli_subcommand *command, const cli_table *tables,
+    size_t table_count, const char *argument) {
     char name[CLI_LONGEST_WORD + 1] = "";
     const char *meant = NULL;
     size_t length = strcspn(argument + 2, "=");
@@ -46,8 +47,9 @@ static int unknown_option(
         for (size_t t = 0; t < table_count && !meant; ++t)
             meant = cli_suggest(name, tables[t].options, tables[t].count, sizeof(cli_option));
     }
-    if (meant) return cli_usage(verb, "unknown option '%s'; did you mean --%s?", argument, meant);
-    return cli_usage(verb, "unknown option '%s'", argument);
+    if (meant)
+        return cli_usage(command, "unknown option '%s'; did you mean --%s?", argument, meant);
+    return cli_usage(command, "unknown option '%s'", argument);
 }
 
 /* A forgotten value would otherwise swallow the next option; what begins with one dash may be a
@@ -60,7 +62,7 @@ static int is_option(const cli_table *tables, size_t table_count, const char *wo
 }
 
 /* Reads the option at arguments[*at], which moves to its last word. */
-static int read_option(const cli_subcommand *verb, const cli_table *tables, size_t table_count,
+static int read_option(const cli_subcommand *command, const cli_table *tables, size_t table_count,
     int count, char **arguments, int *at) {
     const char *argument = arguments[*at], *value = NULL;
     const cli_table *table;
@@ -74,24 +76,25 @@ static int read_option(const cli_subcommand *verb, const cli_table *tables, size
         if (argument[2]) value = argument + 2;
     }
     if (!option || (argument[1] != '-' && value && !option->takes_value))
-        return unknown_option(verb, tables, table_count, argument);
-    if (value && !option->takes_value) return cli_usage(verb, "--%s takes no value", option->name);
+        return unknown_option(command, tables, table_count, argument);
+    if (value && !option->takes_value)
+        return cli_usage(command, "--%s takes no value", option->name);
     if (!value && option->takes_value == CLI_VALUE) {
         if (*at + 1 >= count || is_option(tables, table_count, arguments[*at + 1]))
-            return cli_usage(verb, "%s needs a value", argument);
+            return cli_usage(command, "%s needs a value", argument);
         value = arguments[++*at];
     }
     const char *expected = option->set(table->settings, value);
     char meant[CLI_LONGEST_WORD + 1];
     if (!expected) return CLI_OK;
     if (value && cli_suggest_listed(value, expected, meant))
-        return cli_usage(
-            verb, "--%s '%s': expected %s; did you mean %s?", option->name, value, expected, meant);
-    return value ? cli_usage(verb, "--%s '%s': expected %s", option->name, value, expected)
-                 : cli_usage(verb, "--%s: %s", option->name, expected);
+        return cli_usage(command, "--%s '%s': expected %s; did you mean %s?", option->name, value,
+            expected, meant);
+    return value ? cli_usage(command, "--%s '%s': expected %s", option->name, value, expected)
+                 : cli_usage(command, "--%s: %s", option->name, expected);
 }
 
-int cli_parse(const cli_subcommand *verb, const cli_table *tables, size_t table_count, int count,
+int cli_parse(const cli_subcommand *command, const cli_table *tables, size_t table_count, int count,
     char **arguments, cli_words *words, int *help) {
     int only_words = 0;
     *help = 0;
@@ -106,12 +109,12 @@ int cli_parse(const cli_subcommand *verb, const cli_table *tables, size_t table_
         const char *argument = arguments[i];
         if (only_words || argument[0] != '-' || argument[1] == '\0') {
             if (!words->words)
-                return cli_usage(verb, "takes no file, and '%s' is not an option", argument);
+                return cli_usage(command, "takes no file, and '%s' is not an option", argument);
             words->words[words->count++] = argument;
         } else if (strcmp(argument, "--") == 0) {
             only_words = 1;
         } else {
-            int status = read_option(verb, tables, table_count, count, arguments, &i);
+            int status = read_option(command, tables, table_count, count, arguments, &i);
             if (status) return status;
         }
     }
@@ -154,7 +157,7 @@ size_t cli_numbers(const char *text, double *numbers, size_t room) {
     return count;
 }
 
-/* ---- options of every verb */
+/* ---- options of every command */
 
 static const char *set_json(void *settings, const char *value) {
     (void)value;

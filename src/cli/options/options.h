@@ -1,4 +1,5 @@
-/* options.h: a command line, read by the tables of its verb; and the options that all verbs have.
+/* options.h: a command line, read by the tables of its command; and the options that all commands
+ * have.
  */
 #ifndef NORMA_CLI_OPTIONS_H
 #define NORMA_CLI_OPTIONS_H
@@ -33,7 +34,7 @@ typedef struct cli_words {
 
 /* Tries each table in turn. Returns CLI_OK or CLI_USAGE, said already; *help: --help was given,
  * nothing else counts. words->words has room for count words; NULL: a usage error. */
-int cli_parse(const cli_subcommand *verb, const cli_table *tables, size_t table_count, int count,
+int cli_parse(const cli_subcommand *command, const cli_table *tables, size_t table_count, int count,
     char **arguments, cli_words *words, int *help);
 
 /* Reads the whole text as C spells numbers. Returns 0 if it is not a finite number. */

@@ -70,6 +70,11 @@ void cli_name_error(norma_document_error *error, const char *input) {
         snprintf(error->message, sizeof error->message, "%.900s: %s", cli_input_name(input),
             plain_reason(error->result));
     if (error->result == NORMA_DOCUMENT_ERROR_MEMORY) name_limit(error, input);
+    if (error->message[0] == ':') {
+        strcpy(rest, error->message);
+        snprintf(
+            error->message, sizeof error->message, "%.400s%.400s", cli_input_name(input), rest);
+    }
     if (strncmp(error->message, nameless, sizeof nameless - 1) != 0) return;
     strcpy(rest, error->message + sizeof nameless - 1);
     snprintf(error->message, sizeof error->message, "standard input%.900s", rest);

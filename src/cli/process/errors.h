@@ -13,8 +13,8 @@ int cli_status_of(norma_document_result result);
 int cli_worse(int status, int other); /* of a batch: 3, then 2, then 0 */
 
 const char *cli_input_name(const char *input); /* for people: "standard input" for "-" */
-/* Gives an error without words those of its kind, and calls bytes without a name "standard input".
- */
+/* Gives an error without words those of its kind, puts the input's name in front of words that
+ * begin with a colon, and calls bytes without a name "standard input". */
 void cli_name_error(norma_document_error *error, const char *input);
 /* An error that was printed already: cli_print_error does not print it again. */
 norma_document_result cli_reported(norma_document_error *error);

@@ -32,8 +32,8 @@ static const char help[] =
     "                        tangents (as colours); also, over it or alone: hedgehog (normals as "
     "lines), wireframe\n"
     "  --select RULES        findings of these rules only, as for norma check\n"
-    "  --clay                grey clay instead of materials; --compare, error and findings "
-    "have it, unless --clay=no\n"
+    "  --clay                grey clay instead of materials; the default for --compare, error and\n"
+    "                        findings, unless --clay=no\n"
     "  --lines LIST          where a hedgehog has lines: vertices, faces, edges (vertices,faces)\n"
     "  --line-length N       in lengths of nearby edges (0.7)\n"
     "  --line-width PIXELS   (1.6)\n"
@@ -64,7 +64,7 @@ static const char help[] =
     "  --camera AZIMUTH,ELEVATION\n"
     "                        0,0 is the front, 90,0 the right side, 0,90 above (35,22)\n"
     "  --fov DEG             angle of view (28); 0 is orthographic\n"
-    "  --up x|y|z            the axis that points up: y in glTF; guessed in other formats\n"
+    "  --up x|y|z|-x|-y|-z   the axis that points up: y in glTF; guessed in other formats\n"
     "  --light AZIMUTH,ELEVATION[,STRENGTH]\n"
     "                        seen from the camera, up to four (-30,50,0.78 and 75,5,0.34)\n"
     "  --phong AMBIENT,DIFFUSE,SPECULAR,EXPONENT\n"
@@ -89,26 +89,37 @@ static const char help[] =
 /* ---- one picture */
 
 typedef struct picture_job {
-    const cli_subcommand *verb;
+    const cli_subcommand *command;
     const render_settings *settings;
     render_device *device;
-    const char *input; /* of a sheet: the first */
-    size_t index;      /* of the input */
+    const char *input;  /* of a sheet: the first that is drawn */
+    size_t index;       /* of the input */
+    const char **drawn; /* the inputs in the picture */
+    size_t drawn_count, failed_panel;
     char *output;
     render_plan plan;
     render_sheet sheet;
     size_t width, height;
 } picture_job;
 
-static int fail_drawing(const picture_job *job, const render_error *error) {
-    cli_error("%s: %s", cli_input_name(job->input), error->message);
+static int fail_drawing(picture_job *job, const render_error *error) {
+    char limit[CLI_LIMIT_ROOM];
+    cli_memory_limit_words(limit);
+    job->failed_panel = error->panel;
+    const char *input =
+        job->settings->sheet && error->panel
+            ? job->settings->files.inputs.paths[job->plan.panels[error->panel - 1].file - 1]
+            : job->input;
+    const int memory = error->result == RENDER_ERROR_MEMORY || strstr(error->message, "memory");
+    cli_error("%s: %s%s%s", cli_input_name(input), error->message, memory ? limit : "",
+        memory && limit[0] ? RENDER_DRIVER_NEEDS : "");
     return error->result == RENDER_ERROR_ARGUMENT ? CLI_USAGE : CLI_FILE;
 }
 
 static int write_picture(picture_job *job, const render_picture *picture) {
     cli_output output;
     render_png png;
-    render_error error;
+    render_error error = {.result = RENDER_OK};
     if (render_png_encode(picture, &png, &error)) return fail_drawing(job, &error);
     int status = cli_make_folders(&job->settings->files, job->output);
     if (!status) status = cli_output_begin(&output, job->output, job->settings->files.guard);
@@ -184,9 +195,8 @@ static void report_json(const picture_job *job, const render_scene_file *file, i
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "input", job->input);
     if (job->settings->sheet) {
-        const cli_inputs *inputs = &job->settings->files.inputs;
         cli_json_open(&json, "inputs", '[');
-        for (size_t i = 0; i < inputs->count; ++i) cli_json_string(&json, NULL, inputs->paths[i]);
+        for (size_t i = 0; i < job->drawn_count; ++i) cli_json_string(&json, NULL, job->drawn[i]);
         cli_json_close(&json, ']');
     }
     cli_json_string(&json, "output", job->output);
@@ -208,23 +218,22 @@ static void report_json(const picture_job *job, const render_scene_file *file, i
     cli_json_open(&json, "world_to_clip", '['); /* of the first panel */
     for (int i = 0; i < 16; ++i) cli_json_number(&json, NULL, job->plan.panels[0].world_to_clip[i]);
     cli_json_close(&json, ']');
-    cli_json_notes(&json, file->document);
+    cli_json_open(&json, "notes", '[');
+    for (size_t i = 0; i < norma_document_note_count(file->document); ++i)
+        cli_json_string(&json, NULL, norma_document_note(file->document, i));
+    for (size_t i = 0; i < file->note_count; ++i) cli_json_string(&json, NULL, file->notes[i]);
+    cli_json_close(&json, ']');
     cli_json_close(&json, '}');
     fputc('\n', stdout);
-}
-
-static const char *last_input(const picture_job *job) {
-    const cli_inputs *inputs = &job->settings->files.inputs;
-    return cli_input_name(job->settings->sheet ? inputs->paths[inputs->count - 1] : job->input);
 }
 
 static void report_text(const picture_job *job, const render_scene_file *file, int pictures) {
     FILE *out = render_is_standard(job->output) ? stderr : stdout;
     const double worst = worst_error(job);
     char number[32];
-    for (size_t i = 1; job->settings->sheet && i < job->settings->files.inputs.count; ++i)
-        cli_say(out, "%s, ", cli_input_name(job->settings->files.inputs.paths[i - 1]));
-    cli_say(out, "%s -> %s: ", last_input(job),
+    for (size_t i = 0; i + 1 < job->drawn_count; ++i)
+        cli_say(out, "%s, ", cli_input_name(job->drawn[i]));
+    cli_say(out, "%s -> %s: ", cli_input_name(job->drawn[job->drawn_count - 1]),
         render_is_standard(job->output) ? "standard output" : job->output);
     cli_counted(out, count_triangles(job), "triangle", "triangles");
     if (pictures > 1)
@@ -236,6 +245,8 @@ static void report_text(const picture_job *job, const render_scene_file *file, i
     else if (isfinite(worst))
         fprintf(out, ", stored normals differ from computed ones by up to %s degrees",
             cli_decimals(number, worst, 2));
+    else if (job->settings->show == RENDER_SHOW_ERROR && !job->settings->compare)
+        fputs(", no normals are stored: there is nothing to compare", out);
     if (job->plan.difference >= 0)
         fprintf(out, ", the two differ by up to %d of 255 levels", job->plan.difference);
     if (lines_left_out(job)) {
@@ -249,6 +260,8 @@ static void report_text(const picture_job *job, const render_scene_file *file, i
     fputc('\n', out);
     fflush(out);
     if (file->document) cli_print_notes(job->input, file->document);
+    for (size_t i = 0; i < file->note_count; ++i)
+        cli_error("%s: note: %s", cli_input_name(job->input), file->notes[i]);
 }
 
 static void report(const picture_job *job, const render_scene_file *file, int pictures) {
@@ -299,11 +312,13 @@ static int draw_file(picture_job *job) {
     render_scene_file file;
     norma_document_error error = {0};
     job->plan = (render_plan){.settings = settings, .difference = -1};
+    job->drawn = &job->input;
+    job->drawn_count = 1;
     int status = CLI_OK;
     if (render_file_open(settings, job->input, &file, &error))
         status = fail_input(settings, job->input, &error);
     if (!status) {
-        status = render_plan_add(job->verb, &job->plan, &file, NULL, &error);
+        status = render_plan_add(job->command, &job->plan, &file, NULL, &error);
         if (status && error.result) status = fail_input(settings, job->input, &error);
     }
     if (!status) status = render_guard_outputs(settings);
@@ -321,45 +336,95 @@ static void title_of(const char *input, char *title, size_t room) {
     snprintf(title, room, "%.*s", dot && dot > name ? (int)(dot - name) : (int)strlen(name), name);
 }
 
+/* ---- a sheet: what cannot be drawn is named, the rest is drawn */
+
+static void leave_file(picture_job *job, render_scene_file *files, size_t number) {
+    render_scene_file *file = &files[number - 1];
+    char title[128];
+    title_of(file->input, title, sizeof title);
+    render_plan_leave(&job->plan, number, title, file->document ? file : NULL);
+}
+
+static int open_sheet(picture_job *job, render_scene_file *files) {
+    const cli_inputs *inputs = &job->settings->files.inputs;
+    int status = CLI_OK;
+    for (size_t i = 0; i < inputs->count; ++i) {
+        norma_document_error error = {0};
+        char title[128];
+        title_of(inputs->paths[i], title, sizeof title);
+        int failed = render_file_open(job->settings, inputs->paths[i], &files[i], &error)
+                         ? CLI_FILE
+                         : render_plan_add(job->command, &job->plan, &files[i], title, &error);
+        if (!failed) continue;
+        if (!error.result) return failed;
+        status = cli_worse(status, fail_input(job->settings, inputs->paths[i], &error));
+        if (error.result == NORMA_DOCUMENT_CANCELLED) return status;
+        job->plan.files = i + 1;
+        leave_file(job, files, i + 1);
+    }
+    return job->plan.count > 0 ? CLI_OK : status;
+}
+
+/* The inputs whose panels are left. */
+static void list_drawn(picture_job *job) {
+    const cli_inputs *inputs = &job->settings->files.inputs;
+    job->drawn_count = 0;
+    for (size_t i = 0; i < job->plan.count; ++i) {
+        const size_t file = job->plan.panels[i].file;
+        if (i == 0 || file != job->plan.panels[i - 1].file)
+            job->drawn[job->drawn_count++] = inputs->paths[file - 1];
+    }
+    job->input = job->drawn[0];
+}
+
+static int draw_opened(picture_job *job, render_scene_file *files) {
+    int status = CLI_FILE;
+    while (job->plan.count > 0) {
+        list_drawn(job);
+        job->failed_panel = 0;
+        status = draw_pictures(job, &files[job->plan.panels[0].file - 1]);
+        if (!status || !job->failed_panel) break;
+        leave_file(job, files, job->plan.panels[job->failed_panel - 1].file);
+        status = CLI_FILE;
+    }
+    return status;
+}
+
 static int draw_sheet(picture_job *job) {
     const render_settings *settings = job->settings;
     const cli_inputs *inputs = &settings->files.inputs;
     render_scene_file *files = calloc(inputs->count + 1, sizeof *files);
-    int status = files ? CLI_OK : cli_out_of_memory();
+    const char **drawn = calloc(inputs->count + 1, sizeof *drawn);
+    int status = files && drawn ? CLI_OK : cli_out_of_memory();
     job->plan = (render_plan){.settings = settings, .difference = -1};
-    for (size_t i = 0; i < inputs->count && !status; ++i) {
-        norma_document_error error = {0};
-        char title[128];
-        title_of(inputs->paths[i], title, sizeof title);
-        status = render_file_open(settings, inputs->paths[i], &files[i], &error)
-                     ? CLI_FILE
-                     : render_plan_add(job->verb, &job->plan, &files[i], title, &error);
-        if (status && error.result) status = fail_input(settings, inputs->paths[i], &error);
-    }
+    job->drawn = drawn;
     job->input = inputs->paths[0];
+    if (!status) status = open_sheet(job, files);
     if (!status) status = render_guard_outputs(settings);
-    if (!status) status = draw_pictures(job, &files[0]);
+    if (!status) status = draw_opened(job, files);
+    if (!status && job->plan.lost.file_count > 0) status = CLI_FILE;
     render_device_forget(job->device);
     for (size_t i = 0; files && i < inputs->count; ++i) render_file_close(&files[i]);
     free(files);
+    free(drawn);
     free(job->output);
     job->output = NULL;
     return status;
 }
 
-static int draw_all(const cli_subcommand *verb, const render_settings *settings) {
+static int draw_all(const cli_subcommand *command, const render_settings *settings) {
     picture_job *job = calloc(1, sizeof *job);
     render_error error = {.message = "out of memory"};
     render_watch_driver();
     if (!job || render_device_open(settings->software, &job->device, &error)) {
         char limit[CLI_LIMIT_ROOM]; /* within which a driver may not fit */
         cli_memory_limit_words(limit);
-        cli_error("%s%s", error.message, limit);
+        cli_error("%s%s%s", error.message, limit, limit[0] ? RENDER_DRIVER_NEEDS : "");
         free(job);
         return CLI_FILE;
     }
     int status = CLI_OK;
-    job->verb = verb;
+    job->command = command;
     job->settings = settings;
     if (settings->sheet) status = draw_sheet(job);
     for (size_t i = 0; i < settings->files.inputs.count && !settings->sheet; ++i) {
@@ -372,17 +437,17 @@ static int draw_all(const cli_subcommand *verb, const render_settings *settings)
     return status;
 }
 
-static int draw_inputs(const cli_subcommand *verb, render_settings *settings) {
-    const int found = cli_find_inputs(verb, &settings->files);
+static int draw_inputs(const cli_subcommand *command, render_settings *settings) {
+    const int found = cli_find_inputs(command, &settings->files);
     if (found == CLI_USAGE || settings->files.inputs.count == 0) return found;
-    const int refused = render_settings_check(verb, settings);
-    return refused ? refused : cli_finish(cli_worse(found, draw_all(verb, settings)));
+    const int refused = render_settings_check(command, settings);
+    return refused ? refused : cli_finish(cli_worse(found, draw_all(command, settings)));
 }
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     render_settings settings;
     render_settings_default(&settings);
-    if (!cli_files_begin(verb, &settings.files, count)) return CLI_FILE;
+    if (!cli_files_begin(command, &settings.files, count)) return CLI_FILE;
     const cli_table tables[] = {
         {render_options, render_option_count, &settings},
         {cli_matrix_options, cli_matrix_option_count, &settings.matrix},
@@ -391,11 +456,11 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
     };
     int wants_help;
     int status = cli_parse(
-        verb, tables, CLI_COUNT(tables), count, arguments, &settings.files.words, &wants_help);
+        command, tables, CLI_COUNT(tables), count, arguments, &settings.files.words, &wants_help);
     if (wants_help)
-        fputs(verb->help, stdout), status = cli_finish(status);
+        fputs(command->help, stdout), status = cli_finish(status);
     else if (!status)
-        status = draw_inputs(verb, &settings);
+        status = draw_inputs(command, &settings);
     cli_files_end(&settings.files);
     return status;
 }

@@ -6,6 +6,12 @@
 #include "cli/files/input.h"
 #include "cli/options/matrix_options.h"
 
+#if defined(__GNUC__)
+#define CLI_NOTE_FORMAT __attribute__((format(printf, 2, 3)))
+#else
+#define CLI_NOTE_FORMAT
+#endif
+
 /* ---- settings */
 
 enum { RENDER_MOST_WORDS = RENDER_MOST_PANELS, RENDER_MOST_TURNS = 3600, RENDER_MOST_RULES = 256 };
@@ -37,14 +43,23 @@ typedef struct render_settings {
     int compute; /* --normals computed: stored ones are not looked at */
     int software;
     int light_given;
+    unsigned given; /* of enum render_given: options that may turn out to have no effect */
     const char *labels[RENDER_MOST_WORDS];
     size_t label_count;
 } render_settings;
+enum render_given {
+    RENDER_GIVEN_SHADING = 1,
+    RENDER_GIVEN_PHONG = 2,
+    RENDER_GIVEN_WEIGHT = 4,
+    RENDER_GIVEN_LENGTH = 8,
+    RENDER_GIVEN_WIDTH = 16,
+    RENDER_GIVEN_MOST = 32
+};
 extern const cli_option render_options[];
 extern const size_t render_option_count;
 void render_settings_default(render_settings *settings);
 /* What contradicts itself: CLI_USAGE, said already. */
-int render_settings_check(const cli_subcommand *verb, render_settings *settings);
+int render_settings_check(const cli_subcommand *command, render_settings *settings);
 const char *render_base_name(const char *path);
 int render_is_standard(const char *name); /* "-" */
 /* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the
@@ -77,6 +92,9 @@ typedef struct render_scene_file {
     size_t with_tangents, with_texcoords;  /* surfaces that store tangents; that have coordinates */
     struct render_file_image **images;     /* of materials, as pictures */
     size_t image_count, images_left_out;
+    char left_out_names[120]; /* of those images */
+    const char *notes[32];    /* for the summary */
+    size_t note_count;
     enum render_up up;
     int up_guessed;
     void **owned; /* arrays that the scenes point to */
@@ -94,6 +112,8 @@ norma_document_result render_file_mark(const render_settings *settings, render_s
     render_surface *surfaces, size_t surface_count, norma_document_error *error);
 int render_file_keep(render_scene_file *file,
     void *block); /* freed with the file; 0: out of memory, and the block is freed */
+/* Adds a note to the summary; what does not fit in memory or in the list is left out. */
+void render_file_note(render_scene_file *file, const char *format, ...) CLI_NOTE_FORMAT;
 void render_file_close(render_scene_file *file);
 void render_scene_free(render_scene *scene);
 norma_document_result render_file_fail(
@@ -115,9 +135,20 @@ enum {
     RENDER_NO_PLACE,
     RENDER_LEFT_OUT
 };
+typedef struct render_left_out {
+    size_t counts[RENDER_LEFT_OUT];
+    char files[160], images[160]; /* names: of files of a sheet that cannot be drawn, of images */
+    size_t file_count;
+} render_left_out;
 void render_file_left_out(
-    const render_settings *settings, const render_scene_file *file, size_t counts[RENDER_LEFT_OUT]);
-void render_left_out_words(const size_t counts[RENDER_LEFT_OUT], char *text, size_t room);
+    const render_settings *settings, const render_scene_file *file, render_left_out *left_out);
+void render_left_out_words(const render_left_out *left_out, char *text, size_t room);
+/* Another name at the end of a list; of one that is full, "..." */
+void render_add_name(char *list, size_t room, const char *name);
+/* Notes of options that have no effect on this file. */
+void render_note_idle(const render_settings *settings, render_scene_file *file);
+/* Usage: options that nothing that is drawn looks at. */
+int render_check_idle(const cli_subcommand *command, const render_settings *settings);
 
 /* ---- panels */
 
@@ -125,22 +156,30 @@ typedef struct render_plan { /* of one picture */
     render_panel panels[RENDER_MOST_PANELS];
     size_t count, files;
     char above[RENDER_MOST_PANELS][160], below[RENDER_MOST_PANELS][160], footer[200];
-    char left_out[320], keys[4][40]; /* keys: of findings, by severity */
-    size_t found_counts[4], left_out_counts[RENDER_LEFT_OUT];
+    char left_out[560], keys[4][40];  /* keys: of findings, by severity */
+    size_t found_counts[4], unstored; /* unstored: --show error, surfaces with nothing to compare */
+    render_left_out lost;
+    size_t labels_unused; /* of files that are left out */
     const render_settings *settings;
     int difference; /* largest between panels of shadings, of 255; -1: none */
 } render_plan;
 
 /* Adds the panels of one file: its views, or what --compare sets side by side. title: above them
  * where nothing else is; may be NULL. A status; said already. */
-int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_file *file,
+int render_plan_add(const cli_subcommand *command, render_plan *plan, render_scene_file *file,
     const char *title, norma_document_error *error);
+/* A file of a sheet that cannot be drawn is left out, with its panels if it has any: the file of
+ * the number, from 1; file: NULL if it could not be opened. */
+void render_plan_leave(
+    render_plan *plan, size_t number, const char *name, const render_scene_file *file);
 /* The words under a picture that are known before it is drawn. */
 void render_plan_legend(render_plan *plan, render_sheet *sheet);
 /* A render_tell: user is the plan. */
 void render_plan_tell(void *user, render_sheet *sheet, const render_picture *picture);
 /* The words of --compare and --views are checked before a file is opened. */
-int render_plan_check(const cli_subcommand *verb, const render_settings *settings);
+int render_plan_check(const cli_subcommand *command, const render_settings *settings);
+/* The end of a message, behind the limit: Mesa's renderer alone was seen to take 70 to 100 MB. */
+#define RENDER_DRIVER_NEEDS "; a renderer needs 128M and more"
 /* render_driver.c: under --max-memory a driver that ends the program for want of memory is told of,
  * with status 3. */
 void render_watch_driver(void);

@@ -12,7 +12,7 @@
 #include <signal.h>
 #include <unistd.h>
 
-static char driver_failed[CLI_LIMIT_ROOM + 96];
+static char driver_failed[CLI_LIMIT_ROOM + 192];
 
 static void catch_driver(int number) {
     (void)number;
@@ -26,7 +26,7 @@ void render_watch_driver(void) {
     cli_memory_limit_words(limit);
     if (!limit[0]) return;
     snprintf(driver_failed, sizeof driver_failed,
-        "norma: the graphics driver ended for want of memory%s\n", limit);
+        "norma: the graphics driver ended for want of memory%s" RENDER_DRIVER_NEEDS "\n", limit);
     struct sigaction action = {.sa_handler = catch_driver};
     sigemptyset(&action.sa_mask);
     sigaction(SIGSEGV, &action, NULL);

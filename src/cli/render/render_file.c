@@ -2,6 +2,7 @@
 #include "cli/render/render_command.h"
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,6 +46,21 @@ void render_file_close(render_scene_file *file) {
     norma_document_close(file->document);
     free(file->memory);
     *file = (render_scene_file){0};
+}
+
+void render_file_note(render_scene_file *file, const char *format, ...) {
+    char text[400];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    for (size_t i = 0; i < file->note_count; ++i)
+        if (strcmp(file->notes[i], text) == 0) return;
+    if (file->note_count == sizeof file->notes / sizeof *file->notes) return;
+    char *kept = malloc(strlen(text) + 1);
+    if (!kept) return;
+    strcpy(kept, text);
+    if (render_file_keep(file, kept)) file->notes[file->note_count++] = kept;
 }
 
 int render_file_keep(render_scene_file *file, void *block) {

@@ -10,8 +10,8 @@ static const char help[] =
     "It was built without libpng, libjpeg or the headers of EGL and OpenGL ES 3. Install them\n"
     "(Debian: libpng-dev libjpeg-dev libegl-dev libgles-dev) and build again.\n";
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
-    (void)verb;
+static int run(const cli_subcommand *command, int count, char **arguments) {
+    (void)command;
     for (int i = 0; i < count; ++i)
         if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0) {
             fputs(help, stdout);

@@ -15,6 +15,15 @@ struct render_file_image {
     render_picture picture;
 };
 
+/* What cannot be drawn is named in the picture, and in a note with the reason. */
+static void leave_image(render_scene_file *file, const char *list, size_t number, const char *why) {
+    char name[48];
+    snprintf(name, sizeof name, "/%s/%zu", list, number);
+    ++file->images_left_out;
+    render_add_name(file->left_out_names, sizeof file->left_out_names, name);
+    render_file_note(file, "%s is not drawn: %.300s", name, why);
+}
+
 /* A picture without pixels: it could not be decoded. NULL: out of memory. */
 static const render_picture *picture_of(render_scene_file *file, const norma_texture_info *info) {
     for (size_t i = 0; i < file->image_count; ++i)
@@ -23,10 +32,11 @@ static const render_picture *picture_of(render_scene_file *file, const norma_tex
     if (list) file->images = list;
     struct render_file_image *made = list ? calloc(1, sizeof *made) : NULL;
     if (!made) return NULL;
-    render_error ignored;
+    render_error why = {.message = "it has no bytes"};
     made->number = info->image;
-    if (info->bytes) render_image_decode(info->bytes, info->size, &made->picture, &ignored);
-    file->images_left_out += !made->picture.pixels;
+    if (info->bytes) render_image_decode(info->bytes, info->size, &made->picture, &why);
+    if (!made->picture.pixels)
+        leave_image(file, "images", info->image, info->not_read ? info->not_read : why.message);
     if (!render_file_keep(file, made) ||
         (made->picture.pixels && !render_file_keep(file, made->picture.pixels)))
         return NULL;
@@ -64,18 +74,23 @@ static norma_document_result read_texcoords(render_scene_file *file, size_t mesh
     return NORMA_DOCUMENT_OK;
 }
 
+typedef struct surface_of { /* numbers in the document */
+    size_t mesh, material;
+} surface_of;
+
 /* Without coordinates, or with an image that cannot be read, the surface is drawn without it. */
-static norma_document_result set_map(render_scene_file *file, size_t mesh,
+static norma_document_result set_map(render_scene_file *file, const surface_of *of,
     const norma_texture_info *info, render_texture *map, norma_document_error *error) {
     if (!info->there) return NORMA_DOCUMENT_OK;
     *map = (render_texture){.wrap_s = info->wrap_s,
         .wrap_t = info->wrap_t,
         .mag_filter = info->mag_filter,
         .min_filter = info->min_filter};
-    norma_document_result result = read_texcoords(file, mesh, info, map, error);
+    norma_document_result result = read_texcoords(file, of->mesh, info, map, error);
     if (result || !map->texcoords) return result;
     if (info->image == SIZE_MAX) {
-        ++file->images_left_out;
+        leave_image(
+            file, "materials", of->material, info->not_read ? info->not_read : "it names no image");
         return NORMA_DOCUMENT_OK;
     }
     const render_picture *picture = picture_of(file, info);
@@ -101,8 +116,9 @@ static norma_document_result set_maps(const render_settings *settings, render_sc
     surface->alpha_cutoff = maps.alpha_mode == NORMA_ALPHA_MASK ? maps.alpha_cutoff : 0;
     surface->blends = maps.alpha_mode == NORMA_ALPHA_BLEND;
     surface->normal_strength = maps.normal.strength;
-    result = set_map(file, mesh, &maps.base_color, &surface->base_map, error);
-    return result ? result : set_map(file, mesh, &maps.normal, &surface->normal_map, error);
+    const surface_of of = {mesh, material};
+    result = set_map(file, &of, &maps.base_color, &surface->base_map, error);
+    return result ? result : set_map(file, &of, &maps.normal, &surface->normal_map, error);
 }
 
 static void set_colours(const norma_mesh_attributes *attributes,

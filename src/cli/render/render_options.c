@@ -44,6 +44,7 @@ static const char *set_shading(void *settings, const char *value) {
     int number = number_of(value, strlen(value), names, CLI_COUNT(names));
     if (number < 0) return "flat, gouraud or phong";
     ((render_settings *)settings)->shading = (enum render_shading)number;
+    ((render_settings *)settings)->given |= RENDER_GIVEN_SHADING;
     return NULL;
 }
 
@@ -91,6 +92,7 @@ static const char *set_line_length(void *settings, const char *value) {
     if (!cli_number(value, &length) || length <= 0 || length > 1000)
         return "a number above 0: in lengths of the edges nearby";
     ((render_settings *)settings)->look.reach = length;
+    ((render_settings *)settings)->given |= RENDER_GIVEN_LENGTH;
     return NULL;
 }
 
@@ -98,6 +100,7 @@ static const char *set_line_width(void *settings, const char *value) {
     double width;
     if (!cli_number(value, &width) || width <= 0 || width > 100) return "pixels, above 0";
     ((render_settings *)settings)->look.line_pixels = width;
+    ((render_settings *)settings)->given |= RENDER_GIVEN_WIDTH;
     return NULL;
 }
 
@@ -106,6 +109,7 @@ static const char *set_most_lines(void *settings, const char *value) {
     if (!cli_number(value, &most) || most < 1 || most > 1e7 || most != floor(most))
         return "a whole number from 1 up";
     ((render_settings *)settings)->look.most_lines = (size_t)most;
+    ((render_settings *)settings)->given |= RENDER_GIVEN_MOST;
     return NULL;
 }
 
@@ -194,6 +198,7 @@ static const char *set_normals(void *settings, const char *value) {
 }
 
 static const char *set_weight(void *settings, const char *value) {
+    ((render_settings *)settings)->given |= RENDER_GIVEN_WEIGHT;
     return cli_find_weight(value, &((render_settings *)settings)->weight);
 }
 
@@ -229,10 +234,10 @@ static const char *set_fov(void *settings, const char *value) {
 }
 
 static const char *set_up(void *user, const char *value) {
-    static const char *const names[] = {"y", "z", "x"};
+    static const char *const names[] = {"y", "z", "x", "-y", "-z", "-x"};
     render_settings *settings = user;
     const int number = number_of(value, strlen(value), names, CLI_COUNT(names));
-    if (number < 0) return "x, y or z";
+    if (number < 0) return "x, y or z, or -x, -y or -z";
     settings->up = (enum render_up)number;
     settings->up_given = 1;
     return NULL;
@@ -259,6 +264,7 @@ static const char *set_phong(void *user, const char *value) {
     if (cli_numbers(value, numbers, 4) != 4 || numbers[0] < 0 || numbers[1] < 0 || numbers[2] < 0 ||
         numbers[3] <= 0 || numbers[3] > 1e5)
         return "AMBIENT,DIFFUSE,SPECULAR,EXPONENT, such as 0.1,0.95,0.18,40";
+    ((render_settings *)user)->given |= RENDER_GIVEN_PHONG;
     look->ambient = numbers[0];
     look->diffuse = numbers[1];
     look->specular = numbers[2];

@@ -40,35 +40,36 @@ char *render_output_of(const render_settings *settings, size_t index, int turn) 
     return path;
 }
 
-static int check_outputs(const cli_subcommand *verb, render_settings *settings) {
+static int check_outputs(const cli_subcommand *command, render_settings *settings) {
     cli_files *files = &settings->files;
     int standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
         standard |= render_is_standard(files->inputs.paths[i]);
     if (!files->output && !files->folder)
-        return cli_usage(verb, "no output was given; expected -o OUT.png or --out-dir FOLDER");
+        return cli_usage(command, "no output was given; expected -o OUT.png or --out-dir FOLDER");
     if (files->output && files->folder)
-        return cli_usage(verb, "-o and --out-dir exclude each other");
+        return cli_usage(command, "-o and --out-dir exclude each other");
     if (files->output && files->inputs.count > 1 && !settings->sheet)
-        return cli_usage(verb,
+        return cli_usage(command,
             "one -o for %zu inputs; expected --out-dir FOLDER, or --sheet for one picture of all",
             files->inputs.count);
     if (settings->sheet && !files->output)
-        return cli_usage(verb, "--sheet makes one picture; expected -o OUT.png");
+        return cli_usage(command, "--sheet makes one picture; expected -o OUT.png");
     if (files->folder && standard)
-        return cli_usage(verb, "standard input has no name to write to; expected -o OUT.png");
-    if (files->folder) return cli_place_outputs(verb, files, ".png");
+        return cli_usage(command, "standard input has no name to write to; expected -o OUT.png");
+    if (files->folder) return cli_place_outputs(command, files, ".png");
     if (render_is_standard(files->output) && settings->common.json)
-        return cli_usage(verb, "-o - and --json would both write to standard output");
+        return cli_usage(command, "-o - and --json would both write to standard output");
     if (render_is_standard(files->output) && settings->turns)
-        return cli_usage(verb, "--turntable makes several files; expected -o OUT.png");
+        return cli_usage(command, "--turntable makes several files; expected -o OUT.png");
     if (render_is_standard(files->output) && isatty(STDOUT_FILENO))
-        return cli_usage(verb, "standard output is a terminal, which shows no picture; expected -o "
-                               "OUT.png, or a pipe");
+        return cli_usage(command,
+            "standard output is a terminal, which shows no picture; expected -o "
+            "OUT.png, or a pipe");
     if (!render_is_standard(files->output) && !ends_in_png(files->output) &&
         !is_stream(files->output))
         return cli_usage(
-            verb, "-o %s: pictures are PNG; expected a name that ends in .png", files->output);
+            command, "-o %s: pictures are PNG; expected a name that ends in .png", files->output);
     return CLI_OK;
 }
 
@@ -87,32 +88,33 @@ int render_guard_outputs(const render_settings *settings) {
     return status;
 }
 
-int render_settings_check(const cli_subcommand *verb, render_settings *settings) {
+int render_settings_check(const cli_subcommand *command, render_settings *settings) {
     const double *m = settings->matrix.matrix;
     if (settings->lines & RENDER_VERTEX_LINES && settings->hedgehog)
         settings->lines = (settings->lines & RENDER_WIREFRAME) | settings->hedgehog;
     else if (settings->hedgehog)
         return cli_usage(
-            verb, "--lines applies only to a hedgehog; expected --show hedgehog with it");
+            command, "--lines applies only to a hedgehog; expected --show hedgehog with it");
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-        return cli_usage(
-            verb, "the last row of the matrix must be 0 0 0 1; the camera makes the perspective");
+        return cli_usage(command,
+            "the last row of the matrix must be 0 0 0 1; the camera makes the perspective");
     if (settings->compare && settings->views)
-        return cli_usage(verb, "--compare and --views exclude each other");
+        return cli_usage(command, "--compare and --views exclude each other");
     if (settings->turns && (settings->views || settings->sheet))
-        return cli_usage(verb, "--turntable excludes --views and --sheet");
+        return cli_usage(command, "--turntable excludes --views and --sheet");
     if (settings->has_select && settings->show != RENDER_SHOW_MARKS)
-        return cli_usage(verb, "--select applies only to findings; expected --show findings");
+        return cli_usage(command, "--select applies only to findings; expected --show findings");
     if (settings->clay < 0)
         settings->clay = settings->compare || settings->show == RENDER_SHOW_ERROR ||
                          settings->show == RENDER_SHOW_MARKS;
     settings->look.steady = settings->turns > 0;
-    int status = render_plan_check(verb, settings);
-    if (!status) status = check_outputs(verb, settings);
+    int status = render_check_idle(command, settings);
+    if (!status) status = render_plan_check(command, settings);
+    if (!status) status = check_outputs(command, settings);
     if (!status) status = render_guard_outputs(settings);
     if (!status)
         cli_guard_look_ahead(
             settings->files.guard, &settings->files.inputs, settings->files.format);
     if (!status) status = render_guard_outputs(settings);
-    return status ? status : cli_make_out_dir(verb, &settings->files);
+    return status ? status : cli_make_out_dir(command, &settings->files);
 }

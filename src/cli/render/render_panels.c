@@ -124,13 +124,14 @@ static size_t read_views(const render_settings *settings, view views[RENDER_MOST
     return *list ? 0 : count;
 }
 
-int render_plan_check(const cli_subcommand *verb, const render_settings *settings) {
+int render_plan_check(const cli_subcommand *command, const render_settings *settings) {
     side sides[RENDER_MOST_PANELS];
     view views[RENDER_MOST_PANELS];
     if (settings->compare && read_sides(settings, sides) == 0)
-        return cli_usage(verb, "--compare=%s: expected %s", settings->compare_list, compare_help);
+        return cli_usage(
+            command, "--compare=%s: expected %s", settings->compare_list, compare_help);
     if (settings->views && read_views(settings, views) == 0)
-        return cli_usage(verb,
+        return cli_usage(command,
             "--views '%s': expected front, right, back, left, top, bottom, three-quarter, with "
             "commas between, or how many about the vertical, up to 64",
             settings->views);
@@ -158,7 +159,8 @@ static render_panel *add_panel(render_plan *plan, const render_scene_file *file,
         .lines = settings->lines};
     if (settings->show == RENDER_SHOW_MARKS) panel->lines |= RENDER_DOTS;
     memcpy(panel->matrix, settings->matrix.matrix, sizeof panel->matrix);
-    if (i < settings->label_count) title = settings->labels[i];
+    const size_t label = i + plan->labels_unused;
+    if (label < settings->label_count) title = settings->labels[label];
     if (title && *title) {
         snprintf(plan->above[i], sizeof plan->above[i], "%s", title);
         panel->above = plan->above[i];
@@ -177,18 +179,18 @@ static void apply_way(render_plan *plan, render_panel *panel, enum way way) {
     if (way == WAY_RIGHT) panel->line_colour = right_colour;
 }
 
-static int too_many(const cli_subcommand *verb, const render_plan *plan, size_t more) {
+static int too_many(const cli_subcommand *command, const render_plan *plan, size_t more) {
     return plan->count + more > RENDER_MOST_PANELS
-               ? cli_usage(verb, "%zu panels in one picture; expected at most %d",
+               ? cli_usage(command, "%zu panels in one picture; expected at most %d",
                      plan->count + more, RENDER_MOST_PANELS)
                : CLI_OK;
 }
 
-static int add_sides(const cli_subcommand *verb, render_plan *plan, render_scene_file *file,
+static int add_sides(const cli_subcommand *command, render_plan *plan, render_scene_file *file,
     const render_variant *usual, norma_document_error *error) {
     side sides[RENDER_MOST_PANELS];
     size_t count = read_sides(plan->settings, sides);
-    int status = too_many(verb, plan, count);
+    int status = too_many(command, plan, count);
     for (size_t i = 0; i < count && !status; ++i) {
         const side *s = &sides[i];
         render_variant variant = *usual;
@@ -207,11 +209,11 @@ static int add_sides(const cli_subcommand *verb, render_plan *plan, render_scene
     return status;
 }
 
-static int add_views(const cli_subcommand *verb, render_plan *plan, const render_scene_file *file,
-    const render_scene *scene) {
+static int add_views(const cli_subcommand *command, render_plan *plan,
+    const render_scene_file *file, const render_scene *scene) {
     view views[RENDER_MOST_PANELS];
     size_t count = read_views(plan->settings, views);
-    int status = too_many(verb, plan, count);
+    int status = too_many(command, plan, count);
     for (size_t i = 0; i < count && !status; ++i) {
         char title[32];
         snprintf(title, sizeof title, "%.4g°", fmod(views[i].azimuth_deg, 360));
@@ -222,7 +224,14 @@ static int add_views(const cli_subcommand *verb, render_plan *plan, const render
     return status;
 }
 
-int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_file *file,
+static size_t count_unstored(const render_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->surface_count; ++i)
+        count += scene->surfaces[i].stored == RENDER_NORMALS_NONE;
+    return count;
+}
+
+int render_plan_add(const cli_subcommand *command, render_plan *plan, render_scene_file *file,
     const char *title, norma_document_error *error) {
     const render_settings *settings = plan->settings;
     const render_variant usual = {
@@ -231,16 +240,19 @@ int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_
     const size_t first = plan->count;
     int status = CLI_OK;
     if (settings->compare) {
-        status = add_sides(verb, plan, file, &usual, error);
+        status = add_sides(command, plan, file, &usual, error);
     } else {
         const render_scene *scene = render_file_scene(settings, file, &usual, error);
         if (!scene) return cli_status_of(error->result);
-        status = settings->views ? add_views(verb, plan, file, scene) : too_many(verb, plan, 1);
+        status =
+            settings->views ? add_views(command, plan, file, scene) : too_many(command, plan, 1);
         if (!status && !settings->views) add_panel(plan, file, scene, title);
     }
     if (status) return status;
-    render_file_left_out(settings, file, plan->left_out_counts);
+    render_file_left_out(settings, file, &plan->lost);
+    render_note_idle(settings, file);
     for (int i = 0; i < 4; ++i) plan->found_counts[i] += file->found_counts[i];
+    plan->unstored += count_unstored(plan->panels[first].scene);
     if (settings->show == RENDER_SHOW_MARKS && !settings->compare) {
         snprintf(plan->below[first], sizeof plan->below[first], "%.150s", file->found);
         plan->panels[first].below = plan->below[first];
@@ -255,10 +267,53 @@ int render_plan_add(const cli_subcommand *verb, render_plan *plan, render_scene_
     return status;
 }
 
+/* How many panels each file has. */
+static size_t panels_of_file(const render_settings *settings) {
+    side sides[RENDER_MOST_PANELS];
+    view views[RENDER_MOST_PANELS];
+    return settings->compare ? read_sides(settings, sides)
+           : settings->views ? read_views(settings, views)
+                             : 1;
+}
+
+static void move_panel(render_plan *plan, size_t from, size_t to) {
+    render_panel *panel = &plan->panels[to];
+    *panel = plan->panels[from];
+    memmove(plan->above[to], plan->above[from], sizeof plan->above[to]);
+    memmove(plan->below[to], plan->below[from], sizeof plan->below[to]);
+    if (panel->above) panel->above = plan->above[to];
+    if (panel->below) panel->below = plan->below[to];
+}
+
+static void take_back(render_plan *plan, size_t number, const render_scene_file *file) {
+    const render_scene *scene = NULL;
+    render_left_out lost = {.file_count = 0};
+    size_t kept = 0;
+    for (size_t i = 0; i < plan->count; ++i)
+        if (plan->panels[i].file != number)
+            move_panel(plan, i, kept++);
+        else if (!scene)
+            scene = plan->panels[i].scene;
+    plan->count = kept;
+    if (!scene || !file) return;
+    plan->unstored -= count_unstored(scene);
+    for (int i = 0; i < 4; ++i) plan->found_counts[i] -= file->found_counts[i];
+    render_file_left_out(plan->settings, file, &lost);
+    for (int i = 0; i < RENDER_LEFT_OUT; ++i) plan->lost.counts[i] -= lost.counts[i];
+}
+
+void render_plan_leave(
+    render_plan *plan, size_t number, const char *name, const render_scene_file *file) {
+    take_back(plan, number, file);
+    plan->labels_unused += panels_of_file(plan->settings);
+    ++plan->lost.file_count;
+    render_add_name(plan->lost.files, sizeof plan->lost.files, name);
+}
+
 void render_plan_legend(render_plan *plan, render_sheet *sheet) {
     static const char *const names[4][2] = {
         [1] = {"info", "infos"}, [2] = {"warning", "warnings"}, [3] = {"error", "errors"}};
-    render_left_out_words(plan->left_out_counts, plan->left_out, sizeof plan->left_out);
+    render_left_out_words(&plan->lost, plan->left_out, sizeof plan->left_out);
     if (plan->left_out[0]) sheet->left_out = plan->left_out;
     for (int i = 3; i > 0; --i) {
         if (!plan->found_counts[i]) continue;
@@ -297,11 +352,13 @@ void render_plan_tell(void *user, render_sheet *sheet, const render_picture *pic
         for (size_t i = 0; i < plan->count; ++i)
             worst = fmax(worst, plan->panels[i].worst_error_rad);
         if (isnan(worst))
-            snprintf(plan->footer, sizeof plan->footer, "no normals are stored");
+            snprintf(plan->footer, sizeof plan->footer,
+                "no normals are stored: there is nothing to compare");
         else
             snprintf(plan->footer, sizeof plan->footer,
-                "stored against computed normals: largest error %s°",
-                cli_decimals(number, cli_to_degrees(worst), 2));
+                "stored against computed normals: largest error %s°%s",
+                cli_decimals(number, cli_to_degrees(worst), 2),
+                plan->unstored ? "; grey: no normals are stored" : "");
         sheet->below = plan->footer;
     }
 }

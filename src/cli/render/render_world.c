@@ -3,7 +3,8 @@
 #include <string.h>
 
 const char *render_up_name(enum render_up up) {
-    return up == RENDER_UP_X ? "x" : up == RENDER_UP_Y ? "y" : "z";
+    static const char *const names[] = {"y", "z", "x", "-y", "-z", "-x"};
+    return names[up];
 }
 
 /* glTF says that y points up. Where nothing shows, OBJ is taken as modellers export it, STL
@@ -26,8 +27,9 @@ static int is_of(const char *reason, const char *word) {
     return strncmp(reason, word, strlen(word)) == 0;
 }
 
-void render_file_left_out(const render_settings *settings, const render_scene_file *file,
-    size_t counts[RENDER_LEFT_OUT]) {
+void render_file_left_out(
+    const render_settings *settings, const render_scene_file *file, render_left_out *left_out) {
+    size_t *counts = left_out->counts;
     for (size_t i = 0; i < norma_document_mesh_count(file->document); ++i) {
         norma_mesh_info info;
         if (norma_document_mesh_info(file->document, i, &info) || !info.not_read) continue;
@@ -38,10 +40,28 @@ void render_file_left_out(const render_settings *settings, const render_scene_fi
     }
     counts[RENDER_NO_NODES] += file->not_shown;
     counts[RENDER_NO_IMAGES] += file->images_left_out;
+    if (file->left_out_names[0])
+        render_add_name(left_out->images, sizeof left_out->images, file->left_out_names);
     if (settings->show == RENDER_SHOW_MARKS) counts[RENDER_NO_PLACE] += file->found_nowhere;
 }
 
-void render_left_out_words(const size_t counts[RENDER_LEFT_OUT], char *text, size_t room) {
+void render_add_name(char *list, size_t room, const char *name) {
+    const size_t length = strlen(list), dots = sizeof ", ...";
+    if (length >= dots && strcmp(list + length - 3, "...") == 0) return;
+    snprintf(list + length, room - length, "%s%s", length ? ", " : "",
+        length + strlen(name) + 2 * dots < room ? name : "...");
+}
+
+static void add_words(
+    char *text, size_t room, size_t count, const char *const words[2], const char *names) {
+    const size_t length = strlen(text);
+    if (count)
+        snprintf(text + length, room - length, "%s%zu %s%s%s%s", length ? ", " : "", count,
+            words[count > 1], *names ? " (" : "", names, *names ? ")" : "");
+}
+
+void render_left_out_words(const render_left_out *left_out, char *text, size_t room) {
+    static const char *const files[2] = {"file that cannot be drawn", "files that cannot be drawn"};
     static const char *const words[RENDER_LEFT_OUT][2] = {
         [RENDER_NO_POINTS] = {"mesh of points", "meshes of points"},
         [RENDER_NO_LINES] = {"mesh of lines", "meshes of lines"},
@@ -52,10 +72,8 @@ void render_left_out_words(const size_t counts[RENDER_LEFT_OUT], char *text, siz
         [RENDER_NO_IMAGES] = {"image that cannot be read", "images that cannot be read"},
         [RENDER_NO_PLACE] = {"finding without a place", "findings without a place"}};
     text[0] = '\0';
-    for (int i = 0; i < RENDER_LEFT_OUT; ++i) {
-        const size_t length = strlen(text);
-        if (counts[i])
-            snprintf(text + length, room - length, "%s%zu %s", length ? ", " : "", counts[i],
-                words[i][counts[i] > 1]);
-    }
+    add_words(text, room, left_out->file_count, files, left_out->files);
+    for (int i = 0; i < RENDER_LEFT_OUT; ++i)
+        add_words(text, room, left_out->counts[i], words[i],
+            i == RENDER_NO_IMAGES ? left_out->images : "");
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const char help[] =
-    "norma report --merge REPORT... -o OUT: puts reports of norma check together\n"
+    "norma report --merge REPORT... -o OUT: joins reports of norma check into one\n"
     "\n"
     "Examples\n"
     "  norma check models/ --shard 1/2 -o 1.json       on one machine\n"
@@ -18,10 +18,10 @@ static const char help[] =
     "\n"
     "REPORT is what norma check wrote as JSON, SARIF or HTML: all of one kind.\n"
     "  --format text|line|json|sarif|html\n"
-    "                        what JSON becomes: as the ending of -o says, else JSON; SARIF and\n"
-    "                        HTML stay what they are\n"
+    "                        the format made from JSON reports: by the ending of -o, otherwise\n"
+    "                        JSON; SARIF and HTML reports keep their format\n"
     "  -o, --output FILE     where the report goes (standard output)\n"
-    "  --info                lists informations too, in text and line\n"
+    "  --info                lists infos too, in text and line\n"
     "Files are sorted by path.\n"
     "Exit status: the one that norma check would have had for all files together; 2 usage, 3 a\n"
     "report could not be read or written.\n";
@@ -101,7 +101,7 @@ static int read_reports(report_merge *merged, const cli_words *words, cli_guard 
 /* ---- writing */
 
 /* Only JSON can become another form. */
-static int choose_format(const cli_subcommand *verb, report_work *work) {
+static int choose_format(const cli_subcommand *command, report_work *work) {
     const report_kind kind = work->merged.kind;
     const check_format *own = kind == REPORT_SARIF  ? &check_format_sarif
                               : kind == REPORT_HTML ? &check_format_html
@@ -109,7 +109,7 @@ static int choose_format(const cli_subcommand *verb, report_work *work) {
     if (!work->format) work->format = check_format_of_name(work->output);
     if (!work->format) work->format = own;
     return kind != REPORT_JSON && work->format != own
-               ? cli_usage(verb, "reports in %s stay %s; expected JSON for --format %s",
+               ? cli_usage(command, "reports in %s stay %s; expected JSON for --format %s",
                      kind_name(kind), kind_name(kind), work->format->name)
                : CLI_OK;
 }
@@ -131,13 +131,13 @@ static int write_merged(const report_work *work, cli_guard *guard) {
     return cli_worse(cli_worse(run, totals.status), cli_output_end(&output));
 }
 
-static int merge(const cli_subcommand *verb, report_work *work, const cli_words *words) {
-    if (!work->merge) return cli_usage(verb, "nothing to do was given; expected --merge");
-    if (!words->count) return cli_usage(verb, "no report was given");
-    cli_guard *guard = cli_guard_new(verb);
+static int merge(const cli_subcommand *command, report_work *work, const cli_words *words) {
+    if (!work->merge) return cli_usage(command, "nothing to do was given; expected --merge");
+    if (!words->count) return cli_usage(command, "no report was given");
+    cli_guard *guard = cli_guard_new(command);
     if (!guard) return CLI_FILE;
     int status = read_reports(&work->merged, words, guard);
-    if (!status) status = choose_format(verb, work);
+    if (!status) status = choose_format(command, work);
     if (!status) {
         work->merged.settings.file_count = work->merged.part_count;
         report_sort(&work->merged);
@@ -147,23 +147,23 @@ static int merge(const cli_subcommand *verb, report_work *work, const cli_words 
     return status;
 }
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     report_work work = {.output = "-"};
     cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {{options, CLI_COUNT(options), &work}};
     int wants_help = 0;
-    int status = words.words ? cli_parse(verb, tables, CLI_COUNT(tables), count, arguments, &words,
-                                   &wants_help)
+    int status = words.words ? cli_parse(command, tables, CLI_COUNT(tables), count, arguments,
+                                   &words, &wants_help)
                              : cli_out_of_memory();
     if (wants_help) {
-        fputs(verb->help, stdout);
+        fputs(command->help, stdout);
         status = cli_finish(status);
     } else if (!status)
-        status = merge(verb, &work, &words);
+        status = merge(command, &work, &words);
     report_merge_free(&work.merged);
     free(words.words);
     return status;
 }
 
 const cli_subcommand cli_subcommand_report = {
-    "report", "puts reports of norma check on parts of a set of files together", help, run};
+    "report", "joins reports of norma check into one", help, run};

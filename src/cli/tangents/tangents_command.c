@@ -167,22 +167,26 @@ static void write_text(const void *user, const norma_document *document, FILE *o
     }
 }
 
-/* ---- the verb */
+/* ---- the command */
 
-static int prepare(const cli_subcommand *verb, void *user, uint32_t threads) {
+static int prepare(const cli_subcommand *command, void *user, uint32_t threads) {
     tangents_work *work = user;
     work->options.threads = threads;
     if (work->weight_given && work->options.mode == NORMA_TANGENTS_MIKK)
-        return cli_usage(verb, "--weight needs --mode steady; MikkTSpace weighs by angle");
+        return cli_usage(command, "--weight needs --mode steady; MikkTSpace weighs by angle");
     return CLI_OK;
 }
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     tangents_work work = {
         .options = {.struct_size = sizeof work.options, .mode = NORMA_TANGENTS_MIKK}};
     const cli_table table = {options, CLI_COUNT(options), &work};
-    const cli_changer changer = {&work, change, write_json, write_text, NULL, prepare};
-    return cli_run_changer(verb, &changer, &table, 1, count, arguments);
+    const cli_changer changer = {.work = &work,
+        .change = change,
+        .write_json = write_json,
+        .write_text = write_text,
+        .prepare = prepare};
+    return cli_run_changer(command, &changer, &table, 1, count, arguments);
 }
 
 const cli_subcommand cli_subcommand_tangents = {

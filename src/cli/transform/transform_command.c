@@ -115,16 +115,17 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         fputs(what_flattening_does(work), out);
 }
 
-static int prepare(const cli_subcommand *verb, void *user, uint32_t threads) {
+static int prepare(const cli_subcommand *command, void *user, uint32_t threads) {
     transform_work *work = user;
     double normal_matrix[9];
     const double *m = work->matrix.matrix;
     if (!work->matrix.given && !work->options.bake)
-        return cli_usage(verb, "no matrix was given; expected --scale, --rotate, --translate, "
-                               "--matrix, or --bake for glTF");
+        return cli_usage(command, "no matrix was given; expected --scale, --rotate, --translate, "
+                                  "--matrix, or --bake for glTF");
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-        return cli_usage(verb, "the last row of the matrix must be 0 0 0 1; a perspective cannot "
-                               "be applied to a file");
+        return cli_usage(command,
+            "the last row of the matrix must be 0 0 0 1; a perspective cannot "
+            "be applied to a file");
     memcpy(work->options.matrix, m, sizeof work->options.matrix);
     work->options.threads = threads;
     norma_normal_matrix_double(m, NORMA_WINDING_REVERSED, normal_matrix, &work->info);
@@ -133,13 +134,17 @@ static int prepare(const cli_subcommand *verb, void *user, uint32_t threads) {
     return CLI_OK;
 }
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     transform_work work = {
         .options = {.struct_size = sizeof work.options}, .matrix = cli_matrix_identity};
     const cli_table tables[] = {{options, CLI_COUNT(options), &work},
         {cli_matrix_options, cli_matrix_option_count, &work.matrix}};
-    const cli_changer changer = {&work, change, write_json, write_text, NULL, prepare};
-    return cli_run_changer(verb, &changer, tables, CLI_COUNT(tables), count, arguments);
+    const cli_changer changer = {.work = &work,
+        .change = change,
+        .write_json = write_json,
+        .write_text = write_text,
+        .prepare = prepare};
+    return cli_run_changer(command, &changer, tables, CLI_COUNT(tables), count, arguments);
 }
 
 const cli_subcommand cli_subcommand_transform = {

@@ -14,7 +14,8 @@
 #include <string.h>
 
 static const char help[] =
-    "norma view IN -o OUT.html: one self-contained page that shows the model, to open in any "
+    "norma view IN -o OUT.html: writes one self-contained page that shows the model, to open in "
+    "any "
     "browser, offline\n"
     "\n"
     "Examples\n"
@@ -232,38 +233,39 @@ static int run_file(const view_work *work, const char *input, const char *to) {
     return status;
 }
 
-/* ---- the verb */
+/* ---- the command */
 
 static int ends_in(const char *name, const char *ending) {
     const size_t length = strlen(name), size = strlen(ending);
     return length > size && strcmp(name + length - size, ending) == 0;
 }
 
-static int check_words(const cli_subcommand *verb, view_work *work) {
+static int check_words(const cli_subcommand *command, view_work *work) {
     const char *output = work->files.output;
     if (work->files.in_place)
-        return cli_usage(verb, "a page cannot replace its input; expected -o or --out-dir");
+        return cli_usage(command, "a page cannot replace its input; expected -o or --out-dir");
     if (!output && !work->files.folder)
-        return cli_usage(verb, "no output was given; expected -o OUT.html or --out-dir FOLDER");
-    if (output && work->files.folder) return cli_usage(verb, "-o and --out-dir exclude each other");
+        return cli_usage(command, "no output was given; expected -o OUT.html or --out-dir FOLDER");
+    if (output && work->files.folder)
+        return cli_usage(command, "-o and --out-dir exclude each other");
     if (output && work->files.inputs.count > 1)
         return cli_usage(
-            verb, "one -o for %zu inputs; expected --out-dir FOLDER", work->files.inputs.count);
+            command, "one -o for %zu inputs; expected --out-dir FOLDER", work->files.inputs.count);
     if (output && strcmp(output, "-") == 0)
         return work->common.json
-                   ? cli_usage(verb, "-o - and --json would both write to standard output")
+                   ? cli_usage(command, "-o - and --json would both write to standard output")
                    : CLI_OK;
     if (output && !ends_in(output, ".html") && !ends_in(output, ".htm"))
         return cli_usage(
-            verb, "-o %s: the output is a page; expected a name that ends in .html", output);
-    return cli_place_outputs(verb, &work->files, ".html");
+            command, "-o %s: the output is a page; expected a name that ends in .html", output);
+    return cli_place_outputs(command, &work->files, ".html");
 }
 
 static int has_page(void) {
     size_t size;
     if (view_page(&size)) return 1;
-    fputs("norma view: this norma was built without the page, for want of clang with wasi-libc, "
-          "lld and node; 'scripts/install-deps.sh web' installs them, 'make' builds it in\n",
+    fputs("norma view: this norma was built without the page, because clang with wasi-libc, lld or "
+          "node was missing; run 'scripts/install-deps.sh web' and then 'make'\n",
         stderr);
     return 0;
 }
@@ -287,20 +289,20 @@ static int for_each(const view_work *work, each_page *call) {
     return status;
 }
 
-static int make_pages(const cli_subcommand *verb, view_work *work) {
-    const int found = cli_find_inputs(verb, &work->files);
+static int make_pages(const cli_subcommand *command, view_work *work) {
+    const int found = cli_find_inputs(command, &work->files);
     if (found == CLI_USAGE || work->files.inputs.count == 0) return found;
-    int status = check_words(verb, work);
+    int status = check_words(command, work);
     if (!status) status = for_each(work, guard_page);
     if (!status) {
         cli_guard_look_ahead(work->files.guard, &work->files.inputs, work->files.format);
         status = for_each(work, guard_page);
     }
-    if (!status) status = has_page() ? cli_make_out_dir(verb, &work->files) : CLI_FILE;
+    if (!status) status = has_page() ? cli_make_out_dir(command, &work->files) : CLI_FILE;
     return status ? status : cli_worse(found, for_each(work, run_file));
 }
 
-static int run(const cli_subcommand *verb, int count, char **arguments) {
+static int run(const cli_subcommand *command, int count, char **arguments) {
     view_work work = {.common = {.threads = NORMA_ALL_THREADS}};
     const cli_table tables[] = {
         {cli_output_options, cli_output_option_count, &work.files},
@@ -308,16 +310,16 @@ static int run(const cli_subcommand *verb, int count, char **arguments) {
         {cli_common_options, cli_common_option_count, &work.common},
     };
     int wants_help;
-    if (!cli_files_begin(verb, &work.files, count)) return CLI_FILE;
+    if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
     int status = cli_parse(
-        verb, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
+        command, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
     if (wants_help)
         fputs(help, stdout);
     else if (!status)
-        status = make_pages(verb, &work);
+        status = make_pages(command, &work);
     cli_files_end(&work.files);
     return cli_finish(status);
 }
 
-const cli_subcommand cli_subcommand_view = {
-    "view", "one page that shows a model: shadings, creases, wrong against right", help, run};
+const cli_subcommand cli_subcommand_view = {"view",
+    "writes one page that shows a model: shadings, creases, wrong against right", help, run};

@@ -37,6 +37,9 @@ norma_result norma_core_finish(core_call *call, norma_result result);
  * first how many there are, and few are for the calling thread alone. */
 void norma_core_share(core_call *call, size_t corners);
 size_t norma_core_workers(const core_call *call);
+/* Into how many parts work is divided that each of them must have one of: as many as may work, and
+ * for the caller's jobs as many as the machine has cores, but at least eight. */
+size_t norma_core_shares(const core_call *call);
 
 /* Runs task for each index below count: by the caller's parallel_for, by threads, or here. Tasks
  * share nothing but what they only read, and what is atomic. Returns NORMA_OK or NORMA_CANCELLED

@@ -106,6 +106,13 @@ size_t norma_core_workers(const core_call *call) {
     return wanted ? wanted : 1;
 }
 
+size_t norma_core_shares(const core_call *call) {
+    enum { LEAST_FOR_JOBS = 8 };
+    if (!call->options.parallel_for) return norma_core_workers(call);
+    const size_t cores = machine_threads();
+    return cores > LEAST_FOR_JOBS ? cores : LEAST_FOR_JOBS;
+}
+
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context) {
     const pool c = {call, task, context, count};
     if (call->options.parallel_for) return run_in_callers_jobs(&c);

@@ -89,9 +89,9 @@ void norma_core_ask_for_targets(const star_list *list, const listed_star *star) 
 void norma_core_ask_for_corners(const core_prepared_mesh *prepared, const listed_star *star) {
     const core_corners_of_position *corners_of = &prepared->corners_of;
     const core_mesh *mesh = &prepared->mesh;
-    const size_t begin = corners_of->starts[star->position] + (size_t)CORNERS_AHEAD;
-    for (size_t i = begin; i < begin + star->count && i < corners_of->corner_count && mesh->corners;
-         i++)
+    const size_t begin = corners_of->starts[star->position] + (size_t)CORNERS_AHEAD,
+                 listed = corners_of->starts[corners_of->position_count];
+    for (size_t i = begin; i < begin + star->count && i < listed && mesh->corners; i++)
         __builtin_prefetch(
             (const unsigned char *)mesh->corners + mesh->corner_size * corners_of->corners[i]);
 }

@@ -156,6 +156,14 @@ norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, 
     return result;
 }
 
+norma_result norma_core_prepare_stars(
+    core_prepared_mesh *prepared, const core_some_positions *some) {
+    if (prepared->corners_of.starts)
+        norma_core_corners_of_position_release(prepared->call, &prepared->corners_of);
+    return norma_core_corners_of_some_positions(
+        prepared->call, &prepared->mesh, some, &prepared->corners_of);
+}
+
 norma_result norma_core_begin_with_crease(core_call *call, const norma_options *options,
     const norma_mesh *mesh, float crease_angle_rad, core_mesh *checked) {
     norma_result result = norma_core_begin(call, options);

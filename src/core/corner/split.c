@@ -5,6 +5,7 @@
  */
 #include "core/corner/fallback_normals.h"
 #include "core/corner/corner_sort.h"
+#include "core/corner/split.h"
 #include <math.h>
 
 typedef struct split_work {
@@ -25,6 +26,7 @@ typedef struct split_work {
     size_t few_count;
     uint8_t *reasons, *wanted; /* where the nearest is to be found: of each corner; of corners that
                                   stand for a vertex with no normal at all */
+    int keeps_reasons;         /* they are the caller's */
 } split_work;
 
 /* ---- one position */
@@ -288,12 +290,6 @@ static norma_result fill_from_nearest(split_work *work) {
 
 /* ---- the call */
 
-typedef struct split_output {
-    uint32_t *corners, *source_vertices;
-    float *normals;
-    size_t corner_capacity, vertex_capacity, *vertex_count;
-} split_output;
-
 static norma_result allocate_numbers(split_work *work, int lacking) {
     const core_call *call = work->prepared->call;
     const size_t corners = work->prepared->mesh.corner_count;
@@ -304,7 +300,7 @@ static norma_result allocate_numbers(split_work *work, int lacking) {
             norma_core_allocate(call, corners, sizeof *work->own_numbers);
     if (!work->vertices || (!work->numbers && work->output.normals)) return NORMA_ERROR_MEMORY;
     if (!lacking) return NORMA_OK;
-    work->reasons = norma_core_allocate(call, corners, 1);
+    if (!work->reasons) work->reasons = norma_core_allocate(call, corners, 1);
     work->wanted = norma_core_allocate(call, corners, 1);
     if (!work->reasons || !work->wanted) return NORMA_ERROR_MEMORY;
     memset(work->reasons, NORMA_REASON_NONE, corners);
@@ -312,12 +308,21 @@ static norma_result allocate_numbers(split_work *work, int lacking) {
     return NORMA_OK;
 }
 
+/* Nobody asks for the corners of positions that are skipped: they pass for single ones. */
+static void pass_over(split_work *work, const uint8_t *skip) {
+    for (size_t p = 0; skip && p < work->prepared->mesh.positions.count; p++)
+        work->single[p] |= skip[p];
+}
+
 /* lacking: some corner is to get the nearest normal. */
-static norma_result write_split(split_work *work, int lacking) {
+static norma_result write_split(split_work *work, const uint8_t *skip, int lacking) {
     core_prepared_mesh *prepared = work->prepared;
     stars_part ignored;
+    pass_over(work, skip);
     norma_result result = lacking ? NORMA_OK : thin_out(work);
     if (result == NORMA_OK) result = allocate_numbers(work, lacking);
+    if (result == NORMA_OK && skip)
+        memset(work->vertices, 0, prepared->mesh.positions.count * sizeof *work->vertices);
     if (result == NORMA_OK) result = write_numbers(work);
     if (result != NORMA_OK || !work->numbers) return result;
     const position_visit visit = {
@@ -345,6 +350,7 @@ static norma_result compute(
     size_t count;
     const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = 1,
+        .skip = out->skip,
         .see = see_to_number,
         .context = work,
         .target = work->firsts,
@@ -358,7 +364,7 @@ static norma_result compute(
     const int lacking =
         sum.tally.non_finite.count || sum.tally.unreferenced.count || sum.tally.cancelled.count;
     if (out->corners || out->source_vertices || out->normals)
-        result = write_split(work, lacking && out->normals && work->output.nearest);
+        result = write_split(work, out->skip, lacking && out->normals && work->output.nearest);
     if (result != NORMA_OK) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
@@ -375,7 +381,7 @@ static void release_work(const core_call *call, split_work *work) {
     release_normals(work);
     norma_core_release(call, work->vertices, positions, sizeof *work->vertices);
     norma_core_release(call, work->own_numbers, corners, sizeof *work->own_numbers);
-    norma_core_release(call, work->reasons, corners, 1);
+    if (!work->keeps_reasons) norma_core_release(call, work->reasons, corners, 1);
     norma_core_release(call, work->wanted, corners, 1);
     if (!work->few) return;
     norma_core_release(call, work->few, work->few_count, sizeof *work->few);
@@ -398,10 +404,14 @@ static norma_result allocate_work(const core_call *call, split_work *work) {
     return NORMA_OK;
 }
 
-static norma_result allocate_and_compute(
+norma_result norma_core_split_prepared(
     core_prepared_mesh *prepared, const split_output *out, norma_report *report) {
-    split_work work = {
-        .prepared = prepared, .numbers = out->corners, .source_vertices = out->source_vertices};
+    split_work work = {.prepared = prepared,
+        .numbers = out->corners,
+        .source_vertices = out->source_vertices,
+        .reasons = out->reasons,
+        .keeps_reasons = out->reasons != NULL};
+    if (out->reasons) memset(out->reasons, NORMA_REASON_NONE, prepared->mesh.corner_count);
     norma_result result = norma_core_output_open(prepared->call, out->normals, 0, 0, &work.output);
     if (result == NORMA_OK) result = allocate_work(prepared->call, &work);
     if (result == NORMA_OK) result = compute(prepared, &work, out, report);
@@ -421,8 +431,8 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, uint32_t *corners, size_t corner_capacity,
     uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
     norma_report *report) {
-    const split_output out = {
-        corners, source_vertices, normals, corner_capacity, vertex_capacity, vertex_count};
+    const split_output out = {corners, source_vertices, normals, corner_capacity, vertex_capacity,
+        vertex_count, NULL, NULL};
     core_call call;
     core_mesh checked;
     core_prepared_mesh prepared;
@@ -434,7 +444,7 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     if (result == NORMA_OK)
         result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
     if (result != NORMA_OK) return result;
-    result = norma_core_finish(&call, allocate_and_compute(&prepared, &out, report));
+    result = norma_core_finish(&call, norma_core_split_prepared(&prepared, &out, report));
     norma_core_prepared_mesh_close(&prepared);
     return result;
 }

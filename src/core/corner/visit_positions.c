@@ -119,6 +119,8 @@ static void visit_chunk(void *context, size_t chunk) {
     const visit_all *v = context;
     const size_t count = v->prepared->mesh.positions.count, begin = chunk * POSITIONS_IN_CHUNK;
     const size_t end = count - begin < POSITIONS_IN_CHUNK ? count : begin + POSITIONS_IN_CHUNK;
+    const uint32_t *starts = v->prepared->corners_of.starts;
+    if (starts[begin] == starts[end]) return;
     const int ordinary =
         v->visit->join == CORE_JOIN_FANS && !v->only && norma_core_can_batch(v->prepared);
     if (ordinary)

@@ -9,6 +9,7 @@ enum { CORNERS_WORTH_A_PART = 1 << 17, MOST_PARTS = 8 };
 
 typedef struct part_work {
     const core_mesh *mesh;
+    const core_some_positions *some; /* NULL: all */
     core_corners_of_position *corners_of;
     size_t parts;
 } part_work;
@@ -39,13 +40,33 @@ CORE_INLINE void count_range(
     for (size_t c = begin; c < end; c++) counts[position_of(mesh, c, plain)]++;
 }
 
+/* The end of the corners from c on that lie in one chunk; *skipped: none of them is wanted. */
+static size_t chunk_end(const part_work *w, size_t c, size_t end, int *skipped) {
+    const size_t corners = 3 * (size_t)CORE_FACES_IN_CHUNK, chunk = c / corners;
+    *skipped = !w->some->chunks[chunk];
+    return end - chunk * corners < corners ? end : (chunk + 1) * corners;
+}
+
+static void count_some(const part_work *w, size_t begin, size_t end, uint32_t *counts) {
+    for (size_t c = begin, next; c < end; c = next) {
+        int skipped;
+        next = chunk_end(w, c, end, &skipped);
+        for (; c < next && !skipped; c++) {
+            const uint32_t p = norma_core_welded_corner(w->mesh, c);
+            counts[p] += w->some->wanted[p];
+        }
+    }
+}
+
 static void count_part(void *context, size_t part) {
     const part_work *w = context;
     const size_t begin = begin_of(w, w->mesh->corner_count, part),
                  end = begin_of(w, w->mesh->corner_count, part + 1);
     uint32_t *counts = counts_of(w, part);
     memset(counts, 0, w->corners_of->position_count * sizeof *counts);
-    if (is_plain(w->mesh))
+    if (w->some)
+        count_some(w, begin, end, counts);
+    else if (is_plain(w->mesh))
         count_range(w->mesh, begin, end, counts, 1);
     else
         count_range(w->mesh, begin, end, counts, 0);
@@ -82,11 +103,25 @@ CORE_INLINE void place_all(const part_work *w, int plain) {
         corners[places[position_of(w->mesh, c, plain)]++] = (uint32_t)c;
 }
 
+static void place_some(const part_work *w, uint32_t first, uint32_t count) {
+    uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
+    for (size_t c = 0, next, end = w->mesh->corner_count; c < end; c = next) {
+        int skipped;
+        next = chunk_end(w, c, end, &skipped);
+        for (; c < next && !skipped; c++) {
+            const uint32_t p = norma_core_welded_corner(w->mesh, c);
+            if (p - first < count && w->some->wanted[p]) corners[places[p]++] = (uint32_t)c;
+        }
+    }
+}
+
 static void place_part(void *context, size_t part) {
     const part_work *w = context;
     const uint32_t begin = (uint32_t)begin_of(w, w->corners_of->position_count, part),
                    end = (uint32_t)begin_of(w, w->corners_of->position_count, part + 1);
-    if (w->parts == 1 && is_plain(w->mesh))
+    if (w->some)
+        place_some(w, begin, end - begin);
+    else if (w->parts == 1 && is_plain(w->mesh))
         place_all(w, 1);
     else if (w->parts == 1)
         place_all(w, 0);
@@ -115,10 +150,13 @@ static size_t choose_parts(const core_call *call, const core_corners_of_position
     return parts ? parts : 1;
 }
 
-static norma_result sort_corners(
-    core_call *call, const core_mesh *mesh, core_corners_of_position *corners_of) {
+static norma_result sort_corners(core_call *call, const core_mesh *mesh,
+    const core_some_positions *some, core_corners_of_position *corners_of) {
     const double from = call->progress_from, to = call->progress_to;
-    part_work w = {.mesh = mesh, .corners_of = corners_of, .parts = choose_parts(call, corners_of)};
+    part_work w = {.mesh = mesh,
+        .some = some,
+        .corners_of = corners_of,
+        .parts = choose_parts(call, corners_of)};
     norma_core_stage(call, from, (from + to) / 2);
     norma_result result = norma_core_parallel(call, w.parts, count_part, &w);
     if (result == NORMA_OK) {
@@ -131,6 +169,11 @@ static norma_result sort_corners(
 
 norma_result norma_core_corners_of_position_build(
     core_call *call, const core_mesh *mesh, core_corners_of_position *corners_of) {
+    return norma_core_corners_of_some_positions(call, mesh, NULL, corners_of);
+}
+
+norma_result norma_core_corners_of_some_positions(core_call *call, const core_mesh *mesh,
+    const core_some_positions *some, core_corners_of_position *corners_of) {
     *corners_of = (core_corners_of_position){
         .position_count = mesh->positions.count, .corner_count = mesh->corner_count};
     corners_of->starts =
@@ -142,7 +185,7 @@ norma_result norma_core_corners_of_position_build(
             norma_core_allocate(call, corners_of->corner_count, sizeof *corners_of->faces);
     norma_result result = NORMA_ERROR_MEMORY;
     if (corners_of->starts && corners_of->corners && (!mesh->face_starts || corners_of->faces))
-        result = sort_corners(call, mesh, corners_of);
+        result = sort_corners(call, mesh, some, corners_of);
     if (result == NORMA_OK && corners_of->faces) name_faces(mesh, corners_of);
     if (result != NORMA_OK) norma_core_corners_of_position_release(call, corners_of);
     return result;

@@ -6,7 +6,9 @@ typedef struct search {
     const core_topology *topology;
     core_components *out;
     core_joining joining;
-    size_t found; /* faces so far: those before `next` are done */
+    const core_components *parts; /* with CORE_JOIN_BODIES, where edges of many faces exist: what
+                                     other edges hold together */
+    size_t found;                 /* faces so far: those before `next` are done */
 } search;
 
 static norma_result grow(const core_call *call, core_components *c) {
@@ -44,6 +46,16 @@ static void reach(search *s, core_component *component, uint32_t number, size_t 
     }
 }
 
+static int is_unbalanced(const core_components *parts, size_t face) {
+    return parts->of[face] == UINT32_MAX ||
+           (parts->each[parts->of[face]].flags & COMPONENT_UNBALANCED) != 0;
+}
+
+static int joins_many(const search *s, size_t face, size_t corner) {
+    return s->parts && (is_unbalanced(s->parts, face) ||
+                           is_unbalanced(s->parts, norma_core_topology_face(s->topology, corner)));
+}
+
 static void visit_edges(search *s, core_component *component, uint32_t number, size_t face) {
     const core_topology *t = s->topology;
     for (size_t corner = norma_core_face_begin(&t->mesh, face);
@@ -59,7 +71,7 @@ static void visit_edges(search *s, core_component *component, uint32_t number, s
                 reach(s, component, number, t->others[corner], face, 1);
         } else if (partner == CORE_EDGE_MANY) {
             component->flags |= COMPONENT_MANY;
-            if (s->joining == CORE_JOIN_ALL_EDGES)
+            if (joins_many(s, face, t->others[corner]))
                 reach(s, component, number, t->others[corner], face, 0);
         }
     }
@@ -134,21 +146,27 @@ static void keep_majority(core_components *c) {
     }
 }
 
-norma_result norma_core_find_components(
-    const core_topology *t, core_joining joining, core_components *c) {
+static int has_many(const core_topology *t) {
+    size_t corner = 0;
+    while (corner < t->mesh.corner_count && t->partners[corner] != CORE_EDGE_MANY) corner++;
+    return corner < t->mesh.corner_count;
+}
+
+static norma_result find_components(const core_topology *t, core_joining joining,
+    const core_components *parts, core_components *c) {
     enum { FEW = 64 };
     *c = (core_components){.face_count = t->mesh.face_count, .room = FEW};
     c->of = norma_core_allocate(t->call, c->face_count, sizeof *c->of);
     c->faces = norma_core_allocate(t->call, c->face_count, sizeof *c->faces);
     c->starts = norma_core_allocate(t->call, FEW + 1, sizeof *c->starts);
     c->each = norma_core_allocate(t->call, FEW, sizeof *c->each);
-    const int reverses = joining != CORE_JOIN_ALL_EDGES;
+    const int reverses = joining != CORE_JOIN_BODIES;
     if (reverses) c->reverse = norma_core_allocate(t->call, c->face_count, 1);
     norma_result result = c->of && c->faces && c->starts && c->each && (c->reverse || !reverses)
                               ? NORMA_OK
                               : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
-        search s = {t, c, joining, 0};
+        search s = {t, c, joining, parts, 0};
         memset(c->of, 0xff, c->face_count * sizeof *c->of);
         if (c->reverse) memset(c->reverse, 0, c->face_count);
         c->starts[0] = 0;
@@ -157,6 +175,17 @@ norma_result norma_core_find_components(
     if (result == NORMA_OK && c->reverse) keep_majority(c);
     if (result == NORMA_OK) find_unbalanced(t, c);
     if (result != NORMA_OK) norma_core_release_components(t->call, c);
+    return result;
+}
+
+norma_result norma_core_find_components(
+    const core_topology *t, core_joining joining, core_components *c) {
+    core_components parts;
+    if (joining != CORE_JOIN_BODIES || !has_many(t)) return find_components(t, joining, NULL, c);
+    norma_result result = find_components(t, CORE_JOIN_CUT, NULL, &parts);
+    if (result != NORMA_OK) return result;
+    result = find_components(t, joining, &parts, c);
+    norma_core_release_components(t->call, &parts);
     return result;
 }
 

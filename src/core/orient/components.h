@@ -45,7 +45,9 @@ typedef struct core_components {
 } core_components;
 
 typedef enum core_joining {
-    CORE_JOIN_ALL_EDGES = 0, /* an edge joins all its faces, and each keeps its winding */
+    CORE_JOIN_BODIES = 0, /* an edge joins its faces, and each keeps its winding; one of more than
+                             two joins only parts that do not balance there by themselves: closed
+                             bodies that touch along it stay two */
     CORE_JOIN_CUT,  /* edges of more than two faces join none; across conflicts one of the two is
                        reversed, so that reverse is made */
     CORE_JOIN_ALIKE /* neither those nor conflicts join; reverse is made, all zero */

@@ -94,9 +94,17 @@ static norma_result ask_rays(core_side_judge *j) {
     return result;
 }
 
+/* A sheet that lies on another of the same winding: made to agree, the two are closed, but hold
+ * nothing that says which of them is turned. */
+static int is_doubled_sheet(const core_side_judge *j, size_t face) {
+    const core_component *part = &j->parts.each[j->parts.of[face]];
+    return part->flags & COMPONENT_CONFLICT && part->volume == 0;
+}
+
 static uint8_t side_of(const core_side_judge *j, size_t face) {
     const uint8_t turned = j->parts.reverse[face] ? CORE_SIDE_TURNED : 0;
-    if (!has_flags(j, face, NOT_CLOSED)) return turned;
+    if (!has_flags(j, face, NOT_CLOSED))
+        return turned | (is_doubled_sheet(j, face) ? CORE_SIDE_UNDECIDED : 0);
     const uint32_t piece = j->pieces.of[face];
     const uint8_t known = piece == UINT32_MAX ? UNDECIDED : j->known[piece];
     if (known == UNASKED || known == UNDECIDED) return turned | CORE_SIDE_UNDECIDED;

@@ -23,6 +23,13 @@ static uint8_t flags_of(const mikk_derivative *d, int lane) {
     return (uint8_t)((positive ? MIKK_POSITIVE : 0) | (follows ? MIKK_FOLLOWS : 0));
 }
 
+/* Asks for the vertices of the triangles from this one on. */
+static void await_vertices(const mikk_mesh *m, size_t triangle) {
+    const size_t rest = m->count - triangle, count = rest < MIKK_LANES ? rest : MIKK_LANES;
+    for (size_t c = 3 * triangle; c < 3 * (triangle + count); c++)
+        TANGENT_PREFETCH(&m->vertices[m->triangles[c]]);
+}
+
 static void flag_task(void *context, size_t task) {
     const flagging *f = context;
     mikk_mesh *m = f->mesh;
@@ -32,6 +39,7 @@ static void flag_task(void *context, size_t task) {
                  end = m->count - begin < TRIANGLES_IN_TASK ? m->count : begin + TRIANGLES_IN_TASK;
     for (size_t t = begin; t < end; t += MIKK_LANES) {
         const int count = end - t < MIKK_LANES ? (int)(end - t) : MIKK_LANES;
+        await_vertices(m, t + (size_t)count);
         for (int l = 0; l < count; l++) load(m, t + (size_t)l, l, &batch);
         f->kernels->derive(&batch, &out);
         for (int l = 0; l < count; l++) m->flags[t + (size_t)l] |= flags_of(&out, l);

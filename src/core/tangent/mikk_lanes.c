@@ -40,6 +40,18 @@ CORE_INLINE vector at(const mikk_lane *v, int lane) {
     return (vector){v[0][lane], v[1][lane], v[2][lane]};
 }
 
+CORE_INLINE float one_of(float turn, float first, float second, float third) {
+    return turn > 1 ? third : turn > 0 ? second : first;
+}
+/* Of a triangle's vertices, the one so many after the corner's own. */
+CORE_INLINE vector position_after(const mikk_batch *b, int after, int lane) {
+    const vector p[3] = {at(b->position[after % 3], lane), at(b->position[(after + 1) % 3], lane),
+        at(b->position[(after + 2) % 3], lane)};
+    const float turn = b->turn[lane];
+    return (vector){one_of(turn, p[0].x, p[1].x, p[2].x), one_of(turn, p[0].y, p[1].y, p[2].y),
+        one_of(turn, p[0].z, p[1].z, p[2].z)};
+}
+
 typedef struct derivative {
     float area;
     vector s, t; /* of any length */
@@ -56,7 +68,7 @@ CORE_INLINE derivative derive_lane(const mikk_batch *b, int l) {
         add(scale(-t31x, d1), scale(t21x, d2))};
 }
 
-CORE_INLINE void derive(const mikk_batch *b, mikk_derivative *out) {
+CORE_INLINE void derive(const mikk_batch *restrict b, mikk_derivative *restrict out) {
     for (int l = 0; l < MIKK_LANES; l++) {
         const derivative d = derive_lane(b, l);
         const int none = is_zero(d.area);
@@ -76,17 +88,17 @@ CORE_INLINE vector unit(vector v, float length, float sign) {
 }
 
 /* Only of triangles that have a texture area. */
-CORE_INLINE void contribute(const mikk_batch *b, mikk_corners *out) {
+CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict out) {
     float cosines[MIKK_LANES];
     for (int l = 0; l < MIKK_LANES; l++) {
         const derivative d = derive_lane(b, l);
         const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot(d.s, d.s)),
                     length_t = sqrtf(dot(d.t, d.t));
-        const vector n = at(b->normal, l), here = at(b->at, l),
+        const vector n = at(b->normal, l), here = position_after(b, 0, l),
                      s = projected(unit(d.s, length_s, sign), n),
                      t = projected(unit(d.t, length_t, sign), n),
-                     in = projected(subtract(at(b->previous, l), here), n),
-                     away = projected(subtract(at(b->next, l), here), n);
+                     in = projected(subtract(position_after(b, 2, l), here), n),
+                     away = projected(subtract(position_after(b, 1, l), here), n);
         const float cosine = dot(in, away);
         cosines[l] = cosine > 1 ? 1 : cosine < -1 ? -1 : cosine;
         out->s[0][l] = s.x;
@@ -101,54 +113,37 @@ CORE_INLINE void contribute(const mikk_batch *b, mikk_corners *out) {
     for (int l = 0; l < MIKK_LANES; l++) out->angle[l] = acos_of(cosines[l]);
 }
 
-/* Of two corners whose cosines are -1 or less in floats neither is in the other's sum. A sum is
- * never -0, so that adding 0 changes nothing. */
-CORE_INLINE void add_others(const mikk_other *others, size_t count, mikk_apart *a) {
-    for (size_t i = 0; i < count; i++) {
-        const mikk_other o = others[i];
-        for (int l = 0; l < MIKK_LANES; l++) {
-            const float s = a->s[0][l] * o.s[0] + a->s[1][l] * o.s[1] + a->s[2][l] * o.s[2],
-                        t = a->t[0][l] * o.t[0] + a->t[1][l] * o.t[1] + a->t[2][l] * o.t[2];
-            const int joined = (s > -1) & (t > -1);
-            a->sum[0][l] += joined ? o.weighted[0] : 0;
-            a->sum[1][l] += joined ? o.weighted[1] : 0;
-            a->sum[2][l] += joined ? o.weighted[2] : 0;
-        }
-    }
+static void derive_portable(const mikk_batch *restrict b, mikk_derivative *restrict out) {
+    derive(b, out);
 }
-
-static void derive_portable(const mikk_batch *b, mikk_derivative *out) { derive(b, out); }
-static void contribute_portable(const mikk_batch *b, mikk_corners *out) { contribute(b, out); }
-static void add_others_portable(const mikk_other *others, size_t count, mikk_apart *a) {
-    add_others(others, count, a);
+static void contribute_portable(const mikk_batch *restrict b, mikk_corners *restrict out) {
+    contribute(b, out);
 }
 
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void derive_avx2(const mikk_batch *b, mikk_derivative *out) { derive(b, out); }
-CORE_FOR_AVX2 static void contribute_avx2(const mikk_batch *b, mikk_corners *out) {
-    contribute(b, out);
-}
-CORE_FOR_AVX512 static void derive_avx512(const mikk_batch *b, mikk_derivative *out) {
+CORE_FOR_AVX2 static void derive_avx2(const mikk_batch *restrict b, mikk_derivative *restrict out) {
     derive(b, out);
 }
-CORE_FOR_AVX512 static void contribute_avx512(const mikk_batch *b, mikk_corners *out) {
+CORE_FOR_AVX2 static void contribute_avx2(
+    const mikk_batch *restrict b, mikk_corners *restrict out) {
     contribute(b, out);
 }
-CORE_FOR_AVX2 static void add_others_avx2(const mikk_other *others, size_t count, mikk_apart *a) {
-    add_others(others, count, a);
+CORE_FOR_AVX512 static void derive_avx512(
+    const mikk_batch *restrict b, mikk_derivative *restrict out) {
+    derive(b, out);
 }
-CORE_FOR_AVX512 static void add_others_avx512(
-    const mikk_other *others, size_t count, mikk_apart *a) {
-    add_others(others, count, a);
+CORE_FOR_AVX512 static void contribute_avx512(
+    const mikk_batch *restrict b, mikk_corners *restrict out) {
+    contribute(b, out);
 }
 #endif
 
 const mikk_kernels *norma_core_mikk_kernels(norma_isa isa) {
     static const mikk_kernels kernels[] = {
-        {derive_portable, contribute_portable, add_others_portable},
+        {derive_portable, contribute_portable},
 #if defined(CORE_HAS_X86)
-        {derive_avx2, contribute_avx2, add_others_avx2},
-        {derive_avx512, contribute_avx512, add_others_avx512},
+        {derive_avx2, contribute_avx2},
+        {derive_avx512, contribute_avx512},
 #endif
     };
     return &kernels[norma_core_level(isa)];

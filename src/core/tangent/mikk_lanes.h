@@ -12,8 +12,8 @@ typedef float mikk_lane[MIKK_LANES];
 typedef struct mikk_batch {
     _Alignas(64) mikk_lane position[3][3]; /* of a vertex, along an axis */
     mikk_lane texcoord[3][2];
-    mikk_lane normal[3];                   /* of the vertex that the corner is at */
-    mikk_lane at[3], next[3], previous[3]; /* its position, and those of its triangle's others */
+    mikk_lane normal[3]; /* of the vertex that the corner is at */
+    mikk_lane turn;      /* which of the three that is: 0, 1 or 2 */
 } mikk_batch;
 
 /* Out: of each corner. */
@@ -27,19 +27,9 @@ typedef struct mikk_derivative {
     _Alignas(64) mikk_lane area, length_s, length_t; /* lengths: |dP/du| and |dP/dv|; 0: no area */
 } mikk_derivative;
 
-/* Corners whose sums leave out the others that are opposed to them. */
-typedef struct mikk_apart {
-    mikk_lane s[3], t[3], sum[3];
-} mikk_apart;
-
-typedef struct mikk_other { /* weighted: s times the angle */
-    float s[3], t[3], weighted[3];
-} mikk_other;
-
 typedef struct mikk_kernels {
     void (*derive)(const mikk_batch *batch, mikk_derivative *out); /* normals are not looked at */
     void (*contribute)(const mikk_batch *batch, mikk_corners *out);
-    void (*add_others)(const mikk_other *others, size_t count, mikk_apart *apart); /* in order */
 } mikk_kernels;
 
 const mikk_kernels *norma_core_mikk_kernels(norma_isa isa);

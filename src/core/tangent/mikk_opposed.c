@@ -1,7 +1,8 @@
-/* mikk_opposed.c: which corners of a large group are opposed to another one: unit vectors whose
+/* mikk_opposed.c: which corners of a large group are opposed to each other: unit vectors whose
  * cosine is -1, give or take roundings, lie within a thousandth of each other once one of them is
  * turned round. So they are looked for in the cells of a grid around it. */
-#include "core/tangent/mikk_star.h"
+#include "core/call/sort.h"
+#include "core/tangent/mikk_apart.h"
 
 static float cosine(const mikk_lane *a, size_t at, const mikk_lane *b, size_t to) {
     return a[0][at] * b[0][to] + a[1][at] * b[1][to] + a[2][at] * b[2][to];
@@ -21,89 +22,184 @@ int norma_core_mikk_are_joined(const mikk_star *star, size_t i, size_t j) {
            are_one_quad(star, i, j);
 }
 
-/* ---- the grid: of one of the two vectors of each corner */
+/* ---- the grids */
 
-static const float CELLS = 128, /* to a unit */
-    REACH = 0x1p-9F;            /* more than the vectors can be apart */
+enum { AT_A_TIME = 16 };
+static const float CELLS = 256, /* to a unit */
+    REACH = 0x1p-9F,            /* more than opposed vectors can be apart */
+    UNIT = 1.000001F;           /* the square of a length: more is none that was made unit */
 
-typedef struct grid {
-    mikk_star *star;
-    size_t room; /* of the table, as much as the group needs: a power of two */
-    int of_t;
-} grid;
-
-static const mikk_lane *vector_of(const grid *g, uint32_t j) {
-    const mikk_corners *block = mikk_block(g->star, j);
-    return g->of_t ? block->t : block->s;
+static void read_vectors(const mikk_crowd *c, uint32_t i, float v[6]) {
+    const uint32_t j = c->corners[i];
+    const mikk_corners *block = mikk_block(c->star, j);
+    const size_t lane = mikk_lane_of(c->star, j);
+    for (int k = 0; k < 3; k++) {
+        v[k] = block->s[k][lane];
+        v[3 + k] = block->t[k][lane];
+    }
 }
 
-/* Different cells may have one key: then more is looked at. */
-static struct mikk_edge *cell_at(const grid *g, const int cell[3]) {
-    const mikk_edge_table *table = g->star->table;
-    const uint32_t key = (uint32_t)cell[0] * UINT32_C(73856093) ^
-                         (uint32_t)cell[1] * UINT32_C(19349663) ^
-                         (uint32_t)cell[2] * UINT32_C(83492791);
-    size_t slot = (key * UINT32_C(2654435769) >> 7) & (g->room - 1);
-    while (table->edges[slot].first != MIKK_NONE && table->edges[slot].vertex != key)
-        slot = (slot + 1) & (g->room - 1);
-    table->edges[slot].vertex = key;
-    return &table->edges[slot];
+/* Longer than unit, or not finite: squares of its numbers were too small for floats. */
+static int is_wild(const float v[6]) {
+    return !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] <= UNIT) ||
+           !(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] <= UNIT);
 }
 
 static int cell_of(float x) { return (int)(x * CELLS + CELLS * 2); }
 
-/* 0: a number is not finite. */
-static int insert(const grid *g, uint32_t j) {
-    const mikk_lane *v = vector_of(g, j);
-    const size_t lane = mikk_lane_of(g->star, j);
+/* Different cells may have one key: then more is looked at. */
+static mikk_cell *cell_at(const mikk_grid *g, const int cell[3]) {
+    const uint32_t key = (uint32_t)cell[0] * UINT32_C(73856093) ^
+                         (uint32_t)cell[1] * UINT32_C(19349663) ^
+                         (uint32_t)cell[2] * UINT32_C(83492791);
+    size_t slot = (key * UINT32_C(2654435769) >> 7) & (g->room - 1);
+    while (g->cells[slot].count && g->cells[slot].key != key) slot = (slot + 1) & (g->room - 1);
+    g->cells[slot].key = key;
+    return &g->cells[slot];
+}
+
+static mikk_cell *home_of(const mikk_grid *g, const float v[6]) {
     int cell[3];
-    for (int k = 0; k < 3; k++) {
-        if (!(v[k][lane] > -1.5F && v[k][lane] < 1.5F)) return 0;
-        cell[k] = cell_of(v[k][lane]);
+    for (int k = 0; k < 3; k++) cell[k] = cell_of(v[3 * g->of_t + k]);
+    return cell_at(g, cell);
+}
+
+static void place(const mikk_grid *g, uint32_t i, const float v[6]) {
+    const uint32_t to = home_of(g, v)->first++;
+    g->order[to] = i;
+    for (size_t k = 0; k < 6; k++) g->numbers[k * g->row_length + to] = v[k];
+}
+
+static void fill(const mikk_crowd *c, mikk_grid *g) {
+    float v[6];
+    uint32_t sum = 0;
+    memset(g->cells, 0, g->room * sizeof *g->cells);
+    memset(g->numbers, 0, 6 * g->row_length * sizeof *g->numbers);
+    for (uint32_t i = 0; i < c->count; i++) {
+        read_vectors(c, i, v);
+        if (!is_wild(v)) home_of(g, v)->count++;
     }
-    struct mikk_edge *of = cell_at(g, cell);
-    g->star->table->following[j] = of->first;
-    of->first = j;
+    for (size_t s = 0; s < g->room; s++) {
+        g->cells[s].first = sum;
+        sum += g->cells[s].count;
+    }
+    for (uint32_t i = 0; i < c->count; i++) {
+        read_vectors(c, i, v);
+        if (!is_wild(v)) place(g, i, v);
+    }
+    for (size_t s = 0; s < g->room; s++) g->cells[s].first -= g->cells[s].count;
+}
+
+static int open_grid(const mikk_crowd *c, mikk_grid *g) {
+    const core_call *call = c->star->mesh->call;
+    g->room = 64;
+    while (g->room < 2 * c->count) g->room *= 2;
+    g->row_length = c->count + AT_A_TIME;
+    g->cells = norma_core_allocate(call, g->room, sizeof *g->cells);
+    g->order = norma_core_allocate(call, c->count, sizeof *g->order);
+    g->numbers = norma_core_allocate(call, 6 * g->row_length, sizeof *g->numbers);
+    return g->cells && g->order && g->numbers;
+}
+
+static void close_grid(const mikk_crowd *c, mikk_grid *g) {
+    const core_call *call = c->star->mesh->call;
+    norma_core_release(call, g->cells, g->room, sizeof *g->cells);
+    norma_core_release(call, g->order, c->count, sizeof *g->order);
+    norma_core_release(call, g->numbers, 6 * g->row_length, sizeof *g->numbers);
+}
+
+int norma_core_mikk_crowd_open(mikk_crowd *c) {
+    float v[6];
+    c->wild = norma_core_allocate(c->star->mesh->call, c->count, sizeof *c->wild);
+    c->grids[1].of_t = 1;
+    if (!c->wild || !open_grid(c, &c->grids[0]) || !open_grid(c, &c->grids[1])) return 0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        read_vectors(c, i, v);
+        if (is_wild(v)) c->wild[c->wild_count++] = i;
+    }
+    for (size_t g = 0; g < 2; g++) fill(c, &c->grids[g]);
     return 1;
 }
 
-static int opposes_in_cell(const grid *g, uint32_t j, const int cell[3]) {
-    for (uint32_t i = cell_at(g, cell)->first; i != MIKK_NONE; i = g->star->table->following[i])
-        if (!norma_core_mikk_are_joined(g->star, j, i)) return 1;
-    return 0;
+void norma_core_mikk_crowd_close(mikk_crowd *c) {
+    norma_core_release(c->star->mesh->call, c->wild, c->count, sizeof *c->wild);
+    for (size_t g = 0; g < 2; g++) close_grid(c, &c->grids[g]);
 }
 
-static int has_opposed(const grid *g, uint32_t j) {
-    const mikk_lane *v = vector_of(g, j);
-    const size_t lane = mikk_lane_of(g->star, j);
+/* ---- looking around */
+
+typedef struct search {
+    const mikk_crowd *crowd;
+    uint32_t i;
+    float v[6];
+    uint64_t *found;
+    size_t count;
+} search;
+
+static void meet(search *s, uint32_t other) {
+    const mikk_crowd *c = s->crowd;
+    if (!norma_core_mikk_are_joined(c->star, c->corners[s->i], c->corners[other]))
+        s->found[s->count++] = other;
+}
+
+/* Bit l: the corner at place first + l is opposed in the grid's vector, and not in s if that has a
+ * grid of its own; or is of the same quad. */
+static unsigned opposed_lanes(const search *s, const mikk_grid *g, size_t first) {
+    const float *n = g->numbers + first, *v = s->v;
+    const size_t row = g->row_length;
+    int32_t apart[AT_A_TIME];
+    unsigned bits = 0;
+    for (size_t l = 0; l < AT_A_TIME; l++) {
+        const float along_s = v[0] * n[l] + v[1] * n[row + l] + v[2] * n[2 * row + l],
+                    along_t = v[3] * n[3 * row + l] + v[4] * n[4 * row + l] + v[5] * n[5 * row + l];
+        apart[l] = g->of_t ? (along_t <= -1) & (along_s > -1) : along_s <= -1;
+    }
+    for (size_t l = 0; l < AT_A_TIME; l++) bits |= (unsigned)apart[l] << l;
+    return bits;
+}
+
+static void search_cell(search *s, const mikk_grid *g, const mikk_cell *cell) {
+    for (uint32_t at = 0; at < cell->count; at += AT_A_TIME) {
+        unsigned bits = opposed_lanes(s, g, cell->first + at);
+        for (uint32_t l = at; bits && l < cell->count; l++, bits >>= 1)
+            if ((bits & 1) && s->crowd->star->mesh->has_quads)
+                meet(s, g->order[cell->first + l]);
+            else if (bits & 1)
+                s->found[s->count++] = g->order[cell->first + l];
+    }
+}
+
+/* Cells of one key are one: each is searched once. */
+static void search_grid(search *s, const mikk_grid *g) {
+    enum { MOST_CELLS = 27 };
+    const mikk_cell *seen[MOST_CELLS];
+    size_t count = 0;
     int low[3], high[3], cell[3];
     for (int k = 0; k < 3; k++) {
-        low[k] = cell_of(-v[k][lane] - REACH);
-        high[k] = cell_of(-v[k][lane] + REACH);
+        low[k] = cell_of(-s->v[3 * g->of_t + k] - REACH);
+        high[k] = cell_of(-s->v[3 * g->of_t + k] + REACH);
     }
     for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++)
         for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
-            for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
-                if (opposes_in_cell(g, j, cell)) return 1;
-    return 0;
+            for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++) {
+                const mikk_cell *at = cell_at(g, cell);
+                size_t i = 0;
+                while (i < count && seen[i] != at) i++;
+                if (i < count || !at->count || count == MOST_CELLS) continue;
+                seen[count++] = at;
+                search_cell(s, g, at);
+            }
 }
 
-static int mark(const grid *g, uint32_t first, const uint32_t *following) {
-    mikk_star *star = g->star;
-    memset(star->table->edges, 0xff, g->room * sizeof *star->table->edges);
-    for (uint32_t j = first; j != MIKK_NONE; j = following[j])
-        if (!mikk_follows(star, j) && !insert(g, j)) return 0;
-    for (uint32_t j = first; j != MIKK_NONE; j = following[j])
-        if (!mikk_follows(star, j) && !star->marks[j]) star->marks[j] = (uint8_t)has_opposed(g, j);
-    return 1;
-}
-
-int norma_core_mikk_mark_opposed(mikk_star *star, uint32_t first, const uint32_t *following) {
-    grid g = {.star = star, .room = 64};
-    size_t count = 0;
-    for (uint32_t j = first; j != MIKK_NONE; j = following[j], count++) star->marks[j] = 0;
-    while (g.room < 4 * count) g.room *= 2;
-    if (!mark(&g, first, following)) return 0;
-    g.of_t = 1;
-    return mark(&g, first, following);
+size_t norma_core_mikk_opponents(const mikk_crowd *c, uint32_t i, uint64_t *opponents) {
+    search s = {.crowd = c, .i = i, .found = opponents};
+    read_vectors(c, i, s.v);
+    if (is_wild(s.v)) {
+        for (uint32_t other = 0; other < c->count; other++) meet(&s, other);
+        return s.count;
+    }
+    for (size_t g = 0; g < 2; g++) search_grid(&s, &c->grids[g]);
+    for (size_t w = 0; w < c->wild_count; w++) meet(&s, c->wild[w]);
+    norma_core_sort_numbers(s.found, s.count);
+    return s.count;
 }

@@ -17,22 +17,19 @@ typedef struct mikk_star {
     size_t count;
     const uint32_t *corners;           /* of triangles, ascending */
     const uint32_t *next, *previous;   /* the vertices beside it in each corner's triangle */
+    const uint8_t *flags;              /* of each corner's triangle */
     const mikk_corners *contributions; /* corner j's are in lane first + j */
     size_t first;
     mikk_edge_table *table; /* NULL: the star is small */
-    const mikk_kernels *kernels;
     mikk_links links;
     uint32_t *space;    /* of each corner, or MIKK_NONE */
     uint32_t *sequence; /* of each corner: how many got their space before it */
     uint32_t *seeds;    /* of each space: the corner that its group began with */
-    uint8_t *marks;     /* with a table: of each corner, for whoever needs it */
     mikk_space *spaces; /* room for twice the corners */
     size_t space_count;
 } mikk_star;
 
-static inline uint8_t mikk_flags_of(const mikk_star *star, size_t j) {
-    return star->mesh->flags[star->corners[j] / 3];
-}
+static inline uint8_t mikk_flags_of(const mikk_star *star, size_t j) { return star->flags[j]; }
 static inline const mikk_corners *mikk_block(const mikk_star *star, size_t j) {
     return &star->contributions[(star->first + j) / MIKK_LANES];
 }
@@ -53,11 +50,6 @@ void norma_core_mikk_divide(mikk_star *star);
 
 /* mikk_opposed.c: whether neither of two corners of a group is left out of the other's sum. */
 int norma_core_mikk_are_joined(const mikk_star *star, size_t i, size_t j);
-/* Marks the corners of a list (from first on, each with the next one) that some other of it is
- * opposed to; of a star with a table. Returns 0 where numbers are not finite: then nothing is
- * known. */
-int norma_core_mikk_mark_opposed(mikk_star *star, uint32_t first, const uint32_t *following);
-
 void norma_core_mikk_normalise(float v[3]);
 
 static inline int mikk_follows(const mikk_star *star, size_t j) {

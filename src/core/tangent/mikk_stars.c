@@ -19,42 +19,57 @@ typedef struct star_work {
 
 /* ---- contributions */
 
-static void load_corner(
-    const mikk_mesh *m, uint32_t vertex, uint32_t corner, size_t lane, mikk_batch *batch) {
-    const tangent_vertex *here = &m->vertices[vertex];
-    const uint32_t *triangle = &m->triangles[corner - corner % 3];
+static void load_corner(const mikk_mesh *m, uint32_t corner, size_t lane, mikk_batch *batch) {
+    const uint32_t at = corner % 3, *triangle = &m->triangles[corner - at];
     for (size_t i = 0; i < 3; i++) {
         const tangent_vertex *v = &m->vertices[triangle[i]];
         for (int k = 0; k < 3; k++) batch->position[i][k][lane] = v->position[k];
         for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = v->texcoord[k];
     }
-    const tangent_vertex *next = &m->vertices[triangle[(corner + 1) % 3]],
-                         *previous = &m->vertices[triangle[(corner + 2) % 3]];
-    for (int k = 0; k < 3; k++) {
-        batch->normal[k][lane] = here->normal[k];
-        batch->at[k][lane] = here->position[k];
-        batch->next[k][lane] = next->position[k];
-        batch->previous[k][lane] = previous->position[k];
-    }
+    for (int k = 0; k < 3; k++) batch->normal[k][lane] = m->vertices[triangle[at]].normal[k];
+    batch->turn[lane] = (float)at;
 }
 
 typedef struct star_corners {
     mikk_corners *contributions;
     uint32_t *next, *previous;
+    uint8_t *flags;
 } star_corners;
 
-/* Fills lanes [begin, begin + count), of which none has been computed before begin rounded up. */
-static void contribute_star(const star_work *w, uint32_t vertex, const uint32_t *corners,
-    size_t begin, size_t count, mikk_batch *batch, star_corners *out) {
+/* Asks for the triangles at this vertex and those that come after it in the next batch. */
+static void await_triangles(const mikk_mesh *m, size_t vertex) {
+    const size_t begin = m->around.starts[vertex], rest = m->around.starts[m->vertex_count] - begin,
+                 count = rest < CORNERS_IN_BATCH ? rest : CORNERS_IN_BATCH;
+    const uint32_t *corners = m->around.corners + begin;
+    for (size_t j = 0; j < count; j++) {
+        TANGENT_PREFETCH(&m->triangles[corners[j] - corners[j] % 3]);
+        TANGENT_PREFETCH(&m->flags[corners[j] / 3]);
+    }
+}
+
+/* Who is beside each of count corners; asks for their vertices, and for where tangents go. */
+static void read_triangles(
+    const star_work *w, const uint32_t *corners, size_t count, const star_corners *out) {
+    static const uint8_t following[] = {1, 2, 0}, preceding[] = {2, 0, 1};
     const mikk_mesh *m = w->mesh;
     for (size_t j = 0; j < count; j++) {
-        const size_t lane = (begin + j) % MIKK_LANES;
-        const uint32_t *triangle = &m->triangles[corners[j] - corners[j] % 3];
-        out->next[begin + j] = triangle[(corners[j] + 1) % 3];
-        out->previous[begin + j] = triangle[(corners[j] + 2) % 3];
-        load_corner(m, vertex, corners[j], lane, batch);
-        if (lane == MIKK_LANES - 1)
-            w->kernels->contribute(batch, &out->contributions[(begin + j) / MIKK_LANES]);
+        const uint32_t at = corners[j] % 3, *triangle = &m->triangles[corners[j] - at];
+        out->next[j] = triangle[following[at]];
+        out->previous[j] = triangle[preceding[at]];
+        out->flags[j] = m->flags[corners[j] / 3];
+        TANGENT_PREFETCH(&m->vertices[out->next[j]]);
+        TANGENT_PREFETCH(&m->vertices[out->previous[j]]);
+        TANGENT_PREFETCH(w->output->tangents + mikk_target(m, corners[j]) * w->output->stride);
+    }
+}
+
+/* Once the triangles have been read. */
+static void contribute_corners(const star_work *w, const uint32_t *corners, size_t count,
+    mikk_batch *batch, mikk_corners *contributions) {
+    for (size_t j = 0; j < count; j++) {
+        load_corner(w->mesh, corners[j], j % MIKK_LANES, batch);
+        if (j % MIKK_LANES == MIKK_LANES - 1 || j + 1 == count)
+            w->kernels->contribute(batch, &contributions[j / MIKK_LANES]);
     }
 }
 
@@ -131,11 +146,17 @@ static int is_written(const mikk_star *star, size_t j) {
 
 static void write_corners(const star_work *w, const mikk_star *star, core_tally *tally) {
     const tangent_vertex *vertex = &w->mesh->vertices[star->vertex];
+    uint32_t last = MIKK_NONE; /* whose space was written last */
+    written_tangent out = {.reason = NORMA_REASON_NONE};
     for (size_t j = 0; j < star->count; j++) {
         if (w->mesh->corners && !is_written(star, j)) continue;
-        const corner_tangent tangent = tangent_of(star, j);
-        norma_core_write_tangent(
-            w->output, mikk_target(w->mesh, star->corners[j]), vertex, &tangent, tally);
+        const int own = is_held_before(star, j) || star->space[j] == MIKK_NONE;
+        if (own || star->space[j] != last) {
+            const corner_tangent tangent = tangent_of(star, j);
+            out = norma_core_tangent_to_write(vertex, &tangent);
+            last = own ? MIKK_NONE : star->space[j];
+        }
+        norma_core_put_tangent(w->output, mikk_target(w->mesh, star->corners[j]), &out, tally);
     }
 }
 
@@ -179,7 +200,8 @@ static void finish_star(const star_work *w, mikk_star *star, core_tally *tally) 
 typedef struct small_stars {
     mikk_corners contributions[BLOCKS];
     mikk_batch batch;
-    uint32_t next[LANES_IN_BATCH], previous[LANES_IN_BATCH];
+    uint32_t corners[LANES_IN_BATCH], next[LANES_IN_BATCH], previous[LANES_IN_BATCH];
+    uint8_t flags[LANES_IN_BATCH];
     uint32_t left[MIKK_SMALL_STAR], right[MIKK_SMALL_STAR], space[MIKK_SMALL_STAR],
         sequence[MIKK_SMALL_STAR], seeds[MIKK_SMALL_STAR];
     mikk_space spaces[2 * MIKK_SMALL_STAR];
@@ -197,6 +219,7 @@ static void finish_small(
         .corners = w->mesh->around.corners + w->mesh->around.starts[vertex],
         .next = s->next + first,
         .previous = s->previous + first,
+        .flags = s->flags + first,
         .contributions = s->contributions,
         .first = first,
         .links = {s->left, s->right},
@@ -207,27 +230,35 @@ static void finish_small(
     finish_star(w, &star, tally);
 }
 
-/* As many of the vertices as fit. Returns the first that does not. */
+/* The corners of as many of the vertices as fit. Returns the first that does not. */
+static size_t gather_batch(
+    const mikk_mesh *m, small_stars *s, size_t begin, size_t end, size_t *filled) {
+    size_t vertex = begin;
+    *filled = 0;
+    for (; vertex < end && *filled < CORNERS_IN_BATCH; vertex++) {
+        const size_t count = star_count(m, vertex);
+        if (count > MIKK_SMALL_STAR) continue;
+        memcpy(s->corners + *filled, m->around.corners + m->around.starts[vertex],
+            count * sizeof *s->corners);
+        *filled += count;
+    }
+    return vertex;
+}
+
 static size_t run_batch(
     const star_work *w, small_stars *s, size_t begin, size_t end, core_tally *tally) {
     const mikk_mesh *m = w->mesh;
-    star_corners out = {s->contributions, s->next, s->previous};
-    size_t filled = 0, vertex = begin;
-    for (; vertex < end && filled < CORNERS_IN_BATCH; vertex++) {
-        const size_t count = star_count(m, vertex);
-        if (count > MIKK_SMALL_STAR) continue;
-        contribute_star(w, (uint32_t)vertex, m->around.corners + m->around.starts[vertex], filled,
-            count, &s->batch, &out);
-        filled += count;
-    }
-    if (filled % MIKK_LANES)
-        w->kernels->contribute(&s->batch, &s->contributions[filled / MIKK_LANES]);
-    filled = 0;
+    const star_corners out = {s->contributions, s->next, s->previous, s->flags};
+    size_t filled, first = 0;
+    const size_t vertex = gather_batch(m, s, begin, end, &filled);
+    read_triangles(w, s->corners, filled, &out);
+    await_triangles(m, vertex);
+    contribute_corners(w, s->corners, filled, &s->batch, s->contributions);
     for (size_t v = begin; v < vertex; v++) {
         const size_t count = star_count(m, v);
         if (count > MIKK_SMALL_STAR) continue;
-        finish_small(w, s, v, filled, tally);
-        filled += count;
+        finish_small(w, s, v, first, tally);
+        first += count;
     }
     return vertex;
 }
@@ -238,6 +269,7 @@ static void star_task(void *context, size_t task) {
                  end = count - begin < VERTICES_IN_TASK ? count : begin + VERTICES_IN_TASK;
     small_stars s;
     memset(&s.batch, 0, sizeof s.batch);
+    await_triangles(w->mesh, begin);
     for (size_t v = begin; v < end;) v = run_batch(w, &s, v, end, &w->tallies[task]);
 }
 
@@ -247,7 +279,7 @@ typedef struct large_stars {
     size_t most, blocks;
     mikk_corners *contributions;
     uint32_t *numbers; /* seven for each corner */
-    uint8_t *marks;
+    uint8_t *flags;
     mikk_space *spaces;
     mikk_edge_table table;
 } large_stars;
@@ -258,24 +290,23 @@ static void finish_large(
     const uint32_t *corners = w->mesh->around.corners + w->mesh->around.starts[vertex];
     mikk_edge_table table = s->table;
     mikk_batch batch = {0};
-    star_corners out = {s->contributions, s->numbers, s->numbers + most};
+    const star_corners out = {s->contributions, s->numbers, s->numbers + most, s->flags};
     mikk_star star = {.mesh = w->mesh,
         .vertex = (uint32_t)vertex,
         .count = count,
         .corners = corners,
         .next = out.next,
         .previous = out.previous,
+        .flags = out.flags,
         .contributions = s->contributions,
         .table = &table,
-        .kernels = w->kernels,
-        .marks = s->marks,
         .links = {s->numbers + 2 * most, s->numbers + 3 * most},
         .space = s->numbers + 4 * most,
         .sequence = s->numbers + 5 * most,
         .seeds = s->numbers + 6 * most,
         .spaces = s->spaces};
-    contribute_star(w, (uint32_t)vertex, corners, 0, count, &batch, &out);
-    if (count % MIKK_LANES) w->kernels->contribute(&batch, &s->contributions[count / MIKK_LANES]);
+    read_triangles(w, corners, count, &out);
+    contribute_corners(w, corners, count, &batch, s->contributions);
     finish_star(w, &star, tally);
 }
 
@@ -287,16 +318,16 @@ static norma_result run_large(const star_work *w, core_tally *tally) {
     s.contributions = norma_core_allocate(call, s.blocks, sizeof *s.contributions);
     s.numbers = norma_core_allocate(call, 7 * s.most, sizeof *s.numbers);
     s.spaces = norma_core_allocate(call, 2 * s.most, sizeof *s.spaces);
-    s.marks = norma_core_allocate(call, s.most, 1);
+    s.flags = norma_core_allocate(call, s.most, 1);
     norma_result result = norma_core_mikk_table_open(call, s.most, &s.table);
-    if (!s.contributions || !s.numbers || !s.spaces || !s.marks) result = NORMA_ERROR_MEMORY;
+    if (!s.contributions || !s.numbers || !s.spaces || !s.flags) result = NORMA_ERROR_MEMORY;
     for (size_t v = 0; v < w->mesh->vertex_count && result == NORMA_OK; v++)
         if (star_count(w->mesh, v) > MIKK_SMALL_STAR) finish_large(w, &s, v, tally);
     norma_core_mikk_table_close(call, s.most, &s.table);
     norma_core_release(call, s.contributions, s.blocks, sizeof *s.contributions);
     norma_core_release(call, s.numbers, 7 * s.most, sizeof *s.numbers);
     norma_core_release(call, s.spaces, 2 * s.most, sizeof *s.spaces);
-    norma_core_release(call, s.marks, s.most, 1);
+    norma_core_release(call, s.flags, s.most, 1);
     return result;
 }
 

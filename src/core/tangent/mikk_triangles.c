@@ -80,7 +80,10 @@ static void cut_task(void *context, size_t task) {
     const size_t faces = c->mesh->input->mesh.face_count, begin = task * FACES_IN_TASK,
                  end = faces - begin < FACES_IN_TASK ? faces : begin + FACES_IN_TASK;
     size_t triangle = c->starts ? c->starts[task] : begin;
-    for (size_t face = begin; face < end; face++) triangle += cut_face(c, face, triangle);
+    for (size_t face = begin; face < end; face++) {
+        norma_core_tangent_await(c->mesh->input, face + TANGENT_FACES_AHEAD);
+        triangle += cut_face(c, face, triangle);
+    }
 }
 
 static size_t task_count(const core_mesh *mesh) {

@@ -105,6 +105,7 @@ static void face_task(void *context, size_t task) {
                                                          ? mesh->face_count
                                                          : begin + FACES_IN_TASK;
     for (size_t face = begin; face < end; face++) {
+        norma_core_tangent_await(m->input, face + TANGENT_FACES_AHEAD);
         const size_t first = norma_core_face_begin(mesh, face),
                      count = norma_core_face_end(mesh, face) - first;
         face_corners f = {m->input, first, count, 0};

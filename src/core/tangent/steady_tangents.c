@@ -5,7 +5,7 @@
 #include "core/tangent/steady.h"
 #include <math.h>
 
-enum { SMALL_STAR = 64, VERTICES_IN_TASK = 1 << 11 };
+enum { SMALL_STAR = 64, VERTICES_IN_TASK = 1 << 11, STARS_AHEAD = 6 };
 
 typedef struct steady_part {
     double sum[3]; /* a unit vector times the weight */
@@ -137,15 +137,16 @@ static steady_sum sum_of(const steady_mesh *m, const steady_star *star, int sign
 
 /* ---- stars */
 
-static corner_tangent tangent_of(
-    const steady_mesh *m, size_t face, const steady_sum *negative, const steady_sum *positive) {
-    const int own = m->signs[face], taken = m->adopted && m->adopted[face] ? -1 : 1,
-              sign = own ? own : taken;
-    const steady_sum *sum = sign < 0 ? negative : positive;
+static int is_negative(const steady_mesh *m, size_t face) {
+    return m->signs[face] ? m->signs[face] < 0 : m->adopted && m->adopted[face];
+}
+
+/* What the corners of faces of one sign get. */
+static written_tangent tangent_of(const tangent_vertex *at, int sign, const steady_sum *sum) {
     corner_tangent tangent = {.sign = (float)sign, .reason = sum->reason};
     if (!sum->present) tangent.reason = NORMA_REASON_DEGENERATE;
     memcpy(tangent.direction, sum->direction, sizeof tangent.direction);
-    return tangent;
+    return norma_core_tangent_to_write(at, &tangent);
 }
 
 static void finish_star(
@@ -163,15 +164,46 @@ static void finish_star(
         if (m->signs[face]) parts[j] = part_of(m, star.normal, face, star.corners[j]);
     }
     const steady_sum negative = sum_of(m, &star, -1), positive = sum_of(m, &star, 1);
+    const written_tangent out[2] = {tangent_of(at, 1, &positive), tangent_of(at, -1, &negative)};
     for (size_t j = 0; j < star.count; j++) {
         const size_t face = norma_core_face_of(&m->around, star.corners[j]);
-        const corner_tangent tangent = tangent_of(m, face, &negative, &positive);
-        norma_core_write_tangent(w->output, star.corners[j], at, &tangent, tally);
+        norma_core_put_tangent(w->output, star.corners[j], &out[is_negative(m, face)], tally);
     }
 }
 
 static size_t star_count(const steady_mesh *m, size_t vertex) {
     return m->around.starts[vertex + 1] - m->around.starts[vertex];
+}
+
+/* Asks for what the star of this vertex reads first. */
+static void await_faces(const steady_mesh *m, size_t vertex) {
+    const core_mesh *mesh = &m->input->mesh;
+    if (vertex >= m->input->key_count || star_count(m, vertex) > SMALL_STAR) return;
+    for (uint32_t i = m->around.starts[vertex]; i < m->around.starts[vertex + 1]; i++) {
+        const uint32_t corner = m->around.corners[i];
+        const steady_face *face = &m->faces[norma_core_face_of(&m->around, corner)];
+        TANGENT_PREFETCH(face);
+        TANGENT_PREFETCH(&face->twice_area);
+        TANGENT_PREFETCH(&m->signs[face - m->faces]);
+        if (mesh->corners)
+            TANGENT_PREFETCH((const unsigned char *)mesh->corners + corner * mesh->corner_size);
+    }
+}
+
+/* Then for what it reads after that, and for where tangents go. */
+static void await_points(const steady_work *w, size_t vertex) {
+    const steady_mesh *m = w->mesh;
+    const tangent_mesh *in = m->input;
+    if (vertex >= in->key_count || star_count(m, vertex) > SMALL_STAR) return;
+    for (uint32_t i = m->around.starts[vertex]; i < m->around.starts[vertex + 1]; i++) {
+        const uint32_t corner = m->around.corners[i];
+        const size_t face = norma_core_face_of(&m->around, corner),
+                     next = norma_core_next_in_face(&in->mesh, face, corner),
+                     previous = norma_core_previous_in_face(&in->mesh, face, corner);
+        TANGENT_PREFETCH(&in->vertices[norma_core_tangent_key(in, next)]);
+        TANGENT_PREFETCH(&in->vertices[norma_core_tangent_key(in, previous)]);
+        TANGENT_PREFETCH(w->output->tangents + corner * w->output->stride);
+    }
 }
 
 static void star_task(void *context, size_t task) {
@@ -181,6 +213,8 @@ static void star_task(void *context, size_t task) {
     steady_part parts[SMALL_STAR];
     for (size_t v = begin; v < end; v++) {
         const size_t corners = star_count(w->mesh, v);
+        await_faces(w->mesh, v + 2 * STARS_AHEAD);
+        await_points(w, v + STARS_AHEAD);
         if (corners && corners <= SMALL_STAR) finish_star(w, (uint32_t)v, parts, &w->tallies[task]);
     }
 }

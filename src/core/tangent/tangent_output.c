@@ -17,14 +17,18 @@ static void any_perpendicular(const float normal[3], float out[3]) {
     for (int k = 0; k < 3; k++) out[k] = (float)unit[k] + 0.0F;
 }
 
+written_tangent norma_core_tangent_to_write(
+    const tangent_vertex *vertex, const corner_tangent *tangent) {
+    written_tangent out = {.reason = tangent->reason};
+    memcpy(out.numbers, tangent->direction, sizeof tangent->direction);
+    out.numbers[3] = tangent->sign;
+    if (!norma_core_tangent_is_finite(vertex)) out.reason = NORMA_REASON_NON_FINITE;
+    if (out.reason != NORMA_REASON_NONE) any_perpendicular(vertex->normal, out.numbers);
+    return out;
+}
+
 void norma_core_write_tangent(const tangent_output *output, size_t corner,
     const tangent_vertex *vertex, const corner_tangent *tangent, core_tally *tally) {
-    float four[4] = {
-        tangent->direction[0], tangent->direction[1], tangent->direction[2], tangent->sign};
-    int reason = tangent->reason;
-    if (!norma_core_tangent_is_finite(vertex)) reason = NORMA_REASON_NON_FINITE;
-    if (reason != NORMA_REASON_NONE) any_perpendicular(vertex->normal, four);
-    memcpy(output->tangents + corner * output->stride, four, sizeof four);
-    if (output->reasons) output->reasons[corner] = (uint8_t)reason;
-    norma_core_tally(tally, reason, corner);
+    const written_tangent out = norma_core_tangent_to_write(vertex, tangent);
+    norma_core_put_tangent(output, corner, &out, tally);
 }

@@ -35,6 +35,23 @@ static inline uint32_t norma_core_tangent_vertex(const tangent_mesh *mesh, size_
     const uint32_t key = norma_core_tangent_key(mesh, corner);
     return mesh->weld ? mesh->weld[key] : key;
 }
+
+/* Where meshes are in no order, memory is slow, and asked for what is read soon. */
+#if defined(__GNUC__)
+#define TANGENT_PREFETCH(at) __builtin_prefetch(at)
+#else
+#define TANGENT_PREFETCH(at) ((void)(at))
+#endif
+enum { TANGENT_FACES_AHEAD = 12 };
+
+/* Asks for the vertices of a face. */
+static inline void norma_core_tangent_await(const tangent_mesh *m, size_t face) {
+    if (face >= m->mesh.face_count) return;
+    const size_t end = norma_core_face_end(&m->mesh, face);
+    for (size_t c = norma_core_face_begin(&m->mesh, face); c < end; c++)
+        TANGENT_PREFETCH(&m->vertices[norma_core_tangent_key(m, c)]);
+}
+
 static inline int norma_core_tangent_is_finite(const tangent_vertex *v) {
     float zero = 0; /* NaN minus itself is NaN, and so is infinity minus itself */
     for (int k = 0; k < 3; k++) zero += v->position[k] - v->position[k];
@@ -61,6 +78,21 @@ typedef struct corner_tangent {
  * latter. */
 void norma_core_write_tangent(const tangent_output *output, size_t corner,
     const tangent_vertex *vertex, const corner_tangent *tangent, core_tally *tally);
+
+/* The same in two steps, for tangents that many corners of one vertex have. */
+typedef struct written_tangent {
+    float numbers[4];
+    int reason;
+} written_tangent;
+written_tangent norma_core_tangent_to_write(
+    const tangent_vertex *vertex, const corner_tangent *tangent);
+
+static inline void norma_core_put_tangent(const tangent_output *output, size_t corner,
+    const written_tangent *tangent, core_tally *tally) {
+    memcpy(output->tangents + corner * output->stride, tangent->numbers, sizeof tangent->numbers);
+    if (output->reasons) output->reasons[corner] = (uint8_t)tangent->reason;
+    if (tangent->reason != NORMA_REASON_NONE) norma_core_tally(tally, tangent->reason, corner);
+}
 
 /* The two modes: each writes every corner once. */
 norma_result norma_core_mikk_tangents(

@@ -67,9 +67,43 @@ CORE_INLINE int core_all_are_decided(const core_adder *adder, const core_eight *
     return lanes == CORE_LANES && !adder->by_distance && e->sure == CORE_ALL_SURE;
 }
 
+/* The same with chains. */
+CORE_INLINE void core_chain_lane(const core_adder *adder, const core_eight *e, int lane) {
+    const float normal[3] = {
+        (float)e->row[lane][0], (float)e->row[lane][1], (float)e->row[lane][2]};
+    uint32_t at[3];
+    for (int k = 0; k < 3; k++) at[k] = core_eight_at(e, lane, k);
+    for (int k = 0; k < 3; k++) {
+        const uint32_t sum = at[k] - adder->first;
+        if (sum >= adder->count) continue;
+        core_add_row(&adder->sums[sum].x, e->row[lane], e->weight[k][lane]);
+        core_follow_chains(
+            &adder->chains[sum], normal, adder->chain_cosine, at[(k + 1) % 3], at[(k + 2) % 3]);
+    }
+}
+
+CORE_INLINE void core_break_lane(const core_adder *adder, const core_eight *e, int lane) {
+    for (int k = 0; k < 3; k++) {
+        const uint32_t sum = core_eight_at(e, lane, k) - adder->first;
+        if (sum < adder->count) core_break_chains(&adder->chains[sum]);
+    }
+}
+
+CORE_INLINE void core_chain_eight(const core_adder *adder, const core_eight *e, int lanes) {
+    for (int i = 0; i < lanes; i++)
+        if (core_is_decided(e, i))
+            core_chain_lane(adder, e, i);
+        else
+            core_break_lane(adder, e, i);
+}
+
 /* Face f is the first of them. */
 CORE_INLINE void core_add_eight(
     const core_adder *adder, const core_eight *e, size_t f, int lanes, norma_weight weight) {
+    if (weight == NORMA_WEIGHT_ANGLE && adder->chains) {
+        core_chain_eight(adder, e, lanes);
+        return;
+    }
     if (adder->owns_all && core_all_are_decided(adder, e, lanes)) {
         core_add_all_lanes(adder, e, weight);
         return;

@@ -211,16 +211,20 @@ CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end
 
 /* ---- queueing */
 
+CORE_INLINE uint32_t part_of(uint32_t at, uint64_t scale) {
+    return at == CORE_NOWHERE ? CORE_PARTS : (uint32_t)((at * scale) >> CORE_PART_BITS);
+}
+
+/* A counting sort, so that a queue is no larger for many parts than for few. */
 CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale) {
-    uint32_t listed[CORE_PARTS + 1] = {0};
+    uint16_t next[CORE_PARTS + 2] = {0};
+    for (size_t c = 0; c < 3 * faces; c++) next[part_of(queue->at[c], scale) + 1]++;
+    for (size_t part = 0; part <= CORE_PARTS; part++)
+        next[part + 1] = (uint16_t)(next[part + 1] + next[part]);
+    memcpy(queue->begin, next, sizeof next);
     for (size_t f = 0; f < faces; f++)
-        for (size_t k = 0; k < 3; k++) {
-            const uint32_t at = queue->at[3 * f + k],
-                           part = (uint32_t)((at * scale) >> CORE_PART_BITS),
-                           list = at == CORE_NOWHERE ? CORE_PARTS : part;
-            queue->list[list][listed[list]++] = (uint16_t)(4 * f + k);
-        }
-    memcpy(queue->listed, listed, sizeof listed);
+        for (size_t k = 0; k < 3; k++)
+            queue->list[next[part_of(queue->at[3 * f + k], scale)]++] = (uint16_t)(4 * f + k);
 }
 
 CORE_INLINE void queue_triangles(
@@ -239,8 +243,8 @@ CORE_INLINE vertex_sum *sum_of_corner(const core_queue *queue, uint16_t corner, 
 
 CORE_INLINE void drain_queue(const core_queue *queue, size_t part, vertex_sum *sums) {
     enum { CORNERS_AHEAD = 64 };
-    const uint16_t *list = queue->list[part];
-    const size_t count = queue->listed[part];
+    const uint16_t *list = queue->list + queue->begin[part];
+    const size_t count = (size_t)(queue->begin[part + 1] - queue->begin[part]);
     for (size_t i = 0; i < count && i < CORNERS_AHEAD; i++)
         __builtin_prefetch(sum_of_corner(queue, list[i], sums), 1, 2);
     for (size_t i = 0; i < count; i++) {

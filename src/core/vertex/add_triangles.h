@@ -2,6 +2,7 @@
  * to the sums of positions, at once or by way of queues, and sums made normals. */
 #ifndef NORMA_CORE_VERTEX_ADD_H
 #define NORMA_CORE_VERTEX_ADD_H
+#include "core/vertex/face_chain.h"
 #include "core/vertex/vertex_normals.h"
 
 typedef struct core_adder {
@@ -15,6 +16,9 @@ typedef struct core_adder {
     size_t first_face; /* the number of the mesh's first face to add_face */
     void (*add_face)(void *context, size_t face); /* one that doubles do not decide */
     void *context;
+    face_chains *chains; /* beside the sums; by angle only, NULL: none. What add_face is called for
+                           has broken them */
+    float chain_cosine;  /* norma_core_chain_cosine */
 } core_adder;
 
 /* Adds the faces from begin to before end, in ascending order. */
@@ -27,10 +31,10 @@ void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t b
 typedef int core_finish_sums(const vertex_sum sums[CORE_LANES], float normals[CORE_LANES][3]);
 
 /* What a chunk of faces adds, waiting for who owns the sums: of each face a row and the weight of
- * each corner, and of each part of the positions the corners that lie there, in order, as 4 face +
- * corner. Position p is in part p * scale / 2^CORE_PART_BITS. */
+ * each corner, and the corners in the order of the parts of the positions where they lie, within a
+ * part in their own, as 4 face + corner. Position p is in part p * scale / 2^CORE_PART_BITS. */
 enum {
-    CORE_PARTS = 8 /* at most */,
+    CORE_PARTS = 64 /* at most */,
     CORE_PART_BITS = 40,
     CORE_CORNERS_IN_CHUNK = 3 * CORE_FACES_IN_CHUNK
 };
@@ -39,8 +43,8 @@ typedef struct core_queue {
     _Alignas(64) double row[CORE_FACES_IN_CHUNK][4];
     double weight[CORE_FACES_IN_CHUNK][4];
     uint32_t at[CORE_CORNERS_IN_CHUNK];
-    uint32_t listed[CORE_PARTS + 1]; /* the last: nowhere */
-    uint16_t list[CORE_PARTS + 1][CORE_CORNERS_IN_CHUNK];
+    uint16_t begin[CORE_PARTS + 2]; /* of each part its first in list; the last part: nowhere */
+    uint16_t list[CORE_CORNERS_IN_CHUNK];
 } core_queue;
 
 /* The faces from begin to before end, a chunk at most, queued: adder->sums are not touched. */

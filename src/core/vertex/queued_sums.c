@@ -73,8 +73,13 @@ static void wait_until_free(const queue_work *work, size_t segment) {
 static void queue_faces(queue_work *work, size_t queue, size_t begin, size_t end) {
     face_queuer queuer = {work->prepared, &work->queues[queue], begin, &work->degenerate[queue]};
     const norma_options *o = &work->prepared->call->options;
-    const core_adder adder = {work->mesh, o->weight, work->sums, 0, 0, 0, 1,
-        o->weld == NORMA_WELD_DISTANCE, 0, queue_face, &queuer};
+    const core_adder adder = {.mesh = work->mesh,
+        .weight = o->weight,
+        .sums = work->sums,
+        .scattered = 1,
+        .by_distance = o->weld == NORMA_WELD_DISTANCE,
+        .add_face = queue_face,
+        .context = &queuer};
     work->queue_faces(&adder, begin, end, work->scale, &work->queues[queue]);
 }
 
@@ -155,8 +160,7 @@ static norma_result run(core_call *call, queue_work *work) {
 /* No more than there are at work: each part reads most of the queues. */
 static size_t parts_for(const core_call *call) {
     size_t parts = 1;
-    while (parts < CORE_PARTS && (call->options.parallel_for || parts < norma_core_workers(call)))
-        parts *= 2;
+    while (parts < CORE_PARTS && parts < norma_core_shares(call)) parts *= 2;
     return parts;
 }
 

@@ -6,12 +6,7 @@
 #include "core/vertex/add_polygons.h"
 #include "core/vertex/queued_sums.h"
 
-enum {
-    FACES_IN_CHUNK = CORE_FACES_IN_CHUNK,
-    FEWEST_FACES_TO_SHARE = 1 << 15,
-    RANGES_FOR_JOBS = 8,
-    MOST_RANGES = 64
-};
+enum { FACES_IN_CHUNK = CORE_FACES_IN_CHUNK, FEWEST_FACES_TO_SHARE = 1 << 15, MOST_RANGES = 64 };
 
 typedef struct position_range {
     uint32_t begin, end;
@@ -61,9 +56,16 @@ static void add_chunk(sum_work *work, size_t range_number, position_range range,
     chunk_faces(work, chunk, &begin, &end);
     core_face_adder face_adder = {
         prepared, sums, range.begin, count, &work->degenerate[range_number]};
-    const core_adder adder = {&work->mesh, prepared->call->options.weight, sums, range.begin, count,
-        work->ranges == 1, work->scattered, prepared->call->options.weld == NORMA_WELD_DISTANCE, 0,
-        norma_core_add_face, &face_adder};
+    const core_adder adder = {.mesh = &work->mesh,
+        .weight = prepared->call->options.weight,
+        .sums = sums,
+        .first = range.begin,
+        .count = count,
+        .owns_all = work->ranges == 1,
+        .scattered = work->scattered,
+        .by_distance = prepared->call->options.weld == NORMA_WELD_DISTANCE,
+        .add_face = norma_core_add_face,
+        .context = &face_adder};
     norma_core_add_chunk(work->add, &adder, begin, end);
 }
 
@@ -107,10 +109,9 @@ static norma_result sum_shared(sum_work *work) {
 
 static size_t ranges_for(const core_prepared_mesh *prepared) {
     const core_call *call = prepared->call;
-    if (call->options.parallel_for) return RANGES_FOR_JOBS;
-    if (prepared->mesh.face_count < FEWEST_FACES_TO_SHARE) return 1;
-    const size_t workers = norma_core_workers(call);
-    return workers < MOST_RANGES ? workers : MOST_RANGES;
+    if (!call->options.parallel_for && prepared->mesh.face_count < FEWEST_FACES_TO_SHARE) return 1;
+    const size_t shares = norma_core_shares(call);
+    return shares < MOST_RANGES ? shares : MOST_RANGES;
 }
 
 /* ---- sums that cancel: once more, over the corners of each vertex alone */

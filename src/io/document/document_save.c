@@ -90,16 +90,17 @@ static norma_document_result write_target(norma_document *document, const char *
                : result;
 }
 
-static norma_document_result save(norma_document *document, const char *path,
+norma_document_result norma_document_prepare(norma_document *document, const char *path,
     const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
     file_writer *writer;
-    size_t at;
-    int failed = norma_file_writer_open(path, &writer);
+    const int failed = norma_file_writer_open(path, &writer);
     if (failed) return norma_document_fail_file(path, error, "cannot be written", failed);
     if (options->in_place && norma_file_same(path, document->path))
-        norma_file_writer_expect(writer, &document->stamp);
+        norma_document_expect(writers, writer, &document->stamp);
     document->progress = options->progress;
     document->progress_user = options->progress_user;
+    const size_t before = writers->count;
+    if (writers->outlive) norma_file_writer_batch(writer, 0);
     norma_document_result result =
         write_target(document, path, options->in_place, writer, writers, error);
     document->progress = NULL;
@@ -107,9 +108,19 @@ static norma_document_result save(norma_document *document, const char *path,
         norma_file_writer_abandon(writer);
         return result;
     }
-    if (!norma_document_add_writer(writers, writer, path))
-        return norma_document_fail_memory(document, error);
-    failed = norma_file_writers_commit(writers->list, writers->count, &at);
+    if (writers->outlive) norma_file_writer_batch(writer, writers->count == before);
+    return norma_document_add_writer(writers, writer, path)
+               ? NORMA_DOCUMENT_OK
+               : norma_document_fail_memory(document, error);
+}
+
+static norma_document_result save(norma_document *document, const char *path,
+    const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
+    size_t at;
+    const norma_document_result result =
+        norma_document_prepare(document, path, options, writers, error);
+    if (result) return result;
+    const int failed = norma_file_writers_commit(writers->list, writers->count, &at);
     if (failed) norma_document_fail_file(writers->paths[at], error, "cannot be written", failed);
     for (size_t i = 0; i < writers->count; ++i) writers->list[i] = NULL;
     document->replaced |= !failed && options->in_place && norma_file_same(path, document->path);

@@ -191,16 +191,34 @@ norma_document_result norma_document_drawn_mesh(norma_document *document, size_t
                : NORMA_DOCUMENT_OK;
 }
 
+static const norma_texture_info no_texture = {.scale = {1, 1}, .strength = 1, .image = SIZE_MAX};
+
+/* out: where the answer goes. */
+static norma_document_result check_material(
+    norma_document *document, size_t index, const void *out, norma_document_error *error) {
+    const norma_document_result result = norma_document_ready(document, error);
+    if (result || (out && index < norma_document_material_count(document))) return result;
+    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+        "there is no material %zu; the document has %zu, numbered from 0", index,
+        norma_document_material_count(document));
+}
+
+norma_document_result norma_document_normal_map(
+    norma_document *document, size_t index, norma_texture_info *map, norma_document_error *error) {
+    const norma_document_result result = check_material(document, index, map, error);
+    if (result) return result;
+    *map = no_texture;
+    return functions_of(document)->normal_map
+               ? functions_of(document)->normal_map(document, index, map, error)
+               : NORMA_DOCUMENT_OK;
+}
+
 norma_document_result norma_document_material_maps(norma_document *document, size_t index,
     norma_material_maps *maps, norma_document_error *error) {
-    norma_document_result result = norma_document_ready(document, error);
+    const norma_document_result result = check_material(document, index, maps, error);
     if (result) return result;
-    if (!maps || index >= norma_document_material_count(document))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "there is no material %zu; the document has %zu, numbered from 0", index,
-            norma_document_material_count(document));
-    const norma_texture_info none = {.scale = {1, 1}, .strength = 1, .image = SIZE_MAX};
-    *maps = (norma_material_maps){.alpha_cutoff = 0.5F, .base_color = none, .normal = none};
+    *maps =
+        (norma_material_maps){.alpha_cutoff = 0.5F, .base_color = no_texture, .normal = no_texture};
     return functions_of(document)->material_maps
                ? functions_of(document)->material_maps(document, index, maps, error)
                : NORMA_DOCUMENT_OK;

@@ -32,8 +32,10 @@ struct file_writer {
     char *temporary; /* NULL: has no name yet, or the target is a device or a pipe, written as it is
                       */
     int nameless, prepared, replaces, placed;
-    int error; /* the first one; every later call returns it */
-    file_stamp *expected;
+    int batch, alone; /* flushed with others; its folder, too */
+    int error;        /* the first one; every later call returns it */
+    file_stamp *expected, own_stamp;
+    char *replaced; /* another name of what it takes the place of, until all are in place; NULL */
     size_t used;
     unsigned char *buffer; /* of BUFFER_SIZE */
 };
@@ -222,6 +224,16 @@ void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) {
     writer->expected = stamp->known ? stamp : NULL;
 }
 
+void norma_file_writer_expect_once(file_writer *writer, const file_stamp *stamp) {
+    writer->own_stamp = *stamp;
+    norma_file_writer_expect(writer, &writer->own_stamp);
+}
+
+void norma_file_writer_batch(file_writer *writer, int alone) {
+    writer->batch = 1;
+    writer->alone = alone;
+}
+
 /* ---- writing */
 
 static int write_all(file_writer *writer, const unsigned char *bytes, size_t size) {
@@ -297,7 +309,8 @@ static int flush_descriptor(int descriptor) {
 /* An asset may name thousands of files, and a process may have a thousand open: from some number on
  * each is closed under its temporary name, to be renamed later. */
 static int close_early(file_writer *writer) {
-    if (writer->descriptor < MANY_DESCRIPTORS || writer->expected) return 0;
+    const int stays = writer->expected && writer->expected != &writer->own_stamp;
+    if (writer->descriptor < MANY_DESCRIPTORS || stays) return 0;
     const int error = give_name(writer), descriptor = writer->descriptor;
     if (error || !writer->temporary) return error;
     writer->descriptor = -1;
@@ -308,10 +321,37 @@ static int close_early(file_writer *writer) {
 
 int norma_file_writer_prepare(file_writer *writer) {
     if (writer->error || writer->prepared || flush_buffer(writer)) return writer->error;
-    if (writer->nameless || writer->temporary) writer->error = flush_descriptor(writer->descriptor);
+    if ((writer->nameless || writer->temporary) && !writer->batch)
+        writer->error = flush_descriptor(writer->descriptor);
     if (!writer->error) writer->error = close_early(writer);
     writer->prepared = !writer->error;
     return writer->error;
+}
+
+/* ---- two that meet */
+
+static int open_again(const file_writer *writer) {
+    return writer->descriptor >= 0 ? dup(writer->descriptor)
+                                   : open(writer->temporary, O_RDONLY | O_CLOEXEC);
+}
+
+static int same_bytes(int a, int b) {
+    unsigned char of_a[4096], of_b[4096];
+    for (off_t at = 0;; at += (off_t)sizeof of_a) {
+        const ssize_t got = pread(a, of_a, sizeof of_a, at),
+                      other = pread(b, of_b, sizeof of_b, at);
+        if (got < 0 || got != other || memcmp(of_a, of_b, (size_t)got) != 0) return 0;
+        if (got == 0) return 1;
+    }
+}
+
+int norma_file_writers_meet(file_writer *a, file_writer *b) {
+    if (strcmp(a->target, b->target) != 0) return 0;
+    const int of_a = open_again(a), of_b = open_again(b),
+              same = of_a >= 0 && of_b >= 0 && same_bytes(of_a, of_b);
+    if (of_a >= 0) close(of_a);
+    if (of_b >= 0) close(of_b);
+    return same ? 1 : 2;
 }
 
 /* ---- into place */
@@ -322,7 +362,7 @@ int norma_file_writer_prepare(file_writer *writer) {
 static int hold_expected(file_writer *writer) {
     if (!writer->expected) return 0;
 #if defined(LOCK_EX)
-    writer->held = open(writer->target, O_RDONLY | O_CLOEXEC);
+    if (writer->descriptor >= 0) writer->held = open(writer->target, O_RDONLY | O_CLOEXEC);
     if (writer->held >= 0 && flock(writer->held, LOCK_EX | LOCK_NB) && errno == EWOULDBLOCK)
         return FILE_IN_USE;
 #endif
@@ -339,14 +379,38 @@ static int open_folder(file_writer *writer) {
 }
 
 static int open_folder_early(file_writer *writer) {
-    return writer->descriptor >= 0 ? open_folder(writer) : 0;
+    return writer->descriptor >= 0 && !writer->alone ? open_folder(writer) : 0;
+}
+
+static int make_second_link(file_writer *writer, const char *name, mode_t mode) {
+    (void)mode;
+    return link(writer->target, name) ? errno : 0;
+}
+
+/* So that it can be put back. A file system without links keeps what was replaced so far. */
+static void keep_replaced(file_writer *writer) {
+    char *temporary = writer->temporary;
+    if (!writer->replaces || !temporary) return;
+    writer->temporary = NULL;
+    if (name_temporary(writer, make_second_link, 0) == 0) writer->replaced = writer->temporary;
+    writer->temporary = temporary;
+}
+
+static void put_back(file_writer *writer) {
+    if (!writer->placed) return;
+    if (!writer->replaces)
+        unlink(writer->target);
+    else if (writer->replaced && rename(writer->replaced, writer->target) == 0) {
+        free(writer->replaced);
+        writer->replaced = NULL;
+    }
 }
 
 static int put_in_place(file_writer *writer) {
     struct stat status;
     const int descriptor = writer->descriptor;
     const int is_known = descriptor >= 0 && fstat(descriptor, &status) == 0;
-    int error = descriptor >= 0 ? 0 : open_folder(writer);
+    int error = descriptor >= 0 || writer->alone ? 0 : open_folder(writer);
     writer->descriptor = -1;
     if (descriptor >= 0 && close(descriptor) && errno != EINTR) error = errno;
     if (!error && rename(writer->temporary, writer->target)) error = errno;
@@ -369,6 +433,73 @@ static int commit_one(file_writer *writer) {
     return close(descriptor) && errno != EINTR ? errno : 0;
 }
 
+/* ---- many at once */
+
+static int flush_one(const file_writer *writer) {
+    const int descriptor = writer->descriptor >= 0 ? writer->descriptor
+                                                   : open(writer->temporary, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return errno;
+    const int error = flush_descriptor(descriptor);
+    if (descriptor != writer->descriptor) close(descriptor);
+    return error;
+}
+
+/* All bytes of a batch. Where the system can flush a whole file system, that is once for each,
+ * instead of once for each file. */
+static int flush_batch(file_writer **writers, size_t count) {
+    int error = 0;
+#if defined(__linux__)
+    dev_t device = 0;
+    int flushed = 0;
+#endif
+    for (size_t i = 0; i < count && !error; ++i) {
+        if (!writers[i]->batch || !writers[i]->temporary) continue;
+#if defined(__linux__)
+        struct stat status;
+        const int descriptor = open(writers[i]->temporary, O_RDONLY | O_CLOEXEC);
+        if (descriptor < 0 || fstat(descriptor, &status)) error = errno;
+        if (!error && (!flushed || status.st_dev != device)) {
+            error = syncfs(descriptor) ? errno : 0;
+            device = status.st_dev;
+            flushed = 1;
+        }
+        if (descriptor >= 0) close(descriptor);
+        if (error == ENOSYS || error == EPERM) error = flush_one(writers[i]);
+#else
+        error = flush_one(writers[i]);
+#endif
+    }
+    return error;
+}
+
+static int flush_folder_of(const char *target, size_t length) {
+    int descriptor = -1;
+    char *folder = join(target, length, ".");
+    int error = folder ? norma_folder_open(folder, &descriptor) : ENOMEM;
+    if (!error && descriptor >= 0) error = norma_folder_flush(descriptor);
+    if (descriptor >= 0) close(descriptor);
+    free(folder);
+    return error;
+}
+
+/* The folders of a batch, each once where files of a folder follow each other. */
+static int flush_folders(file_writer **writers, size_t count) {
+    const char *last = "";
+    size_t last_length = 0;
+    int error = 0;
+    for (size_t i = 0; i < count && !error; ++i) {
+        const char *target = writers[i]->target;
+        const size_t length = folder_length(target);
+        if (!writers[i]->alone ||
+            (i > 0 && length == last_length && memcmp(target, last, length) == 0))
+            continue;
+        last = target;
+        last_length = length;
+        error = flush_folder_of(target, length);
+    }
+    return error ? FILE_NOT_FLUSHED : 0;
+}
+
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) {
     /* Whatever could fail for want of room, memory or descriptors comes before the first is
      * renamed. */
@@ -376,16 +507,22 @@ int norma_file_writers_commit(file_writer **writers, size_t count, size_t *faile
         norma_file_writer_prepare, open_folder_early, hold_expected, give_name, commit_one};
     size_t done = 0;
     int error = 0;
-    for (size_t step = 0; step < sizeof steps / sizeof *steps && !error; ++step)
-        for (done = 0; done < count && !(error = steps[step](writers[done]));) ++done;
-    *failed = done;
-    /* What replaced an older file stays: the files before the last one only ever gain bytes. And
-     * all stays where only the last folder could not be flushed. */
-    for (size_t i = 0; error && !writers[count - 1]->placed && i < count; ++i)
-        if (writers[i]->placed && !writers[i]->replaces) {
-            unlink(writers[i]->target);
-            if (error == FILE_NOT_FLUSHED) error = writers[done]->error; /* it is not there */
+    for (size_t step = 0; step < sizeof steps / sizeof *steps && !error; ++step) {
+        if (steps[step] == commit_one) error = flush_batch(writers, count);
+        for (done = 0; done < count && !error; ++done) {
+            if (steps[step] == commit_one && done + 1 < count) keep_replaced(writers[done]);
+            error = steps[step](writers[done]);
+            if (error) break;
         }
+    }
+    if (done == count) done = count ? count - 1 : 0;
+    if (!error) error = flush_folders(writers, count);
+    *failed = done;
+    /* All stays where only the last folder could not be flushed. */
+    if (error && !writers[count - 1]->placed) {
+        for (size_t i = count; i-- > 0;) put_back(writers[i]);
+        if (error == FILE_NOT_FLUSHED) error = writers[done]->error; /* it is not there */
+    }
     for (size_t i = 0; i < count; ++i) norma_file_writer_abandon(writers[i]);
     return error;
 }
@@ -395,12 +532,20 @@ int norma_file_writer_commit(file_writer *writer) {
     return norma_file_writers_commit(&writer, 1, &failed);
 }
 
+/* Tried once more where it fails: some file systems report errors that pass, and nothing else would
+ * remove the name. */
+static void remove_name(const char *name) {
+    if (name && unlink(name) && errno != ENOENT) unlink(name);
+}
+
 void norma_file_writer_abandon(file_writer *writer) {
     if (!writer) return;
     if (writer->descriptor >= 0) close(writer->descriptor);
     if (writer->held >= 0) close(writer->held);
     if (writer->folder >= 0) close(writer->folder);
-    if (writer->temporary) unlink(writer->temporary);
+    remove_name(writer->temporary);
+    remove_name(writer->replaced);
+    free(writer->replaced);
     free(writer->buffer);
     free(writer->temporary);
     free(writer->target);

@@ -68,6 +68,18 @@ int norma_file_writer_open(const char *path, file_writer **writer);
  * or FILE_IN_USE while another writer replaces it. Once replaced, *stamp is that of the new one. It
  * must outlive the writer. */
 void norma_file_writer_expect(file_writer *writer, file_stamp *stamp);
+/* The same, with a stamp of its own, and without a lock where the file was closed early: for one of
+ * thousands of files. */
+void norma_file_writer_expect_once(file_writer *writer, const file_stamp *stamp);
+/* One of many files that are committed together: its bytes are flushed with theirs, before the
+ * first is renamed. alone: no other file names it, so its folder is flushed when all are in place.
+ */
+void norma_file_writer_batch(file_writer *writer, int alone);
+/* Whether both hold the same bytes and go to the same file: then one of them is enough. Returns 0:
+ * they go elsewhere; 1: the same; 2: the same file, other bytes, or bytes that cannot be read
+ * again.
+ */
+int norma_file_writers_meet(file_writer *a, file_writer *b);
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size);
 /* What was written before, read again, or replaced by as many bytes. Not of a device or a pipe.
  * Return 0 or errno. */
@@ -79,7 +91,8 @@ int norma_file_writer_commit(
 void norma_file_writer_abandon(file_writer *writer); /* frees; NULL is fine */
 /* Several files: all are prepared and looked at before the first is renamed, and each is in its
  * place on the disk before the next one that may name it. After a failure those that were not there
- * before are gone again; *failed is the number of the one that failed. Frees all. */
+ * before are gone again, and what was replaced is back, on file systems that have links; *failed is
+ * the number of the one that failed. Frees all. */
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed);
 
 /* Makes a folder and sees to it that its name is on the disk; *made is 0 where it was there.

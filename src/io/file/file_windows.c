@@ -214,7 +214,7 @@ struct file_writer {
     HANDLE handle;
     char *target, *temporary; /* temporary NULL: a device or a pipe, written as it is */
     int error, replaces, placed;
-    file_stamp *expected;
+    file_stamp *expected, own_stamp;
     size_t used;
     unsigned char buffer[BUFFER_SIZE];
 };
@@ -287,6 +287,17 @@ int norma_file_writer_open(const char *path, file_writer **writer) {
 
 void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) {
     writer->expected = stamp->known ? stamp : NULL;
+}
+
+void norma_file_writer_expect_once(file_writer *writer, const file_stamp *stamp) {
+    writer->own_stamp = *stamp;
+    norma_file_writer_expect(writer, &writer->own_stamp);
+}
+
+void norma_file_writer_batch(file_writer *writer, int alone) { (void)writer, (void)alone; }
+
+int norma_file_writers_meet(file_writer *a, file_writer *b) {
+    return strcmp(a->target, b->target) == 0 ? 2 : 0;
 }
 
 static int write_all(file_writer *writer, const unsigned char *bytes, size_t size) {

@@ -22,6 +22,14 @@ int norma_document_add_writer(companion_writers *writers, file_writer *writer, c
     return 1;
 }
 
+void norma_document_expect(
+    const companion_writers *writers, file_writer *writer, file_stamp *stamp) {
+    if (writers->outlive)
+        norma_file_writer_expect_once(writer, stamp);
+    else
+        norma_file_writer_expect(writer, stamp);
+}
+
 int norma_document_add_folder(companion_writers *writers, const char *path) {
     int made;
     char *copy = norma_io_copy_text(path, strlen(path)),

@@ -130,8 +130,12 @@ norma_result norma_policy_compute(
     if (!make_room(mesh, made)) return NORMA_ERROR_MEMORY;
     core.reasons = made->reasons;
     if (creased) core.edges = &edges;
-    const norma_result result = run(&core, mesh, made, &report);
+    const int shared = policy->shared && made->elements == NORMALS_OF_POSITIONS;
+    const norma_result result = shared ? policy->shared->take(policy->shared->user, policy->surface,
+                                             mesh, made->normals, made->reasons)
+                                       : run(&core, mesh, made, &report);
     if (result) return result;
+    if (shared) norma_policy_report(&report, made->reasons, made->count, NULL, 0, 0);
     norma_policy_add_report(&summary->report, &report, policy->meshes++);
     summary->edges_counted |= creased;
     summary->hard_edges += edges.hard;

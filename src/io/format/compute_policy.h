@@ -11,6 +11,8 @@ typedef struct compute_policy {
     norma_compute_summary *summary;
     norma_options core; /* options of the core's calls, with the nearest fallback in force */
     size_t meshes;      /* computed so far */
+    const shared_normals *shared; /* NULL, or where the normals of positions come from */
+    size_t surface;               /* the number of the surface that is to be computed */
 } compute_policy;
 
 /* Begins the summary. usual: the shading that the format gets if none was asked for; has_groups:

@@ -6,6 +6,7 @@
 #include "io/file/file.h"
 #include "io/file/memory.h"
 #include "io/format/notes.h"
+#include "io/format/shared_normals.h"
 
 typedef struct format_functions format_functions;
 typedef struct scene_functions scene_functions;
@@ -14,12 +15,18 @@ typedef struct edited_format edited_format;
 typedef struct companion_writers { /* freed by who made it; paths: what messages name */
     file_writer **list;
     char **paths, **folders; /* folders: made for them, to go where the save fails */
+    int outlive;             /* they are put in place when their documents are closed */
     size_t count, folder_count, list_capacity, path_capacity, folder_capacity;
     uint64_t
         size; /* bytes of all files beside the document, also of those that are there already */
 } companion_writers;
 /* 0: memory is out, and the writer is abandoned. */
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
+/* What one of them replaces must be the file of this stamp; which is renewed, unless they outlive
+ * it.
+ */
+void norma_document_expect(
+    const companion_writers *writers, file_writer *writer, file_stamp *stamp);
 /* Makes a folder for them if it does not exist. Returns 0 or errno. */
 int norma_document_add_folder(companion_writers *writers, const char *path);
 void norma_document_free_writers(companion_writers *writers, int abandon);
@@ -54,9 +61,10 @@ struct norma_document {
     int had_edit; /* a change waited already when the last one began */
     uint8_t
         *renew; /* NULL, or of normals just computed: the meshes whose tangents stood on old ones */
-    int copied; /* files are read into memory, for a summary too */
-    int lenient;               /* what norma check judges is read instead of refused */
-    struct norma_scene *scene; /* what else is told of it (scene.h) */
+    const shared_normals *shared; /* NULL, or where its normals come from while it is computed */
+    int copied;                   /* files are read into memory, for a summary too */
+    int lenient;                  /* what norma check judges is read instead of refused */
+    struct norma_scene *scene;    /* what else is told of it (scene.h) */
 };
 
 /* Each returns NORMA_DOCUMENT_OK or what norma_document_fail returned. State is freed by close also
@@ -178,6 +186,11 @@ int norma_document_up_to_date(const norma_document *document);
 norma_document_result norma_document_flush(norma_document *document, norma_document_error *error);
 norma_document_result norma_document_ready(
     norma_document *document, norma_document_error *error); /* usable, and flushed */
+
+/* Writes the document and what goes beside it to temporary files, and adds their writers, in the
+ * order in which they are to be put in place. options: all fields are read. */
+norma_document_result norma_document_prepare(norma_document *document, const char *path,
+    const norma_save_options *options, companion_writers *writers, norma_document_error *error);
 
 /* Whether it may be written to this path. */
 norma_document_result norma_document_check_target(

@@ -39,6 +39,8 @@ typedef struct scene_functions {
         norma_drawn_mesh *drawn, norma_document_error *error);
     norma_document_result (*material_maps)(norma_document *document, size_t material,
         norma_material_maps *maps, norma_document_error *error);
+    norma_document_result (*normal_map)(norma_document *document, size_t material,
+        norma_texture_info *map, norma_document_error *error);
     norma_document_result (*texcoords)(norma_document *document, size_t mesh, size_t set,
         const float **texcoords, size_t *count, norma_document_error *error);
 } scene_functions;

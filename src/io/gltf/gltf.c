@@ -1,6 +1,7 @@
 /* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
  * requires, and its table of functions. */
 #include "io/gltf/read/asset.h"
+#include "io/gltf/read/draco_decoder.h"
 #include "io/format/edit.h"
 #include "io/gltf/write/patch.h"
 #include "io/gltf/read/gltf_scene.h"
@@ -108,8 +109,8 @@ static norma_document_result check_version(const gltf *g, norma_document_error *
 
 /* A compression that a file requires and that cannot be read here; NULL for other extensions. */
 static const char *why_not_decoded(const char *name) {
-    if (strcmp(name, "KHR_draco_mesh_compression") == 0)
-        return "cannot be read yet; save the meshes without Draco's compression";
+    if (!norma_draco_reads() && strcmp(name, "KHR_draco_mesh_compression") == 0)
+        return norma_draco_missing(0);
     if (!norma_gltf_reads_meshopt() && (strcmp(name, "EXT_meshopt_compression") == 0 ||
                                            strcmp(name, "KHR_meshopt_compression") == 0))
         return "needs meshoptimizer, which this Norma was built without; save the meshes without "
@@ -124,8 +125,10 @@ static norma_document_result check_required(const gltf *g, norma_document_error 
         return norma_gltf_malformed(g, error, list, "an array");
     for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
          item = norma_json_next(j, list, item)) {
+        if (!norma_json_is(j, item, JSON_STRING))
+            return norma_gltf_malformed(g, error, item, "the name of an extension");
         char *name = norma_json_string(j, item);
-        if (!name) return norma_gltf_malformed(g, error, item, "the name of an extension");
+        if (!name) return norma_document_fail_memory(g->document, error);
         const char *why = why_not_decoded(name);
         int known = why ? g->document->depth == NORMA_DOCUMENT_SUMMARY : norma_gltf_is_known(name);
         norma_document_result result = NORMA_DOCUMENT_OK;
@@ -206,9 +209,7 @@ static const char *compression_of_view(const gltf *g, uint32_t accessor) {
 }
 
 static const char *compression_of(const gltf *g, const gltf_primitive *p) {
-    static const char draco[] = "KHR_draco_mesh_compression";
-    const uint32_t extensions = norma_json_member(&g->json, p->token, "extensions");
-    if (norma_json_member(&g->json, extensions, draco) != JSON_NONE) return draco;
+    if (p->draco.token != GLTF_NONE) return "KHR_draco_mesh_compression";
     const char *name = p->indices == GLTF_NONE ? NULL : compression_of_view(g, p->indices);
     for (uint32_t t = 0; t <= p->target_count && !name; ++t) {
         const gltf_attributes *set = t ? &g->targets[p->first_target + t - 1] : &p->base;

@@ -41,11 +41,16 @@ static int is_wanted(const computation *c, size_t corner) {
     return norma_policy_wants(only, (double[]){(double)n[0], (double)n[1], (double)n[2]}, 32);
 }
 
+static const uint8_t *locked_faces(const computation *c) {
+    return c->document->shared ? c->document->shared->locked : NULL;
+}
+
 /* 0: memory is out. */
 static int choose_corners(computation *c, size_t *count) {
     const obj_state *state = c->state;
     *count = state->corner_count;
-    if (c->policy.options->only == NORMA_ONLY_ALL) return 1;
+    const uint8_t *locked = locked_faces(c);
+    if (c->policy.options->only == NORMA_ONLY_ALL && !locked) return 1;
     c->wanted = norma_io_allocate(state->corner_count, 1);
     if (!c->wanted) return 0;
     *count = 0;
@@ -53,7 +58,9 @@ static int choose_corners(computation *c, size_t *count) {
         int whole = lacks_normals(state, face);
         for (size_t corner = norma_obj_face_start(state, face);
              corner < norma_obj_face_start(state, face + 1); ++corner) {
-            c->wanted[corner] = (uint8_t)(whole || is_wanted(c, corner));
+            const int kept =
+                locked && locked[face] && norma_obj_normal(state, corner) < OBJ_BAD_NORMAL;
+            c->wanted[corner] = (uint8_t)(!kept && (whole || is_wanted(c, corner)));
             *count += c->wanted[corner];
         }
     }
@@ -296,6 +303,7 @@ norma_document_result norma_obj_compute(norma_document *document,
     obj_state *state = document->state;
     computation c = {.document = document, .state = state, .error = error};
     c.policy = norma_policy_begin(options, summary, NORMA_SHADING_CREASE, state->has_groups);
+    c.policy.shared = document->shared;
     summary->faces = state->face_count;
     summary->vertices_before = summary->vertices_after = state->position_count;
     norma_document_result result = run(&c);

@@ -314,6 +314,7 @@ norma_document_result norma_ply_compute(norma_document *document,
         .error = error,
         .state = state,
         .policy = norma_policy_begin(options, summary, NORMA_SHADING_SMOOTH, 0)};
+    job.policy.shared = document->shared;
     summary->faces = state->faces;
     summary->vertices_before = summary->vertices_after = state->vertices;
     if (state->mesh.corner_count == 0) {
@@ -321,6 +322,8 @@ norma_document_result norma_ply_compute(norma_document *document,
                                           "from, so the file stays as it is");
         return NORMA_DOCUMENT_OK;
     }
+    if (document->shared && document->shared->locked && document->shared->locked[0])
+        return NORMA_DOCUMENT_OK;
     if (options->only == NORMA_ONLY_MISSING && state->header.normal[0] != PLY_NONE)
         return NORMA_DOCUMENT_OK;
     result = compute_all(&job);

@@ -77,10 +77,21 @@ uint64_t norma_mpi_largest_before(const mpi_call *call, uint64_t mine) {
     return call->rank ? without_sign(before) : 0;
 }
 
+/* The largest of each and of its complement: one message instead of many. */
 int norma_mpi_all_equal(const mpi_call *call, const uint64_t *numbers, size_t count) {
+    enum { AT_ONCE = 16 };
+    int64_t extremes[2 * AT_ONCE];
     int equal = 1;
-    for (size_t i = 0; i < count; i++)
-        equal &= norma_mpi_largest(call, numbers[i]) == norma_mpi_least(call, numbers[i]);
+    for (size_t begin = 0, some; begin < count; begin += some) {
+        some = count - begin < AT_ONCE ? count - begin : AT_ONCE;
+        for (size_t i = 0; i < some; i++) {
+            extremes[2 * i] = with_sign(numbers[begin + i]);
+            extremes[2 * i + 1] = with_sign(~numbers[begin + i]);
+        }
+        MPI_Allreduce(MPI_IN_PLACE, extremes, (int)(2 * some), MPI_INT64_T, MPI_MAX, call->comm);
+        for (size_t i = 0; i < some; i++)
+            equal &= without_sign(extremes[2 * i]) == ~without_sign(extremes[2 * i + 1]);
+    }
     return equal;
 }
 

@@ -1,138 +1,14 @@
-/* ply_compute.c: a binary PLY with a normal for each vertex: rows are copied with the new ones put
- * in, all else as it is. */
+/* ply_compute.c: a binary PLY with a normal for each vertex: smooth, or cut at creases. */
+#include "core/mesh/input_mesh.h"
 #include "mpi/file/formats.h"
-#include "mpi/file/ply_faces.h"
-#include "io/format/compute_policy.h"
+#include "mpi/file/ply_classes.h"
+#include "mpi/file/ply_number.h"
+#include "mpi/file/ply_output.h"
+#include "mpi/vertex/missing.h"
 #include <norma/mpi.h>
-#include <stdlib.h>
 
 static int fail_memory(mpi_job *job) {
     return norma_mpi_fail(job, "%s: out of memory", job->input);
-}
-
-/* ---- rows of vertices */
-
-typedef struct row_copy {
-    const ply_layout *layout;
-    const ply_element *from, *to;
-    ply_type types[3]; /* of the normals in the output */
-    int *source; /* of each property of the output, its offset in the input's row, or -1 - axis
-                  */
-} row_copy;
-
-static int same_name(const ply_layout *l, const ply_property *a, const ply_property *b) {
-    return a->name.length == b->name.length &&
-           memcmp(l->written + a->name.offset, l->small + b->name.offset, a->name.length) == 0;
-}
-
-static int source_of(const ply_layout *l, const row_copy *copy, int property) {
-    for (int axis = 0; axis < 3; axis++)
-        if (l->to->normal[axis] == property) return -1 - axis;
-    const ply_property *wanted = norma_ply_property(l->to, copy->to, property);
-    for (int p = 0; p < (int)copy->from->property_count; p++)
-        if (same_name(l, wanted, norma_ply_property(l->from, copy->from, p)))
-            return (int)norma_mpi_offset_in_row(l->from, copy->from, p);
-    return 0;
-}
-
-static int open_copy(mpi_job *job, const ply_layout *layout, row_copy *copy) {
-    *copy = (row_copy){.layout = layout,
-        .from = norma_ply_element(layout->from, layout->from->vertex),
-        .to = norma_ply_element(layout->to, layout->to->vertex)};
-    copy->source = malloc(copy->to->property_count * sizeof *copy->source);
-    if (!copy->source) return fail_memory(job);
-    for (int axis = 0; axis < 3; axis++)
-        copy->types[axis] =
-            norma_ply_property(layout->to, copy->to, layout->to->normal[axis])->type;
-    for (size_t p = 0; p < copy->to->property_count; p++)
-        copy->source[p] = source_of(layout, copy, (int)p);
-    return 0;
-}
-
-static void copy_row(
-    const row_copy *copy, const unsigned char *from, const float normal[3], unsigned char *to) {
-    const ply_header *header = copy->layout->to;
-    for (size_t p = 0; p < copy->to->property_count; p++) {
-        const ply_type type = norma_ply_property(header, copy->to, (int)p)->type;
-        if (copy->source[p] >= 0)
-            memcpy(to, from + copy->source[p], norma_ply_type_size(type));
-        else
-            norma_ply_put(to, type, header->encoding, (double)normal[-1 - copy->source[p]]);
-        to += norma_ply_type_size(type);
-    }
-}
-
-static void keep_zero_signs(
-    const ply_layout *l, const row_copy *copy, const unsigned char *row, float normal[3]) {
-    for (int axis = 0; axis < 3; axis++) {
-        const int p = l->from->normal[axis];
-        const double stored = norma_ply_get(row + norma_mpi_offset_in_row(l->from, copy->from, p),
-            norma_ply_property(l->from, copy->from, p)->type, l->from->encoding);
-        normal[axis] = norma_policy_keep_zero(normal[axis], stored);
-    }
-}
-
-/* The rows from the v-th own vertex on; normals are as they will be stored. */
-static int write_some(mpi_job *job, const row_copy *copy, const ply_part *part, size_t v,
-    size_t count, float *normals, unsigned char *blocks[2]) {
-    const ply_layout *l = copy->layout;
-    const size_t from = copy->from->fixed_size, to = copy->to->fixed_size;
-    const uint64_t first = part->first + v,
-                   begin = l->header_size + (l->vertex_begin - l->body) + first * to;
-    if (norma_mpi_read(job, l->vertex_begin + first * from, blocks[0], count * from)) return 1;
-    for (size_t i = 0; i < count; i++) {
-        if (l->has_normals) keep_zero_signs(l, copy, blocks[0] + i * from, normals + 3 * i);
-        copy_row(copy, blocks[0] + i * from, normals + 3 * i, blocks[1] + i * to);
-    }
-    return norma_mpi_write(job, begin, blocks[1], count * to);
-}
-
-static int encode(mpi_job *job, const row_copy *copy, float *normals, size_t count) {
-    norma_document_error error;
-    for (size_t i = 0; i < count; i++) norma_policy_point_up(normals + 3 * i);
-    if (norma_ply_encode_normals(copy->layout->before, copy->types, normals, count, &error) ==
-        NORMA_DOCUMENT_OK)
-        return 0;
-    return norma_mpi_fail(job, "%s", error.message);
-}
-
-static int write_vertices(
-    mpi_job *job, const ply_layout *layout, const ply_part *part, float *normals) {
-    row_copy copy;
-    if (open_copy(job, layout, &copy)) return 1;
-    const size_t widest = copy.to->fixed_size > copy.from->fixed_size ? copy.to->fixed_size
-                                                                      : copy.from->fixed_size,
-                 rows = MPI_BLOCK / widest;
-    unsigned char *blocks[2] = {norma_core_allocate(&job->core, MPI_BLOCK, 1),
-        norma_core_allocate(&job->core, MPI_BLOCK, 1)};
-    int failed = blocks[0] && blocks[1] ? 0 : fail_memory(job);
-    for (size_t v = 0; v < part->own && !failed; v += rows) {
-        const size_t some = part->own - v < rows ? part->own - v : rows;
-        failed = encode(job, &copy, normals + 3 * v, some) ||
-                 write_some(job, &copy, part, v, some, normals + 3 * v, blocks);
-    }
-    norma_core_release(&job->core, blocks[0], MPI_BLOCK, 1);
-    norma_core_release(&job->core, blocks[1], MPI_BLOCK, 1);
-    free(copy.source);
-    return failed;
-}
-
-/* ---- the output */
-
-static int write_all(mpi_job *job, const ply_layout *l, const ply_part *part, float *normals) {
-    const size_t from = norma_ply_element(l->from, l->from->vertex)->fixed_size,
-                 to = norma_ply_element(l->to, l->to->vertex)->fixed_size;
-    const uint64_t before = l->vertex_begin - l->body,
-                   behind = l->vertex_begin + l->vertices * from,
-                   begin = l->header_size + before + l->vertices * to;
-    int failed = norma_mpi_open_output(job, begin + (job->size - behind));
-    if (!failed) {
-        if (!job->call.rank) failed = norma_mpi_write(job, 0, l->header, l->header_size);
-        failed = failed || norma_mpi_copy_share(job, l->body, l->header_size, before) ||
-                 write_vertices(job, l, part, normals) ||
-                 norma_mpi_copy_share(job, behind, begin, job->size - behind);
-    }
-    return norma_mpi_close_output(job, failed);
 }
 
 static int copy_unchanged(mpi_job *job) {
@@ -141,7 +17,11 @@ static int copy_unchanged(mpi_job *job) {
     return norma_mpi_close_output(job, failed);
 }
 
-static int compute_part(mpi_job *job, const ply_layout *layout, ply_part *part) {
+/* ---- one normal for each vertex */
+
+static int compute_smooth(mpi_job *job, ply_layout *layout, ply_part *part) {
+    const ply_added none = {0};
+    if (norma_mpi_fetch_positions(job, layout, part)) return 1;
     const size_t count = part->own + part->others;
     norma_mesh mesh = {.corners = part->corner, .corner_count = part->corners};
     mesh.positions.data = part->positions;
@@ -155,26 +35,143 @@ static int compute_part(mpi_job *job, const ply_layout *layout, ply_part *part) 
         failed = norma_mpi_failed_result(
             job, norma_mpi_vertex_normals(job->call.comm, &mesh, part->vertex_ids, NULL,
                      &job->options, normals, count, &job->report));
-    if (!failed) failed = write_all(job, layout, part, normals);
+    if (!failed) failed = norma_mpi_failed(job, norma_mpi_plan_output(job, 0, layout));
+    if (!failed) failed = norma_mpi_write_ply(job, layout, part, normals, &none);
     norma_core_release(&job->core, normals, count, 3 * sizeof *normals);
     return failed;
 }
 
+/* ---- cut at creases */
+
+static core_mesh own_positions(const ply_part *part, double scale) {
+    const norma_format format = part->doubles ? NORMA_FORMAT_DOUBLE : NORMA_FORMAT_FLOAT;
+    return (core_mesh){.positions = {.data = part->positions,
+                           .count = part->own,
+                           .stride = norma_mpi_position_size(part),
+                           .format = format},
+        .scale = part->doubles ? scale : 1};
+}
+
+/* Collective: positions in doubles are read times one power of two on all ranks. */
+static double agree_on_scale(const mpi_job *job, const ply_part *part) {
+    const core_mesh mesh = own_positions(part, 1);
+    double mine = part->doubles ? norma_core_largest_coordinate(&mesh) : 0, all = 0;
+    MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_MAX, job->call.comm);
+    return part->doubles ? norma_core_scale_for(all) : 1;
+}
+
+static void count_reasons(const mpi_job *job, const ply_creased *creased, norma_report *report) {
+    core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
+    for (size_t v = 0; v < creased->own; v++) norma_core_tally(&tally, creased->reasons[v], v);
+    norma_mpi_add_tallies(&job->call, &tally);
+    report->non_finite = tally.non_finite;
+    report->unreferenced = tally.unreferenced;
+    report->cancelled = tally.cancelled;
+}
+
+static void sum_report(mpi_job *job, const ply_part *part, const ply_split *split) {
+    const mpi_call *call = &job->call;
+    const norma_report *mine = &split->report;
+    size_t empty = 0;
+    for (size_t f = 0; part->face_starts && f < part->faces; f++)
+        empty += part->face_starts[f] == part->face_starts[f + 1];
+    job->report.degenerate_faces.count =
+        (size_t)norma_mpi_sum(call, mine->degenerate_faces.count + empty);
+    job->report.non_manifold_edges.count =
+        (size_t)norma_mpi_sum(call, mine->non_manifold_edges.count);
+    job->report.winding_conflicts.count =
+        (size_t)norma_mpi_sum(call, mine->winding_conflicts.count);
+    job->hard_edges = norma_mpi_sum(call, split->edges.hard);
+}
+
+/* Collective: vertices without a normal get that of the nearest corner that has one. part has the
+ * positions of its own vertices. */
+static norma_result fill_missing(
+    mpi_job *job, const ply_part *part, double scale, ply_creased *creased) {
+    const core_mesh mesh = own_positions(part, scale);
+    const mpi_part own = {.prepared = {.mesh = mesh},
+        .output = {.normals = (unsigned char *)creased->normals, .stride = 3 * sizeof(float)},
+        .vertex_ids = creased->sites,
+        .positions = creased->own};
+    for (size_t v = 0; v < creased->own; v++) {
+        double p[3];
+        norma_core_position(&mesh, (uint32_t)v, p);
+        if (creased->reasons[v] && !norma_core_finite(p))
+            creased->reasons[v] = NORMA_REASON_NON_FINITE;
+    }
+    count_reasons(job, creased, &job->report);
+    return norma_mpi_fill_nearest(&job->call, &own, creased->reasons);
+}
+
+static int split_and_number(mpi_job *job, const ply_layout *layout, double scale, ply_part *part,
+    const uint32_t *classes, ply_creased *creased) {
+    ply_near near = {0};
+    ply_split split = {0};
+    int failed = norma_mpi_gather_near(job, layout, part, classes, &near) ||
+                 norma_mpi_split_near(job, layout->vertices, scale, &near, &split);
+    if (!failed) {
+        sum_report(job, part, &split);
+        failed = norma_mpi_number_vertices(job, layout->vertices, &near, &split, part, creased);
+    }
+    norma_mpi_close_split(job, &split);
+    norma_mpi_close_near(job, &near);
+    return failed;
+}
+
+static int number_and_write(mpi_job *job, ply_layout *layout, double scale, ply_part *part,
+    const ply_part *own, ply_creased *creased) {
+    uint32_t *classes = NULL;
+    int failed = norma_mpi_failed_result(job, norma_mpi_find_classes(job, own, scale, &classes)) ||
+                 split_and_number(job, layout, scale, part, classes, creased);
+    norma_core_release(&job->core, classes, own->own, sizeof *classes);
+    if (!failed)
+        failed = norma_mpi_failed_result(job, fill_missing(job, own, scale, creased)) ||
+                 norma_mpi_failed(job, norma_mpi_plan_output(job, creased->added.all, layout)) ||
+                 norma_mpi_write_ply(job, layout, part, creased->normals, &creased->added);
+    job->added = creased->added.all;
+    return failed;
+}
+
+static int compute_creased(mpi_job *job, ply_layout *layout, ply_part *part) {
+    ply_part own = {.first = part->first, .own = part->own};
+    ply_creased creased = {0};
+    int failed = norma_mpi_failed(job, norma_mpi_read_positions(job, layout, &own));
+    if (!failed)
+        failed = number_and_write(job, layout, agree_on_scale(job, &own), part, &own, &creased);
+    norma_mpi_close_creased(job, &creased);
+    norma_mpi_close_part_of_ply(job, &own);
+    return failed;
+}
+
+/* ---- all */
+
+/* Collective: what the library does not compare where creases are asked for. */
+static int check_same_options(mpi_job *job) {
+    const norma_options *o = &job->options;
+    uint64_t numbers[6] = {(uint64_t)o->weight, (uint64_t)o->weld, (uint64_t)o->non_manifold,
+        (uint64_t)job->creased, 0, 0};
+    memcpy(&numbers[4], &o->weld_distance, sizeof numbers[4]);
+    memcpy(&numbers[5], &job->crease_angle_rad, sizeof numbers[5]);
+    const int same = norma_mpi_all_equal(&job->call, numbers, sizeof numbers / sizeof *numbers);
+    return norma_mpi_failed(
+        job, same ? 0 : norma_mpi_fail(job, "%s: ranks were given different options", job->input));
+}
+
 int norma_mpi_compute_ply(mpi_job *job) {
-    ply_layout layout;
+    ply_layout layout = {0};
     ply_part part = {0};
-    int failed = norma_mpi_failed(job, norma_mpi_read_layout(job, &layout));
+    int failed =
+        check_same_options(job) || norma_mpi_failed(job, norma_mpi_read_layout(job, &layout));
     if (!failed) {
         job->faces = layout.faces;
         job->vertices = layout.vertices;
         failed = norma_mpi_read_faces(job, &layout, &part);
     }
-    if (!failed && !norma_mpi_sum(&job->call, part.corners)) {
+    if (!failed && !norma_mpi_sum(&job->call, part.corners))
         failed = copy_unchanged(job); /* points, which have no normals */
-    } else if (!failed) {
-        failed = norma_mpi_fetch_positions(job, &layout, &part);
-        if (!failed) failed = compute_part(job, &layout, &part);
-    }
+    else if (!failed)
+        failed = job->creased ? compute_creased(job, &layout, &part)
+                              : compute_smooth(job, &layout, &part);
     norma_mpi_close_part_of_ply(job, &part);
     norma_mpi_close_layout(&layout);
     return failed;

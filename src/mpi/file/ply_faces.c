@@ -1,88 +1,9 @@
 /* ply_faces.c: each rank reads a range of faces. Where all are triangles, rows have one size, and
  * each rank knows where its own begin; else the first rank goes through all rows once and tells. */
-#include "mpi/file/ply_faces.h"
-
-typedef struct row_reader {
-    mpi_job *job;
-    const ply_layout *layout;
-    const ply_element *element;
-    unsigned char *block;
-    size_t held, used; /* bytes in the block, and those that are done with */
-    uint64_t next;     /* of the file, behind the block */
-} row_reader;
-
-enum { MOST_ROW = MPI_BLOCK / 2 };
+#include "mpi/file/ply_rows.h"
 
 static int fail_memory(mpi_job *job) {
     return norma_mpi_fail(job, "%s: out of memory", job->input);
-}
-
-static int fail_short(mpi_job *job) {
-    return norma_mpi_fail(job, "%s: is too short for what its header announces (byte %llu)",
-        job->input, (unsigned long long)job->size);
-}
-
-/* ---- rows */
-
-/* Bytes of the row at `at`, of which so many are there; 0: not all of it. */
-static size_t row_size(
-    const ply_header *header, const ply_element *element, const unsigned char *at, size_t left) {
-    size_t size = 0;
-    for (size_t p = 0; p < element->property_count; p++) {
-        const ply_property *property = norma_ply_property(header, element, (int)p);
-        const int list = norma_ply_is_list(property);
-        const size_t head = norma_ply_type_size(list ? property->count_type : property->type);
-        if (left - size < head) return 0;
-        size += list ? norma_ply_property_size(header, property, at + size) : head;
-        if (left < size) return 0;
-    }
-    return size;
-}
-
-static int fill_block(row_reader *r) {
-    const size_t left = r->held - r->used, room = MPI_BLOCK - left;
-    const uint64_t more = r->job->size - r->next;
-    const size_t some = more < room ? (size_t)more : room;
-    memmove(r->block, r->block + r->used, left);
-    r->used = 0;
-    r->held = left + some;
-    if (norma_mpi_read(r->job, r->next, r->block + left, some)) return 1;
-    r->next += some;
-    return 0;
-}
-
-/* The next row; NULL: failed. */
-static const unsigned char *next_row(row_reader *r, size_t *size) {
-    for (int again = 0; again < 2; again++) {
-        const unsigned char *row = r->block + r->used;
-        *size = row_size(r->layout->from, r->element, row, r->held - r->used);
-        if (*size) {
-            r->used += *size;
-            return row;
-        }
-        if (!again && fill_block(r)) return NULL;
-    }
-    if (r->held == MPI_BLOCK)
-        norma_mpi_fail(r->job, "%s: a face takes more than %d bytes; use norma compute",
-            r->job->input, (int)MOST_ROW);
-    else
-        fail_short(r->job);
-    return NULL;
-}
-
-static uint64_t place_in_file(const row_reader *r) { return r->next - (r->held - r->used); }
-
-static int open_reader(mpi_job *job, const ply_layout *layout, uint64_t begin, row_reader *reader) {
-    *reader = (row_reader){.job = job,
-        .layout = layout,
-        .element = norma_ply_element(layout->from, layout->from->face),
-        .block = norma_core_allocate(&job->core, MPI_BLOCK, 1),
-        .next = begin};
-    return reader->block ? 0 : fail_memory(job);
-}
-
-static void close_reader(row_reader *reader) {
-    norma_core_release(&reader->job->core, reader->block, MPI_BLOCK, 1);
 }
 
 /* ---- where each rank's faces begin */
@@ -125,15 +46,15 @@ static int are_triangles(mpi_job *job, const ply_layout *layout, int *all) {
 }
 
 static int find_begins(mpi_job *job, const ply_layout *layout, uint64_t *begins) {
-    row_reader reader;
-    int failed = open_reader(job, layout, layout->face_begin, &reader), rank = 0;
+    ply_rows reader;
+    int failed = norma_mpi_rows_open(job, layout, layout->face_begin, &reader), rank = 0;
     for (uint64_t f = 0; f <= layout->faces && !failed; f++) {
         size_t size;
         for (; rank <= job->call.ranks && begin_of(job, layout, rank) == f; rank++)
-            begins[rank] = place_in_file(&reader);
-        failed = f < layout->faces && !next_row(&reader, &size);
+            begins[rank] = norma_mpi_place_in_file(&reader);
+        failed = f < layout->faces && !norma_mpi_next_row(&reader, &size);
     }
-    close_reader(&reader);
+    norma_mpi_rows_close(&reader);
     return failed;
 }
 
@@ -166,8 +87,19 @@ static int grow_corners(mpi_job *job, ply_part *part, size_t more) {
     return 0;
 }
 
-static int take_row(mpi_job *job, const ply_layout *layout, const unsigned char *row, uint64_t face,
-    ply_part *part) {
+/* at: where the row lies in the file. */
+static int fail_index(
+    mpi_job *job, const ply_layout *layout, uint64_t at, uint64_t face, int64_t vertex) {
+    return norma_mpi_fail(job,
+        "%s:byte %llu: face %llu names vertex %lld; vertices are numbered from 0 to %lld",
+        job->input, (unsigned long long)at, (unsigned long long)face, (long long)vertex,
+        (long long)layout->vertices - 1);
+}
+
+static int take_row(
+    const ply_rows *rows, const unsigned char *row, size_t size, uint64_t face, ply_part *part) {
+    mpi_job *job = rows->job;
+    const ply_layout *layout = rows->layout;
     const ply_header *header = layout->from;
     const ply_element *element = norma_ply_element(header, header->face);
     for (int p = 0; p < header->face_list; p++)
@@ -179,9 +111,7 @@ static int take_row(mpi_job *job, const ply_layout *layout, const unsigned char 
     for (int64_t i = 0; i < count; i++, row += norma_ply_type_size(list->type)) {
         const int64_t vertex = norma_ply_get_integer(row, list->type, header->encoding);
         if (vertex < 0 || (uint64_t)vertex >= layout->vertices)
-            return norma_mpi_fail(job,
-                "%s: face %llu names vertex %lld; vertices are numbered from 0 to %lld", job->input,
-                (unsigned long long)face, (long long)vertex, (long long)layout->vertices - 1);
+            return fail_index(job, layout, norma_mpi_place_in_file(rows) - size, face, vertex);
         part->corner[part->corners++] = (uint32_t)vertex;
     }
     return 0;
@@ -189,15 +119,15 @@ static int take_row(mpi_job *job, const ply_layout *layout, const unsigned char 
 
 static int read_rows(mpi_job *job, const ply_layout *layout, uint64_t begin, ply_part *part) {
     const uint64_t first = begin_of(job, layout, job->call.rank);
-    row_reader reader;
-    int failed = open_reader(job, layout, begin, &reader);
+    ply_rows reader;
+    int failed = norma_mpi_rows_open(job, layout, begin, &reader);
     for (size_t f = 0; f < part->faces && !failed; f++) {
         size_t size;
-        const unsigned char *row = next_row(&reader, &size);
-        failed = !row || take_row(job, layout, row, first + f, part);
+        const unsigned char *row = norma_mpi_next_row(&reader, &size);
+        failed = !row || take_row(&reader, row, size, first + f, part);
         if (part->face_starts) part->face_starts[f + 1] = (uint32_t)part->corners;
     }
-    close_reader(&reader);
+    norma_mpi_rows_close(&reader);
     return failed;
 }
 
@@ -226,6 +156,8 @@ int norma_mpi_read_faces(mpi_job *job, const ply_layout *layout, ply_part *part)
     int failed = norma_mpi_failed(job, begins ? 0 : fail_memory(job));
     if (!failed) failed = place_faces(job, layout, begins, &triangles);
     if (!failed) {
+        part->begin = begins[job->call.rank];
+        part->end = begins[job->call.rank + 1];
         part->rest = begins[ranks];
         failed = open_faces(job, triangles, part) ||
                  read_rows(job, layout, begins[job->call.rank], part);

@@ -25,7 +25,7 @@ static size_t drop_repeated(uint64_t *numbers, size_t count) {
 }
 
 /* Own vertices, then the others. */
-static int list_vertices(mpi_job *job, ply_part *part) {
+int norma_mpi_list_vertices(mpi_job *job, ply_part *part) {
     size_t most = 0, count = 0;
     for (size_t c = 0; c < part->corners; c++) most += !is_own(part, part->corner[c]);
     uint64_t *others = norma_core_allocate(&job->core, most, sizeof *others);
@@ -44,7 +44,7 @@ static int list_vertices(mpi_job *job, ply_part *part) {
     return part->own + count > UINT32_MAX - 1 ? fail_memory(job) : 0;
 }
 
-static uint32_t place_of(const ply_part *part, uint32_t vertex) {
+uint32_t norma_mpi_place_of(const ply_part *part, uint32_t vertex) {
     const uint64_t *others = part->vertex_ids + part->own;
     size_t low = 0, high = part->others;
     if (is_own(part, vertex)) return (uint32_t)(vertex - part->first);
@@ -86,7 +86,8 @@ static void decode_row(
     }
 }
 
-static int read_own(mpi_job *job, const ply_layout *layout, ply_part *part) {
+int norma_mpi_read_positions(mpi_job *job, const ply_layout *layout, ply_part *part) {
+    part->doubles = needs_doubles(layout);
     const size_t size = norma_mpi_position_size(part),
                  row = norma_ply_element(layout->from, layout->from->vertex)->fixed_size,
                  rows = MPI_BLOCK / row;
@@ -107,7 +108,7 @@ static int read_own(mpi_job *job, const ply_layout *layout, ply_part *part) {
 
 /* ---- fetching others */
 
-static int owner_of(const mpi_job *job, uint64_t vertices, uint64_t vertex) {
+int norma_mpi_owner_of(const mpi_job *job, uint64_t vertices, uint64_t vertex) {
     int rank = (int)((double)vertex / (double)vertices * job->call.ranks);
     while (rank > 0 && norma_mpi_share_of(job, vertices, rank) > vertex) rank--;
     while (norma_mpi_share_of(job, vertices, rank + 1) <= vertex) rank++;
@@ -116,7 +117,8 @@ static int owner_of(const mpi_job *job, uint64_t vertices, uint64_t vertex) {
 
 typedef struct fetch {
     mpi_job *job;
-    ply_part *part;
+    const ply_part *part;
+    const ply_values *values;
     uint64_t vertices;
     size_t begin, end; /* others of this round, ascending: so by owners */
 } fetch;
@@ -128,44 +130,43 @@ static norma_result list_wanted(const fetch *f, mpi_lists *out) {
     uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
     if (!room) return NORMA_ERROR_MEMORY;
     memset(room, 0, ranks * sizeof *room);
-    for (size_t i = f->begin; i < f->end; i++) room[owner_of(f->job, f->vertices, others[i])]++;
+    for (size_t i = f->begin; i < f->end; i++)
+        room[norma_mpi_owner_of(f->job, f->vertices, others[i])]++;
     const norma_result result = norma_mpi_lists_open(&f->job->call, room, sizeof(uint32_t), out);
     for (size_t i = f->begin; i < f->end && result == NORMA_OK; i++) {
         const uint32_t vertex = (uint32_t)others[i];
-        memcpy(norma_mpi_lists_add(out, owner_of(f->job, f->vertices, vertex)), &vertex,
+        memcpy(norma_mpi_lists_add(out, norma_mpi_owner_of(f->job, f->vertices, vertex)), &vertex,
             sizeof vertex);
     }
     norma_core_release(core, room, ranks, sizeof *room);
     return result;
 }
 
-static norma_result list_positions(const fetch *f, const mpi_lists *in, mpi_lists *answers) {
-    const size_t size = norma_mpi_position_size(f->part),
-                 count = norma_mpi_lists_total(&f->job->call, in);
+static norma_result list_values(const fetch *f, const mpi_lists *in, mpi_lists *answers) {
+    const size_t size = f->values->size, count = norma_mpi_lists_total(&f->job->call, in);
     const norma_result result = norma_mpi_lists_like(&f->job->call, in, size, answers);
     for (size_t i = 0; i < count && result == NORMA_OK; i++) {
         uint32_t vertex;
         memcpy(&vertex, norma_mpi_record(in, i), sizeof vertex);
-        memcpy(norma_mpi_record(answers, i), f->part->positions + (vertex - f->part->first) * size,
-            size);
+        memcpy(norma_mpi_record(answers, i),
+            f->values->own + (size_t)(vertex - f->part->first) * size, size);
     }
     return result;
 }
 
 static norma_result fetch_some(const fetch *f) {
     mpi_call *call = &f->job->call;
-    const size_t size = norma_mpi_position_size(f->part);
+    const size_t size = f->values->size;
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
     norma_result result = norma_mpi_exchange(call, list_wanted(f, &out), &out, &in);
     if (result == NORMA_OK) {
-        norma_result mine = list_positions(f, &in, &answers);
+        norma_result mine = list_values(f, &in, &answers);
         if (mine == NORMA_OK) mine = norma_mpi_lists_like(call, &out, size, &back);
         result = norma_mpi_agree(call, mine);
     }
     if (result == NORMA_OK) {
         norma_mpi_answer(call, &answers, &back);
-        memcpy(f->part->positions + (f->part->own + f->begin) * size, back.bytes,
-            (f->end - f->begin) * size);
+        memcpy(f->values->to + f->begin * size, back.bytes, (f->end - f->begin) * size);
     }
     norma_mpi_lists_close(call, &in);
     norma_mpi_lists_close(call, &out);
@@ -174,13 +175,11 @@ static norma_result fetch_some(const fetch *f) {
     return result;
 }
 
-int norma_mpi_fetch_positions(mpi_job *job, const ply_layout *layout, ply_part *part) {
+norma_result norma_mpi_fetch_values(
+    mpi_job *job, uint64_t vertices, const ply_part *part, const ply_values *values) {
     enum { AT_ONCE = 1 << 16 };
-    fetch f = {.job = job, .part = part, .vertices = layout->vertices};
+    fetch f = {.job = job, .part = part, .values = values, .vertices = vertices};
     norma_result result = NORMA_OK;
-    part->doubles = needs_doubles(layout);
-    if (norma_mpi_failed(job, list_vertices(job, part) || read_own(job, layout, part))) return 1;
-    for (size_t c = 0; c < part->corners; c++) part->corner[c] = place_of(part, part->corner[c]);
     const size_t some = part->faces / 2 > AT_ONCE ? part->faces / 2 : AT_ONCE;
     const uint64_t rounds = norma_mpi_largest(&job->call, part->others / some + 1);
     for (uint64_t round = 0; round < rounds && result == NORMA_OK; round++) {
@@ -188,5 +187,17 @@ int norma_mpi_fetch_positions(mpi_job *job, const ply_layout *layout, ply_part *
         f.end = part->others - f.begin < some ? part->others : f.begin + some;
         result = fetch_some(&f);
     }
-    return norma_mpi_failed_result(job, result);
+    return result;
+}
+
+int norma_mpi_fetch_positions(mpi_job *job, const ply_layout *layout, ply_part *part) {
+    if (norma_mpi_failed(
+            job, norma_mpi_list_vertices(job, part) || norma_mpi_read_positions(job, layout, part)))
+        return 1;
+    for (size_t c = 0; c < part->corners; c++)
+        part->corner[c] = norma_mpi_place_of(part, part->corner[c]);
+    const size_t size = norma_mpi_position_size(part);
+    const ply_values values = {size, part->positions, part->positions + part->own * size};
+    return norma_mpi_failed_result(
+        job, norma_mpi_fetch_values(job, layout->vertices, part, &values));
 }

@@ -61,14 +61,16 @@ norma_result norma_mpi_count_missing(
 
 /* ---- the whole mesh */
 
-static void add_up(const mpi_call *call, norma_count *count) {
-    const uint64_t first = norma_mpi_least(call, count->count ? count->first : UINT64_MAX);
-    *count = (norma_count){(size_t)norma_mpi_sum(call, count->count), (size_t)first};
-}
-
 void norma_mpi_add_tallies(const mpi_call *call, core_tally *tally) {
-    add_up(call, &tally->non_finite);
-    add_up(call, &tally->unreferenced);
-    add_up(call, &tally->cancelled);
-    add_up(call, &tally->degenerate);
+    norma_count *const counts[4] = {
+        &tally->non_finite, &tally->unreferenced, &tally->cancelled, &tally->degenerate};
+    uint64_t sums[4];
+    for (size_t i = 0; i < 4; i++) sums[i] = counts[i]->count;
+    MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_UINT64_T, MPI_SUM, call->comm);
+    for (size_t i = 0; i < 4; i++) {
+        if (!sums[i]) continue;
+        const uint64_t first =
+            norma_mpi_least(call, counts[i]->count ? counts[i]->first : UINT64_MAX);
+        *counts[i] = (norma_count){(size_t)sums[i], (size_t)first};
+    }
 }

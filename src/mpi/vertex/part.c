@@ -5,7 +5,7 @@
 #include "mpi/vertex/gathered_weld.h"
 #include <math.h>
 
-enum { LEAST_BUDGET = 1 << 20, BUDGET_OF_TRIANGLE = 8 };
+enum { LEAST_BUDGET = 1 << 18, BUDGET_OF_TRIANGLE = 8 };
 
 /* ---- each rank by itself, without reading its arrays */
 

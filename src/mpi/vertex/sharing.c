@@ -7,7 +7,7 @@
 #include "core/mesh/weld_buckets.h"
 
 enum { MOST_KEY = 24, LEAST_LOANS = 1024 };
-static const uint64_t MOST_SLOTS = UINT64_C(1) << 30; /* an answer is of 32 bits */
+static const uint64_t MOST_SLOTS = UINT64_C(1) << MPI_HOME_AT; /* an answer has room for it */
 
 typedef struct share_work {
     mpi_call *call;
@@ -225,13 +225,14 @@ static void read_one(
     const uint32_t kind = answer >> ANSWER_BITS, slot = answer & ((1U << ANSWER_BITS) - 1);
     if (kind == ANSWER_LENT)
         lend_sum(sharing, norma_mpi_place(MPI_SHARED, home, slot), sharing->own);
+    mpi_place place = norma_mpi_place(MPI_OWN, 0, 0);
     if (kind == ANSWER_SHARED)
-        sharing->places[v] = norma_mpi_place(MPI_SHARED, home, slot);
+        place = norma_mpi_place(MPI_SHARED, home, slot);
     else if (kind == ANSWER_ASKED)
-        sharing->places[v] = norma_mpi_place(MPI_ASKED, home, slot);
-    else
-        sharing->places[v] =
-            norma_mpi_place(MPI_OWN, 0, work->part[v] == MPI_VOTES ? sharing->own++ : 0);
+        place = norma_mpi_place(MPI_ASKED, home, slot);
+    else if (work->part[v] == MPI_VOTES)
+        place = norma_mpi_place(MPI_OWN, 0, sharing->own++);
+    sharing->places[v] = norma_mpi_keep_place(place);
 }
 
 static size_t count_lent(const mpi_call *call, const mpi_lists *answers) {
@@ -304,11 +305,12 @@ static uint64_t rounds_for(const share_work *work, size_t budget) {
 
 static norma_result open_sharing(const mpi_call *call, mpi_sharing *sharing) {
     const size_t ranks = (size_t)call->ranks;
+    if (call->ranks > MPI_MOST_RANKS) return NORMA_ERROR_OVERFLOW;
     sharing->places = norma_core_allocate(call->core, sharing->count, sizeof *sharing->places);
     sharing->slots = norma_core_allocate(call->core, ranks, sizeof *sharing->slots);
     if (!sharing->places || !sharing->slots) return NORMA_ERROR_MEMORY;
     for (size_t v = 0; v < sharing->count; v++)
-        sharing->places[v] = norma_mpi_place(MPI_NOWHERE, 0, 0);
+        sharing->places[v] = norma_mpi_keep_place(norma_mpi_place(MPI_NOWHERE, 0, 0));
     sharing->slots[call->rank] = 0;
     return NORMA_OK;
 }

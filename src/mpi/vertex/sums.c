@@ -7,7 +7,7 @@
 #include "mpi/vertex/home_sums.h"
 #include "mpi/vertex/votes.h"
 
-enum { LEAST_VOTES = 1 << 16 };
+enum { LEAST_VOTES = 1 << 12 };
 
 typedef struct sum_rounds {
     mpi_call *call;
@@ -38,7 +38,7 @@ static int is_now(const sum_rounds *r, mpi_place place) {
 
 static mpi_place place_of_corner(const mpi_sums *sums, size_t corner) {
     const uint32_t v = norma_core_corner(&sums->prepared->mesh, corner);
-    return sums->sharing->places[sums->merge ? sums->merge[v] : v];
+    return norma_mpi_place_at(sums->sharing, sums->merge ? sums->merge[v] : v);
 }
 
 /* The first round adds up what is summed here, too, and counts degenerate faces. */
@@ -212,7 +212,7 @@ static int is_at_home(mpi_place place) {
 }
 
 static mpi_place place_of(const mpi_sums *sums, size_t v) {
-    return sums->sharing->places[sums->merge ? sums->merge[v] : v];
+    return norma_mpi_place_at(sums->sharing, sums->merge ? sums->merge[v] : v);
 }
 
 static norma_result list_questions(const hand_out *h, mpi_lists *out) {

@@ -10,11 +10,16 @@
 typedef struct vertex_work {
     mpi_call *call;
     mpi_part *part;
-    uint8_t *take_part; /* of each position: MPI_ABSENT, ... */
+    uint8_t *take_part; /* of each position: MPI_ABSENT, ...; until it is known who shares it */
     uint8_t *reasons;   /* of each position */
     core_tally tally;
     int once_more; /* sums of positions are behind */
 } vertex_work;
+
+static void forget_part(vertex_work *work) {
+    norma_core_release(work->call->core, work->take_part, work->part->positions, 1);
+    work->take_part = NULL;
+}
 
 /* ---- one pass of sums */
 
@@ -31,6 +36,7 @@ static norma_result sum_and_hand_out(
     const int lend = call->core->options.weight != NORMA_WEIGHT_VISIBLE;
     mpi_sharing sharing;
     norma_result result = norma_mpi_share(call, keys, work->take_part, lend, budget, &sharing);
+    forget_part(work);
     if (result != NORMA_OK) return result;
     mpi_sums sums = {.prepared = &work->part->prepared,
         .faces = &work->part->faces,
@@ -49,9 +55,13 @@ static norma_result sum_and_hand_out(
 
 static uint32_t merged(const uint32_t *merge, size_t v) { return merge ? merge[v] : (uint32_t)v; }
 
-/* Those that have no normal for this reason, each by the one that stands for it. */
-static void take_part(vertex_work *work, const uint32_t *merge, int reason) {
+/* Collective. Those that have no normal for this reason, each by the one that stands for it. */
+static norma_result take_part(vertex_work *work, const uint32_t *merge, int reason) {
     const core_mesh *mesh = &work->part->prepared.mesh;
+    work->take_part = norma_core_allocate(work->call->core, work->part->positions, 1);
+    const norma_result result =
+        norma_mpi_agree(work->call, work->take_part ? NORMA_OK : NORMA_ERROR_MEMORY);
+    if (result != NORMA_OK) return result;
     memset(work->take_part, MPI_ABSENT, work->part->positions);
     for (size_t v = 0; v < work->part->positions; v++)
         if (work->reasons[v] == reason) work->take_part[merged(merge, v)] = MPI_LISTENS;
@@ -59,6 +69,7 @@ static void take_part(vertex_work *work, const uint32_t *merge, int reason) {
         const uint32_t v = norma_core_corner(mesh, c);
         if (work->reasons[v] == reason) work->take_part[merged(merge, v)] = MPI_VOTES;
     }
+    return NORMA_OK;
 }
 
 /* ---- by position */
@@ -83,7 +94,8 @@ static norma_result sum_positions(vertex_work *work) {
                                                             : NULL,
         part->doubles};
     judge_positions(work);
-    take_part(work, weld, NORMA_REASON_UNREFERENCED);
+    const norma_result result = take_part(work, weld, NORMA_REASON_UNREFERENCED);
+    if (result != NORMA_OK) return result;
     norma_core_stage(work->call->core, 0.2, 0.8);
     return sum_and_hand_out(work, &keys, weld, &work->tally.degenerate);
 }
@@ -103,9 +115,9 @@ static norma_result sum_own(vertex_work *work) {
         norma_mpi_weld_numbers(work->call->core, part->vertex_ids, part->positions, &same));
     if (result == NORMA_OK) {
         const mpi_keys keys = {&part->prepared.mesh, part->vertex_ids, part->doubles};
-        take_part(work, same, NORMA_REASON_CANCELLED);
+        result = take_part(work, same, NORMA_REASON_CANCELLED);
         work->once_more = 1;
-        result = sum_and_hand_out(work, &keys, same, NULL);
+        if (result == NORMA_OK) result = sum_and_hand_out(work, &keys, same, NULL);
     }
     norma_core_release(work->call->core, same, part->positions, sizeof *same);
     return result;
@@ -126,9 +138,8 @@ static void write_missing(const vertex_work *work) {
 
 static norma_result open_work(vertex_work *work) {
     const core_call *core = work->call->core;
-    work->take_part = norma_core_allocate(core, work->part->positions, 1);
     work->reasons = norma_core_allocate(core, work->part->positions, 1);
-    return work->take_part && work->reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
+    return work->reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
 static norma_result run(vertex_work *work, norma_report *report) {
@@ -158,7 +169,7 @@ static norma_result compute(
     if (result != NORMA_OK) return result;
     vertex_work work = {.call = call, .part = &part};
     result = run(&work, report);
-    norma_core_release(call->core, work.take_part, part.positions, 1);
+    forget_part(&work);
     norma_core_release(call->core, work.reasons, part.positions, 1);
     norma_mpi_close_part(call, &part);
     return result;

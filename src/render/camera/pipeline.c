@@ -47,9 +47,12 @@ void render_camera_axes(
     double *const out[3] = {right, up, back};
     for (int i = 0; i < 3; ++i) {
         const double *a = axes[i];
-        const double ways[3][3] = {[RENDER_UP_Y] = {a[0], a[1], a[2]},
+        const double ways[RENDER_UPS][3] = {[RENDER_UP_Y] = {a[0], a[1], a[2]},
             [RENDER_UP_Z] = {a[0], -a[2], a[1]},
-            [RENDER_UP_X] = {a[1], -a[0], a[2]}};
+            [RENDER_UP_X] = {a[1], -a[0], a[2]},
+            [RENDER_UP_MINUS_Y] = {a[0], -a[1], -a[2]},
+            [RENDER_UP_MINUS_Z] = {a[0], a[2], -a[1]},
+            [RENDER_UP_MINUS_X] = {-a[1], a[0], a[2]}};
         memcpy(out[i], ways[camera->up], sizeof ways[0]);
     }
 }

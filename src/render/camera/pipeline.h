@@ -7,9 +7,10 @@
 typedef struct render_camera {
     double azimuth_deg, elevation_deg; /* 0, 0: from the front, looking along -z; azimuth 90 from
                                           the right (+x); elevation 90 from above */
-    enum render_up up;                 /* z: front is then from -y; x: from +z */
-    double centre[3];                  /* in the middle of the picture, world */
-    double distance;                   /* of the eye from it */
+    enum render_up
+        up; /* z: front is then from -y; x: from +z; -y: from -z; -z: from +y; -x: from +z */
+    double centre[3];   /* in the middle of the picture, world */
+    double distance;    /* of the eye from it */
     double half_height; /* orthographic: world units from the middle to the upper border; 0:
                            perspective */
     double tangent;     /* perspective: of half the angle of view, of the height */

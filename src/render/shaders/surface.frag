@@ -102,7 +102,8 @@ void main() {
 #elif defined(SHOW_WINDING)
     pixel = vec4(encode(shaped(decode(gl_FrontFacing ? vec3(0.24, 0.70, 0.36) : vec3(0.87, 0.20, 0.18)))), 1.0);
 #elif defined(SHOW_ERROR)
-    pixel = vec4(encode(shaped(decode(scale_colour(surface_value / scale_top)))), 1.0);
+    vec3 scaled = surface_value < 0.0 ? vec3(0.2) : decode(scale_colour(surface_value / scale_top));
+    pixel = vec4(encode(shaped(scaled)), 1.0);
 #else
     vec4 base = mapped_colour();
 #if defined(SHADING_PHONG)

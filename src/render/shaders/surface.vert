@@ -5,7 +5,7 @@
 //                 SHADING_PHONG    normals are interpolated, light is computed for each pixel
 //                 SHOW_NORMALS     the unit normal in lit space as a colour, 0.5 + 0.5 n
 //                 SHOW_WINDING     faces seen from their front green, from their back red
-//                 SHOW_ERROR       value on the colour scale
+//                 SHOW_ERROR       value on the colour scale; grey where it is below 0: there is nothing to compare
 //                 SHOW_MATCAP      a studio's lights in it: the normal seen by the eye decides the colour
 //                 SHOW_TANGENTS    the unit tangent in lit space as a colour, 0.5 + 0.5 t; darker where its sign is -1, grey where there is none
 //                 SHOW_ZEBRA       stripes of light as they are mirrored in it

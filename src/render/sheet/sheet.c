@@ -1,6 +1,7 @@
 /* sheet.c: panels side by side, words above and below them, and the legend of the error's colours.
  */
 #include "render/sheet/draw.h"
+#include "render/sheet/broken_words.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +10,11 @@
 static double text_size(const render_look *look) {
     const double shorter = (double)(look->width < look->height ? look->width : look->height);
     return fmin(fmax(shorter / 40, 9), 28);
+}
+
+static size_t strip_height(const render_look *look, const char *words, size_t width) {
+    const render_text_lines l = render_break_words(words, text_size(look), width);
+    return (size_t)lround(2.4 * text_size(look) + (double)(l.count - 1) * 1.5 * l.size);
 }
 
 /* ---- where things lie */
@@ -24,19 +30,51 @@ static size_t lines_left_out(const render_sheet *sheet) {
     return lines;
 }
 
+/* Without stored normals there is nothing for a scale to show. */
+static int has_errors(const render_panel *panel) {
+    return panel->show == RENDER_SHOW_ERROR && !isnan(panel->worst_error_rad);
+}
+
+/* As high as the words may become that are written once the picture is drawn. */
+static size_t footer_height(const render_look *look, const render_sheet *sheet, size_t width) {
+    static const char longest[] = "stored against computed normals: largest error 180.00° or so";
+    if (!sheet->below) return 0;
+    return strip_height(look, *sheet->below ? sheet->below : longest, width);
+}
+
+static size_t taller(size_t height, const render_look *look, const char *words, size_t width) {
+    static const char longest[] = "largest error 180.00°";
+    if (!words) return height;
+    const size_t own = strip_height(look, *words ? words : longest, width);
+    return own > height ? own : height;
+}
+
+static void left_out_words(const render_sheet *sheet, char *words, size_t room) {
+    char of_hedgehog[80] = "";
+    const size_t count = lines_left_out(sheet);
+    if (count)
+        snprintf(of_hedgehog, sizeof of_hedgehog, "%s%zu lines of the hedgehog",
+            sheet->left_out ? "; " : "", count);
+    snprintf(
+        words, room, "not drawn: %.540s%s", sheet->left_out ? sheet->left_out : "", of_hedgehog);
+}
+
 static layout lay_out(const render_look *look, render_sheet *sheet) {
     const size_t strip = (size_t)lround(2.4 * text_size(look));
+    char words[640];
     layout l = {.columns = sheet->columns ? sheet->columns : sheet->panel_count};
     l.columns = l.columns < sheet->panel_count ? l.columns : sheet->panel_count;
     l.rows = (sheet->panel_count + l.columns - 1) / l.columns;
+    const size_t width = l.columns * look->width;
     for (size_t i = 0; i < sheet->panel_count; ++i) {
-        l.above = sheet->panels[i].above ? strip : l.above;
-        l.below = sheet->panels[i].below ? strip : l.below;
-        l.legend = sheet->panels[i].show == RENDER_SHOW_ERROR ? 2 * strip : l.legend;
+        l.above = taller(l.above, look, sheet->panels[i].above, look->width);
+        l.below = taller(l.below, look, sheet->panels[i].below, look->width);
+        if (has_errors(&sheet->panels[i])) l.legend = 2 * strip;
     }
-    l.footer = sheet->below ? strip : 0;
+    l.footer = footer_height(look, sheet, width);
     l.keys = sheet->key_count ? strip : 0;
-    l.left_out = sheet->left_out || lines_left_out(sheet) ? strip : 0;
+    left_out_words(sheet, words, sizeof words);
+    if (sheet->left_out || lines_left_out(sheet)) l.left_out = strip_height(look, words, width);
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         sheet->panel_x[i] = i % l.columns * look->width;
         sheet->panel_y[i] = i / l.columns * (l.above + look->height + l.below) + l.above;
@@ -63,27 +101,26 @@ static enum render_result make_picture(
 
 /* ---- words */
 
-/* Centred, and smaller where they would not fit. */
+/* Centred. */
 static void write_words(const render_look *look, render_picture *picture, const char *words,
     size_t x, size_t width, size_t y, size_t height) {
-    double size = text_size(look), wide = render_text_width(words, size);
-    if (wide > 0.96 * (double)width) {
-        size *= 0.96 * (double)width / wide;
-        wide = 0.96 * (double)width;
+    const render_text_lines l = render_break_words(words, text_size(look), width);
+    double base = (double)y + ((double)height + l.size - (double)(l.count - 1) * 1.5 * l.size) / 2;
+    for (size_t i = 0; i < l.count; ++i) {
+        char line[640];
+        snprintf(line, sizeof line, "%.*s", (int)l.lengths[i], words);
+        render_text_draw(picture, line,
+            (double)x + ((double)width - render_text_width(line, l.size)) / 2, base, l.size,
+            look->ink);
+        base += 1.5 * l.size;
+        words += l.lengths[i] + (words[l.lengths[i]] == ' ');
     }
-    render_text_draw(picture, words, (double)x + ((double)width - wide) / 2,
-        (double)y + ((double)height + size) / 2, size, look->ink);
 }
 
 static void write_left_out(
     const render_look *look, const render_sheet *sheet, const layout *l, render_picture *picture) {
-    char words[400], lines[80] = "";
-    const size_t count = lines_left_out(sheet);
-    if (count)
-        snprintf(
-            lines, sizeof lines, "%s%zu lines of the hedgehog", sheet->left_out ? "; " : "", count);
-    snprintf(
-        words, sizeof words, "not drawn: %.300s%s", sheet->left_out ? sheet->left_out : "", lines);
+    char words[640];
+    left_out_words(sheet, words, sizeof words);
     write_words(
         look, picture, words, 0, picture->width, picture->height - l->left_out, l->left_out);
 }
@@ -260,8 +297,10 @@ static enum render_result share_frames(
 static enum render_result make_stages(render_device *device, const render_look *look,
     render_sheet *sheet, render_stage *stages, render_error *error) {
     enum render_result result = RENDER_OK;
-    for (size_t i = 0; i < sheet->panel_count && !result; ++i)
+    for (size_t i = 0; i < sheet->panel_count && !result; ++i) {
         result = render_stage_make(device, look, &sheet->panels[i], &stages[i], error);
+        if (result) error->panel = i + 1;
+    }
     return result;
 }
 
@@ -275,6 +314,7 @@ static enum render_result draw_panels(render_device *device, const render_look *
     for (size_t i = 0; i < sheet->panel_count && !result; ++i) {
         stages[i].error_top_deg = sheet->error_top_deg;
         result = render_stage_draw(device, &stages[i], error);
+        if (result) error->panel = i + 1;
         if (!result)
             result = render_target_read(device, look->samples, picture,
                 &(render_area){sheet->panel_x[i], sheet->panel_y[i], look->width, look->height},
@@ -287,6 +327,7 @@ enum render_result render_sheet_draw(render_device *device, const render_look *l
     render_sheet *sheet, render_tell *tell, void *user, render_picture *picture,
     render_error *error) {
     *picture = (render_picture){0};
+    error->panel = 0;
     if (sheet->panel_count == 0 || sheet->panel_count > RENDER_MOST_PANELS)
         return render_fail(error, RENDER_ERROR_ARGUMENT, "%zu panels; expected 1 to %d",
             sheet->panel_count, RENDER_MOST_PANELS);

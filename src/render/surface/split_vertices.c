@@ -216,12 +216,13 @@ float *render_errors(const render_surface *surface, double *worst_rad, double *m
     size_t histogram[TENTHS + 1] = {0};
     const size_t count = surface->mesh.corner_count;
     size_t compared = 0;
-    float *degrees = calloc(count + 1, sizeof *degrees), *own = NULL;
+    float *degrees = malloc((count + 1) * sizeof *degrees), *own = NULL;
     const float *expected = surface->expected;
     render_split split;
     render_error ignored;
     *worst_rad = NAN;
     *most_rad = 0;
+    for (size_t i = 0; i < count && degrees; ++i) degrees[i] = -1;
     if (surface->stored == RENDER_NORMALS_NONE || !degrees) return degrees;
     if (!expected) expected = own = malloc((3 * count + 1) * sizeof *own);
     if (!expected || (own && !compute_for_errors(surface, own)) ||

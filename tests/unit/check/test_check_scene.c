@@ -273,6 +273,12 @@ static void set_signs(islands *s, int island, float sign) {
     for (int v = 4 * island; v < 4 * island + 4; v++) s->tangents[v][3] = sign;
 }
 
+/* One texel, (128, 128, 255). */
+#define FLAT_MAP                                                                                   \
+    "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"data:image/png;base64,"                  \
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAA"                                               \
+    "AADElEQVR42mNoaPgPAAODAgA+WCglAAAAAElFTkSuQmCC\"}],"
+
 static norma_findings *check_islands(const islands *s, int snorm8) {
     gltf_asset a = {0};
     asset_floats(&a, &s->positions[0][0], COUNT, 3);
@@ -283,10 +289,10 @@ static norma_findings *check_islands(const islands *s, int snorm8) {
     else
         asset_floats(&a, &s->tangents[0][0], COUNT, 4);
     asset_floats(&a, &s->uvs[0][0], COUNT, 2);
-    char rest[400];
+    char rest[700];
     snprintf(rest, sizeof rest,
-        "\"materials\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
-        "\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4},\"indices\":2,\"material\":0}]}]",
+        FLAT_MAP "\"materials\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+                 "\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4},\"indices\":2,\"material\":0}]}]",
         s->unmapped ? "{}" : "{\"normalTexture\":{\"index\":0}}");
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     asset_free(&a);
@@ -413,8 +419,8 @@ static norma_findings *check_surface(const char *attributes, const char *materia
     asset_floats(&a, &s.tangents[0][0], COUNT, 4);
     asset_floats(&a, &s.uvs[0][0], COUNT, 2);
     snprintf(rest, sizeof rest,
-        "\"materials\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{%s},\"indices\":2,"
-        "\"material\":0}]}]",
+        FLAT_MAP "\"materials\":[%s],\"meshes\":[{\"primitives\":[{\"attributes\":{%s},"
+                 "\"indices\":2,\"material\":0}]}]",
         material, attributes);
     norma_findings *findings = check(asset_open(&a, rest, 1), MINE);
     asset_free(&a);
@@ -590,7 +596,8 @@ static void test_not_checked(void **state) {
     (void)state;
     static const char rest[] =
         "\"extensionsRequired\":[\"ACME_gizmo\"],\"meshes\":[{\"primitives\":[{" SURFACE
-        "},{" SURFACE ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
+        "},{\"mode\":5," SURFACE
+        ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
         "\"attributes\":{}}}},{\"attributes\":{\"NORMAL\":1}}]}]";
     gltf_asset a = {0};
     add_square(&a);

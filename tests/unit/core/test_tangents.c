@@ -395,6 +395,56 @@ static int watch(void *user, double fraction) {
     return ++w->calls == w->stop_at;
 }
 
+/* At a large vertex the call may go on with less memory, with the same bits. */
+static void each_allocation_of_a_large_star_failing(void **state) {
+    (void)state;
+    shape *s = swirl(300);
+    answer *expected = compute(s, NORMA_TANGENTS_MIKK, NO_OPTIONS);
+    for (size_t n = 1, calls = n; calls >= n; ++n) {
+        accountant a = {.fail_at = n};
+        answer *got =
+            compute(s, NORMA_TANGENTS_MIKK, (norma_options){.allocator = {take, give, &a}});
+        calls = a.calls;
+        assert_true(a.live == 0 && !a.wrong);
+        assert_true(got->result == NORMA_OK || got->result == NORMA_ERROR_MEMORY);
+        if (got->result == NORMA_OK)
+            assert_memory_equal(got->tangents, expected->tangents, sizeof got->tangents);
+        free(got);
+    }
+    free(expected);
+    free(s);
+}
+
+/* Triangles that touch only at one vertex, whose normal is no number: none goes on with another. */
+static void large_star_without_a_normal(void **state) {
+    (void)state;
+    for (int mode = NORMA_TANGENTS_STEADY; mode <= NORMA_TANGENTS_MIKK; ++mode) {
+        enum { FACES = 300 };
+        shape *s = calloc(1, sizeof *s);
+        const uint32_t hub =
+            add_vertex(s, (float[]){0, 0, 0}, (float[]){0, NAN, 1}, (float[]){0, 0});
+        for (int i = 0; i < FACES; ++i) {
+            uint32_t rim[2];
+            for (int k = 0; k < 2; ++k) {
+                const float a = (float)(6.283 * (i + .4 * k) / FACES), x = cosf(a), y = sinf(a);
+                rim[k] = add_vertex(s, (float[]){x, y, 0}, (float[]){0, 0, 1}, (float[]){x, y});
+            }
+            add_face(s, 3, (uint32_t[]){hub, rim[0], rim[1]});
+        }
+        answer *a = compute(s, (norma_tangent_mode)mode, NO_OPTIONS);
+        assert_int_equal(a->result, NORMA_OK);
+        assert_int_equal(a->report.non_finite.count, FACES);
+        for (int i = 0; i < FACES; ++i)
+            for (int k = 1; k < 3; ++k) {
+                const float *t = a->tangents[3 * i + k];
+                assert_float_equal(t[0], 1, 1e-5);
+                assert_true(t[3] == 1);
+            }
+        free(a);
+        free(s);
+    }
+}
+
 static void cancelling(void **state) {
     (void)state;
     shape *s = grid(20, 4, .2);
@@ -515,7 +565,8 @@ int main(void) {
         cmocka_unit_test(quads_are_the_triangles_they_are_cut_into), cmocka_unit_test(reasons),
         cmocka_unit_test(degenerate_faces_copy), cmocka_unit_test(steady_in_any_order),
         cmocka_unit_test(the_same_bits_however), cmocka_unit_test(each_allocation_failing),
-        cmocka_unit_test(cancelling), cmocka_unit_test(wrong_arguments),
-        cmocka_unit_test(other_dress)};
+        cmocka_unit_test(each_allocation_of_a_large_star_failing),
+        cmocka_unit_test(large_star_without_a_normal), cmocka_unit_test(cancelling),
+        cmocka_unit_test(wrong_arguments), cmocka_unit_test(other_dress)};
     return cmocka_run_group_tests_name("tangents", tests, NULL, NULL);
 }

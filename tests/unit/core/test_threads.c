@@ -377,7 +377,7 @@ static int watch_midway(void *user, double fraction) {
  * hundred-thousandth, so that their order shows. */
 static void faces_in_no_order(void **state) {
     enum { POSITIONS = 540000, TRIANGLES = 1200000 };
-    static const uint32_t threads[] = {2, 3, 8};
+    static const uint32_t threads[] = {2, 3, 8, 13, 64};
     uint64_t seed = 21;
     float(*positions)[3] = malloc(POSITIONS * sizeof *positions);
     uint32_t(*corners)[3] = malloc(TRIANGLES * sizeof *corners);

@@ -395,6 +395,29 @@ static void the_first_of_two_is_not_called_in_its_place(void **state) {
     assert_int_equal(count_entries(here->folder), 0);
 }
 
+/* A folder has come to stand in the way of the last one: what the first replaced is back. */
+static void what_was_replaced_is_put_back(void **state) {
+    const place *here = *state;
+    char first[200], second[200];
+    size_t failed = 9;
+    struct stat before, after;
+    snprintf(first, sizeof first, "%s/a.ply", here->folder);
+    snprintf(second, sizeof second, "%s/b.ply", here->folder);
+    put(first, "old");
+    stat(first, &before);
+    file_writer *writers[2] = {writer_of(first, "new"), writer_of(second, "newer")};
+    norma_file_writer_batch(writers[0], 1);
+    norma_file_writer_batch(writers[1], 1);
+    assert_int_equal(mkdir(second, 0777), 0);
+    assert_int_equal(norma_file_writers_commit(writers, 2, &failed), EISDIR);
+    assert_int_equal(failed, 1);
+    assert_holds(first, "old");
+    stat(first, &after);
+    assert_true(before.st_ino == after.st_ino);
+    assert_int_equal(count_entries(here->folder), 2);
+    rmdir(second);
+}
+
 /* More files at once than the process may open. */
 static void a_thousand_files_need_few_descriptors(void **state) {
     enum { FILES = 1000, DESCRIPTORS = 500 };
@@ -447,6 +470,7 @@ int main(void) {
         TEST(knows_one_file_by_two_names),
         TEST(a_folder_that_is_not_flushed_is_called_so),
         TEST(the_first_of_two_is_not_called_in_its_place),
+        TEST(what_was_replaced_is_put_back),
         TEST(a_thousand_files_need_few_descriptors),
     };
     return cmocka_run_group_tests_name("files", tests, NULL, NULL);

@@ -672,9 +672,6 @@ static void refused_texts(void **state) {
     } cases[] = {
         {"{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"ACME_gizmo\"]}", "a.gltf",
             NORMA_DOCUMENT_ERROR_UNSUPPORTED, "ACME_gizmo"},
-        {"{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]"
-         "}",
-            "a.gltf", NORMA_DOCUMENT_ERROR_UNSUPPORTED, "KHR_draco_mesh_compression"},
         {"{\"asset\":{\"version\":\"1.0\"}}", "a.gltf", NORMA_DOCUMENT_ERROR_UNSUPPORTED, "2.0"},
         {"{\"asset\":{\"version\":\"2.0\"},}", "a.gltf", NORMA_DOCUMENT_ERROR_MALFORMED, "byte 27"},
         {"{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"children\":[1]},{\"children\":[0]}]}",

@@ -135,7 +135,8 @@ static void test_what_stays(void **state) {
             "node 0 is not baked: mesh 0 holds splats (KHR_gaussian_splatting)"},
         {",\"extensions\":{\"KHR_draco_mesh_compression\":{}}",
             "\"nodes\":[{\"mesh\":0,\"name\":\"leg\"}]",
-            "node 0 is not baked: mesh 0 is compressed with KHR_draco_mesh_compression"},
+            "node 0 is not baked: mesh 0 is compressed with KHR_draco_mesh_compression and "
+            "cannot be read"},
         {"",
             "\"nodes\":[{\"mesh\":0,\"name\":\"leg\"}],\"animations\":[{\"samplers\":[{\"input\":0,"
             "\"output\":3}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":"

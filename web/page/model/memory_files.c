@@ -175,6 +175,10 @@ int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size)
 }
 int norma_file_writer_prepare(file_writer *writer) { return (void)writer, 0; }
 void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) { (void)writer, (void)stamp; }
+void norma_file_writer_batch(file_writer *writer, int alone) { (void)writer, (void)alone; }
+void norma_file_writer_expect_once(file_writer *writer, const file_stamp *stamp) {
+    (void)writer, (void)stamp;
+}
 void norma_file_writer_abandon(file_writer *writer) {
     if (!writer) return;
     free(writer->file.path);

@@ -13,16 +13,35 @@ static int lies_inside(const view_pack_head *head, uint32_t at, uint64_t count, 
     return at % 8 == 0 && at <= head->size && count <= (head->size - at) / size;
 }
 
+static int images_are_sound(const view_pack_head *head, const unsigned char *pack) {
+    const view_pack_image *images = (const view_pack_image *)(const void *)(pack + head->images);
+    for (uint32_t i = 0; i < head->image_count; ++i)
+        if (images[i].bytes > head->size || images[i].size > head->size - images[i].bytes) return 0;
+    return 1;
+}
+
 static int has_head(const unsigned char *pack, size_t size) {
     const view_pack_head *head = (const view_pack_head *)(const void *)pack;
     return size >= sizeof *head && head->magic == VIEW_PACK_MAGIC && head->size <= size &&
            lies_inside(head, head->meshes, head->mesh_count, sizeof(view_pack_mesh)) &&
            lies_inside(head, head->draws, head->draw_count, sizeof(view_pack_draw)) &&
-           model_findings_are_sound(head, pack);
+           lies_inside(head, head->images, head->image_count, sizeof(view_pack_image)) &&
+           images_are_sound(head, pack) && model_findings_are_sound(head, pack);
 }
 
 static int is_there(const view_pack_head *head, uint32_t at, uint64_t count) {
     return at == VIEW_PACK_NONE || lies_inside(head, at, count, 4);
+}
+
+static int material_is_sound(
+    const view_pack_head *head, const unsigned char *pack, const view_pack_mesh *r) {
+    return r->name < head->size && memchr(pack + r->name, 0, head->size - r->name) &&
+           (r->texcoords == VIEW_PACK_NONE ||
+               lies_inside(head, r->texcoords, r->position_count, 16)) &&
+           (r->tangents == VIEW_PACK_NONE ||
+               lies_inside(head, r->tangents, r->position_count, 16)) &&
+           (r->base_map == VIEW_PACK_NONE || r->base_map < head->image_count) &&
+           (r->normal_map == VIEW_PACK_NONE || r->normal_map < head->image_count);
 }
 
 static int record_is_sound(const view_pack_head *head, const view_pack_mesh *r) {
@@ -206,7 +225,7 @@ static int make_arrays(model_mesh *mesh) {
 }
 
 static int open_mesh(const model *m, const view_pack_mesh *record, model_mesh *mesh) {
-    if (!record_is_sound(m->head, record)) return 0;
+    if (!record_is_sound(m->head, record) || !material_is_sound(m->head, m->pack, record)) return 0;
     read_record(m, record, mesh);
     return mesh_is_sound(mesh) && make_triangles(mesh) && make_arrays(mesh);
 }
@@ -243,6 +262,8 @@ void model_close(model *m) {
         free(mesh->draw_reach);
         free(mesh->draw_values);
         free(mesh->draw_marks);
+        free(mesh->draw_texcoords);
+        free(mesh->draw_tangents);
         free(mesh->triangle_corners);
         creases_close(mesh->creases);
     }

@@ -78,25 +78,8 @@ static uint32_t append_corners(view_pack *pack, const norma_mesh *mesh) {
 
 /* ---- meshes */
 
-/* White, seen from both sides, where no material says otherwise. */
-static void pack_material(
-    norma_document *document, size_t index, view_pack *pack, view_pack_mesh *record) {
-    norma_mesh_attributes attributes;
-    norma_material_info material;
-    for (int i = 0; i < 4; ++i) record->colour[i] = 1;
-    record->double_sided = 1;
-    norma_document_result result =
-        norma_document_mesh_attributes(document, index, &attributes, NULL);
-    if (!result && attributes.material == SIZE_MAX) return;
-    if (!result) result = norma_document_material_info(document, attributes.material, &material);
-    pack->failed |= result == NORMA_DOCUMENT_ERROR_MEMORY;
-    if (result) return;
-    memcpy(record->colour, material.base_color, sizeof record->colour);
-    record->double_sided = material.double_sided != 0;
-}
-
-static void pack_mesh(norma_document *document, size_t index, const norma_mesh_info *info,
-    const norma_mesh_data *data, view_pack *pack, view_pack_mesh *record) {
+static void pack_mesh(const norma_mesh_info *info, const norma_mesh_data *data, view_pack *pack,
+    view_pack_mesh *record) {
     const norma_mesh *mesh = &data->mesh;
     *record = (view_pack_mesh){.position_count = (uint32_t)mesh->positions.count,
         .is_double = mesh->positions.format == NORMA_FORMAT_DOUBLE,
@@ -106,7 +89,6 @@ static void pack_mesh(norma_document *document, size_t index, const norma_mesh_i
         .groups = VIEW_PACK_NONE,
         .corner_normals = VIEW_PACK_NONE,
         .storage = data->normals.count ? info->normals : NORMA_NORMALS_NONE};
-    pack_material(document, index, pack, record);
     record->positions = append_vectors(pack, &mesh->positions);
     record->corners = append_corners(pack, mesh);
     const size_t faces = mesh->face_starts ? mesh->face_count : record->corner_count / 3;
@@ -140,9 +122,8 @@ static uint32_t append_some(
 }
 
 /* Normals per corner or facet are left out: the page computes them. */
-static void pack_decimated(norma_document *document, size_t index, const norma_mesh_info *info,
-    const norma_mesh_data *data, const view_decimated *decimated, view_pack *pack,
-    view_pack_mesh *record) {
+static void pack_decimated(const norma_mesh_info *info, const norma_mesh_data *data,
+    const view_decimated *decimated, view_pack *pack, view_pack_mesh *record) {
     const int has_normals =
         info->normals == NORMA_NORMALS_PER_VERTEX && data->normals.count && !data->corner_normals;
     *record = (view_pack_mesh){.position_count = (uint32_t)decimated->vertex_count,
@@ -155,7 +136,6 @@ static void pack_decimated(norma_document *document, size_t index, const norma_m
         .storage = has_normals ? NORMA_NORMALS_PER_VERTEX : NORMA_NORMALS_NONE,
         .normal_count = has_normals ? (uint32_t)decimated->vertex_count : 0,
         .decimated = 1};
-    pack_material(document, index, pack, record);
     record->positions = append_some(pack, &data->mesh.positions, decimated);
     record->corners = view_pack_append(pack, decimated->corners, decimated->corner_count, 4);
     if (has_normals) record->normals = append_some(pack, &data->normals, decimated);
@@ -167,6 +147,7 @@ typedef struct packing {
     const view_pack_options *options;
     size_t triangles; /* of all meshes */
     view_pack *pack;
+    view_pack_images images;
     view_pack_mesh *records;
     uint32_t *record_of, count, capacity;
     uint8_t *drawn;         /* of each record: whether it was drawn */
@@ -196,13 +177,13 @@ static norma_document_result pack_one(
     view_pack_mesh *record = &work->records[work->count];
     work->pack->failed |= !decimate(work, info, &data, &decimated);
     if (decimated.corners)
-        pack_decimated(work->document, index, info, &data, &decimated, work->pack, record);
+        pack_decimated(info, &data, &decimated, work->pack, record);
     else
-        pack_mesh(work->document, index, info, &data, work->pack, record);
+        pack_mesh(info, &data, work->pack, record);
     work->record_of[index] = work->count++;
     free(decimated.vertices);
     free(decimated.corners);
-    return NORMA_DOCUMENT_OK;
+    return view_pack_material(work->document, index, &work->images, work->pack, record, error);
 }
 
 static size_t count_triangles(norma_document *document) {
@@ -262,6 +243,9 @@ static int pack_moved(packing *work, uint32_t *record, const norma_drawn_mesh *d
     moved->positions = append_vectors(work->pack, &drawn->positions);
     if (moved->storage != NORMA_NORMALS_NONE && drawn->normals.count == moved->normal_count)
         moved->normals = append_vectors(work->pack, &drawn->normals);
+    if (moved->tangents != VIEW_PACK_NONE && drawn->tangents)
+        moved->tangents =
+            view_pack_append(work->pack, drawn->tangents, moved->position_count, 4 * sizeof(float));
     return 1;
 }
 
@@ -339,6 +323,9 @@ static norma_document_result pack_all(
     if (result == NORMA_DOCUMENT_OK)
         result = view_pack_findings(work->document, work->record_of, work->draw_of_node,
             work->records, work->options->threads, work->pack, &head, error);
+    head.image_count = work->images.count;
+    head.images = view_pack_append(
+        work->pack, work->images.records, work->images.count, sizeof *work->images.records);
     head.mesh_count = work->count;
     head.meshes = view_pack_append(work->pack, work->records, work->count, sizeof *work->records);
     head.size = (uint32_t)work->pack->size;
@@ -383,6 +370,7 @@ norma_document_result view_pack_document(norma_document *document, const view_pa
     free(work.drawn);
     free(work.draw_of_node);
     free(work.draws);
+    view_pack_images_free(&work.images);
     if (result == NORMA_DOCUMENT_OK && pack->failed) result = NORMA_DOCUMENT_ERROR_MEMORY;
     if (result == NORMA_DOCUMENT_OK) return result;
     if (error && !error->message[0])

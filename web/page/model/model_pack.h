@@ -7,7 +7,7 @@
 #define NORMA_CLI_VIEW_PACK_H
 #include <norma/document.h>
 
-#define VIEW_PACK_MAGIC 0x324d524eu /* "NRM2" */
+#define VIEW_PACK_MAGIC 0x334d524eu /* "NRM3" */
 #define VIEW_PACK_NONE  UINT32_MAX
 
 typedef struct view_pack_head {
@@ -17,7 +17,12 @@ typedef struct view_pack_head {
     uint32_t format;                  /* norma_file_format */
     uint32_t unread_count;            /* meshes of the file that are not among these */
     uint32_t finding_count, findings; /* count VIEW_PACK_NONE: not checked */
+    uint32_t image_count, images;
 } view_pack_head;
+
+typedef struct view_pack_image { /* the file of an image: PNG or JPEG */
+    uint32_t bytes, size;
+} view_pack_image;
 
 typedef struct view_pack_mesh {
     uint32_t position_count, positions, is_double; /* three floats or doubles each */
@@ -30,6 +35,14 @@ typedef struct view_pack_mesh {
     uint32_t double_sided;
     uint32_t
         decimated; /* nonzero: not all of the file's faces; what is found in it has places only */
+    uint32_t name; /* offset of a text that ends in a zero */
+    uint32_t texcoords,
+        tangents;                  /* four floats for each position: where the base map and the
+                                      normal map are looked up; x, y, z, sign. VIEW_PACK_NONE: none */
+    uint32_t base_map, normal_map; /* images; VIEW_PACK_NONE: none */
+    uint32_t base_wrap[2], normal_wrap[2]; /* as in glTF; 0: repeat */
+    uint32_t alpha_mode;                   /* norma_alpha_mode */
+    float alpha_cutoff, normal_strength;
 } view_pack_mesh;
 
 typedef struct view_pack_draw {
@@ -77,6 +90,18 @@ norma_document_result view_pack_document(norma_document *document, const view_pa
 
 /* Copies count elements into the pack; where they lie. What fails is remembered there. */
 uint32_t view_pack_append(view_pack *pack, const void *bytes, size_t count, size_t size);
+/* pack_materials.c: colour, images, texture coordinates, tangents and the name of a mesh. images:
+ * those that were packed, so that each is there once. */
+typedef struct view_pack_images {
+    view_pack_image *records;
+    size_t *numbers; /* in the document */
+    uint32_t count;
+    size_t size; /* of all together */
+} view_pack_images;
+norma_document_result view_pack_material(norma_document *document, size_t mesh,
+    view_pack_images *images, view_pack *pack, view_pack_mesh *record, norma_document_error *error);
+void view_pack_images_free(view_pack_images *images);
+
 /* pack_findings.c: the part that norma check has. record_of: of each mesh of the document its
  * record, draw_of_node: of each node its first draw; or VIEW_PACK_NONE. meshes: the records. */
 norma_document_result view_pack_findings(norma_document *document, const uint32_t *record_of,

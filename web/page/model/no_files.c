@@ -31,6 +31,10 @@ int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size)
 }
 int norma_file_writer_prepare(file_writer *writer) { return (void)writer, ENOSYS; }
 void norma_file_writer_expect(file_writer *writer, file_stamp *stamp) { (void)writer, (void)stamp; }
+void norma_file_writer_batch(file_writer *writer, int alone) { (void)writer, (void)alone; }
+void norma_file_writer_expect_once(file_writer *writer, const file_stamp *stamp) {
+    (void)writer, (void)stamp;
+}
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) {
     return (void)writers, (void)count, *failed = 0, ENOSYS;
 }

@@ -1,7 +1,8 @@
 /* no_system.c: a browser is no system. What wasi-libc would ask of its host answers that there is
- * none, so that the module imports nothing. Compressed glTF buffers are refused here, for want of
- * their decoder. */
+ * none, so that the module imports nothing. Compressed glTF buffers and meshes are refused here,
+ * for want of their decoders. */
 #include "io/gltf/read/asset.h"
+#include "io/gltf/read/draco_decoder.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,19 @@ norma_document_result norma_gltf_decode_meshopt(
 }
 unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes) {
     return (void)m, (void)bytes, NULL;
+}
+
+int norma_draco_reads(void) { return 0; }
+
+#define DRACO_WHERE                                                                                \
+    "WebAssembly builds cannot read; the command line can, and gltf-transform copy unpacks it"
+const char *norma_draco_missing(int of_primitive) {
+    return of_primitive ? "compressed with KHR_draco_mesh_compression, which " DRACO_WHERE
+                        : DRACO_WHERE;
+}
+
+draco_result norma_draco_decode(const draco_stream *stream, size_t *found) {
+    return (void)stream, *found = 0, DRACO_KIND;
 }
 
 /* ---- wasi-libc */

@@ -109,6 +109,8 @@ double WEB_EXPORT(model_errors)(model *m, uint32_t index) {
     model_mesh *mesh = &m->meshes[index];
     double worst = 0;
     size_t face = 0;
+    for (size_t i = 0; !mesh->stored.count && i < 3 * mesh->triangle_count; ++i)
+        mesh->draw_values[i] = -1; /* grey: there is nothing to compare */
     if (!mesh->stored.count) return -1;
     for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
         const size_t corner = mesh->triangle_corners ? mesh->triangle_corners[i] : i;

@@ -311,23 +311,12 @@ static norma_document_result bake_node(baking *b, uint32_t node, norma_document_
                                        : bake_use(b, node, holder, world, error);
 }
 
-/* An extension that nothing uses any more leaves the lists; one of nothing is not valid (glTF 2.0,
- * 5.17). */
-static void unlist(gltf *g, const char *key, const char *extension) {
-    const uint32_t list = norma_json_member(&g->json, 0, key);
-    json_edits *edits = norma_gltf_edits(g, 0);
-    for (uint32_t value = norma_json_first(&g->json, list); edits && value != JSON_NONE;
-         value = norma_json_next(&g->json, list, value))
-        if (norma_json_equals(&g->json, value, extension))
-            norma_json_remove(edits, norma_json_size(&g->json, list) == 1 ? list : value);
-}
-
-static void unlist_instancing(baking *b) {
+static norma_document_result unlist_instancing(baking *b, norma_document_error *error) {
     int removed = 0;
     for (uint32_t i = 0; i < b->g->node_count; i++) removed |= b->tree.nodes[i].instances_removed;
-    if (!removed || b->instances_left) return;
-    unlist(b->g, "extensionsUsed", "EXT_mesh_gpu_instancing");
-    unlist(b->g, "extensionsRequired", "EXT_mesh_gpu_instancing");
+    if (!removed || b->instances_left || norma_gltf_unlist(b->g, "EXT_mesh_gpu_instancing"))
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail_memory(b->g->document, error);
 }
 
 static norma_document_result bake_all(baking *b, norma_document_error *error) {
@@ -336,7 +325,7 @@ static norma_document_result bake_all(baking *b, norma_document_error *error) {
     for (uint32_t i = 0; !result && i < b->g->node_count; i++)
         if (b->fates[b->order[i]] != FATE_KEEPS) result = bake_node(b, b->order[i], error);
     if (!result && b->moves) result = raise_carried(b, error);
-    if (!result) unlist_instancing(b);
+    if (!result) result = unlist_instancing(b, error);
     return result ? result : norma_gltf_tree_write(&b->tree, error);
 }
 

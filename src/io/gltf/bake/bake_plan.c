@@ -111,8 +111,8 @@ const char *norma_gltf_bake_obstacle(const gltf *g, uint32_t mesh) {
     for (uint32_t i = 0; i < g->meshes[mesh].primitive_count; i++) {
         const gltf_primitive *primitive = &g->primitives[g->meshes[mesh].first_primitive + i];
         const uint32_t extensions = norma_json_member(&g->json, primitive->token, "extensions");
-        if (norma_json_member(&g->json, extensions, "KHR_draco_mesh_compression") != JSON_NONE)
-            return "is compressed with KHR_draco_mesh_compression";
+        if (primitive->draco.token != GLTF_NONE && primitive->not_read)
+            return "is compressed with KHR_draco_mesh_compression and cannot be read";
         if (norma_json_member(&g->json, extensions, "KHR_gaussian_splatting") != JSON_NONE)
             return "holds splats (KHR_gaussian_splatting)";
     }

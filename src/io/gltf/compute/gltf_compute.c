@@ -21,6 +21,7 @@ static int pass_on(void *user, double fraction) {
 static norma_document_result compute_mesh(gltf_job *job, uint32_t mesh) {
     gltf_surface surface;
     norma_document_result result = norma_gltf_gather(job, mesh, &surface);
+    job->policy.surface = mesh;
     if (!result) result = norma_gltf_find_points(job, &surface);
     job->policy.core.progress = NULL;
     if (!result) result = norma_gltf_take_points(job, &surface);
@@ -103,6 +104,7 @@ norma_document_result norma_gltf_compute(norma_document *document,
         .error = error,
         .policy = norma_policy_begin(options, summary, NORMA_SHADING_CREASE, 0)};
     job.policy.core.progress = NULL;
+    job.policy.shared = document->shared;
     norma_document_result result = NORMA_DOCUMENT_OK;
     norma_gltf_begin_change(g);
     if (!result) result = check_any_surface(g, error);

@@ -150,6 +150,13 @@ static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_
     return result;
 }
 
+/* Vertices that a locked primitive draws keep their normals, whoever else draws them. */
+static int is_locked(const gltf_job *job, uint32_t primitive) {
+    const shared_normals *shared = job->g->document->shared;
+    return shared && shared->locked && shared->locked[primitive] &&
+           job->set_of[primitive] != GLTF_NONE;
+}
+
 norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {
     const gltf *g = job->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -164,6 +171,7 @@ norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {
     for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
         job->set_of[i] = job->next_in_set[i] = GLTF_NONE;
         if (!g->primitives[i].not_read) result = join_set(job, i, sets_at);
+        if (!result && is_locked(job, i)) job->sets[job->set_of[i]].wanted = 0;
     }
     free(sets_at);
     return result;

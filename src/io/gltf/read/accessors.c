@@ -64,7 +64,7 @@ static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_docu
     size_t component = 0;
     uint32_t type = norma_json_member(j, a->token, "type"),
              sparse = norma_json_member(j, a->token, "sparse");
-    a->view = GLTF_NONE;
+    a->view = a->draco = GLTF_NONE;
     if (!norma_gltf_index_member(g, a->token, "bufferView", g->view_count, &a->view))
         return norma_gltf_malformed(g, error, a->token, "the number of a view in \"bufferView\"");
     if (!norma_gltf_size_member(g, a->token, "byteOffset", &a->offset) ||
@@ -105,28 +105,12 @@ norma_document_result norma_gltf_read_accessors(gltf *g, norma_document_error *e
 
 /* ---- elements */
 
-/* Elements of a view: count of them, each size bytes, from offset on. token: for messages. */
-typedef struct view_elements {
-    uint32_t token, view;
-    size_t offset, count, size;
-} view_elements;
-
-static norma_document_result locate(gltf *g, const view_elements *elements, size_t *stride,
+static norma_document_result locate(gltf *g, const gltf_elements *elements, size_t *stride,
     const unsigned char **data, norma_document_error *error) {
-    const gltf_view *view = &g->views[elements->view];
-    const size_t offset = elements->offset, size = elements->size;
     norma_document_result result = norma_gltf_view_bytes(g, elements->view, data, error);
-    if (result) return result;
-    *stride = view->stride ? view->stride : size;
-    if (*stride < size) /* such elements share bytes, and none could be changed alone */
-        return norma_gltf_malformed(
-            g, error, elements->token, "elements no longer than their view's byteStride");
-    if (offset > view->length || size > view->length - offset ||
-        elements->count - 1 > (view->length - offset - size) / *stride)
-        return norma_gltf_malformed(
-            g, error, elements->token, "elements that end inside their view");
-    *data += offset;
-    return NORMA_DOCUMENT_OK;
+    if (!result) result = norma_gltf_measure_elements(g, elements, stride, error);
+    if (!result) *data += elements->offset;
+    return result;
 }
 
 static uint32_t read_uint(const unsigned char *at, int component) {
@@ -142,7 +126,7 @@ norma_document_result norma_gltf_sparse_indices(
     const unsigned char *indices;
     size_t stride, size = norma_gltf_component_size(a->sparse.indices_component);
     norma_document_result result = locate(g,
-        &(view_elements){
+        &(gltf_elements){
             a->token, a->sparse.indices_view, a->sparse.indices_offset, a->sparse.count, size},
         &stride, &indices, error);
     for (size_t i = 0; !result && i < a->sparse.count; ++i) {
@@ -157,7 +141,7 @@ static norma_document_result apply_sparse(gltf *g, gltf_accessor *a, norma_docum
     const unsigned char *values;
     size_t stride;
     norma_document_result result = locate(g,
-        &(view_elements){a->token, a->sparse.values_view, a->sparse.values_offset, a->sparse.count,
+        &(gltf_elements){a->token, a->sparse.values_view, a->sparse.values_offset, a->sparse.count,
             a->element_size},
         &stride, &values, error);
     uint32_t *indices = result ? NULL : norma_io_allocate(a->sparse.count, sizeof *indices);
@@ -193,7 +177,9 @@ norma_document_result norma_gltf_array(
     gltf *g, uint32_t number, gltf_array *array, norma_document_error *error) {
     gltf_accessor *a = &g->accessors[number];
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (!a->resolved) {
+    if (!a->resolved && a->draco != GLTF_NONE) {
+        result = norma_gltf_decode_draco(g, a->draco, error);
+    } else if (!a->resolved) {
         free(a->owned);
         a->owned = NULL;
         a->array = (gltf_array){.count = a->count,
@@ -202,7 +188,7 @@ norma_document_result norma_gltf_array(
             .normalized = a->normalized};
         if (a->view != GLTF_NONE)
             result =
-                locate(g, &(view_elements){a->token, a->view, a->offset, a->count, a->element_size},
+                locate(g, &(gltf_elements){a->token, a->view, a->offset, a->count, a->element_size},
                     &a->array.stride, &a->array.data, error);
         if (!result && (a->view == GLTF_NONE || a->sparse.count)) result = make_dense(g, a, error);
         a->resolved = !result;

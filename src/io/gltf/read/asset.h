@@ -93,6 +93,8 @@ typedef struct gltf_accessor {
         uint32_t indices_view, values_view;
         int indices_component;
     } sparse;
+    uint32_t draco;    /* the primitive whose Draco stream holds its elements; GLTF_NONE: none */
+    uint32_t draco_id; /* which of the stream's attributes; not for indices */
     int resolved;
     gltf_array array;
     unsigned char *owned;
@@ -111,6 +113,11 @@ typedef struct gltf_attributes { /* a primitive's own, or one of its targets': a
     uint32_t position, normal, tangent; /* accessors; GLTF_NONE: not there */
 } gltf_attributes;
 
+typedef struct gltf_draco { /* KHR_draco_mesh_compression of a primitive */
+    uint32_t token;         /* of the extension's object; GLTF_NONE: not compressed */
+    uint32_t view;
+} gltf_draco;
+
 typedef struct gltf_primitive {
     uint32_t token, mesh, number; /* number within its mesh */
     uint32_t mode, indices, material;
@@ -121,6 +128,7 @@ typedef struct gltf_primitive {
     char where[64];                 /* JSON pointer */
     uint32_t *corners;              /* cached by norma_gltf_corners, 3 * faces */
     const uint32_t *direct_corners; /* the same where the file itself has them so */
+    gltf_draco draco;
     uint32_t *corner_normals; /* of each corner its normal, where there are fewer than positions;
                                  made on first use */
     size_t copied;            /* bytes of the vertices that it got last (limits.c) */
@@ -205,6 +213,16 @@ norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsign
     norma_document_error *error); /* decoded where compressed; view->length of them */
 norma_document_result norma_gltf_decode_meshopt(
     gltf *g, uint32_t view, norma_document_error *error);
+
+/* Elements of a view: count of them, each size bytes, from offset on. token: for messages. */
+typedef struct gltf_elements {
+    uint32_t token, view;
+    size_t offset, count, size;
+} gltf_elements;
+/* Whether they are apart from one another and end inside the view; none of its bytes are read. */
+norma_document_result norma_gltf_measure_elements(
+    gltf *g, const gltf_elements *elements, size_t *stride, norma_document_error *error);
+
 const char *norma_gltf_extension_of(
     const gltf *g, const gltf_meshopt *m); /* its name in the file */
 /* Compresses m->count rows of m->stride bytes by m->mode and m->filter, or by others where those do
@@ -212,6 +230,12 @@ const char *norma_gltf_extension_of(
  * memory. */
 unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes);
 int norma_gltf_reads_meshopt(void); /* 0: the library is built without meshoptimizer */
+/* draco_primitives.c: reads the extension of a primitive whose accessors are known, and gives the
+ * accessors that it names to its stream; *why: the primitive cannot be read. */
+norma_document_result norma_gltf_read_draco(
+    gltf *g, uint32_t primitive, const char **why, norma_document_error *error);
+norma_document_result norma_gltf_decode_draco(
+    gltf *g, uint32_t primitive, norma_document_error *error); /* resolves those accessors */
 /* The elements of an accessor, resolved once and cached. */
 norma_document_result norma_gltf_array(
     gltf *g, uint32_t accessor, gltf_array *array, norma_document_error *error);
@@ -313,6 +337,12 @@ uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number);
 int norma_gltf_release(gltf *g, uint32_t accessor);
 json_edits *norma_gltf_edits(
     gltf *g, uint32_t copy); /* 0: of the asset; else those that apply to the copy alone */
+/* Nothing uses the extension (a literal) any more: it leaves extensionsUsed and extensionsRequired
+ * in the end. 0: out of memory. */
+int norma_gltf_unlist(gltf *g, const char *extension);
+/* Normals and tangents of a primitive are removed in the JSON: no new contents for them. 0: out of
+ * memory. */
+int norma_gltf_strip(gltf *g, uint32_t primitive);
 /* Turns all that was put into edits and views. To be called once, at the end of compute or
  * transform; afterwards g->changed says whether anything is new. */
 norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error);
@@ -327,7 +357,7 @@ norma_document_result norma_gltf_reopen(
     norma_document *document, norma_document *made, norma_document_error *error);
 int norma_gltf_visit_files(const norma_document *document, norma_visit_file *visit, void *user);
 
-/* ---- verbs */
+/* ---- commands */
 norma_document_result norma_gltf_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);

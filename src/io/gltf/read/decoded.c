@@ -38,5 +38,6 @@ norma_document_result norma_gltf_decode(
 }
 
 int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor) {
-    return g->accessors[accessor].view == GLTF_NONE && g->accessors[accessor].sparse.count == 0;
+    const gltf_accessor *a = &g->accessors[accessor];
+    return a->view == GLTF_NONE && a->sparse.count == 0 && a->draco == GLTF_NONE;
 }

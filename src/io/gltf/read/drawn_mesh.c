@@ -20,7 +20,8 @@ typedef struct mover {
     const gltf_primitive *p;
     const gltf_node *node;
     size_t count, normal_count, tangent_count;
-    double *positions, *joints; /* joints: the sixteen numbers of each joint's matrix */
+    double *positions;
+    const double *joints; /* the sixteen numbers of each joint's matrix */
     float *normals, *tangents;
     size_t joint_count;
     int turned; /* the x axis is reversed: most vertices lie in matrices that mirror */
@@ -153,32 +154,57 @@ static norma_document_result read_inverse(gltf *g, uint32_t skin, size_t joints,
     return result;
 }
 
-/* From the mesh, as it was bound, to the scene, for each joint. */
-static norma_document_result read_joints(mover *m, norma_document_error *error) {
-    gltf *g = m->g;
+/* From the mesh, as it was bound, to the scene, for each joint of the list. */
+static norma_document_result fill_joints(gltf *g, uint32_t list, const gltf_array *inverse,
+    double *matrices, norma_document_error *error) {
     const json *j = &g->json;
-    gltf_array inverse;
-    uint32_t skin, number = 0;
-    int there;
-    norma_document_result result = norma_gltf_skin_token(g, m->node->skin, &skin, error);
-    if (result) return result;
-    const uint32_t list = norma_json_member(j, skin, "joints");
-    m->joint_count = norma_json_is(j, list, JSON_ARRAY) ? norma_json_size(j, list) : 0;
-    result = read_inverse(g, skin, m->joint_count, &inverse, &there, error);
-    if (result) return result;
-    m->joints = norma_io_allocate(m->joint_count, 16 * sizeof *m->joints);
-    if (!m->joints) return out_of_memory(g, error);
-    for (uint32_t item = norma_json_first(j, list); number < m->joint_count;
+    uint32_t number = 0;
+    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
          item = norma_json_next(j, list, item), ++number) {
         uint64_t node;
         float bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
         double matrix[16];
         if (!norma_json_uint(j, item, &node) || node >= g->node_count)
             return norma_gltf_malformed(g, error, item, "the number of a node");
-        if (there) norma_gltf_floats(&inverse, number, bound);
+        if (inverse) norma_gltf_floats(inverse, number, bound);
         for (int i = 0; i < 16; ++i) matrix[i] = (double)bound[i];
-        norma_gltf_matrix_multiply(g->nodes[node].world, matrix, m->joints + 16 * (size_t)number);
+        norma_gltf_matrix_multiply(g->nodes[node].world, matrix, matrices + 16 * (size_t)number);
     }
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result make_joints(gltf *g, uint32_t skin, uint32_t list, size_t count,
+    double **made, norma_document_error *error) {
+    gltf_array inverse;
+    int there;
+    norma_document_result result = read_inverse(g, skin, count, &inverse, &there, error);
+    if (!result) result = norma_gltf_spend(g, skin, count, 16 * sizeof **made, error);
+    if (result) return result;
+    *made = norma_scene_allocate(g->document->scene, count, 16 * sizeof **made);
+    if (!*made) return out_of_memory(g, error);
+    return fill_joints(g, list, there ? &inverse : NULL, *made, error);
+}
+
+/* A skin's matrices are the same for every node that it moves: they are made once. */
+static norma_document_result read_joints(mover *m, norma_document_error *error) {
+    gltf *g = m->g;
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    uint32_t skin;
+    norma_document_result result = norma_gltf_skin_token(g, m->node->skin, &skin, error);
+    if (result) return result;
+    const uint32_t list = norma_json_member(&g->json, skin, "joints");
+    m->joint_count =
+        norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0;
+    if (!scene->joints && !(scene->joints = norma_scene_allocate(
+                                g->document->scene, g->skin_count, sizeof *scene->joints)))
+        return out_of_memory(g, error);
+    if (!scene->joints[m->node->skin]) {
+        double *made = NULL;
+        result = make_joints(g, skin, list, m->joint_count, &made, error);
+        if (result) return result;
+        scene->joints[m->node->skin] = made;
+    }
+    m->joints = scene->joints[m->node->skin];
     return NORMA_DOCUMENT_OK;
 }
 
@@ -304,7 +330,6 @@ static norma_document_result apply_skin(mover *m, norma_document_error *error) {
         result = blend(m, sets, count, i, matrix, error);
         if (!result) mirrored += (size_t)move_vertex(m, i, matrix);
     }
-    free(m->joints);
     if (!result && mirrored > m->count / 2) turn(m);
     return result;
 }

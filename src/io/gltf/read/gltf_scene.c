@@ -381,5 +381,6 @@ const scene_functions norma_gltf_scene = {
     .instance_world = instance_world,
     .move_drawn = norma_gltf_move_drawn,
     .material_maps = norma_gltf_material_maps,
+    .normal_map = norma_gltf_normal_texture,
     .texcoords = texcoords,
 };

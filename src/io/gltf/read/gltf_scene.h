@@ -17,6 +17,7 @@ typedef struct gltf_scene {
     const norma_document_error *animation_error; /* NULL: none */
     uint32_t *skins;                             /* the token of each; NULL: not yet */
     size_t effort;                               /* steps that skins and animations took */
+    const double **joints;     /* of each skin, a matrix for each joint at rest; NULL: not yet */
     struct gltf_moved **moved; /* of each node that draws, its meshes that morphs or skins move */
     struct gltf_image *images; /* NULL: not yet */
     const uint8_t *shown;      /* of each node: 1 in the scene, 2 not; NULL: not yet */
@@ -45,6 +46,7 @@ typedef struct gltf_map_place { /* a normal map (or that of a clear coat): where
     size_t set;       /* of texture coordinates */
     float offset[2], scale[2], rotation;
 } gltf_map_place;
+uint32_t norma_gltf_normal_use(const gltf *g, uint32_t material); /* the texture's info */
 gltf_map_place norma_gltf_normal_map(const gltf *g, uint32_t material);
 gltf_map_place norma_gltf_map_place(const gltf *g, uint32_t texture); /* of any texture's info */
 norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error);
@@ -65,6 +67,8 @@ norma_document_result norma_gltf_move_drawn(norma_document *document, size_t nod
 /* material_maps.c; set: gltf_scene.c */
 norma_document_result norma_gltf_material_maps(norma_document *document, size_t material,
     norma_material_maps *maps, norma_document_error *error);
+norma_document_result norma_gltf_normal_texture(norma_document *document, size_t material,
+    norma_texture_info *map, norma_document_error *error);
 
 /* instances.c: where a node draws its mesh, again and again (EXT_mesh_gpu_instancing) */
 typedef struct gltf_instances {

@@ -2,6 +2,7 @@
  * file has them (PNG, JPEG), with where and how they are looked up (KHR_texture_transform,
  * samplers). What cannot be read is named and not refused: the surface is drawn without it. */
 #include "io/gltf/read/gltf_scene.h"
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -11,6 +12,7 @@ typedef struct gltf_image { /* its bytes live as long as the document */
     size_t size;
     const char *not_read;
     int looked_at;
+    uint64_t device, file; /* of one of its own: several images may name it */
 } gltf_image;
 
 static int fail_image(gltf_image *image, const char *why) {
@@ -18,7 +20,7 @@ static int fail_image(gltf_image *image, const char *why) {
     return 1;
 }
 
-/* 0: out of memory. */
+/* What follows returns 0 when out of memory: that is no fault of the image. */
 static int keep_bytes(gltf *g, gltf_image *image, const unsigned char *bytes, size_t size) {
     unsigned char *kept = norma_scene_allocate(g->document->scene, size, 1);
     if (!kept) return 0;
@@ -30,24 +32,46 @@ static int keep_bytes(gltf *g, gltf_image *image, const unsigned char *bytes, si
 
 static int load_data(gltf *g, gltf_image *image, const char *uri) {
     size_t size = 0;
+    errno = 0;
     unsigned char *bytes = norma_gltf_data_decode(uri, &size);
-    if (!bytes) return fail_image(image, "its data: URI cannot be decoded");
+    if (!bytes) return errno != ENOMEM && fail_image(image, "its data: URI cannot be decoded");
     const int kept = keep_bytes(g, image, bytes, size);
     free(bytes);
     return kept;
 }
 
+/* Whether an image that was read before is the same file: its bytes are then this one's. */
+static int share_file(gltf *g, gltf_image *image, const struct stat *status) {
+    const gltf_image *images = norma_gltf_scene_of(g)->images;
+    image->device = (uint64_t)status->st_dev;
+    image->file = (uint64_t)status->st_ino;
+    for (const gltf_image *other = images; other < image; ++other)
+        if (other->bytes && other->file == image->file && other->device == image->device &&
+            other->file) {
+            image->bytes = other->bytes;
+            image->size = other->size;
+            return 1;
+        }
+    return 0;
+}
+
 static int load_file(gltf *g, gltf_image *image, const char *uri) {
-    char *name = norma_gltf_uri_decode(uri), *path = NULL;
     file_bytes file;
     struct stat status;
+    errno = 0;
+    char *name = norma_gltf_uri_decode(uri), *path = NULL;
     const int inside = name && norma_gltf_path_inside(g->document->folder, name, &path);
     free(name);
-    if (!inside) return fail_image(image, "it is not a file in the asset's folder");
-    const int failed = stat(path, &status) != 0 || !S_ISREG(status.st_mode) ||
-                       norma_document_load_file(g->document, path, &file) != 0;
+    if (!inside)
+        return errno != ENOMEM && fail_image(image, "it is not a file in the asset's folder");
+    const int regular = stat(path, &status) == 0 && S_ISREG(status.st_mode),
+              shared = regular && share_file(g, image, &status),
+              failed = shared     ? 0
+                       : !regular ? EINVAL
+                                  : norma_document_load_file(g->document, path, &file);
     free(path);
-    if (failed) return fail_image(image, "its file cannot be read");
+    if (shared) return 1;
+    if (failed) return failed != ENOMEM && fail_image(image, "its file cannot be read");
     const int kept = keep_bytes(g, image, file.data, file.size);
     norma_file_close(&file);
     return kept;
@@ -55,9 +79,12 @@ static int load_file(gltf *g, gltf_image *image, const char *uri) {
 
 static int load_view(gltf *g, gltf_image *image, uint32_t token) {
     uint64_t view;
-    if (!norma_json_uint(&g->json, token, &view) || view >= g->view_count ||
-        norma_gltf_view_bytes(g, (uint32_t)view, &image->bytes, NULL))
-        return fail_image(image, "its bytes cannot be read");
+    norma_document_result result = NORMA_DOCUMENT_ERROR_MALFORMED;
+    if (norma_json_uint(&g->json, token, &view) && view < g->view_count)
+        result = norma_gltf_view_bytes(g, (uint32_t)view, &image->bytes, NULL);
+    if (result)
+        return result != NORMA_DOCUMENT_ERROR_MEMORY &&
+               fail_image(image, "its bytes cannot be read");
     image->size = g->views[view].length;
     return 1;
 }
@@ -65,11 +92,10 @@ static int load_view(gltf *g, gltf_image *image, uint32_t token) {
 static int load_image(gltf *g, gltf_image *image, uint32_t token) {
     const uint32_t view = norma_json_member(&g->json, token, "bufferView"),
                    uri = norma_json_member(&g->json, token, "uri");
-    image->looked_at = 1;
     if (view != JSON_NONE) return load_view(g, image, view);
-    char *text =
-        norma_json_is(&g->json, uri, JSON_STRING) ? norma_json_string(&g->json, uri) : NULL;
-    if (!text) return fail_image(image, "it names no image");
+    if (!norma_json_is(&g->json, uri, JSON_STRING)) return fail_image(image, "it names no image");
+    char *text = norma_json_string(&g->json, uri);
+    if (!text) return 0;
     const int good =
         norma_gltf_uri_is_data(text) ? load_data(g, image, text) : load_file(g, image, text);
     free(text);
@@ -114,8 +140,9 @@ static int read_image(gltf *g, uint32_t texture, norma_texture_info *info) {
                    token = element(g, "images", source);
     uint64_t number;
     if (token == JSON_NONE || !norma_json_uint(j, source, &number)) {
-        info->not_read =
-            source == JSON_NONE ? "its image is in a format that is not read" : "it names no image";
+        info->not_read = texture == JSON_NONE  ? "its texture is not in the file"
+                         : source == JSON_NONE ? "its image is in a format that is not read"
+                                               : "it names no image";
         return 1;
     }
     if (!scene->images && !(scene->images = norma_scene_allocate(g->document->scene,
@@ -123,6 +150,7 @@ static int read_image(gltf *g, uint32_t texture, norma_texture_info *info) {
         return 0;
     gltf_image *image = &scene->images[number];
     if (!image->looked_at && !load_image(g, image, token)) return 0;
+    image->looked_at = 1;
     info->bytes = image->bytes;
     info->size = image->size;
     info->not_read = image->not_read;
@@ -169,13 +197,26 @@ static int read_maps(gltf *g, uint32_t material, norma_material_maps *maps) {
            read_texture(g, norma_json_member(j, material, "normalTexture"), &maps->normal);
 }
 
-norma_document_result norma_gltf_material_maps(norma_document *document, size_t material,
-    norma_material_maps *maps, norma_document_error *error) {
-    gltf *g = norma_gltf_of(document);
+static uint32_t material_token(const gltf *g, size_t material) {
     const uint32_t list = norma_json_member(&g->json, 0, "materials");
     uint32_t token = norma_json_first(&g->json, list);
     for (size_t i = 0; i < material; ++i) token = norma_json_next(&g->json, list, token);
-    return norma_gltf_scene_of(g) && read_maps(g, token, maps)
+    return token;
+}
+
+norma_document_result norma_gltf_material_maps(norma_document *document, size_t material,
+    norma_material_maps *maps, norma_document_error *error) {
+    gltf *g = norma_gltf_of(document);
+    return norma_gltf_scene_of(g) && read_maps(g, material_token(g, material), maps)
+               ? NORMA_DOCUMENT_OK
+               : norma_document_fail_memory(document, error);
+}
+
+norma_document_result norma_gltf_normal_texture(norma_document *document, size_t material,
+    norma_texture_info *map, norma_document_error *error) {
+    gltf *g = norma_gltf_of(document);
+    const uint32_t use = norma_gltf_normal_use(g, material_token(g, material));
+    return norma_gltf_scene_of(g) && read_texture(g, use, map)
                ? NORMA_DOCUMENT_OK
                : norma_document_fail_memory(document, error);
 }

@@ -65,14 +65,18 @@ static size_t texcoord_of(const gltf *g, uint32_t texture) {
                : 0;
 }
 
-gltf_map_place norma_gltf_normal_map(const gltf *g, uint32_t material) {
+uint32_t norma_gltf_normal_use(const gltf *g, uint32_t material) {
     const json *j = &g->json;
-    const uint32_t extensions = norma_json_member(j, material, "extensions");
-    uint32_t texture = norma_json_member(j, material, "normalTexture");
-    if (texture == JSON_NONE)
-        texture = norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_clearcoat"),
-            "clearcoatNormalTexture");
-    return norma_gltf_map_place(g, texture);
+    const uint32_t extensions = norma_json_member(j, material, "extensions"),
+                   texture = norma_json_member(j, material, "normalTexture");
+    return texture != JSON_NONE
+               ? texture
+               : norma_json_member(j, norma_json_member(j, extensions, "KHR_materials_clearcoat"),
+                     "clearcoatNormalTexture");
+}
+
+gltf_map_place norma_gltf_normal_map(const gltf *g, uint32_t material) {
+    return norma_gltf_map_place(g, norma_gltf_normal_use(g, material));
 }
 
 gltf_map_place norma_gltf_map_place(const gltf *g, uint32_t texture) {

@@ -112,9 +112,6 @@ uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes, const
 }
 
 static const char *why_not_read(const gltf *g, const gltf_primitive *p) {
-    uint32_t extensions = norma_json_member(&g->json, p->token, "extensions");
-    if (norma_json_member(&g->json, extensions, "KHR_draco_mesh_compression") != JSON_NONE)
-        return "compressed with KHR_draco_mesh_compression, which is not read yet";
     if (p->mode == GLTF_POINTS) return "points have no normals to compute";
     if (p->mode < GLTF_TRIANGLES) return "lines have no normals to compute";
     if (p->base.position == GLTF_NONE) return "no positions";
@@ -200,7 +197,7 @@ static norma_document_result read_primitive(
     count_faces(g, p);
     p->not_read = why_not_read(g, p);
     if (!p->not_read) p->not_read = why_without_bytes(g, p);
-    return NORMA_DOCUMENT_OK;
+    return norma_gltf_read_draco(g, (uint32_t)(p - g->primitives), &p->not_read, error);
 }
 
 /* Normals too few or too many are judged by norma check, where it asks for that; as normals alone,
@@ -271,14 +268,22 @@ static norma_document_result read_mesh(gltf *g, uint32_t number, norma_document_
         snprintf(p->where, sizeof p->where, "/meshes/%u/primitives/%u", (unsigned)number,
             (unsigned)p->number);
         norma_document_result result = read_primitive(g, p, error);
-        if (!result && g->document->depth == NORMA_DOCUMENT_WHOLE)
-            result = check_whole(g, g->primitive_count - 1, error);
         if (result) return result;
-        if (p->not_read && g->document->depth == NORMA_DOCUMENT_WHOLE && p->mode >= GLTF_TRIANGLES)
-            norma_document_add_note(g->document, "%s of mesh \"%s\" was skipped: %s", p->where,
-                mesh->name, p->not_read);
     }
     return NORMA_DOCUMENT_OK;
+}
+
+/* After all of them are read: only then is it known which accessors' elements Draco holds. */
+static norma_document_result check_all(gltf *g, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
+        const gltf_primitive *p = &g->primitives[i];
+        result = check_whole(g, i, error);
+        if (!result && p->not_read && p->mode >= GLTF_TRIANGLES)
+            norma_document_add_note(g->document, "%s of mesh \"%s\" was skipped: %s", p->where,
+                g->meshes[p->mesh].name, p->not_read);
+    }
+    return result;
 }
 
 norma_document_result norma_gltf_read_meshes(gltf *g, norma_document_error *error) {
@@ -299,7 +304,7 @@ norma_document_result norma_gltf_read_meshes(gltf *g, norma_document_error *erro
         ++g->mesh_count;
         result = read_mesh(g, number++, error);
     }
-    return result;
+    return result || g->document->depth != NORMA_DOCUMENT_WHOLE ? result : check_all(g, error);
 }
 
 /* ---- corners */

@@ -1,5 +1,6 @@
 /* requirements.c: what a file may ask of its reader: extensions, a later version. */
 #include "io/gltf/read/gltf_scene.h"
+#include "io/gltf/read/draco_decoder.h"
 #include <string.h>
 
 int norma_gltf_needs_later(const gltf *g) {
@@ -20,5 +21,5 @@ int norma_gltf_is_known(const char *name) {
         if (strncmp(name, prefixes[i], strlen(prefixes[i])) == 0) return 1;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
         if (strcmp(name, names[i]) == 0) return 1;
-    return 0;
+    return norma_draco_reads() && strcmp(name, "KHR_draco_mesh_compression") == 0;
 }

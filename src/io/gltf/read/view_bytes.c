@@ -23,3 +23,18 @@ norma_document_result norma_gltf_view_bytes(
     *bytes = g->buffers[view->buffer].bytes + view->offset;
     return NORMA_DOCUMENT_OK;
 }
+
+norma_document_result norma_gltf_measure_elements(
+    gltf *g, const gltf_elements *elements, size_t *stride, norma_document_error *error) {
+    const gltf_view *view = &g->views[elements->view];
+    const size_t offset = elements->offset, size = elements->size;
+    *stride = view->stride ? view->stride : size;
+    if (*stride < size) /* such elements share bytes, and none could be changed alone */
+        return norma_gltf_malformed(
+            g, error, elements->token, "elements no longer than their view's byteStride");
+    if (offset > view->length || size > view->length - offset ||
+        elements->count - 1 > (view->length - offset - size) / *stride)
+        return norma_gltf_malformed(
+            g, error, elements->token, "elements that end inside their view");
+    return NORMA_DOCUMENT_OK;
+}

@@ -224,6 +224,7 @@ static norma_document_result assign(
 norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     norma_document_result result = drop_unchanged(g, error);
+    if (!result) result = norma_gltf_unpack_changed(g, error);
     if (result) return result;
     uint32_t *stays = count_uses(g),
              *of_data = norma_io_allocate(patch->data_count, sizeof *of_data);

@@ -298,6 +298,7 @@ static int prepare(placer *p) {
     p->next = norma_io_allocate(patch->run_count, sizeof *p->next);
     if (!patch->views) patch->view_count = 0;
     if (!patch->pins || !patch->views || !p->stays || !p->first || !p->next) return 0;
+    norma_gltf_unpin_streams(p->g);
     memset(p->first, 0xFF, g->view_count * sizeof *p->first);
     for (uint32_t v = 0; v < g->view_count; ++v) {
         const gltf_view *old = &g->views[v];

@@ -41,6 +41,7 @@ norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
         result = norma_gltf_check_dangling(g, GLTF_LIST_MESHES, error);
     if (!result) result = append_copies(g, error);
     if (result) return result;
+    norma_gltf_edit_extensions(g);
     g->changed = norma_json_edits_any(g->edits);
     for (size_t i = 0; i < patch->view_count; ++i)
         g->changed |= patch->views[i].plain.bytes != NULL;

@@ -82,7 +82,7 @@ static norma_document_result write_one(companions *c, const companion *one) {
     file_writer *writer = NULL;
     int failed = make_folders(c->writers, one->path, strlen(c->folder));
     if (!failed) failed = norma_file_writer_open(one->path, &writer);
-    if (!failed && one->replaces) norma_file_writer_expect(writer, one->replaces);
+    if (!failed && one->replaces) norma_document_expect(c->writers, writer, one->replaces);
     if (!failed) failed = write_content(one, writer);
     if (!failed) failed = norma_file_writer_prepare(writer);
     if (!failed)

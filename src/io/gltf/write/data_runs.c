@@ -224,6 +224,22 @@ static norma_document_result add_sparse(
     return result;
 }
 
+/* What a stream of Draco's held has no view yet, and may take the stream's. */
+static norma_document_result replace_stream(gltf *g, uint32_t number, norma_document_error *error) {
+    const gltf_accessor *a = &g->accessors[number];
+    const gltf_data *data = &g->patch->datas[g->patch->replaced[number]];
+    const data_run piece = {.token = a->token,
+        .new_accessor = GLTF_NONE,
+        .old_view = g->primitives[a->draco].draco.view,
+        .old_offset = a->offset,
+        .bytes = data->bytes,
+        .size = norma_gltf_data_size(data),
+        .count = data->count,
+        .target = target_of(data)};
+    return add_run(g->patch, &piece) ? NORMA_DOCUMENT_OK
+                                     : norma_document_fail_memory(g->document, error);
+}
+
 static norma_document_result replace_accessor(
     gltf *g, uint32_t number, norma_document_error *error) {
     const gltf_accessor *a = &g->accessors[number];
@@ -233,10 +249,11 @@ static norma_document_result replace_accessor(
     if (a->sparse.count) {
         norma_document_result result = add_sparse(g, number, data, &base, error);
         if (result) return result;
-    } else if (a->view == GLTF_NONE) {
+    } else if (a->view == GLTF_NONE && a->draco == GLTF_NONE) {
         base = !rest_is_zero(data, NULL, 0);
     }
     if (!base) return NORMA_DOCUMENT_OK;
+    if (a->view == GLTF_NONE && a->draco != GLTF_NONE) return replace_stream(g, number, error);
     const data_run piece = {.token = a->token,
         .new_accessor = GLTF_NONE,
         .old_view = a->view,
@@ -277,7 +294,10 @@ void norma_gltf_point_data_run(gltf *g, const data_run *piece, uint32_t view, si
         g->patch->accessors[piece->new_accessor].view = view;
         return;
     }
-    if (piece->old_view != view) norma_json_set_uint(g->edits, piece->token, "bufferView", view);
+    if (piece->old_view != view || !piece->old_size)
+        norma_json_set_uint(g->edits, piece->token, "bufferView", view);
+    if (piece->old_view == view && !piece->old_size)
+        norma_json_set_uint(g->edits, g->views[view].token, "target", (uint64_t)piece->target);
     if (piece->old_offset != offset)
         norma_json_set_uint(g->edits, piece->token, "byteOffset", offset);
 }

@@ -165,7 +165,7 @@ static void strip(gltf *g, const gltf_attributes *attributes, const char *name) 
 
 /* Tangents mean nothing without normals, and go with them; those of targets also where the mesh has
  * none to add them to. */
-static void strip_normals(gltf *g, uint32_t primitive, int of_targets_alone) {
+static int strip_normals(gltf *g, uint32_t primitive, int of_targets_alone) {
     const gltf_primitive *p = &g->primitives[primitive];
     int all_tangents = !of_targets_alone || p->base.tangent == GLTF_NONE;
     if (!of_targets_alone && p->base.normal != GLTF_NONE) strip(g, &p->base, "NORMAL");
@@ -176,6 +176,7 @@ static void strip_normals(gltf *g, uint32_t primitive, int of_targets_alone) {
             strip(g, target, "NORMAL");
         if (target->tangent != GLTF_NONE && all_tangents) strip(g, target, "TANGENT");
     }
+    return of_targets_alone || norma_gltf_strip(g, primitive);
 }
 
 /* What the caller was told nothing of, it has no marks for: primitives that are not read, and
@@ -214,8 +215,9 @@ static norma_document_result edit_primitive(
     if (!result && edit->set_positions)
         result = edit_vectors(g, primitive, base->position, edit, &positions, error);
     if (!result && norma_edit_has_faces(edit)) result = edit_faces(g, primitive, edit, error);
-    if (!result && edit->strip_normals)
-        strip_normals(g, primitive, edit->strip_normals == NORMA_STRIP_MORPHS);
+    if (!result && edit->strip_normals &&
+        !strip_normals(g, primitive, edit->strip_normals == NORMA_STRIP_MORPHS))
+        result = norma_document_fail_memory(g->document, error);
     return result;
 }
 

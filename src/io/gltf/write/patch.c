@@ -39,7 +39,7 @@ void norma_gltf_patch_free(gltf *g) {
     }
     void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies,
         patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released,
-        patch->pins};
+        patch->pins, patch->stripped, patch->unpacked};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
     free(patch);
     g->patch = NULL;
@@ -122,6 +122,49 @@ int norma_gltf_release(gltf *g, uint32_t accessor) {
         return 0;
     patch->released[patch->released_count++] = accessor;
     return 1;
+}
+
+int norma_gltf_strip(gltf *g, uint32_t primitive) {
+    gltf_patch *patch = norma_gltf_patch_of(g);
+    if (!patch || !grow((void **)&patch->stripped, &patch->stripped_capacity, patch->stripped_count,
+                      sizeof *patch->stripped))
+        return 0;
+    patch->stripped[patch->stripped_count++] = primitive;
+    return 1;
+}
+
+int norma_gltf_unlist(gltf *g, const char *extension) {
+    gltf_patch *patch = norma_gltf_patch_of(g);
+    if (patch) patch->unlisted[patch->unlisted[0] != NULL] = extension;
+    return patch != NULL;
+}
+
+static int is_unlisted(const gltf *g, uint32_t value) {
+    const char *const *names = g->patch->unlisted;
+    return (names[0] && norma_json_equals(&g->json, value, names[0])) ||
+           (names[1] && norma_json_equals(&g->json, value, names[1]));
+}
+
+/* A list of nothing is not valid (glTF 2.0, 5.17). */
+static void unlist(gltf *g, const char *key) {
+    const json *j = &g->json;
+    const uint32_t list = norma_json_member(j, 0, key);
+    uint32_t gone = 0;
+    for (uint32_t value = norma_json_first(j, list); value != JSON_NONE;
+         value = norma_json_next(j, list, value))
+        gone += (uint32_t)is_unlisted(g, value);
+    if (gone && gone == norma_json_size(j, list)) {
+        norma_json_remove(g->edits, list);
+        return;
+    }
+    for (uint32_t value = norma_json_first(j, list); gone && value != JSON_NONE;
+         value = norma_json_next(j, list, value))
+        if (is_unlisted(g, value)) norma_json_remove(g->edits, value);
+}
+
+void norma_gltf_edit_extensions(gltf *g) {
+    unlist(g, "extensionsUsed");
+    unlist(g, "extensionsRequired");
 }
 
 json_edits *norma_gltf_edits(gltf *g, uint32_t copy) {

@@ -16,6 +16,10 @@ typedef struct patch_copy {
     json_edits *edits;
 } patch_copy;
 
+typedef struct patch_unpacked { /* a primitive that Draco held, and that is written without it */
+    uint32_t copy, primitive;
+} patch_unpacked;
+
 typedef struct patch_accessor { /* a new one */
     uint32_t data, like;        /* like: the accessor whose type it has, or GLTF_NONE */
     uint32_t view;
@@ -26,8 +30,9 @@ typedef struct data_run {
     uint32_t
         token; /* of the JSON object with bufferView and byteOffset; GLTF_NONE: of new_accessor */
     uint32_t new_accessor;
-    uint32_t old_view; /* GLTF_NONE: has none yet */
-    size_t old_offset, old_stride, old_size, old_count;
+    uint32_t old_view;                                  /* GLTF_NONE: has none yet */
+    size_t old_offset, old_stride, old_size, old_count; /* old_size 0: a stream of Draco's is there,
+                                                            and the JSON names no view */
     const unsigned char *bytes; /* count elements of size bytes back to back */
     unsigned char *owned;
     size_t size, count;
@@ -79,6 +84,10 @@ struct gltf_patch {
     uint32_t *released; /* accessors, once for each use given up; from resolving on: those that are
                            free to be taken */
     uint32_t *pins;     /* for each old view: what uses it beside the accessors' own numbers */
+    uint32_t *stripped; /* primitives that lose their normals and tangents */
+    patch_unpacked *unpacked;
+    const char *unlisted[2]; /* extensions that nothing uses any more; NULL: none */
+    size_t stripped_count, stripped_capacity, unpacked_count, unpacked_capacity;
     size_t data_count, data_capacity, slot_count, slot_capacity, copy_count, copy_capacity;
     size_t accessor_count, accessor_capacity, run_count, run_capacity, view_count, view_capacity,
         released_count, released_capacity;
@@ -93,6 +102,13 @@ struct gltf_patch {
 gltf_patch *norma_gltf_patch_of(gltf *g); /* made on first use; NULL: out of memory */
 void norma_gltf_patch_free(gltf *g);
 uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
+
+/* unpack_draco.c: a primitive of which anything changes is written without Draco, and all that its
+ * stream held is put; once the slots whose contents stay are known. */
+norma_document_result norma_gltf_unpack_changed(gltf *g, norma_document_error *error);
+/* The pins of views that streams no longer need. */
+void norma_gltf_unpin_streams(gltf *g);
+void norma_gltf_edit_extensions(gltf *g); /* patch.c: what was unlisted */
 
 /* The steps of norma_gltf_finish. */
 norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);

@@ -1,0 +1,19 @@
+/* compute_command.h: what norma compute keeps of a file at hand. */
+#ifndef NORMA_CLI_COMPUTE_COMMAND_H
+#define NORMA_CLI_COMPUTE_COMMAND_H
+#include <norma/document.h>
+#include <stddef.h>
+
+typedef struct compute_work {
+    norma_compute_options options;
+    norma_compute_summary summary;
+    int crease_given, smooth_given, flat_given;
+    int tangents_changed;     /* --tangents with anything but keep */
+    norma_file_format format; /* of the file at hand */
+    size_t passes;            /* over it; 0: it fits into memory */
+    int together, levels;
+    const char **locks;
+    size_t lock_count, lock_room;
+} compute_work;
+
+#endif

@@ -1,0 +1,193 @@
+/* compute_together.c: normals of one surface that lies in many files: all are read, then all are
+ * written, or none. */
+#include "cli/compute/compute_together.h"
+#include "cli/files/place_outputs.h"
+#include "cli/process/errors.h"
+#include "cli/process/memory_limit.h"
+#include "cli/process/progress.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- options */
+
+static const char *set_together(void *settings, const char *value) {
+    (void)value;
+    ((compute_work *)settings)->together = 1;
+    return NULL;
+}
+
+static const char *set_levels(void *settings, const char *value) {
+    (void)value;
+    ((compute_work *)settings)->levels = 1;
+    return NULL;
+}
+
+static const char *add_lock(void *settings, const char *value) {
+    compute_work *work = settings;
+    if (!value[0]) return "a pattern of names";
+    if (work->lock_count == work->lock_room) {
+        const size_t room = 2 * work->lock_room + 4;
+        const char **grown = realloc((void *)work->locks, room * sizeof *grown);
+        if (!grown) return "less: memory is out";
+        work->locks = grown;
+        work->lock_room = room;
+    }
+    work->locks[work->lock_count++] = value;
+    return NULL;
+}
+
+const cli_option compute_together_options[] = {
+    {"together", 0, 0, set_together},
+    {"lock", 0, 1, add_lock},
+    {"levels", 0, 0, set_levels},
+};
+const size_t compute_together_option_count = CLI_COUNT(compute_together_options);
+
+int compute_check_together(const cli_subcommand *command, const compute_work *work) {
+    if (!work->together)
+        return work->lock_count || work->levels
+                   ? cli_usage(command, "--lock and --levels belong to --together")
+                   : CLI_OK;
+    if (work->crease_given || work->flat_given)
+        return cli_usage(command,
+            "--together gives smooth normals, one for each place in the world; --crease and --flat "
+            "cannot be combined with it");
+    if (work->options.weld == NORMA_WELD_NONE)
+        return cli_usage(
+            command, "--together joins equal positions; --weld none would join nothing");
+    if (work->options.weight == NORMA_WEIGHT_VISIBLE)
+        return cli_usage(command, "--weight visible is no sum, which --together needs");
+    if (work->options.only != NORMA_ONLY_ALL)
+        return cli_usage(
+            command, "--together computes all normals; --lock PATTERN keeps some, --only cannot");
+    return CLI_OK;
+}
+
+/* ---- the run */
+
+typedef struct joint_run {
+    const cli_all_files *all;
+    norma_together_file *files;
+    norma_compute_summary *summaries;
+    uint64_t *sizes;
+    double *before; /* bytes of each input and of what it names */
+    char **outputs;
+    size_t count;
+    cli_progress progress;
+} joint_run;
+
+static void free_run(joint_run *run) {
+    for (size_t i = 0; run->outputs && i < run->count; ++i) free(run->outputs[i]);
+    free((void *)run->outputs);
+    free(run->files);
+    free(run->summaries);
+    free(run->sizes);
+    free(run->before);
+}
+
+static int make_run(joint_run *run) {
+    const size_t count = run->count;
+    run->files = calloc(count, sizeof *run->files);
+    run->summaries = calloc(count, sizeof *run->summaries);
+    run->sizes = calloc(count, sizeof *run->sizes);
+    run->before = calloc(count, sizeof *run->before);
+    run->outputs = calloc(count, sizeof *run->outputs);
+    if (!run->files || !run->summaries || !run->sizes || !run->before || !run->outputs) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        run->outputs[i] = cli_output_of(run->all->files, i, NULL);
+        if (!run->outputs[i]) return 0;
+        run->files[i] = (norma_together_file){.input = run->all->files->inputs.paths[i],
+            .output = run->outputs[i],
+            .format = run->all->files->format,
+            .summary = &run->summaries[i],
+            .size = &run->sizes[i]};
+    }
+    return 1;
+}
+
+static int check_names(const joint_run *run) {
+    for (size_t i = 0; i < run->count; ++i)
+        if (strcmp(run->files[i].input, "-") == 0 || strcmp(run->files[i].output, "-") == 0)
+            return cli_usage(run->all->command,
+                "--together reads its files twice and writes them all at once; standard input and "
+                "output cannot be among them");
+    return CLI_OK;
+}
+
+static void note_done(void *user, size_t file, const norma_document *document) {
+    joint_run *run = user;
+    run->before[file] = 1e6 * cli_megabytes(run->files[file].input);
+    cli_progress_hide(&run->progress);
+    if (!run->all->common->quiet && !run->all->common->json)
+        cli_print_notes(run->files[file].input, document);
+}
+
+static norma_document_result compute(
+    joint_run *run, const compute_work *work, norma_document_error *error) {
+    norma_compute_options options = work->options;
+    const uint64_t allowed = cli_memory_for_data();
+    options.progress = cli_progress_report;
+    options.progress_user = &run->progress;
+    const norma_together_options together = {.struct_size = sizeof together,
+        .lock = work->locks,
+        .lock_count = work->lock_count,
+        .levels = work->levels,
+        .in_place = run->all->files->in_place,
+        .threads = options.threads,
+        .max_memory = allowed < (uint64_t)1 << 29 ? allowed : 0,
+        .temporary_folder = getenv("TMPDIR"),
+        .file_done = note_done,
+        .file_done_user = run};
+    double megabytes = 0;
+    for (size_t i = 0; i < run->count; ++i) megabytes += cli_megabytes(run->files[i].input);
+    cli_progress_start(
+        &run->progress, "computing", "all files", run->all->common->quiet, megabytes);
+    cli_writing_begin();
+    const norma_document_result result =
+        norma_together_compute(run->files, run->count, &together, &options, error);
+    cli_progress_stop(&run->progress);
+    cli_writing_end();
+    return result;
+}
+
+static int make_folders(const joint_run *run) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < run->count && !status; ++i)
+        status = cli_make_folders(run->all->files, run->outputs[i]);
+    return status;
+}
+
+/* An error of one file, of which none was written. */
+static void report_failure(const joint_run *run, norma_document_error *error) {
+    cli_print_error(error);
+    for (size_t i = 0; run->all->common->json && i < run->count; ++i)
+        cli_report_changed(run->all, run->files[i].input, NULL, error);
+}
+
+static int run_all(joint_run *run, compute_work *work) {
+    norma_document_error error = {0};
+    int status = check_names(run);
+    if (!status) status = make_folders(run);
+    if (status) return status;
+    error.result = compute(run, work, &error);
+    if (error.result) {
+        cli_name_error(&error, "");
+        report_failure(run, &error);
+        return cli_status_of(error.result);
+    }
+    for (size_t i = 0; i < run->count; ++i) {
+        const norma_file_format format = run->files[i].format;
+        work->summary = run->summaries[i];
+        work->format = format ? format : norma_file_format_of_path(run->files[i].input);
+        cli_report_grown(
+            run->all, run->files[i].input, run->outputs[i], run->before[i], (double)run->sizes[i]);
+    }
+    return CLI_OK;
+}
+
+int compute_all_together(const cli_all_files *all, const cli_changer *changer) {
+    joint_run run = {.all = all, .count = all->files->inputs.count};
+    const int status = make_run(&run) ? run_all(&run, changer->work) : cli_out_of_memory();
+    free_run(&run);
+    return status;
+}

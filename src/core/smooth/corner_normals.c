@@ -1,0 +1,159 @@
+/* corner_normals.c: norma_corner_normals. Positions that are smooth fans first, where they can be
+ * found by sums; of all others the stars' fans, written to the corners that are in them. */
+#include "core/corner/fallback_normals.h"
+#include "core/smooth/smooth_fans.h"
+#include <math.h>
+
+typedef struct corner_work {
+    const core_output *output;
+    uint8_t *reasons; /* of each corner; NULL unless the nearest is asked for */
+} corner_work;
+
+static void see_fan_by_fan(const corner_work *work, const core_fans *fans, core_tally *tally) {
+    for (size_t i = 0; i < fans->count; i++) {
+        const core_fan *fan = &fans->fans[fans->fan_of ? fans->fan_of[i] : 0];
+        norma_core_write_element(
+            work->output, fans->corners[i], (int)fan->reason, fan->normal, tally);
+        if (work->reasons) work->reasons[fans->corners[i]] = (uint8_t)fan->reason;
+    }
+}
+
+static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
+    const corner_work *work = context;
+    const core_fan *fan = &fans->fans[0];
+    if (fans->fan_count > 1 || fan->reason != NORMA_REASON_NONE || work->reasons ||
+        work->output->reasons) {
+        see_fan_by_fan(work, fans, tally);
+        return;
+    }
+    for (size_t i = 0; i < fans->count; i++)
+        norma_core_write_normal(work->output, fans->corners[i], fan->normal);
+}
+
+static void receive(void *context, const corner_request *request, const float normal[3]) {
+    norma_core_write_normal(context, request->target, normal);
+}
+
+static void write_zeros(const core_output *output, const uint8_t *reasons, size_t count) {
+    const float zero[3] = {0, 0, 0};
+    for (size_t c = 0; c < count; c++)
+        if (reasons[c] != NORMA_REASON_NONE) norma_core_write_normal(output, c, zero);
+}
+
+static norma_result fill_from_nearest(core_prepared_mesh *prepared, const smooth_fans *smooth,
+    const core_output *output, const uint8_t *reasons, size_t count) {
+    size_t found;
+    if (smooth->others && norma_core_prepare_stars(prepared, NULL) != NORMA_OK)
+        return NORMA_ERROR_MEMORY;
+    corner_request *requests = norma_core_allocate(prepared->call, count, sizeof *requests);
+    if (!requests) return NORMA_ERROR_MEMORY;
+    norma_result result = norma_core_find_sources(prepared, reasons, NULL, requests, count, &found);
+    if (result == NORMA_OK && found)
+        result =
+            norma_core_fetch_normals(prepared, requests, found, receive, (void *)(uintptr_t)output);
+    else if (result == NORMA_OK)
+        write_zeros(output, reasons, prepared->mesh.corner_count);
+    norma_core_release(prepared->call, requests, count, sizeof *requests);
+    return result;
+}
+
+static int is_counting(const core_call *call, const norma_report *report) {
+    return report || call->options.edges;
+}
+
+/* The corners that smooth left. */
+static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fans *smooth,
+    const core_output *output, norma_report *report) {
+    core_call *call = prepared->call;
+    const size_t count = prepared->mesh.corner_count;
+    corner_work work = {.output = output};
+    stars_part sum = {.waiting = 0};
+    const position_visit visit = {.join = CORE_JOIN_FANS,
+        .counting = is_counting(call, report),
+        .by_fan = 1,
+        .see = see_fans,
+        .context = &work,
+        .target = output->normals,
+        .target_size = output->stride};
+    if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1)))
+        return NORMA_ERROR_MEMORY;
+    if (work.reasons) memset(work.reasons, NORMA_REASON_NONE, count);
+    norma_core_stage(call, 0.5, 0.97);
+    norma_result result = NORMA_OK;
+    if (!smooth->others || smooth->other_count)
+        result = norma_core_visit_positions(prepared, &visit, &sum);
+    const size_t without =
+        sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
+    if (result == NORMA_OK && work.reasons && without)
+        result = fill_from_nearest(prepared, smooth, output, work.reasons, without);
+    norma_core_release(call, work.reasons, count, 1);
+    if (result != NORMA_OK) return result;
+    norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
+    norma_core_edges_add(&sum.counts.edges, &smooth->edges);
+    if (call->options.edges) *call->options.edges = sum.counts.edges;
+    return NORMA_OK;
+}
+
+/* ---- smooth positions */
+
+static const double LEAST_CREASE_RAD = 0.2; /* below it, few positions could be told smooth */
+
+/* Whether sums and chains can find smooth positions: what face_chain.h reckons with. */
+static int may_be_smooth(const core_call *call, const core_mesh *mesh, double crease_angle_rad) {
+    return !mesh->face_starts && !mesh->hard_edges && !mesh->smoothing_groups &&
+           call->options.weight == NORMA_WEIGHT_ANGLE &&
+           call->options.weld != NORMA_WELD_DISTANCE && crease_angle_rad > LEAST_CREASE_RAD;
+}
+
+static norma_result compute_smooth(core_prepared_mesh *prepared, core_range *ranges,
+    const core_output *output, norma_report *report) {
+    core_call *call = prepared->call;
+    smooth_fans smooth;
+    norma_core_stage(call, 0.2, 0.45);
+    norma_result result =
+        norma_core_write_smooth_fans(prepared, ranges, output, is_counting(call, report), &smooth);
+    norma_core_stage(call, 0.45, 0.5);
+    const core_some_positions others = {smooth.others, smooth.chunks};
+    if (result == NORMA_OK && (!smooth.others || smooth.other_count))
+        result = norma_core_prepare_stars(prepared, smooth.others ? &others : NULL);
+    if (result == NORMA_OK) result = compute_stars(prepared, &smooth, output, report);
+    norma_core_release_smooth_fans(prepared, &smooth);
+    return result;
+}
+
+/* Checks the mesh's content and does the rest. */
+static norma_result compute(core_call *call, core_mesh *checked, double crease_angle_rad,
+    const core_output *output, norma_report *report) {
+    static const smooth_fans NONE = {.others = NULL};
+    const size_t chunks = checked->face_count / CORE_FACES_IN_CHUNK + 1;
+    core_prepared_mesh prepared;
+    core_range *ranges = norma_core_allocate(call, chunks, sizeof *ranges);
+    if (!ranges) return NORMA_ERROR_MEMORY;
+    norma_core_stage(call, 0, 0.05);
+    norma_result result = norma_core_mesh_ranges(call, checked, ranges);
+    const int by_sums = may_be_smooth(call, checked, crease_angle_rad);
+    if (result == NORMA_OK)
+        result = norma_core_prepared_mesh_open(
+            call, checked, by_sums ? CORE_FOR_SUMS : CORE_FOR_FANS, crease_angle_rad, &prepared);
+    if (result == NORMA_OK) {
+        result = by_sums ? compute_smooth(&prepared, ranges, output, report)
+                         : compute_stars(&prepared, &NONE, output, report);
+        result = norma_core_finish(call, result);
+        norma_core_prepared_mesh_close(&prepared);
+    }
+    norma_core_release(call, ranges, chunks, sizeof *ranges);
+    return result;
+}
+
+norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad,
+    const norma_options *options, float *normals, size_t capacity, norma_report *report) {
+    core_call call;
+    core_mesh checked;
+    core_output output;
+    norma_result result =
+        norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
+    if (result == NORMA_OK)
+        result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
+    return result == NORMA_OK ? compute(&call, &checked, (double)crease_angle_rad, &output, report)
+                              : result;
+}

@@ -1,0 +1,376 @@
+/* smooth_fans.c: sums and chains (face_chain.h) of a range of positions at a time; then the normals
+ * of those that are smooth fans go to all their corners, in the order of faces. */
+#include "core/smooth/smooth_fans.h"
+#include "core/mesh/scattered_positions.h"
+#include <stdatomic.h>
+
+enum {
+    CORNERS_AT_ONCE = 96,
+    SEEN_BEFORE_GIVING_UP = 1 << 14,
+    MOST_BYTES_FOR_FACE = 25, /* for sums and chains of one bin */
+    BYTES_FOR_FACE = 11,      /* of several at once */
+    FEW_POSITIONS = 1 << 11
+};
+
+typedef struct smooth_work {
+    const core_prepared_mesh *prepared;
+    core_bins bins;
+    core_range *ranges; /* the bins' */
+    const core_output *output;
+    core_add_faces *add;
+    core_finish_sums *finish;
+    vertex_sum *sums; /* buffers of bins.size each, as the chains */
+    face_chains *chains;
+    uint8_t *others;
+    atomic_uchar *chunks; /* of each: whether it has a corner at others */
+    norma_edges *edges;   /* of each bin; NULL: nobody asks */
+    float cosine;
+    atomic_size_t seen, left; /* positions: looked at, of these left to stars */
+} smooth_work;
+
+typedef struct smooth_bin {
+    smooth_work *work;
+    const core_bin *bin;
+    vertex_sum *sums;
+    face_chains *chains;
+    norma_edges *edges; /* NULL: nobody asks */
+    size_t chunk;       /* that is gone through */
+} smooth_bin;
+
+/* Some corners of whole faces from first on, in a row, and their positions. */
+typedef void corner_group(smooth_bin *b, const uint32_t *at, size_t first, size_t count);
+
+static void each_group(smooth_bin *b, corner_group *visit) {
+    const core_mesh *mesh = &b->work->prepared->mesh;
+    const core_bins *bins = &b->work->bins;
+    uint32_t at[CORNERS_AT_ONCE];
+    for (b->chunk = norma_core_chunk_of_bin(bins, b->bin, 0); b->chunk < bins->chunks;
+         b->chunk = norma_core_chunk_of_bin(bins, b->bin, b->chunk + 1)) {
+        const size_t end = 3 * norma_core_chunk_end(bins, b->chunk);
+        for (size_t c = 3 * b->chunk * CORE_FACES_IN_CHUNK, count; c < end; c += count) {
+            count = end - c < CORNERS_AT_ONCE ? end - c : CORNERS_AT_ONCE;
+            norma_core_read_corners(mesh, c, count, at);
+            for (size_t i = 0; i < count && mesh->weld; i++) at[i] = mesh->weld[at[i]];
+            visit(b, at, c, count);
+        }
+    }
+}
+
+/* NULL: in another bin. */
+static inline face_chains *chains_at(const smooth_bin *b, uint32_t position) {
+    const uint32_t i = position - b->bin->first;
+    return i < b->bin->count ? &b->chains[i] : NULL;
+}
+
+/* ---- which positions are smooth: their normals in place of the axes */
+
+typedef struct fan_queue {
+    vertex_sum sums[CORE_LANES];
+    face_chains *chains[CORE_LANES];
+    size_t count;
+} fan_queue;
+
+/* What has no direction after all is left to stars. */
+static void finish_queue(const smooth_bin *b, fan_queue *queue) {
+    float normals[CORE_LANES][3];
+    for (size_t i = queue->count; i < CORE_LANES; i++) queue->sums[i] = queue->sums[0];
+    const int fine = queue->count && b->work->finish(queue->sums, normals);
+    for (size_t i = 0; i < queue->count; i++)
+        if (fine)
+            memcpy(queue->chains[i]->axis, normals[i], sizeof normals[i]);
+        else
+            core_break_chains(queue->chains[i]);
+    queue->count = 0;
+}
+
+/* Returns whether some are wide. */
+static int take_normals(smooth_bin *b) {
+    fan_queue queue = {.count = 0};
+    int wide = 0;
+    for (size_t i = 0; i < b->bin->count; i++) {
+        face_chains *c = &b->chains[i];
+        if (!core_has_faces(c)) continue;
+        if (!norma_core_is_one_turn(c, b->sums[i].weight)) {
+            core_break_chains(c);
+            continue;
+        }
+        wide |= c->wide;
+        queue.sums[queue.count] = b->sums[i];
+        queue.chains[queue.count++] = c;
+        if (queue.count == CORE_LANES) finish_queue(b, &queue);
+    }
+    finish_queue(b, &queue);
+    return wide;
+}
+
+/* ---- normals far from the first one may all be near the sum */
+
+static void cross_of(const core_mesh *mesh, const uint32_t at[3], double cross[3]) {
+    double p[3][3], u[3], v[3];
+    for (int k = 0; k < 3; k++) norma_core_position(mesh, at[k], p[k]);
+    norma_core_subtract(p[1], p[0], u);
+    norma_core_subtract(p[2], p[0], v);
+    norma_core_cross(u, v, cross);
+}
+
+static void look_at_face(smooth_bin *b, const uint32_t at[3]) {
+    face_chains *c[3];
+    double cross[3];
+    int wide = 0;
+    for (int k = 0; k < 3; k++) {
+        c[k] = chains_at(b, at[k]);
+        wide |= c[k] && c[k]->wide;
+    }
+    if (!wide) return;
+    cross_of(&b->work->prepared->mesh, at, cross);
+    const double least = (double)b->work->cosine * norma_core_length(cross);
+    for (int k = 0; k < 3; k++) {
+        if (!c[k] || !c[k]->wide) continue;
+        const double axis[3] = {c[k]->axis[0], c[k]->axis[1], c[k]->axis[2]};
+        if (!(norma_core_dot(cross, axis) >= least)) core_break_chains(c[k]);
+    }
+}
+
+static void look_at_wide(smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
+    (void)first;
+    for (size_t i = 0; i < count; i += 3) look_at_face(b, at + i);
+}
+
+static void mark_others(const smooth_bin *b) {
+    size_t left = 0;
+    for (size_t i = 0; i < b->bin->count; i++) {
+        const int broken = core_is_broken(&b->chains[i]);
+        b->work->others[b->bin->first + i] = (uint8_t)broken;
+        left += (size_t)broken;
+    }
+    atomic_fetch_add_explicit(&b->work->seen, b->bin->count, memory_order_relaxed);
+    atomic_fetch_add_explicit(&b->work->left, left, memory_order_relaxed);
+}
+
+/* ---- edges to positions of higher number: of each corner that to its next, and of an open fan the
+ * last one */
+
+static void count_edges(smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
+    (void)first;
+    for (size_t i = 0; i < count; i++) {
+        const face_chains *c = chains_at(b, at[i]);
+        if (c && !core_is_broken(c)) b->edges->count += at[i] < at[i % 3 == 2 ? i - 2 : i + 1];
+    }
+}
+
+static void count_ends(const smooth_bin *b) {
+    for (uint32_t i = 0; i < b->bin->count; i++) {
+        const face_chains *c = &b->chains[i];
+        if (!core_has_faces(c) || core_is_broken(c) || c->first[0] == c->last[0]) continue;
+        const size_t last = b->bin->first + i < c->last[0];
+        b->edges->count += last;
+        b->edges->open += last + (size_t)(b->bin->first + i < c->first[0]);
+    }
+}
+
+/* ---- writing */
+
+static void write_singly(const smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const face_chains *c = chains_at(b, at[i]);
+        if (c && core_is_broken(c))
+            atomic_store_explicit(&b->work->chunks[b->chunk], 1, memory_order_relaxed);
+        else if (c)
+            norma_core_write_normals(
+                b->work->output, first + i, 1, (const float(*)[3])(const void *)c->axis);
+    }
+}
+
+static void write_group(smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
+    float normals[CORNERS_AT_ONCE + 1][3]; /* copied with what follows the axis */
+    int whole = 1;
+    for (size_t i = 0; i < count; i++) {
+        const face_chains *c = chains_at(b, at[i]);
+        if (!c) {
+            whole = 0;
+            break;
+        }
+        memcpy(normals[i], c->axis, 4 * sizeof(float));
+        whole &= !core_is_broken(c);
+    }
+    if (whole)
+        norma_core_write_normals(b->work->output, first, count, (const float(*)[3])normals);
+    else
+        write_singly(b, at, first, count);
+}
+
+/* ---- a bin */
+
+static void ignore_face(void *context, size_t face) {
+    (void)context;
+    (void)face;
+}
+
+static void add_faces(const smooth_bin *b) {
+    const smooth_work *work = b->work;
+    core_adder adder = {.mesh = &work->prepared->mesh,
+        .weight = NORMA_WEIGHT_ANGLE,
+        .sums = b->sums,
+        .first = b->bin->first,
+        .count = b->bin->count,
+        .add_face = ignore_face,
+        .chains = b->chains,
+        .chain_cosine = work->cosine};
+    norma_core_clear_sums(b->sums, b->bin->count);
+    for (size_t i = 0; i < b->bin->count; i++) core_clear_chains(&b->chains[i]);
+    norma_core_add_to_bin(&work->bins, b->bin, work->add, &adder);
+}
+
+/* Where most are left to stars, the rest may as well be. */
+static int has_given_up(const smooth_work *work) {
+    const size_t seen = atomic_load_explicit(&work->seen, memory_order_relaxed),
+                 left = atomic_load_explicit(&work->left, memory_order_relaxed);
+    return seen > SEEN_BEFORE_GIVING_UP && left > seen / 4 * 3;
+}
+
+static void give_up(smooth_work *work, const core_bin *bin) {
+    memset(work->others + bin->first, 1, bin->count);
+    for (size_t chunk = norma_core_chunk_of_bin(&work->bins, bin, 0); chunk < work->bins.chunks;
+         chunk = norma_core_chunk_of_bin(&work->bins, bin, chunk + 1))
+        atomic_store_explicit(&work->chunks[chunk], 1, memory_order_relaxed);
+}
+
+static void compute_bin(void *context, const core_bin *bin) {
+    smooth_work *work = context;
+    const size_t buffer = bin->buffer * work->bins.size;
+    smooth_bin b = {.work = work,
+        .bin = bin,
+        .sums = work->sums + buffer,
+        .chains = work->chains + buffer,
+        .edges = work->edges ? &work->edges[bin->number] : NULL};
+    if (has_given_up(work)) {
+        give_up(work, bin);
+        return;
+    }
+    add_faces(&b);
+    if (take_normals(&b)) each_group(&b, look_at_wide);
+    mark_others(&b);
+    each_group(&b, write_group);
+    if (!b.edges) return;
+    each_group(&b, count_edges);
+    count_ends(&b);
+    b.edges->smooth = b.edges->count - b.edges->open;
+}
+
+/* ---- is it worth it */
+
+static int are_near(const core_mesh *mesh, size_t face, double cosine) {
+    uint32_t at[6];
+    double a[3], b[3];
+    norma_core_read_corners(mesh, 3 * face, 6, at);
+    cross_of(mesh, at, a);
+    cross_of(mesh, at + 3, b);
+    return norma_core_dot(a, b) >= cosine * norma_core_length(a) * norma_core_length(b);
+}
+
+/* Of faces in a row, most of which share an edge in meshes of any order, whether nearly all turn by
+ * little: else most positions would be left to stars. */
+static int looks_smooth(const core_mesh *mesh, double cosine) {
+    enum { LOOKS = 24 };
+    size_t near = 0;
+    for (size_t i = 0; i < LOOKS && mesh->face_count > 1; i++)
+        near += (size_t)are_near(mesh, (mesh->face_count - 2) * i / (LOOKS - 1), cosine);
+    return 4 * near >= 3 * (size_t)LOOKS && !norma_core_is_scattered(mesh);
+}
+
+/* ---- all bins */
+
+static void touch_chunk(void *context, size_t chunk) {
+    const smooth_work *work = context;
+    const core_mesh *mesh = &work->prepared->mesh;
+    core_range touched = {UINT32_MAX, 0};
+    const size_t end = 3 * norma_core_chunk_end(&work->bins, chunk);
+    for (size_t c = 3 * chunk * CORE_FACES_IN_CHUNK; c < end; c++) {
+        const uint32_t position = norma_core_welded_corner(mesh, c);
+        touched.least = position < touched.least ? position : touched.least;
+        touched.most = position > touched.most ? position : touched.most;
+    }
+    work->ranges[chunk] = touched;
+}
+
+static norma_result take_memory(const core_call *call, smooth_work *work, int counting) {
+    const size_t records = work->bins.buffers * work->bins.size, chunks = work->bins.chunks;
+    work->sums = norma_core_allocate(call, records, sizeof *work->sums);
+    work->chains = norma_core_allocate(call, records, sizeof *work->chains);
+    work->others =
+        norma_core_allocate(call, work->prepared->mesh.positions.count, sizeof *work->others);
+    work->chunks = norma_core_allocate(call, chunks, sizeof *work->chunks);
+    if (counting) work->edges = norma_core_allocate(call, work->bins.count, sizeof *work->edges);
+    if (!work->sums || !work->chains || !work->others || !work->chunks ||
+        (counting && !work->edges))
+        return NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < chunks; i++) atomic_init(&work->chunks[i], 0);
+    if (counting) memset(work->edges, 0, work->bins.count * sizeof *work->edges);
+    return NORMA_OK;
+}
+
+static void give_memory_back(const core_call *call, smooth_work *work) {
+    const size_t records = work->bins.buffers * work->bins.size;
+    norma_core_release(call, work->sums, records, sizeof *work->sums);
+    norma_core_release(call, work->chains, records, sizeof *work->chains);
+    norma_core_release(call, work->edges, work->bins.count, sizeof *work->edges);
+}
+
+static core_bin_limits limits_for(const core_mesh *mesh) {
+    const size_t faces = mesh->face_count / (sizeof(vertex_sum) + sizeof(face_chains));
+    return (core_bin_limits){
+        FEW_POSITIONS + MOST_BYTES_FOR_FACE * faces, FEW_POSITIONS + BYTES_FOR_FACE * faces};
+}
+
+static void add_up(const smooth_work *work, smooth_fans *fans) {
+    for (size_t i = 0; i < work->bins.count && work->edges; i++)
+        norma_core_edges_add(&fans->edges, &work->edges[i]);
+    for (size_t i = 0; i < work->prepared->mesh.positions.count; i++)
+        fans->other_count += work->others[i];
+}
+
+static norma_result compute_bins(
+    core_call *call, smooth_work *work, int counting, smooth_fans *fans) {
+    norma_result result = take_memory(call, work, counting);
+    if (result == NORMA_OK) result = norma_core_each_bin(call, &work->bins, compute_bin, work);
+    fans->others = work->others;
+    fans->chunks = (uint8_t *)work->chunks;
+    if (result == NORMA_OK)
+        add_up(work, fans);
+    else
+        norma_core_release_smooth_fans(work->prepared, fans);
+    give_memory_back(call, work);
+    return result;
+}
+
+norma_result norma_core_write_smooth_fans(core_prepared_mesh *prepared, core_range *ranges,
+    const core_output *output, int counting, smooth_fans *fans) {
+    core_call *call = prepared->call;
+    smooth_work work = {.prepared = prepared,
+        .ranges = ranges,
+        .output = output,
+        .add = norma_core_choose_add(call->options.isa),
+        .finish = norma_core_choose_finish(call->options.isa),
+        .cosine = norma_core_chain_cosine(prepared->crease.angle)};
+    norma_result result = NORMA_OK;
+    *fans = (smooth_fans){.others = NULL};
+    atomic_init(&work.seen, 0);
+    atomic_init(&work.left, 0);
+    if (!looks_smooth(&prepared->mesh, (double)work.cosine)) return NORMA_OK;
+    work.bins =
+        (core_bins){.mesh = &prepared->mesh, .chunks = norma_core_count_chunks(&prepared->mesh)};
+    if (prepared->mesh.weld)
+        result = norma_core_parallel(call, work.bins.chunks, touch_chunk, &work);
+    if (result != NORMA_OK || !norma_core_plan_bins(call, &prepared->mesh, ranges,
+                                  limits_for(&prepared->mesh), &work.bins))
+        return result;
+    return compute_bins(call, &work, counting, fans);
+}
+
+void norma_core_release_smooth_fans(const core_prepared_mesh *prepared, smooth_fans *fans) {
+    const core_mesh *mesh = &prepared->mesh;
+    norma_core_release(prepared->call, fans->others, mesh->positions.count, sizeof *fans->others);
+    norma_core_release(
+        prepared->call, fans->chunks, norma_core_count_chunks(mesh), sizeof *fans->chunks);
+    fans->others = fans->chunks = NULL;
+}

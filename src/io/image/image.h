@@ -1,0 +1,43 @@
+/* image.h: the images that files of meshes refer to, PNG and JPEG, read row by row: whoever looks
+ * at a map of normals need not hold it whole. */
+#ifndef NORMA_IO_IMAGE_H
+#define NORMA_IO_IMAGE_H
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct image_sink {
+    int channels; /* 3: red, green, blue; 4: and alpha. Eight bits each, as stored */
+    /* Once, before the rows. 0: out of memory. */
+    int (*begin)(void *user, size_t width, size_t height);
+    /* Each row, from the top. */
+    void (*row)(void *user, size_t y, const uint8_t *pixels);
+    void *user;
+} image_sink;
+
+typedef enum image_result {
+    IMAGE_OK = 0,
+    IMAGE_UNKNOWN,   /* neither PNG nor JPEG */
+    IMAGE_BROKEN,    /* malformed or cut off */
+    IMAGE_TOO_LARGE, /* to be decoded with memory that its file's size allows */
+    IMAGE_MEMORY,
+    IMAGE_LEFT_OUT /* the library was built without libpng and libjpeg */
+} image_result;
+
+/* Rows may have been given before it fails. The same bytes give the same pixels. */
+image_result norma_image_read(const unsigned char *bytes, size_t size, const image_sink *sink);
+const char *norma_image_text(image_result result); /* what is wrong with it */
+
+/* ---- within this room */
+
+enum { IMAGE_MOST_SIDE = 1 << 14 };
+image_result norma_image_read_png(const unsigned char *bytes, size_t size, const image_sink *sink);
+image_result norma_image_read_jpeg(const unsigned char *bytes, size_t size, const image_sink *sink);
+/* A header may say that an image is larger than memory, and a deflated byte can become a thousand.
+ * Whether a file of size bytes may have so many bytes of an image decoded; held at once. */
+static inline int norma_image_may_decode(size_t size, size_t bytes) {
+    return bytes <= ((size_t)1 << 26) + 128 * size;
+}
+static inline int norma_image_may_hold(size_t size, size_t bytes) {
+    return bytes <= ((size_t)1 << 20) + 256 * size;
+}
+#endif

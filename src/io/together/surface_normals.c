@@ -1,0 +1,259 @@
+/* surface_normals.c: normals from the world back into the mesh of a surface. */
+#include "core/call/output.h"
+#include "core/call/vector.h"
+#include "core/mesh/nearest.h"
+#include "core/vertex/open_votes.h"
+#include "io/file/large_memory.h"
+#include "io/together/run.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Places may differ by rounding; by more, a mesh would need one copy for each. */
+static const double SAME_NORMAL = 1e-3;
+
+typedef struct taking_back {
+    together_run *run;
+    member *m;
+    const document_surface *surface;
+    const placement *places;
+    size_t place_count;
+    world_mesh world;
+    position_normal *found; /* of each position, by the place at hand */
+    surface_normals *made;
+    uint8_t *seen; /* of each position: SHARED, ALONE */
+} taking_back;
+
+static norma_document_result fail_memory(const taking_back *t) {
+    return norma_document_fail_memory(t->m->document, t->run->error);
+}
+
+/* ---- one normal */
+
+/* n = M^-T m, so m is M^T n but for its length. */
+static void into_mesh(const placement *place, const position_normal *from, float normal[3]) {
+    const double *m = place->world, *n = from->direction;
+    double local[3];
+    if (from->kept && place->plain && fabs(norma_core_length(n) - 1) <= 1e-3) {
+        for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
+        return;
+    }
+    for (int k = 0; k < 3; ++k)
+        local[k] =
+            place->plain ? n[k] : m[4 * k] * n[0] + m[4 * k + 1] * n[1] + m[4 * k + 2] * n[2];
+    norma_core_direction(local, normal);
+}
+
+static int differ(const float a[3], const float b[3]) {
+    double square = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double by = (double)a[k] - (double)b[k];
+        square += by * by;
+    }
+    return square > SAME_NORMAL * SAME_NORMAL;
+}
+
+/* ---- records */
+
+static norma_document_result read_records(taking_back *t) {
+    const size_t count = t->surface->mesh->positions.count;
+    int failed = 0;
+    for (size_t i = 0; i < count; ++i)
+        t->found[i].reason = t->world.weld[i] == i && !norma_core_finite(t->world.at[i])
+                                 ? NORMA_REASON_NON_FINITE
+                                 : NORMA_REASON_NONE;
+    for (size_t i = 0; i < t->world.first_count && !failed; ++i) {
+        const uint32_t first = t->world.firsts[i];
+        failed = norma_spill_next(
+            t->run->normals, norma_together_partition(t->world.at[first]), &t->found[first]);
+    }
+    for (size_t i = 0; i < count; ++i) t->found[i] = t->found[t->world.weld[i]];
+    return failed ? norma_together_fail_spill(t->run, failed) : NORMA_DOCUMENT_OK;
+}
+
+/* Sums that cancel: over the faces of the vertex alone, as norma_vertex_normals does. */
+static norma_document_result resolve_cancelled(taking_back *t, const placement *place) {
+    const size_t count = t->surface->mesh->positions.count;
+    size_t cancelled = 0;
+    norma_count unused = {0, 0};
+    for (size_t i = 0; i < count; ++i) cancelled += t->found[i].reason == NORMA_REASON_CANCELLED;
+    if (!cancelled) return NORMA_DOCUMENT_OK;
+    open_sum *own = norma_io_allocate(count, sizeof *own);
+    if (!own) return fail_memory(t);
+    core_mesh apart = t->world.mesh;
+    apart.weld = NULL;
+    const open_voting voting = {&apart, t->run->compute.weight, NULL, place->mirrored};
+    norma_core_open_votes(&voting, own, &unused);
+    for (size_t i = 0; i < count; ++i)
+        if (t->found[i].reason == NORMA_REASON_CANCELLED &&
+            norma_core_open_direction(&own[i], t->found[i].direction) == NORMA_REASON_NONE)
+            t->found[i].reason = NORMA_REASON_NONE;
+    free(own);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- a mesh at one place, or at several */
+
+static void take_position(
+    const position_normal *from, const placement *place, float normal[3], uint8_t *reason) {
+    *reason = from->reason;
+    if (from->reason == NORMA_REASON_NONE) into_mesh(place, from, normal);
+}
+
+enum { SHARED = 1, ALONE = 2 }; /* at some place it shares the position with others, or does not */
+
+static norma_document_result fail_places(const taking_back *t) {
+    norma_mesh_info info = {.name = ""};
+    norma_document_mesh_info(t->m->document, t->surface->parts[0].mesh, &info);
+    return norma_document_fail(t->m->document, t->run->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+        info.where,
+        "mesh \"%.200s\" is drawn at %zu places, and would need other normals at one than at "
+        "another, because of what meets it there; run norma transform --bake first, which gives "
+        "each node a mesh of its own",
+        info.name, t->place_count);
+}
+
+/* Of several places those decide where others meet the mesh. Elsewhere it has the normals that it
+ * has alone. */
+static norma_document_result take_shared(taking_back *t, const placement *place) {
+    for (size_t i = 0; i < t->surface->mesh->positions.count; ++i) {
+        float normal[3];
+        uint8_t reason;
+        if (t->found[i].reason != NORMA_REASON_NONE) continue;
+        if (!t->found[i].shared) {
+            t->seen[i] |= ALONE;
+            continue;
+        }
+        take_position(&t->found[i], place, normal, &reason);
+        if (!(t->seen[i] & SHARED)) {
+            memcpy(t->made->normals + 3 * i, normal, sizeof normal);
+            t->made->reasons[i] = NORMA_REASON_NONE;
+            t->seen[i] |= SHARED;
+        } else if (differ(normal, t->made->normals + 3 * i)) {
+            return fail_places(t);
+        }
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+/* A place that shares a position with nobody wants the mesh's own normal there. */
+static norma_document_result compare_alone(const taking_back *t, const float *alone) {
+    for (size_t i = 0; i < t->made->count; ++i)
+        if (t->seen[i] == (SHARED | ALONE) && differ(alone + 3 * i, t->made->normals + 3 * i))
+            return fail_places(t);
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result read_place(taking_back *t, const placement *place) {
+    norma_together_free_world(&t->world);
+    const norma_result placed = norma_together_place(t->surface, place, &t->run->equal, &t->world);
+    if (placed) return norma_document_fail_core(t->m->document, t->run->error, placed);
+    const norma_document_result result = read_records(t);
+    return result ? result : resolve_cancelled(t, place);
+}
+
+static norma_document_result take_one_place(taking_back *t) {
+    const norma_document_result result = read_place(t, &t->places[0]);
+    for (size_t i = 0; !result && i < t->made->count; ++i)
+        take_position(&t->found[i], &t->places[0], t->made->normals + 3 * i, &t->made->reasons[i]);
+    return result;
+}
+
+/* As the mesh has them alone, in its own space. */
+static norma_document_result compute_alone(taking_back *t, const equality *equal) {
+    static const placement own = {
+        .world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .plain = 1};
+    const size_t count = t->made->count;
+    norma_count unused = {0, 0};
+    norma_together_free_world(&t->world);
+    const norma_result placed = norma_together_place(t->surface, &own, equal, &t->world);
+    if (placed) return norma_document_fail_core(t->m->document, t->run->error, placed);
+    open_sum *sums = norma_io_allocate(count, sizeof *sums);
+    if (!sums) return fail_memory(t);
+    const open_voting voting = {&t->world.mesh, t->run->compute.weight, NULL, 0};
+    norma_core_open_votes(&voting, sums, &unused);
+    for (size_t i = 0; i < count; ++i) {
+        t->found[i] = (position_normal){0};
+        t->found[i].reason =
+            (uint8_t)norma_core_open_direction(&sums[t->world.weld[i]], t->found[i].direction);
+        if (!norma_core_finite(t->world.at[i])) t->found[i].reason = NORMA_REASON_NON_FINITE;
+    }
+    free(sums);
+    const norma_document_result result = resolve_cancelled(t, &own);
+    for (size_t i = 0; !result && i < count; ++i)
+        take_position(&t->found[i], &own, t->made->normals + 3 * i, &t->made->reasons[i]);
+    return result;
+}
+
+static norma_document_result take_many_places(taking_back *t) {
+    const equality exact = {0, NULL};
+    norma_document_result result = compute_alone(t, &exact);
+    float *alone = norma_io_block(t->made->count, 3 * sizeof *alone);
+    if (!result && !alone) result = fail_memory(t);
+    if (!result) memcpy(alone, t->made->normals, 3 * t->made->count * sizeof *alone);
+    t->seen = norma_io_allocate(t->made->count, 1);
+    if (!result && !t->seen) result = fail_memory(t);
+    for (size_t k = 0; k < t->place_count && !result; ++k) {
+        result = read_place(t, &t->places[k]);
+        if (!result) result = take_shared(t, &t->places[k]);
+    }
+    if (!result) result = compare_alone(t, alone);
+    free(alone);
+    return result;
+}
+
+/* ---- what has none gets the nearest */
+
+static norma_document_result fill_nearest(taking_back *t, size_t missing) {
+    const norma_options options = {.struct_size = sizeof options};
+    surface_normals *made = t->made;
+    core_call call;
+    core_nearest nearest;
+    norma_result failed = norma_core_begin(&call, &options);
+    if (!failed) failed = norma_core_nearest_begin(&call, &t->world.mesh, &nearest);
+    if (failed) return norma_document_fail_core(t->m->document, t->run->error, failed);
+    for (size_t i = 0; i < made->count; ++i)
+        if (made->reasons[i] == NORMA_REASON_NONE)
+            norma_core_nearest_add(&nearest, (uint32_t)i, (uint32_t)i);
+    failed = norma_core_nearest_plant(&nearest, missing);
+    for (size_t i = 0; i < made->count && !failed; ++i) {
+        if (made->reasons[i] == NORMA_REASON_NONE) continue;
+        const uint32_t source = norma_core_nearest_find(&nearest, (uint32_t)i);
+        for (size_t k = 0; k < 3; ++k)
+            made->normals[3 * i + k] = source == UINT32_MAX ? 0 : made->normals[3 * source + k];
+    }
+    norma_core_nearest_end(&nearest);
+    return norma_document_fail_core(t->m->document, t->run->error, failed);
+}
+
+static norma_document_result fill(taking_back *t) {
+    size_t missing = 0;
+    for (size_t i = 0; i < t->made->count; ++i) missing += t->made->reasons[i] != NORMA_REASON_NONE;
+    return missing ? fill_nearest(t, missing) : NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_together_surface_normals(
+    together_run *run, member *m, const document_surface *surface, surface_normals *made) {
+    const size_t count = surface->mesh->positions.count;
+    const equality exact = {0, NULL};
+    taking_back t = {.run = run, .m = m, .surface = surface, .made = made};
+    placement *places;
+    norma_document_result result =
+        norma_member_places(m, surface, &places, &t.place_count, run->error);
+    t.places = places;
+    made->count = count;
+    made->normals = norma_io_allocate(count, 3 * sizeof *made->normals);
+    made->reasons = norma_io_allocate(count, 1);
+    t.found = norma_io_allocate(count, sizeof *t.found);
+    if (!result && (!made->normals || !made->reasons || !t.found)) result = fail_memory(&t);
+    if (!result)
+        result = t.place_count == 1 ? take_one_place(&t)
+                 : t.place_count    ? take_many_places(&t)
+                                    : compute_alone(&t, &exact);
+    if (!result) result = fill(&t);
+    norma_together_free_world(&t.world);
+    free(t.found);
+    free(t.seen);
+    free(places);
+    return result;
+}

@@ -1,0 +1,221 @@
+"""Makes the meshes of together.sh, and compares normals by position.
+
+    cut K SEED PREFIX         an ellipsoid, its faces dealt at random into K PLY files, in any order
+    halves PREFIX             the same in one glTF of two nodes, one mirrored and stretched, and as PLY
+    twice PREFIX              a glTF whose two nodes draw one mesh, side by side, and touch
+    grid PREFIX               a large height field in two PLY files
+    same LIMIT A... -- B...   one normal at each position of A, and of B, at most LIMIT apart
+    subset LIMIT A... -- B... the same for the positions that both have
+"""
+import json
+import math
+import random
+import struct
+import sys
+
+ROWS, COLUMNS = 16, 24
+
+
+def single(x):
+    return struct.unpack("f", struct.pack("f", x))[0]
+
+
+def ellipsoid():
+    """Multiples of 1/1024, so that turning and scaling them by powers of two is exact."""
+    points, faces, numbers = [], [], {}
+
+    def vertex(i, j):
+        at = (0 if i in (0, ROWS) else j % COLUMNS)
+        t, p = math.pi * i / ROWS, 2 * math.pi * at / COLUMNS
+        place = tuple(round(1024 * x) / 1024 for x in (3 * math.sin(t) * math.cos(p), 2 * math.sin(t) * math.sin(p), math.cos(t)))
+        if place not in numbers:
+            numbers[place] = len(points)
+            points.append(place)
+        return numbers[place]
+
+    for i in range(ROWS):
+        for j in range(COLUMNS):
+            a, b, c, d = vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)
+            if 0 < i < ROWS - 1 and (i + j) % 3 == 0:
+                faces.append((a, b, c, d))
+                continue
+            if i < ROWS - 1:
+                faces.append((a, b, c))
+            if i > 0:
+                faces.append((a, c, d))
+    return points, faces
+
+
+def write_ply(name, points, faces, shuffle):
+    faces = list(faces)
+    shuffle.shuffle(faces)
+    used = sorted({v for f in faces for v in f})
+    shuffle.shuffle(used)
+    number = {v: i for i, v in enumerate(used)}
+    with open(name, "wb") as out:
+        out.write(("ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+                   "element face %d\nproperty list uchar int vertex_indices\nend_header\n" % (len(used), len(faces))).encode())
+        for v in used:
+            out.write(struct.pack("<3f", *points[v]))
+        for f in faces:
+            turn = shuffle.randrange(len(f))
+            f = f[turn:] + f[:turn]
+            out.write(struct.pack("<B%di" % len(f), len(f), *[number[v] for v in f]))
+
+
+def cut(k, seed, prefix):
+    points, faces = ellipsoid()
+    dealer = random.Random(int(seed))
+    parts = [[] for _ in range(int(k))]
+    for f in faces:
+        parts[dealer.randrange(len(parts))].append(f)
+    for i, part in enumerate(parts):
+        write_ply("%s%d.ply" % (prefix, i), points, part, dealer)
+
+
+def write_gltf(name, meshes, nodes):
+    data, views, accessors, made = b"", [], [], []
+    for points, triangles in meshes:
+        for kind, numbers in (("VEC3", [x for p in points for x in p]), ("SCALAR", [v for t in triangles for v in t])):
+            part = struct.pack("<%d%s" % (len(numbers), "f" if kind == "VEC3" else "I"), *numbers)
+            views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(part)})
+            accessor = {"bufferView": len(views) - 1, "componentType": 5126 if kind == "VEC3" else 5125,
+                        "count": len(numbers) // (3 if kind == "VEC3" else 1), "type": kind}
+            if kind == "VEC3":
+                accessor["min"] = [min(p[k] for p in points) for k in range(3)]
+                accessor["max"] = [max(p[k] for p in points) for k in range(3)]
+            accessors.append(accessor)
+            data += part
+        made.append({"name": "part%d" % len(made), "primitives": [{"attributes": {"POSITION": len(accessors) - 2}, "indices": len(accessors) - 1}]})
+    tree = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes,
+            "meshes": made, "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(data)}]}
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    data += b"\0" * (-len(data) % 4)
+    with open(name, "wb") as out:
+        out.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(data)))
+        out.write(struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data)
+
+
+# x' = -2 y + 5, y' = x / 2, z' = -z: turned, stretched and mirrored.
+WORLD = [0, 0.5, 0, 0, -2, 0, 0, 0, 0, 0, -1, 0, 5, 0, 0, 1]
+
+
+def into_node(p):
+    return (2 * p[1], (5 - p[0]) / 2, -p[2])
+
+
+def triangles_of(faces):
+    return [(f[0], f[k], f[k + 1]) for f in faces for k in range(1, len(f) - 1)]
+
+
+def orientation(m):
+    return (m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]))
+
+
+def halves(prefix):
+    points, faces = ellipsoid()
+    triangles = triangles_of(faces)
+    left = [t for t in triangles if sum(points[v][0] for v in t) < 0]
+    right = [t for t in triangles if sum(points[v][0] for v in t) >= 0]
+    write_ply(prefix + ".ply", points, triangles, random.Random(1))
+    meshes = []
+    for part, moved in ((left, 0), (right, 1)):
+        used = sorted({v for t in part for v in t})
+        number = {v: i for i, v in enumerate(used)}
+        turned = moved and orientation(WORLD) < 0
+        meshes.append(([into_node(points[v]) if moved else points[v] for v in used],
+                       [tuple(number[v] for v in (t[::-1] if turned else t)) for t in part]))
+    write_gltf(prefix + ".glb", meshes, [{"mesh": 0}, {"mesh": 1, "matrix": WORLD}])
+
+
+def twice(prefix):
+    points = [(0, 0, 0), (1, 0, 0), (1, 1, 1), (0, 1, 0)]
+    write_gltf(prefix + ".glb", [(points, [(0, 1, 2), (0, 2, 3)])], [{"mesh": 0}, {"mesh": 0, "translation": [1, 0, 0]}])
+
+
+def grid(prefix):
+    size = 260
+    points = [(x / 8, y / 8, math.sin(x * .3) * math.cos(y * .2)) for y in range(size) for x in range(size)]
+    faces = [(a, a + 1, a + size + 1, a + size) for y in range(size - 1) for x in range(size - 1) for a in (y * size + x,)]
+    write_ply(prefix + ".ply", points, faces, random.Random(3))
+    dealer = random.Random(4)
+    parts = [[], []]
+    for f in faces:
+        parts[dealer.randrange(2)].append(f)
+    for i in range(2):
+        write_ply("%s%d.ply" % (prefix, i), points, parts[i], dealer)
+
+
+def read_ply(name):
+    head, body = open(name, "rb").read().split(b"end_header\n", 1)
+    lines = head.decode().split("\n")
+    count = [int(line.split()[-1]) for line in lines if line.startswith("element vertex")][0]
+    keys = [line.split()[-1] for line in lines if line.startswith("property float")]
+    for row in struct.iter_unpack("<%df" % len(keys), body[:4 * len(keys) * count]):
+        at = dict(zip(keys, row))
+        yield tuple(at[k] for k in ("x", "y", "z")), tuple(at[k] for k in ("nx", "ny", "nz"))
+
+
+def read_glb(name):
+    raw = open(name, "rb").read()
+    length = struct.unpack_from("<I", raw, 12)[0]
+    tree, data = json.loads(raw[20:20 + length]), raw[28 + length:]
+
+    def numbers(accessor):
+        a = tree["accessors"][accessor]
+        view = tree["bufferViews"][a["bufferView"]]
+        begin = view.get("byteOffset", 0) + a.get("byteOffset", 0)
+        stride = view.get("byteStride", 12)
+        return [struct.unpack_from("<3f", data, begin + i * stride) for i in range(a["count"])]
+
+    for node in tree["nodes"]:
+        m = node.get("matrix", [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
+        columns = [m[0:3], m[4:7], m[8:11]]
+        cofactors = [cross(columns[1], columns[2]), cross(columns[2], columns[0]), cross(columns[0], columns[1])]
+        sign = -1 if orientation(m) < 0 else 1
+        for primitive in tree["meshes"][node["mesh"]]["primitives"]:
+            for p, n in zip(numbers(primitive["attributes"]["POSITION"]), numbers(primitive["attributes"]["NORMAL"])):
+                world = [sum(columns[k][axis] * p[k] for k in range(3)) + m[12 + axis] for axis in range(3)]
+                normal = [sign * sum(cofactors[k][axis] * n[k] for k in range(3)) for axis in range(3)]
+                length = math.sqrt(sum(x * x for x in normal))
+                yield tuple(single(x) for x in world), tuple(x / length for x in normal)
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def gather(names, limit):
+    normals = {}
+    for name in names:
+        for at, normal in read_glb(name) if name.endswith(".glb") else read_ply(name):
+            known = normals.setdefault(at, normal)
+            if apart(known, normal) > limit:
+                sys.exit("%s: two normals at %s: %s and %s" % (name, at, known, normal))
+    return normals
+
+
+def apart(a, b):
+    return max(abs(x - y) for x, y in zip(a, b))
+
+
+def compare(words, subset):
+    limit, words = float(words[0]), words[1:]
+    middle = words.index("--")
+    within = 1e-6 if any(w.endswith(".glb") for w in words) else 0
+    a, b = gather(words[:middle], within), gather(words[middle + 1:], within)
+    if not a or (not subset and a.keys() != b.keys()):
+        sys.exit("the positions are not the same: %d and %d" % (len(a), len(b)))
+    common = a.keys() & b.keys()
+    worst = max(apart(a[at], b[at]) for at in common)
+    if worst > limit:
+        sys.exit("normals differ by %g" % worst)
+
+
+if __name__ == "__main__":
+    verb, rest = sys.argv[1], sys.argv[2:]
+    if verb in ("same", "subset"):
+        compare(rest, verb == "subset")
+    else:
+        {"cut": cut, "halves": halves, "twice": twice, "grid": grid}[verb](*rest)

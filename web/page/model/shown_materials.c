@@ -1,0 +1,128 @@
+/* shown_materials.c: names, images, texture coordinates and tangents of a model's meshes, and which
+ * edges of its triangles are edges of the file's polygons. */
+#include "model.h"
+#include "../../package/wasm/exports.h"
+#include "render/render.h"
+#include <stdlib.h>
+#include <string.h>
+
+const char *WEB_EXPORT(model_name)(const model *m, uint32_t mesh) {
+    return (const char *)m->pack + m->meshes[mesh].record->name;
+}
+
+uint32_t WEB_EXPORT(model_image_count)(const model *m) { return m->head->image_count; }
+
+/* numbers: where its bytes are, how many. */
+void WEB_EXPORT(model_image)(const model *m, uint32_t image, uint32_t numbers[2]) {
+    const view_pack_image *record =
+        (const view_pack_image *)(const void *)(m->pack + m->head->images) + image;
+    numbers[0] = (uint32_t)(uintptr_t)(m->pack + record->bytes);
+    numbers[1] = record->size;
+}
+
+/* numbers: base map, normal map (-1: none), their wraps, alpha mode, cutoff, strength, whether
+ * there are texture coordinates, whether tangents are stored. */
+void WEB_EXPORT(model_material)(const model *m, uint32_t mesh, double numbers[11]) {
+    const view_pack_mesh *r = m->meshes[mesh].record;
+    numbers[0] = r->base_map == VIEW_PACK_NONE ? -1.0 : r->base_map;
+    numbers[1] = r->normal_map == VIEW_PACK_NONE ? -1.0 : r->normal_map;
+    for (int i = 0; i < 2; ++i) {
+        numbers[2 + i] = r->base_wrap[i];
+        numbers[4 + i] = r->normal_wrap[i];
+    }
+    numbers[6] = r->alpha_mode;
+    numbers[7] = (double)r->alpha_cutoff;
+    numbers[8] = (double)r->normal_strength;
+    numbers[9] = r->texcoords != VIEW_PACK_NONE;
+    numbers[10] = r->tangents != VIEW_PACK_NONE;
+}
+
+static size_t triangle_corner(const model_mesh *mesh, size_t i) {
+    return mesh->triangle_corners ? mesh->triangle_corners[i] : i;
+}
+
+static float *take(const model *m, const model_mesh *mesh, uint32_t at, float *out) {
+    const float *from = (const float *)(const void *)(m->pack + at);
+    for (size_t i = 0; out && i < 3 * mesh->triangle_count; ++i)
+        memcpy(out + 4 * i, from + 4 * model_corner_position(mesh, triangle_corner(mesh, i)),
+            4 * sizeof *out);
+    return out;
+}
+
+static float *four_each(const model_mesh *mesh) {
+    return calloc(12 * mesh->triangle_count + 1, sizeof(float));
+}
+
+/* Of each corner of each triangle; NULL: out of memory. Zeros: the mesh has none. */
+const float *WEB_EXPORT(model_texcoords)(model *m, uint32_t index) {
+    model_mesh *mesh = &m->meshes[index];
+    if (!mesh->draw_texcoords) mesh->draw_texcoords = four_each(mesh);
+    if (mesh->record->texcoords == VIEW_PACK_NONE) return mesh->draw_texcoords;
+    return take(m, mesh, mesh->record->texcoords, mesh->draw_texcoords);
+}
+
+/* MikkTSpace's, along the coordinates of the normal map and the normals that were computed last. */
+static void compute_tangents(const model *m, model_mesh *mesh) {
+    const size_t corners = mesh->mesh.corner_count, count = mesh->record->position_count;
+    const float *texcoords = (const float *)(const void *)(m->pack + mesh->record->texcoords);
+    float *made = malloc((4 * corners + 1) * sizeof *made),
+          *uv = malloc((2 * count + 1) * sizeof *uv);
+    for (size_t i = 0; uv && i < count; ++i) memcpy(uv + 2 * i, texcoords + 4 * i + 2, 8);
+    const norma_attribute normal = {.data = mesh->normals,
+                              .count = corners,
+                              .of = NORMA_PER_CORNER},
+                          texcoord = {.data = uv, .count = count, .of = NORMA_PER_VERTEX};
+    const norma_options options = {.struct_size = sizeof options};
+    if (made && uv &&
+        !norma_corner_tangents(
+            &mesh->mesh, &normal, &texcoord, NORMA_TANGENTS_MIKK, &options, made, corners, NULL))
+        for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+            float *out = mesh->draw_tangents + 4 * i;
+            memcpy(out, made + 4 * triangle_corner(mesh, i), 4 * sizeof *out);
+            out[3] *= -1; /* v runs downwards */
+        }
+    free(made);
+    free(uv);
+}
+
+/* The file's, otherwise computed ones; zeros where there are no texture coordinates. */
+const float *WEB_EXPORT(model_tangents)(model *m, uint32_t index) {
+    model_mesh *mesh = &m->meshes[index];
+    if (!mesh->draw_tangents) mesh->draw_tangents = four_each(mesh);
+    if (!mesh->draw_tangents) return NULL;
+    if (mesh->record->tangents != VIEW_PACK_NONE)
+        return take(m, mesh, mesh->record->tangents, mesh->draw_tangents);
+    if (mesh->record->texcoords != VIEW_PACK_NONE) compute_tangents(m, mesh);
+    return mesh->draw_tangents;
+}
+
+/* Whether the edge from corner i of the triangles to the next one of its triangle runs along a
+ * polygon of the file. */
+static int is_edge(const model_mesh *mesh, size_t i, size_t *face) {
+    const uint32_t *starts = mesh->mesh.face_starts;
+    if (!starts) return 1;
+    const size_t a = triangle_corner(mesh, i),
+                 b = triangle_corner(mesh, i % 3 == 2 ? i - 2 : i + 1);
+    while (a >= starts[*face + 1]) ++*face;
+    const size_t first = starts[*face], last = starts[*face + 1] - 1;
+    return b == (a == last ? first : a + 1) || a == (b == last ? first : b + 1);
+}
+
+/* edges: room for three bytes for each triangle: 1 where the edge is drawn. */
+void WEB_EXPORT(model_edges)(const model *m, uint32_t index, uint8_t *edges) {
+    const model_mesh *mesh = &m->meshes[index];
+    size_t face = 0;
+    for (size_t i = 0; i < 3 * mesh->triangle_count; ++i)
+        edges[i] = (uint8_t)is_edge(mesh, i, &face);
+}
+
+/* Where the format does not say which axis points up: 0 y, 1 z. */
+int WEB_EXPORT(model_guess_up)(const model *m) {
+    const uint32_t count = m->head->mesh_count;
+    render_surface *surfaces = calloc((size_t)count + 1, sizeof *surfaces);
+    for (uint32_t i = 0; surfaces && i < count; ++i) surfaces[i].mesh = m->meshes[i].mesh;
+    const enum render_up usual = m->head->format == NORMA_FILE_OBJ ? RENDER_UP_Y : RENDER_UP_Z;
+    const int up = surfaces ? (int)render_guess_up(surfaces, count, usual) : (int)usual;
+    free(surfaces);
+    return up;
+}
