@@ -103,6 +103,13 @@ if(NORMA_FILES)
   # Rather the archive: libdraco.so alone would take longer to load than most files take to be read.
   set(missing "")
   if(NORMA_WITH_DRACO)
+    # One vendor for both: sanitizers and fuzzers of clang mean nothing to g++.
+    if(CMAKE_C_COMPILER_ID MATCHES "Clang" AND NOT CMAKE_CXX_COMPILER AND NOT DEFINED ENV{CXX})
+      string(REGEX REPLACE "clang([^/]*)$" "clang++\\1" beside "${CMAKE_C_COMPILER}")
+      if(EXISTS "${beside}" AND NOT beside STREQUAL CMAKE_C_COMPILER)
+        set(CMAKE_CXX_COMPILER "${beside}")
+      endif()
+    endif()
     include(CheckLanguage)
     check_language(CXX)
     find_library(NORMA_DRACO NAMES libdraco.a draco)

@@ -45,6 +45,12 @@ fi
 writable=$(objdump -t "$library" 2>/dev/null | awk '$3 == "O" && $4 ~ /^\.(data|bss)/ && $4 !~ /^\.data\.rel\.ro/ { print $4, $NF } $2 == "O" && $3 ~ /^\.(data|bss)/ && $3 !~ /^\.data\.rel\.ro/ { print $3, $NF } /COM/ { print $NF }')
 if [ -z "$writable" ]; then pass "the library has no data that could be written: no globals"; else fail "the library has no data that could be written: no globals" "$writable"; fi
 
+# ---- scripts
+
+# A test that cannot be started is a test that does not run.
+idle=$(find scripts tests -name '*.sh' ! -path 'tests/support/*' ! -perm -u+x)
+if [ -z "$idle" ]; then pass "every script of scripts/ and tests/ can be executed"; else fail "every script of scripts/ and tests/ can be executed" "$idle"; fi
+
 # ---- locale
 
 if command -v localedef >/dev/null && [ -e /usr/share/i18n/locales/de_DE ]; then
