@@ -103,6 +103,12 @@ check "errors without stored normals: said plainly" grep -q 'no normals are stor
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n' >"$scratch/stored.obj"
 "$norma" render "$scratch/stored.obj" -o "$scratch/e.png" --crease 30 --size 32x32 >/dev/null 2>"$scratch/stderr"
 check "--crease without an effect is noted" grep -q 'note: no effect: --crease' "$scratch/stderr"
+cp "$scratch/stored.obj" "$scratch/second.obj"
+"$norma" render "$scratch/stored.obj" "$scratch/second.obj" -o "$scratch/e.png" --sheet --crease 30 --size 32x32 >"$scratch/stdout" 2>"$scratch/stderr"
+check "in a sheet for each file" test "$(grep -c 'stored.obj: note: no effect: --crease\|second.obj: note: no effect: --crease' "$scratch/stderr")" = 2
+check "and how many guesses of the axis that points up" grep -q '; up is a guess in 2 of the files (--up)' "$scratch/stdout"
+"$norma" render "$scratch/stored.obj" "$scratch/second.obj" -o "$scratch/e.png" --sheet --crease 30 --size 32x32 --json >"$scratch/json"
+check "with its name in the notes of --json" grep -q '"notes": \["[^"]*stored.obj: no effect: --crease[^"]*", "[^"]*second.obj: no effect' "$scratch/json"
 "$norma" render "$scratch/square.obj" -o "$scratch/e.png" --crease 30 --size 32x32 >/dev/null 2>"$scratch/stderr"
 check "and with one it is not" test ! -s "$scratch/stderr"
 cat >"$scratch/images.gltf" <<'END'

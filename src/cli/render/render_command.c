@@ -92,9 +92,9 @@ typedef struct picture_job {
     const cli_subcommand *command;
     const render_settings *settings;
     render_device *device;
-    const char *input;  /* of a sheet: the first that is drawn */
-    size_t index;       /* of the input */
-    const char **drawn; /* the inputs in the picture */
+    const char *input;               /* of a sheet: the first that is drawn */
+    size_t index;                    /* of the input */
+    const render_scene_file **drawn; /* the files in the picture */
     size_t drawn_count, failed_panel;
     char *output;
     render_plan plan;
@@ -190,13 +190,40 @@ static size_t lines_left_out(const picture_job *job) {
     return left_out;
 }
 
-static void report_json(const picture_job *job, const render_scene_file *file, int pictures) {
+/* In a sheet a note begins with the name of its file. */
+static void note_json(cli_json *json, const picture_job *job, const char *input, const char *note) {
+    if (!job->settings->sheet) {
+        cli_json_string(json, NULL, note);
+        return;
+    }
+    const size_t room = strlen(input) + strlen(note) + 3;
+    char *text = malloc(room);
+    if (text) snprintf(text, room, "%s: %s", input, note);
+    cli_json_string(json, NULL, text ? text : note);
+    free(text);
+}
+
+static void notes_json(cli_json *json, const picture_job *job) {
+    cli_json_open(json, "notes", '[');
+    for (size_t f = 0; f < job->drawn_count; ++f) {
+        const render_scene_file *file = job->drawn[f];
+        for (size_t i = 0; i < norma_document_note_count(file->document); ++i)
+            note_json(json, job, file->input, norma_document_note(file->document, i));
+        for (size_t i = 0; i < file->note_count; ++i)
+            note_json(json, job, file->input, file->notes[i]);
+    }
+    cli_json_close(json, ']');
+}
+
+static void report_json(const picture_job *job, int pictures) {
+    const render_scene_file *file = job->drawn[0];
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "input", job->input);
     if (job->settings->sheet) {
         cli_json_open(&json, "inputs", '[');
-        for (size_t i = 0; i < job->drawn_count; ++i) cli_json_string(&json, NULL, job->drawn[i]);
+        for (size_t i = 0; i < job->drawn_count; ++i)
+            cli_json_string(&json, NULL, job->drawn[i]->input);
         cli_json_close(&json, ']');
     }
     cli_json_string(&json, "output", job->output);
@@ -218,22 +245,35 @@ static void report_json(const picture_job *job, const render_scene_file *file, i
     cli_json_open(&json, "world_to_clip", '['); /* of the first panel */
     for (int i = 0; i < 16; ++i) cli_json_number(&json, NULL, job->plan.panels[0].world_to_clip[i]);
     cli_json_close(&json, ']');
-    cli_json_open(&json, "notes", '[');
-    for (size_t i = 0; i < norma_document_note_count(file->document); ++i)
-        cli_json_string(&json, NULL, norma_document_note(file->document, i));
-    for (size_t i = 0; i < file->note_count; ++i) cli_json_string(&json, NULL, file->notes[i]);
-    cli_json_close(&json, ']');
+    notes_json(&json, job);
     cli_json_close(&json, '}');
     fputc('\n', stdout);
 }
 
-static void report_text(const picture_job *job, const render_scene_file *file, int pictures) {
+/* The axis of the one file; of a sheet, in how many files it was guessed. */
+static void report_up(const picture_job *job, FILE *out) {
+    const render_scene_file *file = job->drawn[0];
+    size_t guessed = 0;
+    for (size_t i = 0; i < job->drawn_count; ++i) guessed += job->drawn[i]->up_guessed != 0;
+    if (guessed && job->drawn_count == 1)
+        fprintf(out, "; up is %s, by a guess (--up)", render_up_name(file->up));
+    else if (guessed)
+        fprintf(out, "; up is a guess in %zu of the files (--up)", guessed);
+}
+
+static void print_notes(const render_scene_file *file) {
+    cli_print_notes(file->input, file->document);
+    for (size_t i = 0; i < file->note_count; ++i)
+        cli_error("%s: note: %s", cli_input_name(file->input), file->notes[i]);
+}
+
+static void report_text(const picture_job *job, int pictures) {
     FILE *out = render_is_standard(job->output) ? stderr : stdout;
     const double worst = worst_error(job);
     char number[32];
     for (size_t i = 0; i + 1 < job->drawn_count; ++i)
-        cli_say(out, "%s, ", cli_input_name(job->drawn[i]));
-    cli_say(out, "%s -> %s: ", cli_input_name(job->drawn[job->drawn_count - 1]),
+        cli_say(out, "%s, ", cli_input_name(job->drawn[i]->input));
+    cli_say(out, "%s -> %s: ", cli_input_name(job->drawn[job->drawn_count - 1]->input),
         render_is_standard(job->output) ? "standard output" : job->output);
     cli_counted(out, count_triangles(job), "triangle", "triangles");
     if (pictures > 1)
@@ -254,21 +294,18 @@ static void report_text(const picture_job *job, const render_scene_file *file, i
         cli_count(out, lines_left_out(job));
         fputs(" lines left out (--most-lines)", out);
     }
-    if (file->up_guessed && !job->settings->sheet)
-        fprintf(out, "; up is %s, by a guess (--up)", render_up_name(file->up));
+    report_up(job, out);
     if (job->plan.left_out[0]) fprintf(out, "; not drawn: %s", job->plan.left_out);
     fputc('\n', out);
     fflush(out);
-    if (file->document) cli_print_notes(job->input, file->document);
-    for (size_t i = 0; i < file->note_count; ++i)
-        cli_error("%s: note: %s", cli_input_name(job->input), file->notes[i]);
+    for (size_t i = 0; i < job->drawn_count; ++i) print_notes(job->drawn[i]);
 }
 
-static void report(const picture_job *job, const render_scene_file *file, int pictures) {
+static void report(const picture_job *job, int pictures) {
     if (job->settings->common.json)
-        report_json(job, file, pictures);
+        report_json(job, pictures);
     else if (!job->settings->common.quiet)
-        report_text(job, file, pictures);
+        report_text(job, pictures);
 }
 
 /* ---- files */
@@ -290,7 +327,7 @@ static int fail_input(
 }
 
 /* All pictures of a turntable, or the one. */
-static int draw_pictures(picture_job *job, const render_scene_file *file) {
+static int draw_pictures(picture_job *job) {
     const render_settings *settings = job->settings;
     const int pictures = settings->turns ? settings->turns : 1;
     double azimuths[RENDER_MOST_PANELS];
@@ -303,16 +340,17 @@ static int draw_pictures(picture_job *job, const render_scene_file *file) {
             job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
         status = job->output ? draw_picture(job) : cli_out_of_memory();
     }
-    if (!status) report(job, file, pictures);
+    if (!status) report(job, pictures);
     return status;
 }
 
 static int draw_file(picture_job *job) {
     const render_settings *settings = job->settings;
     render_scene_file file;
+    const render_scene_file *drawn = &file;
     norma_document_error error = {0};
     job->plan = (render_plan){.settings = settings, .difference = -1};
-    job->drawn = &job->input;
+    job->drawn = &drawn;
     job->drawn_count = 1;
     int status = CLI_OK;
     if (render_file_open(settings, job->input, &file, &error))
@@ -322,7 +360,7 @@ static int draw_file(picture_job *job) {
         if (status && error.result) status = fail_input(settings, job->input, &error);
     }
     if (!status) status = render_guard_outputs(settings);
-    if (!status) status = draw_pictures(job, &file);
+    if (!status) status = draw_pictures(job);
     render_device_forget(job->device);
     render_file_close(&file);
     free(job->output);
@@ -365,24 +403,23 @@ static int open_sheet(picture_job *job, render_scene_file *files) {
     return job->plan.count > 0 ? CLI_OK : status;
 }
 
-/* The inputs whose panels are left. */
-static void list_drawn(picture_job *job) {
-    const cli_inputs *inputs = &job->settings->files.inputs;
+/* The files whose panels are left. */
+static void list_drawn(picture_job *job, const render_scene_file *files) {
     job->drawn_count = 0;
     for (size_t i = 0; i < job->plan.count; ++i) {
         const size_t file = job->plan.panels[i].file;
         if (i == 0 || file != job->plan.panels[i - 1].file)
-            job->drawn[job->drawn_count++] = inputs->paths[file - 1];
+            job->drawn[job->drawn_count++] = &files[file - 1];
     }
-    job->input = job->drawn[0];
+    job->input = job->drawn[0]->input;
 }
 
 static int draw_opened(picture_job *job, render_scene_file *files) {
     int status = CLI_FILE;
     while (job->plan.count > 0) {
-        list_drawn(job);
+        list_drawn(job, files);
         job->failed_panel = 0;
-        status = draw_pictures(job, &files[job->plan.panels[0].file - 1]);
+        status = draw_pictures(job);
         if (!status || !job->failed_panel) break;
         leave_file(job, files, job->plan.panels[job->failed_panel - 1].file);
         status = CLI_FILE;
@@ -394,7 +431,7 @@ static int draw_sheet(picture_job *job) {
     const render_settings *settings = job->settings;
     const cli_inputs *inputs = &settings->files.inputs;
     render_scene_file *files = calloc(inputs->count + 1, sizeof *files);
-    const char **drawn = calloc(inputs->count + 1, sizeof *drawn);
+    const render_scene_file **drawn = calloc(inputs->count + 1, sizeof *drawn);
     int status = files && drawn ? CLI_OK : cli_out_of_memory();
     job->plan = (render_plan){.settings = settings, .difference = -1};
     job->drawn = drawn;
