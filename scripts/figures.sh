@@ -106,6 +106,15 @@ draw wrong-right assets/goathead.obj --compare=plain,right --scale 1,0.4,1 --siz
     --show hedgehog --lines vertices --most-lines 150 --line-width 2 --line-length 3 \
     --label 'WRONG: normals through M' --label 'RIGHT: normals through the normal matrix'
 
+# A baked map with the right tangents and with others; without three.js, whose tangents it is baked for, the old picture stays.
+three_js=${NORMA_NPM_TANGENT:-build/npm-tangent/node_modules}
+if [ -d "$three_js/three" ]; then
+    node tests/tangent/baked.mjs "$three_js" "$models"
+    "$norma" tangents "$models/bare.gltf" -o "$models/with.gltf" --quiet
+    draw baked "$models/with.gltf" "$models/other.gltf" "$models/fine.gltf" --sheet --size 300x300 --camera 0,10 --clay=no --background white \
+        --label 'drawn with its map' --label 'one sign of w for both halves' --label 'the surface that was baked'
+fi
+
 # The report of norma check as a browser shows it; without Chromium the old picture stays.
 if command -v chromium >/dev/null; then
     "$norma" check assets/spider.stl --format html -o "$models/report.html" --quiet --fail-on never
