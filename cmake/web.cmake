@@ -36,7 +36,8 @@ endif()
 
 # Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
 set(web_seldom "call_|orient_|mesh_(weld_distance|kdtree|nearest|scattered)|plan_(overflow|normal_groups|plan_|morph|position|face_block_build)")
-string(APPEND web_seldom "|tangent_(split|tangent_vertices|mikk_(left_out|opposed|divide|copies|flags))")
+string(APPEND web_seldom "|tangent_(split|tangent_vertices|mikk_(left_out|opposed|divide|copies|flags))|vertex_queued|matrix_matrix")
+string(APPEND web_seldom "|corner_(crowded|borrowed|large_star|fallback|find_fault)|face_(exact|cut)")
 
 # web_objects(LIST SOURCES...): one object file for each source, with the headers it was seen to include.
 function(web_objects list)
@@ -46,9 +47,11 @@ function(web_objects list)
     string(REPLACE "/" "_" name ${name})
     set(object ${web_objects_dir}/${name}.o)
     # Pages and packages are downloaded: kernels are made fast, where more code is faster; the readers and the rules small.
-    if(name MATCHES "^src_core_(corner|face)_")
+    if(name MATCHES "^src_core_(${web_seldom})")
+      set(optimise -Os)
+    elseif(name MATCHES "^src_core_(corner|face)_")
       set(optimise -O3)
-    elseif(name MATCHES "^src_core_" AND NOT name MATCHES "^src_core_(${web_seldom})")
+    elseif(name MATCHES "^(src_core|web_package_wasm_merge_corners)")
       set(optimise -O2)
     else()
       set(optimise -Os)

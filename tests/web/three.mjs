@@ -146,6 +146,26 @@ await attempt("a split really carries attributes: a cube of eight vertices", () 
   for (let i = 0; i < 24; i++) if (ids.getX(i) !== position.getX(i) + 2 * position.getY(i) + 4 * position.getZ(i) || xyz(normal, i).toArray().filter((x) => Math.abs(x) === 1).length !== 1) throw new Error(`${i}`);
   if (ids.array.subarray(0, 8).join() !== "0,1,2,3,4,5,6,7") throw new Error("old vertices got other numbers");
 });
+await attempt("corners share a vertex where their normals have the same bits, also 9,000 of one vertex, with indices of any width", () => {
+  const count = 9000, positions = [0, 0, 4], faces = [];
+  for (let i = 0; i < count; i++) {
+    const turn = (2 * Math.PI * i) / count, far = 1 + (i % 3);
+    positions.push(far * Math.cos(turn), far * Math.sin(turn), i % 2);
+    faces.push(0, 1 + i, 1 + ((i + 1) % count));
+  }
+  const fan = (kind, used) => new BufferGeometry().setAttribute("position", new Float32BufferAttribute(positions, 3)).setIndex(new BufferAttribute(kind.from(faces.slice(0, 3 * used)), 1));
+  for (const [kind, used, crease] of [[Uint32Array, count, 3], [Uint16Array, count, 3], [Uint16Array, count, 0], [Uint8Array, 250, 2]]) {
+    const source = fan(kind, used), indices = source.index.array, corners = norma.cornerNormals(source.attributes.position.array, indices, { crease, fallback: "nearest" });
+    const names = Array.from(indices, (vertex, i) => `${vertex} ${new Uint32Array(corners.buffer, 12 * i, 3)}`), created = toCreased(source, { crease }), { index, attributes: { normal, position } } = created;
+    const added = new Set(names).size - new Set(indices).size;
+    if (position.count !== 1 + count + added || normal.count !== position.count) throw new Error(`${kind.name}, crease ${crease}: ${position.count} vertices, ${added} added`);
+    if (added < used / 2) throw new Error(`only ${added} added`);
+    for (let i = 0; i < indices.length; i++) {
+      const now = index.getX(i);
+      for (let k = 0; k < 3; k++) if (normal.array[3 * now + k] !== corners[3 * i + k] || position.array[3 * now + k] !== source.attributes.position.array[3 * indices[i] + k]) throw new Error(`corner ${i}`);
+    }
+  }
+});
 await attempt("without an index it stays without, and attributes are copies", () => {
   const flat = shapes.box.toNonIndexed(), creased = toCreased(flat, { crease: 30 });
   if (creased.index || creased === flat || creased.attributes.uv === flat.attributes.uv) throw new Error("shared");

@@ -9,7 +9,7 @@ const SHORTCUTS = ["none", "rotation", "uniform-scale", "axis-scale"];
 const DEGREES = 180 / Math.PI;
 const COUNTS = ["degenerateFaces", "nonFinite", "unreferenced", "cancelled", "nonManifoldEdges", "windingConflicts"];
 const MESH_OPTIONS = "weight weld nonManifold fallback report";
-const TEXCOORD_SIZE = 2, TANGENT_SIZE = 4;
+const TEXCOORD_SIZE = 2, TANGENT_SIZE = 4, NO_MEMORY = 0xffffffff;
 
 /* check: (bytes, options) => a promise of what norma check finds; undefined where the module has no use for it. */
 export function bindCalls(wasm, check) {
@@ -92,6 +92,32 @@ export function bindCalls(wasm, check) {
     });
   };
 
+  /* Values of corners, at an address, as those of vertices. Vertices keep their numbers, and with them whatever else is stored for them; what a crease or a seam needs twice follows behind.
+   * sources: for each vertex that follows, the one it is a copy of. firsts: for each vertex its first corner, -1 without one. */
+  const mergeCorners = (lender, { vertices, corners, indices }, indicesAt, valuesAt, size, wantsFirsts) => {
+    const mergedAt = lender.block(4 * corners), oldAt = lender.block(4 * size * vertices), cornerOf = lender.block(4 * (vertices + corners)), indexSize = indices ? indices.BYTES_PER_ELEMENT : 4;
+    const count = wasm.web_merge_corners(valuesAt, size, indicesAt, indexSize, corners, vertices, mergedAt, oldAt, cornerOf) >>> 0, added = count - vertices;
+    if (count === NO_MEMORY) expect(RESULT.MEMORY);
+    const gathered = lender.block(4 * size * added), sourcesAt = lender.block(4 * added), values = new Float32Array(size * count);
+    wasm.web_gather_corners(valuesAt, size, indicesAt, indexSize, cornerOf + 4 * vertices, added, gathered, sourcesAt);
+    lender.copyOut(oldAt, values, size * vertices);
+    lender.copyOut(gathered, values.subarray(size * vertices));
+    const fetch = (at, array) => (lender.copyOut(at, array), array);
+    return { count, indices: fetch(mergedAt, new Uint32Array(corners)), sources: fetch(sourcesAt, new Uint32Array(added)), values,
+             firsts: wantsFirsts ? fetch(cornerOf, new Int32Array(count)) : null };
+  };
+
+  /* For the package's own use: normals with creases, as mergeCorners gives them. */
+  const creaseVertices = (positions, indices, options, wantsFirsts) => {
+    const mesh = readMesh(positions, indices, options, "crease"), crease = given.degrees(mesh.options.crease ?? 60);
+    return heap.lend((lender) => {
+      const report = lendReport(lender, mesh.report), handed = hand(mesh, lender), normalsAt = lender.block(12 * mesh.corners);
+      expect(wasm.web_corner_normals(...handed, normalsAt, mesh.corners, report.at, crease), mesh);
+      const merged = mergeCorners(lender, mesh, handed[4], normalsAt, 3, wantsFirsts);
+      return mesh.report ? { ...merged, report: report.read() } : merged;
+    });
+  };
+
   /* One value for each vertex or for each corner: which of the two, by how many there are. */
   const elementOf = (view, mesh, what) => {
     if (view.count === mesh.vertices) return 0;
@@ -99,24 +125,48 @@ export function bindCalls(wasm, check) {
     return fail(`${what}: ${view.count} values, but the mesh has ${mesh.vertices} vertices and ${mesh.corners} corners`);
   };
 
-  const tangents = (positions, normalVectors, texcoords, indices, options) => {
+  const readTangents = (positions, normalVectors, texcoords, indices, options, known) => {
     const leftOut = options === undefined && indices !== null && typeof indices === "object" && !ArrayBuffer.isView(indices) && !Array.isArray(indices);
-    const chosen = given.options(leftOut ? indices : options, "mode weight out report");
+    const chosen = given.options(leftOut ? indices : options, `mode weight report ${known}`);
     const used = leftOut || indices === null ? undefined : indices;
-    const view = given.vectors(positions, "positions"), mesh = { indices: used, vertices: view.count, corners: given.corners(used, view.count) };
-    const normal = given.vectors(normalVectors, "normals"), texcoord = given.vectors(texcoords, "texcoords", TEXCOORD_SIZE);
-    const ofNormals = elementOf(normal, mesh, "normals"), ofTexcoords = elementOf(texcoord, mesh, "texcoords");
-    const mode = given.tangentMode(chosen.mode), weight = given.weight(chosen.weight), wanted = given.flag(chosen.report, "report");
-    const out = given.output(chosen.out, TANGENT_SIZE * mesh.corners);
+    const view = given.vectors(positions, "positions"), mesh = { view, indices: used, vertices: view.count, corners: given.corners(used, view.count), options: chosen };
+    mesh.normal = given.vectors(normalVectors, "normals");
+    mesh.texcoord = given.vectors(texcoords, "texcoords", TEXCOORD_SIZE);
+    mesh.ofNormals = elementOf(mesh.normal, mesh, "normals");
+    mesh.ofTexcoords = elementOf(mesh.texcoord, mesh, "texcoords");
+    mesh.mode = given.tangentMode(chosen.mode);
+    mesh.weight = given.weight(chosen.weight);
+    mesh.report = given.flag(chosen.report, "report");
+    return mesh;
+  };
+
+  /* Writes them at an address. */
+  const computeTangents = (lender, mesh, indicesAt, at, report) => {
+    const { view, indices, normal, texcoord } = mesh;
+    expect(wasm.web_corner_tangents(lender.input(view.array), view.count, view.stride, view.format, indicesAt, mesh.corners, indices ? indices.BYTES_PER_ELEMENT : 4,
+                                    lender.input(normal.array), normal.count, normal.stride, normal.format, mesh.ofNormals,
+                                    lender.input(texcoord.array), texcoord.count, texcoord.stride, texcoord.format, mesh.ofTexcoords, mesh.mode, mesh.weight, at, mesh.corners, report.at), mesh);
+  };
+  const countsOfTangents = ({ degenerateFaces: degenerate, nonFinite, cancelled }) => ({ degenerate, nonFinite, cancelled });
+
+  const tangents = (positions, normalVectors, texcoords, indices, options) => {
+    const mesh = readTangents(positions, normalVectors, texcoords, indices, options, "out"), out = given.output(mesh.options.out, TANGENT_SIZE * mesh.corners);
     return heap.lend((lender) => {
-      const written = lender.output(out, TANGENT_SIZE * mesh.corners), report = lendReport(lender, wanted);
-      expect(wasm.web_corner_tangents(lender.input(view.array), view.count, view.stride, view.format, used ? lender.input(used) : 0, mesh.corners, used ? used.BYTES_PER_ELEMENT : 4,
-                                      lender.input(normal.array), normal.count, normal.stride, normal.format, ofNormals,
-                                      lender.input(texcoord.array), texcoord.count, texcoord.stride, texcoord.format, ofTexcoords, mode, weight, written.at, mesh.corners, report.at), mesh);
+      const written = lender.output(out, TANGENT_SIZE * mesh.corners), report = lendReport(lender, mesh.report);
+      computeTangents(lender, mesh, mesh.indices ? lender.input(mesh.indices) : 0, written.at, report);
       const computed = written.fetch();
-      if (!wanted) return computed;
-      const { degenerateFaces: degenerate, nonFinite, cancelled } = report.read();
-      return { tangents: computed, report: { degenerate, nonFinite, cancelled } };
+      return mesh.report ? { tangents: computed, report: countsOfTangents(report.read()) } : computed;
+    });
+  };
+
+  /* For the package's own use: tangents as mergeCorners gives them. */
+  const tangentVertices = (positions, normalVectors, texcoords, indices, options, wantsFirsts) => {
+    const mesh = readTangents(positions, normalVectors, texcoords, indices, options, "");
+    return heap.lend((lender) => {
+      const report = lendReport(lender, mesh.report), tangentsAt = lender.block(4 * TANGENT_SIZE * mesh.corners), indicesAt = mesh.indices ? lender.input(mesh.indices) : 0;
+      computeTangents(lender, mesh, indicesAt, tangentsAt, report);
+      const merged = mergeCorners(lender, mesh, indicesAt, tangentsAt, TANGENT_SIZE, wantsFirsts);
+      return mesh.report ? { ...merged, report: countsOfTangents(report.read()) } : merged;
     });
   };
 
@@ -173,7 +223,7 @@ export function bindCalls(wasm, check) {
   const calls = { version: heap.text(wasm.web_version()), faceNormals, vertexNormals, cornerNormals, split, tangents, plan, normalMatrix, normalMatrices, matrixInfo, transformNormals };
   if (check) calls.check = check;
   /* Not among the calls that a user sees. */
-  Object.defineProperty(calls, "orthogonaliseTangents", { value: orthogonaliseTangents });
+  for (const [name, value] of Object.entries({ creaseVertices, tangentVertices, orthogonaliseTangents })) Object.defineProperty(calls, name, { value });
   return calls;
 }
 

@@ -4,7 +4,7 @@ import { load } from "norma-mesh";
 import * as given from "./arguments.js";
 import { fail, spell } from "./arguments.js";
 import { isLoaded, loaded } from "./load.js";
-import { cornersOf, creaseVertices, gather, indexArray, mergeCorners } from "./vertices.js";
+import { creaseVertices, gather, indexArray } from "./vertices.js";
 
 const TRIANGLES = 4, TRIANGLE_STRIP = 5, TRIANGLE_FAN = 6;
 const XYZ = 3, XYZW = 4;
@@ -82,9 +82,9 @@ class Edit {
     return copy;
   }
 
-  /* The vertices of an accessor in the order of result.sources. */
+  /* An accessor with the copies that result.sources asks for. */
   carry(accessor, result) {
-    return this.once([accessor, result, "carry"], () => this.copy(accessor, gather(accessor.getArray(), accessor.getElementSize(), result.sources, accessor.getCount())));
+    return this.once([accessor, result, "carry"], () => this.copy(accessor, gather(accessor.getArray(), accessor.getElementSize(), accessor.getCount(), result.sources)));
   }
 
   /* floats as an accessor: with the name, extras and encoding of the one before, or a new one. */
@@ -99,15 +99,14 @@ class Edit {
   /* Gives a primitive, and its morph targets, the vertices of result. */
   setVertices(primitive, result, mode) {
     const indices = primitive.getIndices(), position = primitive.getAttribute("POSITION");
-    if (result.added) {
+    if (result.sources.length) {
       for (const semantic of primitive.listSemantics()) primitive.setAttribute(semantic, this.carry(primitive.getAttribute(semantic), result));
       for (const target of primitive.listTargets())
         for (const semantic of target.listSemantics()) target.setAttribute(semantic, this.carry(target.getAttribute(semantic), result));
     }
-    if (!result.added && mode === TRIANGLES) return;
-    const vertices = result.sources.length;
+    if (!result.sources.length && mode === TRIANGLES) return;
     primitive.setMode(TRIANGLES).setIndices(this.once([indices, result, "indices"], () => {
-      const array = indexArray(result.indices, vertices, indices?.getArray() ?? new Uint16Array(0));
+      const array = indexArray(result.indices, result.count, indices?.getArray() ?? new Uint16Array(0));
       return indices ? this.copy(indices, array) : this.document.createAccessor().setType("SCALAR").setArray(array).setBuffer(position.getBuffer());
     }));
   }
@@ -135,9 +134,9 @@ const moved = (base, difference) => {
 
 /* For each vertex of result the difference between the values of a target at its corner, and its own; size: numbers of a corner's value. Vertices of no face do not change. */
 function differences(result, base, ofCorners, size) {
-  const vertices = result.sources.length, corners = cornersOf(result.indices, vertices), out = new Float32Array(XYZ * vertices);
-  for (let i = 0; i < vertices; i++)
-    for (let k = 0; k < XYZ && corners[i] >= 0; k++) out[XYZ * i + k] = ofCorners[size * corners[i] + k] - base[size * i + k];
+  const { count, firsts } = result, out = new Float32Array(XYZ * count);
+  for (let i = 0; i < count; i++)
+    for (let k = 0; k < XYZ && firsts[i] >= 0; k++) out[XYZ * i + k] = ofCorners[size * firsts[i] + k] - base[size * i + k];
   return out;
 }
 
@@ -146,8 +145,7 @@ function differences(result, base, ofCorners, size) {
 function creased(norma, primitive, position, triangles, options) {
   /* A common factor of integers turns no direction, but it scales distances. */
   const positions = typeof options.weld === "number" ? floatsOf(position) : position.getArray();
-  const result = creaseVertices(norma, positions, position.getCount(), triangles, { crease: 60, ...options });
-  return { ...result, positions, triangles };
+  return { ...creaseVertices(norma, positions, triangles, { crease: 60, ...options }), triangles };
 }
 
 function morphNormals(edit, norma, primitive, result, options) {
@@ -157,7 +155,7 @@ function morphNormals(edit, norma, primitive, result, options) {
   try {
     const made = targets.map((target) => {
       const ofCorners = plan.update(moved(base, target.getAttribute("POSITION")));
-      return edit.once([target.getAttribute("POSITION"), result, "morph"], () => differences(result, result.normals, ofCorners, XYZ));
+      return edit.once([target.getAttribute("POSITION"), result, "morph"], () => differences(result, result.values, ofCorners, XYZ));
     });
     const before = targets.map((target) => target.getAttribute("NORMAL"));
     return (now) => now.filter((target) => target.getAttribute("NORMAL") && target.getAttribute("POSITION")).forEach((target, i) =>
@@ -171,7 +169,7 @@ function morphNormals(edit, norma, primitive, result, options) {
 function keepTangents(edit, norma, primitive, result) {
   const tangent = primitive.getAttribute("TANGENT");
   if (!tangent) return;
-  primitive.setAttribute("TANGENT", edit.once([tangent, result, "tangent"], () => edit.store(tangent, norma.orthogonaliseTangents(floatsOf(tangent), result.normals), "VEC4", tangent.getBuffer(), [result, "turned"])));
+  primitive.setAttribute("TANGENT", edit.once([tangent, result, "tangent"], () => edit.store(tangent, norma.orthogonaliseTangents(floatsOf(tangent), result.values), "VEC4", tangent.getBuffer(), [result, "turned"])));
 }
 
 /* Computes the normals of all meshes, with creases. */
@@ -189,7 +187,7 @@ export function normals(options) {
       const writeMorphs = morphNormals(edit, norma, primitive, result, computed);
       edit.ownTargets(primitive, result);
       edit.setVertices(primitive, result, mode);
-      primitive.setAttribute("NORMAL", edit.store(before, result.normals, "VEC3", position.getBuffer(), [result, "normals"]));
+      primitive.setAttribute("NORMAL", edit.store(before, result.values, "VEC3", position.getBuffer(), [result, "normals"]));
       writeMorphs(primitive.listTargets());
       keepTangents(edit, norma, primitive, result);
     }
@@ -210,18 +208,16 @@ function at(place, work) {
 
 /* ---- tangents */
 
-function tangentsOf(norma, positions, normalVectors, texcoords, triangles, options) {
-  const computed = norma.tangents(positions, normalVectors, texcoords, triangles, options);
-  /* Texture coordinates of glTF run downwards. */
-  for (let i = 3; i < computed.length; i += XYZW) computed[i] = -computed[i];
-  return computed;
+/* Texture coordinates of glTF run downwards: w has the other sign. */
+function turnedSigns(tangents) {
+  for (let i = 3; i < tangents.length; i += XYZW) tangents[i] = -tangents[i];
+  return tangents;
 }
 
 function withTangents(norma, primitive, texcoord, triangles, options) {
-  const position = primitive.getAttribute("POSITION"), positions = numbersOf(position);
-  const ofCorners = tangentsOf(norma, positions, numbersOf(primitive.getAttribute("NORMAL")), numbersOf(texcoord), triangles, options);
-  const indices = triangles ?? Uint32Array.from({ length: position.getCount() }, (_, i) => i);
-  return { ...mergeCorners(ofCorners, XYZW, position.getCount(), indices), triangles };
+  const result = norma.tangentVertices(numbersOf(primitive.getAttribute("POSITION")), numbersOf(primitive.getAttribute("NORMAL")), numbersOf(texcoord), triangles, options, true);
+  turnedSigns(result.values);
+  return { ...result, triangles };
 }
 
 /* Morph targets with normals get the differences of the tangents. */
@@ -232,10 +228,7 @@ function morphTangents(edit, norma, primitive, texcoord, result, options) {
     if (!change) return null;
     const positions = target.getAttribute("POSITION") ? moved(numbersOf(position), target.getAttribute("POSITION")) : numbersOf(position);
     const turned = norma.transformNormals([1, 0, 0, 0, 1, 0, 0, 0, 1], moved(numbersOf(normal), change));
-    const ofCorners = tangentsOf(norma, positions, turned, numbersOf(texcoord), result.triangles, options), vertices = result.sources.length, corners = cornersOf(result.indices, vertices);
-    const out = new Float32Array(XYZ * vertices);
-    for (let i = 0; i < vertices; i++) for (let k = 0; k < XYZ && corners[i] >= 0; k++) out[XYZ * i + k] = ofCorners[XYZW * corners[i] + k] - result.values[XYZW * i + k];
-    return out;
+    return differences(result, result.values, turnedSigns(norma.tangents(positions, turned, numbersOf(texcoord), result.triangles, options)), XYZW);
   });
   return (targets) => targets.forEach((target, i) => {
     if (made[i]) target.setAttribute("TANGENT", edit.store(target.getAttribute("TANGENT"), made[i], "VEC3", position.getBuffer(), [result, made[i]]));

@@ -13,7 +13,7 @@ export interface NormalOptions {
   nonManifold?: "hard" | "smooth" | undefined;
   /** What a vertex without a normal of its own gets. Default: `"zero"`; toCreased: `"nearest"`. */
   fallback?: "zero" | "nearest" | undefined;
-  /** Return the counts of what has no normal of its own, too. Default: false. */
+  /** Return the counts of what has no normal of its own, too: of vertices; toCreased: of corners. Default: false. */
   report?: boolean | undefined;
 }
 

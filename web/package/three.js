@@ -3,7 +3,7 @@ import { BufferAttribute, BufferGeometry, InterleavedBufferAttribute } from "thr
 import * as given from "./arguments.js";
 import { fail, spell } from "./arguments.js";
 import { loaded } from "./load.js";
-import { cornersOf, creaseVertices, gather, indexArray, mergeCorners } from "./vertices.js";
+import { creaseVertices, gather, indexArray } from "./vertices.js";
 
 const DIRECT = [Float32Array, Float64Array, Int8Array, Uint8Array, Uint8ClampedArray, Int16Array, Uint16Array];
 const NORMAL_OPTIONS = ["weight", "weld", "nonManifold", "fallback"];
@@ -107,7 +107,7 @@ export function computeNormals(geometry, options) {
   const position = needed(geometry, "position"), indices = indicesOf(geometry), normal = pick(chosen, NORMAL_OPTIONS);
   const positions = positionsOf(position, chosen), wanted = given.flag(chosen.report, "report");
   const there = geometry.getAttribute("normal"), out = there?.count === position.count && isPlain(there, XYZ) ? there.array : undefined;
-  const { normals, report } = norma.vertexNormals(positions, indices, { ...normal, out, report: true });
+  const computed = norma.vertexNormals(positions, indices, { ...normal, out, report: wanted }), { normals, report } = wanted ? computed : { normals: computed };
   write(writable(geometry, "normal", XYZ, position.count), normals);
   if (hasMorphs(geometry)) {
     const plan = norma.plan(positions, indices, normal);
@@ -119,8 +119,17 @@ export function computeNormals(geometry, options) {
 /* Whether an attribute has a value for each instance, not for each vertex. */
 const isInstanced = (attribute) => attribute.isInstancedBufferAttribute || attribute.isInstancedInterleavedBuffer || attribute.data?.isInstancedInterleavedBuffer;
 
-/* Attributes for the vertices in sources. An interleaved buffer is copied once, and stays interleaved. */
-function makeCarry(sources, count) {
+/* A copy of an attribute, with another array. */
+function withArray(attribute, array) {
+  const made = new attribute.constructor(new array.constructor(0), attribute.itemSize, attribute.normalized);
+  made.array = array;
+  made.count = array.length / attribute.itemSize;
+  if (attribute.gpuType !== undefined) made.gpuType = attribute.gpuType;
+  return made.setUsage(attribute.usage);
+}
+
+/* Attributes for count vertices and copies of those in sources. An interleaved buffer is copied once, and stays interleaved. */
+function makeCarry(count, sources) {
   const buffers = new Map();
   return (attribute) => {
     if (isInstanced(attribute) || attribute.isGLBufferAttribute) return attribute;
@@ -128,37 +137,35 @@ function makeCarry(sources, count) {
     if (attribute.isInterleavedBufferAttribute) {
       const { data } = attribute;
       if (!buffers.has(data)) {
-        const copy = new data.constructor(gather(data.array, data.stride, sources, count), data.stride);
+        const copy = new data.constructor(gather(data.array, data.stride, count, sources), data.stride);
         buffers.set(data, copy.setUsage(data.usage));
       }
       made = new InterleavedBufferAttribute(buffers.get(data), attribute.itemSize, attribute.offset, attribute.normalized);
     } else {
-      made = attribute.clone();
-      made.array = gather(attribute.array, attribute.itemSize, sources, count);
-      made.count = sources.length;
+      made = withArray(attribute, gather(attribute.array, attribute.itemSize, count, sources));
     }
     made.name = attribute.name;
     return made;
   };
 }
 
-/* Gives geometry the vertices in sources: all attributes but the one that is written next, and those of morph targets. */
+/* Gives geometry the vertices of another, and copies of those in sources: all attributes but the one that is written next, and those of morph targets. */
 function setAttributes(geometry, from, sources, next) {
-  const carry = makeCarry(sources, from.attributes.position.count);
+  const carry = makeCarry(from.attributes.position.count, sources);
   for (const [name, attribute] of Object.entries(from.attributes)) if (name !== next) geometry.setAttribute(name, carry(attribute));
   for (const [name, targets] of Object.entries(from.morphAttributes)) geometry.morphAttributes[name] = targets.map(carry);
 }
 
 /* The same, with an index. */
-function setVertices(geometry, from, { indices, sources }, next) {
+function setVertices(geometry, from, { count, indices, sources }, next) {
   setAttributes(geometry, from, sources, next);
-  geometry.setIndex(new BufferAttribute(indexArray(indices, sources.length, from.index.array), 1));
+  geometry.setIndex(new BufferAttribute(indexArray(indices, count, from.index.array), 1));
 }
 
 /* Everything but attributes and index. */
 function copyRest(geometry, from) {
   geometry.name = from.name;
-  geometry.userData = structuredClone(from.userData);
+  if (Object.keys(from.userData).length) geometry.userData = structuredClone(from.userData);
   geometry.morphTargetsRelative = from.morphTargetsRelative;
   for (const { start, count, materialIndex } of from.groups) geometry.addGroup(start, count, materialIndex);
   geometry.setDrawRange(from.drawRange.start, from.drawRange.count);
@@ -172,25 +179,27 @@ export function toCreased(geometry, options) {
   const norma = loaded(), chosen = given.options(options, [...NORMAL_OPTIONS, "crease", "report"].join(" "));
   const position = needed(geometry, "position"), indices = indicesOf(geometry), normal = { fallback: "nearest", ...pick(chosen, NORMAL_OPTIONS) }, crease = given.degrees(chosen.crease ?? 60);
   const positions = positionsOf(position, chosen), wanted = given.flag(chosen.report, "report");
-  const creased = emptyLike(geometry);
-  let vertices;
+  const creased = emptyLike(geometry), asked = { ...normal, crease, report: wanted };
+  let normals, firsts, report;
   if (indices) {
-    vertices = creaseVertices(norma, positions, position.count, indices, { ...normal, crease, report: true });
+    const vertices = creaseVertices(norma, positions, indices, asked);
+    ({ values: normals, firsts, report } = vertices);
     setVertices(creased, geometry, vertices, "normal");
   } else {
-    vertices = norma.cornerNormals(positions, { ...normal, crease, report: true });
-    setAttributes(creased, geometry, { length: position.count }, "normal");
+    const computed = norma.cornerNormals(positions, asked);
+    ({ normals, report } = wanted ? computed : { normals: computed });
+    setAttributes(creased, geometry, [], "normal");
   }
-  creased.setAttribute("normal", new BufferAttribute(vertices.normals, XYZ));
+  creased.setAttribute("normal", new BufferAttribute(normals, XYZ));
   if (hasMorphs(geometry)) {
-    const plan = norma.plan(positions, indices, { ...normal, per: "corner", crease }), count = vertices.normals.length / XYZ;
+    const plan = norma.plan(positions, indices, { ...normal, per: "corner", crease });
     try {
-      const carried = morphNormals(geometry, plan, vertices.normals, indices ? cornersOf(vertices.indices, count) : undefined);
+      const carried = morphNormals(geometry, plan, normals, firsts);
       delete creased.morphAttributes.normal;
       writeMorphNormals(creased, carried);
     } finally { plan.free(); }
   }
-  return wanted ? { geometry: creased, report: vertices.report } : creased;
+  return wanted ? { geometry: creased, report } : creased;
 }
 
 /* An empty geometry with whatever is not an attribute. */
@@ -214,13 +223,12 @@ export function computeTangents(geometry, options) {
   const channel = chosen.texcoord ?? 0, negate = chosen.negateSign === undefined || given.flag(chosen.negateSign, "negateSign"), wanted = given.flag(chosen.report, "report");
   if (!Number.isInteger(channel) || channel < 0 || channel > 3) fail(`texcoord: ${spell(channel)} is not 0, 1, 2 or 3`);
   const position = needed(geometry, "position"), normal = needed(geometry, "normal"), uv = needed(geometry, channel ? `uv${channel}` : "uv"), indices = indicesOf(geometry);
-  const computed = norma.tangents(viewOf(position, XYZ, false), viewOf(normal, XYZ, false), viewOf(uv, UV, false), indices, { ...pick(chosen, ["mode", "weight"]), report: true });
-  const { tangents } = computed;
-  if (negate) for (let i = 3; i < tangents.length; i += XYZW) tangents[i] = -tangents[i];
-  const vertices = indices ? mergeCorners(tangents, XYZW, position.count, indices) : { values: tangents, added: 0 };
-  if (vertices.added) setVertices(geometry, geometry, vertices, "tangent");
-  geometry.setAttribute("tangent", tangentAttribute(vertices.values, normal));
-  return wanted ? { geometry, report: computed.report } : geometry;
+  const streams = [viewOf(position, XYZ, false), viewOf(normal, XYZ, false), viewOf(uv, UV, false)], asked = { ...pick(chosen, ["mode", "weight"]), report: wanted };
+  const vertices = norma.tangentVertices(...streams, indices, asked), { values, report } = vertices;
+  if (negate) for (let i = 3; i < values.length; i += XYZW) values[i] = -values[i];
+  if (vertices.sources.length) setVertices(geometry, geometry, vertices, "tangent");
+  geometry.setAttribute("tangent", tangentAttribute(values, normal));
+  return wanted ? { geometry, report } : geometry;
 }
 
 /* For a geometry that moves: update() reads its positions and writes its normals. */

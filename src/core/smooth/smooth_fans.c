@@ -278,6 +278,65 @@ static int looks_smooth(const core_mesh *mesh, double cosine) {
     return 4 * near >= 3 * (size_t)LOOKS && !norma_core_is_scattered(mesh);
 }
 
+/* Of a mesh in random order, faces in a row tell nothing. A small one, whose sums stay in the
+ * second cache, is looked at where all faces at some positions are. */
+enum { MOST_SCATTERED = 1 << 13, SAMPLES = 24 };
+
+typedef struct sampled_positions {
+    const core_mesh *mesh;
+    double cosine;
+    uint64_t marked[MOST_SCATTERED / 64]; /* a bit for each position: it is a sample */
+    uint32_t positions[SAMPLES];
+    double crosses[SAMPLES][3]; /* of the first face at each; zeros: none yet */
+    size_t seen, near;          /* further faces: all, those near the first */
+} sampled_positions;
+
+static void mark_samples(sampled_positions *s) {
+    const size_t faces = s->mesh->face_count;
+    for (size_t i = 0; i < SAMPLES; i++) {
+        const uint32_t at =
+            norma_core_welded_corner(s->mesh, 3 * ((faces - 1) * i / (SAMPLES - 1)));
+        s->positions[i] = at;
+        s->marked[at / 64] |= UINT64_C(1) << at % 64;
+    }
+}
+
+static void look_at_sample(sampled_positions *s, uint32_t position, const double cross[3]) {
+    size_t i = 0;
+    while (s->positions[i] != position) i++;
+    const double first = norma_core_length(s->crosses[i]);
+    if (first > 0) {
+        const double least = s->cosine * first * norma_core_length(cross);
+        s->seen++;
+        s->near += norma_core_dot(cross, s->crosses[i]) >= least;
+    } else {
+        memcpy(s->crosses[i], cross, sizeof s->crosses[i]);
+    }
+}
+
+static void look_at_corners(sampled_positions *s, const uint32_t at[3]) {
+    double cross[3];
+    for (int k = 0; k < 3; k++) {
+        const uint32_t position = norma_core_welded(s->mesh, at[k]);
+        if (!(s->marked[position / 64] >> position % 64 & 1)) continue;
+        cross_of(s->mesh, at, cross);
+        look_at_sample(s, position, cross);
+    }
+}
+
+static int scattered_looks_smooth(const core_mesh *mesh, double cosine) {
+    sampled_positions s = {.mesh = mesh, .cosine = cosine};
+    if (mesh->positions.count > MOST_SCATTERED || !norma_core_is_scattered(mesh)) return 0;
+    mark_samples(&s);
+    for (size_t c = 0, count; c < mesh->corner_count; c += count) {
+        uint32_t at[CORNERS_AT_ONCE];
+        count = mesh->corner_count - c < CORNERS_AT_ONCE ? mesh->corner_count - c : CORNERS_AT_ONCE;
+        norma_core_read_corners(mesh, c, count, at);
+        for (size_t i = 0; i < count; i += 3) look_at_corners(&s, at + i);
+    }
+    return 4 * s.near >= 3 * s.seen;
+}
+
 /* ---- all bins */
 
 static void touch_chunk(void *context, size_t chunk) {
@@ -356,7 +415,9 @@ norma_result norma_core_write_smooth_fans(core_prepared_mesh *prepared, core_ran
     *fans = (smooth_fans){.others = NULL};
     atomic_init(&work.seen, 0);
     atomic_init(&work.left, 0);
-    if (!looks_smooth(&prepared->mesh, (double)work.cosine)) return NORMA_OK;
+    if (!looks_smooth(&prepared->mesh, (double)work.cosine) &&
+        !scattered_looks_smooth(&prepared->mesh, (double)work.cosine))
+        return NORMA_OK;
     work.bins =
         (core_bins){.mesh = &prepared->mesh, .chunks = norma_core_count_chunks(&prepared->mesh)};
     if (prepared->mesh.weld)

@@ -189,9 +189,18 @@ CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) 
         add_weighted(adder, f, next, NORMA_WEIGHT_AREA);
     }
 }
+
+/* The few at the end go through a batch. */
+CORE_INLINE void add_by_angle(const core_adder *adder, size_t begin, size_t end) {
+    if (core_can_measure_eight(adder->mesh)) begin = core_add_eights(adder, begin, end);
+    add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE);
+}
 #elif defined(__wasm__)
 CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) {
     add_weighted(adder, begin, end, NORMA_WEIGHT_AREA);
+}
+CORE_INLINE void add_by_angle(const core_adder *adder, size_t begin, size_t end) {
+    add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE);
 }
 #endif
 
@@ -199,7 +208,7 @@ CORE_INLINE void add_by_area(const core_adder *adder, size_t begin, size_t end) 
 CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end) {
 #if defined(__wasm__)
     if (adder->weight == NORMA_WEIGHT_ANGLE)
-        add_weighted(adder, begin, end, NORMA_WEIGHT_ANGLE);
+        add_by_angle(adder, begin, end);
     else if (adder->weight == NORMA_WEIGHT_AREA)
         add_by_area(adder, begin, end);
     else
