@@ -85,6 +85,7 @@ list(FILTER web_file_sources EXCLUDE REGEX "/(file/read_file|file/window|file/at
 list(APPEND web_file_sources src/io/image/image_left_out.c)
 list(APPEND web_file_sources ${check_sources})
 list(TRANSFORM web_file_sources REPLACE "^src/" "${PROJECT_SOURCE_DIR}/src/")
+list(FILTER web_file_sources EXCLUDE REGEX "/check/run/check_large\\.c$")
 set(web_fix_sources ${web_file_sources})
 list(FILTER web_fix_sources INCLUDE REGEX "/check/fix/")
 list(FILTER web_file_sources EXCLUDE REGEX "/check/fix/")

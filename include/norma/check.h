@@ -11,6 +11,7 @@
 #ifndef NORMA_CHECK_H
 #define NORMA_CHECK_H
 #include <norma/document.h>
+#include <norma/large.h>
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -219,6 +220,24 @@ NORMA_API norma_result norma_check_scene_run(
  * Parts with a not_read in their info are reported by N002. Cost: as norma_check_scene_run. */
 NORMA_API norma_document_result norma_check_document(norma_document *document,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error);
+
+/* Applies the rules that need no neighbours to a binary PLY or STL that is larger than memory,
+ * which is read part by part: N101 to N104, N205, N401, N402, N404, N405, N701 and N702. Their
+ * findings are those of norma_check_document; only whether a facet's normal or its winding is wrong
+ * (N205) is not looked at. N002 names the selected rules that were not applied.
+ *
+ *   path       the file
+ *   large      NULL for the defaults; uses max_memory and format
+ *   options    NULL for the defaults
+ *   findings   written on success; release them with norma_findings_free
+ *   error      written on failure; or NULL
+ *
+ * Errors: NORMA_DOCUMENT_ERROR_UNSUPPORTED if the file can only be read whole, and as
+ * norma_document_open. Cost: two readings of the file, and two to four more if N701 finds
+ * something. */
+NORMA_API norma_document_result norma_check_large(const char *path,
+    const norma_large_options *large, const norma_check_options *options, norma_findings **findings,
+    norma_document_error *error);
 
 /* Returns the findings for a file that could not be opened: a single N001 with the error's message.
  *

@@ -46,6 +46,48 @@ status=0
 "$norma" compute in.ply -o - --max-memory 48M >piped 2>said || status=$?
 if [ "$status" = 3 ] && [ ! -s piped ]; then pass "standard output is refused in passes"; else fail "standard output is refused in passes" "status $status: $(cat said)"; fi
 
+# check, part by part: what the rules that need no neighbours find in the whole file.
+meshes=$root/tests/cli/large_meshes.py
+expected_rules=(ply "N101 N102 N103 N401 N402" ply-double-scattered "N101 N102 N103 N401 N402" ply-big-bare "N104 N401 N402" ply-byte "N102 N103 N401 N402 N702"
+    ply-quads-scattered "N101 N102 N103 N401 N402 N404 N404 N405" ply-quads-first "N101 N102 N103 N401 N402 N404 N404 N405" stl-leaning "N101 N205 N401 N402"
+    ply-far "N101 N102 N103 N401 N402 N701" stl-far "N101 N205 N401 N402 N701")
+for ((i = 0; i < ${#expected_rules[@]}; i += 2)); do
+    kind=${expected_rules[i]}
+    file=$kind.${kind%%-*}
+    python3 "$meshes" make "$kind" "$file"
+    "$norma" check "$file" --no-config --json >whole.json
+    status=$?
+    "$norma" check "$file" --no-config --json --max-memory 20M --threads $((i % 3 + 1)) >parts.json
+    if [ $? != $status ]; then fail "check $kind: exit status" "$?, whole $status"; fi
+    found=$(python3 "$meshes" compare whole.json parts.json 2>said)
+    if [ "$found" = "${expected_rules[i + 1]}" ]; then pass "check $kind in parts: $found"; else fail "check $kind in parts" "$found, expected ${expected_rules[i + 1]}; $(cat said)"; fi
+done
+for kind in ply stl; do peak 48 "check of a $kind stays within 48M" "$norma" check in.$kind --no-config --max-memory 48M --fail-on never; done
+for form in text line json sarif html; do
+    "$norma" check ply.ply --no-config --max-memory 20M --format $form >report 2>said
+    if grep -q 'N002' report && grep -q 'N302, N303' report; then pass "$form names the rules that were not applied"; else fail "$form names the rules that were not applied" "$(head -c 2000 report)"; fi
+done
+in_parts() { # NAME STATUS ARGUMENTS...
+    local name=$1 expected=$2 status=0
+    shift 2
+    "$norma" check --no-config --max-memory 20M "$@" >report 2>said || status=$?
+    if [ $status = "$expected" ]; then pass "$name"; else fail "$name" "status $status, expected $expected: $(cat report said)"; fi
+}
+in_parts "check in parts is no pass" 1 ply-big-bare.ply --fail-on warning
+check "and counts as not checked" grep -q '1 not checked' report
+in_parts "rules that need no neighbours are all there is to it" 0 ply-big-bare.ply --select N1,N401 --fail-on warning
+check "and nothing is left unchecked" sh -c '! grep -q "not checked" report'
+in_parts "--fix is refused in parts" 3 ply.ply --fix -o fixed.ply
+check "with a reason" grep -q 'fixing needs the whole file' said
+check "and writes nothing" [ ! -e fixed.ply ]
+in_parts "a baseline in parts is written" 0 ply.ply --write-baseline known.json
+in_parts "and known" 0 ply.ply --baseline known.json --fail-on info
+in_parts "a shard in parts" 1 ply.ply ply-byte.ply --shard 2/2 --json -o shard.json
+check "has its file" grep -q 'ply-byte.ply' shard.json
+head -c 1500000 ply.ply >short.ply
+in_parts "a file that ends early is unreadable in parts" 3 short.ply
+check "and N001 says why" grep -q 'N001 unreadable: .*the file ends' report
+
 # The old file stays: a limit on the size of files stands for a full disk.
 mkdir out
 head -c 1000000 in.ply >old

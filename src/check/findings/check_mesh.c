@@ -219,8 +219,7 @@ double norma_check_twice_area(const check_mesh *m, size_t face) {
     return geometry.flags & CORE_FACE_FINITE ? geometry.twice_area : 0;
 }
 
-double norma_check_whole_area(const check_mesh *m) {
-    double sum = 0;
+double norma_check_add_areas(const check_mesh *m, double sum) {
     for (size_t f = 0; f < m->mesh.face_count; f++) sum += norma_check_twice_area(m, f);
     return sum;
 }

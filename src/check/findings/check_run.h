@@ -53,6 +53,12 @@ typedef struct check_group {
     size_t vertices, corner_count;
 } check_group;
 
+/* Where the mesh that is looked at lies in its file, if it is a part of it. */
+typedef struct check_part {
+    size_t first_face, first_vertex;
+    const uint32_t *vertices; /* the number of each vertex; NULL: they follow first_vertex */
+} check_part;
+
 typedef struct check_run {
     norma_check_options options; /* every field valid */
     norma_check_profile profile; /* render or print; generated models are judged as prints, which no
@@ -61,9 +67,10 @@ typedef struct check_run {
     uint8_t rules[CHECK_RULE_COUNT]; /* wanted: nonzero */
     core_call call;                  /* memory, threads, progress */
     norma_findings *findings;
-    size_t next_order;     /* places are numbered as they come */
-    check_group *group;    /* the meshes that are looked at together now */
-    check_member *members; /* primitives held for N501 */
+    const check_part *part; /* what is hit has the numbers of this part; NULL: those of the file */
+    size_t next_order;      /* places are numbered as they come */
+    check_group *group;     /* the meshes that are looked at together now */
+    check_member *members;  /* primitives held for N501 */
     size_t member_count, member_room;
     check_solid_member *solids; /* primitives held for N302 and N304 */
     size_t solid_count, solid_room;
@@ -126,8 +133,9 @@ struct check_mesh {
     const norma_check_mesh *given;
     check_place place;
     uint8_t rules[CHECK_RULE_COUNT]; /* wanted here: without those that extras silence */
-    size_t number;                   /* in run->group */
-    int siblings;                    /* other primitives of the same mesh are checked too */
+    int in_parts;   /* the whole of a file that is never in memory: it has counts, but no arrays */
+    size_t number;  /* in run->group */
+    int siblings;   /* other primitives of the same mesh are checked too */
     int on_purpose; /* the material is double-sided or not opaque: normals and windings may be meant
                        as they are */
     core_mesh mesh; /* checked; as the file has it, not welded */
@@ -174,9 +182,10 @@ static inline size_t norma_check_normal_count(const check_mesh *m) {
 /* A face whose height is less than this of its longest edge: its direction says little, and its
  * area is almost nothing. */
 static inline int norma_check_is_sliver(const check_face *face) { return face->height < 1e-4F; }
-/* check_mesh.c: twice the area of some face, and of all of them; 0 where it is not finite. */
+/* check_mesh.c: twice the area of some face, 0 where it is not finite; and sum with that of each
+ * face added, one after another. */
 double norma_check_twice_area(const check_mesh *m, size_t face);
-double norma_check_whole_area(const check_mesh *m);
+double norma_check_add_areas(const check_mesh *m, double sum);
 
 /* The number of a corner's stored normal; SIZE_MAX: none. */
 static inline size_t norma_check_normal_of(const check_mesh *m, size_t face, size_t corner) {

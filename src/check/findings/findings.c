@@ -35,7 +35,16 @@ static void keep_worst(check_hits *hits, double value, check_spot spot) {
     }
 }
 
+static check_spot spot_in_file(const check_part *part, check_spot spot) {
+    if (spot.vertex != SIZE_MAX)
+        spot.vertex =
+            part->vertices ? part->vertices[spot.vertex] : part->first_vertex + spot.vertex;
+    if (spot.face != SIZE_MAX) spot.face += part->first_face;
+    return spot;
+}
+
 void norma_check_hit(const check_run *run, check_hits *hits, double value, check_spot spot) {
+    if (run->part) spot = spot_in_file(run->part, spot);
     keep_worst(hits, value, spot);
     hits->count++;
     keep_sample(run, hits, spot);
@@ -100,7 +109,7 @@ static int position_of_face(const core_mesh *mesh, size_t face, double position[
 
 static norma_sample sample_of(const check_mesh *m, check_spot spot) {
     norma_sample sample = {.vertex = spot.vertex, .face = spot.face, .normal = spot.normal};
-    if (!m) return sample;
+    if (!m || m->in_parts) return sample;
     if (spot.vertex < m->mesh.positions.count) {
         norma_view_read(&m->mesh.positions, spot.vertex, sample.position);
         sample.has_position = 1;
@@ -208,6 +217,28 @@ static int by_place(const void *first, const void *second) {
 void norma_findings_sort(norma_findings *findings) {
     if (findings->count)
         qsort(findings->entries, findings->count, sizeof *findings->entries, by_place);
+}
+
+static norma_document_result locate_sample(
+    norma_sample *sample, check_locate *locate, void *context) {
+    if (sample->vertex == SIZE_MAX && sample->face == SIZE_MAX) return NORMA_DOCUMENT_OK;
+    const norma_document_result result = locate(context, sample);
+    sample->has_position = !result && norma_core_finite(sample->position);
+    if (!sample->has_position) memset(sample->position, 0, sizeof sample->position);
+    return result;
+}
+
+norma_document_result norma_findings_locate(
+    norma_findings *findings, check_locate *locate, void *context) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < findings->count && !result; i++) {
+        norma_finding *finding = &findings->entries[i].finding;
+        norma_sample *samples = (norma_sample *)(uintptr_t)finding->samples;
+        result = locate_sample(&finding->worst, locate, context);
+        for (size_t k = 0; k < finding->sample_count && !result; k++)
+            result = locate_sample(&samples[k], locate, context);
+    }
+    return result;
 }
 
 size_t norma_findings_count(const norma_findings *findings) {

@@ -18,4 +18,10 @@ struct norma_findings {
 
 norma_findings *norma_findings_new(norma_check_profile profile); /* NULL: out of memory */
 void norma_findings_sort(norma_findings *findings);              /* by place, rule, severity */
+
+/* Fills in the positions of samples, as locate finds that of their vertex or else the middle of
+ * their face. */
+typedef norma_document_result check_locate(void *context, norma_sample *sample);
+norma_document_result norma_findings_locate(
+    norma_findings *findings, check_locate *locate, void *context);
 #endif

@@ -1,4 +1,5 @@
 /* face_shapes.c: N401 and N402: faces without area, and slivers. */
+#include "check/rules/local_rules.h"
 #include "check/rules/mesh_rules.h"
 #include "core/face/triangle.h"
 #include <math.h>
@@ -8,13 +9,9 @@ enum { FACES_IN_BLOCK = 1 << 14 };
 static const double DEGENERATE = 1e-6;
 static const double SLIVER_RAD = 0.0017453292519943296; /* 0.1 degrees */
 
-typedef struct shape_part {
-    check_hits degenerate, slivers;
-} shape_part;
-
 typedef struct shape_pass {
     const check_mesh *m;
-    shape_part *parts;
+    check_shapes *parts;
     int wants_degenerate, wants_slivers;
 } shape_pass;
 
@@ -49,7 +46,7 @@ static int may_be_sliver(const check_mesh *m, size_t face) {
     return corners > 3 || (double)m->faces[face].height < 1.01 * SLIVER_RAD;
 }
 
-static void judge_shape(const shape_pass *pass, shape_part *part, size_t face) {
+static void judge_shape(const shape_pass *pass, check_shapes *part, size_t face) {
     const check_mesh *m = pass->m;
     double height = (double)m->faces[face].height;
     if (height < DEGENERATE) {
@@ -70,7 +67,7 @@ static void judge_shapes(void *context, size_t block, size_t begin, size_t end) 
     for (size_t f = begin; f < end; f++) judge_shape(pass, &pass->parts[block], f);
 }
 
-static norma_result add_findings(check_mesh *m, shape_part *sum) {
+static norma_result add_findings(check_mesh *m, check_shapes *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
     if (sum->degenerate.count) {
@@ -99,8 +96,20 @@ static norma_result add_findings(check_mesh *m, shape_part *sum) {
     return result;
 }
 
-norma_result norma_check_shapes(check_mesh *m) {
+void norma_check_shapes_drop(check_shapes *sum) {
+    norma_check_hits_free(&sum->degenerate);
+    norma_check_hits_free(&sum->slivers);
+}
+
+norma_result norma_check_shapes_add(check_mesh *m, check_shapes *sum) {
+    const norma_result result = add_findings(m, sum);
+    norma_check_shapes_drop(sum);
+    return result;
+}
+
+norma_result norma_check_shapes_look(check_mesh *m, check_shapes *sum) {
     size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
+    sum->degenerate.least = sum->slivers.least = 1;
     if (!blocks || !norma_check_wants_any(m, RULE_N401, RULE_N402)) return NORMA_OK;
     norma_result result = norma_check_faces(m);
     shape_pass pass = {m,
@@ -109,14 +118,18 @@ norma_result norma_check_shapes(check_mesh *m) {
     if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_shapes, &pass);
-    shape_part sum = {{.least = 1}, {.least = 1}};
     for (size_t i = 0; i < blocks; i++) {
-        norma_check_hits_merge(m->run, &sum.degenerate, &pass.parts[i].degenerate);
-        norma_check_hits_merge(m->run, &sum.slivers, &pass.parts[i].slivers);
+        norma_check_hits_merge(m->run, &sum->degenerate, &pass.parts[i].degenerate);
+        norma_check_hits_merge(m->run, &sum->slivers, &pass.parts[i].slivers);
     }
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result) result = add_findings(m, &sum);
-    norma_check_hits_free(&sum.degenerate);
-    norma_check_hits_free(&sum.slivers);
+    return result;
+}
+
+norma_result norma_check_shapes(check_mesh *m) {
+    check_shapes sum = {{0}, {0}};
+    norma_result result = norma_check_shapes_look(m, &sum);
+    if (!result) result = norma_check_shapes_add(m, &sum);
+    norma_check_shapes_drop(&sum);
     return result;
 }

@@ -1,4 +1,5 @@
 /* facets.c: N205: the normals of STL facets against their winding. */
+#include "check/rules/local_rules.h"
 #include "check/rules/mesh_rules.h"
 #include "check/findings/angle.h"
 #include "core/face/unit_length.h"
@@ -9,21 +10,15 @@ enum { FACETS_IN_BLOCK = 1 << 14 };
 static const double NEAR_COSINE = 0.9961946980917455; /* of 5 degrees */
 static const double LEAST_SHARE = .001;               /* of the area: below it, the rule informs */
 
-typedef struct facet_part {
-    check_hits hits;
-    size_t zeros;
-    double twice_area; /* of those */
-} facet_part;
-
 typedef struct facet_pass {
     const check_mesh *m;
-    facet_part *parts;
-    uint8_t *behind; /* of each face: its normal is on the other side */
+    check_facets *parts;
+    uint8_t *behind; /* of each face: its normal is on the other side; or NULL */
 } facet_pass;
 
 /* A facet that is degenerate has no direction to compare with; its zero normal is as right as any.
  */
-static void judge_facet(const facet_pass *pass, facet_part *part, size_t facet) {
+static void judge_facet(const facet_pass *pass, check_facets *part, size_t facet) {
     const check_mesh *m = pass->m;
     double n[3], length;
     norma_check_normal(m, facet, n);
@@ -38,7 +33,7 @@ static void judge_facet(const facet_pass *pass, facet_part *part, size_t facet) 
         part->zeros++;
         norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {
-        pass->behind[facet] = cosine < 0;
+        if (pass->behind) pass->behind[facet] = cosine < 0;
         norma_check_hit(m->run, &part->hits,
             norma_check_arc_cosine(fmax(cosine, -1)) * (180 / 3.141592653589793),
             norma_check_face(facet));
@@ -64,10 +59,12 @@ static norma_result count_turned(check_mesh *m, const uint8_t *behind, size_t *c
     return result;
 }
 
-static norma_result add_facets(
-    check_mesh *m, check_hits *hits, size_t zeros, double twice_area, size_t turned) {
+norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
+    check_hits *hits = &sum->hits;
+    const size_t zeros = sum->zeros, turned = sum->turned;
     char message[CHECK_MESSAGE];
-    const int matters = twice_area >= LEAST_SHARE * norma_check_whole_area(m);
+    const int matters = sum->twice_area >= LEAST_SHARE * sum->whole_area;
+    if (!hits->count) return NORMA_OK;
     if (zeros == hits->count)
         norma_check_message(message,
             "%z of %z facets have a zero normal; readers compute it from the winding", zeros,
@@ -97,43 +94,42 @@ static norma_result add_facets(
             .message = message});
 }
 
-/* Gathers what the blocks found, in their order. */
-static void merge_parts(check_mesh *m, facet_part *parts, size_t blocks, facet_part *sum) {
+norma_result norma_check_facets_look(check_mesh *m, check_facets *sum, uint8_t *behind) {
+    const core_call *call = &m->run->call;
+    const size_t normals = norma_check_normal_count(m), faces = m->mesh.face_count,
+                 count = normals < faces ? normals : faces,
+                 blocks = norma_check_block_count(count, FACETS_IN_BLOCK);
+    if (!count) return NORMA_OK;
+    norma_result result = norma_check_faces(m);
+    if (result) return result;
+    facet_pass pass = {m, norma_core_allocate(call, blocks, sizeof *pass.parts), behind};
+    if (!pass.parts) return NORMA_ERROR_MEMORY;
+    memset(pass.parts, 0, blocks * sizeof *pass.parts);
+    result = norma_check_blocks(m->run, count, FACETS_IN_BLOCK, judge_facets, &pass);
     for (size_t i = 0; i < blocks; i++) {
-        norma_check_hits_merge(m->run, &sum->hits, &parts[i].hits);
-        sum->zeros += parts[i].zeros;
-        sum->twice_area += parts[i].twice_area;
+        norma_check_hits_merge(m->run, &sum->hits, &pass.parts[i].hits);
+        sum->zeros += pass.parts[i].zeros;
+        sum->twice_area += pass.parts[i].twice_area;
     }
-}
-
-static norma_result judge_all(check_mesh *m, size_t count, facet_pass *pass, size_t blocks) {
-    facet_part sum = {.zeros = 0};
-    size_t turned = 0;
-    memset(pass->parts, 0, blocks * sizeof *pass->parts);
-    memset(pass->behind, 0, m->mesh.face_count);
-    norma_result result = norma_check_blocks(m->run, count, FACETS_IN_BLOCK, judge_facets, pass);
-    merge_parts(m, pass->parts, blocks, &sum);
-    if (!result) result = count_turned(m, pass->behind, &turned);
-    if (!result && sum.hits.count)
-        return add_facets(m, &sum.hits, sum.zeros, sum.twice_area, turned);
-    norma_check_hits_free(&sum.hits);
+    norma_core_release(call, pass.parts, blocks, sizeof *pass.parts);
     return result;
 }
 
 norma_result norma_check_facets(check_mesh *m) {
     const core_call *call = &m->run->call;
-    const size_t normals = norma_check_normal_count(m), faces = m->mesh.face_count,
-                 count = normals < faces ? normals : faces,
-                 blocks = norma_check_block_count(count, FACETS_IN_BLOCK);
-    if (m->given->info.normals != NORMA_NORMALS_PER_FACET || !count ||
+    const size_t faces = m->mesh.face_count;
+    check_facets sum = {.zeros = 0};
+    if (m->given->info.normals != NORMA_NORMALS_PER_FACET || !faces ||
         !norma_check_wants(m, RULE_N205))
         return NORMA_OK;
-    norma_result result = norma_check_faces(m);
-    if (result) return result;
-    facet_pass pass = {m, norma_core_allocate(call, blocks, sizeof *pass.parts),
-        norma_core_allocate(call, faces, 1)};
-    result = pass.parts && pass.behind ? judge_all(m, count, &pass, blocks) : NORMA_ERROR_MEMORY;
-    norma_core_release(call, pass.behind, faces, 1);
-    norma_core_release(call, pass.parts, blocks, sizeof *pass.parts);
+    uint8_t *behind = norma_core_allocate(call, faces, 1);
+    if (!behind) return NORMA_ERROR_MEMORY;
+    memset(behind, 0, faces);
+    norma_result result = norma_check_facets_look(m, &sum, behind);
+    if (!result) result = count_turned(m, behind, &sum.turned);
+    norma_core_release(call, behind, faces, 1);
+    if (!result && sum.hits.count) sum.whole_area = norma_check_add_areas(m, 0);
+    if (!result) result = norma_check_facets_add(m, &sum);
+    norma_check_hits_free(&sum.hits);
     return result;
 }

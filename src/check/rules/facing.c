@@ -63,7 +63,8 @@ static void gather_hits(check_mesh *m, check_hits *hits) {
 
 static norma_result add_opposed(check_mesh *m) {
     char message[CHECK_MESSAGE], which[CHECK_MESSAGE];
-    const double whole = norma_check_whole_area(m), part = whole > 0 ? m->opposed_area / whole : 0;
+    const double whole = norma_check_add_areas(m, 0),
+                 part = whole > 0 ? m->opposed_area / whole : 0;
     const norma_severity severity = m->on_purpose ? NORMA_SEVERITY_INFO
                                     : part > .01  ? NORMA_SEVERITY_ERROR
                                                   : NORMA_SEVERITY_WARNING;

@@ -1,4 +1,5 @@
 /* lengths.c: N101 to N103: normals that are no unit vectors, by what their encoding can hold. */
+#include "check/rules/local_rules.h"
 #include "check/rules/mesh_rules.h"
 #include "core/face/unit_length.h"
 #include <math.h>
@@ -6,14 +7,10 @@
 
 enum { NORMALS_IN_BLOCK = 1 << 14 };
 
-typedef struct length_part {
-    check_hits non_finite, zero, non_unit;
-} length_part;
-
 typedef struct length_pass {
     const check_mesh *m;
     double tolerance;
-    length_part *parts;
+    check_lengths *parts;
 } length_pass;
 
 static double length_tolerance(const check_mesh *m) {
@@ -24,7 +21,7 @@ static double length_tolerance(const check_mesh *m) {
     return norma_core_unit_tolerance(bits, m->run->options.strict);
 }
 
-static void judge_normal(const length_pass *pass, length_part *part, size_t number) {
+static void judge_normal(const length_pass *pass, check_lengths *part, size_t number) {
     const check_mesh *m = pass->m;
     double n[3], length;
     norma_check_normal(m, number, n);
@@ -72,12 +69,8 @@ static norma_result count_idle(check_mesh *m, size_t zeros, size_t *idle) {
     return NORMA_OK;
 }
 
-static norma_result add_zero(check_mesh *m, check_hits *hits) {
+static norma_result add_zero(check_mesh *m, check_hits *hits, size_t idle) {
     char message[CHECK_MESSAGE];
-    size_t idle = 0;
-    norma_result result =
-        m->degenerate_count || !m->faces ? count_idle(m, hits->count, &idle) : NORMA_OK;
-    if (result) return result;
     if (idle)
         norma_check_message(message,
             "%z zero-length normal%s; %z used only by degenerate faces (N401)", hits->count,
@@ -93,7 +86,12 @@ static norma_result add_zero(check_mesh *m, check_hits *hits) {
             .message = message});
 }
 
-static norma_result add_findings(check_mesh *m, length_part *sum) {
+/* The lengths of facet normals are N205's. */
+static int wants_lengths(const check_mesh *m, check_rule rule) {
+    return m->given->info.normals != NORMA_NORMALS_PER_FACET && norma_check_wants(m, rule);
+}
+
+static norma_result add_findings(check_mesh *m, check_lengths *sum, size_t idle) {
     char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N101) && sum->non_finite.count) {
@@ -106,10 +104,9 @@ static norma_result add_findings(check_mesh *m, length_part *sum) {
                 .hits = &sum->non_finite,
                 .message = message});
     }
-    int facets = m->given->info.normals == NORMA_NORMALS_PER_FACET; /* their lengths are N205's */
-    if (!result && !facets && norma_check_wants(m, RULE_N102) && sum->zero.count)
-        result = add_zero(m, &sum->zero);
-    if (!result && !facets && norma_check_wants(m, RULE_N103) && sum->non_unit.count) {
+    if (!result && wants_lengths(m, RULE_N102) && sum->zero.count)
+        result = add_zero(m, &sum->zero, idle);
+    if (!result && wants_lengths(m, RULE_N103) && sum->non_unit.count) {
         norma_check_message(message,
             "%z normal%s whose length differs from 1, by up to %g; if a shader does not "
             "renormalise, diffuse light is multiplied by the length",
@@ -124,29 +121,44 @@ static norma_result add_findings(check_mesh *m, length_part *sum) {
     return result;
 }
 
-static void free_part(length_part *part) {
-    norma_check_hits_free(&part->non_finite);
-    norma_check_hits_free(&part->zero);
-    norma_check_hits_free(&part->non_unit);
+void norma_check_lengths_drop(check_lengths *sum) {
+    norma_check_hits_free(&sum->non_finite);
+    norma_check_hits_free(&sum->zero);
+    norma_check_hits_free(&sum->non_unit);
 }
 
-norma_result norma_check_lengths(check_mesh *m) {
+norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, size_t idle) {
+    const norma_result result = add_findings(m, sum, idle);
+    norma_check_lengths_drop(sum);
+    return result;
+}
+
+norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum) {
     size_t count = norma_check_normal_count(m),
            blocks = norma_check_block_count(count, NORMALS_IN_BLOCK);
+    sum->zero.least = 1;
     if (!count || !norma_check_wants_any(m, RULE_N101, RULE_N103)) return NORMA_OK;
-    length_part sum = {.zero.least = 1};
     length_pass pass = {
         m, length_tolerance(m), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     norma_result result = pass.parts ? norma_check_users(m) : NORMA_ERROR_MEMORY;
     if (pass.parts) memset(pass.parts, 0, blocks * sizeof *pass.parts);
     if (!result) result = norma_check_blocks(m->run, count, NORMALS_IN_BLOCK, judge_normals, &pass);
     for (size_t i = 0; pass.parts && i < blocks; i++) {
-        norma_check_hits_merge(m->run, &sum.non_finite, &pass.parts[i].non_finite);
-        norma_check_hits_merge(m->run, &sum.zero, &pass.parts[i].zero);
-        norma_check_hits_merge(m->run, &sum.non_unit, &pass.parts[i].non_unit);
+        norma_check_hits_merge(m->run, &sum->non_finite, &pass.parts[i].non_finite);
+        norma_check_hits_merge(m->run, &sum->zero, &pass.parts[i].zero);
+        norma_check_hits_merge(m->run, &sum->non_unit, &pass.parts[i].non_unit);
     }
-    if (!result) result = add_findings(m, &sum);
-    free_part(&sum);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
+    return result;
+}
+
+norma_result norma_check_lengths(check_mesh *m) {
+    check_lengths sum = {.zero.least = 1};
+    size_t idle = 0;
+    norma_result result = norma_check_lengths_look(m, &sum);
+    if (!result && sum.zero.count && wants_lengths(m, RULE_N102))
+        result = count_idle(m, sum.zero.count, &idle);
+    if (!result) result = norma_check_lengths_add(m, &sum, idle);
+    norma_check_lengths_drop(&sum);
     return result;
 }

@@ -1,5 +1,6 @@
 /* polygons.c: N404 and N405: polygons that fold over where a reader cuts them into a fan, and
  * polygons that are not flat. */
+#include "check/rules/local_rules.h"
 #include "check/rules/mesh_rules.h"
 #include "check/findings/angle.h"
 #include "core/face/triangle.h"
@@ -11,19 +12,9 @@ static const double FOLD = 1e-6;  /* of the polygon's area: what rounding may tu
 static const double SLIGHT = .01; /* of its area: as much facing away hardly shows */
 static const double OUT_OF_PLANE_SINE = 0.0174524064; /* of 1 degree */
 
-typedef struct folded {
-    check_hits hits;
-    size_t crossing; /* of them: their edges cross */
-} folded;
-
-typedef struct polygon_part {
-    folded folds, slight; /* slight: what faces away is next to nothing of the polygon */
-    check_hits bent;
-} polygon_part;
-
 typedef struct polygon_pass {
     const check_mesh *m;
-    polygon_part *parts;
+    check_polygons *parts;
 } polygon_pass;
 
 static void corner_from(
@@ -137,14 +128,14 @@ static int position_is_finite(const check_mesh *m, size_t face) {
 }
 
 /* Its area cancels though it is broad: one half of it faces away, whichever half that is. */
-static void judge_cancelled(const polygon_pass *pass, polygon_part *part, size_t face) {
+static void judge_cancelled(const polygon_pass *pass, check_polygons *part, size_t face) {
     const check_face *shape = &pass->m->faces[face];
     if (norma_check_is_sliver(shape) || !position_is_finite(pass->m, face)) return;
     norma_check_hit(pass->m->run, &part->folds.hits, 1, norma_check_face(face));
     part->folds.crossing++;
 }
 
-static void judge_polygon(const polygon_pass *pass, polygon_part *part, size_t face) {
+static void judge_polygon(const polygon_pass *pass, check_polygons *part, size_t face) {
     const check_mesh *m = pass->m;
     const core_mesh *mesh = &m->topology.mesh;
     size_t corners = norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face), at = 0;
@@ -159,7 +150,7 @@ static void judge_polygon(const polygon_pass *pass, polygon_part *part, size_t f
     double share = least_share(mesh, face, normal, &away),
            sine = most_out_of_plane(mesh, face, normal, &at);
     if (share < -FOLD && !norma_check_is_sliver(&m->faces[face])) {
-        folded *to = away < SLIGHT ? &part->slight : &part->folds;
+        check_folds *to = away < SLIGHT ? &part->slight : &part->folds;
         norma_check_hit(m->run, &to->hits, -share, norma_check_face(face));
         to->crossing += crosses_itself(mesh, face, normal) != 0;
     }
@@ -173,7 +164,7 @@ static void judge_polygons(void *context, size_t block, size_t begin, size_t end
     for (size_t f = begin; f < end; f++) judge_polygon(pass, &pass->parts[block], f);
 }
 
-static norma_result add_folded(check_mesh *m, norma_severity severity, folded *f) {
+static norma_result add_folded(check_mesh *m, norma_severity severity, check_folds *f) {
     char message[CHECK_MESSAGE];
     if (!f->hits.count || !norma_check_wants(m, RULE_N404)) return NORMA_OK;
     norma_check_message(message,
@@ -192,7 +183,7 @@ static norma_result add_folded(check_mesh *m, norma_severity severity, folded *f
             .message = message});
 }
 
-static norma_result add_findings(check_mesh *m, polygon_part *sum) {
+static norma_result add_findings(check_mesh *m, check_polygons *sum) {
     char message[CHECK_MESSAGE];
     norma_result result = add_folded(m, NORMA_SEVERITY_WARNING, &sum->folds);
     if (!result) result = add_folded(m, NORMA_SEVERITY_INFO, &sum->slight);
@@ -208,7 +199,7 @@ static norma_result add_findings(check_mesh *m, polygon_part *sum) {
             .message = message});
 }
 
-static void add_part(const check_run *run, polygon_part *sum, polygon_part *part) {
+static void add_part(const check_run *run, check_polygons *sum, check_polygons *part) {
     norma_check_hits_merge(run, &sum->folds.hits, &part->folds.hits);
     norma_check_hits_merge(run, &sum->slight.hits, &part->slight.hits);
     norma_check_hits_merge(run, &sum->bent, &part->bent);
@@ -216,7 +207,19 @@ static void add_part(const check_run *run, polygon_part *sum, polygon_part *part
     sum->slight.crossing += part->slight.crossing;
 }
 
-norma_result norma_check_polygons(check_mesh *m) {
+void norma_check_polygons_drop(check_polygons *sum) {
+    norma_check_hits_free(&sum->folds.hits);
+    norma_check_hits_free(&sum->slight.hits);
+    norma_check_hits_free(&sum->bent);
+}
+
+norma_result norma_check_polygons_add(check_mesh *m, check_polygons *sum) {
+    const norma_result result = add_findings(m, sum);
+    norma_check_polygons_drop(sum);
+    return result;
+}
+
+norma_result norma_check_polygons_look(check_mesh *m, check_polygons *sum) {
     size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
     if (!m->mesh.face_starts || !blocks || !norma_check_wants_any(m, RULE_N404, RULE_N405))
         return NORMA_OK;
@@ -226,12 +229,15 @@ norma_result norma_check_polygons(check_mesh *m) {
     if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_polygons, &pass);
-    polygon_part sum = {.bent = {0}};
-    for (size_t i = 0; i < blocks; i++) add_part(m->run, &sum, &pass.parts[i]);
+    for (size_t i = 0; i < blocks; i++) add_part(m->run, sum, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
-    if (!result) result = add_findings(m, &sum);
-    norma_check_hits_free(&sum.folds.hits);
-    norma_check_hits_free(&sum.slight.hits);
-    norma_check_hits_free(&sum.bent);
+    return result;
+}
+
+norma_result norma_check_polygons(check_mesh *m) {
+    check_polygons sum = {.bent = {0}};
+    norma_result result = norma_check_polygons_look(m, &sum);
+    if (!result) result = norma_check_polygons_add(m, &sum);
+    norma_check_polygons_drop(&sum);
     return result;
 }

@@ -1,4 +1,5 @@
 /* precision.c: N502, N701 and N702: what the way of storing a mesh does to it. */
+#include "check/rules/local_rules.h"
 #include "check/rules/mesh_rules.h"
 #include <float.h>
 #include <math.h>
@@ -11,23 +12,19 @@ static const double COARSE_RATIO = 0.02;
 
 typedef struct edge_pass {
     const core_topology *topology;
-    double shorter;     /* edges below this are counted, of squared length */
-    size_t (*parts)[2]; /* of each block: shorter ones, all */
+    const double *lengths;
+    size_t count;
+    size_t *parts; /* count + 1 for each block */
 } edge_pass;
 
-static size_t largest_coordinate(const core_mesh *mesh, double *largest) {
-    size_t at = SIZE_MAX;
-    *largest = 0;
+void norma_check_find_largest(const core_mesh *mesh, size_t first, check_largest *largest) {
     for (size_t i = 0; i < mesh->positions.count; i++) {
         double p[3];
         norma_core_position(mesh, (uint32_t)i, p);
         double most = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));
-        if (most > *largest && norma_core_finite(p)) {
-            *largest = most;
-            at = i;
-        }
+        if (most > largest->coordinate && norma_core_finite(p))
+            *largest = (check_largest){most, first + i};
     }
-    return at;
 }
 
 /* Whole codes are no floats: their spacing is the encoding's, and quantised meshes know what they
@@ -53,45 +50,56 @@ static double edge_square(const core_topology *t, size_t face, size_t corner) {
     return norma_core_dot(edge, edge);
 }
 
-static void count_edges(void *context, size_t block, size_t begin, size_t end) {
+/* The first length whose square is greater; count: none. */
+static size_t interval_of(const edge_pass *pass, double square) {
+    size_t low = 0, high = pass->count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (square < pass->lengths[middle] * pass->lengths[middle])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+static void sort_edges(void *context, size_t block, size_t begin, size_t end) {
     const edge_pass *pass = context;
     const core_topology *t = pass->topology;
+    size_t *counts = &pass->parts[block * (pass->count + 1)];
     for (size_t f = begin; f < end; f++)
         for (size_t c = norma_core_face_begin(&t->mesh, f); c < norma_core_face_end(&t->mesh, f);
              c++) {
             double square = edge_square(t, f, c);
-            pass->parts[block][0] += square >= 0 && square < pass->shorter;
-            pass->parts[block][1] += square >= 0;
+            if (square >= 0) counts[interval_of(pass, square)]++;
         }
 }
 
-/* Whether more than half of the edges are shorter. */
-static norma_result count_shorter(check_mesh *m, double length, size_t *shorter, size_t *all) {
-    size_t blocks = norma_check_block_count(m->mesh.face_count, CORNERS_IN_BLOCK);
-    edge_pass pass = {&m->topology, length * length,
-        norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+norma_result norma_check_sort_edges(
+    check_mesh *m, const double *lengths, size_t count, size_t *counts) {
+    const size_t blocks = norma_check_block_count(m->mesh.face_count, CORNERS_IN_BLOCK),
+                 numbers = blocks * (count + 1);
+    edge_pass pass = {&m->topology, lengths, count,
+        norma_core_allocate(&m->run->call, numbers, sizeof *pass.parts)};
     if (!pass.parts) return NORMA_ERROR_MEMORY;
-    memset(pass.parts, 0, blocks * sizeof *pass.parts);
+    memset(pass.parts, 0, numbers * sizeof *pass.parts);
     norma_result result =
-        norma_check_blocks(m->run, m->mesh.face_count, CORNERS_IN_BLOCK, count_edges, &pass);
-    *shorter = *all = 0;
-    for (size_t i = 0; i < blocks; i++) {
-        *shorter += pass.parts[i][0];
-        *all += pass.parts[i][1];
-    }
-    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
+        norma_check_blocks(m->run, m->mesh.face_count, CORNERS_IN_BLOCK, sort_edges, &pass);
+    for (size_t i = 0; i < numbers; i++) counts[i % (count + 1)] += pass.parts[i];
+    norma_core_release(&m->run->call, pass.parts, numbers, sizeof *pass.parts);
     return result;
 }
 
 /* The median is known only as a length that half of the edges are shorter than: halving finds it to
  * a thousandth. */
-static norma_result median_edge(check_mesh *m, double above, double *median) {
-    double low = 0, high = above;
+norma_result norma_check_median_edge(
+    double high, check_ask_shorter *ask, void *context, double *median) {
+    double low = 0;
     norma_result result = NORMA_OK;
     for (int i = 0; i < 40 && high - low > 1e-3 * high && !result; i++) {
         size_t shorter = 0, all = 0;
-        double middle = low + (high - low) / 2;
-        result = count_shorter(m, middle, &shorter, &all);
+        result = ask(context, low, high, &shorter, &all);
+        const double middle = low + (high - low) / 2;
         if (2 * shorter > all)
             high = middle;
         else
@@ -101,36 +109,54 @@ static norma_result median_edge(check_mesh *m, double above, double *median) {
     return result;
 }
 
-static norma_result check_distance(check_mesh *m) {
-    double largest, median;
-    size_t shorter, all, at = largest_coordinate(&m->mesh, &largest);
-    double spacing = largest > 0 ? spacing_at(m, largest) : 0;
-    norma_result result = spacing > 0 ? norma_check_weld(m) : NORMA_OK;
-    if (result || spacing == 0) return result;
-    result = count_shorter(m, spacing / COARSE_RATIO, &shorter, &all);
-    if (result || 2 * shorter <= all) return result;
-    result = median_edge(m, spacing / COARSE_RATIO, &median);
+double norma_check_coarse_length(const check_mesh *m, const check_largest *largest) {
+    return largest->coordinate > 0 ? spacing_at(m, largest->coordinate) / COARSE_RATIO : 0;
+}
+
+norma_result norma_check_distance_add(check_mesh *m, const check_largest *largest, double median) {
+    const double spacing = spacing_at(m, largest->coordinate);
     check_hits hits = {0};
     char message[CHECK_MESSAGE];
-    norma_check_hit(m->run, &hits, spacing / median, norma_check_vertex(at));
+    norma_check_hit(m->run, &hits, spacing / median, norma_check_vertex(largest->vertex));
     norma_check_message(message,
         "coordinates up to %g are rounded to %g, and half of the edges are shorter than %g; faces "
         "turn by about %g degrees",
-        largest, spacing, median, fmin(12 * spacing / median, 90));
-    if (!result)
-        return norma_check_add(m->run, &m->place, m,
-            &(check_report){.rule = RULE_N701,
-                .severity = NORMA_SEVERITY_WARNING,
-                .unit = "ratio",
-                .hits = &hits,
-                .message = message});
-    norma_check_hits_free(&hits);
+        largest->coordinate, spacing, median, fmin(12 * spacing / median, 90));
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N701,
+            .severity = NORMA_SEVERITY_WARNING,
+            .unit = "ratio",
+            .hits = &hits,
+            .message = message});
+}
+
+static norma_result count_shorter(
+    void *context, double low, double high, size_t *shorter, size_t *all) {
+    const double middle = low + (high - low) / 2;
+    size_t counts[2] = {0, 0};
+    const norma_result result = norma_check_sort_edges(context, &middle, 1, counts);
+    *shorter = counts[0];
+    *all = counts[0] + counts[1];
     return result;
+}
+
+static norma_result check_distance(check_mesh *m) {
+    check_largest largest = {.coordinate = 0};
+    size_t counts[2] = {0, 0};
+    double median;
+    norma_check_find_largest(&m->mesh, 0, &largest);
+    const double coarse = norma_check_coarse_length(m, &largest);
+    norma_result result = coarse > 0 ? norma_check_weld(m) : NORMA_OK;
+    if (result || coarse == 0) return result;
+    result = norma_check_sort_edges(m, &coarse, 1, counts);
+    if (result || counts[0] <= counts[1]) return result;
+    result = norma_check_median_edge(coarse, count_shorter, m, &median);
+    return result ? result : norma_check_distance_add(m, &largest, median);
 }
 
 /* ---- N702 */
 
-static norma_result check_encoding(check_mesh *m) {
+norma_result norma_check_encoding_add(check_mesh *m) {
     double bound = norma_check_encoding_bound(m->given->info.encoding) * (180 / 3.141592653589793);
     if (bound <= .25 || !norma_check_normal_count(m)) return NORMA_OK;
     check_hits hits = {0};
@@ -186,6 +212,6 @@ norma_result norma_check_precision(check_mesh *m) {
     if (!m->mesh.face_count) return result;
     if (norma_check_wants(m, RULE_N502)) result = check_soup(m);
     if (!result && norma_check_wants(m, RULE_N701)) result = check_distance(m);
-    if (!result && norma_check_wants(m, RULE_N702)) result = check_encoding(m);
+    if (!result && norma_check_wants(m, RULE_N702)) result = norma_check_encoding_add(m);
     return result;
 }

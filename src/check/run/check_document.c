@@ -19,7 +19,7 @@ typedef struct document_check {
     size_t mesh_count, skin_count, next_unread;
 } document_check;
 
-static norma_document_result fail(norma_document_error *error, norma_result result) {
+norma_document_result norma_check_fail(norma_document_error *error, norma_result result) {
     norma_document_result as = result == NORMA_CANCELLED        ? NORMA_DOCUMENT_CANCELLED
                                : result == NORMA_ERROR_MEMORY   ? NORMA_DOCUMENT_ERROR_MEMORY
                                : result == NORMA_ERROR_ARGUMENT ? NORMA_DOCUMENT_ERROR_ARGUMENT
@@ -42,7 +42,7 @@ static norma_document_result tell_unread(
     norma_check_message(message, "not checked: %s", why);
     norma_result result = norma_check_add_one(
         &d->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
-    return result ? fail(d->error, result) : NORMA_DOCUMENT_OK;
+    return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
 /* Those of the whole file stand first, those of primitives in their order; where: up to which one.
@@ -72,7 +72,7 @@ static norma_document_result read_morphs(document_check *d, size_t index, norma_
     size_t count = mesh->info.morph_targets;
     norma_morph_data *morphs = count ? calloc(count, sizeof *morphs) : NULL;
     d->morphs[d->mesh_count] = morphs;
-    if (count && !morphs) return fail(d->error, NORMA_ERROR_MEMORY);
+    if (count && !morphs) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t t = 0; t < count && !result; t++)
         result = norma_document_morph_data(d->document, index, t, &morphs[t], d->error);
@@ -114,7 +114,7 @@ static norma_document_result check_group_of(document_check *d, size_t *index, si
     norma_core_stage(&d->run.call, (double)begin / (double)count, (double)*index / (double)count);
     const norma_result checked =
         norma_check_run_group(&d->run, &d->meshes[first], d->mesh_count - first, &d->orders[first]);
-    return checked ? fail(d->error, checked) : NORMA_DOCUMENT_OK;
+    return checked ? norma_check_fail(d->error, checked) : NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result check_meshes(document_check *d) {
@@ -122,7 +122,8 @@ static norma_document_result check_meshes(document_check *d) {
     d->meshes = calloc(count + 1, sizeof *d->meshes);
     d->morphs = calloc(count + 1, sizeof *d->morphs);
     d->orders = calloc(count + 1, sizeof *d->orders);
-    if (!d->meshes || !d->morphs || !d->orders) return fail(d->error, NORMA_ERROR_MEMORY);
+    if (!d->meshes || !d->morphs || !d->orders)
+        return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
     norma_document_result result = tell_up_to(d, NULL);
     for (size_t i = 0; i < count && !result;) result = check_group_of(d, &i, count);
     return result;
@@ -137,7 +138,7 @@ static norma_document_result check_maps(document_check *d) {
         .error = d->error};
     norma_result failed;
     const norma_document_result result = norma_check_maps(&job, &failed);
-    return result ? result : failed ? fail(d->error, failed) : NORMA_DOCUMENT_OK;
+    return result ? result : failed ? norma_check_fail(d->error, failed) : NORMA_DOCUMENT_OK;
 }
 
 /* ---- nodes and skins */
@@ -164,20 +165,21 @@ static norma_document_result tell_malformed(
     if (!d->run.rules[RULE_N001]) return NORMA_DOCUMENT_OK;
     norma_result result = norma_check_add_one(
         &d->run, &place, NULL, RULE_N001, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, why);
-    return result ? fail(d->error, result) : NORMA_DOCUMENT_OK;
+    return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result read_skins(document_check *d) {
     size_t count = norma_document_skin_count(d->document);
     norma_document_result result = NORMA_DOCUMENT_OK;
     d->skins = calloc(count + 1, sizeof *d->skins);
-    if (!d->skins) return fail(d->error, NORMA_ERROR_MEMORY);
+    if (!d->skins) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
     for (; d->skin_count < count && !result; d->skin_count++) {
         norma_skin_info *skin = &d->skins[d->skin_count];
         norma_document_error error;
         norma_document_result read =
             norma_document_skin_info(d->document, d->skin_count, skin, &error);
-        if (read == NORMA_DOCUMENT_ERROR_MEMORY) return fail(d->error, NORMA_ERROR_MEMORY);
+        if (read == NORMA_DOCUMENT_ERROR_MEMORY)
+            return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
         if (!read) continue;
         *skin = (norma_skin_info){.name = "", .where = "", .ignore = "", .joint = SIZE_MAX};
         result = tell_malformed(d, d->skin_count, read, error.message);
@@ -189,13 +191,14 @@ static norma_document_result check_nodes(document_check *d) {
     size_t count = norma_document_node_count(d->document);
     norma_document_result result = NORMA_DOCUMENT_OK;
     d->nodes = calloc(count + 1, sizeof *d->nodes);
-    if (!d->nodes) return fail(d->error, NORMA_ERROR_MEMORY);
+    if (!d->nodes) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
     for (size_t i = 0; i < count && !result; i++) {
         result = norma_document_node_info(d->document, i, &d->nodes[i]);
         double world[16];
         if (result) /* once more, for the words */
             (void)norma_document_instance_world(d->document, i, 0, world, d->error);
-        if (result == NORMA_DOCUMENT_ERROR_MEMORY) result = fail(d->error, NORMA_ERROR_MEMORY);
+        if (result == NORMA_DOCUMENT_ERROR_MEMORY)
+            result = norma_check_fail(d->error, NORMA_ERROR_MEMORY);
     }
     if (!result) result = read_skins(d);
     const norma_check_scene scene = {.meshes = d->meshes,
@@ -207,16 +210,16 @@ static norma_document_result check_nodes(document_check *d) {
     norma_result checked =
         result ? NORMA_OK : norma_check_nodes(&d->run, &scene, instance_world, d);
     return checked == NORMA_ERROR_INDEX ? NORMA_DOCUMENT_ERROR_MALFORMED
-           : checked                    ? fail(d->error, checked)
+           : checked                    ? norma_check_fail(d->error, checked)
                                         : result;
 }
 
 norma_document_result norma_check_document(norma_document *document,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
     document_check d = {.document = document, .error = error};
-    if (!document || !findings) return fail(error, NORMA_ERROR_ARGUMENT);
+    if (!document || !findings) return norma_check_fail(error, NORMA_ERROR_ARGUMENT);
     norma_result begun = norma_check_begin(&d.run, options, norma_document_format(document));
-    if (begun) return fail(error, begun);
+    if (begun) return norma_check_fail(error, begun);
     norma_document_result result = check_meshes(&d);
     if (!result) result = check_maps(&d);
     if (!result) result = check_nodes(&d);

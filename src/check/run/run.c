@@ -93,7 +93,7 @@ norma_result norma_check_open_mesh(check_run *run, const norma_check_mesh *given
     return result;
 }
 
-static void close_mesh(check_mesh *m) {
+void norma_check_close_mesh(check_mesh *m) {
     const core_call *call = &m->run->call;
     norma_core_release(call, m->faces, m->mesh.face_count, sizeof *m->faces);
     norma_core_release(call, m->opposed, m->mesh.face_count, 1);
@@ -139,7 +139,7 @@ static norma_result run_mesh(check_run *run, size_t number) {
             .label = label};
     for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++)
         result = families[i](&m);
-    close_mesh(&m);
+    norma_check_close_mesh(&m);
     return result;
 }
 

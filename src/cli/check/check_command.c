@@ -78,7 +78,9 @@ static const char help[] =
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        needed for standard input, which is called -\n"
     "  --threads N           how many threads may work (all)\n"
-    "  --max-memory SIZE     512M, 2G: ends with 'out of memory' if a file needs more\n"
+    "  --max-memory SIZE     512M, 2G: a larger binary PLY or STL is read in parts, by the rules\n"
+    "                        that need no neighbours; N002 names the others. Other files end with\n"
+    "                        'out of memory'\n"
     "\n"
     "Exit status: 0 fine, 1 findings at or above --fail-on, 2 usage, 3 a file could not be read\n"
     "or written, 130 interrupted.\n";

@@ -63,6 +63,7 @@ typedef struct check_settings {
     const cli_files *files; /* where mended files go */
     int quiet;
     size_t file_count; /* of all shards */
+    size_t at_once;    /* files that are checked at the same time */
     int list_infos;    /* else they are only counted, in reports for people */
     check_style style;
     const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */

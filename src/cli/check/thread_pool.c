@@ -149,6 +149,7 @@ int check_all_files(const check_settings *asked, check_configs *configs, const c
         return CLI_FILE;
     }
     if (workers > 1) settings.threads = 1; /* the files share the cores */
+    settings.at_once = workers;
     *pool = (check_pool){
         .settings = &settings, .configs = configs, .format = format, .inputs = inputs, .out = out};
     settings.progress = report_progress;

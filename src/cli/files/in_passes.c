@@ -12,11 +12,19 @@
 #include <malloc.h>
 #endif
 
-int cli_needs_passes(const cli_files *files, const char *input) {
+/* No row of a file takes as much as this many times its bytes. */
+enum { MOST_NEED = 200 };
+
+int cli_can_take_passes(const cli_files *files, const char *input, uint64_t *need) {
     struct stat status;
-    uint64_t bytes;
     return strcmp(input, "-") != 0 && stat(input, &status) == 0 && S_ISREG(status.st_mode) &&
-           norma_large_need(input, files->format, &bytes) && bytes > cli_memory_for_data();
+           (uint64_t)status.st_size > cli_memory_for_data() / MOST_NEED &&
+           norma_large_need(input, files->format, need);
+}
+
+int cli_needs_passes(const cli_files *files, const char *input) {
+    uint64_t need;
+    return cli_can_take_passes(files, input, &need) && need > cli_memory_for_data();
 }
 
 typedef struct pass_line {

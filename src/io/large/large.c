@@ -8,7 +8,7 @@ static const uint64_t USUAL_MEMORY = (uint64_t)1 << 29, MEMORY_FOR_THREADS = (ui
 
 /* ---- options */
 
-static norma_large_options options_of(const norma_large_options *given) {
+norma_large_options norma_large_options_of(const norma_large_options *given) {
     norma_large_options options;
     norma_document_copy_options(&options, sizeof options, FIRST_VERSION, given);
     if (!options.max_memory) options.max_memory = USUAL_MEMORY;
@@ -23,7 +23,7 @@ static norma_document_result fail_argument(norma_document_error *error, const ch
     return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", what);
 }
 
-static norma_document_result fail_format(const char *path, norma_document_error *error) {
+norma_document_result norma_large_fail_format(const char *path, norma_document_error *error) {
     const norma_document named = {.path = (char *)(uintptr_t)path};
     return norma_document_fail(&named, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
         "only PLY and STL can be read in passes; allow more memory");
@@ -34,14 +34,15 @@ static norma_document_result fail_format(const char *path, norma_document_error 
 norma_document_result norma_large_compute(const char *input, const char *output,
     const norma_large_options *given, const norma_compute_options *compute,
     norma_compute_summary *summary, norma_document_error *error) {
-    const norma_large_options options = options_of(given);
+    const norma_large_options options = norma_large_options_of(given);
     norma_compute_options chosen;
     norma_compute_summary unwanted;
     large_file file;
     norma_document_clear(error);
     if (!input || !output) return fail_argument(error, "no path was given");
     const norma_file_format format = format_of(input, options.format);
-    if (format != NORMA_FILE_PLY && format != NORMA_FILE_STL) return fail_format(input, error);
+    if (format != NORMA_FILE_PLY && format != NORMA_FILE_STL)
+        return norma_large_fail_format(input, error);
     norma_document_copy_options(
         &chosen, sizeof chosen, offsetof(norma_compute_options, tangents), compute);
     /* Each thread takes megabytes for its stack. */
@@ -66,14 +67,14 @@ norma_document_result norma_large_compute(const char *input, const char *output,
 norma_document_result norma_large_describe(const char *path, const norma_large_options *given,
     norma_progress *progress, void *progress_user, norma_large_description *description,
     norma_document_error *error) {
-    const norma_large_options options = options_of(given);
+    const norma_large_options options = norma_large_options_of(given);
     large_file file;
     norma_document_clear(error);
     if (!path || !description) return fail_argument(error, "no path or no place was given");
     *description =
         (norma_large_description){.format = format_of(path, options.format), .encoding = ""};
     if (description->format != NORMA_FILE_PLY && description->format != NORMA_FILE_STL)
-        return fail_format(path, error);
+        return norma_large_fail_format(path, error);
     norma_document_result result =
         norma_large_open(path, &options, description->format, &file, error);
     file.progress = progress;

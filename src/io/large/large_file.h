@@ -18,6 +18,10 @@ typedef struct large_file {
     double from, to; /* the part of the progress that the step under way takes */
 } large_file;
 
+/* large.c: made whole; and what is said of formats that are read whole. */
+norma_large_options norma_large_options_of(const norma_large_options *given);
+norma_document_result norma_large_fail_format(const char *path, norma_document_error *error);
+
 /* Opens it and reads what it begins with, at most so many bytes, into document->source. */
 norma_document_result norma_large_open(const char *path, const norma_large_options *options,
     norma_file_format format, large_file *file, norma_document_error *error);

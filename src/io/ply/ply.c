@@ -54,10 +54,8 @@ static norma_document_result decode_normals(norma_document *document, norma_docu
                          : norma_io_allocate(count, sizeof *state->normals);
     if (state->normals) {
         const double scale = norma_ply_normal_scale(&state->header, vertex, state->header.normal);
-        for (size_t i = 0; i < count; ++i) {
-            double value = values[i] / scale;
-            state->normals[i] = (float)(scale > 1 && value < -1 ? -1 : value);
-        }
+        for (size_t i = 0; i < count; ++i)
+            state->normals[i] = norma_ply_normal_value(values[i], scale);
     } else if (!result) {
         result = norma_document_fail_memory(document, error);
     }

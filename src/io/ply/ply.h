@@ -216,6 +216,10 @@ norma_document_result norma_ply_transform(norma_document *document,
 /* What stored codes are divided by: 127, 32767, or 1. */
 double norma_ply_normal_scale(
     const ply_header *header, const ply_element *element, const int properties[3]);
+static inline float norma_ply_normal_value(double stored, double scale) {
+    const double value = stored / scale;
+    return (float)(scale > 1 && value < -1 ? -1 : value);
+}
 /* The types that normals are written in: as stored where that holds unit vectors, else float. */
 void norma_ply_normal_types(const ply_header *header, const ply_element *element,
     const int properties[3], ply_type types[3]);
