@@ -26,20 +26,18 @@ static inline uint64_t hash_key(const uint64_t key[3]) {
     return norma_core_weld_mix(sum);
 }
 
-/* Of floats the bits of floats: fewer steps. */
+/* Of floats the bits of floats, two in one factor: fewer steps. */
 static uint64_t hash_floats(const unsigned char *at) {
-    uint64_t key[3];
-    int nan = 0;
-    for (size_t k = 0; k < 3; k++) {
-        float p;
-        uint32_t bits;
-        memcpy(&p, at + k * sizeof p, sizeof p);
-        p += 0.0F;
-        memcpy(&bits, &p, sizeof bits);
-        nan |= p != p;
-        key[k] = bits;
-    }
-    return nan ? 0 : hash_key(key);
+    float p[3];
+    uint32_t bits[3];
+    memcpy(p, at, sizeof p);
+    for (size_t k = 0; k < 3; k++) p[k] += 0.0F;
+    memcpy(bits, p, sizeof bits);
+    const int nan = (p[0] != p[0]) | (p[1] != p[1]) | (p[2] != p[2]);
+    const uint64_t two = bits[0] | (uint64_t)bits[1] << 32,
+                   sum =
+                       two * UINT64_C(0x9e3779b97f4a7c15) + bits[2] * UINT64_C(0xbf58476d1ce4e5b9);
+    return nan ? 0 : norma_core_weld_mix(sum);
 }
 
 static void hash_positions(const void *context, size_t first, size_t count, uint64_t *hashes) {

@@ -14,7 +14,8 @@ enum {
     IN_BUCKET = 2048,
     MOST_SLICES = 16,
     FEWEST_IN_SLICE = 1 << 16,
-    LARGE_BUCKET = 1 << 16
+    LARGE_BUCKET = 1 << 16,
+    FEW = 512 /* keys that a table on the stack is enough for */
 };
 
 typedef struct weld_entry {
@@ -138,6 +139,16 @@ static void weld_group(void *context, size_t group) {
     w->found[group] = found;
 }
 
+/* All in one bucket, without a word to the allocator: in small meshes that takes longer than to
+ * weld. */
+static size_t weld_few(const weld_keys *keys, uint32_t *weld) {
+    weld_entry entries[FEW];
+    uint32_t table[2 * FEW], count = 0;
+    welding w = {.keys = keys, .weld = weld, .slices = 1, .cursors = &count, .entries = entries};
+    deal_slice(&w, 0);
+    return weld_bucket(keys, entries, count, table, weld);
+}
+
 /* Into the one bucket of a small mesh go at most all, which need not be counted before. */
 static int is_one_bucket(const welding *w) { return !w->bits && w->slices == 1; }
 
@@ -174,6 +185,10 @@ static size_t slices_for(const core_call *call, size_t count) {
 norma_result norma_core_weld_keys(
     core_call *call, const weld_keys *keys, uint32_t *weld, size_t *found) {
     const size_t count = keys->count;
+    if (count <= FEW) {
+        *found = weld_few(keys, weld);
+        return NORMA_OK;
+    }
     welding w = {.keys = keys, .weld = weld, .slices = slices_for(call, count)};
     while (w.bits < MOST_BITS && count >> w.bits > IN_BUCKET) w.bits++;
     w.entries = norma_core_allocate(call, count, sizeof *w.entries);

@@ -43,8 +43,7 @@ static void write_zeros(const core_output *output, const uint8_t *reasons, size_
 static norma_result fill_from_nearest(core_prepared_mesh *prepared, const smooth_fans *smooth,
     const core_output *output, const uint8_t *reasons, size_t count) {
     size_t found;
-    if (smooth->others && norma_core_prepare_stars(prepared, NULL) != NORMA_OK)
-        return NORMA_ERROR_MEMORY;
+    if (norma_core_prepare_all_stars(prepared, smooth) != NORMA_OK) return NORMA_ERROR_MEMORY;
     corner_request *requests = norma_core_allocate(prepared->call, count, sizeof *requests);
     if (!requests) return NORMA_ERROR_MEMORY;
     norma_result result = norma_core_find_sources(prepared, reasons, NULL, requests, count, &found);
@@ -80,8 +79,7 @@ static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fan
     if (work.reasons) memset(work.reasons, NORMA_REASON_NONE, count);
     norma_core_stage(call, 0.5, 0.97);
     norma_result result = NORMA_OK;
-    if (!smooth->others || smooth->other_count)
-        result = norma_core_visit_positions(prepared, &visit, &sum);
+    if (norma_core_has_others(smooth)) result = norma_core_visit_positions(prepared, &visit, &sum);
     const size_t without =
         sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
     if (result == NORMA_OK && work.reasons && without)
@@ -94,54 +92,25 @@ static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fan
     return NORMA_OK;
 }
 
-/* ---- smooth positions */
-
-static const double LEAST_CREASE_RAD = 0.2; /* below it, few positions could be told smooth */
-
-/* Whether sums and chains can find smooth positions: what face_chain.h reckons with. */
-static int may_be_smooth(const core_call *call, const core_mesh *mesh, double crease_angle_rad) {
-    return !mesh->face_starts && !mesh->hard_edges && !mesh->smoothing_groups &&
-           call->options.weight == NORMA_WEIGHT_ANGLE &&
-           call->options.weld != NORMA_WELD_DISTANCE && crease_angle_rad > LEAST_CREASE_RAD;
-}
-
-static norma_result compute_smooth(core_prepared_mesh *prepared, core_range *ranges,
+static norma_result compute_corners(core_prepared_mesh *prepared, smooth_fans *smooth,
     const core_output *output, norma_report *report) {
-    core_call *call = prepared->call;
-    smooth_fans smooth;
-    norma_core_stage(call, 0.2, 0.45);
-    norma_result result =
-        norma_core_write_smooth_fans(prepared, ranges, output, is_counting(call, report), &smooth);
-    norma_core_stage(call, 0.45, 0.5);
-    const core_some_positions others = {smooth.others, smooth.chunks};
-    if (result == NORMA_OK && (!smooth.others || smooth.other_count))
-        result = norma_core_prepare_stars(prepared, smooth.others ? &others : NULL);
-    if (result == NORMA_OK) result = compute_stars(prepared, &smooth, output, report);
-    norma_core_release_smooth_fans(prepared, &smooth);
-    return result;
+    const smooth_target target = {.output = output};
+    const norma_result result =
+        norma_core_find_smooth_fans(prepared, &target, is_counting(prepared->call, report), smooth);
+    return result == NORMA_OK ? compute_stars(prepared, smooth, output, report) : result;
 }
 
 /* Checks the mesh's content and does the rest. */
 static norma_result compute(core_call *call, core_mesh *checked, double crease_angle_rad,
     const core_output *output, norma_report *report) {
-    static const smooth_fans NONE = {.others = NULL};
-    const size_t chunks = checked->face_count / CORE_FACES_IN_CHUNK + 1;
+    smooth_fans smooth;
     core_prepared_mesh prepared;
-    core_range *ranges = norma_core_allocate(call, chunks, sizeof *ranges);
-    if (!ranges) return NORMA_ERROR_MEMORY;
-    norma_core_stage(call, 0, 0.05);
-    norma_result result = norma_core_mesh_ranges(call, checked, ranges);
-    const int by_sums = may_be_smooth(call, checked, crease_angle_rad);
-    if (result == NORMA_OK)
-        result = norma_core_prepared_mesh_open(
-            call, checked, by_sums ? CORE_FOR_SUMS : CORE_FOR_FANS, crease_angle_rad, &prepared);
-    if (result == NORMA_OK) {
-        result = by_sums ? compute_smooth(&prepared, ranges, output, report)
-                         : compute_stars(&prepared, &NONE, output, report);
-        result = norma_core_finish(call, result);
-        norma_core_prepared_mesh_close(&prepared);
-    }
-    norma_core_release(call, ranges, chunks, sizeof *ranges);
+    norma_result result =
+        norma_core_open_smooth_fans(call, checked, crease_angle_rad, &prepared, &smooth);
+    if (result != NORMA_OK) return result;
+    result = norma_core_finish(call, compute_corners(&prepared, &smooth, output, report));
+    norma_core_release_smooth_fans(&prepared, &smooth);
+    norma_core_prepared_mesh_close(&prepared);
     return result;
 }
 

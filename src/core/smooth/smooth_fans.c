@@ -1,5 +1,6 @@
 /* smooth_fans.c: sums and chains (face_chain.h) of a range of positions at a time; then the normals
- * of those that are smooth fans go to all their corners, in the order of faces. */
+ * of those that are smooth fans go to all their corners, in the order of faces, or to where the
+ * vertices that begin there are written. */
 #include "core/smooth/smooth_fans.h"
 #include "core/mesh/scattered_positions.h"
 #include <stdatomic.h>
@@ -16,7 +17,7 @@ typedef struct smooth_work {
     const core_prepared_mesh *prepared;
     core_bins bins;
     core_range *ranges; /* the bins' */
-    const core_output *output;
+    const smooth_target *target;
     core_add_faces *add;
     core_finish_sums *finish;
     vertex_sum *sums; /* buffers of bins.size each, as the chains */
@@ -170,14 +171,18 @@ static void count_ends(const smooth_bin *b) {
 
 /* ---- writing */
 
+static void mark_chunk(const smooth_bin *b) {
+    atomic_store_explicit(&b->work->chunks[b->chunk], 1, memory_order_relaxed);
+}
+
 static void write_singly(const smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
     for (size_t i = 0; i < count; i++) {
         const face_chains *c = chains_at(b, at[i]);
         if (c && core_is_broken(c))
-            atomic_store_explicit(&b->work->chunks[b->chunk], 1, memory_order_relaxed);
+            mark_chunk(b);
         else if (c)
             norma_core_write_normals(
-                b->work->output, first + i, 1, (const float(*)[3])(const void *)c->axis);
+                b->work->target->output, first + i, 1, (const float(*)[3])(const void *)c->axis);
     }
 }
 
@@ -194,9 +199,38 @@ static void write_group(smooth_bin *b, const uint32_t *at, size_t first, size_t 
         whole &= !core_is_broken(c);
     }
     if (whole)
-        norma_core_write_normals(b->work->output, first, count, (const float(*)[3])normals);
+        norma_core_write_normals(b->work->target->output, first, count, (const float(*)[3])normals);
     else
         write_singly(b, at, first, count);
+}
+
+/* ---- telling vertices apart: each has one normal, that of its position */
+
+/* Without a branch, which nothing could foretell. */
+static void mark_firsts(smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
+    const smooth_target *target = b->work->target;
+    const core_mesh *mesh = &b->work->prepared->mesh;
+    for (size_t i = 0; i < count; i++) {
+        const face_chains *c = chains_at(b, at[i]);
+        if (!c) continue;
+        if (core_is_broken(c)) {
+            mark_chunk(b);
+            continue;
+        }
+        const uint32_t vertex = mesh->weld ? norma_core_corner(mesh, first + i) : at[i];
+        target->firsts[first + i] = !target->single[vertex];
+        target->single[vertex] = 1;
+    }
+}
+
+static void keep_normals(const smooth_bin *b) {
+    const smooth_target *target = b->work->target;
+    for (size_t i = 0; i < b->bin->count; i++) {
+        const face_chains *c = &b->chains[i];
+        if (!core_has_faces(c) || core_is_broken(c)) continue;
+        target->single[b->bin->first + i] = 1;
+        if (target->normals) memcpy(target->normals[b->bin->first + i], c->axis, sizeof c->axis);
+    }
 }
 
 /* ---- a bin */
@@ -250,7 +284,12 @@ static void compute_bin(void *context, const core_bin *bin) {
     add_faces(&b);
     if (take_normals(&b)) each_group(&b, look_at_wide);
     mark_others(&b);
-    each_group(&b, write_group);
+    if (work->target->output) {
+        each_group(&b, write_group);
+    } else {
+        each_group(&b, mark_firsts);
+        keep_normals(&b);
+    }
     if (!b.edges) return;
     each_group(&b, count_edges);
     count_ends(&b);
@@ -259,23 +298,35 @@ static void compute_bin(void *context, const core_bin *bin) {
 
 /* ---- is it worth it */
 
+static const double LEAST_CREASE_RAD = 0.2; /* below it, few positions could be told smooth */
+
+/* Whether sums and chains can find smooth positions: what face_chain.h reckons with. */
+static int may_be_smooth(const core_call *call, const core_mesh *mesh, double crease_angle_rad) {
+    return !mesh->face_starts && !mesh->hard_edges && !mesh->smoothing_groups &&
+           call->options.weight == NORMA_WEIGHT_ANGLE &&
+           call->options.weld != NORMA_WELD_DISTANCE && crease_angle_rad > LEAST_CREASE_RAD;
+}
+
 static int are_near(const core_mesh *mesh, size_t face, double cosine) {
     uint32_t at[6];
     double a[3], b[3];
     norma_core_read_corners(mesh, 3 * face, 6, at);
     cross_of(mesh, at, a);
     cross_of(mesh, at + 3, b);
-    return norma_core_dot(a, b) >= cosine * norma_core_length(a) * norma_core_length(b);
+    const double along = norma_core_dot(a, b);
+    return along >= 0 &&
+           along * along >= cosine * cosine * norma_core_dot(a, a) * norma_core_dot(b, b);
 }
 
 /* Of faces in a row, most of which share an edge in meshes of any order, whether nearly all turn by
  * little: else most positions would be left to stars. */
 static int looks_smooth(const core_mesh *mesh, double cosine) {
-    enum { LOOKS = 24 };
+    enum { FEW_FACES = 1 << 9, FEW_LOOKS = 12, LOOKS = 24 };
+    const size_t looks = mesh->face_count < FEW_FACES ? FEW_LOOKS : LOOKS;
     size_t near = 0;
-    for (size_t i = 0; i < LOOKS && mesh->face_count > 1; i++)
-        near += (size_t)are_near(mesh, (mesh->face_count - 2) * i / (LOOKS - 1), cosine);
-    return 4 * near >= 3 * (size_t)LOOKS && !norma_core_is_scattered(mesh);
+    for (size_t i = 0; i < looks && mesh->face_count > 1; i++)
+        near += (size_t)are_near(mesh, (mesh->face_count - 2) * i / (looks - 1), cosine);
+    return 4 * near >= 3 * looks && !norma_core_is_scattered(mesh);
 }
 
 /* Of a mesh in random order, faces in a row tell nothing. A small one, whose sums stay in the
@@ -394,25 +445,21 @@ static norma_result compute_bins(
     if (result == NORMA_OK) result = norma_core_each_bin(call, &work->bins, compute_bin, work);
     fans->others = work->others;
     fans->chunks = (uint8_t *)work->chunks;
-    if (result == NORMA_OK)
-        add_up(work, fans);
-    else
-        norma_core_release_smooth_fans(work->prepared, fans);
+    if (result == NORMA_OK) add_up(work, fans);
     give_memory_back(call, work);
     return result;
 }
 
-norma_result norma_core_write_smooth_fans(core_prepared_mesh *prepared, core_range *ranges,
-    const core_output *output, int counting, smooth_fans *fans) {
+static norma_result find_fans(
+    core_prepared_mesh *prepared, const smooth_target *target, int counting, smooth_fans *fans) {
     core_call *call = prepared->call;
     smooth_work work = {.prepared = prepared,
-        .ranges = ranges,
-        .output = output,
+        .ranges = fans->ranges,
+        .target = target,
         .add = norma_core_choose_add(call->options.isa),
         .finish = norma_core_choose_finish(call->options.isa),
         .cosine = norma_core_chain_cosine(prepared->crease.angle)};
     norma_result result = NORMA_OK;
-    *fans = (smooth_fans){.others = NULL};
     atomic_init(&work.seen, 0);
     atomic_init(&work.left, 0);
     if (!looks_smooth(&prepared->mesh, (double)work.cosine) &&
@@ -422,16 +469,53 @@ norma_result norma_core_write_smooth_fans(core_prepared_mesh *prepared, core_ran
         (core_bins){.mesh = &prepared->mesh, .chunks = norma_core_count_chunks(&prepared->mesh)};
     if (prepared->mesh.weld)
         result = norma_core_parallel(call, work.bins.chunks, touch_chunk, &work);
-    if (result != NORMA_OK || !norma_core_plan_bins(call, &prepared->mesh, ranges,
+    if (result != NORMA_OK || !norma_core_plan_bins(call, &prepared->mesh, work.ranges,
                                   limits_for(&prepared->mesh), &work.bins))
         return result;
     return compute_bins(call, &work, counting, fans);
 }
 
+/* ---- from opening to releasing */
+
+norma_result norma_core_open_smooth_fans(core_call *call, core_mesh *checked,
+    double crease_angle_rad, core_prepared_mesh *prepared, smooth_fans *fans) {
+    const size_t chunks = norma_core_count_chunks(checked);
+    *fans = (smooth_fans){.ranges = norma_core_allocate(call, chunks, sizeof *fans->ranges)};
+    if (!fans->ranges) return NORMA_ERROR_MEMORY;
+    norma_core_stage(call, 0, 0.05);
+    norma_result result = norma_core_mesh_ranges(call, checked, fans->ranges);
+    const int by_sums = may_be_smooth(call, checked, crease_angle_rad);
+    if (result == NORMA_OK)
+        result = norma_core_prepared_mesh_open(
+            call, checked, by_sums ? CORE_FOR_SUMS : CORE_FOR_FANS, crease_angle_rad, prepared);
+    if (result == NORMA_OK && by_sums) return NORMA_OK;
+    norma_core_release(call, fans->ranges, chunks, sizeof *fans->ranges);
+    fans->ranges = NULL;
+    return result;
+}
+
+norma_result norma_core_find_smooth_fans(
+    core_prepared_mesh *prepared, const smooth_target *target, int counting, smooth_fans *fans) {
+    core_call *call = prepared->call;
+    if (!fans->ranges) return NORMA_OK;
+    norma_core_stage(call, 0.2, 0.45);
+    const norma_result result = find_fans(prepared, target, counting, fans);
+    const core_some_positions others = {fans->others, fans->chunks};
+    norma_core_stage(call, 0.45, 0.5);
+    if (result != NORMA_OK || !norma_core_has_others(fans)) return result;
+    return norma_core_prepare_stars(prepared, fans->others ? &others : NULL);
+}
+
+norma_result norma_core_prepare_all_stars(core_prepared_mesh *prepared, const smooth_fans *fans) {
+    return fans->others ? norma_core_prepare_stars(prepared, NULL) : NORMA_OK;
+}
+
 void norma_core_release_smooth_fans(const core_prepared_mesh *prepared, smooth_fans *fans) {
+    const core_call *call = prepared->call;
     const core_mesh *mesh = &prepared->mesh;
-    norma_core_release(prepared->call, fans->others, mesh->positions.count, sizeof *fans->others);
-    norma_core_release(
-        prepared->call, fans->chunks, norma_core_count_chunks(mesh), sizeof *fans->chunks);
-    fans->others = fans->chunks = NULL;
+    const size_t chunks = norma_core_count_chunks(mesh);
+    norma_core_release(call, fans->others, mesh->positions.count, sizeof *fans->others);
+    norma_core_release(call, fans->chunks, chunks, sizeof *fans->chunks);
+    norma_core_release(call, fans->ranges, chunks, sizeof *fans->ranges);
+    *fans = (smooth_fans){.ranges = NULL};
 }

@@ -1,6 +1,6 @@
 /* ply_split.c: norma_split of what is near, in which only this rank's own positions are seen. */
 #include "mpi/file/ply_split.h"
-#include "core/corner/split.h"
+#include "core/smooth/split.h"
 #include "mpi/file/ply_lenders.h"
 
 typedef struct split_work {
@@ -130,7 +130,8 @@ static norma_result split_mine(split_work *work) {
         .vertex_count = &split->count,
         .skip = work->skip,
         .reasons = split->corner_reasons};
-    const norma_result result = norma_core_split_prepared(&work->prepared, &out, &split->report);
+    const norma_result result =
+        norma_core_split_prepared(&work->prepared, NULL, &out, &split->report);
     if (result == NORMA_OK) count_degenerate(work);
     return result;
 }

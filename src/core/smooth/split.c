@@ -1,23 +1,24 @@
 /* split.c: norma_split. Corners of one old vertex with one normal are one new vertex, numbered
  * where the first of them stands in the order of corners. Between the passes is kept which corners
  * are such firsts, a byte for each corner, and the normals of positions that need no split, most of
- * them; the others' corners are sorted out again in the second pass, when they have their numbers.
- */
+ * them: smooth fans first, where they can be found by sums. The others' corners are sorted out
+ * again in the second pass, when they have their numbers. */
 #include "core/corner/fallback_normals.h"
 #include "core/corner/corner_sort.h"
-#include "core/corner/split.h"
+#include "core/smooth/split.h"
 #include <math.h>
 
 typedef struct split_work {
     core_prepared_mesh *prepared;
+    smooth_fans *smooth;
     core_output output; /* of new vertices; normals may be NULL */
     uint8_t *firsts;    /* of each corner: whether a new vertex begins with it */
     size_t
         *before; /* of each block of corners: how many vertices begin before it; and of the end */
-    uint8_t *single; /* of each position: whether all its corners are one vertex, each with a normal
-                        of its own */
+    uint8_t *single; /* of each position: whether all its corners have one normal: no vertex there
+                        needs to be split */
     float (*normals)[3]; /* of those */
-    uint32_t *vertices;  /* the new vertex of those */
+    uint32_t *vertices;  /* of each vertex there the new one */
     uint32_t *numbers; /* of each corner its new vertex: the caller's, or own_numbers; NULL: nobody
                           asks */
     uint32_t *own_numbers, *source_vertices;
@@ -125,6 +126,7 @@ static void see_to_number(void *context, const core_fans *fans, core_tally *tall
         work->firsts[fans->corners[fans->members[begin].index]] = 1;
         if (whole && begin == 0 && end == fans->count) keep_single(work, fans);
     }
+    if (whole && fans->fan_count == 1) keep_single(work, fans);
 }
 
 /* ---- numbers, in blocks of corners */
@@ -165,7 +167,7 @@ static void write_vertex(const split_work *work, uint32_t number, uint32_t corne
                    position = norma_core_welded(&work->prepared->mesh, vertex);
     if (work->source_vertices) work->source_vertices[number] = vertex;
     if (!work->single[position]) return;
-    work->vertices[position] = number;
+    work->vertices[vertex] = number;
     if (work->normals)
         norma_core_write_normals(
             &work->output, number, 1, (const float(*)[3]) & work->normals[position]);
@@ -194,8 +196,9 @@ static void number_block(void *context, size_t block) {
     const core_mesh *mesh = &work->prepared->mesh;
     uint32_t number = (uint32_t)work->before[block];
     for (size_t c = block * CORNERS_IN_BLOCK; c < block_end(work, block); c++) {
-        const uint32_t position = norma_core_welded_corner(mesh, c);
-        work->numbers[c] = work->single[position] ? work->vertices[position] : number;
+        const uint32_t vertex = norma_core_corner(mesh, c);
+        work->numbers[c] =
+            work->single[norma_core_welded(mesh, vertex)] ? work->vertices[vertex] : number;
         number += work->firsts[c];
     }
 }
@@ -273,13 +276,15 @@ static norma_result fill_from_nearest(split_work *work) {
     const core_call *call = work->prepared->call;
     const size_t corners = work->prepared->mesh.corner_count;
     const float zero[3] = {0, 0, 0};
-    size_t count = 0, found;
+    size_t count = 0, found = 0;
     for (size_t c = 0; c < corners; c++) count += work->wanted[c];
     if (!count) return NORMA_OK;
     corner_request *requests = norma_core_allocate(call, count, sizeof *requests);
     if (!requests) return NORMA_ERROR_MEMORY;
-    norma_result result = norma_core_find_sources(
-        work->prepared, work->reasons, work->wanted, requests, count, &found);
+    norma_result result = norma_core_prepare_all_stars(work->prepared, work->smooth);
+    if (result == NORMA_OK)
+        result = norma_core_find_sources(
+            work->prepared, work->reasons, work->wanted, requests, count, &found);
     if (result == NORMA_OK && found)
         result = norma_core_fetch_normals(work->prepared, requests, found, receive, work);
     for (size_t c = 0; c < corners && result == NORMA_OK && !found; c++)
@@ -318,13 +323,14 @@ static void pass_over(split_work *work, const uint8_t *skip) {
 static norma_result write_split(split_work *work, const uint8_t *skip, int lacking) {
     core_prepared_mesh *prepared = work->prepared;
     stars_part ignored;
+    const int others = norma_core_has_others(work->smooth);
     pass_over(work, skip);
-    norma_result result = lacking ? NORMA_OK : thin_out(work);
+    norma_result result = lacking || !others ? NORMA_OK : thin_out(work);
     if (result == NORMA_OK) result = allocate_numbers(work, lacking);
     if (result == NORMA_OK && skip)
         memset(work->vertices, 0, prepared->mesh.positions.count * sizeof *work->vertices);
     if (result == NORMA_OK) result = write_numbers(work);
-    if (result != NORMA_OK || !work->numbers) return result;
+    if (result != NORMA_OK || !work->numbers || !others) return result;
     const position_visit visit = {
         .join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
     norma_core_stage(prepared->call, 0.8, 0.97);
@@ -343,20 +349,32 @@ static norma_result check_room(
                : NORMA_OK;
 }
 
-static norma_result compute(
-    core_prepared_mesh *prepared, split_work *work, const split_output *out, norma_report *report) {
-    core_call *call = prepared->call;
-    stars_part sum = {0};
-    size_t count;
+/* The first pass. */
+static norma_result find_firsts(split_work *work, const uint8_t *skip, stars_part *sum) {
+    core_prepared_mesh *prepared = work->prepared;
+    const smooth_target target = {
+        .normals = work->normals, .single = work->single, .firsts = work->firsts};
     const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = 1,
-        .skip = out->skip,
+        .skip = skip,
         .see = see_to_number,
         .context = work,
         .target = work->firsts,
         .target_size = 1};
-    norma_core_stage(call, 0.5, 0.75);
-    norma_result result = norma_core_visit_positions(prepared, &visit, &sum);
+    norma_result result = norma_core_find_smooth_fans(prepared, &target, 1, work->smooth);
+    norma_core_stage(prepared->call, 0.5, 0.75);
+    if (result == NORMA_OK && norma_core_has_others(work->smooth))
+        result = norma_core_visit_positions(prepared, &visit, sum);
+    norma_core_edges_add(&sum->counts.edges, &work->smooth->edges);
+    return result;
+}
+
+static norma_result compute(
+    core_prepared_mesh *prepared, split_work *work, const split_output *out, norma_report *report) {
+    core_call *call = prepared->call;
+    stars_part sum = {.waiting = 0};
+    size_t count;
+    norma_result result = find_firsts(work, out->skip, &sum);
     norma_core_stage(call, 0.75, 0.76);
     if (result == NORMA_OK) result = count_vertices(work, &count);
     if (result == NORMA_OK) result = check_room(prepared, out, count);
@@ -404,9 +422,11 @@ static norma_result allocate_work(const core_call *call, split_work *work) {
     return NORMA_OK;
 }
 
-norma_result norma_core_split_prepared(
-    core_prepared_mesh *prepared, const split_output *out, norma_report *report) {
+norma_result norma_core_split_prepared(core_prepared_mesh *prepared, smooth_fans *smooth,
+    const split_output *out, norma_report *report) {
+    smooth_fans none = {.ranges = NULL};
     split_work work = {.prepared = prepared,
+        .smooth = smooth ? smooth : &none,
         .numbers = out->corners,
         .source_vertices = out->source_vertices,
         .reasons = out->reasons,
@@ -436,15 +456,18 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     core_call call;
     core_mesh checked;
     core_prepared_mesh prepared;
+    smooth_fans smooth;
     norma_result result =
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
     if (result == NORMA_OK && overlaps_corners(&checked, corners)) result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK && corners && checked.corner_count > corner_capacity)
         result = NORMA_ERROR_CAPACITY;
     if (result == NORMA_OK)
-        result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
+        result = norma_core_open_smooth_fans(
+            &call, &checked, (double)crease_angle_rad, &prepared, &smooth);
     if (result != NORMA_OK) return result;
-    result = norma_core_finish(&call, norma_core_split_prepared(&prepared, &out, report));
+    result = norma_core_finish(&call, norma_core_split_prepared(&prepared, &smooth, &out, report));
+    norma_core_release_smooth_fans(&prepared, &smooth);
     norma_core_prepared_mesh_close(&prepared);
     return result;
 }
