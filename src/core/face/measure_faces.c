@@ -189,7 +189,7 @@ CORE_INLINE void measure_corner(face_lanes *t, corner_lanes *c, size_t k, size_t
             cross[0] * t->normal[0][i] + cross[1] * t->normal[1][i] + cross[2] * t->normal[2][i];
         c->tangent[i] = slope.above / slope.below;
         c->turn[i] = slope.turn;
-        c->sure[i] = corners == 3 || norma_core_corner_is_sure(square, aa * bb) ? 1 : 0;
+        c->sure[i] = (norma_core_corner_is_sure(square, aa * bb) | (corners == 3)) ? 1 : 0;
     }
 }
 
@@ -198,8 +198,9 @@ CORE_INLINE void take_angle(corner_lanes *c, size_t corners) {
     CORE_EACH_LANE {
         const double acute = c->turn[i] + norma_core_weight_atan(c->tangent[i]),
                      angle = c->ab[i] < 0 ? NORMA_PI - acute : acute;
-        const int sure = corners == 3 || norma_core_turn_is_sure(c->along[i], c->length[i]);
-        c->angle[i] = corners > 3 && c->along[i] < 0 ? 2 * NORMA_PI - angle : angle;
+        const int sure = norma_core_turn_is_sure(c->along[i], c->length[i]) | (corners == 3),
+                  reflex = (c->along[i] < 0) & (corners > 3);
+        c->angle[i] = reflex ? 2 * NORMA_PI - angle : angle;
         c->sure[i] = sure ? c->sure[i] : 0;
     }
 }
