@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz judges marks dist mpi web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
+.PHONY: all help deps demo figures fuzz judges marks firefox dist mpi web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -32,6 +32,7 @@ help:
 	@echo "make fuzz      runs every fuzz target for MINUTES (15) of processor time (clang)"
 	@echo "make judges    fixes every file of the data set by each rule and has the results judged by admesh, the glTF validator and a reader of our own"
 	@echo "make marks     presses every error and warning of the data set's large files in the page, and counts what is marked in the picture (an hour)"
+	@echo "make firefox   installs Firefox and Xvfb if they are missing, and runs the page's tests in it (several minutes)"
 	@echo "make mpi       installs Open MPI and MPICH, builds libnorma-mpi and norma-mpi with each, and tests them on 1 to 16 ranks"
 	@echo "make coverage  shows which lines and branches of core and io the tests run (gcov)"
 	@echo "make portable  checks that results have the same bits with other compilers, as WebAssembly, on 64-bit ARM (qemu) and Windows (Wine)"
@@ -119,6 +120,12 @@ marks:
 	@scripts/install-deps.sh web || true
 	@$(MAKE) --no-print-directory all
 	@NORMA_TREE=$(abspath $(BUILD)) tests/web/marks.sh --all
+
+firefox:
+	@scripts/install-deps.sh web || true
+	@scripts/install-deps.sh firefox
+	@$(MAKE) --no-print-directory all
+	@NORMA_TREE=$(abspath $(BUILD)) tests/web/page.sh --firefox
 
 mpi:
 	@scripts/install-deps.sh mpi

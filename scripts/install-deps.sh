@@ -10,6 +10,7 @@
 #   scripts/install-deps.sh portable    and cross compilers for 64-bit ARM and Windows with what runs their programs
 #   scripts/install-deps.sh analyse     and clang-tidy
 #   scripts/install-deps.sh mpi     what `make mpi` needs: Open MPI and MPICH
+#   scripts/install-deps.sh firefox     Firefox and a display without a screen, for `make firefox`
 #   scripts/install-deps.sh deb     what `make deb` needs
 #   scripts/install-deps.sh         what building and `make test` need
 set -eu
@@ -30,6 +31,7 @@ if [ "$what" = portable ]; then
     packages="$packages $web_packages llvm dpkg-dev gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine wine64"
 fi
 [ "$what" != analyse ] || packages="$packages clang clang-tidy"
+[ "$what" != firefox ] || packages="firefox-esr xvfb"
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ]; then

@@ -84,8 +84,26 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
       await ask("Input.dispatchKeyEvent", { type: text ? "keyDown" : "rawKeyDown", key, text, modifiers, code: key === " " ? "Space" : key, windowsVirtualKeyCode: { Tab: 9, ArrowLeft: 37, ArrowUp: 38, ArrowRight: 39, ArrowDown: 40, " ": 32 }[key] ?? 0 });
       await ask("Input.dispatchKeyEvent", { type: "keyUp", key, modifiers });
     };
+    const setFiles = async (id, files) => {
+      const { root } = await ask("DOM.getDocument", {}), { nodeId } = await ask("DOM.querySelector", { nodeId: root.nodeId, selector: `#${id}` });
+      await ask("DOM.setFileInputFiles", { nodeId, files });
+    };
+    /* The tasks of the pages' main threads while work goes on: milliseconds each took, and those of them that the processor spent on it. */
+    const tasks = async (work) => {
+      const events = [];
+      const ended = new Promise((done) => listeners.push(({ method, params }) => {
+        if (method === "Tracing.dataCollected") events.push(...params.value);
+        if (method === "Tracing.tracingComplete") done();
+      }));
+      await send("Tracing.start", { transferMode: "ReportEvents", traceConfig: { includedCategories: ["toplevel", "disabled-by-default-devtools.timeline"] } });
+      await work();
+      await send("Tracing.end");
+      await ended;
+      const main = new Set(events.filter(({ name, args }) => name === "thread_name" && args.name === "CrRendererMain").map(({ pid, tid }) => `${pid} ${tid}`));
+      return events.filter(({ name, pid, tid }) => /RunTask$/.test(name) && main.has(`${pid} ${tid}`)).filter(({ dur, tdur }) => dur >= 0 && tdur >= 0).map(({ dur, tdur }) => ({ wall: dur / 1000, processor: tdur / 1000 }));
+    };
     const close = () => send("Target.closeTarget", { targetId });
-    return { ask, evaluate, until, screenshot, mouse, touch, press, close, said, requests };
+    return { evaluate, until, screenshot, mouse, touch, press, setFiles, tasks, close, said, requests };
   };
 
   const close = async () => {

@@ -1,19 +1,21 @@
-/* node page.mjs FOLDER-OF-THE-PAGE TOOL SCREENSHOTS: the playground and the pages of `norma view`, in headless Chromium. */
+/* node page.mjs FOLDER-OF-THE-PAGE TOOL SCREENSHOTS [firefox]: the playground and the pages of `norma view`, in headless Chromium, or in Firefox. */
 import { execFileSync, spawnSync } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { cpus, loadavg } from "node:os";
 import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { deflateSync } from "node:zlib";
 import { findChrome, launch } from "./chrome.mjs";
+import { findFirefox, launchFirefox } from "./firefox.mjs";
 import { countPixels, readPng } from "./png.mjs";
-import { attempt, check, finish } from "./tap.mjs";
+import { attempt, check, finish, skip } from "./tap.mjs";
 
-const [pageFolder, tool, shots] = process.argv.slice(2).map((path) => resolve(path));
+const inFirefox = process.argv[5] === "firefox", [pageFolder, tool, shots] = process.argv.slice(2, 5).map((path) => resolve(path));
 const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
 mkdirSync(shots, { recursive: true });
 const SIZE = [840, 520], STAGE = [0, 60, 480, 440];
 const home = pathToFileURL(join(pageFolder, "norma.html")).href;
-const browser = await launch(findChrome(), { width: SIZE[0], height: SIZE[1] });
+const browser = await (inFirefox ? launchFirefox(findFirefox(), { width: SIZE[0], height: SIZE[1] }) : launch(findChrome(), { width: SIZE[0], height: SIZE[1] }));
 
 const expect = (holds, detail) => { if (!holds) throw new Error(detail); };
 const near = (a, b, tolerance = 0.0051) => Math.abs(a - b) <= tolerance;
@@ -239,6 +241,11 @@ await attempt("creases, weights and shadings change the picture", async () => {
   await page.pick("shading", "phong");
   before = await page.picture();
   await changes("hedgehog", "vertex", 100);
+  await changes("line-length", "2.5", 100);
+  await changes("line-density", "25", 100);
+  await page.set("line-density", 100);
+  await page.set("line-length", 1);
+  before = await page.picture();
   await changes("hedgehog", "face", 100);
   expect(countPixels(before, STAGE, ([r, g, b]) => g > r + 60 && g > b + 20) > 2500, "no green fronts");
   await page.pick("hedgehog", "");
@@ -262,9 +269,7 @@ for (const [index, [file, triangles, words]] of FILES.entries())
   await attempt(`a file that is ${index % 2 ? "chosen" : "dropped"} appears: ${file}`, async () => {
     const bytes = readFileSync(join(root, file)), name = file.split("/").pop();
     if (index % 2) {
-      const { root: node } = await page.ask("DOM.getDocument", {});
-      const { nodeId } = await page.ask("DOM.querySelector", { nodeId: node.nodeId, selector: "#file" });
-      await page.after(() => page.ask("DOM.setFileInputFiles", { nodeId, files: [join(root, file)] }));
+      await page.after(() => page.setFiles("file", [join(root, file)]));
     } else {
       await page.after(() => page.evaluate(`(() => {
         const bytes = Uint8Array.from(atob(${JSON.stringify(bytes.toString("base64"))}), (c) => c.charCodeAt(0)), data = new DataTransfer();
@@ -399,6 +404,10 @@ await attempt("the steps set M, and the formula has its numbers; the address bri
   expect(near(await again.angle("worst"), worst(3)) && (await again.evaluate("document.getElementById('scale-x').value")) === "2" && (await shown(again)) === (await shown(page)), `${hash}: ${await again.text("worst")}`);
   expect(again.said.length === 0, again.said.join("\n"));
   await again.close();
+  const moved = await visit(`${home}#model=vase&camera=38,18,3.4,0.5,0.2,0`);
+  await moved.set("shear", 0.1);
+  await moved.until("/shear=0.1.*camera=38,18,3.4,0.5,0.2,0$/.test(location.hash)");
+  await moved.close();
   await page.evaluate("document.getElementById('lesson').open = false");
   await page.click("reset-matrix");
   await page.set("scale-x", 2);
@@ -406,32 +415,31 @@ await attempt("the steps set M, and the formula has its numbers; the address bri
 
 /* ---- nothing waits */
 
-await attempt("no slider and no press holds the page for longer than 50 ms at 320,000 triangles", async () => {
+if (inFirefox) skip("no slider and no press holds the page for longer than 50 ms: Firefox does not tell of long tasks");
+else await attempt("no slider and no press holds the page for longer than 50 ms at 320,000 triangles", async () => {
   const rows = 400, lines = [], bump = (i, j) => (0.05 * Math.sin(i / 9) * Math.cos(j / 7)).toFixed(5);
   for (let j = 0; j <= rows; j++) for (let i = 0; i <= rows; i++) lines.push(`v ${i / rows} ${j / rows} ${bump(i, j)}`);
   for (let j = 0; j < rows; j++) for (let i = 0; i < rows; i++) { const a = j * (rows + 1) + i + 1, c = a + rows + 1; lines.push(`f ${a} ${a + 1} ${c + 1}`, `f ${a} ${c + 1} ${c}`); }
   const file = join(shots, "waves.obj"), out = join(shots, "waves.html");
   writeFileSync(file, `${lines.join("\n")}\n`);
   execFileSync(tool, ["view", file, "-o", out, "--quiet"]);
-  const view = await visit(pathToFileURL(out).href), tries = [];
-  try {
-    await view.settled();
-    await view.evaluate("window.tasks = []; new PerformanceObserver((list) => { for (const entry of list.getEntries()) window.tasks.push(Math.round(entry.duration)); }).observe({ type: 'longtask' })");
-    /* Other programs hold a page up as well: the best of three tries counts. */
-    for (const [crease, weight] of [[20, "area"], [90, "angle"], [45, "max"]]) {
-      await view.evaluate("window.tasks.length = 0");
-      await view.set("crease", crease);
-      await view.pick("weight", weight);
-      for (const scale of [2, 3]) await view.set("scale-x", scale);
-      await view.pick("colours", "angle");
-      if (await view.evaluate("Boolean(document.getElementById('finding-0'))")) await view.click("finding-0");
-      tries.push(Math.max(0, ...(await view.evaluate("window.tasks"))));
+  const view = await visit(pathToFileURL(out).href), isBusy = loadavg()[0] > 2 * cpus().length;
+  const presses = { "crease 20": () => view.set("crease", 20), "crease 90": () => view.set("crease", 90), "weight area": () => view.pick("weight", "area"), "scale x 2": () => view.set("scale-x", 2), "scale x 3": () => view.set("scale-x", 3),
+    "the angle": () => view.pick("colours", "angle"), zebra: () => view.pick("colours", "zebra"), light: () => view.pick("colours", "lit"), "hedgehog at faces": () => view.pick("hedgehog", "face"), "no hedgehog": () => view.pick("hedgehog", ""),
+    wireframe: () => view.click("wireframe"), "no wireframe": () => view.click("wireframe"), "z up": () => view.pick("up", "z"), "a finding": () => view.click("finding-0") };
+  const slow = [];
+  for (const [name, act] of Object.entries(presses)) {
+    /* Other programs hold a page up as well: the best of three tries counts, and on a machine that has much else to do the processor's time. */
+    let wall = Infinity, processor = Infinity;
+    for (let times = 0; times < 3 && (processor > 50 || wall > 50) && !(times && isBusy && processor <= 50); times++) {
+      const all = await view.tasks(act);
+      [wall, processor] = [["wall", wall], ["processor", processor]].map(([time, before]) => Math.min(before, Math.max(...all.map((task) => task[time]))));
     }
-  } finally {
-    await view.close();
+    console.log(`# ${name}: the longest task ${wall.toFixed(0)} ms, ${processor.toFixed(0)} of them of the processor${isBusy ? ", on a busy machine" : ""}`);
+    if (!(processor <= 50) || !(isBusy || wall <= 50)) slow.push(name);
   }
-  console.log(`# the longest task of each try, if longer than 50 ms: ${tries.join(", ")}`);
-  expect(Math.min(...tries) <= 50, tries.join(", "));
+  await view.close();
+  expect(slow.length === 0, slow.join("; "));
 });
 
 /* ---- findings */
@@ -598,6 +606,26 @@ await attempt("touch: one finger orbits, two zoom and move, and the page itself 
   await small.close();
 });
 
+/* A model for artists: a square whose image is red on its left and blue on its right, and whose normal map leans everything over; beside it another mesh, without either. */
+const crc32 = (bytes) => ~bytes.reduce((crc, byte) => { for (let bit = 0, next = crc ^ byte; bit < 8; bit++) { next = next & 1 ? (next >>> 1) ^ 0xedb88320 : next >>> 1; if (bit === 7) return next; } return crc; }, -1);
+const pngChunk = (kind, data) => {
+  const body = Buffer.concat([Buffer.from(kind, "latin1"), data]), head = Buffer.alloc(4), tail = Buffer.alloc(4);
+  head.writeUInt32BE(data.length);
+  tail.writeUInt32BE(crc32(body) >>> 0);
+  return Buffer.concat([head, body, tail]);
+};
+const pngOf = (width, pixels) => Buffer.concat([Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]), pngChunk("IHDR", Buffer.from([0, 0, 0, width, 0, 0, 0, 1, 8, 2, 0, 0, 0])), pngChunk("IDAT", deflateSync(Buffer.from([0, ...pixels.flat()]))), pngChunk("IEND", Buffer.alloc(0))]);
+function artistsModel() {
+  const floats = Float32Array.of(-2, 0, 0, 0, 0, 0, 0, 2, 0, -2, 2, 0, /* uv */ 0, 1, 1, 1, 1, 0, 0, 0, /* other */ 1, 0, 0, 3, 0, 0, 3, 2, 0, 1, 2, 0), parts = [Buffer.from(floats.buffer), Buffer.from(Uint16Array.of(0, 1, 2, 0, 2, 3).buffer), pngOf(2, [[220, 0, 0], [0, 0, 220]]), pngOf(1, [[255, 128, 140]])];
+  const uri = (kind, bytes) => `data:${kind};base64,${bytes.toString("base64")}`, nearest = { magFilter: 9728, minFilter: 9728, wrapS: 33071, wrapT: 33071 };
+  const view = (byteOffset, byteLength) => ({ buffer: 0, byteOffset, byteLength }), accessor = (bufferView, count, type, componentType = 5126) => ({ bufferView, count, type, componentType, ...(type === "VEC3" ? { min: [-9, -9, -9], max: [9, 9, 9] } : {}) });
+  return JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0, 1] }], nodes: [{ mesh: 0 }, { mesh: 1 }],
+    meshes: [{ name: "Poster", primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1 }, indices: 3, material: 0 }] }, { name: "Plain", primitives: [{ attributes: { POSITION: 2 }, indices: 3 }] }],
+    materials: [{ name: "Print", pbrMetallicRoughness: { baseColorTexture: { index: 0 } }, normalTexture: { index: 1 } }], textures: [{ source: 0, sampler: 0 }, { source: 1 }], samplers: [nearest],
+    images: [{ uri: uri("image/png", parts[2]) }, { uri: uri("image/png", parts[3]) }], accessors: [accessor(0, 4, "VEC3"), accessor(1, 4, "VEC2"), accessor(2, 4, "VEC3"), accessor(3, 6, "SCALAR", 5123)],
+    bufferViews: [view(0, 48), view(48, 32), view(80, 48), view(128, 12)], buffers: [{ byteLength: 140, uri: uri("application/octet-stream", Buffer.concat(parts.slice(0, 2))) }] });
+}
+
 /* axe-core, where npm has installed it (scripts/install-deps.sh). */
 const axe = [process.env.NORMA_NPM_WEB, join(root, "build/npm-web/node_modules")].filter(Boolean).map((folder) => join(folder, "axe-core/axe.min.js")).find((path) => existsSync(path));
 if (axe)
@@ -612,6 +640,28 @@ if (axe)
     });
 else
   console.log("# axe-core is not installed: scripts/install-deps.sh");
+if (axe)
+  for (const size of [[1440, 900], [1024, 768], [390, 844]])
+    for (const dark of [false, true])
+      await attempt(`axe has no finding at ${size.join("x")}${dark ? ", dark" : ""}, with a file's images, normal maps, tangents, parts, findings, fixed and computed files`, async () => {
+        const looked = await visit(home, { size, dark, mobile: size[0] < 500 });
+        await dropText(looked, "artists.gltf", artistsModel());
+        await looked.evaluate("for (const box of document.querySelectorAll('details')) box.open = true");
+        await looked.click("wireframe");
+        await looked.pick("hedgehog", "vertex");
+        await looked.set("scale-x", 2);
+        await looked.click("fix");
+        await looked.click("compute");
+        await looked.until("document.querySelector('#computed-files a')");
+        await looked.click("finding-0");
+        await looked.pick("colours", "tangents");
+        expect(await looked.evaluate("['textures', 'normal-maps', 'parts', 'up', 'fix', 'compute', 'finding-0', 'computed-files', 'cofactors'].every((id) => document.getElementById(id).checkVisibility())"), "a control is hidden");
+        await looked.picture(`everything-${size.join("x")}${dark ? "-dark" : ""}`);
+        await looked.evaluate(`${readFileSync(axe, "utf8")};0`);
+        const found = await looked.evaluate("axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target.join(' ')).join(', ')}`).join('\\n'))");
+        await looked.close();
+        expect(found === "", found);
+      });
 
 await attempt("without WebGL 2 the page says so", async () => {
   const without = await visit(home, { before: "HTMLCanvasElement.prototype.getContext = () => null" });
@@ -666,26 +716,6 @@ await attempt("norma view: glTF nodes stand where they stand, polygons are whole
   await polygon.close();
 });
 
-/* A model for artists: a square whose image is red on its left and blue on its right, and whose normal map leans everything over; beside it another mesh, without either. */
-const crc32 = (bytes) => ~bytes.reduce((crc, byte) => { for (let bit = 0, next = crc ^ byte; bit < 8; bit++) { next = next & 1 ? (next >>> 1) ^ 0xedb88320 : next >>> 1; if (bit === 7) return next; } return crc; }, -1);
-const pngChunk = (kind, data) => {
-  const body = Buffer.concat([Buffer.from(kind, "latin1"), data]), head = Buffer.alloc(4), tail = Buffer.alloc(4);
-  head.writeUInt32BE(data.length);
-  tail.writeUInt32BE(crc32(body) >>> 0);
-  return Buffer.concat([head, body, tail]);
-};
-const pngOf = (width, pixels) => Buffer.concat([Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]), pngChunk("IHDR", Buffer.from([0, 0, 0, width, 0, 0, 0, 1, 8, 2, 0, 0, 0])), pngChunk("IDAT", deflateSync(Buffer.from([0, ...pixels.flat()]))), pngChunk("IEND", Buffer.alloc(0))]);
-function artistsModel() {
-  const floats = Float32Array.of(-2, 0, 0, 0, 0, 0, 0, 2, 0, -2, 2, 0, /* uv */ 0, 1, 1, 1, 1, 0, 0, 0, /* other */ 1, 0, 0, 3, 0, 0, 3, 2, 0, 1, 2, 0), parts = [Buffer.from(floats.buffer), Buffer.from(Uint16Array.of(0, 1, 2, 0, 2, 3).buffer), pngOf(2, [[220, 0, 0], [0, 0, 220]]), pngOf(1, [[255, 128, 140]])];
-  const uri = (kind, bytes) => `data:${kind};base64,${bytes.toString("base64")}`, nearest = { magFilter: 9728, minFilter: 9728, wrapS: 33071, wrapT: 33071 };
-  const view = (byteOffset, byteLength) => ({ buffer: 0, byteOffset, byteLength }), accessor = (bufferView, count, type, componentType = 5126) => ({ bufferView, count, type, componentType, ...(type === "VEC3" ? { min: [-9, -9, -9], max: [9, 9, 9] } : {}) });
-  return JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0, 1] }], nodes: [{ mesh: 0 }, { mesh: 1 }],
-    meshes: [{ name: "Poster", primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1 }, indices: 3, material: 0 }] }, { name: "Plain", primitives: [{ attributes: { POSITION: 2 }, indices: 3 }] }],
-    materials: [{ name: "Print", pbrMetallicRoughness: { baseColorTexture: { index: 0 } }, normalTexture: { index: 1 } }], textures: [{ source: 0, sampler: 0 }, { source: 1 }], samplers: [nearest],
-    images: [{ uri: uri("image/png", parts[2]) }, { uri: uri("image/png", parts[3]) }], accessors: [accessor(0, 4, "VEC3"), accessor(1, 4, "VEC2"), accessor(2, 4, "VEC3"), accessor(3, 6, "SCALAR", 5123)],
-    bufferViews: [view(0, 48), view(48, 32), view(80, 48), view(128, 12)], buffers: [{ byteLength: 140, uri: uri("application/octet-stream", Buffer.concat(parts.slice(0, 2))) }] });
-}
-
 await attempt("for artists: images, normal maps, tangents, wireframe, parts, the axis that points up", async () => {
   const from = join(shots, "artists.gltf"), out = join(shots, "view-artists.html");
   writeFileSync(from, artistsModel());
@@ -716,6 +746,49 @@ await attempt("for artists: images, normal maps, tangents, wireframe, parts, the
   await view.pick("colours", "lit");
   await view.pick("up", "z");
   expect(reds(await view.picture()) < 400, "with z up the square lies on the ground, and is seen edge-on");
+  expect(view.said.length === 0, view.said.join("\n"));
+  await view.close();
+});
+
+/* Squares in a row, each two wide: vertices red on the left and blue on the right; cut away by its mask; half green before white; seen from behind; unlit; hidden by its alpha. What is seen of each follows from glTF. */
+function materialsModel() {
+  const square = (x, z, flip) => [[x, 0, z], [x + 2, 0, z], [x + 2, 2, z], [x, 2, z]].map((p, i, all) => (flip ? all[3 - i] : p)).flat();
+  const positions = [square(0, 0), square(3, 0), square(6, 0.1), square(6, 0), square(9, 0, true), square(12, 0), square(15, 0)], colours = [1, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 1, 1, 0, 0, 1];
+  const colour = (list, more = {}) => ({ pbrMetallicRoughness: { baseColorFactor: list }, ...more });
+  const materials = [colour([1, 1, 1, 1]), colour([1, 1, 0, 0.3], { alphaMode: "MASK", alphaCutoff: 0.5 }), colour([0, 1, 0, 0.5], { alphaMode: "BLEND" }), colour([1, 1, 1, 1]), colour([1, 1, 0, 1]), colour([0.2, 0.05, 0.4, 1], { extensions: { KHR_materials_unlit: {} } }), colour([1, 0, 0, 0], { alphaMode: "BLEND" })];
+  const bytes = Buffer.concat([...positions, colours].map((list) => Buffer.from(Float32Array.from(list).buffer)).concat(Buffer.from(Uint16Array.of(0, 1, 2, 0, 2, 3).buffer)));
+  const accessors = [...positions.map((_, i) => ({ bufferView: i, componentType: 5126, count: 4, type: "VEC3", min: [-99, -99, -99], max: [99, 99, 99] })), { bufferView: 7, componentType: 5126, count: 4, type: "VEC4" }, { bufferView: 8, componentType: 5123, count: 6, type: "SCALAR" }];
+  const meshes = positions.map((_, i) => ({ primitives: [{ attributes: { POSITION: i, ...(i ? {} : { COLOR_0: 7 }) }, indices: 8, material: i }] }));
+  const views = [...positions.map((_, i) => [48 * i, 48]), [336, 64], [400, 12]].map(([byteOffset, byteLength]) => ({ buffer: 0, byteOffset, byteLength }));
+  return JSON.stringify({ asset: { version: "2.0" }, extensionsUsed: ["KHR_materials_unlit"], scene: 0, scenes: [{ nodes: positions.map((_, i) => i) }], nodes: positions.map((_, mesh) => ({ mesh })), meshes, materials, accessors, bufferViews: views,
+    buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }] });
+}
+
+await attempt("materials: colours of vertices, masks, what lets light through, sides, unlit; in the page as by norma render", async () => {
+  const from = join(shots, "materials.gltf"), out = join(shots, "view-materials.html"), drawn = join(shots, "materials.png");
+  writeFileSync(from, materialsModel());
+  execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
+  execFileSync(tool, ["render", from, "-o", drawn, "--camera", "0,0", "--fov", "0", "--size", "680x160", "--background", "white", "--quiet"]);
+  const view = await visit(pathToFileURL(out).href), isColoured = ([r, g, b]) => Math.max(r, g, b) - Math.min(r, g, b) > 40;
+  await view.click("reset-view");
+  /* From 0 to 17 along x; its ends are the first red and what is drawn last, the unlit square's right. */
+  const read = (png, box) => {
+    const row = [...Array(box[3] - box[1]).keys()].map((y) => y + box[1]).find((y) => { for (let x = box[0]; x < box[2]; x++) if (isColoured(png.at(x, y))) return true; return false; }), columns = [];
+    for (let x = box[0]; x < box[2]; x++) if (isColoured(png.at(x, row + 4))) columns.push(x);
+    const left = columns[0], scale = (columns[columns.length - 1] + 1 - left) / 14, at = (x) => png.at(Math.round(left + scale * x), row + 4);
+    return { red: at(0.2), blue: at(1.8), masked: at(4), through: at(7), behind: at(10), unlit: at(13), hidden: at(16), paper: png.at(Math.round(left + scale * 2.5), row + 4) };
+  };
+  const same = (a, b, much) => a.every((part, i) => Math.abs(part - b[i]) <= much), seen = { page: read(await view.picture("view-materials"), STAGE), render: read(readPng(readFileSync(drawn)), [0, 0, 680, 160]) };
+  for (const [who, { red, blue, masked, through, behind, unlit, hidden, paper }] of Object.entries(seen)) {
+    const tells = (what, colour, holds) => expect(holds, `${who}: ${what} is ${colour}`);
+    tells("left of the first", red, red[0] > 120 && red[0] > 2 * red[2]);
+    tells("right of the first", blue, blue[2] > 120 && blue[2] > 2 * blue[0]);
+    for (const [what, colour] of Object.entries({ masked, behind, hidden })) tells(what, colour, same(colour, paper, 6));
+    tells("white through green", through, through[1] > through[0] + 30 && through[0] > 60 && same([through[0]], [through[2]], 6));
+    tells("unlit", unlit, same(unlit, [124, 63, 170], 2));
+  }
+  await view.click("textures");
+  expect(countPixels(await view.picture("view-materials-clay"), STAGE, isColoured) === 0, "clay has colours");
   expect(view.said.length === 0, view.said.join("\n"));
   await view.close();
 });

@@ -11,7 +11,9 @@ export function check(name, holds, detail) {
 
 export function skip(name) { console.log(`ok ${++number} # SKIP ${name}`); }
 
+/* NORMA_ONLY: a regular expression; cases with other names are left out, for whoever works on one. */
 export async function attempt(name, work) {
+  if (process.env.NORMA_ONLY && !new RegExp(process.env.NORMA_ONLY).test(name)) return true;
   try {
     await work();
     return check(name, true);

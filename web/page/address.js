@@ -1,8 +1,8 @@
 /* What is shown, in the address behind the #: the controls that differ from how they stand at first, and the camera. So that a link shows the same again. */
 import { byId, RANGES, spell } from "./controls.js";
 
-const KEPT = ["model", "scale-x", "scale-y", "scale-z", "shear", "turn", "move", "mirror", "sides", "split", "source", "crease", "weight", "weld", "shading", "colours", "hedgehog", "wireframe", "textures", "normal-maps", "up"];
-const CAMERA = ["azimuth", "elevation", "distance"];
+const KEPT = ["model", "scale-x", "scale-y", "scale-z", "shear", "turn", "move", "mirror", "sides", "split", "source", "crease", "weight", "weld", "shading", "colours", "hedgehog", "line-length", "line-density", "wireframe", "textures", "normal-maps", "up"];
+const CAMERA = ["azimuth", "elevation", "distance"], poseOf = (camera) => [...CAMERA.map((name) => camera[name]), ...camera.centre].map((x) => Number(x.toFixed(3)));
 const PAUSE = 300;
 
 const control = (id) => byId(id);
@@ -25,18 +25,20 @@ export function applyAddress(asked, camera) {
     if (RANGES.includes(id)) spell(id);
   }
   const numbers = (asked.get("camera") ?? "").split(",").map(Number);
-  if (numbers.length === CAMERA.length && numbers.every(Number.isFinite) && numbers[2] > 0) CAMERA.forEach((name, i) => { camera[name] = numbers[i]; });
+  if (numbers.length < CAMERA.length || !numbers.every(Number.isFinite) || !(numbers[2] > 0)) return;
+  CAMERA.forEach((name, i) => { camera[name] = numbers[i]; });
+  if (numbers.length === CAMERA.length + 3) camera.centre = numbers.slice(CAMERA.length);
 }
 
 /* A function to call after every change; it writes when nothing has changed for a while. */
 export function makeAddress(camera) {
   let timer = null;
-  const first = Object.fromEntries(kept().map((id) => [id, stateOf(control(id))])), pose = CAMERA.map((name) => camera[name]).join();
+  const first = Object.fromEntries(kept().map((id) => [id, stateOf(control(id))])), pose = poseOf(camera).join();
   const write = () => {
     const state = new URLSearchParams();
     for (const id of kept()) if (stateOf(control(id)) !== first[id] && !(id === "model" && /^(file|embedded)/.test(control(id).value))) state.set(id, stateOf(control(id)));
-    const now = CAMERA.map((name) => Number(camera[name].toFixed(3)));
-    if (now.join() !== pose) state.set("camera", now.join());
+    const now = poseOf(camera);
+    if (now.join() !== pose) state.set("camera", (now.slice(CAMERA.length).some((x) => x !== 0) ? now : now.slice(0, CAMERA.length)).join());
     const text = state.toString().replaceAll("%2C", ",");
     if (text !== location.hash.slice(1)) history.replaceState(null, "", text ? `#${text}` : location.pathname + location.search);
   };

@@ -6,8 +6,8 @@ export const value = (id) => byId(id).value;
 export const numberOf = (id) => Number(byId(id).value);
 export const isChecked = (id) => byId(id).checked;
 
-const SPELLED = { crease: (x) => `${x}°`, turn: (x) => `${x}°`, split: (x) => `${x} %` };
-export const RANGES = ["scale-x", "scale-y", "scale-z", "shear", "turn", "move", "split", "crease", "height"];
+const SPELLED = { crease: (x) => `${x}°`, turn: (x) => `${x}°`, split: (x) => `${x} %`, "line-density": (x) => `${x} %` };
+export const RANGES = ["scale-x", "scale-y", "scale-z", "shear", "turn", "move", "split", "crease", "height", "line-length", "line-density"];
 export const MATRIX = { "scale-x": 1, "scale-y": 1, "scale-z": 1, shear: 0, turn: 0, move: 0, mirror: "" };
 
 export function spell(id) { byId(`${id}-value`).textContent = SPELLED[id] ? SPELLED[id](numberOf(id)) : numberOf(id).toFixed(2); }

@@ -13,9 +13,11 @@ const STORAGE = [null, "per vertex", "per corner", "per facet"];
 const UPS = ["y", "z"];
 const OPAQUE = 0, MASK = 1;
 
-/* Of a mesh: its images (null: none), how they repeat, what is cut away. */
-const materialOf = ([base, normal, baseS, baseT, normalS, normalT, mode, cutoff, strength, hasTexcoords, hasTangents]) => ({
-  baseMap: base < 0 ? null : { image: base, wrap: [baseS, baseT] }, normalMap: normal < 0 ? null : { image: normal, wrap: [normalS, normalT] }, cutoff: mode === MASK ? cutoff : 0, seeThrough: mode > MASK || mode < OPAQUE, strength, hasTexcoords: hasTexcoords > 0, hasTangents: hasTangents > 0 });
+/* Of a mesh: its images (null: none), how they repeat and are filtered, what is cut away. */
+const mapOf = (image, wrap, filter) => (image < 0 ? null : { image, wrap, filter });
+const materialOf = ([base, normal, baseS, baseT, normalS, normalT, mode, cutoff, strength, hasTexcoords, hasTangents, baseMag, baseMin, normalMag, normalMin, hasColours, hasMaterial, isLit, isDoubleSided]) => ({
+  baseMap: mapOf(base, [baseS, baseT], [baseMag, baseMin]), normalMap: mapOf(normal, [normalS, normalT], [normalMag, normalMin]), cutoff: mode === MASK ? cutoff : 0, seeThrough: mode > MASK || mode < OPAQUE, strength,
+  hasTexcoords: hasTexcoords > 0, hasTangents: hasTangents > 0, hasColours: hasColours > 0, hasMaterial: hasMaterial > 0, isLit: isLit > 0, isDoubleSided: isDoubleSided > 0 });
 
 export async function startEngine(bytes) {
   const { instance } = await WebAssembly.instantiate(bytes);
@@ -59,8 +61,9 @@ export async function startEngine(bytes) {
         triangles, corners: 3 * triangles, faces: wasm.model_faces(address, i), vertices: wasm.model_vertices(address, i), decimated: wasm.model_is_decimated(address, i) !== 0, stored: STORAGE[wasm.model_storage(address, i)],
         colour: Array.from(floats(wasm.model_colour(address, i), 4)), ball: lend([32], (at) => (wasm.model_ball(address, i, at), Array.from(doubles(at, 4)))),
         positions: () => floats(wasm.model_draw_positions(address, i), 9 * triangles), normals: () => floats(wasm.model_draw_normals(address, i), 9 * triangles),
-        ...lend([88], (at) => (wasm.model_material(address, i, at), materialOf(doubles(at, 11)))), title: longTextAt(wasm.model_name(address, i)),
+        ...lend([152], (at) => (wasm.model_material(address, i, at), materialOf(doubles(at, 19)))), title: longTextAt(wasm.model_name(address, i)),
         texcoords: () => floats(wasm.model_texcoords(address, i), 12 * triangles), tangents: () => floats(wasm.model_tangents(address, i), 12 * triangles),
+        colours: () => new Uint16Array(memory(), wasm.model_colours(address, i) >>> 0, 12 * triangles),
         edges: () => lend([3 * triangles], (at) => (wasm.model_edges(address, i, at), new Uint8Array(memory(), at, 3 * triangles).slice())),
         reach: () => floats(wasm.model_draw_reach(address, i), 3 * triangles), values: () => floats(wasm.model_draw_values(address, i), 3 * triangles),
       };
@@ -78,7 +81,7 @@ export async function startEngine(bytes) {
       if (result !== 0) throw new Error(textAt(wasm.web_result_text(result)));
     };
     return {
-      name, meshes, draws, compute, images, up: UPS[["OBJ", "PLY", "STL"].includes(FORMATS[wasm.model_format(address)]) ? wasm.model_guess_up(address) : 0], format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address),
+      name, meshes, draws, compute, images, up: UPS[["OBJ", "PLY", "STL"].includes(FORMATS[wasm.model_format(address)]) ? wasm.model_guess_up(address) : 0], format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address), imagesLeftOut: wasm.model_images_left_out(address),
       triangles: meshes.reduce((sum, mesh) => sum + mesh.triangles, 0), faces: meshes.reduce((sum, mesh) => sum + mesh.faces, 0),
       /* What norma check says; null: it was not asked. */
       findings: findingCount === NOT_CHECKED ? null : Array.from({ length: findingCount }, readFinding),
@@ -176,17 +179,18 @@ export async function startEngine(bytes) {
 
 /* Triangles as a pack: web/page/model/model_pack.h. indices: four bytes each. */
 export function packTriangles(positions, indices, colour = [0.8, 0.8, 0.8]) {
-  const HEAD = 48, MESH = 120, DRAW = 136, NONE = 0xffffffff;
+  const HEAD = 56, MESH = 152, DRAW = 136, NONE = 0xffffffff;
   const eight = (size) => Math.ceil(size / 8) * 8;
   const positionsAt = HEAD, indicesAt = positionsAt + eight(positions.byteLength), meshAt = indicesAt + eight(indices.byteLength), drawAt = meshAt + eight(MESH), nameAt = drawAt + DRAW;
   const pack = new Uint8Array(nameAt + 8), view = new DataView(pack.buffer);
   const words = (at, list) => list.forEach((word, i) => view.setUint32(at + 4 * i, word, true));
-  words(0, [0x334d524e, pack.length, 1, meshAt, 1, drawAt, 0, 0, NONE, 0, 0, 0]);
+  words(0, [0x344d524e, pack.length, 1, meshAt, 1, drawAt, 0, 0, NONE, 0, 0, 0, 0, 0]);
   pack.set(new Uint8Array(positions.buffer), positionsAt);
   pack.set(new Uint8Array(indices.buffer), indicesAt);
   words(meshAt, [positions.length / 3, positionsAt, 0, indices.length, indicesAt, indices.length / 3, NONE, NONE, 0, 0, 0, NONE]);
   [...colour, 1].forEach((x, i) => view.setFloat32(meshAt + 48 + 4 * i, x, true));
   words(meshAt + 64, [1, 0, nameAt, NONE, NONE, NONE, NONE, 0, 0, 0, 0, 0]);
+  words(meshAt + 120, [NONE]);
   for (let i = 0; i < 16; i += 5) view.setFloat64(drawAt + 8 * i, 1, true);
   return pack;
 }

@@ -4,7 +4,7 @@ import { count, counted } from "./readouts.js";
 /* A list that nobody reads to its end would only make the page slow. */
 const MOST_LISTED = 200;
 
-const measured = ({ worst, unit }) => (Number.isFinite(worst) ? `, worst ${Number(worst.toPrecision(4))}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}` : "");
+const measured = ({ worst, unit }) => (Number.isFinite(worst) ? `, worst ${String(Number(worst.toPrecision(4))).replace("-", "−")}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}` : "");
 
 function summary(findings) {
   if (!findings.length) return "Nothing is wrong with this model's normals.";

@@ -1,5 +1,5 @@
 /* WebGL 2. Programs are made of the texts of src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
-import { multiply3, upper } from "./matrix.js";
+import { multiply3, point, upper } from "./matrix.js";
 
 const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR", matcap: "SHOW_MATCAP", zebra: "SHOW_ZEBRA", tangents: "SHOW_TANGENTS" };
 const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3, TEXCOORD = 4, TANGENT = 5;
@@ -8,10 +8,16 @@ const LIGHTS = [{ from: [-0.66, 0.62, 0.42], strength: 1.05 }, { from: [0.9, 0, 
 const MOST_STRIDE = 63;
 /* Bytes that are handed over at once. */
 const SLICE = 1 << 19;
-/* Of a colour with an image: white is not blown out. Of images, more texels each way only cost time. */
+/* Of a material's colour: white is not blown out. Of images, more texels each way only cost time. */
 const FULL = 0.85, MOST_TEXELS = 2048;
 /* How much of what is not marked is seen, where it would hide what is. */
 const FAINT = 0.14;
+/* Phong's model: ambient, diffuse, specular, exponent. */
+const PHONG = [0.06, 0.94, 0.16, 26], UNLIT = [1, 0, 0, 1];
+/* Where a surface with one side is not drawn from behind; errors, winding and findings are looked for on either. */
+const HAS_SIDES = new Set(["lit", "normals", "matcap", "zebra", "tangents"]);
+/* Alpha 0 is no alpha to the shader; and a cutoff that nothing reaches. */
+const LEAST_ALPHA = 1e-6, NOTHING_IS_LEFT = 2;
 
 /* Begins a program; nothing is asked of the card until it is used first, as every question would wait for all that was drawn before. */
 function begin(gl, texts, stage, defines) {
@@ -111,7 +117,7 @@ export function makeGraphics(canvas, texts) {
   const makeSurface = ({ positions, normals, reach, indices }) => {
     const surface = {
       positions: makeBuffer(positions, indices ? gl.DYNAMIC_DRAW : gl.STATIC_DRAW), normals: makeBuffer(normals, gl.DYNAMIC_DRAW), reach: reach && makeBuffer(reach),
-      values: null, marks: null, texcoords: null, tangents: null, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
+      values: null, marks: null, colours: null, texcoords: null, tangents: null, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
     };
     const arrays = new Map();
     surface.use = (normalsBuffer) => {
@@ -130,12 +136,12 @@ export function makeGraphics(canvas, texts) {
     };
     /* Colours of the corners, or none; of the array that is in use. */
     surface.colour = (buffer) => {
-      if (buffer) { attribute(COLOUR, buffer, 4, 0, 0, 0, gl.UNSIGNED_BYTE); return; }
+      if (buffer) { attribute(COLOUR, buffer, 4, 0, 0, 0, buffer === surface.marks ? gl.UNSIGNED_BYTE : gl.UNSIGNED_SHORT); return; }
       gl.disableVertexAttribArray(COLOUR);
       gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
     };
     surface.free = () => {
-      for (const name of ["positions", "normals", "reach", "values", "marks", "texcoords", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      for (const name of ["positions", "normals", "reach", "values", "marks", "colours", "texcoords", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
       arrays.forEach((array) => gl.deleteVertexArray(array));
     };
     return surface;
@@ -156,18 +162,17 @@ export function makeGraphics(canvas, texts) {
     gl.uniform1i(place("light_count"), LIGHTS.length);
     gl.uniform3fv(place("light_direction"), LIGHTS.flatMap(({ from }) => from.map((x) => x / Math.hypot(...from))));
     gl.uniform3fv(place("light_colour"), LIGHTS.flatMap(({ strength }) => [strength, strength, strength]));
-    gl.uniform4f(place("phong"), 0.06, 0.94, 0.16, 26);
   };
 
-  const drawTriangles = (item, marks) => {
+  const drawTriangles = (item, colours) => {
     gl.frontFace(item.mirrored ? gl.CW : gl.CCW);
     item.surface.use(item.normals);
-    item.surface.colour(marks);
+    item.surface.colour(colours);
     if (item.surface.indices) gl.drawElements(gl.TRIANGLES, item.surface.count, gl.UNSIGNED_INT, 0);
     else gl.drawArrays(gl.TRIANGLES, 0, item.surface.count);
   };
 
-  /* item: { surface, normals (a buffer), localToWorld, normalMatrix, plain, right (to world space), mirrored, colour }; look: { colours, shading, errorTop, angleTop, faint } */
+  /* item: { surface, normals (a buffer), localToWorld, normalMatrix, plain, right (to world space), mirrored, clay, material }; look: { colours, shading, materials, errorTop, angleTop, faint } */
   const drawSurface = (item, camera, look) => {
     if (look.colours === "angle") { drawAngle(item, camera, look); return; }
     if (look.colours === "findings" && item.surface.marks) { drawMarked(item, camera, look.faint ? "MARKED_ONLY" : null); return; }
@@ -176,31 +181,57 @@ export function makeGraphics(canvas, texts) {
     setLight(place);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
     gl.uniformMatrix3fv(place("normal_matrix"), false, multiply3(upper(camera.worldToView), item.normalMatrix));
-    gl.uniform3fv(place("base_colour"), setMaps(place, item, look) ? item.full.map((x) => FULL * x) : item.colour);
-    gl.uniform1f(place("two_sided"), look.colours === "normals" ? 0 : 1);
+    const { material = {}, surface } = item, dressed = isDressed(item, look), isSided = material.isDoubleSided === false && HAS_SIDES.has(look.colours);
+    gl.uniform3fv(place("base_colour"), dressed ? material.colour.slice(0, 3).map((x) => (material.isLit ? FULL : 1) * x) : item.clay);
+    gl.uniform4f(place("phong"), ...(dressed && !material.isLit ? UNLIT : PHONG));
+    setMaps(place, item, look, dressed);
+    gl.uniform1f(place("two_sided"), isSided ? 0 : 1);
     gl.uniform1f(place("scale_top"), look.errorTop);
-    drawTriangles(item, null);
+    if (isSided) gl.enable(gl.CULL_FACE);
+    drawTriangles(item, dressed ? surface.colours : null);
+    gl.disable(gl.CULL_FACE);
   };
 
-  /* The images of a surface, as far as they are wanted and loaded; whether its base map is among them. */
-  const setMaps = (place, item, { colours, textures, normalMaps, images }) => {
-    const { material, surface } = item, lit = colours === "lit" && images && surface.texcoords;
-    const [base, normal] = [["baseMap", textures], ["normalMap", normalMaps]].map(([map, wanted], unit) => {
+  /* Whether its material is seen. */
+  const isDressed = ({ material }, { colours, materials }) => Boolean(colours === "lit" && materials && (material?.hasMaterial || material?.hasColours));
+
+  /* The images of a surface, as far as they are wanted and loaded, and what its alpha does. */
+  const setMaps = (place, { material, surface }, { colours, normalMaps, images }, dressed) => {
+    const lit = colours === "lit" && images && surface.texcoords;
+    const [base, normal] = [["baseMap", dressed], ["normalMap", normalMaps]].map(([map, wanted], unit) => {
       const image = lit && wanted && material[map] ? images[material[map].image] : null;
-      if (image) bindTexture(image, unit, material[map].wrap);
+      if (image) bindTexture(image, unit, material[map]);
       return image;
     });
+    const alpha = dressed ? material.colour[3] : 1, cutoff = dressed ? material.cutoff : 0;
     gl.uniform1i(place("base_map"), 0);
     gl.uniform1i(place("normal_map"), 1);
-    gl.uniform4f(place("maps"), base ? 1 : 0, normal ? material.strength : 0, base && material.cutoff ? material.cutoff : 0, 0);
-    return Boolean(base);
+    gl.uniform4f(place("maps"), base ? 1 : 0, normal ? material.strength : 0, cutoff <= alpha ? cutoff / Math.max(alpha, LEAST_ALPHA) : NOTHING_IS_LEFT, dressed && material.seeThrough ? Math.max(alpha, LEAST_ALPHA) : 0);
   };
 
-  const WRAPS = new Set([gl.CLAMP_TO_EDGE, gl.MIRRORED_REPEAT]);
-  const bindTexture = ({ colour, other }, unit, wrap) => {
+  /* All of them; what lets light through after the rest, the farthest first. */
+  const drawSurfaces = (items, camera, look) => {
+    const isBlended = (item) => isDressed(item, look) && item.material.seeThrough, depth = ({ localToWorld: m }) => point(camera.worldToView, m.slice(12, 15))[2];
+    for (const item of items) if (!isBlended(item)) drawSurface(item, camera, look);
+    const blended = items.filter(isBlended).map((item) => ({ item, at: depth(item) })).sort((a, b) => a.at - b.at);
+    if (blended.length) blend(() => { for (const { item } of blended) drawSurface(item, camera, look); });
+  };
+  const blend = (draw) => {
+    gl.enable(gl.BLEND);
+    gl.depthMask(false);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    draw();
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  };
+
+  const WRAPS = new Set([gl.CLAMP_TO_EDGE, gl.MIRRORED_REPEAT]), isFilter = (kind) => kind === gl.NEAREST || kind === gl.LINEAR, isLevelled = (kind) => kind >= gl.NEAREST_MIPMAP_NEAREST && kind <= gl.LINEAR_MIPMAP_LINEAR;
+  const bindTexture = ({ colour, other }, unit, { wrap, filter: [mag, min] }) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, unit ? other : colour);
     [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T].forEach((side, i) => gl.texParameteri(gl.TEXTURE_2D, side, WRAPS.has(wrap[i]) ? wrap[i] : gl.REPEAT));
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, isFilter(mag) ? mag : gl.LINEAR);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, isFilter(min) || isLevelled(min) ? min : gl.LINEAR_MIPMAP_LINEAR);
   };
   const makeTexture = async (bitmap, format) => {
     const texture = gl.createTexture();
@@ -211,7 +242,6 @@ export function makeGraphics(canvas, texts) {
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.generateMipmap(gl.TEXTURE_2D);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
     await drained();
     return texture;
   };
@@ -250,14 +280,7 @@ export function makeGraphics(canvas, texts) {
   };
 
   /* What is not marked, over what is, after all of that was drawn. */
-  const drawRest = (items, camera) => {
-    gl.enable(gl.BLEND);
-    gl.depthMask(false);
-    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    for (const item of items) if (item.surface.marks) drawMarked(item, camera, "REST_ONLY");
-    gl.depthMask(true);
-    gl.disable(gl.BLEND);
-  };
+  const drawRest = (items, camera) => blend(() => { for (const item of items) if (item.surface.marks) drawMarked(item, camera, "REST_ONLY"); });
 
   const startLines = (place, camera, width, head, lift = 0.002) => {
     setCamera(place, camera);
@@ -416,5 +439,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, makeImages, freeImages, drawSurface, drawRest, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, makeImages, freeImages, drawSurfaces, drawRest, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
 }

@@ -6,7 +6,7 @@ const PERIOD = 6;
 /* changed() is called when the scale has changed. */
 export function makeIntro(changed) {
   let playing = false, time = 0, last = 0;
-  const show = () => setRange("scale-x", (1.5 + 0.5 * Math.cos((2 * Math.PI * time) / PERIOD)).toFixed(2));
+  const show = () => setRange("scale-x", Number((1.5 + 0.5 * Math.cos((2 * Math.PI * time) / PERIOD)).toFixed(2)));
   const play = (on) => {
     playing = on;
     last = 0;

@@ -75,17 +75,24 @@ function showModel(model, { changed = false } = {}) {
   if (!changed) showMaterialControls(model);
   showModelFacts(model);
   listParts(scene, () => { dirty.draw = true; });
-  loadImages(scene);
+  loadMaterials(scene);
   showSections();
   dirty.compute = dirty.draw = true;
 }
 
-/* Images follow by themselves. */
-async function loadImages(shown) {
+async function loadColours(shown) {
+  const lists = await remote.colours(shown.model.number);
+  for (const [i, list] of lists.entries()) if (list && (shown === scene || shown === before)) { shown.surfaces[i].colours = graphics.reserve(list.byteLength); await graphics.fillSlowly(shown.surfaces[i].colours, list); }
+}
+
+/* Images and colours of vertices follow by themselves. */
+async function loadMaterials(shown) {
   const { model } = shown;
-  if (!model.images.length) return;
+  if (!model.images.length && !model.meshes.some(({ hasColours }) => hasColours)) return;
   loading++;
   try {
+    if (model.meshes.some(({ hasColours }) => hasColours)) await loadColours(shown);
+    if (!model.images.length) return;
     const texcoords = await remote.texcoords(model.number), images = await graphics.makeImages(model.images, usesOf(model)), unread = images.filter((image) => !image).length;
     model.images = [];
     if (shown !== scene && shown !== before) { graphics.freeImages(images); return; }
@@ -191,7 +198,7 @@ async function chooseFinding(finding) {
     const place = finding && placeIn(finding, await remote.place(shown.model.number, finding.index));
     if (mine !== seeking || shown !== scene) return;
     if (!finding) return;
-    if (!place) { camera.reset(); byId("finding-seen").textContent = "This is about the file, not about a place on its surface."; return; }
+    if (!place) { camera.reset(); byId("finding-seen").textContent = shown.model.meshes[finding.mesh] ? "This is about a whole part, not about a place on it." : "This is about the file, not about a place on its surface."; return; }
     const everywhere = finding.places > shown.model.meshes[finding.mesh].faces / 2, aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
     const items = itemsOf(norma, shown, userMatrix(), "right"), counts = (poses, through) => graphics.countMarked(items, poses.map((pose) => poseView(pose, aspect)), aspect, through);
     const best = await seek(posesOf(place, camera.axes().up, everywhere), counts);
@@ -394,7 +401,7 @@ function showLegend(of) {
 
 function movingItems(side) {
   const surface = scene.surfaces[0];
-  return [{ surface, normals: side === "wrong" ? scene.still : surface.normals, localToWorld: IDENTITY, normalMatrix: upper(IDENTITY), mirrored: false, colour: [0.16, 0.42, 0.55], mesh: 0, size: 0.02 }];
+  return [{ surface, normals: side === "wrong" ? scene.still : surface.normals, localToWorld: IDENTITY, normalMatrix: upper(IDENTITY), mirrored: false, clay: [0.16, 0.42, 0.55], mesh: 0, size: 0.02 }];
 }
 
 function sideItems(side, user, compared) {
@@ -435,10 +442,10 @@ function drawWire(item, view, pixels, shown) {
 function drawHedgehog(item, view, pixels, colour) {
   const kind = value("hedgehog");
   if (!kind) return;
-  const { surface } = item, common = { colour, pixels, most: MOST_LINES, scale: item.size };
+  const { surface } = item, common = { colour, pixels, scale: numberOf("line-length") * item.size };
   const lines = moving ? { from: surface.positions, to: item.normals, reachConstant: 1, points: surface.points }
     : kind === "vertex" ? { from: surface.positions, to: item.normals, reach: surface.reach, points: surface.points } : faceLinesOf(item);
-  if (lines) graphics.drawHedgehog(item, view, { ...common, ...lines });
+  if (lines) graphics.drawHedgehog(item, view, { ...common, ...lines, most: Math.min(MOST_LINES, (numberOf("line-density") / 100) * lines.points) });
 }
 
 function drawPanel({ side, box, from, to }, pixels, draw) {
@@ -455,8 +462,8 @@ function draw() {
   look.angleTop = intro.isShown() ? 45 : ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
   graphics.clear();
   for (const panel of panels) drawPanel(panel, pixels, (side, view) => {
-    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, textures: isChecked("textures"), normalMaps: isChecked("normal-maps"), images: (side === "wrong" && compared === "change" ? before : scene).textures?.images, colours: angle ? "angle" : value("colours"), shading: value("shading") };
-    for (const item of items) graphics.drawSurface(item, view, how);
+    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), images: (side === "wrong" && compared === "change" ? before : scene).textures?.images, colours: angle ? "angle" : value("colours"), shading: value("shading") };
+    graphics.drawSurfaces(items, view, how);
     if (how.colours === "findings" && look.faint) graphics.drawRest(items, view);
     if (!angle && isChecked("wireframe") && !moving) for (const item of items) drawWire(item, view, pixels, side === "wrong" && compared === "change" ? before : scene);
     if (!angle) for (const item of items) drawHedgehog(item, view, pixels, compared === "change" ? colours.before : colours[side]);
@@ -645,6 +652,7 @@ function openFile(files, path) {
     setRange("crease", 60);
     camera.reset();
     document.title = `${source.name} · Norma`;
+    byId("model").title = byId("model").selectedOptions[0].textContent;
     showSections();
   });
 }
@@ -665,6 +673,7 @@ const VIEWS = { moving: { azimuth: 20, elevation: 34, distance: 3.3 }, sculpture
 let embedded = null;
 function pickModel() {
   const key = value("model");
+  byId("model").title = "";
   notice("");
   if (!key.startsWith("file")) { forgetChosen(); source = null; byId("model").querySelectorAll('[value^="file"]').forEach((old) => old.remove()); }
   if (key === "moving") showMoving();

@@ -4,8 +4,9 @@ import { SHAPES } from "./shapes.js";
 
 /* What a page knows of a model; its arrays follow by themselves. */
 function describe(number, model) {
-  const meshes = model.meshes.map(({ triangles, faces, vertices, stored, decimated, colour, ball, title, baseMap, normalMap, cutoff, seeThrough, strength, hasTexcoords, hasTangents }) => ({ triangles, faces, vertices, stored, decimated, colour, ball, title, baseMap, normalMap, cutoff, seeThrough, strength, hasTexcoords, hasTangents }));
-  return { number, name: model.name, format: model.format, unread: model.unread, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up, images: model.images(),
+  const isPlain = ([, part]) => typeof part !== "function";
+  const meshes = model.meshes.map((mesh) => Object.fromEntries(Object.entries(mesh).filter(isPlain)));
+  return { number, name: model.name, format: model.format, unread: model.unread, imagesLeftOut: model.imagesLeftOut, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up, images: model.images(),
            arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice() })) };
 }
 
@@ -69,6 +70,8 @@ export async function startModels(wasm) {
     },
     /* Where the images of a mesh are looked up; null: it has none. */
     texcoords: (number) => models.get(number).meshes.map((mesh) => (mesh.baseMap || mesh.normalMap ? mesh.texcoords().slice() : null)),
+    /* Of vertices; null: it has none. */
+    colours: (number) => models.get(number).meshes.map((mesh) => (mesh.hasColours ? mesh.colours().slice() : null)),
     /* Those of the file, otherwise as MikkTSpace makes them of the normals that were computed last; null: there is nothing to make them of. */
     tangents: (number) => models.get(number).meshes.map((mesh) => (mesh.hasTangents || mesh.hasTexcoords ? mesh.tangents().slice() : null)),
     /* Both ends of every edge of the file's polygons. */

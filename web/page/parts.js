@@ -42,7 +42,7 @@ export function showPart({ hidden }, number) {
 /* Controls of images and tangents are there if the model has them. */
 export function showMaterialControls(model) {
   const meshes = model?.meshes ?? [], has = (name) => meshes.some((mesh) => mesh[name]);
-  byId("textures-row").hidden = !has("baseMap");
+  byId("textures-row").hidden = !has("hasMaterial") && !has("hasColours");
   byId("normal-maps-row").hidden = !has("normalMap");
   byId("up-row").hidden = !model;
   byId("colours").querySelector("[value=tangents]").disabled = !has("hasTangents") && !has("hasTexcoords");

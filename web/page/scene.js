@@ -6,8 +6,8 @@ export const largestColumn = (m) => Math.max(length(m.slice(0, 3)), length(m.sli
 export const meanColumn = (m) => (length(m.slice(0, 3)) + length(m.slice(4, 7)) + length(m.slice(8, 11))) / 3;
 const determinant = (m) => m[0] * (m[4] * m[8] - m[5] * m[7]) + m[3] * (m[7] * m[2] - m[8] * m[1]) + m[6] * (m[1] * m[5] - m[2] * m[4]);
 
-/* White files as mid-grey clay: light shows no shape on white. */
-const CLAY = 0.5;
+/* What has no material is mid-grey clay: light shows no shape on white. */
+const CLAY = [0.5, 0.5, 0.5];
 
 /* The whole of a model in the unit ball: the middle of the box round the balls of what is drawn, and how far from it they reach. */
 function frameOf(model, draws) {
@@ -58,8 +58,8 @@ export function itemsOf(norma, scene, user, side) {
     const through = multiply(user, world), plain = upper(through);
     let right = plain;
     try { right = Array.from(norma.normalMatrix(through)); } catch { /* a node that is not finite: nothing is right there */ }
-    const surface = scene.surfaces[mesh];
+    const surface = scene.surfaces[mesh], material = scene.model.meshes[mesh];
     return { surface, normals: surface.normals, localToWorld: multiply(fit, multiply(user, local)), normalMatrix: side === "wrong" ? plain : right, plain, right,
-             mirrored: determinant(plain) < 0, colour: scene.model.meshes[mesh].colour.slice(0, 3).map((part) => (scene.model.format ? CLAY * part : part)), mesh, draw, material: scene.model.meshes[mesh], full: scene.model.meshes[mesh].colour.slice(0, 3), size: meanColumn(local) * fit[0] };
+             mirrored: determinant(plain) < 0, clay: scene.model.format ? CLAY : material.colour.slice(0, 3), mesh, draw, material, size: meanColumn(local) * fit[0] };
   });
 }

@@ -121,7 +121,7 @@ static enum render_result set_maps(const painter *p, const render_uniforms *at,
         !lit || cutoff == 0        ? 0
         : cutoff <= surface->alpha ? cutoff / surface->alpha
                                    : 2,
-        lit && surface->blends ? surface->alpha : 0);
+        lit && surface->blends ? fmaxf(surface->alpha, 1e-6F) : 0); /* 0: it does not blend */
     return result;
 }
 

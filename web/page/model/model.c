@@ -40,6 +40,7 @@ static int material_is_sound(
                lies_inside(head, r->texcoords, r->position_count, 16)) &&
            (r->tangents == VIEW_PACK_NONE ||
                lies_inside(head, r->tangents, r->position_count, 16)) &&
+           (r->colours == VIEW_PACK_NONE || lies_inside(head, r->colours, r->position_count, 8)) &&
            (r->base_map == VIEW_PACK_NONE || r->base_map < head->image_count) &&
            (r->normal_map == VIEW_PACK_NONE || r->normal_map < head->image_count);
 }
@@ -264,6 +265,7 @@ void model_close(model *m) {
         free(mesh->draw_marks);
         free(mesh->draw_texcoords);
         free(mesh->draw_tangents);
+        free(mesh->draw_colours);
         free(mesh->triangle_corners);
         creases_close(mesh->creases);
     }

@@ -19,6 +19,7 @@ typedef struct model_mesh {
         *draw_values;    /* of each corner of each triangle; draw_normals may be normals */
     uint8_t *draw_marks; /* the same, four bytes each; NULL until they are asked for */
     float *draw_texcoords, *draw_tangents; /* four each; NULL until they are asked for */
+    uint16_t *draw_colours;                /* the same */
     creases
         *creases; /* NULL before normals were first computed, and where there is no room for it */
 } model_mesh;

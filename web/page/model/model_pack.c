@@ -181,9 +181,11 @@ static norma_document_result pack_one(
     else
         pack_mesh(info, &data, work->pack, record);
     work->record_of[index] = work->count++;
+    const norma_document_result dressed = view_pack_material(
+        work->document, index, decimated.vertices, &work->images, work->pack, record, error);
     free(decimated.vertices);
     free(decimated.corners);
-    return view_pack_material(work->document, index, &work->images, work->pack, record, error);
+    return dressed;
 }
 
 static size_t count_triangles(norma_document *document) {
@@ -324,6 +326,7 @@ static norma_document_result pack_all(
         result = view_pack_findings(work->document, work->record_of, work->draw_of_node,
             work->records, work->options->threads, work->pack, &head, error);
     head.image_count = work->images.count;
+    head.images_left_out = work->images.left_out;
     head.images = view_pack_append(
         work->pack, work->images.records, work->images.count, sizeof *work->images.records);
     head.mesh_count = work->count;

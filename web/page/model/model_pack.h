@@ -7,7 +7,7 @@
 #define NORMA_CLI_VIEW_PACK_H
 #include <norma/document.h>
 
-#define VIEW_PACK_MAGIC 0x334d524eu /* "NRM3" */
+#define VIEW_PACK_MAGIC 0x344d524eu /* "NRM4" */
 #define VIEW_PACK_NONE  UINT32_MAX
 
 typedef struct view_pack_head {
@@ -18,6 +18,7 @@ typedef struct view_pack_head {
     uint32_t unread_count;            /* meshes of the file that are not among these */
     uint32_t finding_count, findings; /* count VIEW_PACK_NONE: not checked */
     uint32_t image_count, images;
+    uint32_t images_left_out, reserved; /* of materials: not there, or too large for a page */
 } view_pack_head;
 
 typedef struct view_pack_image { /* the file of an image: PNG or JPEG */
@@ -43,6 +44,10 @@ typedef struct view_pack_mesh {
     uint32_t base_wrap[2], normal_wrap[2]; /* as in glTF; 0: repeat */
     uint32_t alpha_mode;                   /* norma_alpha_mode */
     float alpha_cutoff, normal_strength;
+    uint32_t colours; /* four numbers of 16 bits for each position, linear, alpha last, 65535: 1;
+                         VIEW_PACK_NONE: none */
+    uint32_t base_filter[2], normal_filter[2]; /* magnified, minified, as in glTF; 0: linear */
+    uint32_t has_material, unlit, reserved;    /* has_material: colour is that of a material */
 } view_pack_mesh;
 
 typedef struct view_pack_draw {
@@ -95,11 +100,13 @@ uint32_t view_pack_append(view_pack *pack, const void *bytes, size_t count, size
 typedef struct view_pack_images {
     view_pack_image *records;
     size_t *numbers; /* in the document */
-    uint32_t count;
+    uint32_t count, left_out;
     size_t size; /* of all together */
 } view_pack_images;
+/* vertices: which of the mesh's are in the record; NULL: all. */
 norma_document_result view_pack_material(norma_document *document, size_t mesh,
-    view_pack_images *images, view_pack *pack, view_pack_mesh *record, norma_document_error *error);
+    const uint32_t *vertices, view_pack_images *images, view_pack *pack, view_pack_mesh *record,
+    norma_document_error *error);
 void view_pack_images_free(view_pack_images *images);
 
 /* pack_findings.c: the part that norma check has. record_of: of each mesh of the document its

@@ -1,5 +1,5 @@
 /* pack_materials.c: what a mesh's material makes it look like, as records of a pack: its colour,
- * its images and where they are looked up, its tangents. */
+ * those of its vertices, its images and where they are looked up, its tangents. */
 #include "model_pack.h"
 #include <math.h>
 #include <stdio.h>
@@ -27,10 +27,13 @@ static int add_image(view_pack_images *images, size_t number, view_pack_image im
 /* The number of its record; VIEW_PACK_NONE: it cannot be read, or there is no room for it. */
 static uint32_t pack_image(
     view_pack *pack, view_pack_images *images, const norma_texture_info *info) {
-    if (!info->there || info->image == SIZE_MAX || !info->bytes) return VIEW_PACK_NONE;
+    if (!info->there) return VIEW_PACK_NONE;
     for (uint32_t i = 0; i < images->count; ++i)
         if (images->numbers[i] == info->image) return i;
-    if (info->size > most_bytes - images->size) return VIEW_PACK_NONE;
+    if (info->image == SIZE_MAX || !info->bytes || info->size > most_bytes - images->size) {
+        ++images->left_out;
+        return VIEW_PACK_NONE;
+    }
     const view_pack_image image = {
         view_pack_append(pack, info->bytes, info->size, 1), (uint32_t)info->size};
     pack->failed |= !add_image(images, info->image, image);
@@ -79,6 +82,22 @@ static norma_document_result pack_texcoords(norma_document *document, size_t mes
     return result;
 }
 
+/* ---- colours of vertices */
+
+static uint16_t as_part(float x) { return (uint16_t)(65535 * fminf(fmaxf(x, 0), 1) + 0.5F); }
+
+static void pack_colours(
+    const float *colours, const uint32_t *vertices, view_pack *pack, view_pack_mesh *record) {
+    const size_t count = record->position_count;
+    uint16_t *parts = malloc(8 * count + 1);
+    pack->failed |= !parts;
+    for (size_t i = 0; parts && i < count; ++i)
+        for (size_t k = 0; k < 4; ++k)
+            parts[4 * i + k] = as_part(colours[4 * (vertices ? vertices[i] : i) + k]);
+    if (parts) record->colours = view_pack_append(pack, parts, count, 8);
+    free(parts);
+}
+
 /* ---- materials */
 
 static void pack_name(norma_document *document, size_t mesh, const norma_material_info *material,
@@ -86,9 +105,17 @@ static void pack_name(norma_document *document, size_t mesh, const norma_materia
     norma_mesh_info info;
     char text[160] = "";
     if (!norma_document_mesh_info(document, mesh, &info))
-        snprintf(text, sizeof text, "%.70s%s%.70s", info.name[0] ? info.name : info.where,
-            material && material->name[0] ? ", " : "", material ? material->name : "");
+        snprintf(text, sizeof text, "%.70s%s%.70s", info.name,
+            info.name[0] && material && material->name[0] ? ", " : "",
+            material ? material->name : "");
     record->name = view_pack_append(pack, text, strlen(text) + 1, 1);
+}
+
+static void copy_sampler(const norma_texture_info *info, uint32_t wrap[2], uint32_t filter[2]) {
+    wrap[0] = (uint32_t)info->wrap_s;
+    wrap[1] = (uint32_t)info->wrap_t;
+    filter[0] = (uint32_t)info->mag_filter;
+    filter[1] = (uint32_t)info->min_filter;
 }
 
 static norma_document_result pack_maps(norma_document *document, size_t mesh, size_t material,
@@ -102,32 +129,38 @@ static norma_document_result pack_maps(norma_document *document, size_t mesh, si
     record->normal_strength = maps.normal.strength;
     record->base_map = pack_image(pack, images, &maps.base_color);
     record->normal_map = pack_image(pack, images, &maps.normal);
-    record->base_wrap[0] = (uint32_t)maps.base_color.wrap_s;
-    record->base_wrap[1] = (uint32_t)maps.base_color.wrap_t;
-    record->normal_wrap[0] = (uint32_t)maps.normal.wrap_s;
-    record->normal_wrap[1] = (uint32_t)maps.normal.wrap_t;
+    copy_sampler(&maps.base_color, record->base_wrap, record->base_filter);
+    copy_sampler(&maps.normal, record->normal_wrap, record->normal_filter);
     return pack_texcoords(document, mesh, &maps, pack, record, error);
 }
 
-/* White, seen from both sides, where no material says otherwise. */
+/* White where no material says otherwise; only glTF has sides. */
+static void set_colour(const norma_material_info *material, int gltf, view_pack_mesh *record) {
+    for (int i = 0; i < 4; ++i) record->colour[i] = 1;
+    record->double_sided = !gltf;
+    if (!material) return;
+    memcpy(record->colour, material->base_color, sizeof record->colour);
+    record->double_sided = !gltf || material->double_sided;
+    record->has_material = (uint32_t)gltf;
+    record->unlit = material->unlit != 0;
+}
+
 norma_document_result view_pack_material(norma_document *document, size_t mesh,
-    view_pack_images *images, view_pack *pack, view_pack_mesh *record,
+    const uint32_t *vertices, view_pack_images *images, view_pack *pack, view_pack_mesh *record,
     norma_document_error *error) {
+    const int gltf = norma_document_format(document) >= NORMA_FILE_GLTF;
     norma_mesh_attributes attributes;
     norma_material_info material;
-    record->base_map = record->normal_map = record->texcoords = record->tangents = VIEW_PACK_NONE;
-    record->double_sided = 1;
-    for (int i = 0; i < 4; ++i) record->colour[i] = 1;
+    record->base_map = record->normal_map = record->texcoords = record->tangents = record->colours =
+        VIEW_PACK_NONE;
     norma_document_result result =
         norma_document_mesh_attributes(document, mesh, &attributes, NULL);
     const int known = !result && attributes.material != SIZE_MAX &&
                       !norma_document_material_info(document, attributes.material, &material);
+    set_colour(known ? &material : NULL, gltf, record);
     pack_name(document, mesh, known ? &material : NULL, pack, record);
-    if (known) {
-        memcpy(record->colour, material.base_color, sizeof record->colour);
-        record->double_sided = material.double_sided != 0;
-    }
-    if (result || record->decimated || norma_document_format(document) < NORMA_FILE_GLTF)
+    if (!result && attributes.colors) pack_colours(attributes.colors, vertices, pack, record);
+    if (result || vertices || !gltf)
         return result == NORMA_DOCUMENT_ERROR_MEMORY ? result : NORMA_DOCUMENT_OK;
     if (attributes.tangent_count >= record->position_count)
         record->tangents =

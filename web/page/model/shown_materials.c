@@ -1,5 +1,5 @@
-/* shown_materials.c: names, images, texture coordinates and tangents of a model's meshes, and which
- * edges of its triangles are edges of the file's polygons. */
+/* shown_materials.c: names, images, colours, texture coordinates and tangents of a model's meshes,
+ * and which edges of its triangles are edges of the file's polygons. */
 #include "model.h"
 #include "../../package/wasm/exports.h"
 #include "render/render.h"
@@ -11,6 +11,7 @@ const char *WEB_EXPORT(model_name)(const model *m, uint32_t mesh) {
 }
 
 uint32_t WEB_EXPORT(model_image_count)(const model *m) { return m->head->image_count; }
+uint32_t WEB_EXPORT(model_images_left_out)(const model *m) { return m->head->images_left_out; }
 
 /* numbers: where its bytes are, how many. */
 void WEB_EXPORT(model_image)(const model *m, uint32_t image, uint32_t numbers[2]) {
@@ -21,8 +22,9 @@ void WEB_EXPORT(model_image)(const model *m, uint32_t image, uint32_t numbers[2]
 }
 
 /* numbers: base map, normal map (-1: none), their wraps, alpha mode, cutoff, strength, whether
- * there are texture coordinates, whether tangents are stored. */
-void WEB_EXPORT(model_material)(const model *m, uint32_t mesh, double numbers[11]) {
+ * there are texture coordinates, whether tangents are stored; the filters of both maps, whether
+ * there are colours, a material, light, and both sides. */
+void WEB_EXPORT(model_material)(const model *m, uint32_t mesh, double numbers[19]) {
     const view_pack_mesh *r = m->meshes[mesh].record;
     numbers[0] = r->base_map == VIEW_PACK_NONE ? -1.0 : r->base_map;
     numbers[1] = r->normal_map == VIEW_PACK_NONE ? -1.0 : r->normal_map;
@@ -35,6 +37,14 @@ void WEB_EXPORT(model_material)(const model *m, uint32_t mesh, double numbers[11
     numbers[8] = (double)r->normal_strength;
     numbers[9] = r->texcoords != VIEW_PACK_NONE;
     numbers[10] = r->tangents != VIEW_PACK_NONE;
+    for (int i = 0; i < 2; ++i) {
+        numbers[11 + i] = r->base_filter[i];
+        numbers[13 + i] = r->normal_filter[i];
+    }
+    numbers[15] = r->colours != VIEW_PACK_NONE;
+    numbers[16] = r->has_material;
+    numbers[17] = !r->unlit;
+    numbers[18] = r->double_sided;
 }
 
 static size_t triangle_corner(const model_mesh *mesh, size_t i) {
@@ -59,6 +69,18 @@ const float *WEB_EXPORT(model_texcoords)(model *m, uint32_t index) {
     if (!mesh->draw_texcoords) mesh->draw_texcoords = four_each(mesh);
     if (mesh->record->texcoords == VIEW_PACK_NONE) return mesh->draw_texcoords;
     return take(m, mesh, mesh->record->texcoords, mesh->draw_texcoords);
+}
+
+/* Four numbers of 16 bits; NULL: out of memory. Zeros: the mesh has none. */
+const uint16_t *WEB_EXPORT(model_colours)(model *m, uint32_t index) {
+    model_mesh *mesh = &m->meshes[index];
+    if (!mesh->draw_colours) mesh->draw_colours = calloc(12 * mesh->triangle_count + 1, 2);
+    if (mesh->record->colours == VIEW_PACK_NONE) return mesh->draw_colours;
+    const unsigned char *from = m->pack + mesh->record->colours;
+    for (size_t i = 0; mesh->draw_colours && i < 3 * mesh->triangle_count; ++i)
+        memcpy(mesh->draw_colours + 4 * i,
+            from + 8 * model_corner_position(mesh, triangle_corner(mesh, i)), 8);
+    return mesh->draw_colours;
 }
 
 /* MikkTSpace's, along the coordinates of the normal map and the normals that were computed last. */
